@@ -1,0 +1,106 @@
+#include "base/parallel.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+
+#ifdef LAMELLA_PARALLEL_STD
+#include <thread>
+#include <vector>
+#else
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#endif
+
+namespace lamella {
+
+namespace {
+
+/// One call of run(): hands out indices in order and keeps the first exception.
+struct Dispenser {
+    std::size_t count;
+    FunctionRef<void(std::size_t, int)> task;
+    std::atomic<std::size_t> next{0};
+    std::mutex mutex{};
+    std::exception_ptr failure{};
+
+    void work(int worker) noexcept {
+        try {
+            for (std::size_t i = next.fetch_add(1); i < count; i = next.fetch_add(1)) {
+                task(i, worker);
+            }
+        } catch (...) {
+            next.store(count);
+            const std::lock_guard lock(mutex);
+            if (!failure) {
+                failure = std::current_exception();
+            }
+        }
+    }
+};
+
+}  // namespace
+
+#ifdef LAMELLA_PARALLEL_STD
+
+struct Parallel::Arena {
+    static int default_threads() { return static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
+    template <class Work>
+    static void execute(int workers, const Work& work) {
+        std::vector<std::jthread> threads;
+        for (int worker = 1; worker < workers; ++worker) {
+            threads.emplace_back([&work, worker] { work(worker); });
+        }
+        work(0);
+    }
+};
+
+Parallel::Parallel(int threads) : threads_(threads > 0 ? threads : Arena::default_threads()) {}
+
+#else
+
+struct Parallel::Arena {
+    explicit Arena(int threads) : arena(threads) {}
+    tbb::task_arena arena;
+
+    /// Workers are tasks that each claim indices until none is left: fewer threads than workers only means that some find
+    /// nothing to do. simple_partitioner keeps one worker per task; the arena isolates from the host's own tasks.
+    template <class Work>
+    void execute(int workers, const Work& work) {
+        arena.execute([&] {
+            tbb::parallel_for(
+                0, workers, 1, [&](int worker) { work(worker); }, tbb::simple_partitioner{});
+        });
+    }
+};
+
+Parallel::Parallel(int threads) : threads_(threads > 0 ? threads : tbb::this_task_arena::max_concurrency()) {
+    arena_ = std::make_unique<Arena>(threads_);
+}
+
+#endif
+
+Parallel::~Parallel() = default;
+
+void Parallel::run(std::size_t count, FunctionRef<void(std::size_t, int)> task) const {
+    Dispenser dispenser{count, task};
+    const int workers = static_cast<int>(std::min<std::size_t>(count, static_cast<std::size_t>(threads_)));
+    if (workers <= 1) {
+        dispenser.work(0);
+    } else {
+        arena_->execute(workers, [&](int worker) { dispenser.work(worker); });
+    }
+    if (dispenser.failure) {
+        std::rethrow_exception(dispenser.failure);
+    }
+}
+
+void Parallel::run_ranges(std::size_t count, std::size_t grain,
+                          FunctionRef<void(std::size_t, std::size_t, int)> task) const {
+    const std::size_t most = static_cast<std::size_t>(threads_) * 8;
+    const std::size_t ranges = std::clamp<std::size_t>(count / std::max<std::size_t>(grain, 1), 1, most);
+    run(ranges, [&](std::size_t i, int worker) { task(count * i / ranges, count * (i + 1) / ranges, worker); });
+}
+
+}  // namespace lamella

@@ -1,0 +1,56 @@
+// The integer grid (paper 3.1): vertices are rounded to even multiples of the unit and planes to odd ones, so that no vertex
+// ever lies on a plane and every intersection is a proper segment. Parity is in the types: a GridVertex cannot be odd and a
+// PlaneHeight cannot be even.
+//
+// The grid is anchored at absolute zero and its unit is a power of two that does not depend on the mesh's size or place:
+// 2^-20 mm (about 1 nm) for anything within ±1,024 mm, else the next power of two that fits. Equal parts therefore give
+// equal bytes wherever they stand on the grid.
+//
+// Error of each step: a vertex moves at most one unit per axis, a plane at most one unit (two for the side's step below or
+// above a vertex of that very height), and a contour point lies at most half a unit (plus 2^-20 units of floating point) from
+// the exact crossing of the rounded edge with the rounded plane.
+#pragma once
+
+#include <cassert>
+#include <compare>
+#include <cstdint>
+
+namespace lamella {
+
+/// Largest magnitude of a grid coordinate: differences of two fit 32 bits plus a sign, products of two differences 63.
+inline constexpr std::int32_t grid_limit = 1 << 30;
+
+/// The unit used when nothing else is asked for, in mm: exactly representable, and 1,024 mm = grid_limit units.
+inline constexpr double default_unit_mm = 1.0 / (1 << 20);
+
+/// Inputs with a coordinate beyond this are refused.
+inline constexpr double largest_coordinate_mm = 1e9;
+
+/// A mesh vertex on the grid; every coordinate is even.
+struct GridVertex {
+    std::int32_t x = 0;
+    std::int32_t y = 0;
+    std::int32_t z = 0;
+    friend constexpr auto operator<=>(const GridVertex&, const GridVertex&) = default;
+};
+
+/// A plane's height on the grid, always odd.
+class PlaneHeight {
+public:
+    constexpr PlaneHeight() = default;
+    explicit constexpr PlaneHeight(std::int32_t odd_z) : z_(odd_z) { assert((odd_z & 1) != 0); }
+    constexpr std::int32_t z() const noexcept { return z_; }
+    friend constexpr auto operator<=>(PlaneHeight, PlaneHeight) = default;
+
+private:
+    std::int32_t z_ = 1;
+};
+
+/// A point of a contour, in grid units within its plane.
+struct Point {
+    std::int32_t x = 0;
+    std::int32_t y = 0;
+    friend constexpr auto operator<=>(const Point&, const Point&) = default;
+};
+
+}  // namespace lamella

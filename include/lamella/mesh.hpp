@@ -1,0 +1,47 @@
+// The mesh as the caller holds it: a view, never a copy. Triangles are read as three vertices each, counter-clockwise as
+// seen from outside the solid (the convention of STL); nothing about their order or about shared vertices is assumed.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace lamella {
+
+enum class Number : std::uint8_t { f32, f64 };
+
+/// A 3x4 affine map, row-major, applied to every vertex while it is rounded to the grid: p' = m[0..2 | 3..] · (p, 1), in mm.
+struct Transform {
+    std::array<double, 12> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+    bool is_identity() const noexcept { return m == Transform{}.m; }
+
+    /// The rotation that turns `normal` (any length but zero) into +z, so that planes are cut perpendicular to `normal`.
+    /// (0, 0, 1) gives the identity exactly.
+    static Transform from_normal(double x, double y, double z) noexcept;
+};
+
+/// Triangles in memory, in one of two shapes:
+///  - soup: triangle t has its three vertices, three numbers each, packed at `vertices + t * stride`;
+///  - indexed: vertex v is three numbers at `vertices + v * stride`, triangle t is `indices[3t .. 3t+2]`.
+/// Numbers need no alignment. The memory belongs to the caller and must outlive the call that it is passed to.
+struct MeshView {
+    const std::byte* vertices = nullptr;
+    std::size_t stride = 0;                   ///< bytes from one triangle (soup) or vertex (indexed) to the next
+    std::size_t vertex_count = 0;             ///< indexed only; indices are checked against it
+    const std::uint32_t* indices = nullptr;   ///< null for soup
+    std::size_t triangle_count = 0;
+    Number number = Number::f32;
+
+    static MeshView soup(std::span<const float> coordinates) noexcept;    ///< nine numbers a triangle
+    static MeshView soup(std::span<const double> coordinates) noexcept;   ///< nine numbers a triangle
+    /// `stride` in bytes between triangles: 50 with `first` at offset 84 + 12 views a binary STL file where it lies.
+    static MeshView strided_soup(const std::byte* first, std::size_t triangles, std::size_t stride, Number number) noexcept;
+    static MeshView indexed(std::span<const float> xyz, std::span<const std::uint32_t> indices) noexcept;
+    static MeshView indexed(std::span<const double> xyz, std::span<const std::uint32_t> indices) noexcept;
+    static MeshView indexed(const std::byte* first, std::size_t vertices, std::size_t stride, Number number,
+                            std::span<const std::uint32_t> indices) noexcept;
+};
+
+}  // namespace lamella

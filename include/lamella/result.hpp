@@ -1,0 +1,126 @@
+// What slicing gives: three flat arrays, layers -> contours -> points, in one canonical order that does not depend on
+// threads, bands, or the order of the triangles and of their vertices.
+//
+//     layers    [ L0 | L1 | L2 | ... ]              one per plane, ascending
+//                 |    `------.
+//     contours  [ outer, hole | outer | ... ]       per layer by start point, each outer followed by its holes
+//                 |      `--------.
+//     points    [ x y, x y, x y | x y, x y, ... ]   per contour, from its smallest point, solid on the left
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lamella/array.hpp"
+#include "lamella/grid.hpp"
+#include "lamella/mesh.hpp"
+#include "lamella/planes.hpp"
+#include "lamella/status.hpp"
+
+namespace lamella {
+
+enum class Role : std::uint8_t {
+    outer,   ///< closed, counter-clockwise, solid inside
+    hole,    ///< closed, clockwise, solid outside
+    flat,    ///< closed without area; takes no part in nesting
+    open,    ///< a polyline: the mesh lacks a face at both of its ends
+};
+
+/// Bits of Contour::flags.
+enum ContourFlag : std::uint16_t {
+    /// The facets' sense could not stand (a winding number below zero, here or around here: an inverted shell, a flipped
+    /// patch); the role was decided by how many contours lie around, and the points run as the role demands.
+    sense_overruled = 1,
+    /// Neighbouring facets disagree about which side is solid; the contour runs as most of its segments say.
+    sense_mixed = 2,
+};
+
+/// A signed 128-bit integer as two words, so that areas are exact and the layout is plain.
+struct Wide {
+    std::uint64_t low = 0;
+    std::int64_t high = 0;
+    double to_double() const noexcept { return static_cast<double>(high) * 0x1p64 + static_cast<double>(low); }
+    friend bool operator==(const Wide&, const Wide&) = default;
+};
+
+/// 48 bytes. A closed contour starts at its smallest (x, y, mesh edge) and the first point is not repeated; an open one starts
+/// at its source end. Equal consecutive points are stored once; `segments` still counts every crossed triangle.
+struct Contour {
+    std::uint64_t first_point = 0;   ///< index into SliceResult::points
+    Wide twice_area;                 ///< square grid units; positive for outer, negative for hole, 0 for flat and open
+    std::int64_t parent = -1;        ///< index into SliceResult::contours: the smallest closed contour strictly around the start point; -1 if none
+    std::uint32_t point_count = 0;
+    std::uint32_t segments = 0;
+    Role role = Role::outer;
+    std::int8_t sense = 0;           ///< as the facets say: +1 counter-clockwise, -1 clockwise, 0 flat or open
+    std::uint16_t flags = 0;         ///< ContourFlag bits
+};
+
+/// One plane with the slab that it stands for.
+struct Layer {
+    double bottom_mm = 0;
+    double plane_mm = 0;             ///< the height asked for; where it was really cut is `plane` times the unit
+    double top_mm = 0;
+    std::uint64_t first_contour = 0; ///< index into SliceResult::contours
+    std::uint64_t contour_count = 0;
+    std::uint64_t segments = 0;      ///< triangles that the plane crosses
+    PlaneHeight plane;               ///< grid units
+};
+
+struct StageTimes {                  ///< wall time, ms; the sweep and its fused phases are split by thread time
+    double bucket = 0;
+    double sweep = 0;
+    double contours = 0;
+    double nesting = 0;
+};
+
+/// What was done, for reports.
+struct SliceSummary {
+    std::uint64_t triangles = 0;          ///< in the input
+    std::uint64_t degenerate = 0;         ///< dropped: two equal vertices after rounding
+    std::uint64_t crossed = 0;            ///< crossed by at least one plane
+    std::uint64_t segments = 0;
+    std::uint64_t holes = 0;
+    std::uint64_t open_contours = 0;
+    std::uint64_t flat_contours = 0;
+    std::uint64_t overruled_contours = 0; ///< contours with sense_overruled
+    std::uint64_t bands = 0;
+    int threads = 1;
+    double min_mm[3] = {0, 0, 0};         ///< box of the transformed mesh
+    double max_mm[3] = {0, 0, 0};
+    StageTimes ms;
+};
+
+struct SliceResult {
+    Array<Layer> layers;
+    Array<Contour> contours;
+    Array<Point> points;
+    double unit_mm = default_unit_mm;     ///< grid units times this give mm
+    Transform frame;                      ///< from the caller's space to the space of layers and points
+    LayerPlan plan;
+    SliceSummary summary;
+
+    std::span<const Contour> contours_of(const Layer& layer) const noexcept {
+        return {contours.data() + layer.first_contour, layer.contour_count};
+    }
+    std::span<const Point> points_of(const Contour& contour) const noexcept {
+        return {points.data() + contour.first_point, contour.point_count};
+    }
+    /// Net solid area of a layer, mm²: outers minus holes. O(contours).
+    double area_mm2(const Layer& layer) const noexcept;
+};
+
+/// Checks every promise above: offsets contiguous, contours closed and canonical, oriented as their role says, areas exact,
+/// parents around their children and nested where contours do not cross, layers ordered, no segment lost. The first
+/// broken promise is named with layer and contour. O(m log m).
+Status validate(const SliceResult& result);
+
+/// A 64-bit hash (FNV-1a over 8-byte little-endian words) of: k; per layer the plane (int32 as int64) and its number of contours;
+/// per contour role, sense and flags (one word: role | (sense & 0xff) << 8 | flags << 16), segments, point_count, parent minus the
+/// layer's first contour (or -1), area low, area high; per point x and y (one word: x low, y high). Equal on every
+/// platform, thread count and band size.
+std::uint64_t output_hash(const SliceResult& result) noexcept;
+
+}  // namespace lamella

@@ -8,7 +8,8 @@
 
 namespace lamella {
 
-/// A reference to something callable; the callable must outlive it. Calls are as coarse as a task, so the indirection is free.
+/// A reference to something callable; the callable must outlive it. Calls are as coarse as a task, so the indirection is
+/// free.
 template <class Signature>
 class FunctionRef;
 
@@ -16,9 +17,10 @@ template <class R, class... Args>
 class FunctionRef<R(Args...)> {
 public:
     template <class F>
-        requires(!std::is_same_v<std::remove_cvref_t<F>, FunctionRef>)
-    FunctionRef(F&& f) noexcept   // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload)
-        : object_(const_cast<void*>(static_cast<const void*>(std::addressof(f)))), call_([](void* object, Args... args) -> R {
+    requires(!std::is_same_v<std::remove_cvref_t<F>, FunctionRef>) FunctionRef(F&& f)
+    noexcept  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload)
+        : object_(const_cast<void*>(static_cast<const void*>(std::addressof(f)))),
+          call_([](void* object, Args... args) -> R {
               return (*static_cast<std::remove_reference_t<F>*>(object))(static_cast<Args>(args)...);
           }) {}
     R operator()(Args... args) const { return call_(object_, static_cast<Args>(args)...); }
@@ -39,8 +41,8 @@ public:
 
     int threads() const noexcept { return threads_; }
 
-    /// Calls task(index, worker) once for each index in [0, count), worker < threads() being distinct among calls that run at the
-    /// same time. Indices are handed out in ascending order. Returns when all are done; rethrows the first exception,
+    /// Calls task(index, worker) once for each index in [0, count), worker < threads() being distinct among calls that run
+    /// at the same time. Indices are handed out in ascending order. Returns when all are done; rethrows the first exception,
     /// after which indices not yet begun are skipped.
     void run(std::size_t count, FunctionRef<void(std::size_t index, int worker)> task) const;
 

@@ -27,7 +27,9 @@ class Array {
 public:
     explicit Array(std::pmr::memory_resource* resource = nullptr) noexcept : resource_(resource) {}
     Array(Array&& other) noexcept
-        : resource_(other.resource_), data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)),
+        : resource_(other.resource_),
+          data_(std::exchange(other.data_, nullptr)),
+          size_(std::exchange(other.size_, 0)),
           capacity_(std::exchange(other.capacity_, 0)) {}
     Array& operator=(Array&& other) noexcept {
         std::swap(resource_, other.resource_);

@@ -1,8 +1,8 @@
 // Contour construction for callers who bring their own segments (paper, Algorithm 4).
 #pragma once
 
-#include <cstdint>
 #include <compare>
+#include <cstdint>
 #include <memory_resource>
 #include <span>
 
@@ -21,12 +21,13 @@ struct EndKey {
     std::uint64_t c = 0;
     friend constexpr auto operator<=>(const EndKey&, const EndKey&) = default;
 
-    /// The key of the mesh edge between two vertices, whichever comes first. Order: by (x, y, z) of the lower end, then the upper.
+    /// The key of the mesh edge between two vertices, whichever comes first. Order: by (x, y, z) of the lower end, then the
+    /// upper.
     static EndKey of_edge(GridVertex u, GridVertex v) noexcept;
 };
 
-/// A directed segment with the solid on its left. `rank` orders the segments that meet at a key, counter-clockwise around it;
-/// it matters only where more than two meet.
+/// A directed segment with the solid on its left. `rank` orders the segments that meet at a key, counter-clockwise around
+/// it; it matters only where more than two meet.
 struct Segment {
     EndKey from_key;
     EndKey to_key;

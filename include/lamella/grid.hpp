@@ -7,8 +7,8 @@
 // equal bytes wherever they stand on the grid.
 //
 // Error of each step: a vertex moves at most one unit per axis, a plane at most one unit (two for the side's step below or
-// above a vertex of that very height), and a contour point lies at most half a unit (plus 2^-20 units of floating point) from
-// the exact crossing of the rounded edge with the rounded plane.
+// above a vertex of that very height), and a contour point lies at most half a unit (plus 2^-20 units of floating point)
+// from the exact crossing of the rounded edge with the rounded plane.
 #pragma once
 
 #include <cassert>

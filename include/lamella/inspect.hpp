@@ -10,24 +10,24 @@ namespace lamella {
 
 struct MeshInfo {
     std::uint64_t triangles = 0;
-    std::uint64_t degenerate = 0;       ///< two equal vertices on the grid
+    std::uint64_t degenerate = 0;  ///< two equal vertices on the grid
     double min_mm[3] = {0, 0, 0};
     double max_mm[3] = {0, 0, 0};
-    double volume_mm3 = 0;              ///< signed; meaningful for closed meshes
+    double volume_mm3 = 0;  ///< signed; meaningful for closed meshes
     double area_mm2 = 0;
-    std::uint64_t edges = 0;            ///< distinct, degenerate triangles left out
-    std::uint64_t boundary_edges = 0;   ///< with one face
-    std::uint64_t overfull_edges = 0;   ///< with more than two
-    std::uint64_t mismatched_edges = 0; ///< with two faces that run the same way (a flipped neighbour)
-    std::uint64_t shells = 0;           ///< sets of triangles connected over edges
-    double unit_mm = 0;                 ///< the grid on which vertices were compared
+    std::uint64_t edges = 0;             ///< distinct, degenerate triangles left out
+    std::uint64_t boundary_edges = 0;    ///< with one face
+    std::uint64_t overfull_edges = 0;    ///< with more than two
+    std::uint64_t mismatched_edges = 0;  ///< with two faces that run the same way (a flipped neighbour)
+    std::uint64_t shells = 0;            ///< sets of triangles connected over edges
+    double unit_mm = 0;                  ///< the grid on which vertices were compared
 
     /// Every edge has as many faces one way as the other.
     bool closed = false;
 };
 
 struct InspectOptions {
-    double unit_mm = 0;                 ///< 0: as slicing would choose
+    double unit_mm = 0;  ///< 0: as slicing would choose
     int threads = 0;
 };
 

@@ -28,14 +28,14 @@ struct Transform {
 /// Numbers need no alignment. The memory belongs to the caller and must outlive the call that it is passed to.
 struct MeshView {
     const std::byte* vertices = nullptr;
-    std::size_t stride = 0;                   ///< bytes from one triangle (soup) or vertex (indexed) to the next
-    std::size_t vertex_count = 0;             ///< indexed only; indices are checked against it
-    const std::uint32_t* indices = nullptr;   ///< null for soup
+    std::size_t stride = 0;                  ///< bytes from one triangle (soup) or vertex (indexed) to the next
+    std::size_t vertex_count = 0;            ///< indexed only; indices are checked against it
+    const std::uint32_t* indices = nullptr;  ///< null for soup
     std::size_t triangle_count = 0;
     Number number = Number::f32;
 
-    static MeshView soup(std::span<const float> coordinates) noexcept;    ///< nine numbers a triangle
-    static MeshView soup(std::span<const double> coordinates) noexcept;   ///< nine numbers a triangle
+    static MeshView soup(std::span<const float> coordinates) noexcept;   ///< nine numbers a triangle
+    static MeshView soup(std::span<const double> coordinates) noexcept;  ///< nine numbers a triangle
     /// `stride` in bytes between triangles: 50 with `first` at offset 84 + 12 views a binary STL file where it lies.
     static MeshView strided_soup(const std::byte* first, std::size_t triangles, std::size_t stride, Number number) noexcept;
     static MeshView indexed(std::span<const float> xyz, std::span<const std::uint32_t> indices) noexcept;

@@ -1,8 +1,8 @@
 // Where to cut. A layer is a slab of material with a bottom, a top and one plane between them; the plane's cross-section
 // stands for the slab. Heights are absolute, in mm along the slicing direction.
 //
-// Rounding rule: every plane's height is computed by itself (z0 + i·h, never by adding rounded steps), rounded first exactly as
-// a vertex of that height would be (to the mesh's number type, then to the even grid), then moved one unit down
+// Rounding rule: every plane's height is computed by itself (z0 + i·h, never by adding rounded steps), rounded first exactly
+// as a vertex of that height would be (to the mesh's number type, then to the even grid), then moved one unit down
 // (Side::below, the default) or up. A flat face drawn at that very height is therefore always on the same side of it.
 #pragma once
 
@@ -16,8 +16,8 @@ namespace lamella {
 enum class Side : std::uint8_t { below, above };
 
 enum class Datum : std::uint8_t {
-    mesh_min,   ///< heights count from the mesh's lowest vertex
-    zero,       ///< heights count from z = 0
+    mesh_min,  ///< heights count from the mesh's lowest vertex
+    zero,      ///< heights count from z = 0
 };
 
 /// Layers of one height from the datum up, the plane in the middle of each or, with `first_height_mm`, the first plane at

@@ -22,10 +22,10 @@
 namespace lamella {
 
 enum class Role : std::uint8_t {
-    outer,   ///< closed, counter-clockwise, solid inside
-    hole,    ///< closed, clockwise, solid outside
-    flat,    ///< closed without area; takes no part in nesting
-    open,    ///< a polyline: the mesh lacks a face at both of its ends
+    outer,  ///< closed, counter-clockwise, solid inside
+    hole,   ///< closed, clockwise, solid outside
+    flat,   ///< closed without area; takes no part in nesting
+    open,   ///< a polyline: the mesh lacks a face at both of its ends
 };
 
 /// Bits of Contour::flags.
@@ -45,31 +45,32 @@ struct Wide {
     friend bool operator==(const Wide&, const Wide&) = default;
 };
 
-/// 48 bytes. A closed contour starts at its smallest (x, y, mesh edge) and the first point is not repeated; an open one starts
-/// at its source end. Equal consecutive points are stored once; `segments` still counts every crossed triangle.
+/// 48 bytes. A closed contour starts at its smallest (x, y, mesh edge) and the first point is not repeated; an open one
+/// starts at its source end. Equal consecutive points are stored once; `segments` still counts every crossed triangle.
 struct Contour {
-    std::uint64_t first_point = 0;   ///< index into SliceResult::points
-    Wide twice_area;                 ///< square grid units; positive for outer, negative for hole, 0 for flat and open
-    std::int64_t parent = -1;        ///< index into SliceResult::contours: the smallest closed contour strictly around the start point; -1 if none
+    std::uint64_t first_point = 0;  ///< index into SliceResult::points
+    Wide twice_area;                ///< square grid units; positive for outer, negative for hole, 0 for flat and open
+    std::int64_t parent =
+        -1;  ///< index into SliceResult::contours: the smallest closed contour strictly around the start point; -1 if none
     std::uint32_t point_count = 0;
     std::uint32_t segments = 0;
     Role role = Role::outer;
-    std::int8_t sense = 0;           ///< as the facets say: +1 counter-clockwise, -1 clockwise, 0 flat or open
-    std::uint16_t flags = 0;         ///< ContourFlag bits
+    std::int8_t sense = 0;    ///< as the facets say: +1 counter-clockwise, -1 clockwise, 0 flat or open
+    std::uint16_t flags = 0;  ///< ContourFlag bits
 };
 
 /// One plane with the slab that it stands for.
 struct Layer {
     double bottom_mm = 0;
-    double plane_mm = 0;             ///< the height asked for; where it was really cut is `plane` times the unit
+    double plane_mm = 0;  ///< the height asked for; where it was really cut is `plane` times the unit
     double top_mm = 0;
-    std::uint64_t first_contour = 0; ///< index into SliceResult::contours
+    std::uint64_t first_contour = 0;  ///< index into SliceResult::contours
     std::uint64_t contour_count = 0;
-    std::uint64_t segments = 0;      ///< triangles that the plane crosses
-    PlaneHeight plane;               ///< grid units
+    std::uint64_t segments = 0;  ///< triangles that the plane crosses
+    PlaneHeight plane;           ///< grid units
 };
 
-struct StageTimes {                  ///< wall time, ms; the sweep and its fused phases are split by thread time
+struct StageTimes {  ///< wall time, ms; the sweep and its fused phases are split by thread time
     double bucket = 0;
     double sweep = 0;
     double contours = 0;
@@ -78,17 +79,17 @@ struct StageTimes {                  ///< wall time, ms; the sweep and its fused
 
 /// What was done, for reports.
 struct SliceSummary {
-    std::uint64_t triangles = 0;          ///< in the input
-    std::uint64_t degenerate = 0;         ///< dropped: two equal vertices after rounding
-    std::uint64_t crossed = 0;            ///< crossed by at least one plane
+    std::uint64_t triangles = 0;   ///< in the input
+    std::uint64_t degenerate = 0;  ///< dropped: two equal vertices after rounding
+    std::uint64_t crossed = 0;     ///< crossed by at least one plane
     std::uint64_t segments = 0;
     std::uint64_t holes = 0;
     std::uint64_t open_contours = 0;
     std::uint64_t flat_contours = 0;
-    std::uint64_t overruled_contours = 0; ///< contours with sense_overruled
+    std::uint64_t overruled_contours = 0;  ///< contours with sense_overruled
     std::uint64_t bands = 0;
     int threads = 1;
-    double min_mm[3] = {0, 0, 0};         ///< box of the transformed mesh
+    double min_mm[3] = {0, 0, 0};  ///< box of the transformed mesh
     double max_mm[3] = {0, 0, 0};
     StageTimes ms;
 };
@@ -97,8 +98,8 @@ struct SliceResult {
     Array<Layer> layers;
     Array<Contour> contours;
     Array<Point> points;
-    double unit_mm = default_unit_mm;     ///< grid units times this give mm
-    Transform frame;                      ///< from the caller's space to the space of layers and points
+    double unit_mm = default_unit_mm;  ///< grid units times this give mm
+    Transform frame;                   ///< from the caller's space to the space of layers and points
     LayerPlan plan;
     SliceSummary summary;
 
@@ -117,10 +118,10 @@ struct SliceResult {
 /// broken promise is named with layer and contour. O(m log m).
 Status validate(const SliceResult& result);
 
-/// A 64-bit hash (FNV-1a over 8-byte little-endian words) of: k; per layer the plane (int32 as int64) and its number of contours;
-/// per contour role, sense and flags (one word: role | (sense & 0xff) << 8 | flags << 16), segments, point_count, parent minus the
-/// layer's first contour (or -1), area low, area high; per point x and y (one word: x low, y high). Equal on every
-/// platform, thread count and band size.
+/// A 64-bit hash (FNV-1a over 8-byte little-endian words) of: k; per layer the plane (int32 as int64) and its number of
+/// contours; per contour role, sense and flags (one word: role | (sense & 0xff) << 8 | flags << 16), segments, point_count,
+/// parent minus the layer's first contour (or -1), area low, area high; per point x and y (one word: x low, y high). Equal
+/// on every platform, thread count and band size.
 std::uint64_t output_hash(const SliceResult& result) noexcept;
 
 }  // namespace lamella

@@ -15,21 +15,22 @@ namespace lamella {
 
 /// The two forms of contour construction; their results are identical.
 enum class ContourForm : std::uint8_t {
-    swept,       ///< links live as long as the edges they join and change only at events: the faster
-    assembled,   ///< every plane's segments are put together afresh: the paper's Algorithm 4 as stated
+    swept,      ///< links live as long as the edges they join and change only at events: the faster
+    assembled,  ///< every plane's segments are put together afresh: the paper's Algorithm 4 as stated
 };
 
 struct SliceOptions {
     LayerPlan plan;
-    double unit_mm = 0;                      ///< grid unit; 0 chooses the default (see grid.hpp)
+    double unit_mm = 0;  ///< grid unit; 0 chooses the default (see grid.hpp)
     Transform transform;
-    int threads = 0;                         ///< at most this many; 0: all that the host's task arena allows
-    int band_planes = 0;                     ///< planes per z-band; 0 sizes bands by the work in them
+    int threads = 0;      ///< at most this many; 0: all that the host's task arena allows
+    int band_planes = 0;  ///< planes per z-band; 0 sizes bands by the work in them
     ContourForm form = ContourForm::swept;
-    std::uint64_t memory_limit_bytes = 0;    ///< larger results are refused before allocation; 0: half of physical memory
-    std::pmr::memory_resource* memory = nullptr;        ///< for the result and all scratch; null: operator new. Must be thread-safe.
-    std::stop_token stop;                    ///< checked at every layer
-    std::function<void(double)> progress;    ///< fraction done in [0, 1]; from any one thread at a time, never concurrently
+    std::uint64_t memory_limit_bytes = 0;  ///< larger results are refused before allocation; 0: half of physical memory
+    std::pmr::memory_resource* memory =
+        nullptr;                           ///< for the result and all scratch; null: operator new. Must be thread-safe.
+    std::stop_token stop;                  ///< checked at every layer
+    std::function<void(double)> progress;  ///< fraction done in [0, 1]; from any one thread at a time, never concurrently
 };
 
 /// Scratch memory kept from call to call: the second slice of a similar mesh touches no fresh page. One per concurrent call.
@@ -48,9 +49,9 @@ private:
 
 /// Slices `mesh` at the planes of `options.plan`.
 ///
-/// n triangles, k planes, m crossings, q points in a layer: O(n + k + m) for uniform planes, O(n log k + k + m) otherwise, and
-/// O(q log q) per layer for ordering and nesting. Memory: O(n + k + m), allocated from `options.memory`.
-/// Errors: invalid_argument, empty_mesh, bad_coordinate (with the triangle), bad_planes (with the plane), result_too_large,
+/// n triangles, k planes, m crossings, q points in a layer: O(n + k + m) for uniform planes, O(n log k + k + m) otherwise,
+/// and O(q log q) per layer for ordering and nesting. Memory: O(n + k + m), allocated from `options.memory`. Errors:
+/// invalid_argument, empty_mesh, bad_coordinate (with the triangle), bad_planes (with the plane), result_too_large,
 /// out_of_memory, cancelled.
 Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options) noexcept;
 

@@ -10,16 +10,16 @@
 namespace lamella {
 
 enum class Code : std::uint8_t {
-    invalid_argument,   ///< an option that contradicts itself or lies outside its range
-    unreadable_file,    ///< missing, a directory, no permission, or it changed while it was read
-    malformed_mesh,     ///< the bytes are not a mesh in the format that they claim
-    empty_mesh,         ///< no triangle at all
-    bad_coordinate,     ///< a coordinate that is not finite, or beyond 1e9 mm
-    bad_planes,         ///< heights not sorted or not distinct on the grid, a step under two units, too many planes
-    result_too_large,   ///< the result is known to exceed the memory limit; nothing was allocated for it
-    out_of_memory,      ///< an allocation failed
-    cancelled,          ///< the caller's stop token was triggered
-    unwritable_file,    ///< the output could not be created or written
+    invalid_argument,  ///< an option that contradicts itself or lies outside its range
+    unreadable_file,   ///< missing, a directory, no permission, or it changed while it was read
+    malformed_mesh,    ///< the bytes are not a mesh in the format that they claim
+    empty_mesh,        ///< no triangle at all
+    bad_coordinate,    ///< a coordinate that is not finite, or beyond 1e9 mm
+    bad_planes,        ///< heights not sorted or not distinct on the grid, a step under two units, too many planes
+    result_too_large,  ///< the result is known to exceed the memory limit; nothing was allocated for it
+    out_of_memory,     ///< an allocation failed
+    cancelled,         ///< the caller's stop token was triggered
+    unwritable_file,   ///< the output could not be created or written
 };
 
 /// What went wrong, as one line for a person (it names file and place where there are any) and as data for a program.
@@ -35,8 +35,8 @@ struct Error {
 template <class T>
 class [[nodiscard]] Result {
 public:
-    Result(T value) : value_(std::move(value)) {}         // NOLINT(google-explicit-constructor): `return value;` reads best
-    Result(Error error) : error_(std::move(error)) {}     // NOLINT(google-explicit-constructor)
+    Result(T value) : value_(std::move(value)) {}      // NOLINT(google-explicit-constructor): `return value;` reads best
+    Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
     explicit operator bool() const noexcept { return value_.has_value(); }
     bool ok() const noexcept { return value_.has_value(); }
@@ -62,7 +62,7 @@ private:
 class [[nodiscard]] Status {
 public:
     Status() = default;
-    Status(Error error) : error_(std::move(error)) {}     // NOLINT(google-explicit-constructor)
+    Status(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
     explicit operator bool() const noexcept { return !error_.has_value(); }
     bool ok() const noexcept { return !error_.has_value(); }

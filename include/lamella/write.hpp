@@ -11,16 +11,16 @@
 
 namespace lamella {
 
-/// Layered SVG in the convention of Slic3r: a <g id="layerN" slic3r:z="mm"> per layer holding a <polygon slic3r:type="contour|hole">
-/// per contour (and a <polyline> per open one), coordinates in mm, y up by a transform, a viewBox around the mesh, dark on
-/// white. Streamed layer by layer. Errors: unwritable_file.
+/// Layered SVG in the convention of Slic3r: a <g id="layerN" slic3r:z="mm"> per layer holding a <polygon
+/// slic3r:type="contour|hole"> per contour (and a <polyline> per open one), coordinates in mm, y up by a transform, a
+/// viewBox around the mesh, dark on white. Streamed layer by layer. Errors: unwritable_file.
 Status write_svg(const SliceResult& result, const std::filesystem::path& path);
 
 /// What the engine cannot know: where the mesh came from and what it cost to read and write.
 struct ReportContext {
     std::string mesh_file;
     std::string output_file;
-    double read_ms = 0;                       ///< bytes only
+    double read_ms = 0;  ///< bytes only
     double parse_ms = 0;
     double write_ms = 0;
     double total_ms = 0;

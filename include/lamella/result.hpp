@@ -41,7 +41,15 @@ enum ContourFlag : std::uint16_t {
 struct Wide {
     std::uint64_t low = 0;
     std::int64_t high = 0;
-    double to_double() const noexcept { return static_cast<double>(high) * 0x1p64 + static_cast<double>(low); }
+    /// By magnitude: the two words of a small negative number would cancel.
+    double to_double() const noexcept {
+        const bool negative = high < 0;
+        const std::uint64_t magnitude_low = negative ? 0 - low : low;
+        const std::uint64_t magnitude_high =
+            (negative ? ~static_cast<std::uint64_t>(high) + (low == 0 ? 1U : 0U) : static_cast<std::uint64_t>(high));
+        const double magnitude = static_cast<double>(magnitude_high) * 0x1p64 + static_cast<double>(magnitude_low);
+        return negative ? -magnitude : magnitude;
+    }
     friend bool operator==(const Wide&, const Wide&) = default;
 };
 

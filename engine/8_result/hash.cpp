@@ -1,0 +1,56 @@
+// The layout that is hashed is documented with output_hash(). It is made of values, not of memory, so padding and byte
+// order play no part.
+#include "lamella/result.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// FNV-1a with a whole 64-bit word where the original takes a byte: one multiplication a point.
+class WordHash {
+public:
+    void add(std::uint64_t word) noexcept { state_ = (state_ ^ word) * 0x100000001b3U; }
+    void add_signed(std::int64_t word) noexcept { add(static_cast<std::uint64_t>(word)); }
+    std::uint64_t value() const noexcept { return state_; }
+
+private:
+    std::uint64_t state_ = 0xcbf29ce484222325U;
+};
+
+std::uint64_t kind_word(const Contour& contour) noexcept {
+    const auto sense = static_cast<std::uint8_t>(contour.sense);
+    return static_cast<std::uint64_t>(contour.role) | std::uint64_t{sense} << 8 | std::uint64_t{contour.flags} << 16;
+}
+
+std::uint64_t point_word(Point point) noexcept {
+    return static_cast<std::uint32_t>(point.x) | std::uint64_t{static_cast<std::uint32_t>(point.y)} << 32;
+}
+
+void add_contour(WordHash& hash, const SliceResult& result, const Layer& layer, const Contour& contour) noexcept {
+    hash.add(kind_word(contour));
+    hash.add(contour.segments);
+    hash.add(contour.point_count);
+    hash.add_signed(contour.parent < 0 ? -1 : contour.parent - static_cast<std::int64_t>(layer.first_contour));
+    hash.add(contour.twice_area.low);
+    hash.add_signed(contour.twice_area.high);
+    for (const Point point : result.points_of(contour)) {
+        hash.add(point_word(point));
+    }
+}
+
+}  // namespace
+
+std::uint64_t output_hash(const SliceResult& result) noexcept {
+    WordHash hash;
+    hash.add(result.layers.size());
+    for (const Layer& layer : result.layers) {
+        hash.add_signed(layer.plane.z());
+        hash.add(layer.contour_count);
+        for (const Contour& contour : result.contours_of(layer)) {
+            add_contour(hash, result, layer, contour);
+        }
+    }
+    return hash.value();
+}
+
+}  // namespace lamella

@@ -1,0 +1,51 @@
+#include "9_write/describe.hpp"
+
+#include <array>
+#include <charconv>
+
+namespace lamella {
+
+namespace {
+
+std::string words(const UniformLayers& layers) {
+    const std::string from = layers.datum == Datum::mesh_min ? "the mesh's lowest vertex" : "z = 0";
+    std::string text = "layers of " + exact_text(layers.layer_height_mm) + " mm from " + from + " up (datum " +
+                       name_of(layers.datum) + "), ";
+    if (layers.first_height_mm) {
+        return text + "the first plane at " + exact_text(*layers.first_height_mm) + " mm above the datum";
+    }
+    return text + "the plane in the middle of each";
+}
+
+std::string words(const ExplicitPlanes& planes) {
+    return std::to_string(planes.heights_mm.size()) + " planes at given absolute heights";
+}
+
+std::string words(const RandomLayers& layers) {
+    return "steps drawn from " + exact_text(layers.min_height_mm) + " to " + exact_text(layers.max_height_mm) +
+           " mm by seed " + std::to_string(layers.seed) + ", from the mesh's lowest vertex up";
+}
+
+}  // namespace
+
+const char* name_of(Side side) noexcept {
+    return side == Side::below ? "below" : "above";
+}
+
+const char* name_of(Datum datum) noexcept {
+    return datum == Datum::mesh_min ? "mesh-min" : "zero";
+}
+
+std::string exact_text(double value) {
+    std::array<char, 32> text{};
+    const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() ? std::string(text.data(), end) : std::string("?");
+}
+
+std::string describe(const LayerPlan& plan) {
+    return std::visit([](const auto& spacing) { return words(spacing); }, plan.spacing) +
+           "; each height rounded as a vertex of that height would be, then one grid unit " +
+           (plan.side == Side::below ? "down" : "up") + " (side " + name_of(plan.side) + ")";
+}
+
+}  // namespace lamella

@@ -1,0 +1,126 @@
+// The report: what was asked, what was found, what it cost, as JSON.
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <new>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "9_write/describe.hpp"
+#include "9_write/output_file.hpp"
+#include "lamella/write.hpp"
+
+namespace lamella {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json spacing_json(const UniformLayers& layers) {
+    return {{"kind", "uniform"},
+            {"layer_height_mm", layers.layer_height_mm},
+            {"first_height_mm", layers.first_height_mm ? Json(*layers.first_height_mm) : Json(nullptr)},
+            {"datum", name_of(layers.datum)}};
+}
+
+Json spacing_json(const ExplicitPlanes& planes) {
+    return {{"kind", "explicit"}, {"heights", planes.heights_mm.size()}};
+}
+
+Json spacing_json(const RandomLayers& layers) {
+    return {{"kind", "random"},
+            {"min_height_mm", layers.min_height_mm},
+            {"max_height_mm", layers.max_height_mm},
+            {"seed", layers.seed},
+            {"datum", name_of(Datum::mesh_min)}};
+}
+
+Json plan_json(const LayerPlan& plan) {
+    Json json = std::visit([](const auto& spacing) { return spacing_json(spacing); }, plan.spacing);
+    json["side"] = name_of(plan.side);
+    json["rule"] = describe(plan);
+    return json;
+}
+
+double solid_volume_mm3(const SliceResult& result) {
+    double volume = 0;
+    for (const Layer& layer : result.layers) {
+        volume += result.area_mm2(layer) * (layer.top_mm - layer.bottom_mm);
+    }
+    return volume;
+}
+
+/// As text: readers of JSON keep 53 bits of a number.
+std::string hex(std::uint64_t value) {
+    std::array<char, 16> digits{};
+    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value, 16);
+    const std::string text(digits.data(), error == std::errc() ? end : digits.data());
+    return std::string(digits.size() - text.size(), '0') + text;
+}
+
+Json counts_json(const SliceResult& result) {
+    const SliceSummary& summary = result.summary;
+    return {{"triangles", summary.triangles},
+            {"degenerate", summary.degenerate},
+            {"crossed", summary.crossed},
+            {"planes", result.layers.size()},
+            {"segments", summary.segments},
+            {"points", result.points.size()},
+            {"contours", result.contours.size()},
+            {"open_contours", summary.open_contours},
+            {"holes", summary.holes},
+            {"flat_contours", summary.flat_contours},
+            {"overruled_contours", summary.overruled_contours}};
+}
+
+Json times_json(const StageTimes& stages, const ReportContext& context) {
+    return {{"read", context.read_ms},   {"parse", context.parse_ms},   {"bucket", stages.bucket},
+            {"sweep", stages.sweep},     {"contours", stages.contours}, {"nesting", stages.nesting},
+            {"write", context.write_ms}, {"total", context.total_ms}};
+}
+
+Json report(const SliceResult& result, const ReportContext& context) {
+    const SliceSummary& summary = result.summary;
+    Json json = {{"mesh", context.mesh_file},
+                 {"output", context.output_file.empty() ? Json(nullptr) : Json(context.output_file)}};
+    json.update(counts_json(result));
+    json["grid_mm"] = result.unit_mm;
+    json["plan"] = plan_json(result.plan);
+    json["frame"] = result.frame.m;
+    json["box_mm"] = {{"min", summary.min_mm}, {"max", summary.max_mm}};
+    json["solid_volume_mm3"] = solid_volume_mm3(result);
+    json["threads"] = summary.threads;
+    json["bands"] = summary.bands;
+    json["ms"] = times_json(summary.ms, context);
+    json["peak_rss_bytes"] = context.peak_rss_bytes;
+    json["output_hash"] = hex(output_hash(result));
+    json["warnings"] = context.warnings;
+    return json;
+}
+
+}  // namespace
+
+Result<std::string> report_json(const SliceResult& result, const ReportContext& context) noexcept {
+    try {
+        // File names need not be UTF-8 and JSON must be: bytes that are not become U+FFFD.
+        return report(result, context).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    } catch (const std::bad_alloc&) {
+        return Error{.code = Code::out_of_memory, .message = "out of memory"};
+    }
+}
+
+Status write_text_file(const std::filesystem::path& path, const std::string& text) noexcept {
+    try {
+        Result<OutputFile> file = OutputFile::create(path);
+        if (!file) {
+            return file.error();
+        }
+        file->append(text);
+        return file->commit();
+    } catch (const std::bad_alloc&) {
+        return Error{.code = Code::out_of_memory, .message = "out of memory"};
+    }
+}
+
+}  // namespace lamella

@@ -1,0 +1,308 @@
+// Layers made for tests, and the oracle that nests them the obvious way.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "7_nesting/nest.hpp"
+
+namespace lamella::test {
+
+/// The contours of a layer with their points.
+class LayerSample {
+public:
+    void add(std::vector<Point> points, bool closed, std::uint32_t rotate_by = 0);
+    /// A rectangle, clockwise if asked.
+    void add_box(Point low, Point high, bool clockwise);
+    /// Keeps the first of contours that are equal in every point as seen from their starts.
+    void drop_repeated();
+
+    std::size_t size() const { return contours_.size(); }
+    /// What goes into Nester::nest; points into this sample.
+    std::vector<NestItem> items() const;
+    /// What must come out, by comparing every contour with every other and every point with every edge.
+    std::vector<NestItem> expected() const;
+
+private:
+    struct Contour {
+        std::vector<Point> points;
+        bool closed = false;
+    };
+    std::vector<Contour> contours_;
+};
+
+namespace oracle {
+
+__extension__ using Int128 = __int128;
+
+inline Int128 cross(Point a, Point b, Point q) {
+    return Int128{std::int64_t{b.x} - a.x} * (std::int64_t{q.y} - a.y) -
+           Int128{std::int64_t{b.y} - a.y} * (std::int64_t{q.x} - a.x);
+}
+
+inline Int128 twice_area(const std::vector<Point>& points) {
+    Int128 sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        sum += cross({0, 0}, points[i], points[(i + 1) % points.size()]);
+    }
+    return sum;
+}
+
+inline std::size_t start_of(const std::vector<Point>& points) {
+    return static_cast<std::size_t>(std::min_element(points.begin(), points.end()) - points.begin());
+}
+
+inline std::vector<Point> from_start(std::vector<Point> points) {
+    std::rotate(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(start_of(points)), points.end());
+    return points;
+}
+
+inline bool on_edge(Point a, Point b, Point q) {
+    return cross(a, b, q) == 0 && std::min(a.x, b.x) <= q.x && q.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= q.y &&
+           q.y <= std::max(a.y, b.y);
+}
+
+/// By a ray towards -y over all edges.
+inline bool contains(const std::vector<Point>& points, Point q) {
+    int winding = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Point a = points[i];
+        const Point b = points[(i + 1) % points.size()];
+        if (on_edge(a, b, q)) {
+            return false;
+        }
+        if (a.x <= q.x && q.x < b.x) {
+            winding += cross(a, b, q) > 0;
+        } else if (b.x <= q.x && q.x < a.x) {
+            winding -= cross(b, a, q) > 0;
+        }
+    }
+    return winding != 0;
+}
+
+struct Size {
+    Int128 area;
+    Point low, high;
+    std::vector<Point> points;
+};
+
+/// Smaller contours first; of equal ones neither.
+inline bool smaller(const Size& a, const Size& b) {
+    if (a.area != b.area) {
+        return a.area < b.area;
+    }
+    if (a.points[0] != b.points[0]) {
+        return a.points[0] < b.points[0];
+    }
+    if (a.low != b.low || a.high != b.high) {
+        return a.low != b.low ? a.low < b.low : a.high < b.high;
+    }
+    return a.points.size() != b.points.size() ? a.points.size() < b.points.size() : a.points < b.points;
+}
+
+inline Size size_of(const NestItem& item) {
+    std::vector<Point> points(item.points, item.points + item.count);
+    const Int128 area = twice_area(points);
+    return {area < 0 ? -area : area, item.box_min, item.box_max, from_start(points)};
+}
+
+inline void expect_role(std::vector<NestItem>& items, std::size_t index) {
+    std::vector<std::size_t> path{index};
+    while (items[path.back()].parent >= 0) {
+        path.push_back(static_cast<std::size_t>(items[path.back()].parent));
+    }
+    int winding = 0;
+    bool negative = false;
+    for (auto around = path.rbegin(); around != path.rend(); ++around) {
+        winding += items[*around].sense;
+        negative |= winding < 0;
+    }
+    NestItem& item = items[index];
+    item.role = (negative ? path.size() % 2 == 1 : item.sense > 0) ? Role::outer : Role::hole;
+    item.flags = negative ? sense_overruled : 0;
+    item.reverse = (item.role == Role::outer) != (item.sense > 0);
+}
+
+}  // namespace oracle
+
+inline int below(std::mt19937& random, int bound) {
+    return static_cast<int>(random() % static_cast<unsigned>(bound));
+}
+
+inline std::vector<Point> circle(double x, double y, double radius, int count) {
+    std::vector<Point> points;
+    for (int i = 0; i < count; ++i) {
+        const double angle = 2 * std::numbers::pi * i / count;
+        const Point p{static_cast<std::int32_t>(std::lround(x + radius * std::cos(angle))),
+                      static_cast<std::int32_t>(std::lround(y + radius * std::sin(angle)))};
+        if (points.empty() || (p != points.back() && p != points.front())) {
+            points.push_back(p);
+        }
+    }
+    return points;
+}
+
+inline std::vector<Point> random_walk(std::mt19937& random, int size) {
+    std::vector<Point> points;
+    const int count = 2 + below(random, 40);
+    while (static_cast<int>(points.size()) < count) {
+        const Point p{below(random, size), below(random, size)};
+        if (points.empty() || (p != points.back() && p != points.front())) {
+            points.push_back(p);
+        }
+    }
+    return points;
+}
+
+inline void LayerSample::add(std::vector<Point> points, bool closed, std::uint32_t rotate_by) {
+    std::rotate(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(rotate_by % points.size()), points.end());
+    contours_.push_back({std::move(points), closed});
+}
+
+inline void LayerSample::add_box(Point low, Point high, bool clockwise) {
+    std::vector<Point> points{low, {high.x, low.y}, high, {low.x, high.y}};
+    if (clockwise) {
+        std::reverse(points.begin(), points.end());
+    }
+    add(std::move(points), true);
+}
+
+inline void LayerSample::drop_repeated() {
+    std::vector<Contour> kept;
+    for (Contour& contour : contours_) {
+        const bool repeated = std::any_of(kept.begin(), kept.end(), [&](const Contour& other) {
+            return other.closed && contour.closed && oracle::from_start(other.points) == oracle::from_start(contour.points);
+        });
+        if (!repeated) {
+            kept.push_back(std::move(contour));
+        }
+    }
+    contours_ = std::move(kept);
+}
+
+inline std::vector<NestItem> LayerSample::items() const {
+    std::vector<NestItem> items;
+    for (const Contour& contour : contours_) {
+        NestItem item;
+        item.points = contour.points.data();
+        item.count = static_cast<std::uint32_t>(contour.points.size());
+        item.closed = contour.closed;
+        if (contour.closed) {
+            item.start = static_cast<std::uint32_t>(oracle::start_of(contour.points));
+            const oracle::Int128 area = oracle::twice_area(contour.points);
+            item.twice_area = {static_cast<std::uint64_t>(area), static_cast<std::int64_t>(area >> 64)};
+            item.box_min = item.box_max = contour.points[0];
+            for (const Point p : contour.points) {
+                item.box_min = {std::min(item.box_min.x, p.x), std::min(item.box_min.y, p.y)};
+                item.box_max = {std::max(item.box_max.x, p.x), std::max(item.box_max.y, p.y)};
+            }
+        }
+        items.push_back(item);
+    }
+    return items;
+}
+
+inline std::vector<NestItem> LayerSample::expected() const {
+    std::vector<NestItem> items = this->items();
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        NestItem& item = items[i];
+        const oracle::Int128 area = item.closed ? oracle::twice_area(contours_[i].points) : 0;
+        item.sense = static_cast<std::int8_t>((area > 0) - (area < 0));
+        item.role = item.closed ? Role::flat : Role::open;
+    }
+    for (NestItem& item : items) {
+        for (std::size_t other = 0; item.sense != 0 && other < items.size(); ++other) {
+            if (items[other].sense != 0 && oracle::contains(contours_[other].points, item.points[item.start]) &&
+                (item.parent < 0 || oracle::smaller(oracle::size_of(items[other]),
+                                                    oracle::size_of(items[static_cast<std::size_t>(item.parent)])))) {
+                item.parent = static_cast<std::int32_t>(other);
+            }
+        }
+    }
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        if (items[i].sense != 0) {
+            oracle::expect_role(items, i);
+        }
+    }
+    return items;
+}
+
+inline void add_random_contour(LayerSample& sample, std::mt19937& random, int size) {
+    const int x = below(random, size);
+    const int y = below(random, size);
+    const auto turn = static_cast<std::uint32_t>(random());
+    switch (below(random, 8)) {
+        case 0:
+            sample.add(random_walk(random, size), true, turn);
+            break;
+        case 1:
+            sample.add(random_walk(random, size), false);
+            break;
+        case 2:
+            sample.add({{x, y}, {x + 5, y}, {x + 9, y}}, true, turn);
+            break;
+        case 3:
+        case 4:
+            sample.add_box({x, y}, {x + 1 + below(random, size), y + 1 + below(random, size)}, below(random, 2) == 0);
+            break;
+        default: {
+            std::vector<Point> points = circle(x, y, 2 + below(random, size), 3 + below(random, 60));
+            if (below(random, 2) == 0) {
+                std::reverse(points.begin(), points.end());
+            }
+            sample.add(std::move(points), true, turn);
+        }
+    }
+}
+
+/// A few contours of mixed kinds (nested, touching, equal, crossing, flat, open) on a small grid, so that coincidences of
+/// coordinates are frequent; some layers hold many contours.
+inline LayerSample random_layer(std::mt19937& random) {
+    LayerSample sample;
+    const int size = 1 + (1 << below(random, 8));
+    const int count = below(random, 4) == 0 ? 20 + below(random, 60) : 1 + below(random, 8);
+    for (int i = 0; i < count; ++i) {
+        add_random_contour(sample, random, size);
+    }
+    return sample;
+}
+
+/// `count` closed contours of `points_each`, each around the next.
+inline LayerSample concentric_rings(int count, int points_each) {
+    LayerSample sample;
+    for (int i = 0; i < count; ++i) {
+        std::vector<Point> points = circle(0, 0, 1000.0 + 100.0 * i, points_each);
+        if (i % 2 == 1) {
+            std::reverse(points.begin(), points.end());
+        }
+        sample.add(std::move(points), true);
+    }
+    return sample;
+}
+
+/// `count` closed contours of `points_each` that lie apart in a square array.
+inline LayerSample side_by_side(int count, int points_each) {
+    LayerSample sample;
+    const int side = static_cast<int>(std::ceil(std::sqrt(count)));
+    for (int i = 0; i < count; ++i) {
+        sample.add(circle(3000.0 * (i % side), 3000.0 * (i / side), 1000.0 + i % 7, points_each), true);
+    }
+    return sample;
+}
+
+/// Index of the first item whose outputs differ, or -1.
+inline int first_difference(const std::vector<NestItem>& a, const std::vector<NestItem>& b) {
+    for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
+        if (i >= std::min(a.size(), b.size()) || a[i].parent != b[i].parent || a[i].role != b[i].role ||
+            a[i].sense != b[i].sense || a[i].flags != b[i].flags || a[i].reverse != b[i].reverse) {
+            return static_cast<int>(i);
+        }
+    }
+    return -1;
+}
+
+}  // namespace lamella::test

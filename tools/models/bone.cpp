@@ -1,0 +1,253 @@
+// A bone-like solid after the femur: a bowed shaft between two condyles below and a head and trochanter above, inside a
+// cortex; trabeculae (the level set of a random field of plane waves) in the ends; a medullary cavity in the shaft.
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+
+#include "models/fields.hpp"
+#include "models/numbers.hpp"
+
+namespace lamella::models {
+
+namespace {
+
+constexpr double half_width = 0.185;
+constexpr double half_depth = 0.125;
+
+// The part of an ellipsoid's field that varies along one lattice row: c - (a x + b)^2 - (d x + e)^2, which near the surface
+// is about the distance from it, positive inside.
+struct RowQuadric {
+    double c = 0;
+    double a = 0;
+    double b = 0;
+    double d = 0;
+    double e = 0;
+};
+
+// Turned in the x-z plane by `lean` turns.
+struct Ellipsoid {
+    std::array<double, 3> centre{};
+    std::array<double, 3> radii{};
+    double lean = 0;
+    SinCos turn{};
+
+    RowQuadric at(double y, double z) const noexcept {
+        const double r = std::min({radii[0], radii[1], radii[2]});
+        const double half = std::sqrt(r / 2);
+        const double dy = (y - centre[1]) / radii[1];
+        const double dz = z - centre[2];
+        RowQuadric row;
+        row.c = r / 2 * (1 - dy * dy);
+        row.a = half * turn.cos / radii[0];
+        row.b = half * (dz * turn.sin - centre[0] * turn.cos) / radii[0];
+        row.d = -half * turn.sin / radii[2];
+        row.e = half * (dz * turn.cos + centre[0] * turn.sin) / radii[2];
+        return row;
+    }
+};
+
+constexpr std::size_t part_count = 7;
+
+constexpr std::array<Ellipsoid, part_count - 1> anatomy{{
+    {{-0.065, -0.01, 0.088}, {0.066, 0.088, 0.084}, 0},  // condyles
+    {{0.065, -0.01, 0.088}, {0.066, 0.084, 0.080}, 0},
+    {{0.0, 0.012, 0.15}, {0.092, 0.060, 0.13}, 0},        // the flare above them
+    {{-0.045, -0.005, 0.860}, {0.050, 0.050, 0.095}, 0},  // greater trochanter
+    {{0.045, 0.0, 0.875}, {0.115, 0.042, 0.045}, 0.11},   // neck
+    {{0.105, 0.0, 0.920}, {0.074, 0.074, 0.074}, 0},      // head
+}};
+
+// Smooth maximum: where a and b are within `width` of each other the corner is rounded off.
+inline double join(double a, double b, double width) noexcept {
+    const double near = std::max(width - std::abs(a - b), 0.0);
+    return std::max(a, b) + near * near / (4 * width);
+}
+
+// Plane waves of about one wavelength in random directions, scaled to unit variance.
+class Waves {
+public:
+    Waves(std::size_t count, double wavelength, double z_stretch, Random& random) {
+        for (std::size_t n = 0; n < count; ++n) {
+            // Directions spread over the half sphere by equal steps in height, by random azimuths.
+            const double up = (static_cast<double>(n) + random.unit()) / static_cast<double>(count);
+            const SinCos azimuth = sincos_turns(random.unit());
+            const double level = std::sqrt(1 - up * up);
+            const double turns = (0.85 + 0.3 * random.unit()) / wavelength;
+            waves_.push_back(
+                {turns * level * azimuth.cos, turns * level * azimuth.sin, turns * up / z_stretch, random.unit()});
+        }
+        scale_ = std::sqrt(2 / static_cast<double>(count));
+    }
+
+    void prepare(const Lattice& lattice) {
+        nx_ = lattice.nx;
+        cos_.resize(waves_.size() * nx_);
+        sin_.resize(waves_.size() * nx_);
+        for (std::size_t n = 0; n < waves_.size(); ++n) {
+            for (std::uint32_t i = 0; i < lattice.nx; ++i) {
+                const SinCos at = sincos_turns(waves_[n].x * lattice.x(i));
+                cos_[n * nx_ + i] = at.cos * scale_;
+                sin_[n * nx_ + i] = at.sin * scale_;
+            }
+        }
+    }
+
+    // values[i] = field at node i of the row, for i in [first, last)
+    void row(double y, double z, std::size_t first, std::size_t last, double* values) const {
+        std::fill(values + first, values + last, 0.0);
+        for (std::size_t n = 0; n < waves_.size(); ++n) {
+            const SinCos phase = sincos_turns(waves_[n].y * y + waves_[n].z * z + waves_[n].phase);
+            const double* c = cos_.data() + n * nx_;
+            const double* s = sin_.data() + n * nx_;
+            for (std::size_t i = first; i < last; ++i) {
+                values[i] += phase.cos * c[i] - phase.sin * s[i];
+            }
+        }
+    }
+
+private:
+    struct Wave {
+        double x, y, z;  // turns per unit length
+        double phase;    // turns
+    };
+    std::vector<Wave> waves_;
+    double scale_ = 1;
+    std::size_t nx_ = 0;
+    std::vector<double> cos_;
+    std::vector<double> sin_;
+};
+
+class Bone final : public Field {
+public:
+    explicit Bone(const Recipe& recipe) : Bone(recipe, Random(recipe.seed)) {}
+
+    double half_x() const noexcept override { return half_width; }
+    double half_y() const noexcept override { return half_depth; }
+
+    void prepare(const Lattice& lattice) override {
+        lattice_ = lattice;
+        relief_.prepare(lattice);
+        pores_.prepare(lattice);
+        // Farther out than this, neither a join nor a node's neighbour can matter.
+        const double step = std::max(lattice.dx, lattice.dz);
+        margin_ = join_width + step + 10 * step * step;
+    }
+
+    void fill(std::uint32_t k, double* values) const override {
+        std::vector<double> relief(lattice_.nx);
+        std::vector<double> pores(lattice_.nx);
+        const double z = lattice_.z(k);
+        for (std::uint32_t j = 0; j < lattice_.ny; ++j, values += lattice_.nx) {
+            const double y = lattice_.y(j);
+            const std::array<RowQuadric, part_count> parts = parts_at(y, z);
+            const auto [first, last] = reach(parts);
+            std::fill(values, values + lattice_.nx, -1.0);
+            if (first < last) {
+                outside(parts, first, last, values);
+                relief_.row(y, z, first, last, relief.data());
+                pores_.row(y, z, first, last, pores.data());
+                hollow(y, z, first, last, relief.data(), pores.data(), values);
+            }
+        }
+    }
+
+private:
+    static constexpr double join_width = 0.03;
+    static constexpr double relief_height = 0.0015;
+
+    Bone(const Recipe& recipe, Random random)
+        : pore_size_(std::max(0.0135, 12 / std::sqrt(static_cast<double>(recipe.triangles)))),
+          cortex_(std::max(0.011, pore_size_ / 2.5)),
+          relief_(6, std::max(0.07, 4 * pore_size_), 1.5, random),
+          pores_(16, pore_size_, 1.5, random),
+          anatomy_(anatomy) {
+        for (Ellipsoid& part : anatomy_) {
+            part.turn = sincos_turns(part.lean);
+        }
+    }
+
+    std::array<RowQuadric, part_count> parts_at(double y, double z) const noexcept {
+        std::array<RowQuadric, part_count> parts;
+        // The shaft bows forward and fades out within the ends.
+        const double waist = (z - 0.5) * (z - 0.5);
+        const double radius = 0.047 + 0.07 * waist;
+        const double dy = y - 0.022 * (1 - 4 * waist);
+        const double past_end = std::max({0.0, 0.12 - z, z - 0.87});
+        parts[0] = {(radius - dy * dy / radius) / 2 - 8 * past_end * past_end, std::sqrt(0.5 / radius), 0, 0, 0};
+        for (std::size_t p = 1; p < part_count; ++p) {
+            parts[p] = anatomy_[p - 1].at(y, z);
+        }
+        return parts;
+    }
+
+    // The nodes of a row, [first, last), that are not far outside every part.
+    std::pair<std::size_t, std::size_t> reach(const std::array<RowQuadric, part_count>& parts) const noexcept {
+        double low = half_width;
+        double high = -half_width;
+        for (const RowQuadric& part : parts) {
+            const double square = part.c + margin_;
+            if (square > 0) {
+                const double half = std::sqrt(square);
+                low = std::min(low, (-part.b - half) / part.a);
+                high = std::max(high, (-part.b + half) / part.a);
+            }
+        }
+        const double first = std::max((low - lattice_.x0) / lattice_.dx, 0.0);
+        const double last = std::min((high - lattice_.x0) / lattice_.dx + 1, static_cast<double>(lattice_.nx));
+        return {static_cast<std::size_t>(first), first < last ? static_cast<std::size_t>(last) : 0};
+    }
+
+    // About the depth below the smooth outer surface.
+    void outside(const std::array<RowQuadric, part_count>& parts, std::size_t first, std::size_t last,
+                 double* values) const noexcept {
+        for (std::size_t i = first; i < last; ++i) {
+            const double x = lattice_.x0 + lattice_.dx * static_cast<double>(static_cast<std::int32_t>(i));
+            double joined = -1;
+            for (const RowQuadric& part : parts) {
+                const double u = part.a * x + part.b;
+                const double v = part.d * x + part.e;
+                joined = join(joined, part.c - u * u - v * v, join_width);
+            }
+            values[i] = joined;
+        }
+    }
+
+    // Roughens the outside and takes out what lies between the trabeculae and in the medullary cavity.
+    void hollow(double y, double z, std::size_t first, std::size_t last, const double* relief, const double* pores,
+                double* values) const noexcept {
+        constexpr double half_length = 0.30;
+        constexpr double cavity_radius = 0.030;
+        constexpr double density = 0.25;  // level of the random field: about two fifths stay solid
+        const double along = (z - 0.5) / half_length;
+        const double dy = y - 0.022 * (1 - 4 * (z - 0.5) * (z - 0.5));
+        const double cavity = cavity_radius / 2 * (1 - along * along * along * along) - dy * dy / (2 * cavity_radius);
+        const double strut = pore_size_ / tau;
+        for (std::size_t i = first; i < last; ++i) {
+            const double x = lattice_.x0 + lattice_.dx * static_cast<double>(static_cast<std::int32_t>(i));
+            const double depth = values[i] + relief_height * relief[i];
+            const double marrow = x * x / (2 * cavity_radius) - cavity;
+            const double trabecula = std::min((pores[i] - density) * strut, marrow);
+            values[i] = std::min(depth, std::max(cortex_ - depth, trabecula));
+        }
+    }
+
+    static constexpr double tau = 6.283185307179586476925286766559;
+
+    double pore_size_;
+    double cortex_;
+    Waves relief_;
+    Waves pores_;
+    std::array<Ellipsoid, part_count - 1> anatomy_;
+    Lattice lattice_;
+    double margin_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Field> make_bone(const Recipe& recipe) {
+    return std::make_unique<Bone>(recipe);
+}
+
+}  // namespace lamella::models

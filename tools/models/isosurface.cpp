@@ -1,0 +1,149 @@
+// Chooses the lattice on which an isosurface has the triangles, and the crossings, that were asked for.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "models/fields.hpp"
+#include "models/lattice.hpp"
+
+namespace lamella::models {
+
+namespace {
+
+class Isosurface final : public Surface {
+public:
+    Isosurface(std::unique_ptr<Field> field, const Lattice& lattice, Scale scale, std::uint64_t unsplit,
+               std::uint64_t splits)
+        : field_(std::move(field)), lattice_(lattice), scale_(scale), unsplit_(unsplit), splits_(splits) {}
+
+    std::uint64_t triangles() const noexcept override { return unsplit_ + 2 * splits_; }
+
+    bool emit(const Consumer& consume) override {
+        Emitter out(consume, unsplit_, splits_);
+        return march(*field_, lattice_, scale_, out);
+    }
+
+private:
+    std::unique_ptr<Field> field_;
+    Lattice lattice_;
+    Scale scale_;
+    std::uint64_t unsplit_;
+    std::uint64_t splits_;
+};
+
+// What is wanted of a lattice, in shape space.
+struct Goal {
+    double triangles = 0;            // at most
+    std::optional<double> z_extent;  // sum over triangles: crossings times layer height
+    double flatness = 1;             // dz / dx, unless the extent decides it
+};
+
+struct Spacing {
+    double dx = 0;
+    double dz = 0;
+};
+
+// Triangles go as 1 / (dx dz) and their mean extent as dz, about: one step of a fixed-point iteration.
+Spacing corrected(const Spacing& from, const SurfaceSize& size, const Goal& goal, double aim) {
+    const double excess = std::clamp(size.triangles / (goal.triangles * aim), 0.05, 20.0);
+    Spacing to;
+    if (!goal.z_extent) {
+        to.dx = from.dx * std::sqrt(excess);
+        to.dz = to.dx * goal.flatness;
+        return to;
+    }
+    const double wanted = *goal.z_extent / goal.triangles;
+    const double mean = size.triangles > 0 ? size.z_extent / size.triangles : wanted;
+    to.dz = from.dz * std::clamp(wanted / mean, 0.2, 5.0);
+    to.dx = from.dx * excess * from.dz / to.dz;
+    return to;
+}
+
+bool sensible(const Field& field, const Spacing& spacing) {
+    constexpr double least_steps = 1;
+    constexpr double most_nodes = 2e10;
+    const double nodes = 4 * field.half_x() * field.half_y() / (spacing.dx * spacing.dx * spacing.dz);
+    return spacing.dx * least_steps < 2 * std::min(field.half_x(), field.half_y()) && spacing.dz * least_steps < 1 &&
+           nodes < most_nodes;
+}
+
+struct Choice {
+    Spacing spacing;
+    SurfaceSize size;
+};
+
+// From samples of slabs, then from whole counts until one is at or just below the goal; splits make up the rest.
+std::optional<Choice> choose_spacing(Field& field, const Goal& goal) {
+    constexpr int most_samples = 8;
+    constexpr int most_counts = 24;
+    constexpr double sampled_slabs = 64;
+    const bool extents = goal.z_extent.has_value();
+    double aim = 0.993;
+    // Four triangles per square of a lattice step, three units of area.
+    Spacing spacing;
+    spacing.dx = std::sqrt(4 * 3 / (goal.triangles * goal.flatness));
+    spacing.dz = spacing.dx * goal.flatness;
+    spacing = {std::min(spacing.dx, field.half_y()), std::min(spacing.dz, 0.5)};
+    for (int i = 0; i < most_samples && spacing.dz * 4 * sampled_slabs < 1 && sensible(field, spacing); ++i) {
+        const auto stride = static_cast<std::uint32_t>(1 / (spacing.dz * sampled_slabs));
+        const SurfaceSize size = measure(field, lattice_around(field, spacing.dx, spacing.dz), stride, extents);
+        const Spacing next = corrected(spacing, size, goal, aim);
+        const double step = std::max(std::abs(next.dx / spacing.dx - 1), std::abs(next.dz / spacing.dz - 1));
+        spacing = next;
+        if (step < 0.003) {
+            break;
+        }
+    }
+    std::optional<Choice> best;
+    for (int i = 0; i < most_counts && sensible(field, spacing); ++i) {
+        const SurfaceSize size = measure(field, lattice_around(field, spacing.dx, spacing.dz), 1, extents);
+        const bool fits = size.triangles <= goal.triangles;
+        const bool right_extent =
+            !extents || std::abs(size.z_extent * goal.triangles / (size.triangles * *goal.z_extent) - 1) < 0.02;
+        if (fits && right_extent && (!best || size.triangles > best->size.triangles)) {
+            best = Choice{spacing, size};
+        }
+        if (best && best->size.triangles > 0.97 * goal.triangles) {
+            break;
+        }
+        spacing = corrected(spacing, size, goal, aim);
+        aim *= 0.997;  // few triangles come in jumps: the same aim again could miss the same way
+    }
+    return best;
+}
+
+double natural_width(Shape shape) {
+    switch (shape) {
+        case Shape::torus:
+            return 2 * (0.36 / 0.8 + 0.14);
+        case Shape::bone:
+            return 0.32;
+        default:
+            return 1;
+    }
+}
+
+}  // namespace
+
+Plan plan_isosurface(const Recipe& recipe) {
+    std::unique_ptr<Field> field = make_field(recipe);
+    const double width = natural_width(recipe.shape);
+    const Scale scale{recipe.width_mm.value_or(recipe.height_mm * width) / width, recipe.height_mm};
+    Goal goal;
+    goal.triangles = static_cast<double>(recipe.triangles);
+    goal.flatness = scale.xy / scale.z;
+    if (recipe.segments) {
+        goal.z_extent = static_cast<double>(*recipe.segments) * recipe.layer_height_mm / scale.z;
+    }
+    const std::optional<Choice> choice = choose_spacing(*field, goal);
+    if (!choice) {
+        return unreachable_segments(recipe, 0);
+    }
+    const auto unsplit = static_cast<std::uint64_t>(choice->size.triangles);
+    const Lattice lattice = lattice_around(*field, choice->spacing.dx, choice->spacing.dz);
+    return {std::make_unique<Isosurface>(std::move(field), lattice, scale, unsplit, (recipe.triangles - unsplit) / 2)};
+}
+
+}  // namespace lamella::models

@@ -1,0 +1,69 @@
+// Isosurfaces by marching tetrahedra: every cube of a lattice is cut into the six tetrahedra around its main diagonal
+// (Kuhn), which match across neighbouring cubes, and each tetrahedron contributes at most two triangles. The result is a
+// closed 2-manifold whatever the field, because the lattice's border counts as outside.
+//
+// Two planes of nodes are held at a time. A vertex depends on nothing but its lattice edge, so neighbours that compute it
+// twice get the same bits.
+#pragma once
+
+#include <cstdint>
+
+#include "models/surface.hpp"
+
+namespace lamella::models {
+
+/// Nodes at (x0 + i dx, y0 + j dx, z0 + k dz) in shape space: z in [0, 1], x and y around 0.
+struct Lattice {
+    std::uint32_t nx = 0;
+    std::uint32_t ny = 0;
+    std::uint32_t nz = 0;
+    double x0 = 0;
+    double y0 = 0;
+    double z0 = 0;
+    double dx = 1;
+    double dz = 1;
+
+    double x(std::uint32_t i) const noexcept { return x0 + dx * i; }
+    double y(std::uint32_t j) const noexcept { return y0 + dx * j; }
+    double z(std::uint32_t k) const noexcept { return z0 + dz * k; }
+};
+
+/// A solid: where the value is not negative. Lies within |x| < half_x, |y| < half_y, 0 <= z <= 1.
+class Field {
+public:
+    Field() = default;
+    Field(const Field&) = delete;
+    Field& operator=(const Field&) = delete;
+    virtual ~Field() = default;
+
+    virtual double half_x() const noexcept = 0;
+    virtual double half_y() const noexcept = 0;
+
+    /// Makes tables for planes of this lattice.
+    virtual void prepare(const Lattice& lattice) = 0;
+
+    /// The nx * ny values, x fastest, of plane k of the prepared lattice.
+    virtual void fill(std::uint32_t k, double* values) const = 0;
+};
+
+/// A lattice around the field's box, with at least one node to spare on each side.
+Lattice lattice_around(const Field& field, double dx, double dz) noexcept;
+
+struct SurfaceSize {
+    double triangles = 0;
+    double z_extent = 0;  ///< sum over triangles, in shape space
+};
+
+/// What march() would make, from every `stride`-th slab, scaled up; exact for stride 1. Extents only when asked for.
+SurfaceSize measure(Field& field, const Lattice& lattice, std::uint32_t stride, bool extents);
+
+/// Millimetres per unit of shape space.
+struct Scale {
+    double xy = 1;
+    double z = 1;
+};
+
+/// Makes the triangles, slab by slab in ascending z. False if the consumer stopped it.
+bool march(Field& field, const Lattice& lattice, Scale scale, Emitter& out);
+
+}  // namespace lamella::models

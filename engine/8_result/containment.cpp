@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "8_result/int128.hpp"
+#include "8_result/exact.hpp"
 
 namespace lamella {
 

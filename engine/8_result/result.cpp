@@ -1,6 +1,6 @@
 #include "lamella/result.hpp"
 
-#include "8_result/int128.hpp"
+#include "base/wide.hpp"
 
 namespace lamella {
 
@@ -8,7 +8,7 @@ double SliceResult::area_mm2(const Layer& layer) const noexcept {
     // Areas carry their sign, so outers minus holes is a plain sum; rounding happens once, at its end.
     Int128 twice_area = 0;
     for (const Contour& contour : contours_of(layer)) {
-        twice_area += to_int128(contour.twice_area);
+        twice_area += from_wide(contour.twice_area);
     }
     return static_cast<double>(twice_area) / 2 * unit_mm * unit_mm;
 }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "8_result/containment.hpp"
-#include "8_result/int128.hpp"
+#include "8_result/exact.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -108,7 +108,7 @@ Int128 twice_area_of(std::span<const Point> points) {
 
 Complaint check_area(const Contour& contour, std::span<const Point> points) {
     const Int128 twice_area = is_closed(contour) ? twice_area_of(points) : 0;
-    if (twice_area != to_int128(contour.twice_area)) {
+    if (twice_area != from_wide(contour.twice_area)) {
         return "the area is not that of its points";
     }
     if (has_area(contour) ? (twice_area > 0) != (contour.role == Role::outer) || twice_area == 0 : twice_area != 0) {
@@ -176,7 +176,7 @@ private:
     Point start(std::size_t c) const { return result_.points[contours_[c].first_point]; }
 
     Int128 size(std::size_t c) const {
-        const Int128 twice_area = to_int128(contours_[c].twice_area);
+        const Int128 twice_area = from_wide(contours_[c].twice_area);
         return twice_area < 0 ? -twice_area : twice_area;
     }
 

@@ -1,0 +1,51 @@
+// Small meshes for tests, made with nothing but exact or correctly rounded arithmetic: the same bytes everywhere.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <vector>
+
+#include "lamella/mesh.hpp"
+
+namespace shapes {
+
+/// Nine numbers a triangle, counter-clockwise seen from outside.
+using Soup = std::vector<double>;
+using Xyz = std::array<double, 3>;
+
+Soup triangle(Xyz a, Xyz b, Xyz c);
+Soup joined(std::initializer_list<Soup> parts);
+Soup flipped(Soup soup);
+Soup moved(Soup soup, Xyz by);
+Soup scaled(Soup soup, Xyz by);
+
+/// Twelve triangles, in pairs: bottom, top, front (y low), right, back, left. Every side's diagonal rises counter-clockwise.
+Soup box(Xyz low, Xyz high);
+
+/// An octahedron whose faces are split into four `level` times and pushed out to the radius: 8·4^level triangles.
+Soup octasphere(Xyz centre, double radius, int level);
+
+/// 2·quarters·4 side facets that reach from z = 0 to the height, and fans for the caps.
+Soup prism(int quarters, double radius, double height);
+
+/// Corners on integers in [0, range]: coincidences of every kind, most edges unbalanced.
+Soup random_soup(std::uint64_t seed, int triangles, std::uint64_t range);
+
+/// Tetrahedra with such corners, outward or inward: as many faces one way as the other at every edge, often more than two.
+Soup random_tetrahedra(std::uint64_t seed, int count, std::uint64_t range);
+
+/// The same triangles in another order, each beginning at another of its corners.
+Soup shuffled(const Soup& soup, std::uint64_t seed);
+
+std::vector<float> floats(const Soup& soup);
+
+struct Indexed {
+    std::vector<double> xyz;
+    std::vector<std::uint32_t> indices;
+    lamella::MeshView view() const { return lamella::MeshView::indexed(std::span<const double>(xyz), indices); }
+};
+Indexed indexed(const Soup& soup);
+
+}  // namespace shapes

@@ -1,0 +1,68 @@
+#include "engine/slicing.hpp"
+
+#include <sstream>
+#include <utility>
+
+#include <catch2/catch.hpp>
+
+using namespace lamella;
+
+SliceOptions at_heights(std::vector<double> heights_mm) {
+    SliceOptions options;
+    options.plan.spacing = ExplicitPlanes{std::move(heights_mm)};
+    options.unit_mm = coarse_unit_mm;
+    options.threads = 1;
+    return options;
+}
+
+SliceOptions uniform(double layer_height_mm, double unit_mm) {
+    SliceOptions options;
+    options.plan.spacing = UniformLayers{layer_height_mm};
+    options.unit_mm = unit_mm;
+    return options;
+}
+
+SliceResult sliced(const MeshView& mesh, const SliceOptions& options) {
+    Result<SliceResult> result = slice(mesh, options);
+    INFO((result ? std::string() : result.error().message));
+    REQUIRE(result.ok());
+    const Status valid = validate(*result);
+    INFO((valid ? std::string() : valid.error().message));
+    REQUIRE(valid.ok());
+    return std::move(result).value();
+}
+
+SliceResult sliced(const shapes::Soup& soup, const SliceOptions& options) {
+    return sliced(view_of(soup), options);
+}
+
+Error failure_of(const MeshView& mesh, const SliceOptions& options) {
+    const Result<SliceResult> result = slice(mesh, options);
+    REQUIRE_FALSE(result.ok());
+    CHECK_FALSE(result.error().message.empty());
+    CHECK(result.error().message.find('\n') == std::string::npos);
+    return result.error();
+}
+
+std::vector<std::string> contours_at(const SliceResult& result, std::size_t layer) {
+    const Layer& at = result.layers[layer];
+    const char* roles[] = {"outer", "hole", "flat", "open"};
+    std::vector<std::string> lines;
+    for (const Contour& contour : result.contours_of(at)) {
+        std::ostringstream line;
+        line << roles[static_cast<std::size_t>(contour.role)] << ' ' << "-0+"[contour.sense + 1] << " x" << contour.segments
+             << " in ";
+        if (contour.parent < 0) {
+            line << '-';
+        } else {
+            line << contour.parent - static_cast<std::int64_t>(at.first_contour);
+        }
+        line << ((contour.flags & sense_overruled) != 0 ? " overruled" : "")
+             << ((contour.flags & sense_mixed) != 0 ? " mixed" : "") << ':';
+        for (const Point p : result.points_of(contour)) {
+            line << ' ' << p.x << ',' << p.y;
+        }
+        lines.push_back(line.str());
+    }
+    return lines;
+}

@@ -1,0 +1,122 @@
+#include "oracle/compare.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+namespace oracle {
+
+namespace {
+
+using lamella::Point;
+
+const char* name_of(lamella::Role role) {
+    const char* names[] = {"outer", "hole", "flat", "open"};
+    return names[static_cast<std::size_t>(role)];
+}
+
+/// The rotation that is smallest as a sequence: the same for all starts.
+std::vector<Point> smallest_rotation(const std::vector<Point>& points) {
+    std::vector<Point> smallest = points;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        if (points[i] == *std::min_element(points.begin(), points.end())) {
+            std::vector<Point> rotated = points;
+            std::rotate(rotated.begin(), rotated.begin() + static_cast<std::ptrdiff_t>(i), rotated.end());
+            smallest = std::min(smallest, rotated);
+        }
+    }
+    return smallest;
+}
+
+void print(std::ostream& out, const Contour& contour, bool any_start) {
+    out << name_of(contour.role) << " sense " << contour.sense << " flags " << contour.flags << " segments "
+        << contour.segments << " area/2 " << static_cast<long double>(contour.twice_area) << " points";
+    const bool rotate = any_start && contour.role != lamella::Role::open;
+    for (const Point p : rotate ? smallest_rotation(contour.points) : contour.points) {
+        out << ' ' << p.x << ',' << p.y;
+    }
+}
+
+/// One line a contour, with its parent written out, so that lines can be compared as a set.
+std::vector<std::string> lines_of(const Layer& layer, bool any_start) {
+    std::vector<std::string> lines;
+    for (const Contour& contour : layer) {
+        std::ostringstream line;
+        print(line, contour, any_start);
+        if (contour.parent >= 0) {
+            line << " in ";
+            print(line, layer[static_cast<std::size_t>(contour.parent)], any_start);
+        }
+        lines.push_back(line.str());
+    }
+    return lines;
+}
+
+Layer from_engine(std::span<const lamella::Contour> contours, std::span<const Point> points, std::int64_t first_contour) {
+    Layer layer;
+    for (const lamella::Contour& contour : contours) {
+        Contour copy;
+        const std::span<const Point> own = points.subspan(contour.first_point, contour.point_count);
+        copy.points.assign(own.begin(), own.end());
+        copy.twice_area = Int128{contour.twice_area.high} * (Int128{1} << 64) + contour.twice_area.low;
+        copy.parent = static_cast<int>(contour.parent < 0 ? -1 : contour.parent - first_contour);
+        copy.segments = contour.segments;
+        copy.role = contour.role;
+        copy.sense = contour.sense;
+        copy.flags = contour.flags;
+        layer.push_back(copy);
+    }
+    return layer;
+}
+
+bool order_is_settled(const Layer& layer) {
+    std::vector<Crossing> starts;
+    bool unique = true;
+    for (const Contour& contour : layer) {
+        unique = unique && contour.start_is_unique;
+        starts.push_back(contour.start);
+    }
+    std::sort(starts.begin(), starts.end());
+    return unique && std::adjacent_find(starts.begin(), starts.end()) == starts.end();
+}
+
+}  // namespace
+
+std::string difference(std::span<const lamella::Contour> contours, std::span<const Point> points, std::int64_t first_contour,
+                       const Layer& expected) {
+    const bool settled = order_is_settled(expected);
+    std::vector<std::string> got = lines_of(from_engine(contours, points, first_contour), !settled);
+    std::vector<std::string> want = lines_of(expected, !settled);
+    if (!settled) {
+        std::sort(got.begin(), got.end());
+        std::sort(want.begin(), want.end());
+    }
+    for (std::size_t c = 0; c < std::max(got.size(), want.size()); ++c) {
+        const std::string mine = c < got.size() ? got[c] : "nothing";
+        const std::string theirs = c < want.size() ? want[c] : "nothing";
+        if (mine != theirs) {
+            return "contour " + std::to_string(c) + ":\n  engine " + mine + "\n  oracle " + theirs;
+        }
+    }
+    return {};
+}
+
+std::string difference(const lamella::SliceResult& result, const lamella::Layer& layer, const Layer& expected) {
+    return difference(result.contours_of(layer), result.points.span(), static_cast<std::int64_t>(layer.first_contour),
+                      expected);
+}
+
+std::string difference(const lamella::LayerContours& layer, const Layer& expected) {
+    return difference(layer.contours.span(), layer.points.span(), 0, expected);
+}
+
+std::string difference(const lamella::SliceResult& result, std::span<const Triangle> triangles) {
+    for (const lamella::Layer& layer : result.layers) {
+        const std::string found = difference(result, layer, slice_at(triangles, layer.plane.z()));
+        if (!found.empty()) {
+            return "plane " + std::to_string(layer.plane.z()) + ", " + found;
+        }
+    }
+    return {};
+}
+
+}  // namespace oracle

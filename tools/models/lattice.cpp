@@ -30,19 +30,24 @@ constexpr std::array<CubeEdge, edge_count> cube_edges = [] {
     return edges;
 }();
 
-constexpr std::uint8_t edge_between(unsigned a, unsigned b) {
+// The edge between two corners, in either order.
+constexpr auto edges_by_corners = [] {
+    std::array<std::array<std::uint8_t, 8>, 8> table{};
     for (std::uint8_t e = 0; e < edge_count; ++e) {
-        if (cube_edges[e].from == std::min(a, b) && cube_edges[e].to == std::max(a, b)) {
-            return e;
-        }
+        table[cube_edges[e].from][cube_edges[e].to] = e;
+        table[cube_edges[e].to][cube_edges[e].from] = e;
     }
-    return edge_count;
+    return table;
+}();
+
+constexpr std::uint8_t edge_between(unsigned a, unsigned b) {
+    return edges_by_corners[a][b];
 }
 
 constexpr std::array<std::array<unsigned, 4>, 6> tetrahedra{
     {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
 
-// The triangles of a cube by the set of its corners that lie inside.
+// The triangles in a cube, or in one of its tetrahedra, for one set of corners that lie inside.
 struct CubeCase {
     std::uint8_t triangles = 0;
     std::uint32_t edges_used = 0;
@@ -82,16 +87,16 @@ constexpr void add_triangle(CubeCase& cube, std::array<std::uint8_t, 3> e, const
     ++cube.triangles;
 }
 
-constexpr void add_tetrahedron(CubeCase& cube, unsigned inside_mask, const std::array<unsigned, 4>& corners) {
+constexpr void add_tetrahedron(CubeCase& cube, unsigned inside, const std::array<unsigned, 4>& corners) {
     std::array<unsigned, 4> in{};
     std::array<unsigned, 4> out{};
     std::size_t ins = 0;
     std::size_t outs = 0;
-    for (const unsigned corner : corners) {
-        if ((inside_mask >> corner & 1) != 0) {
-            in[ins++] = corner;
+    for (unsigned c = 0; c < 4; ++c) {
+        if ((inside >> c & 1) != 0) {
+            in[ins++] = corners[c];
         } else {
-            out[outs++] = corner;
+            out[outs++] = corners[c];
         }
     }
     if (ins == 0 || outs == 0) {
@@ -120,11 +125,33 @@ constexpr void add_tetrahedron(CubeCase& cube, unsigned inside_mask, const std::
     }
 }
 
-constexpr std::array<CubeCase, 256> cube_cases = [] {
+// By tetrahedron and the set of its four corners that lie inside. (Worked out apart from the cubes, because clang evaluates
+// only so many steps in one constant.)
+constexpr auto tetrahedron_cases = [] {
+    std::array<std::array<CubeCase, 16>, tetrahedra.size()> cases{};
+    for (std::size_t t = 0; t < tetrahedra.size(); ++t) {
+        for (unsigned inside = 0; inside < 16; ++inside) {
+            add_tetrahedron(cases[t][inside], inside, tetrahedra[t]);
+        }
+    }
+    return cases;
+}();
+
+constexpr auto cube_cases = [] {
     std::array<CubeCase, 256> cases{};
     for (unsigned mask = 0; mask < 256; ++mask) {
-        for (const auto& tetrahedron : tetrahedra) {
-            add_tetrahedron(cases[mask], mask, tetrahedron);
+        CubeCase& cube = cases[mask];
+        for (std::size_t t = 0; t < tetrahedra.size(); ++t) {
+            unsigned inside = 0;
+            for (unsigned c = 0; c < 4; ++c) {
+                inside |= (mask >> tetrahedra[t][c] & 1) << c;
+            }
+            const CubeCase& part = tetrahedron_cases[t][inside];
+            for (std::size_t e = 0; e < part.triangles * 3U; ++e) {
+                cube.edges[cube.triangles * 3U + e] = part.edges[e];
+            }
+            cube.triangles = static_cast<std::uint8_t>(cube.triangles + part.triangles);
+            cube.edges_used |= part.edges_used;
         }
     }
     return cases;

@@ -5,11 +5,19 @@
 
 #include <catch2/catch.hpp>
 
-using namespace lamella;
+using lamella::Contour;
+using lamella::Error;
+using lamella::Layer;
+using lamella::MeshView;
+using lamella::Point;
+using lamella::Result;
+using lamella::SliceOptions;
+using lamella::SliceResult;
+using lamella::Status;
 
 SliceOptions at_heights(std::vector<double> heights_mm) {
     SliceOptions options;
-    options.plan.spacing = ExplicitPlanes{std::move(heights_mm)};
+    options.plan.spacing = lamella::ExplicitPlanes{std::move(heights_mm)};
     options.unit_mm = coarse_unit_mm;
     options.threads = 1;
     return options;
@@ -17,7 +25,7 @@ SliceOptions at_heights(std::vector<double> heights_mm) {
 
 SliceOptions uniform(double layer_height_mm, double unit_mm) {
     SliceOptions options;
-    options.plan.spacing = UniformLayers{layer_height_mm};
+    options.plan.spacing = lamella::UniformLayers{layer_height_mm};
     options.unit_mm = unit_mm;
     return options;
 }
@@ -57,8 +65,8 @@ std::vector<std::string> contours_at(const SliceResult& result, std::size_t laye
         } else {
             line << contour.parent - static_cast<std::int64_t>(at.first_contour);
         }
-        line << ((contour.flags & sense_overruled) != 0 ? " overruled" : "")
-             << ((contour.flags & sense_mixed) != 0 ? " mixed" : "") << ':';
+        line << ((contour.flags & lamella::sense_overruled) != 0 ? " overruled" : "")
+             << ((contour.flags & lamella::sense_mixed) != 0 ? " mixed" : "") << ':';
         for (const Point p : result.points_of(contour)) {
             line << ' ' << p.x << ',' << p.y;
         }

@@ -1,0 +1,132 @@
+// What the engine refuses, and how it stops.
+#include <cmath>
+#include <limits>
+#include <stop_token>
+
+#include <catch2/catch.hpp>
+
+#include "engine/counting_memory.hpp"
+#include "engine/slicing.hpp"
+
+using lamella::Code;
+
+TEST_CASE("an empty mesh is an error", "[engine][errors]") {
+    CHECK(failure_of(view_of({}), uniform(0.1)).code == Code::empty_mesh);
+}
+
+TEST_CASE("coordinates that cannot be used name their triangle", "[engine][errors]") {
+    const double bad = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                                -std::numeric_limits<double>::infinity(), 3e38, -3e38, 1.1e9, 1e300);
+    const std::size_t at = GENERATE(0U, 31U, 9U * 12U - 1U);
+    shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 4});
+    soup[at] = bad;
+    const lamella::Error error = failure_of(view_of(soup), uniform(0.1));
+    CHECK(error.code == Code::bad_coordinate);
+    CHECK(error.triangle == static_cast<std::int64_t>(at / 9));
+    CHECK_THAT(error.message, Catch::Contains(std::to_string(at / 9)));
+    const std::vector<float> floats = shapes::floats(soup);
+    if (std::abs(bad) < 1e39 || !std::isfinite(bad)) {
+        CHECK(failure_of(lamella::MeshView::soup(std::span<const float>(floats)), uniform(0.1)).triangle == error.triangle);
+    }
+}
+
+TEST_CASE("a grid that does not hold the mesh is an error", "[engine][errors]") {
+    const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 2000});
+    CHECK(failure_of(view_of(soup), uniform(1, 1e-6)).code == Code::bad_coordinate);
+    CHECK(failure_of(view_of(soup), uniform(1, -1)).code == Code::invalid_argument);
+    CHECK(failure_of(view_of(soup), uniform(1, std::nan(""))).code == Code::invalid_argument);
+    const lamella::SliceResult result = sliced(soup, uniform(1));
+    CHECK(result.unit_mm == 2 * lamella::default_unit_mm);
+    CHECK(sliced(shapes::box({0, 0, 0}, {4, 4, 4}), uniform(1)).unit_mm == lamella::default_unit_mm);
+    CHECK(sliced(shapes::box({0, 0, 0}, {9e8, 4, 4}), uniform(3000)).layers.empty());
+}
+
+TEST_CASE("an index out of range is an error", "[engine][errors]") {
+    shapes::Indexed mesh = shapes::indexed(shapes::box({0, 0, 0}, {4, 4, 4}));
+    mesh.indices[20] = static_cast<std::uint32_t>(mesh.xyz.size() / 3);
+    const lamella::Error error = failure_of(mesh.view(), uniform(0.1));
+    CHECK(error.code == Code::invalid_argument);
+    CHECK(error.triangle == 6);
+}
+
+TEST_CASE("results known to be too large are refused before they are allocated", "[engine][errors]") {
+    const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 100});
+    CountingMemory memory;
+    lamella::SliceOptions options = uniform(0.00001);
+    options.memory = &memory;
+    options.memory_limit_bytes = std::uint64_t{1} << 28;
+    CHECK(failure_of(view_of(soup), options).code == Code::result_too_large);
+    CHECK(memory.peak() < std::size_t{1} << 26);
+    CHECK(memory.held() == 0);
+    // One crossing too many: the layers fit, their contours do not.
+    options.plan.spacing = lamella::UniformLayers{0.001};
+    options.memory_limit_bytes = 12'000'000;
+    CHECK(failure_of(view_of(soup), options).code == Code::result_too_large);
+    // The default limit, at the height that would take a machine down.
+    lamella::SliceOptions careless = uniform(1e-6, 0x1p-23);
+    CHECK(failure_of(view_of(shapes::box({0, 0, 0}, {4, 4, 120})), careless).code == Code::result_too_large);
+}
+
+TEST_CASE("a failing allocation is an error, not an exception", "[engine][errors]") {
+    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
+    for (std::size_t limit = 1 << 10; limit < (1 << 22); limit *= 2) {
+        CountingMemory memory(limit);
+        lamella::SliceOptions options = uniform(0.05);
+        options.memory = &memory;
+        {
+            const lamella::Result<lamella::SliceResult> result = slice(view_of(soup), options);
+            CHECK((result.ok() || result.error().code == Code::out_of_memory));
+            CHECK((result.ok() || limit < (1 << 24)));
+        }
+        CHECK(memory.held() == 0);
+    }
+}
+
+TEST_CASE("a stop token cancels", "[engine][cancel]") {
+    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
+    lamella::SliceOptions options = uniform(0.01);
+    std::stop_source source;
+    options.stop = source.get_token();
+    SECTION("before it begins") {
+        source.request_stop();
+        CHECK(failure_of(view_of(soup), options).code == Code::cancelled);
+    }
+    SECTION("on the way") {
+        options.progress = [&](double) { source.request_stop(); };
+        CHECK(failure_of(view_of(soup), options).code == Code::cancelled);
+    }
+    SECTION("never, when it is not asked to") {
+        CHECK(sliced(soup, options).layers.size() == 2000);
+    }
+}
+
+TEST_CASE("progress rises from 0 to 1", "[engine][cancel]") {
+    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
+    lamella::SliceOptions options = uniform(0.01);
+    options.threads = GENERATE(1, 3);
+    std::vector<double> seen;
+    options.progress = [&](double done) { seen.push_back(done); };
+    (void)sliced(soup, options);
+    REQUIRE(seen.size() > 2);
+    CHECK(std::is_sorted(seen.begin(), seen.end()));
+    CHECK(seen.front() >= 0);
+    CHECK(seen.back() == 1);
+}
+
+TEST_CASE("a workspace and a result can be used again, after errors too", "[engine][errors]") {
+    const shapes::Soup small = shapes::octasphere({0, 0, 0}, 3, 2);
+    const shapes::Soup large = shapes::octasphere({0, 0, 0}, 10, 5);
+    shapes::Soup broken = large;
+    broken[100] = std::nan("");
+    const lamella::SliceOptions options = uniform(0.1);
+    lamella::Workspace workspace;
+    lamella::SliceResult result;
+    for (int turn = 0; turn < 2; ++turn) {
+        for (const shapes::Soup* soup : {&large, &small}) {
+            REQUIRE(slice(view_of(*soup), options, workspace, result).ok());
+            CHECK(validate(result).ok());
+            CHECK(output_hash(result) == output_hash(sliced(*soup, options)));
+            CHECK_FALSE(slice(view_of(broken), options, workspace, result).ok());
+        }
+    }
+}

@@ -1,0 +1,217 @@
+// Where planes lie: spacing, rounding, side, and the plans that are refused.
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "oracle/compare.hpp"
+
+using lamella::Code;
+using lamella::Datum;
+using lamella::Side;
+using shapes::box;
+
+namespace {
+
+std::vector<std::int32_t> planes_of(const lamella::SliceResult& result) {
+    std::vector<std::int32_t> planes;
+    for (const lamella::Layer& layer : result.layers) {
+        planes.push_back(layer.plane.z());
+    }
+    return planes;
+}
+
+using Planes = std::vector<std::int32_t>;
+
+lamella::UniformLayers& uniform_of(lamella::SliceOptions& options) {
+    return std::get<lamella::UniformLayers>(options.plan.spacing);
+}
+
+/// Boxes side by side, box k of 1..count from `low(k)` to `high(k)`.
+template <class Height>
+shapes::Soup row_of_boxes(int count, Height low, Height high) {
+    shapes::Soup soup;
+    for (int k = 1; k <= count; ++k) {
+        const shapes::Soup next = box({2.0 * k, 0, low(k)}, {2.0 * k + 1, 1, high(k)});
+        soup.insert(soup.end(), next.begin(), next.end());
+    }
+    return soup;
+}
+
+}  // namespace
+
+TEST_CASE("uniform planes lie in the middle of their layers", "[engine][planes]") {
+    const shapes::Soup soup = box({0, 0, 10}, {4, 4, 14});
+    const lamella::SliceResult result = sliced(soup, uniform(2, coarse_unit_mm));
+    CHECK(planes_of(result) == Planes{21, 25});
+    CHECK(result.layers[0].bottom_mm == 10);
+    CHECK(result.layers[0].plane_mm == 11);
+    CHECK(result.layers[0].top_mm == 12);
+    CHECK(result.layers[1].bottom_mm == 12);
+    CHECK(result.layers[1].top_mm == 14);
+}
+
+TEST_CASE("the first height counts from the datum", "[engine][planes]") {
+    const shapes::Soup soup = box({0, 0, 1}, {4, 4, 8});
+    lamella::SliceOptions options = uniform(3, coarse_unit_mm);
+    uniform_of(options).first_height_mm = 1;
+    CHECK(planes_of(sliced(soup, options)) == Planes{3, 9, 15});
+    uniform_of(options).datum = Datum::zero;
+    CHECK(planes_of(sliced(soup, options)) == Planes{7, 13});
+    options.plan.side = Side::above;
+    CHECK(planes_of(sliced(soup, options)) == Planes{3, 9, 15});
+}
+
+TEST_CASE("planes are strictly inside the mesh", "[engine][planes]") {
+    lamella::SliceOptions options = uniform(1, coarse_unit_mm);
+    uniform_of(options).first_height_mm = 1;
+    CHECK(planes_of(sliced(box({0, 0, 0}, {4, 4, 4}), options)) == Planes{1, 3, 5, 7});
+    options.plan.side = Side::above;
+    CHECK(planes_of(sliced(box({0, 0, 0}, {4, 4, 4}), options)) == Planes{3, 5, 7});
+}
+
+TEST_CASE("a mesh that no plane meets gives an empty result", "[engine][planes]") {
+    CHECK(sliced(box({0, 0, 0}, {4, 4, 1}), uniform(10)).layers.empty());
+}
+
+TEST_CASE("explicit heights outside the mesh give empty layers", "[engine][planes]") {
+    const lamella::SliceResult result = sliced(box({0, 0, 0}, {4, 4, 4}), at_heights({-1e6, -3, 2, 5, 7, 1e8}));
+    REQUIRE(result.layers.size() == 6);
+    for (const std::size_t l : {0U, 1U, 3U, 4U, 5U}) {
+        CHECK(result.layers[l].contour_count == 0);
+        CHECK(result.layers[l].segments == 0);
+    }
+    CHECK(result.layers[2].contour_count == 1);
+    CHECK(result.layers[2].bottom_mm == -0.5);
+    CHECK(result.layers[2].top_mm == 3.5);
+    CHECK(result.layers[1].plane.z() == -7);
+}
+
+TEST_CASE("explicit heights that are not ascending and distinct name the pair", "[engine][planes]") {
+    const shapes::Soup soup = box({0, 0, 0}, {4, 4, 4});
+    const lamella::Error unsorted = failure_of(view_of(soup), at_heights({1, 3, 2}));
+    CHECK(unsorted.code == Code::bad_planes);
+    CHECK(unsorted.plane == 2);
+    CHECK_THAT(unsorted.message, Catch::Contains("3") && Catch::Contains("2"));
+    const lamella::Error equal = failure_of(view_of(soup), at_heights({1, 1.75, 2.25, 3}));
+    CHECK(equal.code == Code::bad_planes);
+    CHECK(equal.plane == 2);
+    CHECK_THAT(equal.message, Catch::Contains("1.75") && Catch::Contains("2.25"));
+    CHECK(failure_of(view_of(soup), at_heights({1, std::nan(""), 3})).code == Code::bad_planes);
+}
+
+TEST_CASE("flat faces at every plane height are always on the same side", "[engine][planes]") {
+    constexpr int count = 50;
+    // Tops, then undersides, drawn at 0.1, 0.2, ... mm: none of them exact in binary.
+    const auto at = [](int k) { return 0.1 * k; };
+    const shapes::Soup standing = row_of_boxes(
+        count, +[](int) { return -1.0; }, +[](int k) { return 0.1 * k; });
+    const shapes::Soup hanging = row_of_boxes(
+        count, +[](int k) { return 0.1 * k; }, +[](int) { return 6.0; });
+    const bool in_float = GENERATE(true, false);
+    const bool is_uniform = GENERATE(true, false);
+    const Side side = GENERATE(Side::below, Side::above);
+    lamella::SliceOptions options = at_heights({});
+    options.unit_mm = 0;
+    options.plan.side = side;
+    if (is_uniform) {
+        options.plan.spacing = lamella::UniformLayers{0.1, 0.0, Datum::zero};
+    } else {
+        auto& heights = std::get<lamella::ExplicitPlanes>(options.plan.spacing).heights_mm;
+        for (int k = 0; k <= count; ++k) {
+            heights.push_back(at(k));
+        }
+    }
+    const auto outers = [&](const shapes::Soup& soup) {
+        const std::vector<float> rounded = shapes::floats(soup);
+        return sliced(in_float ? lamella::MeshView::soup(std::span<const float>(rounded)) : view_of(soup), options);
+    };
+    const lamella::SliceResult tops = outers(standing);
+    const lamella::SliceResult undersides = outers(hanging);
+    // Layer k cuts the boxes whose top is above it, or at it when the plane lies below.
+    const int missing_tops = side == Side::below ? 1 : 0;
+    for (int k = 1; k <= count; ++k) {
+        INFO("height " << k << ", side " << (side == Side::below ? "below" : "above"));
+        const auto layer_at = [&](const lamella::SliceResult& result) -> const lamella::Layer* {
+            for (const lamella::Layer& layer : result.layers) {
+                if (std::abs(layer.plane_mm - at(k)) < 1e-9) {
+                    return &layer;
+                }
+            }
+            return nullptr;
+        };
+        const lamella::Layer* top = layer_at(tops);
+        const int standing_there = count - k + missing_tops;
+        CHECK((top == nullptr ? 0 : static_cast<int>(top->contour_count)) == standing_there);
+        const lamella::Layer* underside = layer_at(undersides);
+        CHECK((underside == nullptr ? 0 : static_cast<int>(underside->contour_count)) == k - missing_tops);
+    }
+}
+
+TEST_CASE("every plane is rounded by itself", "[engine][planes]") {
+    // Steps of a third of a millimetre: adding rounded steps would drift by hundreds of units.
+    const lamella::SliceResult result = sliced(box({0, 0, 0}, {1, 1, 1000}), uniform(1.0 / 3));
+    REQUIRE(result.layers.size() == 3000);
+    for (std::size_t i = 0; i < result.layers.size(); ++i) {
+        const double height = (static_cast<double>(i) + 0.5) / 3;
+        const double cut = result.layers[i].plane.z() * result.unit_mm;
+        REQUIRE(std::abs(height - cut) <= 2.5 * result.unit_mm);
+    }
+}
+
+TEST_CASE("facets within a unit of uniform planes fall to the right ones", "[engine][planes]") {
+    // Slivers that begin and end next to planes, where a division alone would be off by one.
+    shapes::Soup soup = box({0, 0, 0}, {1, 1, 30});
+    for (int i = 1; i < 290; ++i) {
+        for (const double nudge : {-2e-6, 0.0, 2e-6}) {
+            const double low = 0.1 * i + nudge;
+            const double high = 0.1 * (i + 1 + i % 3) + nudge;
+            const shapes::Soup sliver = shapes::triangle({2.0, 0, low}, {3, 0.5, low}, {2, i * 1e-3, high});
+            soup.insert(soup.end(), sliver.begin(), sliver.end());
+        }
+    }
+    for (const double first : {0.1, 0.05}) {
+        lamella::SliceOptions options = uniform(0.1);
+        uniform_of(options).first_height_mm = first;
+        const lamella::SliceResult result = sliced(soup, options);
+        CHECK(result.layers.size() >= 299);
+        CHECK(oracle::difference(result, oracle::quantise(soup, result.unit_mm)) == "");
+    }
+}
+
+TEST_CASE("random heights stay between their bounds and repeat by seed", "[engine][planes]") {
+    const shapes::Soup soup = box({0, 0, 5}, {1, 1, 25});
+    lamella::SliceOptions options;
+    options.plan.spacing = lamella::RandomLayers{0.016, 0.032, 7};
+    const lamella::SliceResult result = sliced(soup, options);
+    REQUIRE(result.layers.size() > 20 / 0.032);
+    REQUIRE(result.layers.size() < 20 / 0.016);
+    double below = 5;
+    double least = 1;
+    double most = 0;
+    for (const lamella::Layer& layer : result.layers) {
+        least = std::min(least, layer.plane_mm - below);
+        most = std::max(most, layer.plane_mm - below);
+        below = layer.plane_mm;
+    }
+    CHECK(least >= 0.016 - 1e-9);
+    CHECK(most <= 0.032 + 1e-9);
+    CHECK(most - least > 0.015);
+    CHECK(output_hash(sliced(soup, options)) == output_hash(result));
+    options.plan.spacing = lamella::RandomLayers{0.016, 0.032, 8};
+    CHECK(output_hash(sliced(soup, options)) != output_hash(result));
+}
+
+TEST_CASE("steps under two units and too many planes are refused", "[engine][planes]") {
+    const shapes::Soup soup = box({0, 0, 0}, {4, 4, 100});
+    CHECK(failure_of(view_of(soup), uniform(0.9, coarse_unit_mm)).code == Code::bad_planes);
+    CHECK(failure_of(view_of(soup), uniform(1e-12)).code == Code::bad_planes);
+    lamella::SliceOptions random;
+    random.plan.spacing = lamella::RandomLayers{1e-7, 1e-3, 1};
+    CHECK(failure_of(view_of(soup), random).code == Code::bad_planes);
+    CHECK(failure_of(view_of(soup), uniform(0)).code == Code::invalid_argument);
+    CHECK(failure_of(view_of(soup), uniform(-1)).code == Code::invalid_argument);
+    CHECK(failure_of(view_of(soup), uniform(std::nan(""))).code == Code::invalid_argument);
+    random.plan.spacing = lamella::RandomLayers{2, 1, 1};
+    CHECK(failure_of(view_of(soup), random).code == Code::invalid_argument);
+}

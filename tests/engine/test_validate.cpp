@@ -1,0 +1,271 @@
+// The checker must find every kind of broken promise: results made by hand, whole and then damaged.
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "lamella/result.hpp"
+
+using lamella::Contour;
+using lamella::Layer;
+using lamella::Point;
+using lamella::Role;
+using lamella::SliceResult;
+using Points = std::vector<Point>;
+
+namespace {
+
+template <class T>
+void append(lamella::Array<T>& array, const std::vector<T>& values) {
+    lamella::Array<T> longer;
+    longer.resize_discarding(array.size() + values.size());
+    std::copy(values.begin(), values.end(), std::copy(array.begin(), array.end(), longer.begin()));
+    array = std::move(longer);
+}
+
+std::int64_t twice_area(const Points& points) {
+    std::int64_t sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Point a = points[i];
+        const Point b = points[(i + 1) % points.size()];
+        sum += std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x;
+    }
+    return sum;
+}
+
+void add_layer(SliceResult& result, std::int32_t z) {
+    Layer layer;
+    layer.plane = lamella::PlaneHeight(z);
+    layer.bottom_mm = z - 1;
+    layer.plane_mm = z;
+    layer.top_mm = z + 1;
+    layer.first_contour = result.contours.size();
+    append(result.layers, {layer});
+}
+
+void add_contour(SliceResult& result, Role role, int sense, std::int64_t parent, const Points& points, unsigned flags = 0) {
+    Contour contour;
+    contour.first_point = result.points.size();
+    contour.point_count = static_cast<std::uint32_t>(points.size());
+    contour.segments = contour.point_count - (role == Role::open ? 1 : 0);
+    contour.role = role;
+    contour.sense = static_cast<std::int8_t>(sense);
+    contour.parent = parent;
+    contour.flags = static_cast<std::uint16_t>(flags);
+    const std::int64_t area = role == Role::open ? 0 : twice_area(points);
+    contour.twice_area = {static_cast<std::uint64_t>(area), area < 0 ? -1 : 0};
+    append(result.contours, {contour});
+    append(result.points, points);
+    Layer& layer = result.layers[result.layers.size() - 1];
+    ++layer.contour_count;
+    layer.segments += contour.segments;
+    result.summary.segments += contour.segments;
+    result.summary.holes += role == Role::hole;
+    result.summary.flat_contours += role == Role::flat;
+    result.summary.open_contours += role == Role::open;
+    result.summary.overruled_contours += (flags & lamella::sense_overruled) != 0;
+}
+
+Points square(std::int32_t low, std::int32_t high) {
+    return {{low, low}, {high, low}, {high, high}, {low, high}};
+}
+
+Points clockwise(std::int32_t low, std::int32_t high) {
+    return {{low, low}, {low, high}, {high, high}, {high, low}};
+}
+
+/// Layer 0: an outer with a hole, in it an island; a flat and an open one. Layer 1: empty. Layer 2: an inverted shell.
+SliceResult sound() {
+    SliceResult result;
+    add_layer(result, 1);
+    add_contour(result, Role::outer, 1, -1, square(0, 20));
+    add_contour(result, Role::hole, -1, 0, clockwise(4, 16));
+    add_contour(result, Role::outer, 1, 1, square(6, 10));
+    add_contour(result, Role::flat, 0, -1, {{21, 0}, {22, 0}});
+    add_contour(result, Role::open, 0, -1, {{30, 0}, {25, 0}, {25, 5}});
+    add_layer(result, 3);
+    add_layer(result, 5);
+    add_contour(result, Role::outer, -1, -1, square(0, 20), lamella::sense_overruled);
+    add_contour(result, Role::hole, 1, 5, clockwise(4, 8), lamella::sense_overruled);
+    add_contour(result, Role::hole, 1, 5, clockwise(10, 14), lamella::sense_overruled);
+    return result;
+}
+
+struct Damage {
+    const char* expected;  ///< in the message
+    std::function<void(SliceResult&)> apply;
+};
+
+void check_found(const std::vector<Damage>& damages) {
+    for (const Damage& damage : damages) {
+        SliceResult result = sound();
+        damage.apply(result);
+        const lamella::Status status = validate(result);
+        INFO("expected: " << damage.expected);
+        REQUIRE_FALSE(status.ok());
+        CHECK_THAT(status.error().message, Catch::Contains(damage.expected));
+    }
+}
+
+void swap_contours(SliceResult& result, std::size_t a, std::size_t b) {
+    // Equal point counts, so that only the points' places are exchanged.
+    REQUIRE(result.contours[a].point_count == result.contours[b].point_count);
+    const std::uint32_t count = result.contours[a].point_count;
+    std::swap_ranges(&result.points[result.contours[a].first_point], &result.points[result.contours[a].first_point] + count,
+                     &result.points[result.contours[b].first_point]);
+    std::swap(result.contours[a], result.contours[b]);
+    std::swap(result.contours[a].first_point, result.contours[b].first_point);
+}
+
+}  // namespace
+
+TEST_CASE("a sound result passes", "[result][validate]") {
+    const lamella::Status status = validate(sound());
+    INFO((status ? std::string() : status.error().message));
+    CHECK(status.ok());
+    CHECK(validate(SliceResult()).ok());
+}
+
+TEST_CASE("broken offsets and planes are found", "[result][validate]") {
+    check_found({
+        {"layer 2: does not begin", [](SliceResult& r) { ++r.layers[2].first_contour; }},
+        {"reaches past the last contour", [](SliceResult& r) { r.layers[2].contour_count = ~std::uint64_t{0}; }},
+        {"left over", [](SliceResult& r) { --r.layers[2].contour_count; }},
+        {"contour 1: does not begin", [](SliceResult& r) { ++r.contours[1].first_point; }},
+        {"reaches past the last point", [](SliceResult& r) { r.contours[7].point_count = ~std::uint32_t{0}; }},
+        {"left over", [](SliceResult& r) { r.contours[7].point_count = 3; }},
+        {"layer 1: the plane is not above", [](SliceResult& r) { r.layers[1].plane = r.layers[0].plane; }},
+        {"layer 1: the plane is not between", [](SliceResult& r) { r.layers[1].top_mm = 2.5; }},
+        {"the summary", [](SliceResult& r) { ++r.summary.holes; }},
+        {"the summary", [](SliceResult& r) { --r.summary.segments; }},
+        {"the summary", [](SliceResult& r) { r.summary.open_contours = 0; }},
+        {"the summary", [](SliceResult& r) { r.summary.overruled_contours = 1; }},
+    });
+}
+
+TEST_CASE("broken contours are found", "[result][validate]") {
+    check_found({
+        {"layer 0, contour 0: equal consecutive", [](SliceResult& r) { r.points[2] = r.points[1]; }},
+        {"contour 0: the first point is repeated", [](SliceResult& r) { r.points[3] = r.points[0]; }},
+        {"contour 0: does not start", [](SliceResult& r) { std::rotate(&r.points[0], &r.points[1], &r.points[0] + 4); }},
+        {"contour 3: does not start", [](SliceResult& r) { r.points[12].x = 23; }},
+        {"contour 0: the area", [](SliceResult& r) { r.points[2].x += 1; }},
+        {"contour 5: the area", [](SliceResult& r) { r.contours[5].twice_area.high = 1; }},
+        {"contour 4: the area", [](SliceResult& r) { r.contours[4].twice_area.low = 1; }},
+        {"contour 2: the area's sign", [](SliceResult& r) { r.contours[2].role = Role::hole; }},
+        {"contour 0: the area's sign", [](SliceResult& r) { r.contours[0].role = Role::flat; }},
+        {"contour 0: more points", [](SliceResult& r) { r.contours[0].segments = 3; }},
+        {"contour 4: more points", [](SliceResult& r) { r.contours[4].segments = 1; }},
+        {"contour 3: no segments", [](SliceResult& r) { r.contours[3].segments = 0; }},
+        {"layer 0: contours do not use", [](SliceResult& r) { ++r.contours[2].segments; }},
+        {"layer 0: contours do not use", [](SliceResult& r) { ++r.layers[0].segments; }},
+        {"contour 0: runs against", [](SliceResult& r) { r.contours[0].sense = -1; }},
+        {"contour 0: closed with an area", [](SliceResult& r) { r.contours[0].sense = 0; }},
+        {"contour 4: flat or open", [](SliceResult& r) { r.contours[4].sense = 1; }},
+        {"contour 3: flat or open", [](SliceResult& r) { r.contours[3].parent = 0; }},
+        {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].flags = 4; }},
+        {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].role = static_cast<Role>(4); }},
+    });
+}
+
+TEST_CASE("broken nesting and order are found", "[result][validate]") {
+    check_found({
+        {"contour 2: the parent is not", [](SliceResult& r) { r.contours[2].parent = 0; }},
+        {"contour 2: the parent is not", [](SliceResult& r) { r.contours[2].parent = -1; }},
+        {"contour 0: the parent is not", [](SliceResult& r) { r.contours[0].parent = 0; }},
+        {"contour 2: the parent is not", [](SliceResult& r) { r.contours[2].parent = 3; }},
+        {"contour 6: the parent lies", [](SliceResult& r) { r.contours[6].parent = 0; }},
+        {"contour 0: the parent lies", [](SliceResult& r) { r.contours[0].parent = 8; }},
+        {"contour 2: the role", [](SliceResult& r) { r.contours[2].flags = lamella::sense_overruled; }},
+        {"contour 6: the role", [](SliceResult& r) { r.contours[6].sense = -1, r.contours[6].flags = 0; }},
+        {"contour 7: contours are not in the order", [](SliceResult& r) { swap_contours(r, 6, 7); }},
+        {"contour 2: a hole that",
+         [](SliceResult& r) {
+             swap_contours(r, 1, 2);
+             r.contours[1].parent = 2;
+         }},
+    });
+}
+
+TEST_CASE("the smallest contour around a start is its parent, however many there are", "[result][validate]") {
+    SliceResult result;
+    add_layer(result, 1);
+    add_contour(result, Role::outer, 1, -1, square(0, 1000));
+    for (std::int32_t i = 0; i < 30; ++i) {
+        add_contour(result, Role::hole, -1, 0, clockwise(10 + 30 * i, 30 + 30 * i));
+    }
+    for (std::int32_t i = 0; i < 30; ++i) {
+        add_contour(result, Role::outer, 1, 1 + i, square(12 + 30 * i, 20 + 30 * i));
+    }
+    CHECK(validate(result).ok());
+    result.contours[40].parent = 5;
+    CHECK_FALSE(validate(result).ok());
+}
+
+TEST_CASE("a contour through a start is not around it", "[result][validate]") {
+    SliceResult result;
+    add_layer(result, 1);
+    add_contour(result, Role::outer, 1, -1, square(0, 20));
+    // Starts on the first one's left side, inside its box.
+    add_contour(result, Role::outer, 1, -1, {{0, 5}, {10, 5}, {10, 10}, {0, 10}});
+    const lamella::Status status = validate(result);
+    INFO((status ? std::string() : status.error().message));
+    CHECK(status.ok());
+    result.contours[1].parent = 0;
+    CHECK_FALSE(validate(result).ok());
+}
+
+TEST_CASE("areas are summed exactly", "[result]") {
+    SliceResult result = sound();
+    result.unit_mm = 0.5;
+    CHECK(result.area_mm2(result.layers[0]) == (400 - 144 + 16) * 0.25);
+    CHECK(result.area_mm2(result.layers[1]) == 0);
+    CHECK(result.area_mm2(result.layers[2]) == (400 - 16 - 16) * 0.25);
+    CHECK(result.contours[1].twice_area.to_double() == -288);
+    CHECK(lamella::Wide{0, -1}.to_double() == -0x1p64);
+    CHECK(lamella::Wide{~std::uint64_t{0}, -1}.to_double() == -1);
+}
+
+TEST_CASE("the hash sees everything that it covers", "[result][hash]") {
+    const std::uint64_t whole = output_hash(sound());
+    CHECK(whole == output_hash(sound()));
+    const std::vector<std::function<void(SliceResult&)>> changes = {
+        [](SliceResult& r) { r.layers[1].plane = lamella::PlaneHeight(-1); },
+        [](SliceResult& r) { r.layers[1].contour_count = 1; },
+        [](SliceResult& r) { r.contours[0].role = Role::hole; },
+        [](SliceResult& r) { r.contours[0].sense = -1; },
+        [](SliceResult& r) { r.contours[0].flags = 2; },
+        [](SliceResult& r) { ++r.contours[0].segments; },
+        [](SliceResult& r) { r.contours[2].parent = 0; },
+        [](SliceResult& r) { r.contours[0].twice_area.low = 1; },
+        [](SliceResult& r) { r.contours[0].twice_area.high = 1; },
+        [](SliceResult& r) { r.points[3].x = 1; },
+        [](SliceResult& r) { r.points[3].y = -1; },
+        [](SliceResult& r) { std::swap(r.points[3].x, r.points[3].y); },
+        [](SliceResult& r) { r.layers.set_size(2); },
+    };
+    for (const auto& change : changes) {
+        SliceResult result = sound();
+        change(result);
+        CHECK(output_hash(result) != whole);
+    }
+}
+
+TEST_CASE("the hash is that of its documented layout", "[result][hash]") {
+    const auto fnv = [](std::initializer_list<std::uint64_t> words) {
+        std::uint64_t state = 14695981039346656037U;
+        for (const std::uint64_t word : words) {
+            state = (state ^ word) * 1099511628211U;
+        }
+        return state;
+    };
+    CHECK(output_hash(SliceResult()) == fnv({0}));
+    SliceResult result;
+    add_layer(result, -3);
+    add_contour(result, Role::hole, -1, -1, {{-1, 2}, {0, 3}, {0, 2}}, lamella::sense_mixed);
+    const std::uint64_t kind = 1 | 0xffU << 8 | 2U << 16;
+    const std::uint64_t minus_one = ~std::uint64_t{0};
+    CHECK(output_hash(result) ==
+          fnv({1, minus_one - 2, 1, kind, 3, 3, minus_one, minus_one, minus_one, 0x2'ffffffff, 0x3'00000000, 0x2'00000000}));
+}

@@ -1,0 +1,14 @@
+// The subcommands. Each adds itself to the application and runs when it was the one chosen; all throw Failure.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "interrupt.hpp"
+
+namespace lamella::cli {
+
+void add_slice_command(CLI::App& app, Interrupt& interrupt);
+void add_info_command(CLI::App& app);
+void add_make_command(CLI::App& app, Interrupt& interrupt);
+
+}  // namespace lamella::cli

@@ -1,0 +1,67 @@
+// What a person sees: counts with separators, the progress bar, single-line messages.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace lamella::cli {
+
+inline constexpr int most_threads = 4096;  ///< that --threads takes
+
+/// "lamella: TEXT" on stderr as exactly one line: control characters, as file names may hold, become '?'.
+void complain(std::string_view text);
+void warn(std::string_view text);
+
+/// 1234567 as "1,234,567".
+std::string grouped(std::uint64_t count);
+
+/// With so many decimals.
+std::string rounded(double value, int decimals);
+
+/// Shortest decimal text that reads back as the same number.
+std::string exact_text(double value);
+
+/// As "12.3 MB", or in smaller units what is smaller.
+std::string file_size_text(std::uint64_t bytes);
+
+/// Writes all of `text` to standard output; throws Failure (bad_output) when that cannot be done.
+void print(std::string_view text);
+
+/// A bar on stderr, redrawn at most ten times a second and wiped when done.
+class ProgressBar {
+public:
+    enum class When : std::uint8_t { automatic, always, never };
+
+    explicit ProgressBar(When when);
+    ~ProgressBar() { wipe(); }
+    ProgressBar(const ProgressBar&) = delete;
+    ProgressBar& operator=(const ProgressBar&) = delete;
+
+    bool shown() const noexcept { return shown_; }
+    void show(std::string_view what, double fraction);
+    void wipe();
+
+private:
+    bool shown_;
+    bool drawn_ = false;
+    std::string last_what_;
+    std::chrono::steady_clock::time_point next_;
+};
+
+/// Milliseconds since construction.
+class Stopwatch {
+public:
+    double ms() const {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
+    }
+
+private:
+    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+/// Largest resident size so far.
+std::uint64_t peak_rss_bytes();
+
+}  // namespace lamella::cli

@@ -1,0 +1,63 @@
+// The command line tool. Exit status: 0 done, 2 usage, 3 input that cannot be used, 4 output that cannot be written.
+#include <exception>
+#include <new>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "commands.hpp"
+#include "console.hpp"
+#include "failure.hpp"
+#include "interrupt.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+/// What a person must know to type it right next time.
+std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
+    std::string command = "lamella";
+    for (const CLI::App* chosen : app.get_subcommands()) {
+        command += " " + chosen->get_name();
+    }
+    return std::string(error.what()) + " (see " + command + " --help)";
+}
+
+int run(int count, char** words) {
+    Interrupt interrupt;
+    CLI::App app("Slices triangle meshes into closed, oriented, nested contours", "lamella");
+    app.set_version_flag("--version", LAMELLA_VERSION);
+    app.require_subcommand(1);
+    add_slice_command(app, interrupt);
+    add_info_command(app);
+    add_make_command(app, interrupt);
+    try {
+        app.parse(count, words);
+        return done;
+    } catch (const CLI::Success& asked) {  // --help and --version
+        return app.exit(asked);
+    } catch (const CLI::ParseError& error) {
+        complain(usage_line(app, error));
+        return bad_usage;
+    } catch (const Failure& failure) {
+        interrupt.die_if_interrupted();
+        complain(failure.what());
+        return failure.status();
+    } catch (const std::bad_alloc&) {
+        complain("out of memory");
+        return bad_input;
+    }
+}
+
+}  // namespace
+
+}  // namespace lamella::cli
+
+int main(int count, char** words) {
+    try {
+        return lamella::cli::run(count, words);
+    } catch (const std::exception& unforeseen) {
+        lamella::cli::complain(unforeseen.what());
+        return lamella::cli::bad_input;
+    }
+}

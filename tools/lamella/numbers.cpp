@@ -1,0 +1,100 @@
+#include "numbers.hpp"
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <system_error>
+
+#include "failure.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+constexpr std::string_view blanks = " \t\r\v\f";
+constexpr std::size_t longest_quote = 40;
+
+std::string_view trimmed(std::string_view text) {
+    const std::size_t first = text.find_first_not_of(blanks);
+    return first == std::string_view::npos ? std::string_view{}
+                                           : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+void read_line(std::string_view line, std::size_t number, const std::filesystem::path& path, NumberFile& into) {
+    constexpr std::string_view separators = " \t\r\v\f,;";
+    line = line.substr(0, line.find('#'));
+    for (std::size_t begin = line.find_first_not_of(separators); begin != std::string_view::npos;) {
+        const std::size_t end = std::min(line.find_first_of(separators, begin), line.size());
+        const std::string_view word = line.substr(begin, end - begin);
+        const std::optional<double> value = parse_number(word);
+        if (!value) {
+            throw Failure(bad_input, path.string() + ":" + std::to_string(number) + ": '" +
+                                         std::string(word.substr(0, longest_quote)) + "' is not a number");
+        }
+        into.values.push_back(*value);
+        into.lines.push_back(number);
+        begin = line.find_first_not_of(separators, end);
+    }
+}
+
+}  // namespace
+
+std::optional<double> parse_number(std::string_view text) noexcept {
+    if (text.size() > 1 && text[0] == '+' && text[1] != '-') {
+        text.remove_prefix(1);
+    }
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+        return std::nullopt;
+    }
+    return value;
+}
+
+std::optional<std::vector<double>> parse_list(std::string_view text) {
+    std::vector<double> values;
+    while (true) {
+        const std::size_t comma = text.find(',');
+        const std::optional<double> value = parse_number(trimmed(text.substr(0, comma)));
+        if (!value) {
+            return std::nullopt;
+        }
+        values.push_back(*value);
+        if (comma == std::string_view::npos) {
+            return values;
+        }
+        text.remove_prefix(comma + 1);
+    }
+}
+
+std::vector<double> parse_triple(std::string_view text, const std::string& option) {
+    std::optional<std::vector<double>> values = parse_list(text);
+    if (!values || values->size() != 3) {
+        throw Failure(bad_usage, option + ": '" + std::string(text) + "' is not three numbers X,Y,Z");
+    }
+    return *std::move(values);
+}
+
+NumberFile read_numbers(const std::filesystem::path& path) {
+    std::error_code not_there;
+    if (std::filesystem::is_directory(path, not_there)) {
+        throw Failure(bad_input, "cannot read '" + path.string() + "': Is a directory");
+    }
+    errno = 0;
+    std::ifstream file(path);
+    if (!file) {
+        throw Failure(bad_input, "cannot read '" + path.string() + "': " + std::generic_category().message(errno));
+    }
+    NumberFile numbers;
+    std::string line;
+    for (std::size_t number = 1; std::getline(file, line); ++number) {
+        read_line(line, number, path, numbers);
+    }
+    if (file.bad()) {
+        throw Failure(bad_input, "cannot read '" + path.string() + "': " + std::generic_category().message(errno));
+    }
+    return numbers;
+}
+
+}  // namespace lamella::cli

@@ -1,0 +1,30 @@
+// Numbers as people write them: on the command line, separated by commas, and in small text files.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lamella::cli {
+
+/// All of `text` as one finite number; a leading + is allowed.
+std::optional<double> parse_number(std::string_view text) noexcept;
+
+/// "1,2.5,3" (spaces around numbers allowed), or nothing if any part is not a number.
+std::optional<std::vector<double>> parse_list(std::string_view text);
+
+/// Exactly three numbers with commas between; throws Failure naming `option`.
+std::vector<double> parse_triple(std::string_view text, const std::string& option);
+
+struct NumberFile {
+    std::vector<double> values;
+    std::vector<std::size_t> lines;  ///< where each value stands, from 1
+};
+
+/// Numbers separated by white space or commas; # begins a comment. Throws Failure naming the file and the line.
+NumberFile read_numbers(const std::filesystem::path& path);
+
+}  // namespace lamella::cli

@@ -1,0 +1,50 @@
+#include "output_path.hpp"
+
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+#include <unistd.h>
+
+#include "failure.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+Failure unwritable(const std::string& path, int error_number) {
+    return {bad_output, "cannot write '" + path + "': " + std::generic_category().message(error_number)};
+}
+
+}  // namespace
+
+void require_writable(const std::string& path) {
+    const std::filesystem::path file(path);
+    std::error_code unknown;
+    if (!file.has_filename() || std::filesystem::is_directory(file, unknown)) {
+        throw unwritable(path, EISDIR);
+    }
+    if (std::filesystem::exists(file, unknown)) {
+        if (::access(path.c_str(), W_OK) != 0) {
+            throw unwritable(path, errno);
+        }
+        return;
+    }
+    const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
+    if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+        throw unwritable(path, errno);
+    }
+    if (!std::filesystem::is_directory(folder, unknown)) {
+        throw unwritable(path, ENOTDIR);
+    }
+}
+
+void require_different(const std::string& path, const std::string& other, const std::string& name,
+                       const std::string& other_name) {
+    std::error_code unknown;
+    if (path == other || std::filesystem::equivalent(path, other, unknown)) {
+        throw Failure(bad_usage, name + ": '" + path + "' is " + other_name + " itself");
+    }
+}
+
+}  // namespace lamella::cli

@@ -1,0 +1,15 @@
+// What can be known of an output before the work for it is done.
+#pragma once
+
+#include <string>
+
+namespace lamella::cli {
+
+/// Throws Failure (bad_output) where `path` plainly cannot be written; a full disk shows only later.
+void require_writable(const std::string& path);
+
+/// Throws Failure (bad_usage) if both name the same existing file, or are the same path.
+void require_different(const std::string& path, const std::string& other, const std::string& name,
+                       const std::string& other_name);
+
+}  // namespace lamella::cli

@@ -1,0 +1,196 @@
+#include "slice_arguments.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <system_error>
+
+#include "console.hpp"
+#include "failure.hpp"
+#include "numbers.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+void require_positive(const std::optional<double>& value_mm, const std::string& option) {
+    if (value_mm && !(*value_mm > 0 && std::isfinite(*value_mm))) {
+        throw Failure(bad_usage, option + ": not a positive number of mm");
+    }
+}
+
+UniformLayers uniform_layers(const SliceArguments& arguments) {
+    require_positive(arguments.layer_height_mm, "--layer-height");
+    if (arguments.first_height_mm && !std::isfinite(*arguments.first_height_mm)) {
+        throw Failure(bad_usage, "--first-height: not a finite number of mm");
+    }
+    UniformLayers layers;
+    layers.layer_height_mm = arguments.layer_height_mm.value_or(layers.layer_height_mm);
+    layers.first_height_mm = arguments.first_height_mm;
+    layers.datum = arguments.datum;
+    return layers;
+}
+
+RandomLayers random_layers(const SliceArguments& arguments) {
+    const std::string& text = arguments.random_heights;
+    const std::size_t colon = text.find(':');
+    std::optional<double> least;
+    std::optional<double> most;
+    if (colon != std::string::npos) {
+        least = parse_number(std::string_view(text).substr(0, colon));
+        most = parse_number(std::string_view(text).substr(colon + 1));
+    }
+    if (!least || !most || *least <= 0 || *most < *least) {
+        throw Failure(bad_usage, "--random-heights: '" + text + "' is not MIN:MAX in mm with 0 < MIN <= MAX");
+    }
+    return {.min_height_mm = *least, .max_height_mm = *most, .seed = arguments.seed};
+}
+
+/// The engine checks the order too, after rounding; here a file's lines can be named.
+void require_ascending(const NumberFile& file, const std::string& path) {
+    for (std::size_t i = 1; i < file.values.size(); ++i) {
+        if (file.values[i] <= file.values[i - 1]) {
+            throw Failure(bad_input, path + ":" + std::to_string(file.lines[i]) + ": the height " +
+                                         exact_text(file.values[i]) + " is not above " + exact_text(file.values[i - 1]) +
+                                         " of line " + std::to_string(file.lines[i - 1]));
+        }
+    }
+}
+
+ExplicitPlanes explicit_planes(const std::string& text, SliceRequest& request) {
+    if (std::optional<std::vector<double>> list = parse_list(text)) {
+        return {*std::move(list)};
+    }
+    std::error_code unknown;
+    if (text.find(',') != std::string::npos && !std::filesystem::exists(text, unknown)) {
+        throw Failure(bad_usage, "--planes: '" + text + "' is neither a list of numbers nor a file");
+    }
+    NumberFile file = read_numbers(text);
+    if (file.values.empty()) {
+        throw Failure(bad_input, text + ": no heights");
+    }
+    require_ascending(file, text);
+    request.plane_lines = std::move(file.lines);
+    return {std::move(file.values)};
+}
+
+Transform transform_from_file(const std::string& path) {
+    const NumberFile file = read_numbers(path);
+    const std::size_t count = file.values.size();
+    Transform transform;
+    if (count != transform.m.size() && count != 16) {
+        throw Failure(bad_input,
+                      path + ": " + std::to_string(count) + " numbers where a 3x4 matrix has 12 and a 4x4 one 16");
+    }
+    if (count == 16 && (file.values[12] != 0 || file.values[13] != 0 || file.values[14] != 0 || file.values[15] != 1)) {
+        throw Failure(bad_input, path + ":" + std::to_string(file.lines[12]) + ": the last row is not 0 0 0 1");
+    }
+    std::copy_n(file.values.begin(), transform.m.size(), transform.m.begin());
+    return transform;
+}
+
+Transform transform_of(const SliceArguments& arguments) {
+    if (!arguments.transform.empty()) {
+        return transform_from_file(arguments.transform);
+    }
+    if (arguments.normal.empty()) {
+        return {};
+    }
+    const std::vector<double> normal = parse_triple(arguments.normal, "--normal");
+    const double length = std::hypot(normal[0], normal[1], normal[2]);
+    if (length == 0 || !std::isfinite(length)) {
+        throw Failure(bad_usage, "--normal: '" + arguments.normal + "' has no direction");
+    }
+    return Transform::from_normal(normal[0], normal[1], normal[2]);
+}
+
+template <class Enum>
+CLI::Option* declare_choice(CLI::App& command, const std::string& flag, Enum& value,
+                            const std::map<std::string, Enum>& choices, const std::string& help) {
+    std::string names;
+    for (const auto& [name, ignored] : choices) {
+        names += (names.empty() ? "" : "|") + name;
+    }
+    const auto store = [flag, names, choices, &value](const std::string& text) {
+        const auto found = choices.find(text);
+        if (found == choices.end()) {
+            throw CLI::ValidationError(flag, "'" + text + "' is not one of " + names);
+        }
+        value = found->second;
+    };
+    return command.add_option_function<std::string>(flag, store, help)->type_name(names);
+}
+
+void declare_planes(CLI::App& command, SliceArguments& arguments) {
+    CLI::Option* const layers =
+        command.add_option("--layer-height", arguments.layer_height_mm, "Uniform layers of MM (0.2)");
+    CLI::Option* const planes =
+        command.add_option("--planes", arguments.planes, "Absolute heights in mm, from a file or as a list Z,Z,...");
+    CLI::Option* const random =
+        command.add_option("--random-heights", arguments.random_heights, "Steps drawn between MIN and MAX mm");
+    CLI::Option* const first =
+        command.add_option("--first-height", arguments.first_height_mm, "First plane MM above the datum (half a layer)");
+    CLI::Option* const datum =
+        declare_choice<Datum>(command, "--datum", arguments.datum, {{"mesh-min", Datum::mesh_min}, {"zero", Datum::zero}},
+                              "Where heights count from (mesh-min)");
+    layers->type_name("MM")->excludes(planes)->excludes(random);
+    planes->type_name("FILE|Z,Z,...")->excludes(random)->excludes(first)->excludes(datum);
+    random->type_name("MIN:MAX")->excludes(first)->excludes(datum);
+    first->type_name("MM");
+    command.add_option("--seed", arguments.seed, "Of the random heights (1)")->type_name("N")->needs(random);
+    declare_choice<Side>(command, "--side", arguments.side, {{"below", Side::below}, {"above", Side::above}},
+                         "The side of a plane on which vertices of its very height are not (below)");
+}
+
+}  // namespace
+
+void declare(CLI::App& command, SliceArguments& arguments) {
+    command.add_option("mesh", arguments.mesh, "STL file, binary or ASCII")->required()->type_name("MESH");
+    command.add_option("-o,--output", arguments.output, "Layered SVG to write")->type_name("OUT.svg");
+    declare_planes(command, arguments);
+    command.add_option("--grid", arguments.grid_mm, "Grid unit (2^-20 mm, or what the mesh needs)")->type_name("MM");
+    CLI::Option* const normal = command.add_option("--normal", arguments.normal, "Cut perpendicular to this direction");
+    CLI::Option* const transform =
+        command.add_option("--transform", arguments.transform, "3x4 matrix, row by row, applied to the mesh first");
+    normal->type_name("X,Y,Z")->excludes(transform);
+    transform->type_name("FILE");
+    command.add_option("--threads", arguments.threads, "At most this many (0: all)")
+        ->type_name("N")
+        ->check(CLI::Range(0, most_threads));
+    command.add_option("--band", arguments.band_planes, "Planes per band (0: by the work in them)")
+        ->type_name("N")
+        ->check(CLI::Range(0, std::numeric_limits<int>::max()));
+    declare_choice<ContourForm>(command, "--form", arguments.form,
+                                {{"swept", ContourForm::swept}, {"assembled", ContourForm::assembled}},
+                                "Contour construction (swept); results are identical");
+    command.add_flag("--map", arguments.map_file, "Map the mesh file instead of reading it");
+    command.add_option("--report", arguments.report, "JSON report to write; - is standard output")->type_name("FILE|-");
+    declare_choice<ProgressBar::When>(
+        command, "--progress", arguments.progress,
+        {{"auto", ProgressBar::When::automatic}, {"always", ProgressBar::When::always}, {"never", ProgressBar::When::never}},
+        "Progress bar on stderr (auto: on a terminal)");
+}
+
+SliceRequest request_of(const SliceArguments& arguments) {
+    SliceRequest request;
+    LayerPlan& plan = request.options.plan;
+    if (!arguments.planes.empty()) {
+        plan.spacing = explicit_planes(arguments.planes, request);
+    } else if (!arguments.random_heights.empty()) {
+        plan.spacing = random_layers(arguments);
+    } else {
+        plan.spacing = uniform_layers(arguments);
+    }
+    plan.side = arguments.side;
+    require_positive(arguments.grid_mm, "--grid");
+    request.options.unit_mm = arguments.grid_mm.value_or(0);
+    request.options.transform = transform_of(arguments);
+    request.options.threads = arguments.threads;
+    request.options.band_planes = arguments.band_planes;
+    request.options.form = arguments.form;
+    return request;
+}
+
+}  // namespace lamella::cli

@@ -1,0 +1,51 @@
+// The flags of `lamella slice`, and what they ask of the engine.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "console.hpp"
+#include "lamella/slice.hpp"
+
+namespace lamella::cli {
+
+struct SliceArguments {
+    std::string mesh;
+    std::string output;
+    std::string report;
+    std::optional<double> layer_height_mm;
+    std::string planes;
+    std::string random_heights;
+    std::uint64_t seed = 1;
+    std::optional<double> first_height_mm;
+    Datum datum = Datum::mesh_min;
+    Side side = Side::below;
+    std::optional<double> grid_mm;
+    std::string normal;
+    std::string transform;
+    int threads = 0;
+    int band_planes = 0;
+    ContourForm form = ContourForm::swept;
+    bool map_file = false;
+    ProgressBar::When progress = ProgressBar::When::automatic;
+
+    bool report_to_stdout() const noexcept { return report == "-"; }
+};
+
+/// Declares the flags on `command`, to be stored in `arguments`.
+void declare(CLI::App& command, SliceArguments& arguments);
+
+struct SliceRequest {
+    SliceOptions options;
+    std::vector<std::size_t> plane_lines;  ///< where in the --planes file each height stands; empty if there is none
+};
+
+/// Checks values and reads the files that flags name. Throws Failure.
+SliceRequest request_of(const SliceArguments& arguments);
+
+}  // namespace lamella::cli

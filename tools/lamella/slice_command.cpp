@@ -1,0 +1,153 @@
+// lamella slice: read, slice, write, report.
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "console.hpp"
+#include "failure.hpp"
+#include "lamella/lamella.hpp"
+#include "output_path.hpp"
+#include "slice_arguments.hpp"
+#include "slice_summary.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+class SliceCommand {
+public:
+    SliceCommand(const SliceArguments& arguments, Interrupt& interrupt)
+        : arguments_(arguments), interrupt_(interrupt), bar_(arguments.progress) {}
+
+    void run() {
+        require_outputs();
+        SliceRequest request = request_of(arguments_);
+        const StlMesh mesh = read();
+        const SliceResult result = slice_mesh(mesh, request);
+        if (result.summary.segments == 0) {
+            note("no plane meets the mesh, which reaches from " + exact_text(result.summary.min_mm[2]) + " to " +
+                 exact_text(result.summary.max_mm[2]) + " mm along the slicing direction");
+        }
+        write(result);
+        context_.total_ms = total_.ms();
+        context_.peak_rss_bytes = peak_rss_bytes();
+        report(result, mesh);
+    }
+
+private:
+    /// What can be known of the outputs before any work is done.
+    void require_outputs() const {
+        if (!arguments_.output.empty()) {
+            require_writable(arguments_.output);
+            require_different(arguments_.output, arguments_.mesh, "--output", "the mesh");
+        }
+        if (!arguments_.report.empty() && !arguments_.report_to_stdout()) {
+            require_writable(arguments_.report);
+            require_different(arguments_.report, arguments_.mesh, "--report", "the mesh");
+            require_different(arguments_.report, arguments_.output, "--report", "--output");
+        }
+    }
+
+    void note(const std::string& warning) {
+        bar_.wipe();
+        warn(warning);
+        context_.warnings.push_back(warning);
+    }
+
+    StlMesh read() {
+        bar_.show("reading", 0);
+        Result<StlMesh> mesh =
+            read_stl(arguments_.mesh, {.threads = arguments_.threads, .memory = nullptr, .map_file = arguments_.map_file});
+        if (!mesh) {
+            throw failure_of(mesh.error());
+        }
+        for (const std::string& warning : mesh->warnings) {
+            note(warning);
+        }
+        context_.mesh_file = arguments_.mesh;
+        context_.read_ms = mesh->read_ms;
+        context_.parse_ms = mesh->parse_ms;
+        return std::move(mesh).value();
+    }
+
+    SliceResult slice_mesh(const StlMesh& mesh, SliceRequest& request) {
+        request.options.stop = interrupt_.defer();
+        if (bar_.shown()) {
+            request.options.progress = [this](double fraction) { bar_.show("slicing", fraction); };
+        }
+        Result<SliceResult> result = slice(mesh.view(), request.options);
+        bar_.wipe();
+        if (!result) {
+            throw slicing_failure(result.error(), request);
+        }
+        return std::move(result).value();
+    }
+
+    Failure slicing_failure(const Error& error, const SliceRequest& request) const {
+        interrupt_.die_if_interrupted();
+        const Failure failure = failure_of(error);
+        const auto plane = static_cast<std::size_t>(error.plane);
+        if (error.code == Code::bad_planes && plane < request.plane_lines.size()) {
+            return {bad_input, arguments_.planes + ":" + std::to_string(request.plane_lines[plane]) + ": " + error.message};
+        }
+        // Of an option the message says all; of a mesh it must say which.
+        return failure.status() == bad_input ? Failure(bad_input, arguments_.mesh + ": " + error.message) : failure;
+    }
+
+    void write(const SliceResult& result) {
+        if (arguments_.output.empty()) {
+            return;
+        }
+        bar_.show("writing", 0);
+        const Stopwatch watch;
+        const Status status = write_svg(result, arguments_.output, interrupt_.defer());
+        bar_.wipe();
+        interrupt_.die_if_interrupted();
+        if (!status) {
+            throw failure_of(status.error());
+        }
+        context_.output_file = arguments_.output;
+        context_.write_ms = watch.ms();
+    }
+
+    void report(const SliceResult& result, const StlMesh& mesh) const {
+        const std::string words = summary(result, mesh, context_);
+        if (arguments_.report.empty()) {
+            print(words);
+            return;
+        }
+        const Result<std::string> json = report_json(result, context_);
+        if (!json) {
+            throw failure_of(json.error());
+        }
+        if (arguments_.report_to_stdout()) {
+            (void)std::fputs(words.c_str(), stderr);
+            print(json.value());
+            return;
+        }
+        const Status status = write_text_file(arguments_.report, json.value());
+        if (!status) {
+            throw failure_of(status.error());
+        }
+        print(words + "report    " + arguments_.report + "\n");
+    }
+
+    const SliceArguments& arguments_;
+    Interrupt& interrupt_;
+    ProgressBar bar_;
+    ReportContext context_;
+    Stopwatch total_;
+};
+
+}  // namespace
+
+void add_slice_command(CLI::App& app, Interrupt& interrupt) {
+    CLI::App* const command = app.add_subcommand("slice", "Slice a mesh into closed, oriented, nested contours");
+    const auto arguments = std::make_shared<SliceArguments>();
+    declare(*command, *arguments);
+    command->callback([arguments, &interrupt] { SliceCommand(*arguments, interrupt).run(); });
+}
+
+}  // namespace lamella::cli

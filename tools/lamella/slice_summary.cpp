@@ -1,0 +1,89 @@
+#include "slice_summary.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <system_error>
+#include <variant>
+
+#include "console.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+std::string words(const UniformLayers& layers) {
+    const std::string first =
+        layers.first_height_mm ? exact_text(*layers.first_height_mm) + " mm above it" : "half a layer above it";
+    return exact_text(layers.layer_height_mm) + " mm apart, datum " +
+           (layers.datum == Datum::mesh_min ? "the mesh's lowest vertex" : "zero") + ", the first " + first;
+}
+
+std::string words(const ExplicitPlanes& /*planes*/) {
+    return "at given heights";
+}
+
+std::string words(const RandomLayers& layers) {
+    return exact_text(layers.min_height_mm) + " to " + exact_text(layers.max_height_mm) + " mm apart by seed " +
+           std::to_string(layers.seed) + ", from the mesh's lowest vertex up";
+}
+
+std::string mesh_line(const SliceSummary& counts, const StlMesh& mesh, const ReportContext& context) {
+    std::string text = "mesh      " + context.mesh_file + ", " + grouped(counts.triangles) + " triangles, " +
+                       file_size_text(mesh.file_bytes) + (mesh.ascii ? " of ASCII" : "");
+    if (counts.degenerate > 0) {
+        text += "; " + grouped(counts.degenerate) + " degenerate, dropped";
+    }
+    return text + "\n";
+}
+
+std::string planes_line(const SliceResult& result) {
+    return "planes    " + grouped(result.layers.size()) + ": " +
+           std::visit([](const auto& spacing) { return words(spacing); }, result.plan.spacing) +
+           "\nrounding  as a vertex, then " + (result.plan.side == Side::below ? "down (side below)" : "up (side above)") +
+           ", grid " + exact_text(result.unit_mm) + " mm\n";
+}
+
+std::string times(const SliceSummary& summary, const ReportContext& context) {
+    std::string text = "time      " + rounded(context.total_ms, 1) + " ms: read " + rounded(context.read_ms, 1);
+    if (context.parse_ms > 0) {
+        text += ", parse " + rounded(context.parse_ms, 1);
+    }
+    text += ", bucket " + rounded(summary.ms.bucket, 1) + ", sweep " + rounded(summary.ms.sweep, 1) + ", contours " +
+            rounded(summary.ms.contours, 1) + ", nesting " + rounded(summary.ms.nesting, 1);
+    if (context.write_ms > 0) {
+        text += ", write " + rounded(context.write_ms, 1);
+    }
+    return text + " (" + grouped(static_cast<std::uint64_t>(summary.threads)) +
+           (summary.threads == 1 ? " thread, " : " threads, ") + grouped(summary.bands) +
+           (summary.bands == 1 ? " band)\n" : " bands)\n");
+}
+
+std::string contour_counts(const SliceResult& result) {
+    const SliceSummary& summary = result.summary;
+    std::string text = grouped(result.contours.size()) + ", of them holes " + grouped(summary.holes) + ", open " +
+                       grouped(summary.open_contours);
+    if (summary.flat_contours > 0) {
+        text += ", without area " + grouped(summary.flat_contours);
+    }
+    if (summary.overruled_contours > 0) {
+        text += ", turned against their facets " + grouped(summary.overruled_contours);
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string summary(const SliceResult& result, const StlMesh& mesh, const ReportContext& context) {
+    std::string text = mesh_line(result.summary, mesh, context) + planes_line(result) + "segments  " +
+                       grouped(result.summary.segments) + "\ncontours  " + contour_counts(result) + "\n" +
+                       times(result.summary, context) + "memory    " + file_size_text(context.peak_rss_bytes) +
+                       " at the peak\n";
+    if (!context.output_file.empty()) {
+        std::error_code unknown;
+        const std::uintmax_t bytes = std::filesystem::file_size(context.output_file, unknown);
+        text += "wrote     " + context.output_file + (unknown ? "" : ", " + file_size_text(bytes)) + "\n";
+    }
+    return text;
+}
+
+}  // namespace lamella::cli

@@ -1,0 +1,15 @@
+// What a person is told of a slicing.
+#pragma once
+
+#include <string>
+
+#include "lamella/result.hpp"
+#include "lamella/stl.hpp"
+#include "lamella/write.hpp"
+
+namespace lamella::cli {
+
+/// Some lines, each a keyword and what there is to say, with a final newline.
+std::string summary(const SliceResult& result, const StlMesh& mesh, const ReportContext& context);
+
+}  // namespace lamella::cli

@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds with GCC and with Clang, checks format and style, and runs every test: under the sanitizers
+# first, then as released. Ends with the summary of that last run.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source tools/packages.sh
+
+readonly jobs=$(nproc)
+
+stage() { printf '\n== %s (%d s so far)\n' "$1" "$SECONDS"; }
+
+# configure FOLDER OPTION...
+configure() {
+    local folder=$1 generator=()
+    shift
+    [[ -e "$folder/CMakeCache.txt" ]] || generator=(-G Ninja)
+    cmake -S . -B "$folder" "${generator[@]}" -DLAMELLA_WERROR=ON "$@" > /dev/null
+}
+
+# Of a build that is not the last one only the outcome is shown, and all of it if a test fails.
+sanitized_tests() {
+    local folder=$1
+    shift
+    cmake --build "$folder" --parallel "$jobs" | tail -n 1
+    env "$@" ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure > "$folder/tests.log" 2>&1 || {
+        cat "$folder/tests.log"
+        return 1
+    }
+    grep 'tests passed' "$folder/tests.log"
+}
+
+stage "packages"
+install_missing "${build_packages[@]}" "${check_packages[@]}" "${picture_packages[@]}"
+
+stage "format"
+git ls-files --cached --others --exclude-standard '*.cpp' '*.hpp' | xargs clang-format --dry-run -Werror
+
+stage "release build"
+configure build -DCMAKE_BUILD_TYPE=Release -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+cmake --build build --parallel "$jobs" | tail -n 1
+
+stage "clang-tidy"
+run-clang-tidy -quiet -j "$jobs" -p build "^$PWD/(engine|tools)/" > build/tidy.log 2> /dev/null || {
+    grep -E 'error:|warning:' build/tidy.log
+    exit 1
+}
+
+# Debug, so that assertions hold the invariants to account; optimised a little, so that it ends today.
+stage "Clang, address and undefined-behaviour sanitizers"
+configure build/asan -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O1 -DCMAKE_CXX_COMPILER=clang++ -DLAMELLA_SANITIZE=address \
+    -DLAMELLA_BUILD_BENCH=OFF
+sanitized_tests build/asan UBSAN_OPTIONS=print_stacktrace=1
+
+# std::thread for oneTBB, whose Debian build the sanitizer cannot see into.
+stage "GCC, thread sanitizer"
+configure build/tsan -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O1 -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std \
+    -DLAMELLA_BUILD_BENCH=OFF
+sanitized_tests build/tsan TSAN_OPTIONS=halt_on_error=1
+
+stage "tests of the release build"
+ctest --test-dir build --parallel "$jobs" --output-on-failure

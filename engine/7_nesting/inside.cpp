@@ -1,6 +1,5 @@
 #include "7_nesting/inside.hpp"
 
-#include <algorithm>
 #include <bit>
 
 #if defined(__x86_64__) && defined(__GNUC__)
@@ -10,94 +9,143 @@
 
 namespace lamella::nesting {
 
-namespace {
-
-/// Winding number of a contour around a point, by the ray from the point towards +x: an edge that crosses it upwards counts
-/// one, downwards minus one. Only edges that straddle the point's y, or begin at it, need be shown.
-class Winding {
-public:
-    explicit Winding(Point query) noexcept : query_(query) {}
-
-    void add(Point a, Point b) noexcept {
-        const bool a_above = a.y > query_.y;
-        const bool b_above = b.y > query_.y;
-        if (a_above != b_above) {
-            const int side = side_of(a, b, query_);
-            on_boundary_ |= side == 0;
-            number_ += (b_above && side > 0) - (a_above && side < 0);
-        } else if (a.y == query_.y) {
-            const auto [low, high] = std::minmax(a.x, b.x);
-            on_boundary_ |= a.x == query_.x || (b.y == query_.y && low <= query_.x && query_.x <= high);
-        }
-    }
-    bool strictly_inside() const noexcept { return number_ != 0 && !on_boundary_; }
-
-private:
-    Point query_;
-    int number_ = 0;
-    bool on_boundary_ = false;
-};
-
-/// The edges from `first` on, the closing one included.
-bool finish(Winding winding, const Point* points, std::uint32_t first, std::uint32_t count) noexcept {
-    for (std::uint32_t i = first; i + 1 < count; ++i) {
+void add_edges_portable(Winding& winding, const Point* points, std::uint32_t count) noexcept {
+    for (std::uint32_t i = 0; i < count; ++i) {
         winding.add(points[i], points[i + 1]);
     }
-    winding.add(points[count - 1], points[0]);
-    return winding.strictly_inside();
 }
 
 #ifdef LAMELLA_AVX2
 
-/// Lanes are x0 y0 x1 y1 x2 y2 x3 y3; a double's sign is a y lane's, so movemask_pd reads the four answers for y:
-///     bit i = edge (i, i+1) straddles the query's y, or point i lies at it.
-__attribute__((target("avx2"))) inline __m256i edges_at(const Point* points, __m256i query) noexcept {
-    const __m256i from = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(points));
-    const __m256i to = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(points + 1));
-    const __m256i straddles = _mm256_xor_si256(_mm256_cmpgt_epi32(from, query), _mm256_cmpgt_epi32(to, query));
-    return _mm256_or_si256(straddles, _mm256_cmpeq_epi32(from, query));
-}
+namespace {
 
+/// Lanes are x0 y0 x1 y1 x2 y2 x3 y3; a double's sign is a y lane's, so movemask_pd reads the four answers for y.
 __attribute__((target("avx2"))) inline unsigned y_bits(__m256i lanes) noexcept {
     return static_cast<unsigned>(_mm256_movemask_pd(_mm256_castsi256_pd(lanes)));
 }
 
-__attribute__((target("avx2"))) bool strictly_inside_avx2(const Point* points, std::uint32_t count, Point query) noexcept {
-    Winding winding(query);
-    const __m256i level = _mm256_set1_epi32(query.y);
-    std::uint32_t i = 0;
-    for (; i + 16 < count; i += 16) {
-        unsigned bits = y_bits(edges_at(points + i, level)) | y_bits(edges_at(points + i + 4, level)) << 4 |
-                        y_bits(edges_at(points + i + 8, level)) << 8 | y_bits(edges_at(points + i + 12, level)) << 12;
-        for (; bits != 0; bits &= bits - 1) {
-            const Point* edge = points + i + std::countr_zero(bits);
-            winding.add(edge[0], edge[1]);
-        }
-    }
-    for (; i + 4 < count; i += 4) {
-        for (unsigned bits = y_bits(edges_at(points + i, level)); bits != 0; bits &= bits - 1) {
-            const Point* edge = points + i + std::countr_zero(bits);
-            winding.add(edge[0], edge[1]);
-        }
-    }
-    return finish(winding, points, i, count);
+__attribute__((target("avx2"))) inline __m256i four_points(const Point* points) noexcept {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(points));
 }
 
-#endif
+/// 16 edges at a time:
+///     bit i of `above` = point i lies above the query's y;   above ^ (above >> 1) = edge (i, i+1) straddles it.
+/// Points at that very y are rare, so the four quads are first asked together.
+__attribute__((target("avx2"))) void add_edges_avx2(Winding& winding, const Point* points, std::uint32_t count) noexcept {
+    const std::int32_t y = winding.query().y;
+    const __m256i level = _mm256_set1_epi32(y);
+    std::uint32_t i = 0;
+    for (; i + 16 <= count; i += 16) {
+        const Point* run = points + i;
+        const __m256i quads[4] = {four_points(run), four_points(run + 4), four_points(run + 8), four_points(run + 12)};
+        __m256i at[4];
+        unsigned above = static_cast<unsigned>(run[16].y > y) << 16;
+        for (int quad = 0; quad < 4; ++quad) {
+            above |= y_bits(_mm256_cmpgt_epi32(quads[quad], level)) << (4 * quad);
+            at[quad] = _mm256_cmpeq_epi32(quads[quad], level);
+        }
+        unsigned shown = (above ^ above >> 1) & 0xffffU;
+        if (y_bits(_mm256_or_si256(_mm256_or_si256(at[0], at[1]), _mm256_or_si256(at[2], at[3]))) != 0) {
+            shown |= y_bits(at[0]) | y_bits(at[1]) << 4 | y_bits(at[2]) << 8 | y_bits(at[3]) << 12;
+        }
+        for (; shown != 0; shown &= shown - 1) {
+            const Point* edge = run + std::countr_zero(shown);
+            winding.add(edge[0], edge[1]);
+        }
+    }
+    add_edges_portable(winding, points + i, count - i);
+}
 
 }  // namespace
 
-bool strictly_inside(const Point* points, std::uint32_t count, Point query) noexcept {
-    return finish(Winding(query), points, 0, count);
-}
+#endif
 
-InsideTest best_inside_test() noexcept {
+AddEdges best_add_edges() noexcept {
 #ifdef LAMELLA_AVX2
     if (__builtin_cpu_supports("avx2") != 0) {
-        return strictly_inside_avx2;
+        return add_edges_avx2;
     }
 #endif
-    return strictly_inside;
+    return add_edges_portable;
+}
+
+namespace {
+
+constexpr std::uint32_t divide_up(std::uint32_t count, std::uint32_t by) noexcept {
+    return (count - 1) / by + 1;
+}
+
+}  // namespace
+
+std::size_t EdgeIndex::add(const Point* points, std::uint32_t count) {
+    const std::size_t handle = extents_.size();
+    const std::uint32_t edges = count - 1;  // the closing edge is always looked at
+    for (std::uint32_t first = 0; first < edges; first += run_edges) {
+        Extent extent{points[first].y, points[first].y};
+        const std::uint32_t last = std::min(first + run_edges, edges);
+        for (std::uint32_t i = first + 1; i <= last; ++i) {
+            extent.low = std::min(extent.low, points[i].y);
+            extent.high = std::max(extent.high, points[i].y);
+        }
+        extents_.push_back(extent);
+    }
+    std::size_t below = handle;
+    for (std::size_t size = extents_.size() - handle; size > runs_per_run; size = extents_.size() - below) {
+        const std::size_t end = below + size;
+        for (std::size_t first = below; first < end; first += runs_per_run) {
+            Extent extent = extents_[first];
+            for (std::size_t i = first + 1; i < std::min<std::size_t>(first + runs_per_run, end); ++i) {
+                extent.low = std::min(extent.low, extents_[i].low);
+                extent.high = std::max(extent.high, extents_[i].high);
+            }
+            extents_.push_back(extent);
+        }
+        below = end;
+    }
+    return handle;
+}
+
+bool EdgeIndex::strictly_inside(std::size_t handle, AddEdges add_edges, const Point* points, std::uint32_t count,
+                                Point query) const noexcept {
+    Winding winding(query);
+    const std::uint32_t edges = count - 1;
+    // Levels of up to 32 + 4 x 7 bits: the uppermost has at most 16 runs.
+    std::uint32_t sizes[8];
+    const Extent* levels[8];
+    int top = 0;
+    sizes[0] = divide_up(edges, run_edges);
+    levels[0] = extents_.data() + handle;
+    for (; sizes[top] > runs_per_run; ++top) {
+        levels[top + 1] = levels[top] + sizes[top];
+        sizes[top + 1] = divide_up(sizes[top], runs_per_run);
+    }
+    // Depth first; `next[level]` walks the runs below the run taken one level up.
+    std::uint32_t next[8];
+    std::uint32_t end[8];
+    int level = top;
+    next[top] = 0;
+    end[top] = sizes[top];
+    while (level <= top) {
+        if (next[level] == end[level]) {
+            ++level;
+            continue;
+        }
+        const std::uint32_t run = next[level]++;
+        const Extent extent = levels[level][run];
+        if (query.y < extent.low || extent.high < query.y) {
+            continue;
+        }
+        if (level == 0) {
+            const std::uint32_t first = run * run_edges;
+            add_edges(winding, points + first, std::min(run_edges, edges - first));
+        } else {
+            --level;
+            next[level] = run * runs_per_run;
+            end[level] = std::min(next[level] + runs_per_run, sizes[level]);
+        }
+    }
+    winding.add(points[count - 1], points[0]);
+    return winding.strictly_inside();
 }
 
 }  // namespace lamella::nesting

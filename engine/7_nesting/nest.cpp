@@ -1,17 +1,24 @@
 #include "7_nesting/nest.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
+#include <compare>
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <utility>
-
-#include "7_nesting/inside.hpp"
 
 namespace lamella {
 
 namespace {
 
+using nesting::BoxQuad;
 using nesting::Ring;
+using nesting::SortKey;
+
+/// Layers of at most so many contours compare all with all.
+constexpr std::size_t few_rings = 128;
 
 int sign_of(const Wide& area) noexcept {
     if (area.high < 0) {
@@ -43,39 +50,94 @@ std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexce
     return std::strong_ordering::equal;
 }
 
-/// The order in which contours around a point are asked: from small to large, never by index.
-bool smaller(const NestItem& a, const NestItem& b) noexcept {
+/// From small to large, never by index: equal only if all points are.
+std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept {
     if (const auto order = magnitude(a.twice_area) <=> magnitude(b.twice_area); order != 0) {
-        return order < 0;
+        return order;
     }
     if (const auto order = a.points[a.start] <=> b.points[b.start]; order != 0) {
-        return order < 0;
+        return order;
     }
     if (const auto order = std::pair(a.box_min, a.box_max) <=> std::pair(b.box_min, b.box_max); order != 0) {
-        return order < 0;
+        return order;
     }
-    return compare_points(a, b) < 0;
+    return compare_points(a, b);
 }
 
-bool box_strictly_contains(const Ring& ring, Point p) noexcept {
-    return ring.box_min.x < p.x && p.x < ring.box_max.x && ring.box_min.y < p.y && p.y < ring.box_max.y;
+/// Maps signed order to unsigned order.
+constexpr std::uint32_t biased(std::int32_t value) noexcept {
+    return static_cast<std::uint32_t>(value) ^ 0x8000'0000U;
+}
+
+bool before(const SortKey& a, const SortKey& b) noexcept {
+    return a.key != b.key ? a.key < b.key : a.index < b.index;
+}
+
+/// Sorts keys whose indices ascend by (key, index): byte-wise once there are enough of them, constant digits skipped.
+void sort_keys(std::pmr::vector<SortKey>& keys, std::pmr::vector<SortKey>& spare) {
+    constexpr std::size_t few = 256;
+    if (keys.size() < few) {
+        std::sort(keys.begin(), keys.end(), before);
+        return;
+    }
+    constexpr int digit_bits = 8;
+    constexpr std::uint64_t digit_mask = (1U << digit_bits) - 1;
+    std::uint64_t varying = 0;
+    bool sorted = true;
+    for (std::size_t i = 1; i < keys.size(); ++i) {
+        varying |= keys[i].key ^ keys[0].key;
+        sorted &= keys[i - 1].key <= keys[i].key;
+    }
+    if (sorted) {
+        return;
+    }
+    spare.resize(keys.size());
+    for (int shift = 0; shift < 64; shift += digit_bits) {
+        if ((varying >> shift & digit_mask) == 0) {
+            continue;
+        }
+        std::uint32_t ends[digit_mask + 1] = {};
+        for (const SortKey& key : keys) {
+            ++ends[key.key >> shift & digit_mask];
+        }
+        std::exclusive_scan(std::begin(ends), std::end(ends), std::begin(ends), 0U);
+        for (const SortKey& key : keys) {
+            spare[ends[key.key >> shift & digit_mask]++] = key;
+        }
+        keys.swap(spare);
+    }
 }
 
 }  // namespace
 
 Nester::Nester(std::pmr::memory_resource* memory)
-    : inside_(nesting::best_inside_test()), rings_(memory != nullptr ? memory : std::pmr::new_delete_resource()) {}
+    : memory_(memory != nullptr ? memory : std::pmr::new_delete_resource()),
+      add_edges_(nesting::best_add_edges()),
+      rings_(memory_),
+      areas_(memory_),
+      keys_(memory_),
+      spare_keys_(memory_),
+      quads_(memory_),
+      places_(memory_),
+      tree_(memory_),
+      around_(memory_),
+      edge_index_(memory_) {}
 
 void Nester::nest(std::span<NestItem> items) {
     assert(items.size() <= std::size_t{std::numeric_limits<std::int32_t>::max()});
     collect(items);
-    find_parents(items);
+    sort_by_start(items);
+    if (rings_.size() <= few_rings) {
+        find_parents_among_few(items);
+    } else {
+        find_parents_among_many(items);
+    }
     assign_roles(items);
 }
 
-/// Settles what takes no part in nesting and lists the rest by start.
+/// Settles what takes no part in nesting and lists the starts of the rest.
 void Nester::collect(std::span<NestItem> items) {
-    rings_.clear();
+    keys_.clear();
     for (std::size_t i = 0; i < items.size(); ++i) {
         NestItem& item = items[i];
         item.parent = -1;
@@ -84,31 +146,138 @@ void Nester::collect(std::span<NestItem> items) {
         item.role = item.closed ? Role::flat : Role::open;
         if (item.sense != 0) {
             assert(item.start < item.count && item.points[item.start].x == item.box_min.x);
-            Ring ring;
-            ring.start = item.points[item.start];
-            ring.box_min = item.box_min;
-            ring.box_max = item.box_max;
-            ring.item = static_cast<std::uint32_t>(i);
-            rings_.push_back(ring);
+            const Point start = item.points[item.start];
+            keys_.push_back({std::uint64_t{biased(start.x)} << 32 | biased(start.y), static_cast<std::uint32_t>(i)});
         }
     }
-    std::sort(rings_.begin(), rings_.end(),
-              [](const Ring& a, const Ring& b) { return a.start != b.start ? a.start < b.start : a.item < b.item; });
 }
 
-void Nester::find_parents(std::span<const NestItem> items) {
-    for (std::size_t child = 1; child < rings_.size(); ++child) {
-        const Point query = rings_[child].start;
-        const NestItem* best = nullptr;
-        for (std::size_t around = child; around-- > 0;) {
-            const NestItem& item = items[rings_[around].item];
-            if (box_strictly_contains(rings_[around], query) && (best == nullptr || !smaller(*best, item)) &&
-                inside_(item.points, item.count, query)) {
-                best = &item;
-                rings_[child].parent = static_cast<std::int32_t>(around);
+/// Rings in the order of starts; of equal starts the larger first, so that a search backwards meets the smaller first.
+void Nester::sort_by_start(std::span<const NestItem> items) {
+    sort_keys(keys_, spare_keys_);
+    for (auto run = keys_.begin(); run != keys_.end();) {
+        const auto end = std::find_if(run + 1, keys_.end(), [run](const SortKey& key) { return key.key != run->key; });
+        if (end - run > 1) {
+            std::sort(run, end, [items](const SortKey& a, const SortKey& b) {
+                const std::strong_ordering order = compare_size(items[a.index], items[b.index]);
+                return order != 0 ? order > 0 : a.index > b.index;
+            });
+        }
+        run = end;
+    }
+    edge_index_.clear();
+    rings_.resize(keys_.size());
+    areas_.resize(keys_.size());
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+        const NestItem& item = items[keys_[i].index];
+        const auto [high, low] = magnitude(item.twice_area);
+        Ring& ring = rings_[i] = Ring{};
+        ring.start = item.points[item.start];
+        ring.box_min = item.box_min;
+        ring.box_max = item.box_max;
+        areas_[i] = high != 0 ? std::numeric_limits<std::uint64_t>::max() : low;
+        ring.item = keys_[i].index;
+    }
+}
+
+/// Every contour against every earlier one, four boxes at a time.
+void Nester::find_parents_among_few(std::span<const NestItem> items) {
+    quads_.assign((rings_.size() + 3) / 4, BoxQuad{});
+    std::size_t left = 0;  // rings that begin left of the start asked for, and are in `quads_`
+    for (std::size_t ring = 1; ring < rings_.size(); ++ring) {
+        const Point start = rings_[ring].start;
+        for (; rings_[left].box_min.x < start.x; ++left) {
+            quads_[left / 4].set(left % 4, rings_[left].box_min, rings_[left].box_max);
+        }
+        for (std::size_t quad = (left + 3) / 4; quad-- > 0;) {
+            for (unsigned around = quads_[quad].around(start); around != 0;) {
+                const auto lane = static_cast<std::size_t>(std::bit_width(around) - 1);
+                around &= ~(1U << lane);
+                take_if_closer(items, ring, 4 * quad + lane);
             }
         }
     }
+}
+
+/// A sweep over the starts. The last box around a start is most often the parent's; the rest are asked while there is
+/// patience, which only matters where contours cross.
+void Nester::find_parents_among_many(std::span<const NestItem> items) {
+    order_places();
+    tree_.reset(static_cast<std::uint32_t>(rings_.size()));
+    std::size_t patience = 4 * rings_.size() + few_rings * few_rings / 2;
+    std::size_t left = 0;  // rings that begin left of the start asked for, and are in the tree
+    for (std::size_t ring = 1; ring < rings_.size(); ++ring) {
+        const Point start = rings_[ring].start;
+        for (; rings_[left].box_min.x < start.x; ++left) {
+            tree_.add(places_[left], static_cast<std::int32_t>(left), rings_[left].box_min, rings_[left].box_max);
+        }
+        const std::int32_t last = tree_.last_around(start);
+        if (last >= 0) {
+            take_if_closer(items, ring, static_cast<std::size_t>(last));
+            ask_all_around(items, ring, patience);
+        }
+    }
+}
+
+/// Asks all rings whose boxes lie around the start of `ring`, backwards, until the parent is known and patience at its end.
+void Nester::ask_all_around(std::span<const NestItem> items, std::size_t ring, std::size_t& patience) {
+    around_.clear();
+    std::size_t unlimited = std::numeric_limits<std::size_t>::max();
+    const bool found = rings_[ring].parent >= 0;
+    tree_.all_around(rings_[ring].start, found ? patience : unlimited, around_);
+    std::sort(around_.begin(), around_.end(), std::greater<>());
+    for (const std::int32_t around : around_) {
+        if (!found && rings_[ring].parent >= 0 && patience-- == 0) {
+            patience = 0;
+            return;
+        }
+        take_if_closer(items, ring, static_cast<std::size_t>(around));
+    }
+}
+
+/// Places in the tree follow the boxes' middles in y.
+void Nester::order_places() {
+    keys_.resize(rings_.size());
+    for (std::size_t i = 0; i < rings_.size(); ++i) {
+        keys_[i] = {std::uint64_t{biased(rings_[i].box_min.y)} + biased(rings_[i].box_max.y), static_cast<std::uint32_t>(i)};
+    }
+    sort_keys(keys_, spare_keys_);
+    places_.resize(rings_.size());
+    for (std::size_t place = 0; place < keys_.size(); ++place) {
+        places_[keys_[place].index] = static_cast<std::uint32_t>(place);
+    }
+}
+
+/// Makes `around`, whose box is known to lie around the start of `ring`, its parent if the contour does and is the smallest
+/// so far.
+void Nester::take_if_closer(std::span<const NestItem> items, std::size_t ring_index, std::size_t around_index) {
+    Ring& ring = rings_[ring_index];
+    Ring& around = rings_[around_index];
+    if (ring.parent >= 0) {
+        const std::size_t best = static_cast<std::size_t>(ring.parent);
+        if (areas_[around_index] > areas_[best] ||
+            (areas_[around_index] == areas_[best] && compare_size(items[around.item], items[rings_[best].item]) >= 0)) {
+            return;
+        }
+    }
+    if (inside(items[around.item], around, ring.start)) {
+        ring.parent = static_cast<std::int32_t>(around_index);
+    }
+}
+
+/// Long contours that are asked often get an index, so that many children cost their parent's points only once.
+bool Nester::inside(const NestItem& contour, Ring& ring, Point query) {
+    constexpr std::uint32_t long_contour = 256;
+    constexpr std::uint32_t tests_before_index = 3;
+    if (contour.count < long_contour || ring.tests < tests_before_index) {
+        ++ring.tests;
+        return nesting::strictly_inside(add_edges_, contour.points, contour.count, query);
+    }
+    if (ring.tests == tests_before_index) {
+        ring.edge_index = edge_index_.add(contour.points, contour.count);
+        ++ring.tests;
+    }
+    return edge_index_.strictly_inside(ring.edge_index, add_edges_, contour.points, contour.count, query);
 }
 
 /// The facets' sense stands as long as no winding number from the outside in is negative; below one that is, the number of

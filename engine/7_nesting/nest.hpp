@@ -1,10 +1,17 @@
 // Stage 7: orientation and nesting of one layer (step 4 of the paper's Fig. 1).
 //
 // The parent of a closed contour is the smallest closed contour (by |area|, ties by start, box and points) whose non-zero
-// winding interior strictly contains its start point. All tests are exact.
+// winding interior strictly contains its start point. All tests are exact: box tests choose candidates, integer products
+// decide.
 //
 // Parent chains cannot cycle, even where contours cross: a contour's start is the smallest (x, y) of its convex hull, so
 // whatever lies strictly inside it is larger, and starts strictly descend from child to parent.
+//
+// So contours are taken in the order of starts, and what lies around one is searched backwards from it. Where contours do
+// not cross, the first found is the smallest. Layers of few contours look at all the others nevertheless. Layers of many
+// sweep over the starts with a tree of boxes and look further only while a budget linear in their number lasts: of more than
+// 128 contours that cross each other, a few may get a larger parent than the smallest, the same in any order of the items.
+// O(q log q) for q contours and points where few boxes overlap without nesting.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +19,8 @@
 #include <span>
 #include <vector>
 
+#include "7_nesting/boxes.hpp"
+#include "7_nesting/inside.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/result.hpp"
 
@@ -37,15 +46,23 @@ struct NestItem {
 
 namespace lamella::nesting {
 
-/// A closed contour with area, in the order of starts: what lies around it comes before it.
+/// A closed contour with area. Rings are in the order of starts: what lies around one comes before it.
 struct Ring {
     Point start;
     Point box_min, box_max;
+    std::size_t edge_index = 0;  // handle, once asked often
     std::uint32_t item = 0;
+    std::uint32_t tests = 0;   // points tested against it
     std::int32_t parent = -1;  // index of a ring
     std::int32_t winding = 0;  // just inside, as the senses add up from the outermost
     std::uint32_t depth = 0;   // number of rings around
     bool overruled = false;    // a winding below zero, here or around
+};
+
+/// What rings are sorted by, with whose it is.
+struct SortKey {
+    std::uint64_t key = 0;
+    std::uint32_t index = 0;
 };
 
 }  // namespace lamella::nesting
@@ -64,12 +81,25 @@ public:
 
 private:
     void collect(std::span<NestItem> items);
-    void find_parents(std::span<const NestItem> items);
+    void sort_by_start(std::span<const NestItem> items);
+    void find_parents_among_few(std::span<const NestItem> items);
+    void find_parents_among_many(std::span<const NestItem> items);
+    void ask_all_around(std::span<const NestItem> items, std::size_t ring, std::size_t& patience);
+    void order_places();
+    void take_if_closer(std::span<const NestItem> items, std::size_t ring, std::size_t around);
+    bool inside(const NestItem& contour, nesting::Ring& ring, Point query);
     void assign_roles(std::span<NestItem> items);
 
-    using InsideTest = bool (*)(const Point* points, std::uint32_t count, Point query) noexcept;
-    InsideTest inside_;
+    std::pmr::memory_resource* memory_;
+    nesting::AddEdges add_edges_;
     std::pmr::vector<nesting::Ring> rings_;
+    std::pmr::vector<std::uint64_t> areas_;  // of the rings: |twice_area|, as far as it fits
+    std::pmr::vector<nesting::SortKey> keys_, spare_keys_;
+    std::pmr::vector<nesting::BoxQuad> quads_;
+    std::pmr::vector<std::uint32_t> places_;  // of the rings in the tree
+    nesting::BoxTree tree_;
+    std::pmr::vector<std::int32_t> around_;
+    nesting::EdgeIndex edge_index_;
 };
 
 }  // namespace lamella

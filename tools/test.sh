@@ -33,7 +33,7 @@ stage "packages"
 install_missing "${build_packages[@]}" "${check_packages[@]}" "${picture_packages[@]}"
 
 stage "format"
-git ls-files --cached --others --exclude-standard '*.cpp' '*.hpp' | xargs clang-format --dry-run -Werror
+find engine include tests bench tools -name '*.[ch]pp' -print0 | xargs -0 clang-format --dry-run -Werror
 
 stage "release build"
 configure build -DCMAKE_BUILD_TYPE=Release -DCMAKE_EXPORT_COMPILE_COMMANDS=ON

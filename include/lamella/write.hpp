@@ -22,14 +22,14 @@ Status write_svg(const SliceResult& result, const std::filesystem::path& path, c
 
 /// What the engine cannot know: where the mesh came from and what it cost to read and write.
 struct ReportContext {
-    std::string mesh_file;
-    std::string output_file;
+    std::string mesh_file{};
+    std::string output_file{};
     double read_ms = 0;  ///< bytes only
     double parse_ms = 0;
     double write_ms = 0;
     double total_ms = 0;
     std::uint64_t peak_rss_bytes = 0;
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings{};
 };
 
 /// The report as JSON text (indented, with a final newline). Errors: out_of_memory.

@@ -1,0 +1,40 @@
+// Results put together by hand, with numbers that the expected texts can be worked out from.
+#pragma once
+
+#include <filesystem>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "lamella/result.hpp"
+
+namespace lamella::write_test {
+
+struct Ring {
+    Role role;
+    std::vector<Point> points;
+};
+
+/// On a grid of `unit_mm`: one layer of height 0.5 mm for each list of rings, the first at 0.25 mm.
+SliceResult result_of(const std::vector<std::vector<Ring>>& layers, double unit_mm);
+
+/// A square with a square hole, 10 and 4 mm wide, on a grid of 0.5 mm; then an empty layer; then an open polyline.
+SliceResult square_with_hole();
+
+std::string text_of(const std::filesystem::path& path);
+
+/// A folder of its own that goes away with its contents.
+class Folder {
+public:
+    Folder();
+    ~Folder();
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    const std::filesystem::path& path() const noexcept { return path_; }
+    std::vector<std::string> names() const;
+
+private:
+    std::filesystem::path path_;
+};
+
+}  // namespace lamella::write_test

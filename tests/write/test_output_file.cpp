@@ -1,0 +1,99 @@
+#include <filesystem>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "9_write/output_file.hpp"
+#include "lamella/write.hpp"
+#include "write/samples.hpp"
+
+using namespace lamella;
+using write_test::Folder;
+using write_test::text_of;
+
+namespace {
+
+void require_unwritable(const Status& status, const std::filesystem::path& path, const std::string& reason) {
+    REQUIRE_FALSE(status.ok());
+    CHECK(status.error().code == Code::unwritable_file);
+    CHECK(status.error().message == "cannot write '" + path.string() + "': " + reason);
+}
+
+}  // namespace
+
+TEST_CASE("output: the text and nothing beside it", "[write]") {
+    const Folder folder;
+    const std::string text(3 * OutputFile::buffer_bytes + 17, 'x');
+    REQUIRE(write_text_file(folder.path() / "a", text).ok());
+    CHECK(text_of(folder.path() / "a") == text);
+    CHECK(folder.names() == std::vector<std::string>{"a"});
+}
+
+TEST_CASE("output: until it is committed the old file stands, and an abandoned one leaves no trace", "[write]") {
+    const Folder folder;
+    REQUIRE(write_text_file(folder.path() / "a", "old").ok());
+    {
+        Result<OutputFile> file = OutputFile::create(folder.path() / "a");
+        REQUIRE(file.ok());
+        file->append("new");
+        CHECK(folder.names().size() == 2);
+        CHECK(text_of(folder.path() / "a") == "old");
+    }
+    CHECK(folder.names() == std::vector<std::string>{"a"});
+    CHECK(text_of(folder.path() / "a") == "old");
+}
+
+TEST_CASE("output: two writers of one file do not meet", "[write]") {
+    const Folder folder;
+    Result<OutputFile> one = OutputFile::create(folder.path() / "a");
+    Result<OutputFile> two = OutputFile::create(folder.path() / "a");
+    REQUIRE((one.ok() && two.ok()));
+    one->append("one");
+    two->append("two");
+    REQUIRE(one->commit().ok());
+    CHECK(text_of(folder.path() / "a") == "one");
+    REQUIRE(two->commit().ok());
+    CHECK(text_of(folder.path() / "a") == "two");
+    CHECK(folder.names() == std::vector<std::string>{"a"});
+}
+
+TEST_CASE("output: a replaced file keeps its mode, a link keeps pointing", "[write]") {
+    const Folder folder;
+    REQUIRE(write_text_file(folder.path() / "a", "old").ok());
+    std::filesystem::permissions(folder.path() / "a", std::filesystem::perms(0640));
+    std::filesystem::create_symlink("a", folder.path() / "link");
+    REQUIRE(write_text_file(folder.path() / "link", "new").ok());
+    CHECK(std::filesystem::is_symlink(folder.path() / "link"));
+    CHECK(text_of(folder.path() / "a") == "new");
+    CHECK(std::filesystem::status(folder.path() / "a").permissions() == std::filesystem::perms(0640));
+}
+
+TEST_CASE("output: errors name the file and the reason", "[write]") {
+    const Folder folder;
+    SECTION("no such folder") {
+        const auto path = folder.path() / "none" / "a";
+        require_unwritable(write_text_file(path, "x"), path, "No such file or directory");
+    }
+    SECTION("a folder") {
+        require_unwritable(write_text_file(folder.path(), "x"), folder.path(), "Is a directory");
+    }
+    SECTION("a file where a folder should be") {
+        REQUIRE(write_text_file(folder.path() / "a", "x").ok());
+        const auto path = folder.path() / "a" / "b";
+        require_unwritable(write_text_file(path, "x"), path, "Not a directory");
+    }
+    SECTION("a full disk, in the SVG writer too") {
+        require_unwritable(write_text_file("/dev/full", "x"), "/dev/full", "No space left on device");
+        require_unwritable(write_svg(write_test::square_with_hole(), "/dev/full"), "/dev/full", "No space left on device");
+        CHECK(std::filesystem::is_character_file("/dev/full"));
+    }
+    SECTION("the folder goes away meanwhile") {
+        const auto path = folder.path() / "gone" / "a";
+        std::filesystem::create_directory(path.parent_path());
+        Result<OutputFile> file = OutputFile::create(path);
+        REQUIRE(file.ok());
+        std::filesystem::remove_all(path.parent_path());
+        require_unwritable(file->commit(), path, "No such file or directory");
+    }
+    CHECK(folder.names().size() <= 1);
+}

@@ -1,0 +1,117 @@
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include <catch2/catch.hpp>
+
+#include "write/samples.hpp"
+
+namespace lamella::write_test {
+
+namespace {
+
+template <class T>
+void fill(Array<T>& array, const std::vector<T>& values) {
+    array.resize_discarding(values.size());
+    std::copy(values.begin(), values.end(), array.begin());
+}
+
+std::int64_t twice_area(const std::vector<Point>& ring) {
+    std::int64_t sum = 0;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Point& a = ring[i];
+        const Point& b = ring[(i + 1) % ring.size()];
+        sum += std::int64_t{a.x} * b.y - std::int64_t{b.x} * a.y;
+    }
+    return sum;
+}
+
+Contour contour_of(const Ring& ring, std::size_t first_point) {
+    const std::int64_t area = ring.role == Role::open || ring.role == Role::flat ? 0 : twice_area(ring.points);
+    Contour contour;
+    contour.first_point = first_point;
+    contour.point_count = static_cast<std::uint32_t>(ring.points.size());
+    contour.segments = contour.point_count;
+    contour.role = ring.role;
+    contour.sense = static_cast<std::int8_t>((area > 0) - (area < 0));
+    contour.twice_area = {static_cast<std::uint64_t>(area), area < 0 ? -1 : 0};
+    return contour;
+}
+
+}  // namespace
+
+SliceResult result_of(const std::vector<std::vector<Ring>>& layers, double unit_mm) {
+    std::vector<Layer> slabs;
+    std::vector<Contour> contours;
+    std::vector<Point> points;
+    SliceResult result;
+    for (const std::vector<Ring>& rings : layers) {
+        const double bottom = 0.5 * static_cast<double>(slabs.size());
+        Layer layer;
+        layer.bottom_mm = bottom;
+        layer.plane_mm = bottom + 0.25;
+        layer.top_mm = bottom + 0.5;
+        layer.plane = PlaneHeight(2 * static_cast<std::int32_t>(slabs.size()) + 1);
+        layer.first_contour = contours.size();
+        layer.contour_count = rings.size();
+        for (const Ring& ring : rings) {
+            contours.push_back(contour_of(ring, points.size()));
+            layer.segments += ring.points.size();
+            points.insert(points.end(), ring.points.begin(), ring.points.end());
+            result.summary.holes += static_cast<std::uint64_t>(ring.role == Role::hole);
+            result.summary.open_contours += static_cast<std::uint64_t>(ring.role == Role::open);
+            result.summary.flat_contours += static_cast<std::uint64_t>(ring.role == Role::flat);
+        }
+        result.summary.segments += layer.segments;
+        slabs.push_back(layer);
+    }
+    fill(result.layers, slabs);
+    fill(result.contours, contours);
+    fill(result.points, points);
+    result.unit_mm = unit_mm;
+    return result;
+}
+
+SliceResult square_with_hole() {
+    SliceResult result =
+        result_of({{{Role::outer, {{0, 0}, {20, 0}, {20, 20}, {0, 20}}}, {Role::hole, {{6, 6}, {6, 14}, {14, 14}, {14, 6}}}},
+                   {},
+                   {{Role::open, {{1, -3}, {5, 5}}}}},
+                  0.5);
+    std::fill_n(result.summary.max_mm, 3, 10.0);
+    return result;
+}
+
+std::string text_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+Folder::Folder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "lamella-write-XXXXXX").string();
+    path_ = ::mkdtemp(pattern.data()) != nullptr ? pattern : std::string();
+}
+
+Folder::~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+}
+
+std::vector<std::string> Folder::names() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(path_)) {
+        names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+}  // namespace lamella::write_test
+
+TEST_CASE("samples: what the writers are tested with is a valid result", "[write]") {
+    const lamella::SliceResult result = lamella::write_test::square_with_hole();
+    const lamella::Status status = lamella::validate(result);
+    INFO((status.ok() ? std::string() : status.error().message));
+    CHECK(status.ok());
+}

@@ -2,9 +2,9 @@
 // cortex; trabeculae (the level set of a random field of plane waves) in the ends; a medullary cavity in the shaft.
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "models/fields.hpp"
 #include "models/numbers.hpp"
@@ -94,14 +94,14 @@ public:
         }
     }
 
-    // values[i] = field at node i of the row, for i in [first, last)
-    void row(double y, double z, std::size_t first, std::size_t last, double* values) const {
-        std::fill(values + first, values + last, 0.0);
+    // values[i] = the field at node i of the row
+    void row(double y, double z, const RowSpan& span, double* values) const {
+        std::fill(values + span.first, values + span.last, 0.0);
         for (std::size_t n = 0; n < waves_.size(); ++n) {
             const SinCos phase = sincos_turns(waves_[n].y * y + waves_[n].z * z + waves_[n].phase);
             const double* c = cos_.data() + n * nx_;
             const double* s = sin_.data() + n * nx_;
-            for (std::size_t i = first; i < last; ++i) {
+            for (std::uint32_t i = span.first; i < span.last; ++i) {
                 values[i] += phase.cos * c[i] - phase.sin * s[i];
             }
         }
@@ -131,26 +131,22 @@ public:
         relief_.prepare(lattice);
         pores_.prepare(lattice);
         // Farther out than this, neither a join nor a node's neighbour can matter.
-        const double step = std::max(lattice.dx, lattice.dz);
+        const double step = 2 * lattice.longest_step();
         margin_ = join_width + step + 10 * step * step;
+        pore_values_.resize(lattice.nx);
+        relief_values_.resize(lattice.nx);
     }
 
-    void fill(std::uint32_t k, double* values) const override {
-        std::vector<double> relief(lattice_.nx);
-        std::vector<double> pores(lattice_.nx);
+    RowSpan fill_row(std::uint32_t k, std::uint32_t j, double* row) override {
         const double z = lattice_.z(k);
-        for (std::uint32_t j = 0; j < lattice_.ny; ++j, values += lattice_.nx) {
-            const double y = lattice_.y(j);
-            const std::array<RowQuadric, part_count> parts = parts_at(y, z);
-            const auto [first, last] = reach(parts);
-            std::fill(values, values + lattice_.nx, -1.0);
-            if (first < last) {
-                outside(parts, first, last, values);
-                relief_.row(y, z, first, last, relief.data());
-                pores_.row(y, z, first, last, pores.data());
-                hollow(y, z, first, last, relief.data(), pores.data(), values);
-            }
-        }
+        const double y = lattice_.y(j);
+        const std::array<RowQuadric, part_count> parts = parts_at(y, z);
+        const RowSpan span = reach(parts);
+        outside(parts, span, row);
+        relief_.row(y, z, span, relief_values_.data());
+        pores_.row(y, z, span, pore_values_.data());
+        hollow(y, z, span, row);
+        return span;
     }
 
 private:
@@ -158,8 +154,8 @@ private:
     static constexpr double relief_height = 0.0015;
 
     Bone(const Recipe& recipe, Random random)
-        : pore_size_(std::max(0.0135, 12 / std::sqrt(static_cast<double>(recipe.triangles)))),
-          cortex_(std::max(0.011, pore_size_ / 2.5)),
+        : pore_size_(std::max(0.0063, 11 / std::sqrt(static_cast<double>(recipe.triangles)))),
+          cortex_(std::max(0.0075, pore_size_ / 2)),
           relief_(6, std::max(0.07, 4 * pore_size_), 1.5, random),
           pores_(16, pore_size_, 1.5, random),
           anatomy_(anatomy) {
@@ -182,8 +178,8 @@ private:
         return parts;
     }
 
-    // The nodes of a row, [first, last), that are not far outside every part.
-    std::pair<std::size_t, std::size_t> reach(const std::array<RowQuadric, part_count>& parts) const noexcept {
+    // The nodes of a row that are not far outside every part.
+    RowSpan reach(const std::array<RowQuadric, part_count>& parts) const noexcept {
         double low = half_width;
         double high = -half_width;
         for (const RowQuadric& part : parts) {
@@ -194,16 +190,13 @@ private:
                 high = std::max(high, (-part.b + half) / part.a);
             }
         }
-        const double first = std::max((low - lattice_.x0) / lattice_.dx, 0.0);
-        const double last = std::min((high - lattice_.x0) / lattice_.dx + 1, static_cast<double>(lattice_.nx));
-        return {static_cast<std::size_t>(first), first < last ? static_cast<std::size_t>(last) : 0};
+        return span_between(lattice_, low, high);
     }
 
     // About the depth below the smooth outer surface.
-    void outside(const std::array<RowQuadric, part_count>& parts, std::size_t first, std::size_t last,
-                 double* values) const noexcept {
-        for (std::size_t i = first; i < last; ++i) {
-            const double x = lattice_.x0 + lattice_.dx * static_cast<double>(static_cast<std::int32_t>(i));
+    void outside(const std::array<RowQuadric, part_count>& parts, const RowSpan& span, double* values) const noexcept {
+        for (std::uint32_t i = span.first; i < span.last; ++i) {
+            const double x = lattice_.x(i);
             double joined = -1;
             for (const RowQuadric& part : parts) {
                 const double u = part.a * x + part.b;
@@ -215,20 +208,19 @@ private:
     }
 
     // Roughens the outside and takes out what lies between the trabeculae and in the medullary cavity.
-    void hollow(double y, double z, std::size_t first, std::size_t last, const double* relief, const double* pores,
-                double* values) const noexcept {
+    void hollow(double y, double z, const RowSpan& span, double* values) const noexcept {
         constexpr double half_length = 0.30;
-        constexpr double cavity_radius = 0.030;
-        constexpr double density = 0.25;  // level of the random field: about two fifths stay solid
+        constexpr double cavity_radius = 0.022;
+        constexpr double density = -0.35;  // level of the random field: about two thirds stay solid
         const double along = (z - 0.5) / half_length;
         const double dy = y - 0.022 * (1 - 4 * (z - 0.5) * (z - 0.5));
         const double cavity = cavity_radius / 2 * (1 - along * along * along * along) - dy * dy / (2 * cavity_radius);
         const double strut = pore_size_ / tau;
-        for (std::size_t i = first; i < last; ++i) {
-            const double x = lattice_.x0 + lattice_.dx * static_cast<double>(static_cast<std::int32_t>(i));
-            const double depth = values[i] + relief_height * relief[i];
+        for (std::uint32_t i = span.first; i < span.last; ++i) {
+            const double x = lattice_.x(i);
+            const double depth = values[i] + relief_height * relief_values_[i];
             const double marrow = x * x / (2 * cavity_radius) - cavity;
-            const double trabecula = std::min((pores[i] - density) * strut, marrow);
+            const double trabecula = std::min((pore_values_[i] - density) * strut, marrow);
             values[i] = std::min(depth, std::max(cortex_ - depth, trabecula));
         }
     }
@@ -242,6 +234,8 @@ private:
     std::array<Ellipsoid, part_count - 1> anatomy_;
     Lattice lattice_;
     double margin_ = 0;
+    std::vector<double> relief_values_;
+    std::vector<double> pore_values_;
 };
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstddef>
+#include <vector>
 
 #include "models/numbers.hpp"
 
@@ -23,23 +23,44 @@ public:
     double half_y() const noexcept override { return ring_ + tube_; }
     void prepare(const Lattice& lattice) override { lattice_ = lattice; }
 
-    void fill(std::uint32_t k, double* values) const override {
+    // With q the squared distance from the centre and rho the one from the axis, the solid is where
+    // (q + ring^2 - tube^2)^2 <= 4 ring^2 rho^2.
+    RowSpan fill_row(std::uint32_t k, std::uint32_t j, double* row) override {
         const double z = lattice_.z(k) - 0.5;
-        for (std::uint32_t j = 0; j < lattice_.ny; ++j) {
-            const double y = lattice_.y(j);
-            for (std::uint32_t i = 0; i < lattice_.nx; ++i) {
-                const double x = lattice_.x(i);
-                const double u = x * turn_.cos + y * turn_.sin;
-                const double v = y * turn_.cos - x * turn_.sin;
-                const double along = u * lean_sin_ + z * lean_cos_;
-                const double across = u * lean_cos_ - z * lean_sin_;
-                const double off = std::sqrt(across * across + v * v) - ring_;
-                *values++ = tube_ - std::sqrt(off * off + along * along);
-            }
+        const double y = lattice_.y(j);
+        const double along_base = y * turn_.sin * lean_sin_ + z * lean_cos_;
+        const double along_slope = turn_.cos * lean_sin_;
+        const RowSpan span = near(y, z, along_base, along_slope);
+        for (std::uint32_t i = span.first; i < span.last; ++i) {
+            const double x = lattice_.x(i);
+            const double along = along_base + along_slope * x;
+            const double q = x * x + y * y + z * z;
+            const double sum = q + ring_ * ring_ - tube_ * tube_;
+            row[i] = 4 * ring_ * ring_ * (q - along * along) - sum * sum;
         }
+        return span;
     }
 
 private:
+    // Within the ball and the slab that hold the torus.
+    RowSpan near(double y, double z, double along_base, double along_slope) const noexcept {
+        const double margin = 2 * lattice_.longest_step();
+        const double reach = ring_ + tube_ + margin;
+        const double square = reach * reach - y * y - z * z;
+        if (square <= 0) {
+            return {};
+        }
+        double high = std::sqrt(square);
+        double low = -high;
+        if (std::abs(along_slope) > 1e-3) {
+            const double middle = -along_base / along_slope;
+            const double half = (tube_ + margin) / std::abs(along_slope);
+            low = std::max(low, middle - half);
+            high = std::min(high, middle + half);
+        }
+        return span_between(lattice_, low, high);
+    }
+
     static constexpr double lean_sin_ = 0.8;
     static constexpr double lean_cos_ = 0.6;
     // Height 2 (ring * sin + tube) = 1.
@@ -54,8 +75,9 @@ private:
 class Gyroid final : public Field {
 public:
     explicit Gyroid(const Recipe& recipe) {
+        // A sheet wants some twelve thousand triangles per period cubed to come out smooth.
         while (periods_ < most_periods_ &&
-               2000 * (periods_ + 0.5) * (periods_ + 0.5) * (periods_ + 0.5) < static_cast<double>(recipe.triangles)) {
+               12000 * (periods_ + 0.5) * (periods_ + 0.5) * (periods_ + 0.5) < static_cast<double>(recipe.triangles)) {
             periods_ += 0.5;
         }
         Random random(recipe.seed);
@@ -79,26 +101,34 @@ public:
         }
     }
 
-    void fill(std::uint32_t k, double* values) const override {
+    RowSpan fill_row(std::uint32_t k, std::uint32_t j, double* row) override {
         const double z = lattice_.z(k) - 0.5;
+        const double y = lattice_.y(j);
+        const double reach = radius_ + 2 * lattice_.longest_step();
+        const double square = reach * reach - y * y - z * z;
+        if (square <= 0) {
+            return {};
+        }
+        const RowSpan span = span_between(lattice_, -std::sqrt(square), std::sqrt(square));
+        const SinCos b = y_[j];
         const SinCos c = sincos_turns(z * periods_ + shift_[2]);
         const double slope = tau * periods_;  // brings the sheet's field to about the scale of a distance
-        for (std::uint32_t j = 0; j < lattice_.ny; ++j) {
-            const SinCos b = y_[j];
-            const double ball = radius_ * radius_ - lattice_.y(j) * lattice_.y(j) - z * z;
-            for (std::uint32_t i = 0; i < lattice_.nx; ++i) {
-                const SinCos a = x_[i];
-                const double sheet = a.sin * b.cos + b.sin * c.cos + c.sin * a.cos;
-                const double x = lattice_.x(i);
-                *values++ = std::min((thickness_ - std::abs(sheet)) / slope, (ball - x * x) / (2 * radius_));
-            }
+        for (std::uint32_t i = span.first; i < span.last; ++i) {
+            const double x = lattice_.x(i);
+            const double sheet = x_[i].sin * b.cos + b.sin * c.cos + c.sin * x_[i].cos;
+            const double in_sheet = (thickness_ - std::abs(sheet)) / slope;
+            const double in_ball = (radius_ * radius_ - x * x - y * y - z * z) / (2 * radius_);
+            const double near = std::max(rounding_ - std::abs(in_sheet - in_ball), 0.0);
+            row[i] = std::min(in_sheet, in_ball) - near * near / (4 * rounding_);
         }
+        return span;
     }
 
 private:
     static constexpr double radius_ = 0.5;
-    static constexpr double most_periods_ = 6;
+    static constexpr double most_periods_ = 5;
     static constexpr double thickness_ = 0.55;
+    static constexpr double rounding_ = 0.015;  // of the rim where the sheet meets the ball
 
     double periods_ = 0.5;
     std::array<double, 3> shift_{};

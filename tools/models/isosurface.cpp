@@ -61,21 +61,29 @@ Spacing corrected(const Spacing& from, const SurfaceSize& size, const Goal& goal
     return to;
 }
 
+// More than a step in each direction, and a number of nodes that can be visited.
 bool sensible(const Field& field, const Spacing& spacing) {
-    constexpr double least_steps = 1;
     constexpr double most_nodes = 2e10;
-    const double nodes = 4 * field.half_x() * field.half_y() / (spacing.dx * spacing.dx * spacing.dz);
-    return spacing.dx * least_steps < 2 * std::min(field.half_x(), field.half_y()) && spacing.dz * least_steps < 1 &&
-           nodes < most_nodes;
+    constexpr double most_plane_nodes = 2e7;
+    const double plane_nodes = 4 * field.half_x() * field.half_y() / (spacing.dx * spacing.dx);
+    return spacing.dx < 2 * std::min(field.half_x(), field.half_y()) && spacing.dz < 1 && plane_nodes < most_plane_nodes &&
+           plane_nodes < most_nodes * spacing.dz;
 }
 
 struct Choice {
     Spacing spacing;
     SurfaceSize size;
+    bool met = false;  // otherwise `size` is the last that was tried
 };
 
+// With what splitting adds: seven sixths of a split triangle's extent, on average over the height of its middle vertex.
+double expected_extent(const SurfaceSize& size, const Goal& goal) {
+    const double splits = std::max(goal.triangles - size.triangles, 0.0) / 2;
+    return size.z_extent * (1 + splits / size.triangles * 7 / 6);
+}
+
 // From samples of slabs, then from whole counts until one is at or just below the goal; splits make up the rest.
-std::optional<Choice> choose_spacing(Field& field, const Goal& goal) {
+Choice choose_spacing(Field& field, const Goal& goal) {
     constexpr int most_samples = 8;
     constexpr int most_counts = 24;
     constexpr double sampled_slabs = 64;
@@ -96,16 +104,15 @@ std::optional<Choice> choose_spacing(Field& field, const Goal& goal) {
             break;
         }
     }
-    std::optional<Choice> best;
+    Choice best;
     for (int i = 0; i < most_counts && sensible(field, spacing); ++i) {
         const SurfaceSize size = measure(field, lattice_around(field, spacing.dx, spacing.dz), 1, extents);
-        const bool fits = size.triangles <= goal.triangles;
-        const bool right_extent =
-            !extents || std::abs(size.z_extent * goal.triangles / (size.triangles * *goal.z_extent) - 1) < 0.02;
-        if (fits && right_extent && (!best || size.triangles > best->size.triangles)) {
-            best = Choice{spacing, size};
+        const bool fits = size.triangles <= goal.triangles && 3 * size.triangles >= goal.triangles;
+        const bool crossed = !extents || std::abs(expected_extent(size, goal) / *goal.z_extent - 1) < 0.03;
+        if (!best.met || (fits && crossed && size.triangles > best.size.triangles)) {
+            best = {spacing, size, fits && crossed};
         }
-        if (best && best->size.triangles > 0.97 * goal.triangles) {
+        if (best.met && best.size.triangles > 0.97 * goal.triangles) {
             break;
         }
         spacing = corrected(spacing, size, goal, aim);
@@ -137,12 +144,12 @@ Plan plan_isosurface(const Recipe& recipe) {
     if (recipe.segments) {
         goal.z_extent = static_cast<double>(*recipe.segments) * recipe.layer_height_mm / scale.z;
     }
-    const std::optional<Choice> choice = choose_spacing(*field, goal);
-    if (!choice) {
-        return unreachable_segments(recipe, 0);
+    const Choice choice = choose_spacing(*field, goal);
+    if (!choice.met) {
+        return unreachable(recipe, choice.size.z_extent * scale.z / recipe.layer_height_mm);
     }
-    const auto unsplit = static_cast<std::uint64_t>(choice->size.triangles);
-    const Lattice lattice = lattice_around(*field, choice->spacing.dx, choice->spacing.dz);
+    const auto unsplit = static_cast<std::uint64_t>(choice.size.triangles);
+    const Lattice lattice = lattice_around(*field, choice.spacing.dx, choice.spacing.dz);
     return {std::make_unique<Isosurface>(std::move(field), lattice, scale, unsplit, (recipe.triangles - unsplit) / 2)};
 }
 

@@ -157,24 +157,29 @@ constexpr auto cube_cases = [] {
     return cases;
 }();
 
-// The nodes of one lattice plane: values and whether they lie inside.
+// The nodes of one lattice plane: values and whether they lie inside. What is outside the rows' spans stays as it was made.
 struct NodePlane {
     std::vector<double> values;
     std::vector<std::uint8_t> inside;
+    std::vector<RowSpan> spans;
 
     explicit NodePlane(const Lattice& lattice)
-        : values(std::size_t{lattice.nx} * lattice.ny), inside(std::size_t{lattice.nx} * lattice.ny) {}
+        : values(std::size_t{lattice.nx} * lattice.ny, -1.0),
+          inside(std::size_t{lattice.nx} * lattice.ny, 0),
+          spans(lattice.ny) {}
 
-    void fill(const Field& field, const Lattice& lattice, std::uint32_t k) {
-        field.fill(k, values.data());
-        const bool border_plane = k == 0 || k + 1 == lattice.nz;
-        for (std::size_t at = 0, j = 0; j < lattice.ny; ++j) {
-            const bool border_row = border_plane || j == 0 || j + 1 == lattice.ny;
-            for (std::size_t i = 0; i < lattice.nx; ++i, ++at) {
-                if ((border_row || i == 0 || i + 1 == lattice.nx) && values[at] >= 0) {
-                    values[at] = -1;
-                }
-                inside[at] = values[at] >= 0 ? 1 : 0;
+    void fill(Field& field, const Lattice& lattice, std::uint32_t k) {
+        for (std::uint32_t j = 0; j < lattice.ny; ++j) {
+            double* row = values.data() + std::size_t{j} * lattice.nx;
+            std::uint8_t* row_inside = inside.data() + std::size_t{j} * lattice.nx;
+            RowSpan& span = spans[j];
+            std::fill(row + span.first, row + span.last, -1.0);
+            std::fill(row_inside + span.first, row_inside + span.last, std::uint8_t{0});
+            const bool border = k == 0 || k + 1 == lattice.nz || j == 0 || j + 1 == lattice.ny;
+            span = border ? RowSpan{} : field.fill_row(k, j, row);
+            assert(span.first == span.last || (span.first > 0 && span.last < lattice.nx));
+            for (std::uint32_t i = span.first; i < span.last; ++i) {
+                row_inside[i] = row[i] >= 0 ? 1 : 0;
             }
         }
     }
@@ -192,12 +197,13 @@ public:
         const std::size_t nx = lattice_.nx;
         columns.resize(nx);
         for (std::uint32_t j = 0; j + 1 < lattice_.ny; ++j) {
+            const RowSpan span = common_span(j);
             const std::uint8_t* l = planes_[0]->inside.data() + j * nx;
             const std::uint8_t* u = planes_[1]->inside.data() + j * nx;
-            for (std::size_t i = 0; i < nx; ++i) {
+            for (std::size_t i = span.first; i < span.last; ++i) {
                 columns[i] = static_cast<std::uint8_t>(l[i] | l[i + nx] << 2 | u[i] << 4 | u[i + nx] << 6);
             }
-            for (std::uint32_t i = 0; i + 1 < nx; ++i) {
+            for (std::uint32_t i = span.first; i + 1 < span.last; ++i) {
                 const auto mask = static_cast<std::uint8_t>(columns[i] | columns[i + 1] << 1);
                 if (mask != 0 && mask != 255) {
                     visit(i, j, cube_cases[mask]);
@@ -217,6 +223,20 @@ public:
     std::uint32_t k() const noexcept { return k_; }
 
 private:
+    // The spans of rows j and j + 1 in both planes, with a node to each side.
+    RowSpan common_span(std::uint32_t j) const noexcept {
+        RowSpan common{lattice_.nx, 0};
+        for (const NodePlane* plane : planes_) {
+            for (const RowSpan& span : {plane->spans[j], plane->spans[j + 1]}) {
+                if (span.first < span.last) {
+                    common.first = std::min(common.first, span.first - 1);
+                    common.last = std::max(common.last, span.last + 1);
+                }
+            }
+        }
+        return common;
+    }
+
     double node(std::uint32_t i, std::uint32_t j, unsigned corner) const noexcept {
         const std::size_t at = std::size_t{j + (corner >> 1 & 1)} * lattice_.nx + i + (corner & 1);
         return planes_[corner >> 2]->values[at];
@@ -285,6 +305,13 @@ Lattice lattice_around(const Field& field, double dx, double dz) noexcept {
     lattice.y0 = -0.5 * dx * (lattice.ny - 1);
     lattice.z0 = 0.5 - 0.5 * dz * (lattice.nz - 1);
     return lattice;
+}
+
+RowSpan span_between(const Lattice& lattice, double low, double high) noexcept {
+    const double most = static_cast<double>(lattice.nx) - 1;
+    const double first = std::max((low - lattice.x0) / lattice.dx - 1, 1.0);
+    const double last = std::min((high - lattice.x0) / lattice.dx + 2, most);
+    return first < last ? RowSpan{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last)} : RowSpan{};
 }
 
 SurfaceSize measure(Field& field, const Lattice& lattice, std::uint32_t stride, bool extents) {

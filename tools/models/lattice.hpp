@@ -26,7 +26,17 @@ struct Lattice {
     double x(std::uint32_t i) const noexcept { return x0 + dx * i; }
     double y(std::uint32_t j) const noexcept { return y0 + dx * j; }
     double z(std::uint32_t k) const noexcept { return z0 + dz * k; }
+    double longest_step() const noexcept { return dx > dz ? dx : dz; }
 };
+
+/// Nodes [first, last) of a row along x.
+struct RowSpan {
+    std::uint32_t first = 0;
+    std::uint32_t last = 0;
+};
+
+/// The nodes with low <= x <= high and one to each side, without those on the lattice's border.
+RowSpan span_between(const Lattice& lattice, double low, double high) noexcept;
 
 /// A solid: where the value is not negative. Lies within |x| < half_x, |y| < half_y, 0 <= z <= 1.
 class Field {
@@ -39,11 +49,12 @@ public:
     virtual double half_x() const noexcept = 0;
     virtual double half_y() const noexcept = 0;
 
-    /// Makes tables for planes of this lattice.
+    /// Makes tables for this lattice, on which fill_row() then works.
     virtual void prepare(const Lattice& lattice) = 0;
 
-    /// The nx * ny values, x fastest, of plane k of the prepared lattice.
-    virtual void fill(std::uint32_t k, double* values) const = 0;
+    /// Writes the values of row j of plane k, as far as they are near the solid, and returns where: everything else counts
+    /// as far outside. Nodes next to one that is inside are near.
+    virtual RowSpan fill_row(std::uint32_t k, std::uint32_t j, double* row) = 0;
 };
 
 /// A lattice around the field's box, with at least one node to spare on each side.

@@ -208,7 +208,7 @@ Plan plan_rings(const Recipe& recipe) {
     if (recipe.segments) {
         const double ratio = sizes.segments / static_cast<double>(*recipe.segments);
         if (ratio < 0.96 || ratio > 1.04) {
-            return unreachable_segments(recipe, sizes.segments);
+            return unreachable(recipe, sizes.segments);
         }
     }
     return {std::make_unique<Rings>(recipe, sizes)};

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <limits>
 #include <string>
+#include <utility>
 
 namespace lamella::models {
 
@@ -58,13 +59,14 @@ bool Emitter::flush() {
     return !stopped_;
 }
 
-Error unreachable_segments(const Recipe& recipe, double nearest) {
-    const auto shape = static_cast<std::size_t>(recipe.shape);
-    return {Code::invalid_argument, "segments: a " + std::string(shape_names[shape]) + " of " +
-                                        std::to_string(recipe.triangles) + " triangles and this size cannot have " +
-                                        std::to_string(recipe.segments.value_or(0)) +
-                                        " crossings at this layer height; the nearest is about " +
-                                        std::to_string(static_cast<std::uint64_t>(nearest))};
+Error unreachable(const Recipe& recipe, double nearest) {
+    std::string message = "a " + std::string(shape_names[static_cast<std::size_t>(recipe.shape)]) + " of " +
+                          std::to_string(recipe.triangles) + " triangles and this size cannot be made";
+    if (recipe.segments) {
+        message += " with " + std::to_string(*recipe.segments) + " segments at this layer height: the nearest tried has " +
+                   std::to_string(static_cast<std::uint64_t>(nearest));
+    }
+    return {Code::invalid_argument, std::move(message)};
 }
 
 }  // namespace lamella::models

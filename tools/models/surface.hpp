@@ -75,7 +75,7 @@ Plan plan_rings(const Recipe& recipe);
 /// Torus, gyroid and bone.
 Plan plan_isosurface(const Recipe& recipe);
 
-/// The error for segments that the shape cannot give.
-Error unreachable_segments(const Recipe& recipe, double nearest);
+/// The error for a size that the shape cannot have; `nearest` counts crossings.
+Error unreachable(const Recipe& recipe, double nearest);
 
 }  // namespace lamella::models

@@ -80,15 +80,25 @@ bool before(Direction zero, Direction a, Direction b) {
     return second_half(a) != second_half(b) ? second_half(b) : cross(a, b) > 0;
 }
 
-/// The ends at one edge, counter-clockwise from the smallest third vertex.
+/// The ends at one edge, counter-clockwise from the smallest third vertex. A third vertex in line with the edge has no angle
+/// and counts as lying there too.
 void sort_around(std::vector<End*>& around) {
     const EdgeKey edge = around.front()->at.edge;
-    const End* first =
-        *std::min_element(around.begin(), around.end(), [](const End* a, const End* b) { return a->third < b->third; });
-    const Direction zero = direction_of(edge, first->third);
+    const auto no_angle = [](Direction d) { return d.x == 0 && d.y == 0; };
+    const End* first = nullptr;
+    for (const End* end : around) {
+        if (!no_angle(direction_of(edge, end->third)) && (first == nullptr || end->third < first->third)) {
+            first = end;
+        }
+    }
+    const Direction zero = first != nullptr ? direction_of(edge, first->third) : Direction{1, 0};
+    const auto angle_of = [&](const End* end) {
+        const Direction direction = direction_of(edge, end->third);
+        return no_angle(direction) ? zero : direction;
+    };
     std::stable_sort(around.begin(), around.end(), [&](const End* a, const End* b) {
-        const Direction da = direction_of(edge, a->third);
-        const Direction db = direction_of(edge, b->third);
+        const Direction da = angle_of(a);
+        const Direction db = angle_of(b);
         if (before(zero, da, db) || before(zero, db, da)) {
             return before(zero, da, db);
         }
@@ -196,17 +206,27 @@ std::vector<Point> canonical_points(std::vector<Crossing>& crossings, bool close
     return points;
 }
 
-/// Runs as most of its segments say; where as many say one way as the other, so that it is counter-clockwise (closed) or
-/// begins at its smaller end (open).
+/// The mesh edges along a walk, a closed one from where they read smallest.
+std::vector<EdgeKey> reading_of(const std::vector<Crossing>& crossings, bool closed) {
+    std::vector<EdgeKey> edges;
+    for (const Crossing& crossing : crossings) {
+        edges.push_back(crossing.edge);
+    }
+    std::vector<EdgeKey> smallest = edges;
+    for (std::size_t turn = 0; closed && turn < edges.size(); ++turn) {
+        std::rotate(edges.begin(), edges.begin() + 1, edges.end());
+        smallest = std::min(smallest, edges);
+    }
+    return smallest;
+}
+
+/// A walk runs as most of its segments say; where as many say one way as the other, as its edges read smaller.
 bool runs_backwards(const Walk& walk) {
     if (walk.votes != 0) {
         return walk.votes < 0;
     }
-    if (!walk.closed) {
-        return walk.crossings.back() < walk.crossings.front();
-    }
-    std::vector<Crossing> crossings = walk.crossings;
-    return twice_area_of(canonical_points(crossings, true)) < 0;
+    const std::vector<Crossing> back(walk.crossings.rbegin(), walk.crossings.rend());
+    return reading_of(back, walk.closed) < reading_of(walk.crossings, walk.closed);
 }
 
 Contour contour_of(Walk walk) {

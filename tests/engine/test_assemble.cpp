@@ -1,0 +1,138 @@
+// Contours from segments that callers bring: keys and ranks of their own.
+#include <catch2/catch.hpp>
+
+#include "lamella/assemble.hpp"
+
+using lamella::EndKey;
+using lamella::LayerContours;
+using lamella::Point;
+using lamella::Role;
+using lamella::Segment;
+
+namespace {
+
+EndKey key(std::uint64_t a) {
+    return {a, 0, 0};
+}
+
+LayerContours assembled(const std::vector<Segment>& segments) {
+    lamella::Result<LayerContours> layer = assemble(segments);
+    REQUIRE(layer.ok());
+    std::uint64_t sum = 0;
+    for (const lamella::Contour& contour : layer->contours) {
+        sum += contour.segments;
+    }
+    REQUIRE(sum == segments.size());
+    return std::move(layer).value();
+}
+
+std::vector<Point> points_of(const LayerContours& layer, std::size_t c) {
+    const Point* first = layer.points.data() + layer.contours[c].first_point;
+    return {first, first + layer.contours[c].point_count};
+}
+
+/// A closed polygon, its corners keyed from `first` on.
+std::vector<Segment> polygon(const std::vector<Point>& corners, std::uint64_t first) {
+    std::vector<Segment> segments;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const std::size_t next = (i + 1) % corners.size();
+        segments.push_back({key(first + i), key(first + next), corners[i], corners[next], 0, 0});
+    }
+    return segments;
+}
+
+std::vector<Segment> operator+(std::vector<Segment> a, const std::vector<Segment>& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+using Points = std::vector<Point>;
+
+}  // namespace
+
+TEST_CASE("no segments make no contours", "[assemble]") {
+    CHECK(assembled({}).contours.empty());
+}
+
+TEST_CASE("a square is one outer contour from its smallest point", "[assemble]") {
+    const LayerContours layer = assembled(polygon({{4, 0}, {4, 4}, {0, 4}, {0, 0}}, 1));
+    REQUIRE(layer.contours.size() == 1);
+    CHECK(points_of(layer, 0) == Points{{0, 0}, {4, 0}, {4, 4}, {0, 4}});
+    CHECK(layer.contours[0].role == Role::outer);
+    CHECK(layer.contours[0].twice_area == lamella::Wide{32, 0});
+}
+
+TEST_CASE("a hole in a square points to it", "[assemble]") {
+    const LayerContours layer =
+        assembled(polygon({{2, 2}, {2, 4}, {4, 4}, {4, 2}}, 1) + polygon({{9, 0}, {9, 9}, {0, 9}, {0, 0}}, 11));
+    REQUIRE(layer.contours.size() == 2);
+    CHECK(layer.contours[1].role == Role::hole);
+    CHECK(layer.contours[1].parent == 0);
+    CHECK(points_of(layer, 1) == Points{{2, 2}, {2, 4}, {4, 4}, {4, 2}});
+}
+
+TEST_CASE("equal points with unequal keys do not meet", "[assemble]") {
+    const LayerContours layer =
+        assembled(polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}}, 1) + polygon({{4, 4}, {8, 4}, {8, 8}, {4, 8}}, 11));
+    CHECK(layer.contours.size() == 2);
+}
+
+TEST_CASE("ranks decide who meets at a shared key", "[assemble]") {
+    // Two squares meet at (4, 4). Counter-clockwise from the east: one goes out, one comes in from the north, one goes out
+    // to the west, one comes in from the south.
+    const EndKey shared = key(99);
+    const auto squares = [&](std::uint32_t east_out, std::uint32_t north_in, std::uint32_t west_out,
+                             std::uint32_t south_in) {
+        return std::vector<Segment>{
+            {key(1), key(2), {0, 0}, {4, 0}, 0, 0},        {key(2), shared, {4, 0}, {4, 4}, 0, south_in},
+            {shared, key(3), {4, 4}, {0, 4}, west_out, 0}, {key(3), key(1), {0, 4}, {0, 0}, 0, 0},
+            {shared, key(4), {4, 4}, {8, 4}, east_out, 0}, {key(4), key(5), {8, 4}, {8, 8}, 0, 0},
+            {key(5), key(6), {8, 8}, {4, 8}, 0, 0},        {key(6), shared, {4, 8}, {4, 4}, 0, north_in},
+        };
+    };
+    // As they lie: each in with the out next clockwise, so that each square closes by itself.
+    CHECK(assembled(squares(0, 1, 2, 3)).contours.size() == 2);
+    // Other ranks, other pairs: a single contour through both squares.
+    CHECK(assembled(squares(0, 3, 2, 1)).contours.size() == 1);
+    // A turn of all ranks changes nothing.
+    CHECK(assembled(squares(2, 3, 0, 1)).contours.size() == 2);
+}
+
+TEST_CASE("ends without partner make open polylines", "[assemble]") {
+    const LayerContours layer = assembled({{key(2), key(3), {5, 0}, {5, 5}, 0, 0}, {key(1), key(2), {9, 0}, {5, 0}, 0, 0}});
+    REQUIRE(layer.contours.size() == 1);
+    CHECK(layer.contours[0].role == Role::open);
+    CHECK(layer.contours[0].sense == 0);
+    CHECK(points_of(layer, 0) == Points{{9, 0}, {5, 0}, {5, 5}});
+}
+
+TEST_CASE("segments that disagree are joined and marked", "[assemble]") {
+    std::vector<Segment> segments = polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}}, 1);
+    std::swap(segments[1].from, segments[1].to);
+    std::swap(segments[1].from_key, segments[1].to_key);
+    const LayerContours layer = assembled(segments);
+    REQUIRE(layer.contours.size() == 1);
+    CHECK(layer.contours[0].flags == lamella::sense_mixed);
+    CHECK(layer.contours[0].sense == 1);
+    CHECK(points_of(layer, 0) == Points{{0, 0}, {4, 0}, {4, 4}, {0, 4}});
+}
+
+TEST_CASE("whatever is brought, assemble ends and uses each segment once", "[assemble]") {
+    // A segment from a key to itself; a bundle of equal ones; a star of ends that all go out.
+    std::vector<Segment> segments = {{key(1), key(1), {0, 0}, {0, 0}, 0, 0}, {key(1), key(1), {0, 0}, {3, 0}, 0, 1}};
+    for (std::uint32_t i = 0; i < 9; ++i) {
+        segments.push_back({key(2), key(3), {0, 0}, {1, 1}, i, i});
+        segments.push_back({key(4), key(10 + i), {5, 5}, {5, static_cast<std::int32_t>(i)}, i, 0});
+    }
+    CHECK_FALSE(assembled(segments).contours.empty());
+}
+
+TEST_CASE("an edge has one key, whichever vertex comes first", "[assemble]") {
+    const lamella::GridVertex u{2, -4, 6};
+    const lamella::GridVertex v{-2, 8, 10};
+    CHECK(EndKey::of_edge(u, v) == EndKey::of_edge(v, u));
+    CHECK(EndKey::of_edge(u, v) != EndKey::of_edge(u, {-2, 8, 12}));
+    // Lower ends come first, then upper ones.
+    CHECK(EndKey::of_edge({-4, 0, 0}, v) < EndKey::of_edge({-2, -6, -8}, v));
+    CHECK(EndKey::of_edge(u, v) < EndKey::of_edge(u, {0, -8, 10}));
+}

@@ -1,0 +1,148 @@
+// Against the oracle: soups in which everything coincides, and generated meshes.
+#include <numeric>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "models/models.hpp"
+#include "oracle/compare.hpp"
+
+using lamella::ContourForm;
+
+namespace {
+
+constexpr double fine_unit_mm = 0.125;
+
+/// Every plane that meets corners on integers, and those between: integers of mm are multiples of 8 units.
+lamella::SliceOptions through_all(std::uint64_t range, ContourForm form) {
+    std::vector<double> heights;
+    for (double h = 0.25; h <= static_cast<double>(range); h += 0.25) {
+        heights.push_back(h);
+    }
+    lamella::SliceOptions options = at_heights(heights);
+    options.unit_mm = fine_unit_mm;
+    options.form = form;
+    return options;
+}
+
+void check_against_oracle(const shapes::Soup& soup, const lamella::SliceOptions& options) {
+    const lamella::SliceResult result = sliced(soup, options);
+    const std::string found = oracle::difference(result, oracle::quantise(soup, result.unit_mm));
+    REQUIRE(found == "");  // NOLINT(readability-container-size-empty): shows the difference
+}
+
+std::vector<lamella::Segment> shuffled(std::vector<lamella::Segment> segments, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    for (std::size_t i = segments.size(); i > 1; --i) {
+        std::swap(segments[i - 1], segments[random() % i]);
+    }
+    return segments;
+}
+
+/// What assemble() makes of the oracle's segments, in any order and on any number of threads.
+void check_assembled(const shapes::Soup& soup, std::int32_t z, std::uint64_t seed) {
+    const std::vector<oracle::Triangle> triangles = oracle::quantise(soup, fine_unit_mm);
+    const oracle::Layer expected = oracle::slice_at(triangles, z);
+    const std::vector<lamella::Segment> segments = shuffled(oracle::segments_at(triangles, z), seed);
+    for (const int threads : {1, 3}) {
+        lamella::AssembleOptions options;
+        options.threads = threads;
+        const lamella::Result<lamella::LayerContours> layer = assemble(segments, options);
+        REQUIRE(layer.ok());
+        REQUIRE(oracle::difference(*layer, expected) == "");  // NOLINT(readability-container-size-empty)
+    }
+}
+
+shapes::Soup from_recipe(lamella::models::Shape shape, std::uint64_t triangles) {
+    lamella::models::Recipe recipe;
+    recipe.shape = shape;
+    recipe.triangles = triangles;
+    recipe.height_mm = 20;
+    const std::vector<float> soup = lamella::models::make_soup(recipe);
+    return {soup.begin(), soup.end()};
+}
+
+}  // namespace
+
+TEST_CASE("unbalanced soups of coincidences agree with the oracle", "[engine][random]") {
+    const ContourForm form = GENERATE(ContourForm::swept, ContourForm::assembled);
+    for (std::uint64_t seed = 0; seed < 400; ++seed) {
+        const std::uint64_t range = 2 + seed % 4;
+        INFO("seed " << seed);
+        check_against_oracle(shapes::random_soup(seed, 3 + static_cast<int>(seed % 40), range), through_all(range, form));
+    }
+}
+
+TEST_CASE("tetrahedra that share edges agree with the oracle and close", "[engine][random]") {
+    const ContourForm form = GENERATE(ContourForm::swept, ContourForm::assembled);
+    for (std::uint64_t seed = 0; seed < 400; ++seed) {
+        const std::uint64_t range = 2 + seed % 4;
+        const shapes::Soup soup = shapes::random_tetrahedra(seed, 2 + static_cast<int>(seed % 12), range);
+        INFO("seed " << seed);
+        check_against_oracle(soup, through_all(range, form));
+        CHECK(sliced(soup, through_all(range, form)).summary.open_contours == 0);
+    }
+}
+
+TEST_CASE("many bands agree with the oracle where everything coincides", "[engine][random]") {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        lamella::SliceOptions options = through_all(5, ContourForm::swept);
+        options.threads = 2;
+        options.band_planes = 1 + static_cast<int>(seed % 5);
+        INFO("seed " << seed);
+        check_against_oracle(shapes::joined({shapes::random_tetrahedra(seed, 10, 5), shapes::random_soup(seed, 10, 5)}),
+                             options);
+    }
+}
+
+TEST_CASE("generated meshes agree with the oracle", "[engine][random]") {
+    using lamella::models::Shape;
+    const Shape shape = GENERATE(Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism);
+    const shapes::Soup soup = from_recipe(shape, 4000);
+    REQUIRE_FALSE(soup.empty());
+    for (const ContourForm form : {ContourForm::swept, ContourForm::assembled}) {
+        lamella::SliceOptions options = uniform(0.25);
+        options.form = form;
+        check_against_oracle(soup, options);
+        options.plan.spacing = lamella::RandomLayers{0.1, 0.5, 3};
+        check_against_oracle(soup, options);
+    }
+}
+
+TEST_CASE("assemble makes the oracle's contours of the oracle's segments", "[assemble][random]") {
+    for (std::uint64_t seed = 0; seed < 150; ++seed) {
+        const std::uint64_t range = 2 + seed % 4;
+        const std::int32_t z = 2 * static_cast<std::int32_t>(seed % (4 * range)) + 1;
+        INFO("seed " << seed);
+        check_assembled(shapes::random_soup(seed, 5 + static_cast<int>(seed % 40), range), z, seed);
+        check_assembled(shapes::random_tetrahedra(seed, 2 + static_cast<int>(seed % 12), range), z, seed);
+    }
+}
+
+TEST_CASE("assemble makes the engine's layers of a generated mesh", "[assemble]") {
+    const shapes::Soup soup = from_recipe(lamella::models::Shape::bone, 20'000);
+    const lamella::SliceResult result = sliced(soup, uniform(1));
+    const std::vector<oracle::Triangle> triangles = oracle::quantise(soup, result.unit_mm);
+    for (const lamella::Layer& layer : result.layers) {
+        const auto segments = shuffled(oracle::segments_at(triangles, layer.plane.z()), 1);
+        REQUIRE(segments.size() == layer.segments);
+        const lamella::Result<lamella::LayerContours> assembled = assemble(segments);
+        REQUIRE(assembled.ok());
+        const auto contours = result.contours_of(layer);
+        REQUIRE(assembled->contours.size() == contours.size());
+        std::uint64_t next_point = 0;
+        for (std::size_t c = 0; c < contours.size(); ++c) {
+            const lamella::Contour& made = assembled->contours[c];
+            REQUIRE(made.first_point == next_point);
+            REQUIRE(made.point_count == contours[c].point_count);
+            next_point += made.point_count;
+            const auto points = result.points_of(contours[c]);
+            CHECK(std::equal(points.begin(), points.end(), assembled->points.data() + made.first_point));
+            const std::int64_t first = static_cast<std::int64_t>(layer.first_contour);
+            CHECK(made.parent == (contours[c].parent < 0 ? -1 : contours[c].parent - first));
+            CHECK(made.role == contours[c].role);
+            CHECK(made.twice_area == contours[c].twice_area);
+        }
+    }
+}

@@ -31,6 +31,7 @@ void BoxTree::add(std::uint32_t place, std::int32_t rank, Point box_min, Point b
         quad.min_y[lane] = std::min(quad.min_y[lane], box_min.y);
         quad.max_y[lane] = std::max(quad.max_y[lane], box_max.y);
         node.last[slot] = rank;
+        node.latest = slot;
         place /= fan_out;
     }
 }
@@ -53,14 +54,22 @@ unsigned BoxTree::slots_around(const Node& node, Point point) noexcept {
     return around;
 }
 
+std::uint32_t BoxTree::latest_slot(const Node& node, unsigned slots) noexcept {
+    if ((slots >> node.latest & 1U) != 0) {
+        return node.latest;
+    }
+    auto slot = static_cast<std::uint32_t>(std::countr_zero(slots));
+    for (unsigned rest = slots & (slots - 1); rest != 0; rest &= rest - 1) {
+        const auto other = static_cast<std::uint32_t>(std::countr_zero(rest));
+        slot = node.last[other] > node.last[slot] ? other : slot;
+    }
+    return slot;
+}
+
 void BoxTree::search_last(std::size_t level, std::uint32_t node_index, Point point, std::int32_t& best) const noexcept {
     const Node& node = node_at(level, node_index);
     for (unsigned around = slots_around(node, point); around != 0;) {
-        std::uint32_t slot = static_cast<std::uint32_t>(std::countr_zero(around));
-        for (unsigned rest = around & (around - 1); rest != 0; rest &= rest - 1) {  // the most promising first
-            const auto other = static_cast<std::uint32_t>(std::countr_zero(rest));
-            slot = node.last[other] > node.last[slot] ? other : slot;
-        }
+        const std::uint32_t slot = latest_slot(node, around);
         if (node.last[slot] <= best) {
             return;
         }

@@ -69,6 +69,7 @@ private:
     struct Node {
         BoxQuad boxes[quads];
         std::int32_t last[fan_out];  // rank of the box, or the last rank below
+        std::uint32_t latest;        // the slot where `last` is largest
     };
     struct Level {
         std::uint32_t first_node;
@@ -78,6 +79,7 @@ private:
         return nodes_[levels_[level].first_node + node];
     }
     static unsigned slots_around(const Node& node, Point point) noexcept;
+    static std::uint32_t latest_slot(const Node& node, unsigned slots) noexcept;
     void search_last(std::size_t level, std::uint32_t node, Point point, std::int32_t& best) const noexcept;
     void search_all(std::size_t level, std::uint32_t node, Point point, std::size_t& patience,
                     std::pmr::vector<std::int32_t>& found) const;

@@ -4,6 +4,7 @@
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #define LAMELLA_AVX2 1
+#define LAMELLA_AVX2_INLINE __attribute__((target("avx2"), always_inline)) inline
 #include <immintrin.h>
 #endif
 
@@ -20,40 +21,50 @@ void add_edges_portable(Winding& winding, const Point* points, std::uint32_t cou
 namespace {
 
 /// Lanes are x0 y0 x1 y1 x2 y2 x3 y3; a double's sign is a y lane's, so movemask_pd reads the four answers for y.
-__attribute__((target("avx2"))) inline unsigned y_bits(__m256i lanes) noexcept {
+LAMELLA_AVX2_INLINE unsigned y_bits(__m256i lanes) noexcept {
     return static_cast<unsigned>(_mm256_movemask_pd(_mm256_castsi256_pd(lanes)));
 }
 
-__attribute__((target("avx2"))) inline __m256i four_points(const Point* points) noexcept {
+LAMELLA_AVX2_INLINE __m256i four_points(const Point* points) noexcept {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(points));
 }
 
-/// 16 edges at a time:
+/// Which of the 16 edges from points[0] to points[16] must be shown:
 ///     bit i of `above` = point i lies above the query's y;   above ^ (above >> 1) = edge (i, i+1) straddles it.
 /// Points at that very y are rare, so the four quads are first asked together.
-__attribute__((target("avx2"))) void add_edges_avx2(Winding& winding, const Point* points, std::uint32_t count) noexcept {
-    const std::int32_t y = winding.query().y;
+LAMELLA_AVX2_INLINE unsigned edges_at(const Point* points, std::int32_t y) noexcept {
     const __m256i level = _mm256_set1_epi32(y);
-    std::uint32_t i = 0;
-    for (; i + 16 <= count; i += 16) {
-        const Point* run = points + i;
-        const __m256i quads[4] = {four_points(run), four_points(run + 4), four_points(run + 8), four_points(run + 12)};
-        __m256i at[4];
-        unsigned above = static_cast<unsigned>(run[16].y > y) << 16;
-        for (int quad = 0; quad < 4; ++quad) {
-            above |= y_bits(_mm256_cmpgt_epi32(quads[quad], level)) << (4 * quad);
-            at[quad] = _mm256_cmpeq_epi32(quads[quad], level);
-        }
-        unsigned shown = (above ^ above >> 1) & 0xffffU;
-        if (y_bits(_mm256_or_si256(_mm256_or_si256(at[0], at[1]), _mm256_or_si256(at[2], at[3]))) != 0) {
-            shown |= y_bits(at[0]) | y_bits(at[1]) << 4 | y_bits(at[2]) << 8 | y_bits(at[3]) << 12;
-        }
-        for (; shown != 0; shown &= shown - 1) {
-            const Point* edge = run + std::countr_zero(shown);
-            winding.add(edge[0], edge[1]);
+    const __m256i quads[4] = {four_points(points), four_points(points + 4), four_points(points + 8),
+                              four_points(points + 12)};
+    __m256i at[4];
+    unsigned above = static_cast<unsigned>(points[16].y > y) << 16;
+    for (int quad = 0; quad < 4; ++quad) {
+        above |= y_bits(_mm256_cmpgt_epi32(quads[quad], level)) << (4 * quad);
+        at[quad] = _mm256_cmpeq_epi32(quads[quad], level);
+    }
+    unsigned edges = (above ^ above >> 1) & 0xffffU;
+    if (y_bits(_mm256_or_si256(_mm256_or_si256(at[0], at[1]), _mm256_or_si256(at[2], at[3]))) != 0) {
+        edges |= y_bits(at[0]) | y_bits(at[1]) << 4 | y_bits(at[2]) << 8 | y_bits(at[3]) << 12;
+    }
+    return edges;
+}
+
+__attribute__((target("avx2"))) void add_edges_avx2(Winding& winding, const Point* points, std::uint32_t count) noexcept {
+    if (count < 16) {
+        add_edges_portable(winding, points, count);
+        return;
+    }
+    Winding sum = winding;  // a copy stays in registers
+    const std::int32_t y = sum.query().y;
+    for (std::uint32_t i = 0; i < count; i += 16) {
+        const std::uint32_t first = std::min(i, count - 16);  // the last run overlaps the one before
+        for (unsigned edges = edges_at(points + first, y) >> (i - first) << (i - first); edges != 0; edges &= edges - 1) {
+            const Point* edge = points + first + std::countr_zero(edges);
+            sum.add(edge[0], edge[1]);
         }
     }
-    add_edges_portable(winding, points + i, count - i);
+    winding = sum;
+    _mm256_zeroupper();  // the caller runs the narrow instructions of the baseline
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ using nesting::Ring;
 using nesting::SortKey;
 
 /// Layers of at most so many contours compare all with all.
-constexpr std::size_t few_rings = 128;
+constexpr std::size_t few_rings = 64;
 
 int sign_of(const Wide& area) noexcept {
     if (area.high < 0) {
@@ -73,29 +73,25 @@ bool before(const SortKey& a, const SortKey& b) noexcept {
     return a.key != b.key ? a.key < b.key : a.index < b.index;
 }
 
-/// Sorts keys whose indices ascend by (key, index): byte-wise once there are enough of them, constant digits skipped.
+/// Sorts keys whose indices ascend by (key, index): digit by digit once there are enough of them, constant digits skipped.
 void sort_keys(std::pmr::vector<SortKey>& keys, std::pmr::vector<SortKey>& spare) {
-    constexpr std::size_t few = 256;
+    constexpr std::size_t few = 1024;
+    constexpr int digit_bits = 11;
+    constexpr std::uint64_t digit_mask = (1U << digit_bits) - 1;
+    if (std::is_sorted(keys.begin(), keys.end(), before)) {
+        return;
+    }
     if (keys.size() < few) {
         std::sort(keys.begin(), keys.end(), before);
         return;
     }
-    constexpr int digit_bits = 8;
-    constexpr std::uint64_t digit_mask = (1U << digit_bits) - 1;
     std::uint64_t varying = 0;
-    bool sorted = true;
-    for (std::size_t i = 1; i < keys.size(); ++i) {
-        varying |= keys[i].key ^ keys[0].key;
-        sorted &= keys[i - 1].key <= keys[i].key;
-    }
-    if (sorted) {
-        return;
+    for (const SortKey& key : keys) {
+        varying |= key.key ^ keys[0].key;
     }
     spare.resize(keys.size());
-    for (int shift = 0; shift < 64; shift += digit_bits) {
-        if ((varying >> shift & digit_mask) == 0) {
-            continue;
-        }
+    for (int shift = 0; shift < 64 && varying >> shift != 0; shift += digit_bits) {
+        shift += std::countr_zero(varying >> shift);
         std::uint32_t ends[digit_mask + 1] = {};
         for (const SortKey& key : keys) {
             ++ends[key.key >> shift & digit_mask];
@@ -119,6 +115,7 @@ Nester::Nester(std::pmr::memory_resource* memory)
       spare_keys_(memory_),
       quads_(memory_),
       places_(memory_),
+      strip_ends_(memory_),
       tree_(memory_),
       around_(memory_),
       edge_index_(memory_) {}
@@ -189,11 +186,16 @@ void Nester::find_parents_among_few(std::span<const NestItem> items) {
         for (; rings_[left].box_min.x < start.x; ++left) {
             quads_[left / 4].set(left % 4, rings_[left].box_min, rings_[left].box_max);
         }
+        std::uint64_t smallest = std::numeric_limits<std::uint64_t>::max();  // of those found around the start
         for (std::size_t quad = (left + 3) / 4; quad-- > 0;) {
             for (unsigned around = quads_[quad].around(start); around != 0;) {
                 const auto lane = static_cast<std::size_t>(std::bit_width(around) - 1);
                 around &= ~(1U << lane);
-                take_if_closer(items, ring, 4 * quad + lane);
+                const std::size_t candidate = 4 * quad + lane;
+                if (areas_[candidate] <= smallest) {
+                    take_if_closer(items, ring, candidate);
+                    smallest = rings_[ring].parent >= 0 ? areas_[static_cast<std::size_t>(rings_[ring].parent)] : smallest;
+                }
             }
         }
     }
@@ -204,7 +206,7 @@ void Nester::find_parents_among_few(std::span<const NestItem> items) {
 void Nester::find_parents_among_many(std::span<const NestItem> items) {
     order_places();
     tree_.reset(static_cast<std::uint32_t>(rings_.size()));
-    std::size_t patience = 4 * rings_.size() + few_rings * few_rings / 2;
+    std::size_t patience = 4 * rings_.size() + few_rings * few_rings;
     std::size_t left = 0;  // rings that begin left of the start asked for, and are in the tree
     for (std::size_t ring = 1; ring < rings_.size(); ++ring) {
         const Point start = rings_[ring].start;
@@ -225,7 +227,9 @@ void Nester::ask_all_around(std::span<const NestItem> items, std::size_t ring, s
     std::size_t unlimited = std::numeric_limits<std::size_t>::max();
     const bool found = rings_[ring].parent >= 0;
     tree_.all_around(rings_[ring].start, found ? patience : unlimited, around_);
-    std::sort(around_.begin(), around_.end(), std::greater<>());
+    if (!found) {
+        std::sort(around_.begin(), around_.end(), std::greater<>());
+    }
     for (const std::int32_t around : around_) {
         if (!found && rings_[ring].parent >= 0 && patience-- == 0) {
             patience = 0;
@@ -235,16 +239,28 @@ void Nester::ask_all_around(std::span<const NestItem> items, std::size_t ring, s
     }
 }
 
-/// Places in the tree follow the boxes' middles in y.
+/// Places in the tree follow the boxes' middles in y: one counting pass into as many strips as there are rings.
 void Nester::order_places() {
-    keys_.resize(rings_.size());
-    for (std::size_t i = 0; i < rings_.size(); ++i) {
-        keys_[i] = {std::uint64_t{biased(rings_[i].box_min.y)} + biased(rings_[i].box_max.y), static_cast<std::uint32_t>(i)};
+    constexpr std::size_t most_strips = std::size_t{1} << 16;
+    const auto middle = [](const Ring& ring) { return (std::int64_t{ring.box_min.y} + ring.box_max.y) >> 1; };
+    std::int64_t low = grid_limit;
+    std::int64_t high = -grid_limit;
+    for (const Ring& ring : rings_) {
+        low = std::min(low, middle(ring));
+        high = std::max(high, middle(ring));
     }
-    sort_keys(keys_, spare_keys_);
+    const std::size_t strips = std::min(std::bit_ceil(rings_.size()), most_strips);
+    const int shift =
+        std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(high - low))) - std::countr_zero(strips));
+    const auto strip_of = [&](const Ring& ring) { return static_cast<std::size_t>((middle(ring) - low) >> shift); };
+    strip_ends_.assign(strips, 0);
+    for (const Ring& ring : rings_) {
+        ++strip_ends_[strip_of(ring)];
+    }
+    std::exclusive_scan(strip_ends_.begin(), strip_ends_.end(), strip_ends_.begin(), 0U);
     places_.resize(rings_.size());
-    for (std::size_t place = 0; place < keys_.size(); ++place) {
-        places_[keys_[place].index] = static_cast<std::uint32_t>(place);
+    for (std::size_t i = 0; i < rings_.size(); ++i) {
+        places_[i] = strip_ends_[strip_of(rings_[i])]++;
     }
 }
 

@@ -10,7 +10,7 @@
 // So contours are taken in the order of starts, and what lies around one is searched backwards from it. Where contours do
 // not cross, the first found is the smallest. Layers of few contours look at all the others nevertheless. Layers of many
 // sweep over the starts with a tree of boxes and look further only while a budget linear in their number lasts: of more than
-// 128 contours that cross each other, a few may get a larger parent than the smallest, the same in any order of the items.
+// 64 contours that cross each other, a few may get a larger parent than the smallest, the same in any order of the items.
 // O(q log q) for q contours and points where few boxes overlap without nesting.
 #pragma once
 
@@ -97,6 +97,7 @@ private:
     std::pmr::vector<nesting::SortKey> keys_, spare_keys_;
     std::pmr::vector<nesting::BoxQuad> quads_;
     std::pmr::vector<std::uint32_t> places_;  // of the rings in the tree
+    std::pmr::vector<std::uint32_t> strip_ends_;
     nesting::BoxTree tree_;
     std::pmr::vector<std::int32_t> around_;
     nesting::EdgeIndex edge_index_;

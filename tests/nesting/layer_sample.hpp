@@ -271,6 +271,33 @@ inline LayerSample random_layer(std::mt19937& random) {
     return sample;
 }
 
+/// Fills `low` to `high` with contours that nest and touch but do not cross: boxes, and L shapes whose boxes overlap others.
+inline void add_nested(LayerSample& sample, std::mt19937& random, Point low, Point high, int depth) {
+    if (depth == 0 || high.x - low.x < 4 || high.y - low.y < 4) {
+        return;
+    }
+    const int gap = below(random, 2);  // 0: touches what lies around
+    const bool clockwise = below(random, 2) == 0;
+    const Point in_low{low.x + gap, low.y + gap};
+    const Point in_high{high.x - gap, high.y - gap};
+    const Point mid{in_low.x + 1 + below(random, in_high.x - in_low.x - 1),
+                    in_low.y + 1 + below(random, in_high.y - in_low.y - 1)};
+    if (below(random, 3) == 0) {
+        std::vector<Point> points{in_low, {in_high.x, in_low.y}, {in_high.x, mid.y},
+                                  mid,    {mid.x, in_high.y},    {in_low.x, in_high.y}};
+        if (clockwise) {
+            std::reverse(points.begin(), points.end());
+        }
+        sample.add(std::move(points), true, static_cast<std::uint32_t>(random()));
+    } else {
+        sample.add_box(in_low, in_high, clockwise);
+    }
+    add_nested(sample, random, in_low, mid, depth - 1);
+    add_nested(sample, random, mid, in_high, depth - 1);
+    add_nested(sample, random, {in_low.x, mid.y}, {mid.x, in_high.y}, depth - 1);
+    add_nested(sample, random, {mid.x, in_low.y}, {in_high.x, mid.y}, depth - 1);
+}
+
 /// `count` closed contours of `points_each`, each around the next.
 inline LayerSample concentric_rings(int count, int points_each) {
     LayerSample sample;

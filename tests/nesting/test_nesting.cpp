@@ -9,6 +9,8 @@ using lamella::Nester;
 using lamella::NestItem;
 using lamella::Point;
 using lamella::Role;
+using lamella::test::add_nested;
+using lamella::test::below;
 using lamella::test::LayerSample;
 
 namespace {
@@ -163,6 +165,100 @@ TEST_CASE("random layers agree with the oracle", "[nesting]") {
     for (int round = 0; round < 1500; ++round) {
         CAPTURE(round);
         check_against_oracle(lamella::test::random_layer(random));
+    }
+}
+
+TEST_CASE("layers of many contours agree with the oracle", "[nesting]") {
+    std::mt19937 random(GENERATE(11U, 12U, 13U));
+    for (int round = 0; round < 20; ++round) {
+        LayerSample sample;
+        const int size = 100 << below(random, 12);
+        add_nested(sample, random, {-size, -size}, {size, size}, 5);
+        sample.drop_repeated();
+        CAPTURE(round, size, sample.size());
+        check_against_oracle(sample);
+    }
+    check_against_oracle(lamella::test::concentric_rings(300, 12));
+    check_against_oracle(lamella::test::side_by_side(300, 12));
+}
+
+TEST_CASE("a long contour with many inside", "[nesting]") {
+    std::mt19937 random(5);
+    LayerSample sample;
+    const int teeth = GENERATE(130, 600, 2500);
+    std::vector<Point> comb;  // back and forth, with a level line at every tip
+    for (int i = 0; i < teeth; ++i) {
+        comb.insert(comb.end(), {{10 * i, 1000}, {10 * i + 5, 1000}, {10 * i + 5, 100 + below(random, 500)}});
+        comb.push_back({10 * i + 9, comb.back().y});
+    }
+    comb.insert(comb.end(), {{10 * teeth, 0}, {0, 0}});
+    sample.add(std::move(comb), true, static_cast<std::uint32_t>(random()));
+    for (int i = 0; i < 60; ++i) {
+        const Point low{below(random, 10 * teeth), below(random, 1000)};
+        sample.add_box(low, {low.x + 2, low.y + 2}, true);
+    }
+    check_against_oracle(sample);
+}
+
+TEST_CASE("ten thousand contours", "[nesting]") {
+    constexpr int count = 10000;
+    Nester nester(nullptr);
+    LayerSample sample = lamella::test::concentric_rings(count, 8);
+    std::vector<NestItem> items = sample.items();
+    nester.nest(items);
+    for (int i = 0; i < count; ++i) {
+        const NestItem& item = items[static_cast<std::size_t>(i)];
+        REQUIRE(item.parent == (i + 1 < count ? i + 1 : -1));
+    }
+    sample = lamella::test::side_by_side(count, 8);
+    items = sample.items();
+    nester.nest(items);
+    CHECK(std::all_of(items.begin(), items.end(), [](const NestItem& item) { return item.parent == -1; }));
+}
+
+TEST_CASE("scratch is kept from layer to layer", "[nesting]") {
+    class Counter : public std::pmr::memory_resource {
+    public:
+        int allocations = 0;
+
+    private:
+        void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+            ++allocations;
+            return std::pmr::new_delete_resource()->allocate(bytes, alignment);
+        }
+        void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
+            std::pmr::new_delete_resource()->deallocate(memory, bytes, alignment);
+        }
+        bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+    };
+    std::mt19937 random(3);
+    LayerSample nested;
+    add_nested(nested, random, {-1000, -1000}, {1000, 1000}, 4);
+    std::vector<NestItem> many = nested.items();
+    const LayerSample concentric = lamella::test::concentric_rings(40, 500);
+    std::vector<NestItem> rings = concentric.items();
+    Counter counter;
+    Nester nester(&counter);
+    nester.nest(many);
+    nester.nest(rings);
+    const int first = counter.allocations;
+    REQUIRE(first > 0);
+    nester.nest(rings);
+    nester.nest(many);
+    CHECK(counter.allocations == first);
+}
+
+TEST_CASE("both forms of the edge test agree", "[nesting]") {
+    std::mt19937 random(9);
+    const lamella::nesting::AddEdges best = lamella::nesting::best_add_edges();
+    for (int round = 0; round < 20000; ++round) {
+        const int size = 2 + below(random, 30);
+        const std::vector<Point> points = lamella::test::random_walk(random, size);
+        const Point query{below(random, size), below(random, size)};
+        const auto count = static_cast<std::uint32_t>(points.size());
+        const bool expected = lamella::test::oracle::contains(points, query);
+        REQUIRE(strictly_inside(lamella::nesting::add_edges_portable, points.data(), count, query) == expected);
+        REQUIRE(strictly_inside(best, points.data(), count, query) == expected);
     }
 }
 

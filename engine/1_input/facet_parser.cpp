@@ -1,0 +1,125 @@
+#include "1_input/facet_parser.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <system_error>
+
+#include <fast_float/fast_float.h>
+
+#include "1_input/input_file.hpp"
+
+namespace lamella {
+
+namespace {
+
+const char* skip_line(const char* p, const char* end) {
+    return std::find_if(p, end, [](char c) { return c == '\n' || c == '\r'; });
+}
+
+bool is_number_character(char c) {
+    return (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '+' || c == 'e' || c == 'E';
+}
+
+/// A component of a normal: digits, or how some C library spells what is not a number ("-nan(ind)", "1.#QNAN", "inf").
+/// Normals are not used, so that no more is asked of them.
+bool passes_for_number(std::string_view word) {
+    if (std::all_of(word.begin(), word.end(), is_number_character)) {
+        return true;
+    }
+    std::string lower(word.substr(0, 16));
+    std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) { return static_cast<char>(c | 0x20); });
+    return lower.find("nan") != std::string::npos || lower.find("inf") != std::string::npos ||
+           lower.find(".#") != std::string::npos;
+}
+
+}  // namespace
+
+bool FacetParser::fail(const std::string& what) {
+    failure_ = {p_, what};
+    return false;
+}
+
+/// The word at hand, for a message.
+std::string FacetParser::found() const {
+    if (p_ == end_) {
+        return "the end of the file";
+    }
+    constexpr std::ptrdiff_t longest = 32;
+    const char* shown_end = skip_word(p_, p_ + std::min(longest, end_ - p_));
+    std::string quoted("'");
+    quoted += printable(std::string(p_, shown_end));
+    quoted += shown_end == end_ || is_space(*shown_end) ? "'" : "...'";
+    return quoted;
+}
+
+template <Keyword keyword>
+inline bool FacetParser::word(const char* place) {
+    p_ = skip_space(p_, end_);
+    if (!is_word<keyword>(p_, end_)) {
+        return fail(std::string("expected '") + keyword.text + "' " + place + ", found " + found());
+    }
+    p_ += keyword.length;
+    return true;
+}
+
+bool FacetParser::next_facet(const char* stop, float* nine) {
+    for (p_ = skip_space(p_, end_); p_ < stop; p_ = skip_space(p_, end_)) {
+        if (is_word<"facet">(p_, end_)) {
+            return facet(nine);
+        }
+        if (!is_word<"solid">(p_, end_) && !is_word<"endsolid">(p_, end_)) {
+            return fail("expected 'facet', 'solid' or 'endsolid', found " + found());
+        }
+        p_ = skip_line(p_, end_);
+    }
+    return false;
+}
+
+bool FacetParser::facet(float* nine) {
+    return word<"facet">("") && normal() && word<"outer">("after the normal") && word<"loop">("after 'outer'") &&
+           vertex(nine) && vertex(nine + 3) && vertex(nine + 6) && word<"endloop">("after three vertices") &&
+           word<"endfacet">("after 'endloop'");
+}
+
+bool FacetParser::normal() {
+    if (!word<"normal">("after 'facet'")) {
+        return false;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        p_ = skip_space(p_, end_);
+        const char* word_end = skip_word(p_, end_);
+        if (p_ == word_end || !passes_for_number({p_, static_cast<std::size_t>(word_end - p_)})) {
+            return fail("expected a number of the normal, found " + found());
+        }
+        p_ = word_end;
+    }
+    return true;
+}
+
+bool FacetParser::vertex(float* xyz) {
+    return word<"vertex">("(a facet has three)") && number(xyz[0]) && number(xyz[1]) && number(xyz[2]);
+}
+
+bool FacetParser::number(float& value) {
+    p_ = skip_space(p_, end_);
+    if (p_ == end_) {
+        return fail("expected a coordinate, found the end of the file");
+    }
+    const char* digits = p_;
+    if (*p_ == '+' && end_ - p_ > 1 && p_[1] != '-') {
+        ++digits;  // fast_float, as std::from_chars, takes no plus sign
+    }
+    const fast_float::from_chars_result got = fast_float::from_chars(digits, end_, value);
+    // What is too small for a float is 0, and releases differ in whether they report it; what is too large is infinite.
+    if (got.ec == std::errc::invalid_argument || (got.ptr != end_ && !is_space(*got.ptr))) {
+        return fail("malformed coordinate " + found());
+    }
+    if (!std::isfinite(value)) {
+        return fail("coordinate is not a finite float: " + found());
+    }
+    p_ = got.ptr;
+    return true;
+}
+
+}  // namespace lamella

@@ -1,0 +1,100 @@
+// Files for the tests of the readers: a directory that removes itself, and STL in both forms.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <stdlib.h>
+
+namespace lamella::input_test {
+
+class TempDir {
+public:
+    TempDir() {
+        std::string name = (std::filesystem::temp_directory_path() / "lamella-XXXXXX").string();
+        path_ = ::mkdtemp(name.data());
+    }
+    ~TempDir() { std::filesystem::remove_all(path_); }
+    TempDir(const TempDir&) = delete;
+    TempDir& operator=(const TempDir&) = delete;
+
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+    std::filesystem::path write(const std::string& name, std::string_view bytes) const {
+        std::ofstream(path_ / name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+        return path_ / name;
+    }
+
+private:
+    std::filesystem::path path_;
+};
+
+/// Nine coordinates.
+using Facet = std::array<float, 9>;
+
+/// A facet that tells which one it is.
+inline Facet numbered_facet(std::size_t i) {
+    const auto x = static_cast<float>(i);
+    return {x, 0, 0, x + 1, 0, 0.5F, x, 1, -0.25F};
+}
+
+inline std::vector<Facet> numbered_facets(std::size_t count) {
+    std::vector<Facet> facets;
+    for (std::size_t i = 0; i < count; ++i) {
+        facets.push_back(numbered_facet(i));
+    }
+    return facets;
+}
+
+inline std::string little_endian(std::uint32_t value) {
+    std::string bytes;
+    for (int shift = 0; shift < 32; shift += 8) {
+        bytes += static_cast<char>(value >> shift & 0xFF);
+    }
+    return bytes;
+}
+
+/// `counted` is what the header says.
+inline std::string binary_stl(const std::vector<Facet>& facets, std::uint32_t counted, std::string header = "",
+                              const std::string& attribute = std::string(2, '\0')) {
+    header.resize(80, '\0');
+    std::string bytes = header + little_endian(counted);
+    for (const Facet& facet : facets) {
+        std::string corners(sizeof facet, '\0');
+        std::memcpy(corners.data(), facet.data(), sizeof facet);
+        bytes.append(12, '\x7f').append(corners).append(attribute);
+    }
+    return bytes;
+}
+
+inline std::string binary_stl(const std::vector<Facet>& facets) {
+    return binary_stl(facets, static_cast<std::uint32_t>(facets.size()));
+}
+
+inline std::string ascii_facet(const Facet& f, const std::string& normal = "0 0 1") {
+    std::string text = "  facet normal " + normal + "\n    outer loop\n";
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+        text += "      vertex";
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            text += " " + std::to_string(f[3 * corner + axis]);
+        }
+        text += "\n";
+    }
+    return text + "    endloop\n  endfacet\n";
+}
+
+inline std::string ascii_stl(const std::vector<Facet>& facets, const std::string& name = "part") {
+    std::string text = "solid " + name + "\n";
+    for (const Facet& facet : facets) {
+        text += ascii_facet(facet);
+    }
+    return text + "endsolid " + name + "\n";
+}
+
+}  // namespace lamella::input_test

@@ -1,0 +1,213 @@
+#include <cmath>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "files.hpp"
+#include "lamella/stl.hpp"
+#include "read.hpp"
+
+namespace lamella::input_test {
+
+using Catch::Contains;
+
+namespace {
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+        text.replace(at, what.size(), by);
+    }
+    return text;
+}
+
+std::string upper(std::string text) {
+    for (char& c : text) {
+        c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
+    }
+    return text;
+}
+
+/// One facet whose first coordinate is `number`.
+std::string with_number(const std::string& number) {
+    return "solid a\nfacet normal 0 0 1\nouter loop\nvertex " + number +
+           " 2 3\nvertex 4 5 6\nvertex 7 8 9\nendloop\nendfacet\nendsolid a\n";
+}
+
+float first_number(const TempDir& dir, const std::string& number) {
+    return read_facets(dir.write("number.stl", with_number(number))).at(0)[0];
+}
+
+}  // namespace
+
+TEST_CASE("ASCII is packed into floats", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(7);
+    const auto path = dir.write("a.stl", ascii_stl(facets));
+    CHECK(read_facets(path) == facets);
+    const Result<StlMesh> mesh = read_stl(path);
+    CHECK(mesh.value().ascii);
+    CHECK(mesh.value().stride == 36);
+    CHECK(mesh.value().bytes.size() == 7 * 36);
+}
+
+TEST_CASE("ASCII in every accepted spelling", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(4);
+    const std::string plain = ascii_stl(facets, "facet of solid part");
+    const auto reads = [&](const std::string& text) { return read_facets(dir.write("a.stl", text)) == facets; };
+    CHECK(reads(replaced(plain, "\n", "\r\n")));
+    CHECK(reads(replaced(plain, "\n", "\r")));
+    CHECK(reads(replaced(plain, " ", "\t")));
+    CHECK(reads(replaced(plain, " ", "  \t ")));
+    CHECK(reads(upper(plain)));
+    CHECK(reads(replaced(replaced(plain, "facet", "fAcEt"), "vertex", "Vertex")));
+    CHECK(reads(replaced(plain, "vertex ", "vertex +")));
+    CHECK(reads("\xEF\xBB\xBF" + plain));
+    CHECK(reads("\n \n" + plain + "\n\n"));
+    CHECK(reads(plain.substr(0, plain.find("endsolid"))));
+    CHECK(reads(plain.substr(0, plain.rfind("\nendsolid"))));
+    CHECK(reads(replaced(plain, "facet of solid part", "")));
+    CHECK(reads(replaced(plain, "facet of solid part", "\xC3\xA9t\xC3\xA9")));
+    CHECK(reads(replaced(plain, "    outer loop\n", "outer loop ")));
+}
+
+TEST_CASE("several solids are one mesh", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(2);
+    const std::string text = ascii_stl({facets[0]}, "one") + ascii_stl({facets[1]}, "two facet normal");
+    CHECK(read_facets(dir.write("a.stl", text)) == facets);
+    CHECK(read_facets(dir.write("b.stl", replaced(text, "endsolid one\n", ""))) == facets);
+}
+
+TEST_CASE("a solid name of 1 MB, even one made of keywords", "[input]") {
+    const TempDir dir;
+    const std::string word = GENERATE(as<std::string>(), "x", "facet normal 0 0 1 ", "endfacet facet ", "solid ");
+    std::string name;
+    while (name.size() < 2'500'000) {  // longer than the pieces in which text is parsed
+        name += word;
+    }
+    const std::vector<Facet> facets = numbered_facets(6);
+    const std::string text = ascii_stl({facets.begin(), facets.begin() + 3}, name);
+    CHECK(read_facets(dir.write("a.stl", text + ascii_stl({facets.begin() + 3, facets.end()}, name))) == facets);
+}
+
+TEST_CASE("text of many pieces gives every facet once, in order", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(30'000);  // 5 MB
+    const bool one_line = GENERATE(false, true);
+    std::string text = ascii_stl(facets);
+    if (one_line) {
+        text = "solid a\n" + replaced(text.substr(text.find('\n') + 1), "\n", " ");
+    }
+    CHECK(read_facets(dir.write("a.stl", text)) == facets);
+}
+
+TEST_CASE("normals are read over", "[input]") {
+    const TempDir dir;
+    const std::string normal = GENERATE(as<std::string>(), "0 0 0", "9 -9 1e9", "nan nan nan", "-nan(ind) NaN 0",
+                                        "inf -inf 0", "1.#QNAN -1.#IND 0", "+1 .5 -.5e-3");
+    const std::string text = "solid a\n" + ascii_facet(numbered_facet(1), normal);
+    CHECK(read_facets(dir.write("a.stl", text)) == std::vector<Facet>{numbered_facet(1)});
+}
+
+TEST_CASE("numbers are rounded to the nearest float", "[input]") {
+    const TempDir dir;
+    CHECK(first_number(dir, "0.1") == 0.1F);
+    CHECK(first_number(dir, "-1.5E+2") == -150.0F);
+    CHECK(first_number(dir, "+.5") == 0.5F);
+    CHECK(first_number(dir, "5.") == 5.0F);
+    CHECK(first_number(dir, "1e-400") == 0.0F);
+    CHECK(first_number(dir, "3e38") == 3e38F);
+    CHECK(std::signbit(first_number(dir, "-0")));
+    // One past half way between 1 and the next float.
+    CHECK(first_number(dir, "1.000000059604644775390625" + std::string(5000, '0') + "1") == std::nextafter(1.0F, 2.0F));
+    CHECK(first_number(dir, "1.000000059604644775390625" + std::string(5000, '0')) == 1.0F);
+    CHECK(first_number(dir, std::string(5000, '0') + "7") == 7.0F);
+    CHECK(first_number(dir, "0." + std::string(20, '0') + std::string(5000, '3')) == Approx(1e-20F / 3).epsilon(1e-6));
+}
+
+TEST_CASE("malformed coordinates are refused with line and byte", "[input]") {
+    const TempDir dir;
+    const std::string number =
+        GENERATE(as<std::string>(), "nan", "NaN", "inf", "-inf", "+infinity", "1e400", "-1e39", "1,5", "1.5f", "1.2.3",
+                 "--1", "+-1", "+", "-", ".", "e5", "0x10", "1e", "abc", std::string(5000, '9'));
+    const Error error = read_error(dir.write("a.stl", with_number(number)));
+    CHECK(error.code == Code::malformed_mesh);
+    CHECK(error.byte_offset == 45);
+    CHECK_THAT(error.message, Contains(": line 4, byte 45: ") && Contains("'" + number.substr(0, 32)));
+    CHECK(error.message.size() < 300);
+}
+
+TEST_CASE("lines are counted over LF, CRLF and CR", "[input]") {
+    const TempDir dir;
+    const std::string end = GENERATE(as<std::string>(), "\n", "\r\n", "\r");
+    const bool mark = GENERATE(false, true);
+    const std::string text = (mark ? "\xEF\xBB\xBF" : "") + replaced(with_number("1e400"), "\n", end);
+    const Error error = read_error(dir.write("a.stl", text));
+    CHECK_THAT(error.message, Contains(": line 4, "));
+    CHECK(error.byte_offset == static_cast<std::int64_t>(text.find("1e400")));
+}
+
+TEST_CASE("loops of two or four vertices are refused", "[input]") {
+    const TempDir dir;
+    const std::string three = with_number("1");
+    const Error two = read_error(dir.write("two.stl", replaced(three, "vertex 7 8 9\n", "")));
+    CHECK_THAT(two.message, Contains("line 6, ") && Contains("expected 'vertex'") && Contains("'endloop'"));
+    const Error four = read_error(dir.write("four.stl", replaced(three, "endloop", "vertex 1 1 1\nendloop")));
+    CHECK_THAT(four.message, Contains("line 7, ") && Contains("expected 'endloop'") && Contains("'vertex'"));
+}
+
+TEST_CASE("ASCII cut within a facet is refused wherever the cut is", "[input]") {
+    const TempDir dir;
+    const std::string whole = ascii_stl(numbered_facets(2));
+    const std::size_t begin = whole.find("facet", whole.find("endfacet") + 8);
+    const std::size_t end = whole.rfind("endfacet") + 8;
+    for (std::size_t length = begin + 1; length < end; ++length) {
+        INFO(length);
+        const Result<StlMesh> mesh = read_stl(dir.write("a.stl", whole.substr(0, length)));
+        REQUIRE_FALSE(mesh.ok());
+        CHECK(mesh.error().code == Code::malformed_mesh);
+    }
+    CHECK_THAT(read_error(dir.write("a.stl", whole.substr(0, end - 9))).message, Contains("the end of the file"));
+}
+
+TEST_CASE("the first of several errors is told, whatever the threads", "[input]") {
+    const TempDir dir;
+    std::string text = ascii_stl(numbered_facets(30'000));
+    for (const std::size_t near : {4'000'000U, 2'500'000U}) {
+        text.replace(text.find("vertex", near), 6, "vortex");
+    }
+    const Error error = read_error(dir.write("a.stl", text));
+    CHECK(error.byte_offset == static_cast<std::int64_t>(text.find("vortex")));
+    CHECK_THAT(error.message, Contains("'vortex'"));
+}
+
+TEST_CASE("a facet left open before another piece begins is told as such", "[input]") {
+    const TempDir dir;
+    std::string text = ascii_stl(numbered_facets(30'000));
+    const std::size_t near = text.find("    endloop", 1'048'576 - 300);
+    for (std::size_t at = near; at < 1'048'576 + 600; at = text.find("    endloop", at + 1)) {
+        text.replace(at, 11, "           ");
+    }
+    CHECK_THAT(read_error(dir.write("a.stl", text)).message, Contains("expected 'endloop'") && Contains("found 'endfacet'"));
+}
+
+TEST_CASE("stray words are refused", "[input]") {
+    const TempDir dir;
+    CHECK_THAT(read_error(dir.write("a.stl", "solid ground is good\nto stand on\n")).message,
+               Contains("line 2, ") && Contains("found 'to'"));
+    CHECK_THAT(read_error(dir.write("b.stl", with_number("1") + "trailing")).message, Contains("found 'trailing'"));
+    CHECK_THAT(read_error(dir.write("c.stl", with_number("1 1"))).message, Contains("expected 'vertex'"));
+    CHECK_THAT(read_error(dir.write("d.stl", replaced(with_number("1"), "0 0 1", "0 0 up"))).message, Contains("'up'"));
+    CHECK_THAT(read_error(dir.write("e.stl", replaced(with_number("1"), "0 0 1", "0 1"))).message, Contains("'outer'"));
+    CHECK_THAT(read_error(dir.write("f.stl", "solid a\nfacet normal 0 0 " + std::string(900, 'z'))).message,
+               Contains("zzz...'"));
+}
+
+TEST_CASE("ASCII without triangles", "[input]") {
+    const TempDir dir;
+    CHECK(read_error(dir.write("a.stl", "solid nothing\nendsolid nothing\n")).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("b.stl", "solid")).code == Code::empty_mesh);
+}
+
+}  // namespace lamella::input_test

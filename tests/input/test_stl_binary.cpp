@@ -1,0 +1,153 @@
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "files.hpp"
+#include "lamella/stl.hpp"
+#include "read.hpp"
+
+namespace lamella::input_test {
+
+using Catch::Contains;
+
+TEST_CASE("a binary file is kept as its bytes", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(5);
+    const auto path = dir.write("a.stl", binary_stl(facets));
+    CHECK(read_facets(path) == facets);
+    const Result<StlMesh> mesh = read_stl(path);
+    CHECK_FALSE(mesh.value().ascii);
+    CHECK(mesh.value().stride == 50);
+    CHECK(mesh.value().first_offset == 96);
+    CHECK(mesh.value().bytes.size() == 84 + 5 * 50);
+    CHECK(mesh.value().warnings.empty());
+}
+
+TEST_CASE("a binary file of several read pieces arrives whole", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(400'000);  // 20 MB
+    CHECK(read_facets(dir.write("large.stl", binary_stl(facets))) == facets);
+}
+
+TEST_CASE("a binary header may begin with \"solid\"", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(3);
+    const std::string header = GENERATE(as<std::string>(), "solid part", "SOLID facet normal 0 0 0\n", "solid",
+                                        std::string("solid") + std::string(75, ' '));
+    CHECK(read_facets(dir.write("a.stl", binary_stl(facets, 3, header))) == facets);
+}
+
+TEST_CASE("colour attributes are left alone", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(3);
+    CHECK(read_facets(dir.write("a.stl", binary_stl(facets, 3, "COLOR=abcd", "\xff\x7f"))) == facets);
+}
+
+TEST_CASE("bytes after the last counted record are ignored with a warning", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(3);
+    const std::string header = GENERATE(as<std::string>(), "", "solid part");
+    const std::size_t extra = GENERATE(1U, 49U, 50U, 1234U);
+    const auto path = dir.write("a.stl", binary_stl(facets, 3, header) + std::string(extra, 'x'));
+    CHECK(read_facets(path) == facets);
+    const Result<StlMesh> mesh = read_stl(path);
+    REQUIRE(mesh.value().warnings.size() == 1);
+    CHECK_THAT(mesh.value().warnings[0], Contains(std::to_string(extra) + " bytes") && Contains(path.string()));
+}
+
+TEST_CASE("a count that the file does not hold is refused", "[input]") {
+    const TempDir dir;
+    const std::string header = GENERATE(as<std::string>(), "", "solid part");
+    const std::uint32_t counted = GENERATE(6U, 1U << 24, std::numeric_limits<std::uint32_t>::max());
+    const Error error = read_error(dir.write("a.stl", binary_stl(numbered_facets(5), counted, header)));
+    CHECK(error.code == Code::malformed_mesh);
+    CHECK(error.byte_offset == 80);
+    CHECK_THAT(error.message, Contains(std::to_string(counted) + " triangles") && Contains("has 334"));
+}
+
+TEST_CASE("a binary file cut anywhere is refused", "[input]") {
+    const TempDir dir;
+    const std::string whole = binary_stl(numbered_facets(3), 3, "solid part");
+    for (std::size_t length = 1; length < whole.size(); ++length) {
+        INFO(length);
+        const Result<StlMesh> mesh = read_stl(dir.write("a.stl", whole.substr(0, length)));
+        REQUIRE_FALSE(mesh.ok());
+        const bool reads_as_ascii = length >= 5 && length <= 10;  // what is left of the header is a solid without facets
+        CHECK(mesh.error().code == (reads_as_ascii ? Code::empty_mesh : Code::malformed_mesh));
+    }
+}
+
+TEST_CASE("no triangles", "[input]") {
+    const TempDir dir;
+    CHECK(read_error(dir.write("a.stl", "")).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("b.stl", binary_stl({}))).code == Code::empty_mesh);
+    const Error behind = read_error(dir.write("c.stl", binary_stl(numbered_facets(2), 0)));
+    CHECK(behind.code == Code::malformed_mesh);
+    CHECK_THAT(behind.message, Contains("0 triangles") && Contains("100 bytes"));
+}
+
+TEST_CASE("what is no file is refused without waiting", "[input]") {
+    const TempDir dir;
+    const Error missing = read_error(dir / "missing.stl");
+    CHECK(missing.code == Code::unreadable_file);
+    CHECK_THAT(missing.message, Contains("No such file"));
+
+    std::filesystem::create_directory(dir / "directory.stl");
+    CHECK_THAT(read_error(dir / "directory.stl").message, Contains("is a directory"));
+
+    REQUIRE(::mkfifo((dir / "fifo.stl").c_str(), 0600) == 0);
+    CHECK_THAT(read_error(dir / "fifo.stl").message, Contains("is a FIFO"));
+
+    CHECK_THAT(read_error("/dev/zero").message, Contains("is a device"));
+    CHECK(read_error("/dev/zero").code == Code::unreadable_file);
+}
+
+TEST_CASE("a link to a file is read", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(2);
+    dir.write("a.stl", binary_stl(facets));
+    std::filesystem::create_symlink(dir / "a.stl", dir / "b.stl");
+    CHECK(read_facets(dir / "b.stl") == facets);
+}
+
+TEST_CASE("random bytes are refused, whatever their length", "[input]") {
+    const TempDir dir;
+    std::mt19937 random(7);
+    const std::size_t length = GENERATE(1U, 10U, 83U, 84U, 85U, 134U, 1000U, 100'000U);
+    std::string bytes(length, '\0');
+    for (char& c : bytes) {
+        c = static_cast<char>(random());
+    }
+    CHECK(read_error(dir.write("random.stl", bytes)).code == Code::malformed_mesh);
+}
+
+TEST_CASE("text that is no STL is quoted in the error", "[input]") {
+    const TempDir dir;
+    const Error error = read_error(dir.write("a.stl", "<!DOCTYPE html>\r\n<html>\n" + std::string(500, 'x')));
+    CHECK(error.code == Code::malformed_mesh);
+    CHECK_THAT(error.message, Contains("'<!DOCTYPE html>'"));
+}
+
+TEST_CASE("a header of 2^32 - 1 triangles is refused at once", "[input]") {
+    const TempDir dir;
+    const auto path = dir.write("sparse.stl", binary_stl({}, std::numeric_limits<std::uint32_t>::max()));
+    std::filesystem::resize_file(path, std::uintmax_t{100} << 30);  // sparse: takes no room
+    const auto start = std::chrono::steady_clock::now();
+    CHECK(read_error(path).code == Code::malformed_mesh);
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(1));
+}
+
+TEST_CASE("control characters in a file's name stay out of the message", "[input]") {
+    const Result<StlMesh> mesh = read_stl("no\nsuch\tfile.stl");
+    REQUIRE_FALSE(mesh.ok());
+    CHECK_THAT(mesh.error().message, Contains("no?such?file.stl: "));
+}
+
+}  // namespace lamella::input_test

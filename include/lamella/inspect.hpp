@@ -31,7 +31,9 @@ struct InspectOptions {
     int threads = 0;
 };
 
-/// O(n) expected. Errors: empty_mesh, bad_coordinate, out_of_memory.
+/// O(n) expected; 16 bytes a triangle beside the mesh. The answer does not depend on threads. Errors: empty_mesh,
+/// invalid_argument (an index beyond the vertices, a unit that is none), bad_coordinate (also: too large for the unit asked
+/// for), out_of_memory.
 Result<MeshInfo> inspect(const MeshView& mesh, const InspectOptions& options = {}) noexcept;
 
 }  // namespace lamella

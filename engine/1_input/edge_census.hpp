@@ -1,0 +1,25 @@
+// Counts the edges of a mesh by the faces that meet there (paper 1.3: closed meshes).
+#pragma once
+
+#include <cstdint>
+
+#include "base/parallel.hpp"
+#include "lamella/mesh.hpp"
+
+namespace lamella {
+
+struct EdgeCensus {
+    std::uint64_t degenerate = 0;  ///< triangles with two equal vertices; their edges are left out
+    std::uint64_t edges = 0;
+    std::uint64_t boundary = 0;
+    std::uint64_t overfull = 0;
+    std::uint64_t mismatched = 0;
+    std::uint64_t unbalanced = 0;  ///< edges with more faces one way than the other
+    std::uint64_t shells = 0;
+};
+
+/// O(n) expected; 16 bytes a triangle (32 from 2^32 / 3 triangles on) beside the mesh. The counts do not depend on threads.
+/// Precondition: indices in range, coordinates within the grid. Throws std::bad_alloc.
+EdgeCensus count_edges(const MeshView& mesh, double unit_mm, const Parallel& parallel);
+
+}  // namespace lamella

@@ -18,7 +18,7 @@ using nesting::Ring;
 using nesting::SortKey;
 
 /// Layers of at most so many contours compare all with all.
-constexpr std::size_t few_rings = 64;
+constexpr std::size_t few_rings = 100;
 
 int sign_of(const Wide& area) noexcept {
     if (area.high < 0) {
@@ -206,7 +206,7 @@ void Nester::find_parents_among_few(std::span<const NestItem> items) {
 void Nester::find_parents_among_many(std::span<const NestItem> items) {
     order_places();
     tree_.reset(static_cast<std::uint32_t>(rings_.size()));
-    std::size_t patience = 4 * rings_.size() + few_rings * few_rings;
+    std::size_t patience = 4 * rings_.size() + 4096;
     std::size_t left = 0;  // rings that begin left of the start asked for, and are in the tree
     for (std::size_t ring = 1; ring < rings_.size(); ++ring) {
         const Point start = rings_[ring].start;
@@ -265,15 +265,20 @@ void Nester::order_places() {
 }
 
 /// Makes `around`, whose box is known to lie around the start of `ring`, its parent if the contour does and is the smallest
-/// so far.
+/// so far, in whatever order they are asked.
 void Nester::take_if_closer(std::span<const NestItem> items, std::size_t ring_index, std::size_t around_index) {
     Ring& ring = rings_[ring_index];
     Ring& around = rings_[around_index];
     if (ring.parent >= 0) {
-        const std::size_t best = static_cast<std::size_t>(ring.parent);
-        if (areas_[around_index] > areas_[best] ||
-            (areas_[around_index] == areas_[best] && compare_size(items[around.item], items[rings_[best].item]) >= 0)) {
+        const auto best = static_cast<std::size_t>(ring.parent);
+        if (areas_[around_index] > areas_[best] || around_index == best) {
             return;
+        }
+        if (areas_[around_index] == areas_[best]) {
+            const std::strong_ordering order = compare_size(items[around.item], items[rings_[best].item]);
+            if (order > 0 || (order == 0 && around_index < best)) {  // of equal contours the first item is the later ring
+                return;
+            }
         }
     }
     if (inside(items[around.item], around, ring.start)) {

@@ -8,10 +8,13 @@
 // whatever lies strictly inside it is larger, and starts strictly descend from child to parent.
 //
 // So contours are taken in the order of starts, and what lies around one is searched backwards from it. Where contours do
-// not cross, the first found is the smallest. Layers of few contours look at all the others nevertheless. Layers of many
-// sweep over the starts with a tree of boxes and look further only while a budget linear in their number lasts: of more than
-// 64 contours that cross each other, a few may get a larger parent than the smallest, the same in any order of the items.
-// O(q log q) for q contours and points where few boxes overlap without nesting.
+// not cross, the first found is the smallest. Layers of few contours look at all the others nevertheless. Layers of more
+// than 100 sweep over the starts with a tree of boxes and look further only while a budget of 4,096 nodes and 4 a contour
+// lasts: where contours cross as well, a few may get a larger parent than the smallest, the same in any order of the items.
+//
+// O(q log q) for q contours and points, deep nests and arrays of contours that lie apart included. What costs more: k
+// contours whose boxes, but not whose insides, lie around a start cost O(k) for it (L shapes, one in the crook of the
+// other).
 #pragma once
 
 #include <cstdint>

@@ -57,6 +57,9 @@ SliceResult result_of(const std::vector<std::vector<Ring>>& layers, double unit_
         layer.contour_count = rings.size();
         for (const Ring& ring : rings) {
             contours.push_back(contour_of(ring, points.size()));
+            if (ring.role == Role::hole) {
+                contours.back().parent = static_cast<std::int64_t>(contours.size()) - 2;  // the ring before it
+            }
             layer.segments += ring.points.size();
             points.insert(points.end(), ring.points.begin(), ring.points.end());
             result.summary.holes += static_cast<std::uint64_t>(ring.role == Role::hole);

@@ -41,7 +41,7 @@ std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexce
         return a.count <=> b.count;
     }
     for (std::uint32_t i = 0, ia = a.start, ib = b.start; i < a.count; ++i) {
-        if (const auto order = a.points[ia] <=> b.points[ib]; order != 0) {
+        if (const auto order = a.points[ia] <=> b.points[ib]; std::is_neq(order)) {
             return order;
         }
         ia = ia + 1 == a.count ? 0 : ia + 1;
@@ -52,13 +52,13 @@ std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexce
 
 /// From small to large, never by index: equal only if all points are.
 std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept {
-    if (const auto order = magnitude(a.twice_area) <=> magnitude(b.twice_area); order != 0) {
+    if (const auto order = magnitude(a.twice_area) <=> magnitude(b.twice_area); std::is_neq(order)) {
         return order;
     }
-    if (const auto order = a.points[a.start] <=> b.points[b.start]; order != 0) {
+    if (const auto order = a.points[a.start] <=> b.points[b.start]; std::is_neq(order)) {
         return order;
     }
-    if (const auto order = std::pair(a.box_min, a.box_max) <=> std::pair(b.box_min, b.box_max); order != 0) {
+    if (const auto order = std::pair(a.box_min, a.box_max) <=> std::pair(b.box_min, b.box_max); std::is_neq(order)) {
         return order;
     }
     return compare_points(a, b);
@@ -157,7 +157,7 @@ void Nester::sort_by_start(std::span<const NestItem> items) {
         if (end - run > 1) {
             std::sort(run, end, [items](const SortKey& a, const SortKey& b) {
                 const std::strong_ordering order = compare_size(items[a.index], items[b.index]);
-                return order != 0 ? order > 0 : a.index > b.index;
+                return std::is_neq(order) ? std::is_gt(order) : a.index > b.index;
             });
         }
         run = end;
@@ -276,7 +276,8 @@ void Nester::take_if_closer(std::span<const NestItem> items, std::size_t ring_in
         }
         if (areas_[around_index] == areas_[best]) {
             const std::strong_ordering order = compare_size(items[around.item], items[rings_[best].item]);
-            if (order > 0 || (order == 0 && around_index < best)) {  // of equal contours the first item is the later ring
+            if (std::is_gt(order) ||
+                (std::is_eq(order) && around_index < best)) {  // of equal contours the first item is the later ring
                 return;
             }
         }
@@ -306,7 +307,7 @@ bool Nester::inside(const NestItem& contour, Ring& ring, Point query) {
 void Nester::assign_roles(std::span<NestItem> items) {
     for (Ring& ring : rings_) {
         NestItem& item = items[ring.item];
-        ring.winding = item.sense;
+        ring.winding = item.sense > 0 ? 1 : -1;
         if (ring.parent >= 0) {
             const Ring& around = rings_[static_cast<std::size_t>(ring.parent)];
             item.parent = static_cast<std::int32_t>(around.item);

@@ -58,9 +58,9 @@ TEST_CASE("results known to be too large are refused before they are allocated",
     CHECK(failure_of(view_of(soup), options).code == Code::result_too_large);
     CHECK(memory.peak() < std::size_t{1} << 26);
     CHECK(memory.held() == 0);
-    // One crossing too many: the layers fit, their contours do not.
+    // The layers fit, their points do not.
     options.plan.spacing = lamella::UniformLayers{0.001};
-    options.memory_limit_bytes = 12'000'000;
+    options.memory_limit_bytes = 11'000'000;
     CHECK(failure_of(view_of(soup), options).code == Code::result_too_large);
     // The default limit, at the height that would take a machine down.
     lamella::SliceOptions careless = uniform(1e-6, 0x1p-23);

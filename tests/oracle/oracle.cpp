@@ -81,7 +81,8 @@ bool before(Direction zero, Direction a, Direction b) {
 }
 
 /// The ends at one edge, counter-clockwise from the smallest third vertex. A third vertex in line with the edge has no angle
-/// and counts as lying there too.
+/// and counts as lying there too. Ends at one angle: those that come in, then those that go out in the opposite order, so
+/// that brackets nest and of several equal faces each keeps its place from edge to edge.
 void sort_around(std::vector<End*>& around) {
     const EdgeKey edge = around.front()->at.edge;
     const auto no_angle = [](Direction d) { return d.x == 0 && d.y == 0; };
@@ -96,13 +97,18 @@ void sort_around(std::vector<End*>& around) {
         const Direction direction = direction_of(edge, end->third);
         return no_angle(direction) ? zero : direction;
     };
-    std::stable_sort(around.begin(), around.end(), [&](const End* a, const End* b) {
+    std::sort(around.begin(), around.end(), [&](const End* a, const End* b) {
         const Direction da = angle_of(a);
         const Direction db = angle_of(b);
         if (before(zero, da, db) || before(zero, db, da)) {
             return before(zero, da, db);
         }
-        return std::pair(a->out, a->third) < std::pair(b->out, b->third);
+        if (a->out != b->out) {
+            return b->out;
+        }
+        const std::pair place_a(a->third, a->segment);
+        const std::pair place_b(b->third, b->segment);
+        return a->out ? place_b < place_a : place_a < place_b;
     });
 }
 
@@ -268,12 +274,16 @@ Int128 size_of(const Contour& contour) {
     return contour.twice_area < 0 ? -contour.twice_area : contour.twice_area;
 }
 
+/// Smaller by area; of equal ones the one that starts first.
+bool smaller(const Contour& a, const Contour& b) {
+    return std::tuple(size_of(a), a.points.front(), a.points) < std::tuple(size_of(b), b.points.front(), b.points);
+}
+
 void find_parents(Layer& layer) {
     for (Contour& child : layer) {
         for (std::size_t i = 0; i < layer.size() && child.sense != 0; ++i) {
-            const bool smaller =
-                child.parent < 0 || size_of(layer[i]) < size_of(layer[static_cast<std::size_t>(child.parent)]);
-            if (layer[i].sense != 0 && smaller && strictly_around(layer[i].points, child.points.front())) {
+            const bool closer = child.parent < 0 || smaller(layer[i], layer[static_cast<std::size_t>(child.parent)]);
+            if (layer[i].sense != 0 && closer && strictly_around(layer[i].points, child.points.front())) {
                 child.parent = static_cast<int>(i);
             }
         }

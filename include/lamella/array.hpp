@@ -57,6 +57,7 @@ public:
         size_ = count;
     }
 
+    std::pmr::memory_resource* resource() const noexcept { return resource_; }
     T* data() noexcept { return data_; }
     const T* data() const noexcept { return data_; }
     std::size_t size() const noexcept { return size_; }

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <span>
 #include <string>
 #include <vector>
@@ -103,6 +104,10 @@ struct SliceSummary {
 };
 
 struct SliceResult {
+    /// Its arrays will take their memory from `memory`; null: operator new.
+    explicit SliceResult(std::pmr::memory_resource* memory = nullptr) noexcept
+        : layers(memory), contours(memory), points(memory) {}
+
     Array<Layer> layers;
     Array<Contour> contours;
     Array<Point> points;

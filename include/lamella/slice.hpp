@@ -40,6 +40,8 @@ public:
     ~Workspace();
     Workspace(Workspace&&) noexcept;
     Workspace& operator=(Workspace&&) noexcept;
+    /// Gives all memory back; what comes next is taken from `memory`.
+    void reset(std::pmr::memory_resource* memory);
     struct Impl;
     Impl& impl() noexcept { return *impl_; }
 

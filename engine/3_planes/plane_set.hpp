@@ -1,0 +1,107 @@
+// Stage 3: the planes on the grid, and which of them lies first above a vertex.
+#pragma once
+
+#include <cassert>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "2_grid/bounds.hpp"
+#include "lamella/array.hpp"
+#include "lamella/grid.hpp"
+#include "lamella/planes.hpp"
+#include "lamella/status.hpp"
+
+namespace lamella {
+
+/// Index of a plane, or one past the last. Plans with more than 2^31 planes are refused, so 32 bits hold it.
+using PlaneIndex = std::uint32_t;
+
+/// k planes, ascending. Immutable once made, shared by all threads.
+class PlaneSet {
+public:
+    explicit PlaneSet(std::pmr::memory_resource* memory) : padded_(memory), bucket_first_(memory) {}
+
+    PlaneIndex size() const noexcept { return count_; }
+    bool uniform() const noexcept { return inverse_step_ > 0; }
+    /// z of plane i in grid units; -1 and size() are sentinels beyond every vertex.
+    std::int32_t z(PlaneIndex i) const noexcept { return padded_[i + 1]; }
+    /// The height asked for, before rounding.
+    double height_mm(PlaneIndex i) const noexcept {
+        return heights_mm_.empty() ? first_mm_ + (first_step_ + static_cast<double>(i)) * step_mm_ : heights_mm_[i];
+    }
+    /// Bottom and top of the slab that plane i stands for.
+    double bottom_mm(PlaneIndex i) const noexcept;
+    double top_mm(PlaneIndex i) const noexcept;
+
+    /// The first plane above a vertex at height z. Uniform planes by arithmetic, corrected by one either way (Algorithm 2,
+    /// first case); others by a merge step from `hint`, the answer for a vertex near by (second case: triangles sorted by z
+    /// take O(n + k) in all), else by binary search within a bucket of heights (Algorithm 3, third case).
+    PlaneIndex first_above(std::int32_t z, PlaneIndex hint) const noexcept {
+        return uniform() ? by_division(z) : by_search(z, hint);
+    }
+
+    /// Makes the planes of `plan` for a mesh within `bounds`. `number`: the type in which a vertex of a plane's height would
+    /// have been written. O(k). Errors: invalid_argument, bad_planes, result_too_large (k layers alone exceed the limit).
+    Status build(const LayerPlan& plan, const Bounds& bounds, double unit_mm, Number number, std::uint64_t memory_limit);
+
+private:
+    Status build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
+    Status build_explicit(const ExplicitPlanes& plan);
+    Status build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
+    Status check_count(double planes, std::uint64_t memory_limit) const;
+    Status check_distinct() const;
+    void fill_from_heights();
+    void index_heights();
+    std::int32_t round_height(double mm) const noexcept;
+
+    PlaneIndex by_division(std::int32_t z) const noexcept {
+        const double guess = (static_cast<double>(z) - first_z_) * inverse_step_;
+        const double clamped = guess < 0 ? 0 : (guess > last_guess_ ? last_guess_ : guess);
+        auto i = static_cast<std::int32_t>(clamped);
+        const std::int32_t* plane = padded_.data() + 1;
+        // Off by one at most unless steps are a few units, where each plane's own rounding weighs in.
+        while (plane[i] < z) {
+            ++i;
+        }
+        while (plane[i - 1] > z) {
+            --i;
+        }
+        assert(plane[i] > z && plane[i - 1] < z);
+        return static_cast<PlaneIndex>(i);
+    }
+
+    PlaneIndex by_search(std::int32_t z, PlaneIndex hint) const noexcept {
+        const std::int32_t* plane = padded_.data() + 1;
+        const auto near = static_cast<std::int64_t>(hint);
+        if (plane[near - 1] < z) {
+            if (z < plane[near]) {
+                return hint;
+            }
+            if (z < plane[near + 1]) {
+                return hint + 1;
+            }
+        }
+        return search_bucket(z);
+    }
+    PlaneIndex search_bucket(std::int32_t z) const noexcept;
+
+    LayerPlan plan_;
+    double unit_mm_ = default_unit_mm;
+    Number number_ = Number::f32;
+    PlaneIndex count_ = 0;
+    Array<std::int32_t> padded_;  // [lowest, plane 0, ..., plane k-1, highest, highest]
+    // uniform: plane i is at first_mm_ + (first_step_ + i) * step_mm_
+    double first_mm_ = 0;
+    double first_step_ = 0;
+    double step_mm_ = 0;
+    double first_z_ = 0;       // of plane 0, grid units
+    double inverse_step_ = 0;  // planes per grid unit; 0 when not uniform
+    double last_guess_ = 0;
+    // otherwise
+    std::vector<double> heights_mm_;
+    Array<PlaneIndex> bucket_first_;  // first plane at or above the start of each 2^shift_-unit bucket
+    int shift_ = 0;
+};
+
+}  // namespace lamella

@@ -1,0 +1,152 @@
+#include "4_bucket/bucket.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t word_bits = 64;
+
+/// The mesh in as many parts as there are threads, cut between words of the mask.
+struct Parts {
+    std::size_t triangles;
+    std::size_t count;
+
+    Parts(std::size_t triangle_count, const Parallel& parallel)
+        : triangles(triangle_count),
+          count(std::min<std::size_t>(static_cast<std::size_t>(parallel.threads()), (triangle_count >> 12) + 1)) {}
+    std::size_t words() const noexcept { return (triangles + word_bits - 1) / word_bits; }
+    std::size_t begin_word(std::size_t part) const noexcept { return words() * part / count; }
+};
+
+/// Counters of one part: triangles by first plane, and by the plane past their last.
+struct PartCounters {
+    std::uint32_t* first;
+    std::uint32_t* last;
+
+    PartCounters(Buckets& buckets, std::size_t part, std::size_t planes)
+        : first(buckets.counters.data() + part * 2 * (planes + 1)), last(first + planes + 1) {}
+};
+
+template <class Reader>
+std::uint64_t count_part(const Reader& read, const PlaneSet& planes, const Parts& parts, std::size_t part,
+                         Buckets& buckets) {
+    PartCounters counters(buckets, part, planes.size());
+    std::fill_n(counters.first, 2 * (std::size_t{planes.size()} + 1), 0U);
+    std::uint64_t degenerate = 0;
+    PlaneIndex hint = 0;
+    for (std::size_t word = parts.begin_word(part); word < parts.begin_word(part + 1); ++word) {
+        const std::size_t begin = word * word_bits;
+        const std::size_t end = std::min(begin + word_bits, parts.triangles);
+        std::uint64_t mask = 0;
+        for (std::size_t t = begin; t < end; ++t) {
+            const GridTriangle v = read(t);
+            if (is_degenerate(v)) {
+                ++degenerate;
+                continue;
+            }
+            const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
+            const PlaneIndex first = planes.first_above(low, hint);
+            hint = first;
+            if (planes.z(first) > high) {
+                continue;
+            }
+            const PlaneIndex last = planes.first_above(high, first);
+            ++counters.first[first];
+            ++counters.last[last];
+            mask |= std::uint64_t{1} << (t - begin);
+        }
+        buckets.crossed_mask[word] = mask;
+    }
+    return degenerate;
+}
+
+/// By height; the sense is the parity of the permutation: walking lower -> middle -> upper is the facet's own sense when
+/// even, and then the long edge is walked downwards.
+CrossedTriangle order_by_height(GridTriangle v, std::uint32_t triangle) noexcept {
+    bool odd = false;
+    const auto sort_pair = [&](std::size_t a, std::size_t b) {
+        if (v[b].z < v[a].z) {
+            std::swap(v[a], v[b]);
+            odd = !odd;
+        }
+    };
+    sort_pair(0, 1);
+    sort_pair(1, 2);
+    sort_pair(0, 1);
+    return {v[0], v[1], v[2], triangle, odd ? 0U : 1U << 31, 0};
+}
+
+template <class Reader>
+void scatter_part(const Reader& read, const PlaneSet& planes, const Parts& parts, std::size_t part, Buckets& buckets) {
+    PartCounters counters(buckets, part, planes.size());
+    PlaneIndex hint = 0;
+    for (std::size_t word = parts.begin_word(part); word < parts.begin_word(part + 1); ++word) {
+        for (std::uint64_t mask = buckets.crossed_mask[word]; mask != 0; mask &= mask - 1) {
+            const std::size_t t = word * word_bits + static_cast<std::size_t>(__builtin_ctzll(mask));
+            CrossedTriangle record = order_by_height(read(t), static_cast<std::uint32_t>(t));
+            const PlaneIndex first = planes.first_above(record.lower.z, hint);
+            const PlaneIndex middle = planes.first_above(record.middle.z, first);
+            hint = first;
+            record.middle_and_sense |= middle;
+            record.last = planes.first_above(record.upper.z, middle);
+            buckets.records[counters.first[first]++] = record;
+        }
+    }
+}
+
+/// Turns counts into list beginnings, for all and for each part, and sums up the segments.
+void prefix_sums(const PlaneSet& planes, const Parts& parts, Buckets& buckets) {
+    const std::size_t k = planes.size();
+    std::uint32_t begin = 0;
+    std::int64_t active = 0;
+    buckets.segment_count = 0;
+    for (std::size_t plane = 0; plane < k; ++plane) {
+        buckets.list_begin[plane] = begin;
+        for (std::size_t part = 0; part < parts.count; ++part) {
+            PartCounters counters(buckets, part, k);
+            active += counters.first[plane];
+            active -= counters.last[plane];
+            begin += std::exchange(counters.first[plane], begin);
+        }
+        buckets.segments[plane] = static_cast<std::uint32_t>(active);
+        buckets.segment_count += static_cast<std::uint64_t>(active);
+    }
+    buckets.list_begin[k] = begin;
+}
+
+}  // namespace
+
+void count_crossings(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes,
+                     const Parallel& parallel, Buckets& buckets) {
+    const Parts parts(mesh.triangle_count, parallel);
+    const std::size_t k = planes.size();
+    buckets.crossed_mask.resize_discarding(parts.words());
+    buckets.counters.resize_discarding(parts.count * 2 * (k + 1));
+    buckets.list_begin.resize_discarding(k + 1);
+    buckets.segments.resize_discarding(k);
+    std::vector<std::uint64_t> degenerate(parts.count);
+    with_reader(mesh, transform, unit_mm, [&](const auto& read) {
+        parallel.run(parts.count,
+                     [&](std::size_t part, int) { degenerate[part] = count_part(read, planes, parts, part, buckets); });
+    });
+    buckets.degenerate = 0;
+    for (const std::uint64_t count : degenerate) {
+        buckets.degenerate += count;
+    }
+    prefix_sums(planes, parts, buckets);
+}
+
+void scatter_triangles(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes,
+                       const Parallel& parallel, Buckets& buckets) {
+    const Parts parts(mesh.triangle_count, parallel);
+    buckets.records.resize_discarding(buckets.list_begin[planes.size()]);
+    with_reader(mesh, transform, unit_mm, [&](const auto& read) {
+        parallel.run(parts.count, [&](std::size_t part, int) { scatter_part(read, planes, parts, part, buckets); });
+    });
+}
+
+}  // namespace lamella

@@ -1,0 +1,84 @@
+// The active set of a band: the mesh edges that pierce the current plane, by slot, with the plane at which each leaves.
+#pragma once
+
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include "3_planes/plane_set.hpp"
+#include "6_contours/link_graph.hpp"
+#include "base/kernels.hpp"
+#include "lamella/grid.hpp"
+
+namespace lamella {
+
+class ActiveEdges {
+public:
+    explicit ActiveEdges(std::pmr::memory_resource* memory)
+        : x_(memory),
+          y_(memory),
+          z_(memory),
+          slope_x_(memory),
+          slope_y_(memory),
+          end_(memory),
+          next_(memory),
+          head_(memory) {}
+
+    /// Empties the set, for planes [first, last).
+    void clear(PlaneIndex first, PlaneIndex last) {
+        first_ = first;
+        last_ = last;
+        head_.assign(last - first, no_link);
+    }
+
+    /// The edge in `slot`; it leaves at plane `end`.
+    void put(Slot slot, const GridVertex& lower, const GridVertex& upper, PlaneIndex end) {
+        if (slot >= end_.size()) {
+            grow(slot);
+        }
+        const double rise = static_cast<double>(upper.z) - lower.z;
+        x_[slot] = lower.x;
+        y_[slot] = lower.y;
+        z_[slot] = lower.z;
+        slope_x_[slot] = (static_cast<double>(upper.x) - lower.x) / rise;
+        slope_y_[slot] = (static_cast<double>(upper.y) - lower.y) / rise;
+        end_[slot] = end;
+        enlist(slot);
+    }
+
+    /// Puts the edge of slot `from` in slot `to` too.
+    void copy(Slot to, Slot from);
+
+    /// Calls leave(slot) for each edge that leaves at `plane`.
+    template <class Leave>
+    void take_ended(PlaneIndex plane, Leave&& leave) {
+        for (Slot slot = std::exchange(head_[plane - first_], no_link); slot != no_link;) {
+            const Slot next = next_[slot];
+            leave(slot);
+            slot = next;
+        }
+    }
+
+    /// Renumbers after LinkGraph::compact(). `plane` is the current one.
+    void compact(std::span<const Slot> new_to_old, PlaneIndex plane);
+
+    EdgeArrays arrays() const noexcept { return {x_.data(), y_.data(), z_.data(), slope_x_.data(), slope_y_.data()}; }
+    std::size_t capacity() const noexcept { return end_.size(); }
+
+private:
+    void enlist(Slot slot) {
+        if (end_[slot] < last_) {
+            next_[slot] = std::exchange(head_[end_[slot] - first_], slot);
+        }
+    }
+    void grow(Slot slot);
+
+    std::pmr::vector<double> x_, y_, z_, slope_x_, slope_y_;
+    std::pmr::vector<PlaneIndex> end_;
+    std::pmr::vector<Slot> next_;  // of the edges that leave at the same plane
+    std::pmr::vector<Slot> head_;  // by plane of the band
+    PlaneIndex first_ = 0;
+    PlaneIndex last_ = 0;
+};
+
+}  // namespace lamella

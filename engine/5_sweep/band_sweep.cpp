@@ -1,0 +1,248 @@
+#include "5_sweep/band_sweep.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "base/clock.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// One layer in so many is timed; clocks at every layer would be felt on small ones.
+constexpr PlaneIndex timing_stride = 8;
+
+}  // namespace
+
+BandSweep::BandSweep(std::pmr::memory_resource* memory)
+    : kernels_(kernels_for_this_cpu()),
+      graph_(memory),
+      edges_(memory),
+      layers_(memory),
+      arrivals_(memory),
+      links_(memory),
+      pending_(memory),
+      pending_head_(memory),
+      active_(memory),
+      faces_(memory),
+      points_(memory) {}
+
+bool BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
+                    ContourForm form, const std::stop_token& stop, BandOutput& out) {
+    begin(band, buckets);
+    for (PlaneIndex plane = band.first; plane < band.last; ++plane) {
+        if (stop.stop_requested()) {
+            return false;
+        }
+        const bool timed = plane % timing_stride == 0;
+        layers_.timed = timed;
+        const std::uint64_t start = timed ? ticks() : 0;
+        const auto seeds_here = plane == band.first ? seeds : std::span<const std::uint32_t>{};
+        if (form == ContourForm::assembled) {
+            begin_plane_afresh(plane);
+            gather_active(plane, seeds_here);
+        } else {
+            take_events(plane, seeds_here);
+        }
+        link_events(plane);
+        graph_.walk();
+        const std::uint64_t linked = timed ? ticks() : 0;
+        emit(plane, planes, out);
+        if (timed) {
+            ticks_.sweep += linked - start;
+            ticks_.contours += ticks() - linked;
+        }
+        compact(plane);
+    }
+    return true;
+}
+
+void BandSweep::begin(const Band& band, const Buckets& buckets) {
+    band_ = band;
+    buckets_ = &buckets;
+    graph_.clear();
+    edges_.clear(band.first, band.last);
+    pending_.clear();
+    pending_free_ = no_link;
+    pending_head_.assign(band.last - band.first, no_link);
+    active_.clear();
+}
+
+// --- Events
+// -------------------------------------------------------------------------------------------------------------------
+
+/// Swept form: edges that end leave, triangles of the plane's list enter, middle vertices are passed.
+void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
+    edges_.take_ended(plane, [this](Slot slot) { graph_.release(slot); });
+    const std::uint32_t list_begin = buckets_->list_begin[plane];
+    const std::uint32_t list_end = buckets_->list_begin[plane + 1];
+    std::uint32_t& head = pending_head_[plane - band_.first];
+    arrivals_.clear();
+    links_.clear();
+    if (list_begin == list_end && head == no_link && seeds.empty()) {
+        return;
+    }
+    std::size_t middles = 0;
+    for (std::uint32_t p = head; p != no_link; p = pending_[p].next) {
+        ++middles;
+    }
+    graph_.begin_events(2 * (seeds.size() + list_end - list_begin) + middles);
+    for (std::uint32_t p = std::exchange(head, no_link); p != no_link;) {
+        const Pending pending = pending_[p];
+        pass_middle(pending);
+        pending_[p].next = std::exchange(pending_free_, p);
+        p = pending.next;
+    }
+    for (const std::uint32_t record : seeds) {
+        enter(record, plane);
+    }
+    for (std::uint32_t record = list_begin; record < list_end; ++record) {
+        enter(record, plane);
+    }
+}
+
+/// Assembled form: the links of the plane before are forgotten ...
+void BandSweep::begin_plane_afresh(PlaneIndex plane) {
+    graph_.clear();
+    edges_.clear(plane, plane + 1);
+    pending_head_.assign(band_.last - band_.first, no_link);
+    pending_.clear();
+    pending_free_ = no_link;
+    arrivals_.clear();
+    links_.clear();
+}
+
+/// ... and every triangle of the active set (Algorithm 1, steps 7 to 12) enters anew.
+void BandSweep::gather_active(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
+    active_.insert(active_.end(), seeds.begin(), seeds.end());
+    for (std::uint32_t record = buckets_->list_begin[plane]; record < buckets_->list_begin[plane + 1]; ++record) {
+        active_.push_back(record);
+    }
+    std::erase_if(active_, [&](std::uint32_t record) { return buckets_->records[record].last <= plane; });
+    graph_.begin_events(2 * active_.size());
+    for (const std::uint32_t record : active_) {
+        enter(record, plane);
+    }
+}
+
+inline Slot BandSweep::edge_slot(const GridVertex& lower, const GridVertex& upper, PlaneIndex end) {
+    const auto [slot, fresh] = graph_.find_or_add(pack_edge(lower, upper));
+    if (fresh) {
+        edges_.put(slot, lower, upper, end);
+    }
+    return slot;
+}
+
+inline void BandSweep::enter(std::uint32_t record, PlaneIndex plane) {
+    const CrossedTriangle& t = buckets_->records[record];
+    const auto link = static_cast<std::uint32_t>(links_.size());
+    const PlaneIndex middle = t.middle_plane();
+    const Slot long_edge = edge_slot(t.lower, t.upper, t.last);
+    const Slot short_edge = middle <= plane ? edge_slot(t.middle, t.upper, t.last) : edge_slot(t.lower, t.middle, middle);
+    const bool from_long = t.long_edge_is_source();
+    const PortRef long_port = graph_.attach(long_edge, from_long ? source_port : target_port, link);
+    const PortRef short_port = graph_.attach(short_edge, from_long ? target_port : source_port, link);
+    links_.push_back(from_long ? Link{long_port, short_port} : Link{short_port, long_port});
+    arrivals_.push_back({record, true});
+}
+
+inline void BandSweep::pass_middle(const Pending& pending) {
+    const CrossedTriangle& t = buckets_->records[pending.record];
+    const auto link = static_cast<std::uint32_t>(links_.size());
+    const Slot short_edge = edge_slot(t.middle, t.upper, t.last);
+    const bool from_long = t.long_edge_is_source();
+    const PortRef short_port = graph_.attach(short_edge, from_long ? target_port : source_port, link);
+    links_.push_back(from_long ? Link{pending.long_edge, short_port} : Link{short_port, pending.long_edge});
+    arrivals_.push_back({pending.record, false});
+}
+
+void BandSweep::link_events(PlaneIndex plane) {
+    if (links_.empty()) {
+        return;
+    }
+    graph_.settle(
+        links_, [this](Slot slot, std::span<MeetingEnd> ends) { sort_meeting(slot, ends); },
+        [this](Slot to, Slot from) { edges_.copy(to, from); });
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+        graph_.connect(links_[i]);
+        const Arrival& arrival = arrivals_[i];
+        if (arrival.entering) {
+            const PlaneIndex middle = buckets_->records[arrival.record].middle_plane();
+            if (middle > plane && middle < band_.last) {
+                expect_middle(arrival.record, links_[i]);
+            }
+        }
+    }
+}
+
+void BandSweep::expect_middle(std::uint32_t record, const Link& link) {
+    const CrossedTriangle& t = buckets_->records[record];
+    if (t.middle_plane() >= t.last) {
+        return;  // no plane lies between the middle vertex and the upper one
+    }
+    std::uint32_t& head = pending_head_[t.middle_plane() - band_.first];
+    const Pending pending{record, t.long_edge_is_source() ? link.source : link.target, head};
+    if (pending_free_ != no_link) {
+        head = pending_free_;
+        pending_free_ = pending_[head].next;
+        pending_[head] = pending;
+    } else {
+        head = static_cast<std::uint32_t>(pending_.size());
+        pending_.push_back(pending);
+    }
+}
+
+/// Where more than two faces meet at an edge: the faces of the ends, sorted round it.
+void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
+    faces_.clear();
+    GridVertex lower;
+    GridVertex upper;
+    unpack_edge(graph_.key(slot), lower, upper);
+    for (const MeetingEnd& end : ends) {
+        const CrossedTriangle& t = buckets_->records[arrivals_[end.link].record];
+        const bool has_lowest = t.lower == lower || t.lower == upper;
+        const bool has_middle = t.middle == lower || t.middle == upper;
+        faces_.push_back({!has_lowest ? t.lower : (has_middle ? t.upper : t.middle), t.triangle, end});
+    }
+    sort_round_edge(lower, upper, faces_);
+    std::transform(faces_.begin(), faces_.end(), ends.begin(), [](const FaceAtEdge& face) { return face.end; });
+}
+
+// --- The plane
+// ----------------------------------------------------------------------------------------------------------------
+
+void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) {
+    if (graph_.live() == 0) {
+        LayerBuilder::skip(out);
+        return;
+    }
+    if (points_.size() < edges_.capacity()) {
+        points_.resize(edges_.capacity());
+    }
+    kernels_.pierce(edges_.arrays(), planes.z(plane), graph_.slot_end(), points_.data());
+    layers_.build(graph_, points_.data(), out);
+}
+
+void BandSweep::compact(PlaneIndex plane) {
+    graph_.compact([&](std::span<const Slot> new_to_old) {
+        std::pmr::vector<Slot> old_to_new(edges_.capacity(), no_link, points_.get_allocator());
+        for (Slot slot = 0; slot < new_to_old.size(); ++slot) {
+            old_to_new[new_to_old[slot]] = slot;
+        }
+        for (const std::uint32_t head : pending_head_) {
+            for (std::uint32_t p = head; p != no_link; p = pending_[p].next) {
+                pending_[p].long_edge = 2 * old_to_new[pending_[p].long_edge >> 1] + (pending_[p].long_edge & 1);
+            }
+        }
+        edges_.compact(new_to_old, plane);
+    });
+}
+
+SweepTicks BandSweep::take_ticks() noexcept {
+    SweepTicks spent = std::exchange(ticks_, {});
+    spent.nesting = std::exchange(layers_.nesting_ticks, 0);
+    spent.contours -= std::min(spent.contours, spent.nesting);
+    return spent;
+}
+
+}  // namespace lamella

@@ -1,0 +1,94 @@
+// Stage 5: the sweep of one band (Algorithm 1), with its contours (Algorithm 4) as it goes.
+//
+// A crossed triangle joins its long edge to one of its short edges, and changes over once, at its middle vertex:
+//
+//         upper
+//          |`.           planes above `middle` join the long edge and the upper short one
+//     long |  `.
+//          |  middle     one event: the link is written anew
+//          |  .'
+//          |.'           planes below join the long edge and the lower short one
+//         lower          the triangle enters at the first plane above
+//
+// Between events nothing is done for a triangle: a plane costs one interpolation per active edge and one copy along the
+// contours.
+#pragma once
+
+#include <memory_resource>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "4_bucket/bucket.hpp"
+#include "5_sweep/active_edges.hpp"
+#include "5_sweep/bands.hpp"
+#include "6_contours/layer_builder.hpp"
+#include "6_contours/link_graph.hpp"
+#include "lamella/slice.hpp"
+
+namespace lamella {
+
+/// Thread time by phase, in ticks of sampled layers.
+struct SweepTicks {
+    std::uint64_t sweep = 0;
+    std::uint64_t contours = 0;
+    std::uint64_t nesting = 0;
+};
+
+/// One per thread; scratch is kept from band to band.
+class BandSweep {
+public:
+    explicit BandSweep(std::pmr::memory_resource* memory);
+
+    /// Appends the band's layers to `out`. Returns false if `stop` was requested, `out` then being incomplete.
+    /// Throws std::bad_alloc.
+    bool run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
+             ContourForm form, const std::stop_token& stop, BandOutput& out);
+
+    /// What was spent since the last call.
+    SweepTicks take_ticks() noexcept;
+
+private:
+    /// A triangle of the current plane's events.
+    struct Arrival {
+        std::uint32_t record;
+        bool entering;  ///< else it passes its middle vertex
+    };
+    /// A triangle whose middle vertex lies ahead.
+    struct Pending {
+        std::uint32_t record;
+        PortRef long_edge;
+        std::uint32_t next;
+    };
+
+    void begin(const Band& band, const Buckets& buckets);
+    void begin_plane_afresh(PlaneIndex plane);
+    void gather_active(PlaneIndex plane, std::span<const std::uint32_t> seeds);
+    void take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds);
+    void enter(std::uint32_t record, PlaneIndex plane);
+    void pass_middle(const Pending& pending);
+    void link_events(PlaneIndex plane);
+    void sort_meeting(Slot slot, std::span<MeetingEnd> ends);
+    void expect_middle(std::uint32_t record, const Link& link);
+    void compact(PlaneIndex plane);
+    Slot edge_slot(const GridVertex& lower, const GridVertex& upper, PlaneIndex end);
+    void emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out);
+
+    const Kernels& kernels_;
+    LinkGraph graph_;
+    ActiveEdges edges_;
+    LayerBuilder layers_;
+    Band band_{};
+    const Buckets* buckets_ = nullptr;
+    std::pmr::vector<Arrival> arrivals_;
+    std::pmr::vector<Link> links_;  // of arrivals_
+    std::pmr::vector<Pending> pending_;
+    std::pmr::vector<std::uint32_t> pending_head_;  // by plane of the band
+    std::uint32_t pending_free_ = no_link;
+    std::pmr::vector<std::uint32_t> active_;  // assembled form: records that the plane cuts
+    std::pmr::vector<FaceAtEdge> faces_;
+    std::pmr::vector<Point> points_;  // by slot
+    SweepTicks ticks_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,92 @@
+#include "5_sweep/bands.hpp"
+
+#include <algorithm>
+
+namespace lamella {
+
+namespace {
+
+/// Segments that make a band worth its start: about 2 MB of points, which stay in a core's cache until they are placed.
+constexpr std::uint64_t least_segments = 1 << 18;
+/// Linking a seed costs about as much as this many segments; bands shorter than a few times that would mostly link seeds.
+constexpr std::uint64_t segments_per_seed = 64;
+/// Work, in segments, of a triangle that enters: its edges are looked up and its links written.
+constexpr std::uint64_t segments_per_entry = 24;
+
+std::uint64_t work_of(const Buckets& buckets, PlaneIndex plane) noexcept {
+    return buckets.segments[plane] + segments_per_entry * (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
+}
+
+}  // namespace
+
+void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads) {
+    bands.clear();
+    std::uint64_t all_work = 0;
+    for (PlaneIndex plane = 0; plane < planes; ++plane) {
+        all_work += work_of(buckets, plane);
+    }
+    // Some bands for each thread so that an uneven one can be evened out; on one thread they only serve the cache.
+    const std::uint64_t share = all_work / (4 * static_cast<std::uint64_t>(threads)) + 1;
+    Band band{0, 0, 0};
+    std::uint64_t work = 0;
+    for (PlaneIndex plane = 0; plane < planes; ++plane) {
+        const std::uint64_t enough = std::clamp(segments_per_seed * buckets.segments[plane], std::min(share, least_segments),
+                                                std::max(share, least_segments));
+        const bool full = asked_planes > 0 ? plane - band.first >= static_cast<PlaneIndex>(asked_planes) : work >= enough;
+        if (full && plane > band.first) {
+            bands.push_back(band);
+            band = {plane, plane, 0};
+            work = 0;
+        }
+        band.last = plane + 1;
+        band.segments += buckets.segments[plane];
+        work += work_of(buckets, plane);
+    }
+    if (planes > 0) {
+        bands.push_back(band);
+    }
+}
+
+void BandPlan::find_seeds(const Buckets& buckets, PlaneIndex planes, const Parallel& parallel) {
+    seed_begin.assign(bands.size() + 2, 0);
+    spans_.resize(static_cast<std::size_t>(parallel.threads()), std::pmr::vector<Span>(seeds.get_allocator()));
+    for (auto& spans : spans_) {
+        spans.clear();
+    }
+    std::pmr::vector<std::uint32_t> band_of(planes, seeds.get_allocator());
+    for (std::uint32_t b = 0; b < bands.size(); ++b) {
+        std::fill(band_of.begin() + bands[b].first, band_of.begin() + bands[b].last, b);
+    }
+    parallel.run(bands.size(), [&](std::size_t b, int worker) {
+        const PlaneIndex last = bands[b].last;
+        for (std::uint32_t r = buckets.list_begin[bands[b].first]; r < buckets.list_begin[last]; ++r) {
+            if (const PlaneIndex end = buckets.records[r].last; end > last) {
+                spans_[static_cast<std::size_t>(worker)].push_back({r, static_cast<std::uint32_t>(b + 1), band_of[end - 1]});
+            }
+        }
+    });
+    // Count, prefix sum, scatter. A span adds one where it begins and takes it off where it ends.
+    std::pmr::vector<std::int64_t> change(bands.size() + 1, 0, seeds.get_allocator());
+    for (const auto& spans : spans_) {
+        for (const Span& span : spans) {
+            ++change[span.first];
+            --change[span.last + 1];
+        }
+    }
+    std::int64_t reaching = 0;
+    for (std::size_t b = 0; b < bands.size(); ++b) {
+        reaching += change[b];
+        seed_begin[b + 2] = seed_begin[b + 1] + static_cast<std::uint64_t>(reaching);
+    }
+    seeds.resize(seed_begin.back());
+    for (const auto& spans : spans_) {
+        for (const Span& span : spans) {
+            for (std::uint32_t b = span.first; b <= span.last; ++b) {
+                seeds[seed_begin[b + 1]++] = span.record;
+            }
+        }
+    }
+    seed_begin.pop_back();
+}
+
+}  // namespace lamella

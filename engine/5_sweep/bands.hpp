@@ -1,0 +1,51 @@
+// Stage 5: the planes cut into z-bands that are swept independently, and for each band the triangles that reach into it from
+// below.
+//
+//     planes      0 1 2 3 | 4 5 6 7 | 8 9 ...
+//     triangle      [-----------]            in the list of plane 1, and a seed of the second band
+#pragma once
+
+#include <cstdint>
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include "4_bucket/bucket.hpp"
+
+namespace lamella {
+
+struct Band {
+    PlaneIndex first;
+    PlaneIndex last;  ///< one past
+    std::uint64_t segments;
+};
+
+struct BandPlan {
+    explicit BandPlan(std::pmr::memory_resource* memory)
+        : bands(memory), seed_begin(memory), seeds(memory), spans_(memory) {}
+
+    std::pmr::vector<Band> bands;
+    std::pmr::vector<std::uint64_t> seed_begin;  ///< bands + 1: where each band's seeds begin
+    std::pmr::vector<std::uint32_t> seeds;       ///< indices of records
+
+    std::span<const std::uint32_t> seeds_of(std::size_t band) const noexcept {
+        return {seeds.data() + seed_begin[band], seeds.data() + seed_begin[band + 1]};
+    }
+
+    /// Cuts the planes into bands: every `asked_planes` of them, or when that is 0 by the work in them. O(k).
+    void cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads);
+
+    /// Finds every band's seeds. O(crossed triangles + bands + seeds), and a seed has at least one segment in its band.
+    void find_seeds(const Buckets& buckets, PlaneIndex planes, const Parallel& parallel);
+
+private:
+    /// A triangle that reaches beyond its first band: it is a seed of [first, last].
+    struct Span {
+        std::uint32_t record;
+        std::uint32_t first;
+        std::uint32_t last;
+    };
+    std::pmr::vector<std::pmr::vector<Span>> spans_;  // by worker
+};
+
+}  // namespace lamella

@@ -1,0 +1,416 @@
+#include "6_contours/link_graph.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace lamella {
+
+LinkGraph::LinkGraph(std::pmr::memory_resource* memory)
+    : keys_(memory),
+      links_(memory),
+      owners_(memory),
+      flags_(memory),
+      position_(memory),
+      position_next_(memory),
+      free_(memory),
+      fresh_(memory),
+      table_(memory),
+      crowd_(memory),
+      meeting_(memory),
+      pairing_(memory),
+      order_(memory),
+      order_next_(memory),
+      breaks_(memory),
+      contours_(memory),
+      leave_by_(memory) {
+    clear();
+}
+
+void LinkGraph::clear() {
+    free_.clear();
+    fresh_.clear();
+    crowd_.clear();
+    contours_.clear();
+    slot_end_ = 0;
+    live_ = 0;
+    open_ = 0;
+    mixed_ = 0;
+    ordered_ = 0;
+    order_.resize(std::max<std::size_t>(1, order_.size()));
+    breaks_.assign(1, 0);
+    changed_ = false;
+    order_known_ = true;
+}
+
+void LinkGraph::grow_slots() {
+    const std::size_t capacity = std::max<std::size_t>(1024, keys_.size() * 2);
+    keys_.resize(capacity);
+    links_.resize(2 * capacity);
+    owners_.resize(2 * capacity);
+    flags_.resize(capacity);
+    position_.resize(capacity);
+    position_next_.resize(capacity);
+}
+
+void LinkGraph::begin_events(std::size_t attachments) {
+    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, 2 * attachments));
+    if (size > table_.size() || ++epoch_ == 0) {
+        table_.assign(std::max(size, table_.size()), Entry{0, 0});
+        epoch_ = 1;
+    }
+    table_mask_ = size - 1;
+    table_shift_ = 64 - std::countr_zero(size);
+    fresh_.clear();
+}
+
+// --- Meetings
+// ---------------------------------------------------------------------------------------------------------------
+
+void LinkGraph::settle(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
+                       FunctionRef<void(Slot, Slot)> copied) {
+    for (const Crowded& c : crowd_) {
+        flags_[c.slot] |= crowded;
+    }
+    for (const Slot slot : fresh_) {
+        const bool one_sided = owners_[2 * slot] == no_link || owners_[2 * slot + 1] == no_link;
+        if (one_sided && (flags_[slot] & crowded) == 0) {
+            note_open(slot);
+        }
+    }
+    if (!crowd_.empty()) {
+        settle_crowded(links, order, copied);
+    }
+}
+
+void LinkGraph::note_open(Slot slot) {
+    flags_[slot] |= open_end;
+    ++open_;
+}
+
+void LinkGraph::settle_crowded(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
+                               FunctionRef<void(Slot, Slot)> copied) {
+    std::sort(crowd_.begin(), crowd_.end(), [](const Crowded& a, const Crowded& b) { return a.slot < b.slot; });
+    for (std::size_t i = 0; i < crowd_.size();) {
+        const Slot slot = crowd_[i].slot;
+        meeting_.clear();
+        for (const int port : {target_port, source_port}) {
+            if (const std::uint32_t link = owners_[2 * slot + static_cast<unsigned>(port)]; link != no_link) {
+                meeting_.push_back({link, port == source_port});
+            }
+        }
+        for (; i < crowd_.size() && crowd_[i].slot == slot; ++i) {
+            meeting_.push_back({crowd_[i].link, crowd_[i].is_source});
+        }
+        order(slot, meeting_);
+        pairing_.match(meeting_);
+        settle_one(slot, links, copied);
+    }
+    crowd_.clear();
+}
+
+/// One slot for each pair, the first in the slot that they met in.
+void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Slot, Slot)> copied) {
+    bool first = true;
+    const auto next_slot = [&] {
+        if (std::exchange(first, false)) {
+            owners_[2 * slot] = no_link;
+            owners_[2 * slot + 1] = no_link;
+            return slot;
+        }
+        const Slot copy = add_slot(EndKey(keys_[slot]));
+        copied(copy, slot);
+        return copy;
+    };
+    for (const auto& [in, out] : pairing_.pairs()) {
+        const Slot at = next_slot();
+        seat(at, target_port, meeting_[in], links);
+        seat(at, source_port, meeting_[out], links);
+        mixed_ += (flags_[at] & mixed) != 0 ? 1 : 0;
+    }
+    if (pairing_.odd_one() >= 0) {
+        const MeetingEnd& odd = meeting_[static_cast<std::size_t>(pairing_.odd_one())];
+        const Slot at = next_slot();
+        seat(at, odd.is_source ? source_port : target_port, odd, links);
+        note_open(at);
+    }
+}
+
+void LinkGraph::seat(Slot slot, int port, const MeetingEnd& end, std::span<Link> links) {
+    const PortRef ref = 2 * slot + static_cast<unsigned>(port);
+    owners_[ref] = end.link;
+    (end.is_source ? links[end.link].source : links[end.link].target) = ref;
+    if (end.is_source && port == target_port) {
+        flags_[slot] |= mixed_target_is_source;
+    } else if (!end.is_source && port == source_port) {
+        flags_[slot] |= mixed_source_is_target;
+    }
+}
+
+// --- Walking along the segments' sense
+// ----------------------------------------------------------------------------------------
+//
+// The last plane's order, with a break after each position whose link changed and at each contour's end:
+//
+//     order    a b c | d e | f g h i |            | break
+//     runs     [---]  [-]   [-----]               a run is walked by copying it
+//
+// A link that changed has its source's position marked, so that no run is ever entered but at its first slot.
+
+void LinkGraph::walk() {
+    if (!changed_) {
+        return;
+    }
+    begin_order();
+    if (mixed_ > 0) {
+        walk_any_sense();
+        finish_order();
+        order_known_ = false;
+        return;
+    }
+    if (!order_known_) {
+        std::fill_n(position_.begin(), slot_end_, no_position);
+    }
+    if (open_ > 0) {
+        walk_sources();
+    }
+    if (order_known_) {
+        walk_old_runs();
+    }
+    walk_new_slots();
+    assert(filled_ == live_ && "every slot is walked once");
+    finish_order();
+    order_known_ = true;
+}
+
+void LinkGraph::begin_order() {
+    if (order_next_.size() < live_ + 1) {
+        order_next_.resize(std::max(live_ + 1, 2 * order_next_.size()));
+    }
+    filled_ = 0;
+    contours_.clear();
+}
+
+void LinkGraph::finish_order() {
+    order_.swap(order_next_);
+    position_.swap(position_next_);
+    ordered_ = filled_;
+    breaks_.assign(ordered_ / 64 + 1, 0);
+    for (const WalkedContour& contour : contours_) {
+        break_after(contour.begin + contour.count);
+    }
+    changed_ = false;
+}
+
+std::uint32_t LinkGraph::next_break(std::uint32_t position) const noexcept {
+    std::size_t word = position >> 6;
+    std::uint64_t bits = breaks_[word] >> (position & 63) << (position & 63);
+    while (bits == 0) {
+        bits = breaks_[++word];
+    }
+    return static_cast<std::uint32_t>(word * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
+}
+
+/// position_next_ may hold anything for slots not yet walked; what order_next_ says at that position tells.
+bool LinkGraph::walked(Slot slot) const noexcept {
+    const std::uint32_t position = position_next_[slot];
+    return position - 1 < filled_ && order_next_[position] == slot;
+}
+
+void LinkGraph::walk_sources() {
+    for (Slot slot = 0; slot < slot_end_; ++slot) {
+        if (links_[2 * slot] == no_link) {
+            const std::uint32_t begin = filled_;
+            add_contour(begin, follow(slot), false);
+        }
+    }
+}
+
+void LinkGraph::walk_old_runs() {
+    for (std::uint32_t position = 1; position <= ordered_; position = next_break(position) + 1) {
+        const Slot slot = order_[position];
+        if (position_[slot] == position && !walked(slot)) {
+            const std::uint32_t begin = filled_;
+            add_contour(begin, follow(slot), false);
+        }
+    }
+}
+
+void LinkGraph::walk_new_slots() {
+    const auto walk_from = [this](Slot slot) {
+        if (!is_free(slot) && !walked(slot)) {
+            const std::uint32_t begin = filled_;
+            add_contour(begin, follow(slot), false);
+        }
+    };
+    if (order_known_) {
+        for (const Slot slot : fresh_) {
+            walk_from(slot);
+        }
+    } else {
+        for (Slot slot = 0; slot < slot_end_; ++slot) {
+            walk_from(slot);
+        }
+    }
+}
+
+/// Appends the contour from `start` on; true if it closed.
+bool LinkGraph::follow(Slot start) {
+    Slot* const out = order_next_.data() + 1;
+    std::uint32_t* const position_next = position_next_.data();
+    std::uint32_t filled = filled_;
+    Slot slot = start;
+    for (;;) {
+        const std::uint32_t from = position_[slot];
+        Slot last = slot;
+        if (from == no_position) {
+            out[filled] = slot;
+            position_next[slot] = ++filled;
+        } else {
+            const std::uint32_t length = next_break(from) - from + 1;
+            const Slot* run = order_.data() + from;
+            for (std::uint32_t i = 0; i < length; ++i) {
+                out[filled] = run[i];
+                position_next[run[i]] = ++filled;
+            }
+            last = run[length - 1];
+        }
+        const PortRef next = links_[2 * last + 1];
+        slot = next >> 1;
+        if (next == no_link || slot == start) {
+            filled_ = filled;
+            return next != no_link;
+        }
+    }
+}
+
+void LinkGraph::add_contour(std::uint32_t begin, bool closed, bool is_mixed) {
+    contours_.push_back({begin, filled_ - begin, closed, is_mixed});
+}
+
+// --- Walking where senses disagree
+// --------------------------------------------------------------------------------------------
+
+void LinkGraph::walk_any_sense() {
+    leave_by_.resize(order_next_.size());
+    const auto walk_from = [this](Slot slot, int leave_by, bool closed) {
+        const std::uint32_t begin = filled_;
+        follow_any_sense(slot, leave_by, closed);
+        bool is_mixed = false;
+        for (std::uint32_t i = begin; i < filled_; ++i) {
+            is_mixed = is_mixed || (flags_[order_next_[i + 1]] & mixed) != 0;
+        }
+        if (runs_backwards(begin, closed)) {
+            std::reverse(order_next_.begin() + 1 + begin, order_next_.begin() + 1 + filled_);
+            for (std::uint32_t i = begin; i < filled_; ++i) {
+                position_next_[order_next_[i + 1]] = i + 1;
+            }
+        }
+        add_contour(begin, closed, is_mixed);
+    };
+    for (Slot slot = 0; slot < slot_end_ && open_ > 0; ++slot) {
+        if (!is_free(slot) && (flags_[slot] & open_end) != 0 && !walked(slot)) {
+            walk_from(slot, links_[2 * slot] == no_link ? source_port : target_port, false);
+        }
+    }
+    for (Slot slot = 0; slot < slot_end_; ++slot) {
+        if (!is_free(slot) && !walked(slot)) {
+            walk_from(slot, source_port, true);
+        }
+    }
+    assert(filled_ == live_ && "every slot is walked once");
+}
+
+void LinkGraph::follow_any_sense(Slot start, int leave_by, bool closed) {
+    Slot slot = start;
+    for (;;) {
+        order_next_[filled_ + 1] = slot;
+        leave_by_[filled_] = static_cast<std::uint8_t>(leave_by);
+        position_next_[slot] = ++filled_;
+        const PortRef next = links_[2 * slot + static_cast<unsigned>(leave_by)];
+        if (next == no_link || (closed && (next >> 1) == start)) {
+            return;
+        }
+        slot = next >> 1;
+        leave_by = 1 - static_cast<int>(next & 1);
+    }
+}
+
+/// Whether most segments of the walk run against it; where as many do as do not, whether the walk backwards reads smaller as
+/// a sequence of edges, a closed one from its smallest edge on.
+bool LinkGraph::runs_backwards(std::uint32_t begin, bool closed) const {
+    const std::uint32_t count = filled_ - begin;
+    const Slot* slots = order_next_.data() + 1 + begin;
+    const std::uint32_t segments = closed ? count : count - 1;
+    std::uint32_t forwards = 0;
+    for (std::uint32_t i = 0; i < segments; ++i) {
+        const unsigned flag = leave_by_[begin + i] == source_port ? mixed_source_is_target : mixed_target_is_source;
+        forwards += ((flags_[slots[i]] & flag) == 0) == (leave_by_[begin + i] == source_port) ? 1 : 0;
+    }
+    if (2 * forwards != segments) {
+        return 2 * forwards < segments;
+    }
+    const auto key_at = [&](std::uint32_t i) -> const EndKey& { return keys_[slots[i % count]]; };
+    const auto smaller = [&](std::uint32_t a, bool a_back, std::uint32_t b, bool b_back) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const EndKey& key_a = key_at(a_back ? a + count - i : a + i);
+            const EndKey& key_b = key_at(b_back ? b + count - i : b + i);
+            if (key_a != key_b) {
+                return key_a < key_b;
+            }
+        }
+        return false;
+    };
+    if (!closed) {
+        return smaller(count - 1, true, 0, false);
+    }
+    std::uint32_t best = 0;
+    bool best_back = false;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (key_at(i) <= key_at(best)) {
+            for (const bool back : {false, true}) {
+                if (smaller(i, back, best, best_back)) {
+                    best = i;
+                    best_back = back;
+                }
+            }
+        }
+    }
+    return best_back;
+}
+
+// --- Compaction
+// ---------------------------------------------------------------------------------------------------------------
+
+bool LinkGraph::compact(FunctionRef<void(std::span<const Slot>)> moved) {
+    assert(!changed_);
+    if (slot_end_ < 256 || 2 * live_ >= slot_end_) {
+        return false;
+    }
+    const auto moved_ref = [this](PortRef ref) {
+        return ref == no_link ? no_link : 2 * (position_[ref >> 1] - 1) + (ref & 1);
+    };
+    std::pmr::vector<EndKey> keys(keys_.size(), keys_.get_allocator());
+    std::pmr::vector<PortRef> links(links_.size(), links_.get_allocator());
+    std::pmr::vector<std::uint8_t> flags(flags_.size(), flags_.get_allocator());
+    for (Slot slot = 0; slot < ordered_; ++slot) {
+        const Slot old = order_[slot + 1];
+        keys[slot] = keys_[old];
+        flags[slot] = flags_[old];
+        links[2 * slot] = moved_ref(links_[2 * old]);
+        links[2 * slot + 1] = moved_ref(links_[2 * old + 1]);
+    }
+    moved(order());
+    keys_.swap(keys);
+    links_.swap(links);
+    flags_.swap(flags);
+    for (Slot slot = 0; slot < ordered_; ++slot) {
+        order_[slot + 1] = slot;
+        position_[slot] = slot + 1;
+    }
+    slot_end_ = ordered_;
+    free_.clear();
+    fresh_.clear();
+    return true;
+}
+
+}  // namespace lamella

@@ -1,0 +1,77 @@
+// Stage 8: bands finish in any order and are placed in theirs. Only then is it known where a band's points go, since equal
+// consecutive points are stored once and open polylines have one more than segments; a band that finishes early waits in
+// its buffer, and no thread runs further ahead than a few bands a thread.
+//
+//     band        0       1        2         3
+//                done    done    swept     done         2 is the head: its thread places 2, then 3
+//     points   [  0  |   1   |
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "5_sweep/bands.hpp"
+#include "6_contours/layer_builder.hpp"
+#include "base/parallel.hpp"
+#include "lamella/result.hpp"
+
+namespace lamella {
+
+class Placement {
+public:
+    explicit Placement(std::pmr::memory_resource* memory) : memory_(memory) {}
+
+    /// For a new run over `bands`; points go to `points`, up to its size.
+    void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
+               const std::function<void(double)>& progress);
+
+    /// A buffer for `band`, waiting while it is too far ahead of the head. Null after abort(). Bands must be asked for in
+    /// ascending order, each by a thread that goes on to submit it or to abort().
+    BandOutput* acquire(std::size_t band);
+    /// Places `output`, and any that waited for it.
+    void submit(std::size_t band, BandOutput* output);
+    /// The run has failed: wakes all that wait.
+    void abort();
+
+    /// Points of all bands: where they exceed what begin() was given, those beyond are lost and the run must be repeated
+    /// with room.
+    std::uint64_t point_count() const noexcept { return point_count_; }
+    std::uint64_t contour_count() const noexcept { return contour_count_; }
+
+    /// Writes contours and the layers' contour ranges, after all bands were submitted. layers[i] is plane i's.
+    void write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const;
+
+private:
+    struct Placed {
+        std::uint64_t first_point = 0;
+        std::uint64_t first_contour = 0;
+        std::pmr::vector<Contour> contours;
+        std::pmr::vector<std::uint32_t> layer_contours;
+        BandOutput* waiting = nullptr;
+    };
+
+    void copy_points(const Placed& placed, const BandOutput& output) const;
+
+    std::pmr::memory_resource* memory_;
+    std::span<const Band> bands_;
+    std::span<Point> points_;
+    const std::function<void(double)>* progress_ = nullptr;
+    std::mutex mutex_;
+    std::condition_variable head_moved_;
+    std::vector<std::unique_ptr<BandOutput>> buffers_;
+    std::vector<BandOutput*> idle_;
+    std::vector<Placed> placed_;
+    std::size_t head_ = 0;
+    std::size_t lead_ = 0;  // how many bands beyond the head may be begun
+    std::uint64_t point_count_ = 0;
+    std::uint64_t contour_count_ = 0;
+    std::uint64_t segments_ = 0;
+    std::uint64_t segments_placed_ = 0;
+    bool aborted_ = false;
+};
+
+}  // namespace lamella

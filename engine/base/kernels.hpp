@@ -1,0 +1,50 @@
+// The three loops that touch every point of every layer, in the widest form that this processor has, chosen at run time: the
+// default build carries no -march. All forms give the same bytes (no contraction, the same operations in the same order).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "base/wide.hpp"
+#include "lamella/grid.hpp"
+
+namespace lamella {
+
+/// The active edges of a plane, one array per quantity: edge e passes through (x, y) at height z and moves by (slope_x,
+/// slope_y) per unit of height. All in grid units.
+struct EdgeArrays {
+    const double* x;
+    const double* y;
+    const double* z;
+    const double* slope_x;
+    const double* slope_y;
+};
+
+/// What one pass over a contour's points tells.
+struct RingFacts {
+    Point box_min;
+    Point box_max;
+    bool has_repeats;  ///< two consecutive points are equal (the last and the first count when closed)
+};
+
+struct Kernels {
+    /// points[e] = where edge e pierces the plane at height z, for e in [0, count). Arrays are readable, and points
+    /// writable, up to the next multiple of padded_count.
+    void (*pierce)(const EdgeArrays& edges, double z, std::size_t count, Point* points);
+    /// Precondition: count > 0. ring[count] is readable and equals ring[0].
+    RingFacts (*examine)(const Point* ring, std::size_t count);
+    /// Twice the area left of the closed ring, exactly. ring[-1] and ring[count] are readable and close it.
+    Int128 (*twice_area)(const Point* ring, std::size_t count, const RingFacts& facts);
+    /// Index of the first point with the given x, from `from` on, or count.
+    std::size_t (*find_x)(const Point* ring, std::size_t from, std::size_t count, std::int32_t x);
+};
+
+/// Room that arrays handed to pierce() need beyond a multiple of it.
+inline constexpr std::size_t padded_count = 8;
+
+/// The kernels for the processor that this runs on.
+const Kernels& kernels_for_this_cpu() noexcept;
+/// The portable ones, for comparison.
+const Kernels& portable_kernels() noexcept;
+
+}  // namespace lamella

@@ -1,0 +1,18 @@
+// 128-bit integers: areas and orientations are exact.
+#pragma once
+
+#include "lamella/result.hpp"
+
+namespace lamella {
+
+__extension__ using Int128 = __int128;
+
+inline Wide to_wide(Int128 value) noexcept {
+    return {static_cast<std::uint64_t>(value), static_cast<std::int64_t>(value >> 64)};
+}
+
+inline Int128 from_wide(const Wide& value) noexcept {
+    return (Int128{value.high} << 64) | Int128{value.low};
+}
+
+}  // namespace lamella

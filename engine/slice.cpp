@@ -1,0 +1,301 @@
+// The pipeline: one stage after the other, in the order of the folders.
+#include "lamella/slice.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
+
+#include "2_grid/bounds.hpp"
+#include "3_planes/plane_set.hpp"
+#include "4_bucket/bucket.hpp"
+#include "5_sweep/band_sweep.hpp"
+#include "5_sweep/bands.hpp"
+#include "8_result/placement.hpp"
+#include "base/clock.hpp"
+#include "base/parallel.hpp"
+
+namespace lamella {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::pmr::memory_resource* resource_or_default(std::pmr::memory_resource* memory) {
+    return memory != nullptr ? memory : std::pmr::new_delete_resource();
+}
+
+std::uint64_t memory_limit(const SliceOptions& options) {
+    if (options.memory_limit_bytes != 0) {
+        return options.memory_limit_bytes;
+    }
+    const auto pages = static_cast<std::uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
+    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
+}
+
+Error cancelled() {
+    return {Code::cancelled, "cancelled"};
+}
+
+}  // namespace
+
+/// Everything that is kept from call to call.
+struct Workspace::Impl {
+    explicit Impl(std::pmr::memory_resource* memory)
+        : memory(memory),
+          planes(memory),
+          buckets(memory),
+          bands(resource_or_default(memory)),
+          placement(resource_or_default(memory)) {}
+
+    std::pmr::memory_resource* memory;
+    PlaneSet planes;
+    Buckets buckets;
+    BandPlan bands;
+    std::vector<std::unique_ptr<BandSweep>> sweeps;  // by worker
+    Placement placement;
+};
+
+Workspace::Workspace() : impl_(std::make_unique<Impl>(nullptr)) {}
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+
+namespace {
+
+/// One call of slice().
+class Slicing {
+public:
+    Slicing(const MeshView& mesh, const SliceOptions& options, Workspace::Impl& kept, SliceResult& result)
+        : mesh_(mesh), options_(options), kept_(kept), result_(result), parallel_(options.threads) {}
+
+    Status run() {
+        const auto start = Clock::now();
+        if (Status status = choose_grid_and_planes(); !status) {
+            return status;
+        }
+        if (Status status = bucket_triangles(); !status) {
+            return status;
+        }
+        result_.summary.ms.bucket = milliseconds_since(start);
+        if (Status status = sweep_bands(); !status) {
+            return status;
+        }
+        finish_result();
+        return {};
+    }
+
+private:
+    Status choose_grid_and_planes();
+    Status bucket_triangles();
+    Status sweep_bands();
+    bool sweep_all_into(std::span<Point> points);
+    void split_time(double sweep_ms);
+    void finish_result();
+    void fill_layers();
+    void summarise();
+
+    const MeshView& mesh_;
+    const SliceOptions& options_;
+    Workspace::Impl& kept_;
+    SliceResult& result_;
+    Parallel parallel_;
+};
+
+/// Stages 2 and 3.
+Status Slicing::choose_grid_and_planes() {
+    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, parallel_);
+    if (!bounds) {
+        return bounds.error();
+    }
+    const Result<double> unit = choose_unit(*bounds, options_.unit_mm);
+    if (!unit) {
+        return unit.error();
+    }
+    result_.unit_mm = *unit;
+    result_.frame = options_.transform;
+    result_.plan = options_.plan;
+    result_.summary = {};
+    std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
+    std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
+    const Number number = options_.transform.is_identity() ? mesh_.number : Number::f64;
+    return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
+}
+
+/// Stage 4. The size of the result is known, and refused if too large, before anything of that size is allocated.
+Status Slicing::bucket_triangles() {
+    Buckets& buckets = kept_.buckets;
+    count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.planes, parallel_, buckets);
+    const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + kept_.planes.size() * sizeof(Layer);
+    if (bytes > memory_limit(options_)) {
+        return Error{Code::result_too_large, std::to_string(kept_.planes.size()) + " layers with " +
+                                                 std::to_string(buckets.segment_count) + " segments need " +
+                                                 std::to_string(bytes) + " bytes, more than the memory limit of " +
+                                                 std::to_string(memory_limit(options_))};
+    }
+    if (options_.stop.stop_requested()) {
+        return cancelled();
+    }
+    scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes, parallel_, buckets);
+    return {};
+}
+
+/// Stages 5 to 7, band by band.
+Status Slicing::sweep_bands() {
+    const auto start = Clock::now();
+    BandPlan& bands = kept_.bands;
+    bands.cut(kept_.buckets, kept_.planes.size(), options_.band_planes, parallel_.threads());
+    bands.find_seeds(kept_.buckets, kept_.planes.size(), parallel_);
+    kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
+
+    // A closed contour has at most as many points as segments; an open one has one more, for which there is some room. Only
+    // a mesh that is mostly holes needs more, and is swept again with what the first sweep counted.
+    std::uint64_t room = kept_.buckets.segment_count + kept_.buckets.segment_count / 8 + 64;
+    for (;;) {
+        result_.points.resize_discarding(room);
+        if (!sweep_all_into(result_.points.span())) {
+            return cancelled();
+        }
+        const std::uint64_t needed = kept_.placement.point_count();
+        if (needed <= room) {
+            result_.points.set_size(needed);
+            break;
+        }
+        room = needed;
+    }
+    split_time(milliseconds_since(start));
+    return {};
+}
+
+/// False if the caller asked to stop.
+bool Slicing::sweep_all_into(std::span<Point> points) {
+    const BandPlan& plan = kept_.bands;
+    Placement& placement = kept_.placement;
+    placement.begin(plan.bands, parallel_.threads(), kept_.buckets.segment_count, points, options_.progress);
+    parallel_.run(plan.bands.size(), [&](std::size_t b, int worker) {
+        auto& sweep = kept_.sweeps[static_cast<std::size_t>(worker)];
+        try {
+            if (sweep == nullptr) {
+                sweep = std::make_unique<BandSweep>(resource_or_default(kept_.memory));
+            }
+            BandOutput* output = placement.acquire(b);
+            if (output != nullptr && sweep->run(plan.bands[b], plan.seeds_of(b), kept_.buckets, kept_.planes, options_.form,
+                                                options_.stop, *output)) {
+                placement.submit(b, output);
+            } else {
+                placement.abort();
+            }
+        } catch (...) {
+            placement.abort();
+            throw;
+        }
+    });
+    return !options_.stop.stop_requested();
+}
+
+/// Wall time of the fused stages, in proportion to the thread time that each took in sampled layers.
+void Slicing::split_time(double sweep_ms) {
+    SweepTicks spent;
+    for (const auto& sweep : kept_.sweeps) {
+        if (sweep != nullptr) {
+            const SweepTicks own = sweep->take_ticks();
+            spent.sweep += own.sweep;
+            spent.contours += own.contours;
+            spent.nesting += own.nesting;
+        }
+    }
+    const auto all = static_cast<double>(std::max<std::uint64_t>(1, spent.sweep + spent.contours + spent.nesting));
+    result_.summary.ms.contours = sweep_ms * static_cast<double>(spent.contours) / all;
+    result_.summary.ms.nesting = sweep_ms * static_cast<double>(spent.nesting) / all;
+    result_.summary.ms.sweep = sweep_ms - result_.summary.ms.contours - result_.summary.ms.nesting;
+}
+
+/// Stage 8.
+void Slicing::finish_result() {
+    const auto start = Clock::now();
+    result_.contours.resize_discarding(kept_.placement.contour_count());
+    result_.layers.resize_discarding(kept_.planes.size());
+    fill_layers();
+    kept_.placement.write_contours(parallel_, result_.contours.span(), result_.layers.span());
+    summarise();
+    result_.summary.ms.contours += milliseconds_since(start);
+}
+
+void Slicing::fill_layers() {
+    const PlaneSet& planes = kept_.planes;
+    parallel_.run_ranges(planes.size(), 1 << 12, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto plane = static_cast<PlaneIndex>(i);
+            result_.layers[i] = {planes.bottom_mm(plane),   planes.height_mm(plane),     planes.top_mm(plane), 0, 0,
+                                 kept_.buckets.segments[i], PlaneHeight(planes.z(plane))};
+        }
+    });
+}
+
+void Slicing::summarise() {
+    SliceSummary& summary = result_.summary;
+    summary.triangles = mesh_.triangle_count;
+    summary.degenerate = kept_.buckets.degenerate;
+    summary.crossed = kept_.buckets.records.size();
+    summary.segments = kept_.buckets.segment_count;
+    summary.bands = kept_.bands.bands.size();
+    summary.threads = parallel_.threads();
+    for (const Contour& contour : result_.contours) {
+        summary.holes += contour.role == Role::hole ? 1 : 0;
+        summary.open_contours += contour.role == Role::open ? 1 : 0;
+        summary.flat_contours += contour.role == Role::flat ? 1 : 0;
+        summary.overruled_contours += (contour.flags & sense_overruled) != 0 ? 1 : 0;
+    }
+}
+
+Status slice_or_throw(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) {
+    if (options.threads < 0 || options.band_planes < 0) {
+        return Error{Code::invalid_argument, "threads and band planes must not be negative"};
+    }
+    if (workspace.impl().memory != options.memory) {
+        workspace.reset(options.memory);
+    }
+    if (result.points.resource() != options.memory) {
+        result = SliceResult(options.memory);
+    }
+    return Slicing(mesh, options, workspace.impl(), result).run();
+}
+
+}  // namespace
+
+void Workspace::reset(std::pmr::memory_resource* memory) {
+    impl_ = std::make_unique<Impl>(memory);
+}
+
+Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
+    try {
+        return slice_or_throw(mesh, options, workspace, result);
+    } catch (const std::bad_alloc&) {
+        return Error{Code::out_of_memory, "out of memory"};
+    } catch (const std::length_error&) {
+        return Error{Code::out_of_memory, "out of memory"};
+    } catch (const std::exception& failure) {
+        return Error{Code::cancelled, std::string("a callback failed: ") + failure.what()};
+    } catch (...) {
+        return Error{Code::cancelled, "a callback failed"};
+    }
+}
+
+Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options) noexcept {
+    try {
+        Workspace workspace;
+        SliceResult result(options.memory);
+        if (Status status = slice(mesh, options, workspace, result); !status) {
+            return status.error();
+        }
+        return result;
+    } catch (const std::bad_alloc&) {
+        return Error{Code::out_of_memory, "out of memory"};
+    }
+}
+
+}  // namespace lamella

@@ -45,21 +45,39 @@ struct Spacing {
     double dz = 0;
 };
 
-// Triangles go as 1 / (dx dz) and their mean extent as dz, about: one step of a fixed-point iteration.
-Spacing corrected(const Spacing& from, const SurfaceSize& size, const Goal& goal, double aim) {
-    const double excess = std::clamp(size.triangles / (goal.triangles * aim), 0.05, 20.0);
-    Spacing to;
-    if (!goal.z_extent) {
-        to.dx = from.dx * std::sqrt(excess);
-        to.dz = to.dx * goal.flatness;
+// Triangles go as 1 / (dx dz) and their mean extent as dz, about: a fixed-point iteration, damped where it swings because
+// triangles come in jumps or the lattice is far from cubic.
+class Correction {
+public:
+    explicit Correction(const Goal& goal) : goal_(goal) {}
+
+    Spacing next(const Spacing& from, const SurfaceSize& size, double aim) {
+        double excess = std::clamp(size.triangles / (goal_.triangles * aim), 0.05, 20.0);
+        if (std::abs(excess - 1) > 0.02) {
+            damping_ += last_excess_ != 0 && (excess > 1) != (last_excess_ > 1) ? 1 : 0;
+            last_excess_ = excess;
+        }
+        for (int i = 0; i < std::min(damping_, 2); ++i) {
+            excess = std::sqrt(excess);
+        }
+        Spacing to;
+        if (!goal_.z_extent) {
+            to.dx = from.dx * std::sqrt(excess);
+            to.dz = to.dx * goal_.flatness;
+            return to;
+        }
+        const double wanted = *goal_.z_extent / goal_.triangles;
+        const double mean = size.triangles > 0 ? size.z_extent / size.triangles : wanted;
+        to.dz = from.dz * std::clamp(wanted / mean, 0.2, 5.0);
+        to.dx = from.dx * excess * from.dz / to.dz;
         return to;
     }
-    const double wanted = *goal.z_extent / goal.triangles;
-    const double mean = size.triangles > 0 ? size.z_extent / size.triangles : wanted;
-    to.dz = from.dz * std::clamp(wanted / mean, 0.2, 5.0);
-    to.dx = from.dx * excess * from.dz / to.dz;
-    return to;
-}
+
+private:
+    const Goal& goal_;
+    double last_excess_ = 0;
+    int damping_ = 0;
+};
 
 // More than a step in each direction, and a number of nodes that can be visited.
 bool sensible(const Field& field, const Spacing& spacing) {
@@ -89,6 +107,7 @@ Choice choose_spacing(Field& field, const Goal& goal) {
     constexpr double sampled_slabs = 64;
     const bool extents = goal.z_extent.has_value();
     double aim = 0.993;
+    Correction correction(goal);
     // Four triangles per square of a lattice step, three units of area.
     Spacing spacing;
     spacing.dx = std::sqrt(4 * 3 / (goal.triangles * goal.flatness));
@@ -97,7 +116,7 @@ Choice choose_spacing(Field& field, const Goal& goal) {
     for (int i = 0; i < most_samples && spacing.dz * 4 * sampled_slabs < 1 && sensible(field, spacing); ++i) {
         const auto stride = static_cast<std::uint32_t>(1 / (spacing.dz * sampled_slabs));
         const SurfaceSize size = measure(field, lattice_around(field, spacing.dx, spacing.dz), stride, extents);
-        const Spacing next = corrected(spacing, size, goal, aim);
+        const Spacing next = correction.next(spacing, size, aim);
         const double step = std::max(std::abs(next.dx / spacing.dx - 1), std::abs(next.dz / spacing.dz - 1));
         spacing = next;
         if (step < 0.003) {
@@ -112,11 +131,11 @@ Choice choose_spacing(Field& field, const Goal& goal) {
         if (!best.met || (fits && crossed && size.triangles > best.size.triangles)) {
             best = {spacing, size, fits && crossed};
         }
-        if (best.met && best.size.triangles > 0.97 * goal.triangles) {
+        if (best.met && best.size.triangles > 0.97 * aim * goal.triangles) {
             break;
         }
-        spacing = corrected(spacing, size, goal, aim);
-        aim *= 0.997;  // few triangles come in jumps: the same aim again could miss the same way
+        spacing = correction.next(spacing, size, aim);
+        aim *= 0.99;  // the same aim again could miss the same way
     }
     return best;
 }

@@ -1,18 +1,15 @@
 #include "models/models.hpp"
 
-#include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
-#include <memory>
 #include <new>
 #include <string>
-#include <system_error>
 #include <utility>
 
+#include "9_write/output_file.hpp"
 #include "models/numbers.hpp"
 #include "models/surface.hpp"
 
@@ -32,7 +29,8 @@ std::optional<Shape> shape_from_name(std::string_view name) noexcept {
 namespace {
 
 constexpr std::size_t header_bytes = 80;
-constexpr std::size_t record_bytes = 50;
+constexpr std::size_t record_bytes = sizeof(Vertex) + sizeof(Triangle) + sizeof(std::uint16_t);
+static_assert(record_bytes == 50);
 
 Status check(const Recipe& recipe) {
     const auto out_of_range = [](const char* what, const char* range) {
@@ -96,85 +94,49 @@ Vertex unit_normal(const Triangle& t) noexcept {
     return {static_cast<float>(x * scale), static_cast<float>(y * scale), static_cast<float>(z * scale)};
 }
 
-// A binary STL file under a name of its own until it is complete; removed unless it gets there.
-class StlFile {
-public:
-    StlFile(std::filesystem::path path, std::uint64_t triangles) : path_(std::move(path)), aside_(path_) {
-        aside_ += ".part";
-        file_.reset(std::fopen(aside_.c_str(), "wb"));
-        char header[header_bytes + sizeof(std::uint32_t)] = "binary STL, a sample mesh made by lamella";
-        const auto count = static_cast<std::uint32_t>(triangles);
-        std::memcpy(header + header_bytes, &count, sizeof count);
-        ok_ = file_ != nullptr && std::fwrite(header, sizeof header, 1, file_.get()) == 1;
-    }
-    StlFile(const StlFile&) = delete;
-    StlFile& operator=(const StlFile&) = delete;
-    ~StlFile() {
-        if (!finished_) {
-            file_.reset();
-            std::error_code ignored;
-            std::filesystem::remove(aside_, ignored);
-        }
-    }
+void append_header(std::uint64_t triangles, OutputFile& file) {
+    std::array<char, header_bytes> header{"binary STL, a sample mesh made by lamella"};
+    const auto count = static_cast<std::uint32_t>(triangles);
+    file.append({header.data(), header.size()});
+    file.append({reinterpret_cast<const char*>(&count), sizeof count});
+}
 
-    bool append(std::span<const Triangle> triangles) {
-        constexpr std::size_t records = 4096;
-        for (std::size_t at = 0; ok_ && at < triangles.size(); at += records) {
-            const auto part = triangles.subspan(at, std::min(records, triangles.size() - at));
-            buffer_.assign(part.size() * record_bytes, '\0');
-            char* out = buffer_.data();
-            for (const Triangle& triangle : part) {
-                const Vertex normal = unit_normal(triangle);
-                std::memcpy(out, &normal, sizeof normal);
-                std::memcpy(out + sizeof normal, &triangle, sizeof triangle);
-                out += record_bytes;
-            }
-            ok_ = std::fwrite(buffer_.data(), buffer_.size(), 1, file_.get()) == 1;
-        }
-        return ok_;
+void append(std::span<const Triangle> triangles, OutputFile& file) {
+    for (const Triangle& triangle : triangles) {
+        const Vertex normal = unit_normal(triangle);
+        char* const record = file.room(record_bytes);
+        std::memcpy(record, &normal, sizeof normal);
+        std::memcpy(record + sizeof normal, &triangle, sizeof triangle);
+        std::memset(record + sizeof normal + sizeof triangle, 0, sizeof(std::uint16_t));
+        file.advance(record + record_bytes);
     }
-
-    Status finish() {
-        std::error_code failed;
-        if (ok_ && std::fclose(file_.release()) == 0) {
-            std::filesystem::rename(aside_, path_, failed);
-        } else {
-            failed = std::error_code(errno, std::generic_category());
-        }
-        if (failed) {
-            return Error{Code::unwritable_file, path_.string() + ": cannot be written: " + failed.message()};
-        }
-        finished_ = true;
-        return {};
-    }
-
-private:
-    struct Close {
-        void operator()(std::FILE* file) const noexcept { std::fclose(file); }
-    };
-    std::filesystem::path path_;
-    std::filesystem::path aside_;
-    std::unique_ptr<std::FILE, Close> file_;
-    bool ok_ = false;
-    bool finished_ = false;
-    std::vector<char> buffer_;
-};
+}
 
 }  // namespace
 
-Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path) try {
+Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path, const std::stop_token& stop) try {
     Plan planned = plan(recipe);
     if (!planned) {
         return planned.error();
     }
     Surface& surface = **planned;
-    StlFile file(path, surface.triangles());
-    if (recipe.order == Order::random) {
-        file.append(collect(recipe, surface));
-    } else {
-        surface.emit([&](std::span<const Triangle> batch) { return file.append(batch); });
+    Result<OutputFile> file = OutputFile::create(path);
+    if (!file) {
+        return file.error();
     }
-    if (const Status status = file.finish(); !status) {
+    append_header(surface.triangles(), *file);
+    if (recipe.order == Order::random) {
+        append(collect(recipe, surface), *file);
+    } else {
+        surface.emit([&](std::span<const Triangle> batch) {
+            append(batch, *file);
+            return !stop.stop_requested();
+        });
+    }
+    if (stop.stop_requested()) {
+        return Error{Code::cancelled, path.string() + ": interrupted"};
+    }
+    if (const Status status = file->commit(); !status) {
         return status.error();
     }
     return surface.triangles();

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <stop_token>
 #include <string_view>
 #include <vector>
 
@@ -40,9 +41,11 @@ struct Recipe {
     Shape shape = Shape::bone;
     std::uint64_t triangles = 1'000'000;  ///< met exactly where even: the triangles of a closed mesh are even in number
     double height_mm = 150;
-    std::optional<double> width_mm{};         ///< along x; y follows. Default: the shape's own proportions
-    std::optional<std::uint64_t> segments{};  ///< crossings wanted at `layer_height_mm`, met within 5 %
-    double layer_height_mm = 0.032;           ///< read only with `segments`
+    std::optional<double> width_mm{};  ///< along x; y follows. Default: the shape's own proportions
+    /// Crossings wanted at `layer_height_mm`, met within 5 % by triangles that are flatter or steeper than the default: from
+    /// about a fifth of what the shape would have by itself to once (prism) or one and a half times (bone) that.
+    std::optional<std::uint64_t> segments{};
+    double layer_height_mm = 0.032;  ///< read only with `segments`
     Order order = Order::z;
     std::uint64_t seed = 1;  ///< turns or varies the shape, and draws the random order
 };
@@ -50,8 +53,9 @@ struct Recipe {
 /// Writes the mesh as a binary STL file, aside and renamed when complete, and returns the number of triangles.
 ///
 /// Order::z streams with memory O(cross-section); Order::random holds 36 bytes a triangle. Errors: invalid_argument (a
-/// number out of range, or segments that this shape cannot give), unwritable_file, out_of_memory.
-Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path);
+/// number out of range, or segments that this shape cannot give), unwritable_file, out_of_memory, cancelled. `stop` is read
+/// while the file is being written, of which nothing then stays.
+Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path, const std::stop_token& stop = {});
 
 /// The same mesh in memory, nine floats a triangle. Empty where write_stl would give invalid_argument.
 std::vector<float> make_soup(const Recipe& recipe);

@@ -1,0 +1,176 @@
+// The bytes of generated files: the same everywhere, and nothing half-written left behind.
+#include <unistd.h>
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <string>
+
+#include "soup.hpp"
+
+namespace lamella::models::test {
+
+namespace {
+
+class Folder {
+public:
+    Folder() : path_(std::filesystem::temp_directory_path() / ("lamella_models_" + std::to_string(::getpid()))) {
+        std::filesystem::create_directories(path_);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    ~Folder() { std::filesystem::remove_all(path_); }
+
+    std::filesystem::path file(const char* name) const { return path_ / name; }
+    std::ptrdiff_t count() const {
+        return std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator());
+    }
+
+private:
+    std::filesystem::path path_;
+};
+
+std::string bytes_of(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+std::string fnv1a(const std::string& bytes) {
+    std::uint64_t hash = 0xcbf29ce484222325U;
+    for (const char byte : bytes) {
+        hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3U;
+    }
+    std::array<char, 17> text{};
+    std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
+    return text.data();
+}
+
+struct Golden {
+    Recipe recipe;
+    const char* hash;
+};
+
+// On a deliberate change of the shapes, the failing check prints the new values.
+const std::array<Golden, 12> golden{{
+    {{Shape::sphere, 3000, 150, {}, {}, 0.032, Order::z, 1}, "fde393c27bd47a8e"},
+    {{Shape::sphere, 20'000, 40, 30.0, 100'000, 0.032, Order::random, 9}, "cd0cd536561b9d5d"},
+    {{Shape::torus, 3000, 150, {}, {}, 0.032, Order::z, 1}, "32a965d633f90db6"},
+    {{Shape::torus, 20'000, 40, 30.0, 100'000, 0.032, Order::random, 9}, "246096627c15c183"},
+    {{Shape::gyroid, 3000, 150, {}, {}, 0.032, Order::z, 1}, "08c98a4a219519ec"},
+    {{Shape::gyroid, 20'000, 40, 30.0, 300'000, 0.032, Order::random, 9}, "9b5c53d8e682adf1"},
+    {{Shape::gyroid, 200'000, 150, {}, {}, 0.032, Order::z, 3}, "116a9a741bac25c2"},
+    {{Shape::bone, 3000, 150, {}, {}, 0.032, Order::z, 1}, "f630dec522a64b1d"},
+    {{Shape::bone, 20'000, 40, 30.0, 100'000, 0.032, Order::random, 9}, "169078e5171dfe0a"},
+    {{Shape::bone, 400'000, 150, {}, {}, 0.032, Order::z, 3}, "43a9f09a366e3af4"},
+    {{Shape::prism, 3000, 150, {}, {}, 0.032, Order::z, 1}, "854895958c354ee2"},
+    {{Shape::prism, 20'000, 40, 30.0, 100'000, 0.032, Order::random, 9}, "fdd9244adb17fbe5"},
+}};
+
+}  // namespace
+
+TEST_CASE("files have the same bytes on every platform", "[models]") {
+    const Folder folder;
+    for (const Golden& expected : golden) {
+        const auto shape = static_cast<std::size_t>(expected.recipe.shape);
+        CAPTURE(std::string(shape_names[shape]), expected.recipe.triangles);
+        const auto written = write_stl(expected.recipe, folder.file("mesh.stl"));
+        REQUIRE(written.ok());
+        CHECK(*written == expected.recipe.triangles);
+        CHECK(fnv1a(bytes_of(folder.file("mesh.stl"))) == expected.hash);
+    }
+}
+
+TEST_CASE("a file holds the triangles that make_soup gives, and unit normals", "[models]") {
+    const Folder folder;
+    Recipe recipe;
+    recipe.triangles = 5000;
+    recipe.order = GENERATE(Order::z, Order::random);
+    REQUIRE(write_stl(recipe, folder.file("a.stl")).ok());
+    REQUIRE(write_stl(recipe, folder.file("b.stl")).ok());
+    CHECK(folder.count() == 2);
+    const std::string bytes = bytes_of(folder.file("a.stl"));
+    CHECK(bytes == bytes_of(folder.file("b.stl")));
+
+    const std::vector<float> soup = make_soup(recipe);
+    REQUIRE(bytes.size() == 84 + 50 * soup.size() / 9);
+    std::uint32_t count = 0;
+    std::memcpy(&count, bytes.data() + 80, sizeof count);
+    CHECK(count == soup.size() / 9);
+    for (std::size_t t = 0; t < count; ++t) {
+        std::array<float, 12> record{};
+        std::memcpy(record.data(), bytes.data() + 84 + 50 * t, sizeof record);
+        REQUIRE(std::equal(record.begin() + 3, record.end(), &soup[9 * t]));
+        const auto [x, y, z] = std::array<float, 3>{record[0], record[1], record[2]};
+        REQUIRE(x * x + y * y + z * z == Approx(1).epsilon(1e-5));
+    }
+}
+
+TEST_CASE("a recipe that cannot be followed is refused and leaves no file", "[models]") {
+    const Folder folder;
+    Recipe recipe;
+    recipe.triangles = 20'000;
+    recipe.shape = GENERATE(Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism);
+    const auto refuses = [&](const Recipe& bad) {
+        const auto written = write_stl(bad, folder.file("mesh.stl"));
+        return !written && written.error().code == Code::invalid_argument && !written.error().message.empty() &&
+               make_soup(bad).empty() && folder.count() == 0;
+    };
+    for (const std::uint64_t triangles : {std::uint64_t{0}, fewest_triangles - 1, most_triangles + 1}) {
+        Recipe bad = recipe;
+        bad.triangles = triangles;
+        CHECK(refuses(bad));
+    }
+    for (const double length : {0.0, -1.0, 1e7, std::numeric_limits<double>::quiet_NaN()}) {
+        Recipe bad = recipe;
+        bad.height_mm = length;
+        CHECK(refuses(bad));
+        bad = recipe;
+        bad.width_mm = length;
+        CHECK(refuses(bad));
+        bad = recipe;
+        bad.segments = 200'000;
+        bad.layer_height_mm = length;
+        CHECK(refuses(bad));
+    }
+    for (const std::uint64_t segments : {std::uint64_t{0}, std::uint64_t{10}, std::uint64_t{1} << 60}) {
+        Recipe bad = recipe;
+        bad.segments = segments;
+        CHECK(refuses(bad));
+    }
+}
+
+TEST_CASE("a file that cannot be written is an error that names it", "[models]") {
+    const Folder folder;
+    Recipe recipe;
+    recipe.triangles = 1000;
+    const auto path = folder.file("absent") / "mesh.stl";
+    const auto written = write_stl(recipe, path);
+    REQUIRE_FALSE(written.ok());
+    CHECK(written.error().code == Code::unwritable_file);
+    CHECK(written.error().message.find(path.string()) != std::string::npos);
+
+    std::filesystem::create_directories(folder.file("folder.stl") / "inside");
+    CHECK_FALSE(write_stl(recipe, folder.file("folder.stl")).ok());
+    CHECK(folder.count() == 1);
+}
+
+TEST_CASE("a stopped writer leaves no file", "[models]") {
+    const Folder folder;
+    Recipe recipe;
+    recipe.triangles = 5000;
+    recipe.order = GENERATE(Order::z, Order::random);
+    std::stop_source source;
+    source.request_stop();
+    const auto written = write_stl(recipe, folder.file("mesh.stl"), source.get_token());
+    REQUIRE_FALSE(written.ok());
+    CHECK(written.error().code == Code::cancelled);
+    CHECK(folder.count() == 0);
+}
+
+}  // namespace lamella::models::test

@@ -2,6 +2,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -20,7 +21,10 @@ std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
     for (const CLI::App* chosen : app.get_subcommands()) {
         command += " " + chosen->get_name();
     }
-    return std::string(error.what()) + " (see " + command + " --help)";
+    const std::vector<std::string> unknown = app.remaining();
+    const bool no_command = app.get_subcommands().empty() && !unknown.empty();
+    return (no_command ? "'" + unknown.front() + "' is not a command" : std::string(error.what())) + " (see " + command +
+           " --help)";
 }
 
 int run(int count, char** words) {

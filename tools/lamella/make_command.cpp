@@ -28,7 +28,7 @@ std::string shape_list() {
     return text;
 }
 
-void run(MakeArguments& arguments, Interrupt& /*interrupt*/) {
+void run(MakeArguments& arguments, Interrupt& interrupt) {
     const std::optional<models::Shape> shape = models::shape_from_name(arguments.shape);
     if (!shape) {
         throw Failure(bad_usage, "make: '" + arguments.shape + "' is not one of " + shape_list());
@@ -40,7 +40,8 @@ void run(MakeArguments& arguments, Interrupt& /*interrupt*/) {
     arguments.recipe.shape = *shape;
     arguments.recipe.order = arguments.order == "z" ? models::Order::z : models::Order::random;
     const Stopwatch watch;
-    const Result<std::uint64_t> triangles = models::write_stl(arguments.recipe, arguments.output);
+    const Result<std::uint64_t> triangles = models::write_stl(arguments.recipe, arguments.output, interrupt.defer());
+    interrupt.die_if_interrupted();
     if (!triangles) {
         throw failure_of(triangles.error());
     }

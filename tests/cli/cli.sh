@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# Tests of the command line tool. cli.sh LAMELLA TOPIC CMAKE runs the function test_TOPIC in a folder of its own.
+set -uo pipefail
+
+readonly lamella=$1 topic=$2 cmake=$3
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+readonly here
+folder=$(mktemp -d)
+readonly folder
+trap 'rm -rf "$folder"' EXIT
+cd "$folder" || exit 1
+
+# On stderr, because checks run in $(...) too.
+fail() {
+    {
+        echo "FAILED: $*"
+        echo "-- stdout"; head -c 2000 .stdout
+        echo "-- stderr"; head -c 2000 .stderr
+    } >&2
+    exit 1
+}
+
+# Runs the tool and requires an exit status; leaves .stdout and .stderr.
+expect() {
+    local status=$1 got=0
+    shift
+    "$lamella" "$@" > .stdout 2> .stderr || got=$?
+    ((got == status)) || fail "lamella $*: exit status $got, not $status"
+}
+
+# A failure: that status, nothing on stdout, one line on stderr that holds the text.
+expect_failure() {
+    local status=$1 text=$2
+    shift 2
+    expect "$status" "$@"
+    [[ ! -s .stdout ]] || fail "lamella $*: wrote to stdout"
+    [[ $(wc -l < .stderr) == 1 && $(head -c 9 .stderr) == "lamella: " ]] || fail "lamella $*: not one line"
+    grep -qF -- "$text" .stderr || fail "lamella $*: no '$text' in the message"
+}
+
+expect_files() {
+    local found
+    found=$(find . -mindepth 1 ! -name .stdout ! -name .stderr -printf '%P\n' | sort | tr '\n' ' ')
+    [[ "$found" == "$*${*:+ }" ]] || fail "files are '$found', not '$*'"
+}
+
+# json_value FILE KEY...
+json_value() {
+    local file=$1 keys
+    shift
+    keys=$(IFS=';'; echo "$*")
+    "$cmake" -DFILE="$PWD/$file" -DKEYS="$keys" -P "$here/json_value.cmake" || fail "$file is not JSON with $keys"
+}
+
+expect_json() {
+    local file=$1 want=$2 got
+    shift 2
+    got=$(json_value "$file" "$@") || exit 1
+    [[ "$got" == "$want" ]] || fail "$file: $* is '$got', not '$want'"
+}
+
+sphere() { expect 0 make sphere --triangles "${2:-1000}" --height 20 -o "$1"; }
+
+source "$here/topics.sh"
+"test_$topic"
+echo "passed"

@@ -1,0 +1,322 @@
+# The tests; sourced by cli.sh.
+
+test_usage() {
+    sphere ball.stl
+    local slice=(slice ball.stl)
+    expect_failure 2 "subcommand"
+    expect_failure 2 "'shred' is not a command" shred ball.stl
+    expect_failure 2 "mesh" slice
+    expect_failure 2 "--wings" "${slice[@]}" --wings
+    expect_failure 2 "extra" "${slice[@]}" extra
+    local height
+    for height in 0 -0.1 nan inf; do
+        expect_failure 2 "--layer-height" "${slice[@]}" --layer-height "$height"
+    done
+    expect_failure 2 "--layer-height" "${slice[@]}" --layer-height thin
+    expect_failure 2 "--layer-height" "${slice[@]}" --layer-height 0.1 --planes 1
+    expect_failure 2 "--first-height" "${slice[@]}" --planes 1 --first-height 0.1
+    expect_failure 2 "--first-height" "${slice[@]}" --first-height nan
+    expect_failure 2 "--seed" "${slice[@]}" --seed 3
+    expect_failure 2 "--random-heights" "${slice[@]}" --random-heights 2:1
+    expect_failure 2 "--random-heights" "${slice[@]}" --random-heights 0:1
+    expect_failure 2 "--random-heights" "${slice[@]}" --random-heights 1
+    expect_failure 2 "--planes" "${slice[@]}" --planes 1,two
+    expect_failure 2 "plane" "${slice[@]}" --planes 2,1
+    expect_failure 2 "plane" "${slice[@]}" --planes 1,1
+    expect_failure 2 "--datum" "${slice[@]}" --datum middle
+    expect_failure 2 "--side" "${slice[@]}" --side left
+    expect_failure 2 "--grid" "${slice[@]}" --grid 0
+    expect_failure 2 "--grid" "${slice[@]}" --grid -1
+    expect_failure 2 "--normal" "${slice[@]}" --normal 0,0,0
+    expect_failure 2 "--normal" "${slice[@]}" --normal 1,2
+    expect_failure 2 "--threads" "${slice[@]}" --threads -1
+    expect_failure 2 "--threads" "${slice[@]}" --threads many
+    expect_failure 2 "--band" "${slice[@]}" --band -1
+    expect_failure 2 "--progress" "${slice[@]}" --progress sometimes
+    expect_failure 2 "" "${slice[@]}" --layer-height 1e-7
+    expect_failure 2 "the mesh itself" "${slice[@]}" -o ball.stl
+    expect_failure 2 "the mesh itself" "${slice[@]}" --report ./ball.stl
+    expect_failure 2 "--output itself" "${slice[@]}" -o a --report a
+    expect_failure 2 "cube" make cube --triangles 1000 -o cube.stl
+    expect_failure 2 "triangles" make sphere -o s.stl
+    expect_failure 2 "triangles" make sphere --triangles 1 -o s.stl
+    expect_failure 2 "--order" make sphere --triangles 1000 --order up -o s.stl
+    expect_failure 2 "--layer-height" make sphere --triangles 1000 --layer-height 0.1 -o s.stl
+    expect_files ball.stl
+    expect 0 --help
+    expect 0 slice --help
+    expect 0 --version
+}
+
+le32() { printf '%b' "$(printf '\\x%02x\\x%02x\\x%02x\\x%02x' $(($1 & 255)) $(($1 >> 8 & 255)) $(($1 >> 16 & 255)) $(($1 >> 24 & 255)))"; }
+
+# with_count BYTES_OF COUNT: a binary file's header and records under another count
+with_count() { head -c 80 "$1"; le32 "$2"; tail -c +85 "$1"; }
+
+# with_float FILE BITS: the first coordinate of the first triangle replaced
+with_float() { head -c 96 "$1"; le32 "$2"; tail -c +101 "$1"; }
+
+facet() { printf 'facet normal 0 0 1\nouter loop\n%sendloop\nendfacet\n' "$1"; }
+
+test_bad_input() {
+    sphere ball.stl
+    mkdir folder.stl
+    : > empty.stl
+    head -c 30000 ball.stl > truncated.stl
+    with_count ball.stl 4294967295 > huge_count.stl
+    with_count ball.stl 0 > zero_count.stl
+    head -c 80 ball.stl > header_only.stl
+    { head -c 80 ball.stl; le32 0; } > no_triangles.stl
+    head -c 5000 /dev/urandom > random.stl
+    printf '<!DOCTYPE html>\n<html><body>404 Not Found</body></html>\n' > page.stl
+    with_float ball.stl 0x7fc00000 > nan.stl
+    with_float ball.stl 0xff800000 > infinite.stl
+    with_float ball.stl 0x7f6fffff > far_away.stl
+    local v=$'vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n'
+    printf 'solid a\n%s\nendsolid a\n' "$(facet "$v")" | head -c 60 > cut.stl
+    printf 'solid a\n%s\nendsolid a\n' "$(facet "${v/1 0 0/1 x 0}")" > number.stl
+    printf 'solid a\n%s\nendsolid a\n' "$(facet $'vertex 0 0 0\nvertex 1 0 0\n')" > two.stl
+    printf 'solid a\n%s\nendsolid a\n' "$(facet "$v"$'vertex 1 1 0\n')" > four.stl
+    printf 'solid a\nendsolid a\n' > no_facets.stl
+    local file begin command
+    for file in missing.stl *.stl; do
+        [[ $file != ball.stl ]] || continue
+        for command in slice info; do
+            begin=$(date +%s%N)
+            expect_failure 3 "$file" "$command" "$file"
+            (($(date +%s%N) - begin < 1000000000)) || [[ $lamella == */asan/* || $lamella == */tsan/* ]] || fail "$file: over a second"
+        done
+        expect_failure 3 "$file" slice "$file" -o out.svg --report out.json
+        [[ ! -e out.svg && ! -e out.json ]] || fail "$file: an output"
+    done
+}
+
+test_accepted_input() {
+    sphere ball.stl
+    expect 0 slice ball.stl --report plain.json
+    local hash
+    hash=$(json_value plain.json output_hash)
+    { printf 'solid but binary'; tail -c +17 ball.stl; } > solid.stl
+    expect 0 slice solid.stl --report report.json
+    expect_json report.json "$hash" output_hash
+    { cat ball.stl; printf 'seven more bytes'; } > trailing.stl
+    expect 0 slice trailing.stl --report report.json
+    expect_json report.json "$hash" output_hash
+    json_value report.json warnings 0 | grep -q '16' || fail "no warning in the report"
+    grep -q '^lamella: warning: .*16' .stderr || fail "no warning that says how many bytes"
+    cp ball.stl $'odd\nname.stl'
+    expect 0 slice $'odd\nname.stl' --report report.json
+    expect_failure 3 'no?file' info $'no\nfile'
+    local format
+    for format in --map "--threads 1" "--threads 3" "--band 1" "--band 7" "--form assembled"; do
+        # shellcheck disable=SC2086
+        expect 0 slice ball.stl $format --report report.json
+        expect_json report.json "$hash" output_hash
+    done
+}
+
+test_bad_output() {
+    sphere ball.stl
+    mkdir folder
+    expect_failure 4 "none/out.svg" slice ball.stl -o none/out.svg
+    expect_failure 4 "folder" slice ball.stl -o folder
+    expect_failure 4 "ball.stl/out.svg" slice ball.stl -o ball.stl/out.svg
+    expect_failure 4 "No space left" slice ball.stl -o /dev/full
+    expect_failure 4 "No space left" slice ball.stl --report /dev/full
+    expect_failure 4 "none/r.json" slice ball.stl --report none/r.json
+    expect_failure 4 "none/a.stl" make sphere --triangles 1000 -o none/a.stl
+    expect_failure 4 "folder" make sphere --triangles 1000 -o folder
+    "$lamella" slice ball.stl > /dev/full 2> .stderr
+    [[ $? == 4 && $(wc -l < .stderr) == 1 ]] || fail "stdout full: not status 4 with one line"
+    "$lamella" info ball.stl > /dev/full 2> .stderr
+    [[ $? == 4 && $(wc -l < .stderr) == 1 ]] || fail "info, stdout full: not status 4 with one line"
+    expect_files ball.stl folder
+}
+
+test_no_partial_output() {
+    sphere ball.stl 20000
+    echo precious > out.svg
+    # A file size limit is a disk that fills up in the middle.
+    (ulimit -f 64; "$lamella" slice ball.stl -o out.svg > .stdout 2> .stderr)
+    [[ $? == 4 && $(wc -l < .stderr) == 1 ]] || fail "not status 4 with one line"
+    grep -q "out.svg" .stderr || fail "the message does not name the file"
+    [[ $(cat out.svg) == precious ]] || fail "the old file is gone"
+    expect_files ball.stl out.svg
+    rm out.svg
+    (ulimit -f 64; "$lamella" make sphere --triangles 20000 -o other.stl > .stdout 2> .stderr)
+    [[ $? == 4 && $(wc -l < .stderr) == 1 ]] || fail "make: not status 4 with one line"
+    expect_files ball.stl
+}
+
+# The signal is sent when the file aside appears. Once in a while the tool is done before it arrives; then it is tried again.
+test_interrupt() {
+    sphere ball.stl 20000
+    local signal attempt status
+    for signal in INT TERM; do
+        for attempt in 1 2 3 4 5; do
+            # A background job ignores SIGINT unless job control gives it a group of its own.
+            set -m
+            "$lamella" slice ball.stl --layer-height 0.002 -o out.svg > .stdout 2> .stderr &
+            set +m
+            local tool=$!
+            until compgen -G ".out.svg.*" > /dev/null || ! kill -0 "$tool" 2> /dev/null; do :; done
+            kill -s "$signal" "$tool" 2> /dev/null
+            wait "$tool" 2> /dev/null
+            status=$?
+            ((status == 0)) || break
+            rm out.svg
+        done
+        ((status == 128 + $(kill -l "$signal"))) || fail "$signal: exit status $status"
+        [[ $(cat .stderr) == "lamella: interrupted" ]] || fail "$signal: not one line"
+        expect_files ball.stl
+    done
+}
+
+test_report_stdout() {
+    sphere ball.stl
+    expect 0 slice ball.stl --layer-height 0.5 -o ball.svg --report -
+    cp .stdout report.json
+    expect_json report.json 1000 triangles
+    expect_json report.json 40 planes
+    expect_json report.json 40 contours
+    expect_json report.json 0 holes
+    expect_json report.json 0 open_contours
+    expect_json report.json 0 degenerate
+    expect_json report.json ball.stl mesh
+    expect_json report.json ball.svg output
+    expect_json report.json below plan side
+    expect_json report.json mesh-min plan datum
+    expect_json report.json uniform plan kind
+    local key
+    for key in segments grid_mm threads peak_rss_bytes output_hash "ms read" "ms bucket" "ms sweep" "ms contours" "ms nesting" \
+        "ms write" "ms total"; do
+        # shellcheck disable=SC2086
+        json_value report.json $key > /dev/null || exit 1
+    done
+    grep -q '^contours  40' .stderr || fail "no summary on stderr"
+    [[ $(tail -c 2 report.json | head -c 1) == "}" ]] || fail "something follows the JSON"
+    "$lamella" slice ball.stl --report - > /dev/full 2> .stderr
+    [[ $? == 4 ]] || fail "a report that cannot be written: not status 4"
+    grep -q '^lamella: cannot write to standard output: No space left' .stderr || fail "no reason given"
+}
+
+test_summary() {
+    sphere ball.stl
+    expect 0 slice ball.stl --layer-height 0.5 -o ball.svg --report ball.json
+    [[ ! -s .stderr ]] || fail "stderr is not silent"
+    local word
+    for word in mesh planes rounding segments contours time memory wrote report; do
+        grep -q "^$word " .stdout || fail "no line '$word'"
+    done
+    expect_files ball.json ball.stl ball.svg
+    [[ $(grep -c '<g id="layer' ball.svg) == 40 ]] || fail "not 40 layers"
+    [[ $(grep -c 'slic3r:type="contour"' ball.svg) == 40 ]] || fail "not 40 contours"
+    if command -v xmllint > /dev/null; then
+        xmllint --noout --huge ball.svg || fail "not XML"
+    fi
+}
+
+test_progress() {
+    sphere ball.stl
+    expect 0 slice ball.stl --progress always
+    grep -q 'slicing \[' .stderr || fail "no bar"
+    grep -q 'slicing' .stdout && fail "the bar is on stdout"
+    expect 0 slice ball.stl --progress auto
+    [[ ! -s .stderr ]] || fail "a bar where stderr is no terminal"
+    expect 0 slice ball.stl --progress never
+    [[ ! -s .stderr ]] || fail "a bar that was not wanted"
+}
+
+test_no_plane_warning() {
+    sphere ball.stl
+    expect 0 slice ball.stl --planes 100,101 -o out.svg --report report.json
+    [[ $(wc -l < .stderr) == 1 ]] || fail "not one line"
+    grep -q '^lamella: warning: no plane meets the mesh' .stderr || fail "no warning"
+    expect_json report.json 2 planes
+    expect_json report.json 0 segments
+    json_value report.json warnings 0 | grep -q 'no plane' || fail "no warning in the report"
+    [[ -s out.svg ]] || fail "no SVG"
+}
+
+test_planes_file() {
+    sphere ball.stl
+    printf '# heights\n-5, -2.5\n\n0 2.5 # more\r\n+5\n' > heights.txt
+    expect 0 slice ball.stl --planes heights.txt --report file.json
+    expect 0 slice ball.stl --planes=-5,-2.5,0,2.5,5 --report list.json
+    expect 0 slice ball.stl --planes "-5, -2.5, 0, 2.5, 5" --report spaced.json
+    local hash
+    hash=$(json_value file.json output_hash)
+    expect_json list.json "$hash" output_hash
+    expect_json spaced.json "$hash" output_hash
+    expect_json file.json 5 planes
+    expect_json file.json explicit plan kind
+    expect_failure 3 "none.txt" slice ball.stl --planes none.txt
+    printf '1\n2\nthree\n' > bad.txt
+    expect_failure 3 "bad.txt:3: 'three'" slice ball.stl --planes bad.txt
+    printf '1\n\n3 2\n' > order.txt
+    expect_failure 3 "order.txt:3" slice ball.stl --planes order.txt
+    printf '1\n1.0000000001\n' > close.txt
+    expect_failure 3 "close.txt:2" slice ball.stl --planes close.txt
+    : > none.txt
+    expect_failure 3 "none.txt" slice ball.stl --planes none.txt
+    expect_failure 3 "Is a directory" slice ball.stl --planes .
+}
+
+test_orientation() {
+    expect 0 make sphere --triangles 2000 --height 20 --width 10 -o egg.stl
+    expect 0 slice egg.stl --layer-height 0.5 --report up.json
+    expect_json up.json 40 planes
+    expect 0 slice egg.stl --layer-height 0.5 --normal 0,0,3 --report same.json
+    expect_json same.json "$(json_value up.json output_hash)" output_hash
+    expect 0 slice egg.stl --layer-height 0.5 --normal 1,0,0 --report side.json
+    expect_json side.json 20 planes
+    printf '1 0 0 0\n0 1 0 0\n0 0 2 0 # twice as tall\n' > tall.txt
+    expect 0 slice egg.stl --layer-height 0.5 --transform tall.txt --report tall.json
+    expect_json tall.json 80 planes
+    expect_json tall.json 2.0 frame 10
+    printf '1 0 0 0 0 1 0 0 0 0 2 0 0 0 0 1\n' > square.txt
+    expect 0 slice egg.stl --layer-height 0.5 --transform square.txt --report square.json
+    expect_json square.json "$(json_value tall.json output_hash)" output_hash
+    printf '1 2 3\n' > short.txt
+    expect_failure 3 "short.txt: 3 numbers" slice egg.stl --transform short.txt
+    printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 2\n' > projective.txt
+    expect_failure 3 "projective.txt:4" slice egg.stl --transform projective.txt
+    expect_failure 3 "none.txt" slice egg.stl --transform none.txt
+    expect_failure 2 "--normal" slice egg.stl --transform tall.txt --normal 1,0,0
+}
+
+test_make() {
+    local shape
+    for shape in sphere torus gyroid bone prism; do
+        expect 0 make "$shape" --triangles 20000 -o "$shape.stl"
+        expect 0 info "$shape.stl"
+        grep -q '^closed  *yes' .stdout || fail "$shape is not closed"
+        local count
+        count=$(sed -n 's/^triangles *//p' .stdout | tr -d ,)
+        ((count >= 19800 && count <= 20200)) || fail "$shape: $count triangles"
+        expect 0 make "$shape" --triangles 20000 -o again.stl
+        cmp "$shape.stl" again.stl || fail "$shape: another file the second time"
+        rm again.stl
+    done
+    expect 0 make bone --triangles 20000 --order random --seed 7 -o shuffled.stl
+    cmp -s bone.stl shuffled.stl && fail "the order is not random"
+    expect 0 slice bone.stl --report sorted.json
+    expect 0 slice shuffled.stl --report shuffled.json
+}
+
+test_info() {
+    sphere ball.stl
+    expect 0 info ball.stl
+    local line
+    for line in 'triangles  *1,000' 'degenerate  *0' 'boundary edges  *0' 'over-full edges  *0' 'shells  *1' 'closed  *yes'; do
+        grep -qE "^$line\$" .stdout || fail "no line '$line'"
+    done
+    grep -qE '^box  *x .* to .*, y .* to .*, z -?[0-9.e-]+ to ' .stdout || fail "no box"
+    [[ ! -s .stderr ]] || fail "stderr is not silent"
+    # One triangle fewer: a hole with three edges.
+    { head -c 80 ball.stl; le32 999; tail -c +85 ball.stl | head -c $((999 * 50)); } > open.stl
+    expect 0 info open.stl
+    grep -qE '^boundary edges  *3$' .stdout || fail "the hole is not seen"
+    grep -qE '^closed  *no$' .stdout || fail "an open mesh is called closed"
+    expect 0 slice open.stl --report open.json
+}

@@ -64,20 +64,19 @@ std::uint64_t count_part(const Reader& read, const PlaneSet& planes, const Parts
     return degenerate;
 }
 
-/// By height; the sense is the parity of the permutation: walking lower -> middle -> upper is the facet's own sense when
-/// even, and then the long edge is walked downwards.
-CrossedTriangle order_by_height(GridTriangle v, std::uint32_t triangle) noexcept {
-    bool odd = false;
-    const auto sort_pair = [&](std::size_t a, std::size_t b) {
-        if (v[b].z < v[a].z) {
-            std::swap(v[a], v[b]);
-            odd = !odd;
-        }
-    };
-    sort_pair(0, 1);
-    sort_pair(1, 2);
-    sort_pair(0, 1);
-    return {v[0], v[1], v[2], triangle, odd ? 0U : 1U << 31, 0};
+/// The order of three vertices by height, and whether it is an odd permutation of them: then the facet walks the long edge
+/// upwards. Indexed by (z1 < z0) + 2 (z2 < z1) + 4 (z2 < z0): comparisons without branches, since nothing predicts them.
+struct HeightOrder {
+    std::uint8_t lower, middle, upper, odd;
+};
+constexpr HeightOrder height_orders[8] = {
+    {0, 1, 2, 0}, {1, 0, 2, 1}, {0, 2, 1, 1}, {0, 1, 2, 0}, {0, 1, 2, 0}, {1, 2, 0, 0}, {2, 0, 1, 0}, {2, 1, 0, 1},
+};
+
+CrossedTriangle order_by_height(const GridTriangle& v, std::uint32_t triangle) noexcept {
+    const unsigned index = (v[1].z < v[0].z ? 1U : 0U) + (v[2].z < v[1].z ? 2U : 0U) + (v[2].z < v[0].z ? 4U : 0U);
+    const HeightOrder& order = height_orders[index];
+    return {v[order.lower], v[order.middle], v[order.upper], triangle, order.odd != 0 ? 0U : 1U << 31, 0};
 }
 
 template <class Reader>

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstring>
+#include <numeric>
 
 #include "base/clock.hpp"
 
@@ -35,36 +35,63 @@ std::uint32_t drop_repeats(Point* points, std::uint32_t count, bool closed) {
     return kept;
 }
 
+/// Decides between contours that start on the same edge.
+bool holds_less(const NestItem& a, std::uint32_t segments_a, const NestItem& b, std::uint32_t segments_b) {
+    if (a.closed != b.closed || a.count != b.count || segments_a != segments_b) {
+        return a.closed != b.closed ? a.closed : (a.count != b.count ? a.count < b.count : segments_a < segments_b);
+    }
+    for (std::uint32_t i = 0; i < a.count; ++i) {
+        const Point& point_a = a.points[(a.start + i) % a.count];
+        const Point& point_b = b.points[(b.start + i) % b.count];
+        if (point_a != point_b) {
+            return point_a < point_b;
+        }
+    }
+    return a.flags < b.flags;
+}
+
+/// From the start on, backwards if need be.
+void append_points(const NestItem& item, Point* to) {
+    if (item.reverse) {
+        std::reverse_copy(item.points, item.points + item.start + 1, to);
+        std::reverse_copy(item.points + item.start + 1, item.points + item.count, to + item.start + 1);
+    } else {
+        std::rotate_copy(item.points, item.points + item.start, item.points + item.count, to);
+    }
+}
+
 }  // namespace
 
-Point* BandOutput::reserve_points(std::size_t count) {
-    if (point_count + count > points.capacity()) {
-        Array<Point> larger(points.resource());
-        larger.resize_discarding(std::max(point_count + count, points.capacity() + points.capacity() / 2));
-        std::copy_n(points.data(), point_count, larger.data());
-        points = std::move(larger);
+void BandOutput::move_to_larger_buffer(std::size_t count) {
+    if (buffer.capacity() < point_count + count) {
+        Array<Point> larger(buffer.resource());
+        larger.resize_discarding(std::max(point_count + count, buffer.capacity() + buffer.capacity() / 2));
+        std::copy_n(points, point_count, larger.data());
+        buffer = std::move(larger);
+    } else {
+        std::copy_n(points, point_count, buffer.data());
     }
-    points.set_size(points.capacity());
-    return points.data() + point_count;
+    points = buffer.data();
+    capacity = buffer.capacity();
 }
 
 LayerBuilder::LayerBuilder(std::pmr::memory_resource* memory)
     : kernels_(kernels_for_this_cpu()),
       nester_(memory),
       rings_(memory),
-      items_(memory),
-      start_keys_(memory),
-      segments_(memory),
+      found_(memory),
       by_start_(memory),
+      items_(memory),
       placed_(memory),
-      rank_(memory) {}
+      place_of_(memory) {}
 
 void LayerBuilder::build(const LinkGraph& graph, const Point* points, BandOutput& out) {
     gather(graph, points);
+    sort_by_start();
     const std::uint64_t before = timed ? ticks() : 0;
     nester_.nest(items_);
     nesting_ticks += timed ? ticks() - before : 0;
-    sort_canonically();
+    put_holes_behind_outers();
     append(out);
 }
 
@@ -76,9 +103,7 @@ void LayerBuilder::gather(const LinkGraph& graph, const Point* points) {
     if (rings_.size() < room) {
         rings_.resize(room + room / 2);
     }
-    items_.clear();
-    start_keys_.clear();
-    segments_.clear();
+    found_.clear();
     Point* ring = rings_.data();
     for (const WalkedContour& walked : contours) {
         ring += ring_front;
@@ -86,47 +111,45 @@ void LayerBuilder::gather(const LinkGraph& graph, const Point* points) {
         for (std::uint32_t i = 0; i < walked.count; ++i) {
             ring[i] = points[slots[i]];
         }
-        if (walked.closed) {
-            examine_closed(graph, walked, ring);
-        } else {
-            examine_open(graph, walked, ring);
-        }
+        found_.push_back(walked.closed ? examine_closed(graph, walked, ring) : examine_open(graph, walked, ring));
         ring += walked.count + 1;
     }
 }
 
-void LayerBuilder::examine_closed(const LinkGraph& graph, const WalkedContour& walked, Point* ring) {
-    std::uint32_t count = walked.count;
+LayerBuilder::Found LayerBuilder::examine_closed(const LinkGraph& graph, const WalkedContour& walked, Point* ring) const {
+    const std::uint32_t count = walked.count;
     ring[-1] = ring[count - 1];
     ring[count] = ring[0];
     const RingFacts facts = kernels_.examine(ring, count);
-    const Int128 twice_area = kernels_.twice_area(ring, count, facts);
-    std::uint32_t start = pick_start(graph, walked, ring, facts);
-    start_keys_.push_back(graph.key(graph.order()[walked.begin + start]));
-    if (facts.has_repeats) {
-        std::rotate(ring, ring + start, ring + count);
-        start = 0;
-        count = drop_repeats(ring, count, true);
-    }
-    NestItem& item = items_.emplace_back();
+    const std::uint32_t start = pick_start(graph, walked, ring, facts);
+    Found found;
+    found.start_key = graph.key(graph.order()[walked.begin + start]);
+    found.segments = count;
+    NestItem& item = found.item;
     item.points = ring;
     item.count = count;
     item.start = start;
-    item.twice_area = to_wide(twice_area);
+    item.twice_area = to_wide(facts.twice_area);
     item.box_min = facts.box_min;
     item.box_max = facts.box_max;
     item.closed = true;
     item.flags = walked.mixed ? sense_mixed : 0;
-    segments_.push_back(walked.count);
+    if (facts.has_repeats) {
+        std::rotate(ring, ring + start, ring + count);
+        item.start = 0;
+        item.count = drop_repeats(ring, count, true);
+    }
+    return found;
 }
 
-void LayerBuilder::examine_open(const LinkGraph& graph, const WalkedContour& walked, Point* ring) {
-    start_keys_.push_back(graph.key(graph.order()[walked.begin]));
-    NestItem& item = items_.emplace_back();
-    item.points = ring;
-    item.count = drop_repeats(ring, walked.count, false);
-    item.flags = walked.mixed ? sense_mixed : 0;
-    segments_.push_back(walked.count - 1);
+LayerBuilder::Found LayerBuilder::examine_open(const LinkGraph& graph, const WalkedContour& walked, Point* ring) {
+    Found found;
+    found.start_key = graph.key(graph.order()[walked.begin]);
+    found.segments = walked.count - 1;
+    found.item.points = ring;
+    found.item.count = drop_repeats(ring, walked.count, false);
+    found.item.flags = walked.mixed ? sense_mixed : 0;
+    return found;
 }
 
 /// The smallest (x, y, edge key); where a contour passes through one edge twice, the smaller of the two rotations.
@@ -149,89 +172,70 @@ std::uint32_t LayerBuilder::pick_start(const LinkGraph& graph, const WalkedConto
     return best;
 }
 
-/// By start; what two contours that start on the same edge differ in, if in anything, decides between them.
-bool LayerBuilder::starts_before(std::uint32_t a, std::uint32_t b) const {
-    const NestItem& item_a = items_[a];
-    const NestItem& item_b = items_[b];
-    const Point& start_a = item_a.points[item_a.start];
-    const Point& start_b = item_b.points[item_b.start];
-    if (start_a != start_b) {
-        return start_a < start_b;
+/// items_ becomes what was found, by start: (x, y, edge key). Contours that start on the same edge are told apart by what
+/// they hold; those that hold the same are interchangeable.
+void LayerBuilder::sort_by_start() {
+    by_start_.resize(found_.size());
+    std::iota(by_start_.begin(), by_start_.end(), 0U);
+    if (found_.size() > 1) {
+        std::sort(by_start_.begin(), by_start_.end(), [this](std::uint32_t a, std::uint32_t b) {
+            const Point& start_a = found_[a].item.points[found_[a].item.start];
+            const Point& start_b = found_[b].item.points[found_[b].item.start];
+            if (start_a != start_b) {
+                return start_a < start_b;
+            }
+            if (found_[a].start_key != found_[b].start_key) {
+                return found_[a].start_key < found_[b].start_key;
+            }
+            return holds_less(found_[a].item, found_[a].segments, found_[b].item, found_[b].segments);
+        });
     }
-    if (start_keys_[a] != start_keys_[b]) {
-        return start_keys_[a] < start_keys_[b];
+    items_.clear();
+    for (const std::uint32_t i : by_start_) {
+        items_.push_back(found_[i].item);
     }
-    if (item_a.role != item_b.role || item_a.count != item_b.count) {
-        return item_a.role != item_b.role ? item_a.role < item_b.role : item_a.count < item_b.count;
-    }
-    for (std::uint32_t i = 0; i < item_a.count; ++i) {
-        const Point& point_a = item_a.points[(item_a.start + i) % item_a.count];
-        const Point& point_b = item_b.points[(item_b.start + i) % item_b.count];
-        if (point_a != point_b) {
-            return point_a < point_b;
-        }
-    }
-    return segments_[a] < segments_[b];
 }
 
 /// placed_ becomes the canonical order: by start, each outer followed by its holes. A hole's leader is the nearest outer
-/// around it; it starts before the hole, since it lies around it.
-void LayerBuilder::sort_canonically() {
-    const auto count = static_cast<std::uint32_t>(items_.size());
-    by_start_.resize(count);
-    rank_.resize(count);
-    placed_.resize(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        by_start_[i] = i;
-    }
-    std::sort(by_start_.begin(), by_start_.end(), [this](std::uint32_t a, std::uint32_t b) { return starts_before(a, b); });
-    for (std::uint32_t r = 0; r < count; ++r) {
-        rank_[by_start_[r]] = r;
-    }
-    for (std::uint32_t i = 0; i < count; ++i) {
+/// around it, which starts before the hole since it lies around it.
+void LayerBuilder::put_holes_behind_outers() {
+    placed_.resize(items_.size());
+    place_of_.resize(items_.size());
+    for (std::uint32_t i = 0; i < items_.size(); ++i) {
         std::uint32_t leader = i;
         while (items_[leader].role == Role::hole) {
             assert(items_[leader].parent >= 0 && "a hole lies in something");
             leader = static_cast<std::uint32_t>(items_[leader].parent);
         }
-        placed_[i] = std::uint64_t{rank_[leader]} << 32 | rank_[i];
+        placed_[i] = std::uint64_t{leader} << 32 | i;
     }
-    std::sort(placed_.begin(), placed_.end());
+    if (!std::is_sorted(placed_.begin(), placed_.end())) {
+        std::sort(placed_.begin(), placed_.end());
+    }
+    for (std::uint32_t place = 0; place < placed_.size(); ++place) {
+        place_of_[placed_[place] & 0xFFFFFFFFU] = place;
+    }
 }
 
-void LayerBuilder::append(BandOutput& out) {
+void LayerBuilder::append(BandOutput& out) const {
     const std::size_t base = out.contours.size();
-    // rank_ turns from "place by start" into "place in the layer".
-    for (std::uint32_t place = 0; place < placed_.size(); ++place) {
-        rank_[by_start_[placed_[place] & 0xFFFFFFFFU]] = place;
-    }
     for (const std::uint64_t placed : placed_) {
-        const std::uint32_t i = by_start_[placed & 0xFFFFFFFFU];
+        const auto i = static_cast<std::uint32_t>(placed);
         const NestItem& item = items_[i];
         append_points(item, out.reserve_points(item.count));
         Contour& contour = out.contours.emplace_back();
         contour.first_point = out.point_count;
         contour.twice_area = item.reverse ? to_wide(-from_wide(item.twice_area)) : item.twice_area;
         contour.parent =
-            item.parent < 0 ? -1 : static_cast<std::int64_t>(base + rank_[static_cast<std::size_t>(item.parent)]);
+            item.parent < 0 ? -1 : static_cast<std::int64_t>(base + place_of_[static_cast<std::size_t>(item.parent)]);
         contour.point_count = item.count;
-        contour.segments = segments_[i];
+        contour.segments = found_[by_start_[i]].segments;
         contour.role = item.role;
         contour.sense = item.sense;
         contour.flags = item.flags;
         out.point_count += item.count;
     }
     out.layer_contours.push_back(static_cast<std::uint32_t>(placed_.size()));
-}
-
-/// From the start on, backwards if need be.
-void LayerBuilder::append_points(const NestItem& item, Point* to) {
-    if (item.reverse) {
-        std::reverse_copy(item.points, item.points + item.start + 1, to);
-        std::reverse_copy(item.points + item.start + 1, item.points + item.count, to + item.start + 1);
-    } else {
-        std::rotate_copy(item.points, item.points + item.start, item.points + item.count, to);
-    }
 }
 
 }  // namespace lamella

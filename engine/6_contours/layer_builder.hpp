@@ -17,20 +17,36 @@ namespace lamella {
 /// What a band of planes yields, kept by its thread until the bands below have been placed. Indices are relative to the
 /// band.
 struct BandOutput {
-    explicit BandOutput(std::pmr::memory_resource* memory) : points(memory), contours(memory), layer_contours(memory) {}
+    explicit BandOutput(std::pmr::memory_resource* memory) : buffer(memory), contours(memory), layer_contours(memory) {}
 
-    Array<Point> points;  ///< capacity ahead of need; `point_count` are filled
+    Point* points =
+        nullptr;  ///< where they go: the result's own array, where their place is known from the start, or `buffer`
     std::size_t point_count = 0;
+    std::size_t capacity = 0;
+    Array<Point> buffer;
     std::pmr::vector<Contour> contours;
     std::pmr::vector<std::uint32_t> layer_contours;  ///< contours of each plane
 
-    void clear() noexcept {
+    /// Empty, with `room` to fill before `buffer` is turned to.
+    void begin(std::span<Point> room) noexcept {
+        points = room.data();
+        capacity = room.size();
         point_count = 0;
         contours.clear();
         layer_contours.clear();
     }
+    bool in_buffer() const noexcept { return points == buffer.data(); }
+
     /// Makes room for `count` more points. Throws std::bad_alloc.
-    Point* reserve_points(std::size_t count);
+    Point* reserve_points(std::size_t count) {
+        if (point_count + count > capacity) {
+            move_to_larger_buffer(count);
+        }
+        return points + point_count;
+    }
+
+private:
+    void move_to_larger_buffer(std::size_t count);
 };
 
 class LayerBuilder {
@@ -49,25 +65,30 @@ public:
     bool timed = false;
 
 private:
+    /// A contour of the plane, as walked.
+    struct Found {
+        NestItem item;
+        EndKey start_key;
+        std::uint32_t segments;
+    };
+
     void gather(const LinkGraph& graph, const Point* points);
-    void examine_closed(const LinkGraph& graph, const WalkedContour& walked, Point* ring);
-    void examine_open(const LinkGraph& graph, const WalkedContour& walked, Point* ring);
+    Found examine_closed(const LinkGraph& graph, const WalkedContour& walked, Point* ring) const;
+    static Found examine_open(const LinkGraph& graph, const WalkedContour& walked, Point* ring);
     std::uint32_t pick_start(const LinkGraph& graph, const WalkedContour& walked, const Point* ring,
                              const RingFacts& facts) const;
-    void sort_canonically();
-    bool starts_before(std::uint32_t a, std::uint32_t b) const;
-    void append(BandOutput& out);
-    static void append_points(const NestItem& item, Point* to);
+    void sort_by_start();
+    void put_holes_behind_outers();
+    void append(BandOutput& out) const;
 
     const Kernels& kernels_;
     Nester nester_;
     std::pmr::vector<Point> rings_;  // the plane's points in walking order, each contour with room to close it
-    std::pmr::vector<NestItem> items_;
-    std::pmr::vector<EndKey> start_keys_;
-    std::pmr::vector<std::uint32_t> segments_;
-    std::pmr::vector<std::uint32_t> by_start_;
-    std::pmr::vector<std::uint64_t> placed_;  // leader's rank << 32 | own rank
-    std::pmr::vector<std::uint32_t> rank_;
+    std::pmr::vector<Found> found_;
+    std::pmr::vector<std::uint32_t> by_start_;  // of found_
+    std::pmr::vector<NestItem> items_;          // in the order of by_start_
+    std::pmr::vector<std::uint64_t> placed_;    // canonical order: leading outer << 32 | item
+    std::pmr::vector<std::uint32_t> place_of_;  // of each item
 };
 
 }  // namespace lamella

@@ -38,7 +38,8 @@ BandOutput* Placement::acquire(std::size_t band) {
     }
     BandOutput* output = idle_.back();
     idle_.pop_back();
-    output->clear();
+    const bool place_known = band == head_ && point_count_ <= points_.size();
+    output->begin(place_known ? points_.subspan(point_count_) : output->buffer.span());
     return output;
 }
 
@@ -75,8 +76,9 @@ void Placement::submit(std::size_t band, BandOutput* output) {
 }
 
 void Placement::copy_points(const Placed& placed, const BandOutput& output) const {
-    if (placed.first_point + output.point_count <= points_.size() && output.point_count > 0) {
-        std::memcpy(points_.data() + placed.first_point, output.points.data(), output.point_count * sizeof(Point));
+    const bool fits = placed.first_point + output.point_count <= points_.size();
+    if (fits && output.in_buffer() && output.point_count > 0) {
+        std::memcpy(points_.data() + placed.first_point, output.points, output.point_count * sizeof(Point));
     }
 }
 

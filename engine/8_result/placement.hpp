@@ -29,8 +29,9 @@ public:
     void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
                const std::function<void(double)>& progress);
 
-    /// A buffer for `band`, waiting while it is too far ahead of the head. Null after abort(). Bands must be asked for in
-    /// ascending order, each by a thread that goes on to submit it or to abort().
+    /// Where `band` puts its output: in place if it is the head, else in a buffer; waits while it is too far ahead of the
+    /// head. Null after abort(). Bands must be asked for in ascending order, each by a thread that goes on to submit it or
+    /// to abort().
     BandOutput* acquire(std::size_t band);
     /// Places `output`, and any that waited for it.
     void submit(std::size_t band, BandOutput* output);

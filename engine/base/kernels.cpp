@@ -24,38 +24,36 @@ void pierce_portable(const EdgeArrays& edges, double z, std::size_t count, Point
     }
 }
 
+/// Twice the area is the sum over i of x[i] · (y[i + 1] - y[i - 1]): one product a point, x counted from the first point.
+/// Differences have 32 bits and a sign, so a product fits 64 bits and a sum of them need not: the halves are summed apart.
+class ProductSum {
+public:
+    void add(std::int64_t product) noexcept {
+        low_ += static_cast<std::uint32_t>(product);
+        high_ += product >> 32;
+    }
+    Int128 total() const noexcept { return (Int128{high_} << 32) + Int128{low_}; }
+
+private:
+    std::uint64_t low_ = 0;
+    std::int64_t high_ = 0;
+};
+
 RingFacts examine_portable(const Point* ring, std::size_t count) {
-    RingFacts facts{ring[0], ring[0], false};
+    RingFacts facts{ring[0], ring[0], 0, false};
+    ProductSum sum;
+    const std::int64_t origin = ring[0].x;
+    const Point* before = ring - 1;
     for (std::size_t i = 0; i < count; ++i) {
-        facts.box_min = {std::min(facts.box_min.x, ring[i].x), std::min(facts.box_min.y, ring[i].y)};
-        facts.box_max = {std::max(facts.box_max.x, ring[i].x), std::max(facts.box_max.y, ring[i].y)};
-        facts.has_repeats = facts.has_repeats || ring[i] == ring[i + 1];
+        const Point here = ring[i];
+        const Point next = ring[i + 1];
+        facts.box_min = {std::min(facts.box_min.x, here.x), std::min(facts.box_min.y, here.y)};
+        facts.box_max = {std::max(facts.box_max.x, here.x), std::max(facts.box_max.y, here.y)};
+        facts.has_repeats = facts.has_repeats || here == next;
+        sum.add((here.x - origin) * (std::int64_t{next.y} - before[i].y));
     }
+    facts.twice_area = sum.total();
     return facts;
-}
-
-/// How many products x · dy can be summed in 64 bits: |x| relative to the box and |dy| are bounded by its sides.
-std::size_t products_per_block(const RingFacts& facts) {
-    const auto width = static_cast<std::uint64_t>(std::int64_t{facts.box_max.x} - facts.box_min.x);
-    const auto height = static_cast<std::uint64_t>(std::int64_t{facts.box_max.y} - facts.box_min.y);
-    return std::size_t{1} << std::clamp(
-               63 - static_cast<int>(std::bit_width(width)) - static_cast<int>(std::bit_width(height)), 0, 30);
-}
-
-/// Sum over i of x[i] · (y[i + 1] - y[i - 1]): one product a point.
-Int128 twice_area_portable(const Point* ring, std::size_t count, const RingFacts& facts) {
-    const std::size_t block = products_per_block(facts);
-    const std::int64_t origin = facts.box_min.x;
-    Int128 total = 0;
-    for (std::size_t begin = 0; begin < count; begin += block) {
-        std::int64_t sum = 0;
-        const std::size_t end = std::min(count, begin + block);
-        for (std::size_t i = begin; i < end; ++i) {
-            sum += (ring[i].x - origin) * (std::int64_t{ring[i + 1].y} - ring[i - std::size_t{1}].y);
-        }
-        total += sum;
-    }
-    return total;
 }
 
 std::size_t find_x_portable(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
@@ -64,7 +62,7 @@ std::size_t find_x_portable(const Point* ring, std::size_t from, std::size_t cou
     return from;
 }
 
-constexpr Kernels portable{pierce_portable, examine_portable, twice_area_portable, find_x_portable};
+constexpr Kernels portable{pierce_portable, examine_portable, find_x_portable};
 
 #ifdef LAMELLA_X86_KERNELS
 
@@ -94,64 +92,81 @@ LAMELLA_AVX2 __m256i load_points(const Point* at) {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
 }
 
+/// The points from `from` on, fewer than a vector of them.
+void add_tail(RingFacts& facts, const Point* ring, std::size_t from, std::size_t count) {
+    const Point* before = ring - 1;
+    for (std::size_t i = from; i < count; ++i) {
+        facts.box_min = {std::min(facts.box_min.x, ring[i].x), std::min(facts.box_min.y, ring[i].y)};
+        facts.box_max = {std::max(facts.box_max.x, ring[i].x), std::max(facts.box_max.y, ring[i].y)};
+        facts.has_repeats = facts.has_repeats || ring[i] == ring[i + 1];
+        facts.twice_area += Int128{std::int64_t{ring[i].x} - ring[0].x} * (std::int64_t{ring[i + 1].y} - before[i].y);
+    }
+}
+
+/// Whether all differences within the box fit the 32-bit halves that vector multiplication takes.
+bool fits_halves(const RingFacts& facts) {
+    return std::int64_t{facts.box_max.x} - facts.box_min.x <= INT32_MAX &&
+           std::int64_t{facts.box_max.y} - facts.box_min.y <= INT32_MAX;
+}
+
+/// Folds what the lanes of the vectors hold into `facts`.
+template <std::size_t Lanes>
+void finish_facts(RingFacts& facts, const Point* lows, const Point* highs, const std::uint64_t* low_sums,
+                  const std::uint64_t* high_sums) {
+    std::uint64_t low = 0;
+    std::uint64_t high = 0;
+    facts.box_min = lows[0];
+    facts.box_max = highs[0];
+    for (std::size_t i = 0; i < Lanes; ++i) {
+        facts.box_min = {std::min(facts.box_min.x, lows[i].x), std::min(facts.box_min.y, lows[i].y)};
+        facts.box_max = {std::max(facts.box_max.x, highs[i].x), std::max(facts.box_max.y, highs[i].y)};
+        low += low_sums[i];
+        high += high_sums[i];
+    }
+    facts.twice_area = (Int128{static_cast<std::int64_t>(high)} << 32) + Int128{low};
+}
+
+/// Four points a step; x lies in the low half of each 64-bit lane and y in the high one. Products are summed by halves, each
+/// biased by 2^63 to be unsigned (AVX2 shifts no signs), the bias being taken off at the end.
 LAMELLA_AVX2 RingFacts examine_avx2(const Point* ring, std::size_t count) {
-    if (count < 4) {
+    if (count < 8) {
         return examine_portable(ring, count);
     }
+    const __m256i origin = _mm256_set1_epi64x(static_cast<std::uint32_t>(ring[0].x));
+    const __m256i bias = _mm256_set1_epi64x(INT64_MIN);
+    const __m256i low_half = _mm256_set1_epi64x(0xFFFFFFFF);
     __m256i low = load_points(ring);
     __m256i high = low;
     __m256i repeats = _mm256_setzero_si256();
-    // The last step overlaps the one before it: looking twice at a point changes nothing.
-    for (std::size_t i = 0;;) {
+    __m256i low_sum = _mm256_setzero_si256();
+    __m256i high_sum = _mm256_setzero_si256();
+    const std::size_t whole = count / 4 * 4;
+    for (std::size_t i = 0; i < whole; i += 4) {
         const __m256i here = load_points(ring + i);
+        const __m256i next = load_points(ring + i + 1);
         low = _mm256_min_epi32(low, here);
         high = _mm256_max_epi32(high, here);
-        repeats = _mm256_or_si256(repeats, _mm256_cmpeq_epi64(here, load_points(ring + i + 1)));
-        if (i + 4 == count) {
-            break;
-        }
-        i = std::min(i + 4, count - 4);
+        repeats = _mm256_or_si256(repeats, _mm256_cmpeq_epi64(here, next));
+        const __m256i x = _mm256_sub_epi32(here, origin);
+        const __m256i dy = _mm256_srli_epi64(_mm256_sub_epi32(next, load_points(ring + i - 1)), 32);
+        const __m256i product = _mm256_xor_si256(_mm256_mul_epi32(x, dy), bias);
+        low_sum = _mm256_add_epi64(low_sum, _mm256_and_si256(product, low_half));
+        high_sum = _mm256_add_epi64(high_sum, _mm256_srli_epi64(product, 32));
     }
     Point lows[4];
     Point highs[4];
+    std::uint64_t low_sums[4];
+    std::uint64_t high_sums[4];
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(lows), low);
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(highs), high);
-    RingFacts facts{lows[0], highs[0], _mm256_testz_si256(repeats, repeats) == 0};
-    for (int i = 1; i < 4; ++i) {
-        facts.box_min = {std::min(facts.box_min.x, lows[i].x), std::min(facts.box_min.y, lows[i].y)};
-        facts.box_max = {std::max(facts.box_max.x, highs[i].x), std::max(facts.box_max.y, highs[i].y)};
-    }
-    return facts;
-}
-
-LAMELLA_AVX2 Int128 twice_area_avx2(const Point* ring, std::size_t count, const RingFacts& facts) {
-    // Differences must fit the 32-bit halves that are multiplied.
-    if (std::int64_t{facts.box_max.x} - facts.box_min.x > INT32_MAX ||
-        std::int64_t{facts.box_max.y} - facts.box_min.y > INT32_MAX) {
-        return twice_area_portable(ring, count, facts);
-    }
-    const std::size_t block = std::max<std::size_t>(products_per_block(facts), 4) / 4 * 4;
-    const __m256i origin = _mm256_set1_epi64x(static_cast<std::uint32_t>(facts.box_min.x));
-    const std::size_t whole = products_per_block(facts) >= 4 ? count / 4 * 4 : 0;
-    Int128 total = 0;
-    for (std::size_t begin = 0; begin < whole; begin += block) {
-        __m256i sums = _mm256_setzero_si256();
-        const std::size_t end = std::min(whole, begin + block);
-        for (std::size_t i = begin; i < end; i += 4) {
-            //  x in the low half of each 64-bit lane, y in the high one: multiply takes low halves
-            const __m256i x = _mm256_sub_epi32(load_points(ring + i), origin);
-            const __m256i dy = _mm256_sub_epi32(load_points(ring + i + 1), load_points(ring + i - 1));
-            sums = _mm256_add_epi64(sums, _mm256_mul_epi32(x, _mm256_srli_epi64(dy, 32)));
-        }
-        std::int64_t lanes[4];
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes), sums);
-        total += Int128{lanes[0]} + lanes[1] + lanes[2] + lanes[3];
-    }
-    for (std::size_t i = whole; i < count; ++i) {
-        const std::int64_t x = std::int64_t{ring[i].x} - facts.box_min.x;
-        total += Int128{x} * (std::int64_t{ring[i + 1].y} - ring[i - std::size_t{1}].y);
-    }
-    return total;
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(low_sums), low_sum);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(high_sums), high_sum);
+    RingFacts facts{};
+    facts.has_repeats = _mm256_testz_si256(repeats, repeats) == 0;
+    finish_facts<4>(facts, lows, highs, low_sums, high_sums);
+    facts.twice_area -= Int128{whole} << 63;
+    add_tail(facts, ring, whole, count);
+    return fits_halves(facts) ? facts : examine_portable(ring, count);
 }
 
 LAMELLA_AVX2 std::size_t find_x_avx2(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
@@ -166,9 +181,9 @@ LAMELLA_AVX2 std::size_t find_x_avx2(const Point* ring, std::size_t from, std::s
     return find_x_portable(ring, from, count, x);
 }
 
-constexpr Kernels avx2{pierce_avx2, examine_avx2, twice_area_avx2, find_x_avx2};
+constexpr Kernels avx2{pierce_avx2, examine_avx2, find_x_avx2};
 
-// --- AVX-512: eight edges a step; rings are too short to gain by it
+// --- AVX-512: eight edges, eight points a step
 // ---------------------------------------------------------------
 
 LAMELLA_AVX512 void pierce_avx512(const EdgeArrays& edges, double z, std::size_t count, Point* points) {
@@ -186,7 +201,57 @@ LAMELLA_AVX512 void pierce_avx512(const EdgeArrays& edges, double z, std::size_t
     }
 }
 
-constexpr Kernels avx512{pierce_avx512, examine_avx2, twice_area_avx2, find_x_avx2};
+/// As examine_avx2, with signed shifts; the last vector is masked to the points that there are.
+LAMELLA_AVX512 RingFacts examine_avx512(const Point* ring, std::size_t count) {
+    const __m512i first = _mm512_set1_epi64(static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(ring[0])));
+    const __m512i low_half = _mm512_set1_epi64(0xFFFFFFFF);
+    __m512i low = first;
+    __m512i high = first;
+    __m512i low_sum = _mm512_setzero_si512();
+    __m512i high_sum = _mm512_setzero_si512();
+    unsigned repeats = 0;
+    for (std::size_t i = 0; i < count; i += 8) {
+        const auto lanes = static_cast<__mmask8>(count - i >= 8 ? 0xFF : (1U << (count - i)) - 1);
+        const __m512i here = _mm512_mask_loadu_epi64(first, lanes, ring + i);
+        const __m512i next = _mm512_maskz_loadu_epi64(lanes, ring + i + 1);
+        const __m512i before = _mm512_maskz_loadu_epi64(lanes, ring + i - 1);
+        low = _mm512_maskz_min_epi32(0xFFFF, low, here);
+        high = _mm512_maskz_max_epi32(0xFFFF, high, here);
+        repeats |= _mm512_mask_cmpeq_epi64_mask(lanes, here, next);
+        const __m512i x = _mm512_sub_epi32(here, first);
+        const __m512i dy = _mm512_maskz_srli_epi64(0xFF, _mm512_sub_epi32(next, before), 32);
+        const __m512i product = _mm512_maskz_mul_epi32(0xFF, x, dy);
+        low_sum = _mm512_add_epi64(low_sum, _mm512_and_si512(product, low_half));
+        high_sum = _mm512_add_epi64(high_sum, _mm512_maskz_srai_epi64(0xFF, product, 32));
+    }
+    Point lows[8];
+    Point highs[8];
+    std::uint64_t low_sums[8];
+    std::uint64_t high_sums[8];
+    _mm512_storeu_si512(lows, low);
+    _mm512_storeu_si512(highs, high);
+    _mm512_storeu_si512(low_sums, low_sum);
+    _mm512_storeu_si512(high_sums, high_sum);
+    RingFacts facts{};
+    facts.has_repeats = repeats != 0;
+    finish_facts<8>(facts, lows, highs, low_sums, high_sums);
+    return fits_halves(facts) ? facts : examine_portable(ring, count);
+}
+
+LAMELLA_AVX512 std::size_t find_x_avx512(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
+    const __m512i wanted = _mm512_set1_epi32(x);
+    for (; from < count; from += 8) {
+        const std::size_t left = count - from;
+        const auto lanes = static_cast<__mmask16>(left >= 8 ? 0x5555 : 0x5555 & ((1U << (2 * left)) - 1));  // the x halves
+        const unsigned same = _mm512_mask_cmpeq_epi32_mask(lanes, _mm512_maskz_loadu_epi32(lanes, ring + from), wanted);
+        if (same != 0) {
+            return from + static_cast<std::size_t>(std::countr_zero(same)) / 2;
+        }
+    }
+    return count;
+}
+
+constexpr Kernels avx512{pierce_avx512, examine_avx512, find_x_avx512};
 
 #endif
 

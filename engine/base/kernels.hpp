@@ -20,21 +20,20 @@ struct EdgeArrays {
     const double* slope_y;
 };
 
-/// What one pass over a contour's points tells.
+/// What one pass over a closed contour tells.
 struct RingFacts {
     Point box_min;
     Point box_max;
-    bool has_repeats;  ///< two consecutive points are equal (the last and the first count when closed)
+    Int128 twice_area;  ///< of what lies left of it, exactly
+    bool has_repeats;   ///< two consecutive points are equal
 };
 
 struct Kernels {
     /// points[e] = where edge e pierces the plane at height z, for e in [0, count). Arrays are readable, and points
     /// writable, up to the next multiple of padded_count.
     void (*pierce)(const EdgeArrays& edges, double z, std::size_t count, Point* points);
-    /// Precondition: count > 0. ring[count] is readable and equals ring[0].
+    /// The closed ring of count > 0 points; ring[-1] and ring[count] close it.
     RingFacts (*examine)(const Point* ring, std::size_t count);
-    /// Twice the area left of the closed ring, exactly. ring[-1] and ring[count] are readable and close it.
-    Int128 (*twice_area)(const Point* ring, std::size_t count, const RingFacts& facts);
     /// Index of the first point with the given x, from `from` on, or count.
     std::size_t (*find_x)(const Point* ring, std::size_t from, std::size_t count, std::int32_t x);
 };

@@ -4,19 +4,21 @@
 
 namespace lamella {
 
-void ActiveEdges::grow(Slot slot) {
-    const std::size_t capacity =
-        std::max<std::size_t>({1024, 2 * end_.size(), std::size_t{slot} + 1}) / padded_count * padded_count + padded_count;
-    for (auto* quantity : {&x_, &y_, &z_, &slope_x_, &slope_y_}) {
-        quantity->resize(capacity);
+void ActiveEdges::reserve(std::size_t slots) {
+    if (slots <= end_.size()) {
+        return;
     }
-    end_.resize(capacity);
-    next_.resize(capacity);
+    const std::size_t padded = (slots + padded_count - 1) / padded_count * padded_count;
+    for (auto* quantity : {&x_, &y_, &z_, &slope_x_, &slope_y_}) {
+        quantity->resize(padded);
+    }
+    end_.resize(padded);
+    next_.resize(padded);
 }
 
 void ActiveEdges::copy(Slot to, Slot from) {
     if (to >= end_.size()) {
-        grow(to);
+        reserve(to + to / 2 + 1024);
     }
     for (auto* quantity : {&x_, &y_, &z_, &slope_x_, &slope_y_}) {
         (*quantity)[to] = (*quantity)[from];

@@ -31,10 +31,13 @@ public:
         head_.assign(last - first, no_link);
     }
 
+    /// Takes memory for `slots` slots at once rather than by growing.
+    void reserve(std::size_t slots);
+
     /// The edge in `slot`; it leaves at plane `end`.
     void put(Slot slot, const GridVertex& lower, const GridVertex& upper, PlaneIndex end) {
         if (slot >= end_.size()) {
-            grow(slot);
+            reserve(slot + slot / 2 + 1024);
         }
         const double rise = static_cast<double>(upper.z) - lower.z;
         x_[slot] = lower.x;
@@ -71,7 +74,6 @@ private:
             next_[slot] = std::exchange(head_[end_[slot] - first_], slot);
         }
     }
-    void grow(Slot slot);
 
     std::pmr::vector<double> x_, y_, z_, slope_x_, slope_y_;
     std::pmr::vector<PlaneIndex> end_;

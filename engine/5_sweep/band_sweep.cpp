@@ -60,8 +60,12 @@ bool BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
 void BandSweep::begin(const Band& band, const Buckets& buckets) {
     band_ = band;
     buckets_ = &buckets;
+    // In a closed mesh a plane has as many edges as segments.
+    const std::size_t edges = *std::max_element(buckets.segments.begin() + band.first, buckets.segments.begin() + band.last);
     graph_.clear();
+    graph_.reserve(edges + 16);
     edges_.clear(band.first, band.last);
+    edges_.reserve(edges + 16);
     pending_.clear();
     pending_free_ = no_link;
     pending_head_.assign(band.last - band.first, no_link);

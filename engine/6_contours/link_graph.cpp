@@ -57,18 +57,20 @@ void LinkGraph::clear() {
     order_known_ = true;
 }
 
-void LinkGraph::grow_slots() {
-    const std::size_t capacity = std::max<std::size_t>(1024, keys_.size() * 2);
-    keys_.resize(capacity);
-    links_.resize(2 * capacity);
-    owners_.resize(2 * capacity);
-    flags_.resize(capacity);
-    position_.resize(capacity);
-    position_next_.resize(capacity);
+void LinkGraph::reserve(std::size_t slots) {
+    if (slots > keys_.size()) {
+        keys_.resize(slots);
+        links_.resize(2 * slots);
+        owners_.resize(2 * slots);
+        flags_.resize(slots);
+        position_.resize(slots);
+        position_next_.resize(slots);
+    }
 }
 
 void LinkGraph::begin_events(std::size_t attachments) {
-    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, 2 * attachments));
+    // Two ends share an edge as a rule, so the table is less than half full; it never fills, even if none do.
+    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, attachments + attachments / 4));
     if (size > table_.size() || ++epoch_ == 0) {
         table_.assign(std::max(size, table_.size()), Entry{0, 0});
         epoch_ = 1;
@@ -199,7 +201,7 @@ void LinkGraph::walk() {
 
 void LinkGraph::begin_order() {
     if (order_next_.size() < live_ + 1 + run_padding) {
-        order_next_.resize(std::max(live_ + 1 + run_padding, 2 * order_next_.size()));
+        order_next_.resize(std::max(live_ + live_ / 8 + 1 + run_padding, order_next_.size()));
     }
     filled_ = 0;
     contours_.clear();

@@ -53,6 +53,8 @@ public:
 
     /// Forgets all slots.
     void clear();
+    /// Takes memory for `slots` slots at once rather than by growing.
+    void reserve(std::size_t slots);
 
     // --- A plane's events: begin, attach both ends of each new link, settle, connect each, walk.
     // -----------------------------
@@ -132,7 +134,6 @@ private:
     };
 
     Slot add_slot(const EndKey& key);
-    void grow_slots();
     void settle_crowded(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
                         FunctionRef<void(Slot, Slot)> copied);
     void settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Slot, Slot)> copied);
@@ -216,7 +217,7 @@ inline Slot LinkGraph::add_slot(const EndKey& key) {
         free_.pop_back();
     } else {
         if (slot_end_ == keys_.size()) {
-            grow_slots();
+            reserve(keys_.size() + keys_.size() / 2 + 1024);
         }
         slot = slot_end_++;
     }

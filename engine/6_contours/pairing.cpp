@@ -98,7 +98,9 @@ void sort_round_edge(const GridVertex& lower, const GridVertex& upper, std::span
         if (a.end.is_source != b.end.is_source) {
             return !a.end.is_source;
         }
-        return a.apex != b.apex ? a.apex < b.apex : a.triangle < b.triangle;
+        const FaceAtEdge& first = a.end.is_source ? b : a;
+        const FaceAtEdge& second = a.end.is_source ? a : b;
+        return first.apex != second.apex ? first.apex < second.apex : first.triangle < second.triangle;
     });
 }
 

@@ -56,9 +56,9 @@ struct FaceAtEdge {
 };
 
 /// Sorts the faces of the edge from `lower` to `upper` counter-clockwise seen from above, starting at the smallest apex. At
-/// equal angles the end that comes in is first (it closes the solid before it), then the smaller apex; faces that are
-/// the same in all of this are interchangeable, and the triangle's index only keeps their order alike at all their edges.
-/// Exact.
+/// equal angles those that come in are first (they close the solid before them), by apex, then those that go out, in the
+/// opposite order, so that brackets nest. Faces that are the same in all of this are interchangeable; the triangle's index
+/// only keeps each of them in the same place at all its edges. Exact.
 void sort_round_edge(const GridVertex& lower, const GridVertex& upper, std::span<FaceAtEdge> faces);
 
 }  // namespace lamella

@@ -19,7 +19,10 @@ void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t se
     contour_count_ = 0;
     aborted_ = false;
     placed_.clear();
-    placed_.resize(bands.size());
+    placed_.reserve(bands.size());
+    for (std::size_t b = 0; b < bands.size(); ++b) {
+        placed_.emplace_back(memory_);
+    }
     idle_.clear();
     for (const auto& buffer : buffers_) {
         idle_.push_back(buffer.get());

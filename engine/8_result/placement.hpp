@@ -48,6 +48,8 @@ public:
 
 private:
     struct Placed {
+        explicit Placed(std::pmr::memory_resource* memory) : contours(memory), layer_contours(memory) {}
+
         std::uint64_t first_point = 0;
         std::uint64_t first_contour = 0;
         std::pmr::vector<Contour> contours;

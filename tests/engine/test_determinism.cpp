@@ -75,7 +75,7 @@ std::map<std::string, std::string> current_hashes() {
     std::map<std::string, std::string> hashes;
     for (const auto& [mesh_name, mesh] : meshes()) {
         for (const auto& [plan_name, options] : plans()) {
-            hashes[mesh_name + ", " + plan_name] = hex(output_hash(sliced(mesh, options)));
+            hashes[std::string(mesh_name).append(", ").append(plan_name)] = hex(output_hash(sliced(mesh, options)));
         }
         const std::vector<float> floats = shapes::floats(mesh);
         hashes[mesh_name + ", float, turned"] = [&] {

@@ -175,7 +175,7 @@ TEST_CASE("facets within a unit of uniform planes fall to the right ones", "[eng
         uniform_of(options).first_height_mm = first;
         const lamella::SliceResult result = sliced(soup, options);
         CHECK(result.layers.size() >= 299);
-        CHECK(oracle::difference(result, oracle::quantise(soup, result.unit_mm)) == "");
+        CHECK_THAT(oracle::difference(result, oracle::quantise(soup, result.unit_mm)), Catch::Equals(""));
     }
 }
 

@@ -17,8 +17,9 @@ constexpr double fine_unit_mm = 0.125;
 /// Every plane that meets corners on integers, and those between: integers of mm are multiples of 8 units.
 lamella::SliceOptions through_all(std::uint64_t range, ContourForm form) {
     std::vector<double> heights;
-    for (double h = 0.25; h <= static_cast<double>(range); h += 0.25) {
-        heights.push_back(h);
+    heights.reserve(4 * range);
+    for (std::uint64_t quarter = 1; quarter <= 4 * range; ++quarter) {
+        heights.push_back(0.25 * static_cast<double>(quarter));
     }
     lamella::SliceOptions options = at_heights(heights);
     options.unit_mm = fine_unit_mm;
@@ -29,7 +30,7 @@ lamella::SliceOptions through_all(std::uint64_t range, ContourForm form) {
 void check_against_oracle(const shapes::Soup& soup, const lamella::SliceOptions& options) {
     const lamella::SliceResult result = sliced(soup, options);
     const std::string found = oracle::difference(result, oracle::quantise(soup, result.unit_mm));
-    REQUIRE(found == "");  // NOLINT(readability-container-size-empty): shows the difference
+    REQUIRE_THAT(found, Catch::Equals(""));
 }
 
 std::vector<lamella::Segment> shuffled(std::vector<lamella::Segment> segments, std::uint64_t seed) {
@@ -50,7 +51,7 @@ void check_assembled(const shapes::Soup& soup, std::int32_t z, std::uint64_t see
         options.threads = threads;
         const lamella::Result<lamella::LayerContours> layer = assemble(segments, options);
         REQUIRE(layer.ok());
-        REQUIRE(oracle::difference(*layer, expected) == "");  // NOLINT(readability-container-size-empty)
+        REQUIRE_THAT(oracle::difference(*layer, expected), Catch::Equals(""));
     }
 }
 

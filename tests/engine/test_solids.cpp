@@ -70,6 +70,16 @@ TEST_CASE("a cube that is there twice is two equal contours", "[engine][solids]"
     CHECK(cut(joined({cube, cube}), 1) == Lines{"outer + x8 in -:" + square, "outer + x8 in -:" + square});
 }
 
+TEST_CASE("a tetrahedron that is there several times is as many equal contours", "[engine][solids]") {
+    const shapes::Soup corner =
+        joined({shapes::triangle({0, 0, 0}, {0, 4, 0}, {4, 0, 0}), shapes::triangle({0, 0, 0}, {4, 0, 0}, {0, 0, 4}),
+                shapes::triangle({0, 0, 0}, {0, 0, 4}, {0, 4, 0}), shapes::triangle({4, 0, 0}, {0, 4, 0}, {0, 0, 4})});
+    const std::string line = "outer + x3 in -: 0,0 7,0 0,7";
+    CHECK(cut(corner, 1) == Lines{line});
+    CHECK(cut(joined({corner, corner}), 1) == Lines{line, line});
+    CHECK(cut(joined({corner, corner, corner}), 1) == Lines{line, line, line});
+}
+
 TEST_CASE("a flipped facet does not open its contour", "[engine][solids]") {
     const shapes::Soup patched = joined({without(cube, front, 1), flipped(facet(cube, front))});
     CHECK(cut(patched, 1) == Lines{"outer + x8 in - mixed:" + square});

@@ -63,11 +63,11 @@ TEST_CASE("float meshes are cut where their numbers are", "[engine][views]") {
     const std::vector<float> soup = shapes::floats(ball);
     const shapes::Soup widened(soup.begin(), soup.end());
     const lamella::SliceResult result = sliced(MeshView::soup(std::span<const float>(soup)), uniform(0.25));
-    CHECK(oracle::difference(result, oracle::quantise(widened, result.unit_mm)) == "");
+    CHECK_THAT(oracle::difference(result, oracle::quantise(widened, result.unit_mm)), Catch::Equals(""));
     // On a grid that is no power of two, and on a coarse one, where halves are ties.
     for (const double unit : {0.004, 0.1, 0.25}) {
         const lamella::SliceResult other = sliced(MeshView::soup(std::span<const float>(soup)), uniform(1, unit));
-        CHECK(oracle::difference(other, oracle::quantise(widened, unit)) == "");
+        CHECK_THAT(oracle::difference(other, oracle::quantise(widened, unit)), Catch::Equals(""));
         CHECK(output_hash(sliced(widened, uniform(1, unit))) == output_hash(other));
     }
 }

@@ -61,7 +61,7 @@ Layer from_engine(std::span<const lamella::Contour> contours, std::span<const Po
         copy.parent = static_cast<int>(contour.parent < 0 ? -1 : contour.parent - first_contour);
         copy.segments = contour.segments;
         copy.role = contour.role;
-        copy.sense = contour.sense;
+        copy.sense = contour.sense > 0 ? 1 : (contour.sense < 0 ? -1 : 0);
         copy.flags = contour.flags;
         layer.push_back(copy);
     }
@@ -94,7 +94,9 @@ std::string difference(std::span<const lamella::Contour> contours, std::span<con
         const std::string mine = c < got.size() ? got[c] : "nothing";
         const std::string theirs = c < want.size() ? want[c] : "nothing";
         if (mine != theirs) {
-            return "contour " + std::to_string(c) + ":\n  engine " + mine + "\n  oracle " + theirs;
+            std::ostringstream out;
+            out << "contour " << c << ":\n  engine " << mine << "\n  oracle " << theirs;
+            return out.str();
         }
     }
     return {};
@@ -113,7 +115,7 @@ std::string difference(const lamella::SliceResult& result, std::span<const Trian
     for (const lamella::Layer& layer : result.layers) {
         const std::string found = difference(result, layer, slice_at(triangles, layer.plane.z()));
         if (!found.empty()) {
-            return "plane " + std::to_string(layer.plane.z()) + ", " + found;
+            return std::string("plane ").append(std::to_string(layer.plane.z())).append(", ").append(found);
         }
     }
     return {};

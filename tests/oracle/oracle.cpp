@@ -215,6 +215,7 @@ std::vector<Point> canonical_points(std::vector<Crossing>& crossings, bool close
 /// The mesh edges along a walk, a closed one from where they read smallest.
 std::vector<EdgeKey> reading_of(const std::vector<Crossing>& crossings, bool closed) {
     std::vector<EdgeKey> edges;
+    edges.reserve(crossings.size());
     for (const Crossing& crossing : crossings) {
         edges.push_back(crossing.edge);
     }

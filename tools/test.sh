@@ -17,17 +17,19 @@ configure() {
     cmake -S . -B "$folder" "${generator[@]}" -DLAMELLA_WERROR=ON "$@" > /dev/null
 }
 
-# Of a build that is not the last one only the outcome is shown, and all of it if a test fails.
-sanitized_tests() {
-    local folder=$1
+# quietly LOG COMMAND...: only a failure shows what the command had to say.
+quietly() {
+    local log=$1
     shift
-    cmake --build "$folder" --parallel "$jobs" | tail -n 1
-    env "$@" ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure > "$folder/tests.log" 2>&1 || {
-        cat "$folder/tests.log"
+    "$@" > "$log" 2>&1 || {
+        cat "$log"
         return 1
     }
-    grep 'tests passed' "$folder/tests.log"
 }
+
+build() { quietly "$1/build.log" cmake --build "$1" --parallel "$jobs"; }
+
+run_tests() { ctest --test-dir "$1" --parallel "$jobs" --output-on-failure; }
 
 stage "packages"
 install_missing "${build_packages[@]}" "${check_packages[@]}" "${picture_packages[@]}"
@@ -37,7 +39,7 @@ find engine include tests bench tools -name '*.[ch]pp' -print0 | xargs -0 clang-
 
 stage "release build"
 configure build -DCMAKE_BUILD_TYPE=Release -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
-cmake --build build --parallel "$jobs" | tail -n 1
+build build
 
 stage "clang-tidy"
 run-clang-tidy -quiet -j "$jobs" -p build "^$PWD/(engine|tools)/" > build/tidy.log 2> /dev/null || {
@@ -49,13 +51,17 @@ run-clang-tidy -quiet -j "$jobs" -p build "^$PWD/(engine|tools)/" > build/tidy.l
 stage "Clang, address and undefined-behaviour sanitizers"
 configure build/asan -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O1 -DCMAKE_CXX_COMPILER=clang++ -DLAMELLA_SANITIZE=address \
     -DLAMELLA_BUILD_BENCH=OFF
-sanitized_tests build/asan UBSAN_OPTIONS=print_stacktrace=1
+build build/asan
+UBSAN_OPTIONS=print_stacktrace=1 quietly build/asan/tests.log run_tests build/asan
+grep 'tests passed' build/asan/tests.log
 
 # std::thread for oneTBB, whose Debian build the sanitizer cannot see into.
 stage "GCC, thread sanitizer"
 configure build/tsan -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O1 -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std \
     -DLAMELLA_BUILD_BENCH=OFF
-sanitized_tests build/tsan TSAN_OPTIONS=halt_on_error=1
+build build/tsan
+TSAN_OPTIONS=halt_on_error=1 quietly build/tsan/tests.log run_tests build/tsan
+grep 'tests passed' build/tsan/tests.log
 
 stage "tests of the release build"
-ctest --test-dir build --parallel "$jobs" --output-on-failure
+run_tests build

@@ -154,7 +154,7 @@ Status Slicing::sweep_bands() {
 
     // A closed contour has at most as many points as segments; an open one has one more, for which there is some room. Only
     // a mesh that is mostly holes needs more, and is swept again with what the first sweep counted.
-    std::uint64_t room = kept_.buckets.segment_count + kept_.buckets.segment_count / 8 + 64;
+    std::uint64_t room = kept_.buckets.segment_count + kept_.buckets.segment_count / 64 + 64;
     for (;;) {
         result_.points.resize_discarding(room);
         if (!sweep_all_into(result_.points.span())) {

@@ -15,14 +15,7 @@ namespace lamella {
 class ActiveEdges {
 public:
     explicit ActiveEdges(std::pmr::memory_resource* memory)
-        : x_(memory),
-          y_(memory),
-          z_(memory),
-          slope_x_(memory),
-          slope_y_(memory),
-          end_(memory),
-          next_(memory),
-          head_(memory) {}
+        : x_(memory), y_(memory), z_(memory), slope_x_(memory), slope_y_(memory), endings_(memory), head_(memory) {}
 
     /// Empties the set, for planes [first, last).
     void clear(PlaneIndex first, PlaneIndex last) {
@@ -36,7 +29,7 @@ public:
 
     /// The edge in `slot`; it leaves at plane `end`.
     void put(Slot slot, const GridVertex& lower, const GridVertex& upper, PlaneIndex end) {
-        if (slot >= end_.size()) {
+        if (slot >= endings_.size()) {
             reserve(slot + slot / 2 + 1024);
         }
         const double rise = static_cast<double>(upper.z) - lower.z;
@@ -45,7 +38,7 @@ public:
         z_[slot] = lower.z;
         slope_x_[slot] = (static_cast<double>(upper.x) - lower.x) / rise;
         slope_y_[slot] = (static_cast<double>(upper.y) - lower.y) / rise;
-        end_[slot] = end;
+        endings_[slot].plane = end;
         enlist(slot);
     }
 
@@ -56,7 +49,7 @@ public:
     template <class Leave>
     void take_ended(PlaneIndex plane, Leave&& leave) {
         for (Slot slot = std::exchange(head_[plane - first_], no_link); slot != no_link;) {
-            const Slot next = next_[slot];
+            const Slot next = endings_[slot].next;
             leave(slot);
             slot = next;
         }
@@ -66,18 +59,35 @@ public:
     void compact(std::span<const Slot> new_to_old, PlaneIndex plane);
 
     EdgeArrays arrays() const noexcept { return {x_.data(), y_.data(), z_.data(), slope_x_.data(), slope_y_.data()}; }
-    std::size_t capacity() const noexcept { return end_.size(); }
+    std::size_t capacity() const noexcept { return endings_.size(); }
 
 private:
+    /// When an edge leaves, and the next of those that leave with it.
+    struct Ending {
+        PlaneIndex plane;
+        Slot next;
+    };
+
+    /// Calls use(array) for each array that is indexed by slot.
+    template <class Use>
+    void for_each_array(Use&& use) {
+        use(x_);
+        use(y_);
+        use(z_);
+        use(slope_x_);
+        use(slope_y_);
+        use(endings_);
+    }
+
     void enlist(Slot slot) {
-        if (end_[slot] < last_) {
-            next_[slot] = std::exchange(head_[end_[slot] - first_], slot);
+        if (endings_[slot].plane < last_) {
+            endings_[slot].next = std::exchange(head_[endings_[slot].plane - first_], slot);
         }
     }
 
-    std::pmr::vector<double> x_, y_, z_, slope_x_, slope_y_;
-    std::pmr::vector<PlaneIndex> end_;
-    std::pmr::vector<Slot> next_;  // of the edges that leave at the same plane
+    std::pmr::vector<std::int32_t> x_, y_, z_;
+    std::pmr::vector<double> slope_x_, slope_y_;
+    std::pmr::vector<Ending> endings_;
     std::pmr::vector<Slot> head_;  // by plane of the band
     PlaneIndex first_ = 0;
     PlaneIndex last_ = 0;

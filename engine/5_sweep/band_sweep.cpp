@@ -19,8 +19,8 @@ BandSweep::BandSweep(std::pmr::memory_resource* memory)
       graph_(memory),
       edges_(memory),
       layers_(memory),
-      arrivals_(memory),
       links_(memory),
+      link_records_(memory),
       pending_(memory),
       pending_head_(memory),
       active_(memory),
@@ -81,22 +81,31 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
     const std::uint32_t list_begin = buckets_->list_begin[plane];
     const std::uint32_t list_end = buckets_->list_begin[plane + 1];
     std::uint32_t& head = pending_head_[plane - band_.first];
-    arrivals_.clear();
     links_.clear();
+    link_records_.clear();
+    first_entering_ = 0;
     if (list_begin == list_end && head == no_link && seeds.empty()) {
         return;
     }
     std::size_t middles = 0;
     for (std::uint32_t p = head; p != no_link; p = pending_[p].next) {
+        // The triangle was read when it entered, maybe long ago.
+        const auto* record = reinterpret_cast<const char*>(&buckets_->records[pending_[p].record]);
+        __builtin_prefetch(record);
+        __builtin_prefetch(record + sizeof(CrossedTriangle) - 1);
         ++middles;
     }
-    graph_.begin_events(2 * (seeds.size() + list_end - list_begin) + middles);
+    const std::size_t entering = seeds.size() + list_end - list_begin;
+    graph_.begin_events(2 * entering + middles);
+    links_.reserve(entering + middles);
+    link_records_.reserve(entering + middles);
     for (std::uint32_t p = std::exchange(head, no_link); p != no_link;) {
         const Pending pending = pending_[p];
         pass_middle(pending);
         pending_[p].next = std::exchange(pending_free_, p);
         p = pending.next;
     }
+    first_entering_ = links_.size();
     for (const std::uint32_t record : seeds) {
         enter(record, plane);
     }
@@ -112,8 +121,9 @@ void BandSweep::begin_plane_afresh(PlaneIndex plane) {
     pending_head_.assign(band_.last - band_.first, no_link);
     pending_.clear();
     pending_free_ = no_link;
-    arrivals_.clear();
     links_.clear();
+    link_records_.clear();
+    first_entering_ = 0;
 }
 
 /// ... and every triangle of the active set (Algorithm 1, steps 7 to 12) enters anew.
@@ -147,7 +157,7 @@ inline void BandSweep::enter(std::uint32_t record, PlaneIndex plane) {
     const PortRef long_port = graph_.attach(long_edge, from_long ? source_port : target_port, link);
     const PortRef short_port = graph_.attach(short_edge, from_long ? target_port : source_port, link);
     links_.push_back(from_long ? Link{long_port, short_port} : Link{short_port, long_port});
-    arrivals_.push_back({record, true});
+    link_records_.push_back(record);
 }
 
 inline void BandSweep::pass_middle(const Pending& pending) {
@@ -157,7 +167,7 @@ inline void BandSweep::pass_middle(const Pending& pending) {
     const bool from_long = t.long_edge_is_source();
     const PortRef short_port = graph_.attach(short_edge, from_long ? target_port : source_port, link);
     links_.push_back(from_long ? Link{pending.long_edge, short_port} : Link{short_port, pending.long_edge});
-    arrivals_.push_back({pending.record, false});
+    link_records_.push_back(pending.record);
 }
 
 void BandSweep::link_events(PlaneIndex plane) {
@@ -169,12 +179,11 @@ void BandSweep::link_events(PlaneIndex plane) {
         [this](Slot to, Slot from) { edges_.copy(to, from); });
     for (std::size_t i = 0; i < links_.size(); ++i) {
         graph_.connect(links_[i]);
-        const Arrival& arrival = arrivals_[i];
-        if (arrival.entering) {
-            const PlaneIndex middle = buckets_->records[arrival.record].middle_plane();
-            if (middle > plane && middle < band_.last) {
-                expect_middle(arrival.record, links_[i]);
-            }
+    }
+    for (std::size_t i = first_entering_; i < links_.size(); ++i) {
+        const PlaneIndex middle = buckets_->records[link_records_[i]].middle_plane();
+        if (middle > plane && middle < band_.last) {
+            expect_middle(link_records_[i], links_[i]);
         }
     }
 }
@@ -203,7 +212,7 @@ void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
     GridVertex upper;
     unpack_edge(graph_.key(slot), lower, upper);
     for (const MeetingEnd& end : ends) {
-        const CrossedTriangle& t = buckets_->records[arrivals_[end.link].record];
+        const CrossedTriangle& t = buckets_->records[link_records_[end.link]];
         const bool has_lowest = t.lower == lower || t.lower == upper;
         const bool has_middle = t.middle == lower || t.middle == upper;
         faces_.push_back({!has_lowest ? t.lower : (has_middle ? t.upper : t.middle), t.triangle, end});

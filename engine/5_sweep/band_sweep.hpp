@@ -49,11 +49,6 @@ public:
     SweepTicks take_ticks() noexcept;
 
 private:
-    /// A triangle of the current plane's events.
-    struct Arrival {
-        std::uint32_t record;
-        bool entering;  ///< else it passes its middle vertex
-    };
     /// A triangle whose middle vertex lies ahead.
     struct Pending {
         std::uint32_t record;
@@ -80,8 +75,9 @@ private:
     LayerBuilder layers_;
     Band band_{};
     const Buckets* buckets_ = nullptr;
-    std::pmr::vector<Arrival> arrivals_;
-    std::pmr::vector<Link> links_;  // of arrivals_
+    std::pmr::vector<Link> links_;  // of the plane's events: triangles that pass their middle vertex, then ...
+    std::pmr::vector<std::uint32_t> link_records_;
+    std::size_t first_entering_ = 0;  // ... from here on, triangles that enter
     std::pmr::vector<Pending> pending_;
     std::pmr::vector<std::uint32_t> pending_head_;  // by plane of the band
     std::uint32_t pending_free_ = no_link;

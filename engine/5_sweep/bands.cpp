@@ -8,10 +8,10 @@ namespace {
 
 /// Segments that make a band worth its start: about 2 MB of points, which stay in a core's cache until they are placed.
 constexpr std::uint64_t least_segments = 1 << 18;
-/// Linking a seed costs about as much as this many segments; bands shorter than a few times that would mostly link seeds.
-constexpr std::uint64_t segments_per_seed = 64;
 /// Work, in segments, of a triangle that enters: its edges are looked up and its links written.
 constexpr std::uint64_t segments_per_entry = 24;
+/// A band has at least so much work for each seed, which costs what an entry does: seeds then take a twenty-fifth.
+constexpr std::uint64_t work_per_seed = 25 * segments_per_entry;
 
 std::uint64_t work_of(const Buckets& buckets, PlaneIndex plane) noexcept {
     return buckets.segments[plane] + segments_per_entry * (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
@@ -26,11 +26,11 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
         all_work += work_of(buckets, plane);
     }
     // Some bands for each thread so that an uneven one can be evened out; on one thread they only serve the cache.
-    const std::uint64_t share = all_work / (4 * static_cast<std::uint64_t>(threads)) + 1;
+    const std::uint64_t share = all_work / (10 * static_cast<std::uint64_t>(threads)) + 1;
     Band band{0, 0, 0};
     std::uint64_t work = 0;
     for (PlaneIndex plane = 0; plane < planes; ++plane) {
-        const std::uint64_t enough = std::clamp(segments_per_seed * buckets.segments[plane], std::min(share, least_segments),
+        const std::uint64_t enough = std::clamp(work_per_seed * buckets.segments[plane], std::min(share, least_segments),
                                                 std::max(share, least_segments));
         const bool full = asked_planes > 0 ? plane - band.first >= static_cast<PlaneIndex>(asked_planes) : work >= enough;
         if (full && plane > band.first) {

@@ -101,7 +101,7 @@ void LayerBuilder::gather(const LinkGraph& graph, const Point* points) {
     const std::span<const WalkedContour> contours = graph.contours();
     const std::size_t room = order.size() + contours.size() * (ring_front + 1) + ring_padding;
     if (rings_.size() < room) {
-        rings_.resize(room + room / 8);
+        rings_.resize(room + room / 32);
     }
     found_.clear();
     Point* ring = rings_.data();

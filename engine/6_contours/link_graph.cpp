@@ -21,10 +21,7 @@ inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {
 }  // namespace
 
 LinkGraph::LinkGraph(std::pmr::memory_resource* memory)
-    : keys_(memory),
-      links_(memory),
-      owners_(memory),
-      flags_(memory),
+    : nodes_(memory),
       position_(memory),
       position_next_(memory),
       free_(memory),
@@ -58,11 +55,8 @@ void LinkGraph::clear() {
 }
 
 void LinkGraph::reserve(std::size_t slots) {
-    if (slots > keys_.size()) {
-        keys_.resize(slots);
-        links_.resize(2 * slots);
-        owners_.resize(2 * slots);
-        flags_.resize(slots);
+    if (slots > nodes_.size()) {
+        nodes_.resize(slots);
         position_.resize(slots);
         position_next_.resize(slots);
     }
@@ -86,11 +80,11 @@ void LinkGraph::begin_events(std::size_t attachments) {
 void LinkGraph::settle(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
                        FunctionRef<void(Slot, Slot)> copied) {
     for (const Crowded& c : crowd_) {
-        flags_[c.slot] |= crowded;
+        nodes_[c.slot].flags |= crowded;
     }
     for (const Slot slot : fresh_) {
-        const bool one_sided = owners_[2 * slot] == no_link || owners_[2 * slot + 1] == no_link;
-        if (one_sided && (flags_[slot] & crowded) == 0) {
+        const bool one_sided = nodes_[slot].owners[0] == no_link || nodes_[slot].owners[1] == no_link;
+        if (one_sided && (nodes_[slot].flags & crowded) == 0) {
             note_open(slot);
         }
     }
@@ -100,7 +94,7 @@ void LinkGraph::settle(std::span<Link> links, FunctionRef<void(Slot, std::span<M
 }
 
 void LinkGraph::note_open(Slot slot) {
-    flags_[slot] |= open_end;
+    nodes_[slot].flags |= open_end;
     ++open_;
 }
 
@@ -111,7 +105,7 @@ void LinkGraph::settle_crowded(std::span<Link> links, FunctionRef<void(Slot, std
         const Slot slot = crowd_[i].slot;
         meeting_.clear();
         for (const int port : {target_port, source_port}) {
-            if (const std::uint32_t link = owners_[2 * slot + static_cast<unsigned>(port)]; link != no_link) {
+            if (const std::uint32_t link = nodes_[slot].owners[port]; link != no_link) {
                 meeting_.push_back({link, port == source_port});
             }
         }
@@ -130,11 +124,11 @@ void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Sl
     bool first = true;
     const auto next_slot = [&] {
         if (std::exchange(first, false)) {
-            owners_[2 * slot] = no_link;
-            owners_[2 * slot + 1] = no_link;
+            nodes_[slot].owners[0] = no_link;
+            nodes_[slot].owners[1] = no_link;
             return slot;
         }
-        const Slot copy = add_slot(EndKey(keys_[slot]));
+        const Slot copy = add_slot(EndKey(nodes_[slot].key));
         copied(copy, slot);
         return copy;
     };
@@ -142,7 +136,7 @@ void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Sl
         const Slot at = next_slot();
         seat(at, target_port, meeting_[in], links);
         seat(at, source_port, meeting_[out], links);
-        mixed_ += (flags_[at] & mixed) != 0 ? 1 : 0;
+        mixed_ += (nodes_[at].flags & mixed) != 0 ? 1 : 0;
     }
     if (pairing_.odd_one() >= 0) {
         const MeetingEnd& odd = meeting_[static_cast<std::size_t>(pairing_.odd_one())];
@@ -154,12 +148,12 @@ void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Sl
 
 void LinkGraph::seat(Slot slot, int port, const MeetingEnd& end, std::span<Link> links) {
     const PortRef ref = 2 * slot + static_cast<unsigned>(port);
-    owners_[ref] = end.link;
+    nodes_[slot].owners[port] = end.link;
     (end.is_source ? links[end.link].source : links[end.link].target) = ref;
     if (end.is_source && port == target_port) {
-        flags_[slot] |= mixed_target_is_source;
+        nodes_[slot].flags |= mixed_target_is_source;
     } else if (!end.is_source && port == source_port) {
-        flags_[slot] |= mixed_source_is_target;
+        nodes_[slot].flags |= mixed_source_is_target;
     }
 }
 
@@ -201,7 +195,7 @@ void LinkGraph::walk() {
 
 void LinkGraph::begin_order() {
     if (order_next_.size() < live_ + 1 + run_padding) {
-        order_next_.resize(std::max(live_ + live_ / 8 + 1 + run_padding, order_next_.size()));
+        order_next_.resize(std::max(live_ + live_ / 32 + 1 + run_padding, order_next_.size()));
     }
     filled_ = 0;
     contours_.clear();
@@ -235,7 +229,7 @@ bool LinkGraph::walked(Slot slot) const noexcept {
 
 void LinkGraph::walk_sources() {
     for (Slot slot = 0; slot < slot_end_; ++slot) {
-        if (links_[2 * slot] == no_link) {
+        if (nodes_[slot].links[target_port] == no_link) {
             const std::uint32_t begin = filled_;
             add_contour(begin, follow(slot), false);
         }
@@ -292,7 +286,7 @@ bool LinkGraph::follow(Slot start) {
             filled += length;
             last = run[length - 1];
         }
-        const PortRef next = links_[2 * last + 1];
+        const PortRef next = nodes_[last].links[source_port];
         slot = next >> 1;
         if (next == no_link || slot == start) {
             filled_ = filled;
@@ -315,7 +309,7 @@ void LinkGraph::walk_any_sense() {
         follow_any_sense(slot, leave_by, closed);
         bool is_mixed = false;
         for (std::uint32_t i = begin; i < filled_; ++i) {
-            is_mixed = is_mixed || (flags_[order_next_[i + 1]] & mixed) != 0;
+            is_mixed = is_mixed || (nodes_[order_next_[i + 1]].flags & mixed) != 0;
         }
         if (runs_backwards(begin, closed)) {
             std::reverse(order_next_.begin() + 1 + begin, order_next_.begin() + 1 + filled_);
@@ -326,8 +320,8 @@ void LinkGraph::walk_any_sense() {
         add_contour(begin, closed, is_mixed);
     };
     for (Slot slot = 0; slot < slot_end_ && open_ > 0; ++slot) {
-        if (!is_free(slot) && (flags_[slot] & open_end) != 0 && !walked(slot)) {
-            walk_from(slot, links_[2 * slot] == no_link ? source_port : target_port, false);
+        if (!is_free(slot) && (nodes_[slot].flags & open_end) != 0 && !walked(slot)) {
+            walk_from(slot, nodes_[slot].links[target_port] == no_link ? source_port : target_port, false);
         }
     }
     for (Slot slot = 0; slot < slot_end_; ++slot) {
@@ -344,7 +338,7 @@ void LinkGraph::follow_any_sense(Slot start, int leave_by, bool closed) {
         order_next_[filled_ + 1] = slot;
         leave_by_[filled_] = static_cast<std::uint8_t>(leave_by);
         position_next_[slot] = ++filled_;
-        const PortRef next = links_[2 * slot + static_cast<unsigned>(leave_by)];
+        const PortRef next = nodes_[slot].links[leave_by];
         if (next == no_link || (closed && (next >> 1) == start)) {
             return;
         }
@@ -362,12 +356,12 @@ bool LinkGraph::runs_backwards(std::uint32_t begin, bool closed) const {
     std::uint32_t forwards = 0;
     for (std::uint32_t i = 0; i < segments; ++i) {
         const unsigned flag = leave_by_[begin + i] == source_port ? mixed_source_is_target : mixed_target_is_source;
-        forwards += ((flags_[slots[i]] & flag) == 0) == (leave_by_[begin + i] == source_port) ? 1 : 0;
+        forwards += ((nodes_[slots[i]].flags & flag) == 0) == (leave_by_[begin + i] == source_port) ? 1 : 0;
     }
     if (2 * forwards != segments) {
         return 2 * forwards < segments;
     }
-    const auto key_at = [&](std::uint32_t i) -> const EndKey& { return keys_[slots[i % count]]; };
+    const auto key_at = [&](std::uint32_t i) -> const EndKey& { return nodes_[slots[i % count]].key; };
     const auto smaller = [&](std::uint32_t a, bool a_back, std::uint32_t b, bool b_back) {
         for (std::uint32_t i = 0; i < count; ++i) {
             const EndKey& key_a = key_at(a_back ? a + count - i : a + i);
@@ -407,20 +401,15 @@ bool LinkGraph::compact(FunctionRef<void(std::span<const Slot>)> moved) {
     const auto moved_ref = [this](PortRef ref) {
         return ref == no_link ? no_link : 2 * (position_[ref >> 1] - 1) + (ref & 1);
     };
-    std::pmr::vector<EndKey> keys(keys_.size(), keys_.get_allocator());
-    std::pmr::vector<PortRef> links(links_.size(), links_.get_allocator());
-    std::pmr::vector<std::uint8_t> flags(flags_.size(), flags_.get_allocator());
+    std::pmr::vector<Node> nodes(nodes_.size(), nodes_.get_allocator());
     for (Slot slot = 0; slot < ordered_; ++slot) {
-        const Slot old = order_[slot + 1];
-        keys[slot] = keys_[old];
-        flags[slot] = flags_[old];
-        links[2 * slot] = moved_ref(links_[2 * old]);
-        links[2 * slot + 1] = moved_ref(links_[2 * old + 1]);
+        nodes[slot] = nodes_[order_[slot + 1]];
+        for (PortRef& ref : nodes[slot].links) {
+            ref = moved_ref(ref);
+        }
     }
     moved(order());
-    keys_.swap(keys);
-    links_.swap(links);
-    flags_.swap(flags);
+    nodes_.swap(nodes);
     for (Slot slot = 0; slot < ordered_; ++slot) {
         order_[slot + 1] = slot;
         position_[slot] = slot + 1;

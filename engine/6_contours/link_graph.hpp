@@ -72,7 +72,7 @@ public:
     /// Attaches an end of link `link` to `slot`. Returns the port's reference, which settle() may change where more than two
     /// meet.
     PortRef attach(Slot slot, int port, std::uint32_t link) {
-        std::uint32_t& owner = owners_[2 * slot + static_cast<unsigned>(port)];
+        std::uint32_t& owner = nodes_[slot].owners[port];
         if (owner == no_link) {
             owner = link;
         } else {
@@ -89,8 +89,8 @@ public:
 
     /// Joins the two ports of `link`; the walk is patched at its source.
     void connect(const Link& link) {
-        links_[link.source] = link.target;
-        links_[link.target] = link.source;
+        port_of(link.source) = link.target;
+        port_of(link.target) = link.source;
         break_after(position_[link.source >> 1]);
         changed_ = true;
     }
@@ -106,11 +106,11 @@ public:
 
     std::span<const Slot> order() const noexcept { return {order_.data() + 1, ordered_}; }
     std::span<const WalkedContour> contours() const noexcept { return contours_; }
-    const EndKey& key(Slot slot) const noexcept { return keys_[slot]; }
+    const EndKey& key(Slot slot) const noexcept { return nodes_[slot].key; }
     /// Slots in use are below this; some below it are free.
     Slot slot_end() const noexcept { return slot_end_; }
     std::size_t live() const noexcept { return live_; }
-    bool is_free(Slot slot) const noexcept { return links_[2 * slot] == freed; }
+    bool is_free(Slot slot) const noexcept { return nodes_[slot].links[0] == freed; }
 
     /// Renumbers the slots 0, 1, 2, ... in walking order when fewer than half are in use, so that a plane costs what is
     /// active now. Calls moved(new_to_old) once if it did. Precondition: walk() has been called since the last change.
@@ -128,6 +128,14 @@ private:
         crowded = 8,  // more than two ends meet, or two of one sense
     };
 
+    /// What is written of a slot when its edge starts, side by side.
+    struct Node {
+        EndKey key;
+        PortRef links[2];         // what each port is linked to
+        std::uint32_t owners[2];  // the link on each port, while the slot is new
+        std::uint8_t flags;
+    };
+
     struct Entry {
         std::uint32_t epoch;
         Slot slot;
@@ -139,6 +147,8 @@ private:
     void settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Slot, Slot)> copied);
     void seat(Slot slot, int port, const MeetingEnd& end, std::span<Link> links);
     void note_open(Slot slot);
+
+    PortRef& port_of(PortRef ref) noexcept { return nodes_[ref >> 1].links[ref & 1]; }
 
     void break_after(std::uint32_t position) noexcept { breaks_[position >> 6] |= std::uint64_t{1} << (position & 63); }
     std::uint32_t next_break(std::uint32_t position) const noexcept;
@@ -156,10 +166,7 @@ private:
     bool runs_backwards(std::uint32_t begin, bool closed) const;
 
     // slots
-    std::pmr::vector<EndKey> keys_;
-    std::pmr::vector<PortRef> links_;         // two a slot
-    std::pmr::vector<std::uint32_t> owners_;  // two a slot: the link on each port, while the slot is new
-    std::pmr::vector<std::uint8_t> flags_;
+    std::pmr::vector<Node> nodes_;
     std::pmr::vector<std::uint32_t> position_;  // in order_, from 1
     std::pmr::vector<std::uint32_t> position_next_;
     std::pmr::vector<Slot> free_;
@@ -204,7 +211,7 @@ inline LinkGraph::Found LinkGraph::find_or_add(const EndKey& key) {
             entry = {epoch_, add_slot(key)};
             return {entry.slot, true};
         }
-        if (keys_[entry.slot] == key) {
+        if (nodes_[entry.slot].key == key) {
             return {entry.slot, false};
         }
     }
@@ -216,17 +223,12 @@ inline Slot LinkGraph::add_slot(const EndKey& key) {
         slot = free_.back();
         free_.pop_back();
     } else {
-        if (slot_end_ == keys_.size()) {
-            reserve(keys_.size() + keys_.size() / 2 + 1024);
+        if (slot_end_ == nodes_.size()) {
+            reserve(nodes_.size() + nodes_.size() / 2 + 1024);
         }
         slot = slot_end_++;
     }
-    keys_[slot] = key;
-    links_[2 * slot] = no_link;
-    links_[2 * slot + 1] = no_link;
-    owners_[2 * slot] = no_link;
-    owners_[2 * slot + 1] = no_link;
-    flags_[slot] = 0;
+    nodes_[slot] = {key, {no_link, no_link}, {no_link, no_link}, 0};
     position_[slot] = no_position;
     fresh_.push_back(slot);
     ++live_;
@@ -237,9 +239,9 @@ inline Slot LinkGraph::add_slot(const EndKey& key) {
 inline void LinkGraph::release(Slot slot) {
     break_after(position_[slot]);
     position_[slot] = no_position;
-    open_ -= (flags_[slot] & open_end) != 0 ? 1 : 0;
-    mixed_ -= (flags_[slot] & mixed) != 0 ? 1 : 0;
-    links_[2 * slot] = freed;
+    open_ -= (nodes_[slot].flags & open_end) != 0 ? 1 : 0;
+    mixed_ -= (nodes_[slot].flags & mixed) != 0 ? 1 : 0;
+    nodes_[slot].links[0] = freed;
     free_.push_back(slot);
     --live_;
     changed_ = true;

@@ -41,8 +41,15 @@ BandOutput* Placement::acquire(std::size_t band) {
     }
     BandOutput* output = idle_.back();
     idle_.pop_back();
-    const bool place_known = band == head_ && point_count_ <= points_.size();
-    output->begin(place_known ? points_.subspan(point_count_) : output->buffer.span());
+    if (band == head_ && point_count_ <= points_.size()) {
+        output->begin(points_.subspan(point_count_));
+        return output;
+    }
+    lock.unlock();
+    if (output->buffer.capacity() < bands_[band].segments) {
+        output->buffer.resize_discarding(bands_[band].segments);
+    }
+    output->begin({output->buffer.data(), output->buffer.capacity()});
     return output;
 }
 

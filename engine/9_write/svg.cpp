@@ -28,7 +28,7 @@ constexpr Colour highest_colour{112, 160, 198};
 constexpr std::string_view warning_colour = "#d9302c";
 
 constexpr double margin = 0.02;           ///< around the mesh, of its larger extent
-constexpr double warning_stroke = 0.004;  ///< of the same
+constexpr double warning_stroke = 0.002;  ///< of the same
 
 /// Grid coordinates as decimal mm: enough digits to be within half a grid unit, or within 1e-6 mm where the grid is finer.
 class MmFormat {

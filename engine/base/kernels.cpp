@@ -17,9 +17,9 @@ namespace {
 // --- Portable
 // -----------------------------------------------------------------------------------------------------------------
 
-void pierce_portable(const EdgeArrays& edges, double z, std::size_t count, Point* points) {
+void pierce_portable(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
     for (std::size_t e = 0; e < count; ++e) {
-        const double rise = z - edges.z[e];
+        const auto rise = static_cast<double>(std::int64_t{z} - edges.z[e]);
         points[e] = {round_to_int(edges.x[e] + edges.slope_x[e] * rise), round_to_int(edges.y[e] + edges.slope_y[e] * rise)};
     }
 }
@@ -72,14 +72,18 @@ constexpr Kernels portable{pierce_portable, examine_portable, find_x_portable};
 // --- AVX2: four edges, four points a step
 // ---------------------------------------------------------------------------------------
 
-LAMELLA_AVX2 void pierce_avx2(const EdgeArrays& edges, double z, std::size_t count, Point* points) {
-    const __m256d plane = _mm256_set1_pd(z);
+LAMELLA_AVX2 __m128i four_ints(const std::int32_t* at) {
+    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
+}
+
+LAMELLA_AVX2 void pierce_avx2(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
+    const __m128i plane = _mm_set1_epi32(z);
     for (std::size_t e = 0; e < count; e += 4) {
-        const __m256d rise = _mm256_sub_pd(plane, _mm256_loadu_pd(edges.z + e));
-        const __m256d x =
-            _mm256_add_pd(_mm256_loadu_pd(edges.x + e), _mm256_mul_pd(_mm256_loadu_pd(edges.slope_x + e), rise));
-        const __m256d y =
-            _mm256_add_pd(_mm256_loadu_pd(edges.y + e), _mm256_mul_pd(_mm256_loadu_pd(edges.slope_y + e), rise));
+        const __m256d rise = _mm256_cvtepi32_pd(_mm_sub_epi32(plane, four_ints(edges.z + e)));
+        const __m256d x = _mm256_add_pd(_mm256_cvtepi32_pd(four_ints(edges.x + e)),
+                                        _mm256_mul_pd(_mm256_loadu_pd(edges.slope_x + e), rise));
+        const __m256d y = _mm256_add_pd(_mm256_cvtepi32_pd(four_ints(edges.y + e)),
+                                        _mm256_mul_pd(_mm256_loadu_pd(edges.slope_y + e), rise));
         const __m128i xs = _mm256_cvtpd_epi32(x);
         const __m128i ys = _mm256_cvtpd_epi32(y);
         auto* out = reinterpret_cast<__m128i*>(points + e);
@@ -186,14 +190,18 @@ constexpr Kernels avx2{pierce_avx2, examine_avx2, find_x_avx2};
 // --- AVX-512: eight edges, eight points a step
 // ---------------------------------------------------------------
 
-LAMELLA_AVX512 void pierce_avx512(const EdgeArrays& edges, double z, std::size_t count, Point* points) {
-    const __m512d plane = _mm512_set1_pd(z);
+LAMELLA_AVX512 __m256i eight_ints(const std::int32_t* at) {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
+}
+
+LAMELLA_AVX512 void pierce_avx512(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
+    const __m256i plane = _mm256_set1_epi32(z);
     for (std::size_t e = 0; e < count; e += 8) {
-        const __m512d rise = _mm512_sub_pd(plane, _mm512_loadu_pd(edges.z + e));
-        const __m512d x =
-            _mm512_add_pd(_mm512_loadu_pd(edges.x + e), _mm512_mul_pd(_mm512_loadu_pd(edges.slope_x + e), rise));
-        const __m512d y =
-            _mm512_add_pd(_mm512_loadu_pd(edges.y + e), _mm512_mul_pd(_mm512_loadu_pd(edges.slope_y + e), rise));
+        const __m512d rise = _mm512_maskz_cvtepi32_pd(0xFF, _mm256_sub_epi32(plane, eight_ints(edges.z + e)));
+        const __m512d base_x = _mm512_maskz_cvtepi32_pd(0xFF, eight_ints(edges.x + e));
+        const __m512d base_y = _mm512_maskz_cvtepi32_pd(0xFF, eight_ints(edges.y + e));
+        const __m512d x = _mm512_add_pd(base_x, _mm512_mul_pd(_mm512_loadu_pd(edges.slope_x + e), rise));
+        const __m512d y = _mm512_add_pd(base_y, _mm512_mul_pd(_mm512_loadu_pd(edges.slope_y + e), rise));
         // 64-bit lanes of y << 32 | x are points as they lie in memory. (Masked forms: GCC 12 warns about the plain ones.)
         const __m512i xs = _mm512_maskz_cvtepu32_epi64(0xFF, _mm512_maskz_cvtpd_epi32(0xFF, x));
         const __m512i ys = _mm512_maskz_cvtepu32_epi64(0xFF, _mm512_maskz_cvtpd_epi32(0xFF, y));

@@ -13,9 +13,9 @@ namespace lamella {
 /// The active edges of a plane, one array per quantity: edge e passes through (x, y) at height z and moves by (slope_x,
 /// slope_y) per unit of height. All in grid units.
 struct EdgeArrays {
-    const double* x;
-    const double* y;
-    const double* z;
+    const std::int32_t* x;
+    const std::int32_t* y;
+    const std::int32_t* z;
     const double* slope_x;
     const double* slope_y;
 };
@@ -31,7 +31,7 @@ struct RingFacts {
 struct Kernels {
     /// points[e] = where edge e pierces the plane at height z, for e in [0, count). Arrays are readable, and points
     /// writable, up to the next multiple of padded_count.
-    void (*pierce)(const EdgeArrays& edges, double z, std::size_t count, Point* points);
+    void (*pierce)(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points);
     /// The closed ring of count > 0 points; ring[-1] and ring[count] close it.
     RingFacts (*examine)(const Point* ring, std::size_t count);
     /// Index of the first point with the given x, from `from` on, or count.

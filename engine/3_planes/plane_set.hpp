@@ -26,6 +26,10 @@ public:
     bool uniform() const noexcept { return inverse_step_ > 0; }
     /// z of plane i in grid units; -1 and size() are sentinels beyond every vertex.
     std::int32_t z(PlaneIndex i) const noexcept { return padded_[i + 1]; }
+    /// z of planes -1 to size() + 1, from plane 0 on.
+    const std::int32_t* heights() const noexcept { return padded_.data() + 1; }
+    /// 0 when not uniform.
+    double planes_per_unit() const noexcept { return inverse_step_; }
     /// The height asked for, before rounding.
     double height_mm(PlaneIndex i) const noexcept {
         return heights_mm_.empty() ? first_mm_ + (first_step_ + static_cast<double>(i)) * step_mm_ : heights_mm_[i];

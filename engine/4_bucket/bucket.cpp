@@ -1,8 +1,11 @@
 #include "4_bucket/bucket.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 #include <vector>
+
+#include "4_bucket/z_scan.hpp"
 
 namespace lamella {
 
@@ -31,38 +34,71 @@ struct PartCounters {
         : first(buckets.counters.data() + part * 2 * (planes + 1)), last(first + planes + 1) {}
 };
 
+/// The count of one part.
 template <class Reader>
-std::uint64_t count_part(const Reader& read, const PlaneSet& planes, const Parts& parts, std::size_t part,
-                         Buckets& buckets) {
-    PartCounters counters(buckets, part, planes.size());
-    std::fill_n(counters.first, 2 * (std::size_t{planes.size()} + 1), 0U);
-    std::uint64_t degenerate = 0;
-    PlaneIndex hint = 0;
-    for (std::size_t word = parts.begin_word(part); word < parts.begin_word(part + 1); ++word) {
-        const std::size_t begin = word * word_bits;
-        const std::size_t end = std::min(begin + word_bits, parts.triangles);
+class PartCount {
+public:
+    PartCount(const Reader& read, const ZScan& scan, const PlaneSet& planes, PartCounters counters)
+        : read_(read), scan_(scan), planes_(planes), counters_(counters) {
+        std::fill_n(counters_.first, 2 * (std::size_t{planes.size()} + 1), 0U);
+    }
+
+    /// Triangles [begin, end), at most 64; returns which of them planes cut.
+    std::uint64_t count(std::size_t begin, std::size_t end) {
+        return scan_.usable() && end - begin == word_bits ? count_scanned(begin) : count_each(begin, end);
+    }
+
+    std::uint64_t degenerate() const noexcept { return degenerate_; }
+
+private:
+    std::uint64_t count_each(std::size_t begin, std::size_t end) {
         std::uint64_t mask = 0;
         for (std::size_t t = begin; t < end; ++t) {
-            const GridTriangle v = read(t);
+            const GridTriangle v = read_(t);
             if (is_degenerate(v)) {
-                ++degenerate;
+                ++degenerate_;
                 continue;
             }
             const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
-            const PlaneIndex first = planes.first_above(low, hint);
-            hint = first;
-            if (planes.z(first) > high) {
-                continue;
+            const PlaneIndex first = planes_.first_above(low, hint_);
+            hint_ = first;
+            if (planes_.z(first) < high) {
+                add(first, planes_.first_above(high, first));
+                mask |= std::uint64_t{1} << (t - begin);
             }
-            const PlaneIndex last = planes.first_above(high, first);
-            ++counters.first[first];
-            ++counters.last[last];
-            mask |= std::uint64_t{1} << (t - begin);
         }
-        buckets.crossed_mask[word] = mask;
+        return mask;
     }
-    return degenerate;
-}
+
+    std::uint64_t count_scanned(std::size_t begin) {
+        ZBlock block;
+        scan_(begin, block);
+        for (std::uint64_t level = block.level_edge; level != 0; level &= level - 1) {
+            const int t = __builtin_ctzll(level);
+            if (is_degenerate(read_(begin + static_cast<std::size_t>(t)))) {
+                ++degenerate_;
+                block.crossed &= ~(std::uint64_t{1} << t);
+            }
+        }
+        for (std::uint64_t crossed = block.crossed; crossed != 0; crossed &= crossed - 1) {
+            const int t = __builtin_ctzll(crossed);
+            add(block.first[t], planes_.first_above(block.high[t], block.first[t]));
+        }
+        return block.crossed;
+    }
+
+    void add(PlaneIndex first, PlaneIndex last) {
+        ++counters_.first[first];
+        ++counters_.last[last];
+    }
+
+    const Reader& read_;
+    const ZScan& scan_;
+    const PlaneSet& planes_;
+    PartCounters counters_;
+    std::uint64_t degenerate_ = 0;
+    PlaneIndex hint_ = 0;
+};
 
 /// The order of three vertices by height, and whether it is an odd permutation of them: then the facet walks the long edge
 /// upwards. Indexed by (z1 < z0) + 2 (z2 < z1) + 4 (z2 < z0): comparisons without branches, since nothing predicts them.
@@ -128,14 +164,18 @@ void count_crossings(const MeshView& mesh, const Transform& transform, double un
     buckets.list_begin.resize_discarding(k + 1);
     buckets.segments.resize_discarding(k);
     std::vector<std::uint64_t> degenerate(parts.count);
+    const ZScan scan(mesh, transform, unit_mm, planes);
     with_reader(mesh, transform, unit_mm, [&](const auto& read) {
-        parallel.run(parts.count,
-                     [&](std::size_t part, int) { degenerate[part] = count_part(read, planes, parts, part, buckets); });
+        parallel.run(parts.count, [&](std::size_t part, int) {
+            PartCount counter(read, scan, planes, PartCounters(buckets, part, k));
+            for (std::size_t word = parts.begin_word(part); word < parts.begin_word(part + 1); ++word) {
+                const std::size_t begin = word * word_bits;
+                buckets.crossed_mask[word] = counter.count(begin, std::min(begin + word_bits, parts.triangles));
+            }
+            degenerate[part] = counter.degenerate();
+        });
     });
-    buckets.degenerate = 0;
-    for (const std::uint64_t count : degenerate) {
-        buckets.degenerate += count;
-    }
+    buckets.degenerate = std::accumulate(degenerate.begin(), degenerate.end(), std::uint64_t{0});
     prefix_sums(planes, parts, buckets);
 }
 

@@ -27,18 +27,22 @@ public:
     /// Takes memory for `slots` slots at once rather than by growing.
     void reserve(std::size_t slots);
 
-    /// The edge in `slot`; it leaves at plane `end`.
-    void put(Slot slot, const GridVertex& lower, const GridVertex& upper, PlaneIndex end) {
+    /// The edge in `slot` will leave at plane `end`; put() follows.
+    void note_end(Slot slot, PlaneIndex end) {
         if (slot >= endings_.size()) {
             reserve(slot + slot / 2 + 1024);
         }
+        endings_[slot].plane = end;
+    }
+
+    /// The edge in `slot`. Precondition: note_end().
+    void put(Slot slot, const GridVertex& lower, const GridVertex& upper) {
         const double rise = static_cast<double>(upper.z) - lower.z;
         x_[slot] = lower.x;
         y_[slot] = lower.y;
         z_[slot] = lower.z;
         slope_x_[slot] = (static_cast<double>(upper.x) - lower.x) / rise;
         slope_y_[slot] = (static_cast<double>(upper.y) - lower.y) / rise;
-        endings_[slot].plane = end;
         enlist(slot);
     }
 

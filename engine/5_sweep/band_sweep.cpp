@@ -140,45 +140,53 @@ void BandSweep::gather_active(PlaneIndex plane, std::span<const std::uint32_t> s
 }
 
 inline Slot BandSweep::edge_slot(const GridVertex& lower, const GridVertex& upper, PlaneIndex end) {
-    const auto [slot, fresh] = graph_.find_or_add(pack_edge(lower, upper));
-    if (fresh) {
-        edges_.put(slot, lower, upper, end);
-    }
+    const Slot slot = graph_.find_or_add(pack_edge(lower, upper));
+    edges_.note_end(slot, end);
     return slot;
+}
+
+/// Links a triangle's long edge with a short one: the long one is source or target as the triangle says, the short one the
+/// other.
+inline void BandSweep::link(const CrossedTriangle& t, std::uint32_t record, PortRef long_end, Slot short_edge) {
+    const bool from_long = t.long_edge_is_source();
+    const PortRef short_end =
+        graph_.attach(short_edge, from_long ? target_port : source_port, static_cast<std::uint32_t>(links_.size()));
+    // Selected rather than stored by index: an eight-byte copy of two four-byte stores stalls.
+    static_assert(target_port == 0 && source_port == 1);
+    links_.push_back({{from_long ? short_end : long_end, from_long ? long_end : short_end}});
+    link_records_.push_back(record);
 }
 
 inline void BandSweep::enter(std::uint32_t record, PlaneIndex plane) {
     const CrossedTriangle& t = buckets_->records[record];
-    const auto link = static_cast<std::uint32_t>(links_.size());
-    const PlaneIndex middle = t.middle_plane();
+    const bool above_middle = t.middle_plane() <= plane;
     const Slot long_edge = edge_slot(t.lower, t.upper, t.last);
-    const Slot short_edge = middle <= plane ? edge_slot(t.middle, t.upper, t.last) : edge_slot(t.lower, t.middle, middle);
-    const bool from_long = t.long_edge_is_source();
-    const PortRef long_port = graph_.attach(long_edge, from_long ? source_port : target_port, link);
-    const PortRef short_port = graph_.attach(short_edge, from_long ? target_port : source_port, link);
-    links_.push_back(from_long ? Link{long_port, short_port} : Link{short_port, long_port});
-    link_records_.push_back(record);
+    const Slot short_edge = edge_slot(above_middle ? t.middle : t.lower, above_middle ? t.upper : t.middle,
+                                      above_middle ? t.last : t.middle_plane());
+    const int long_port = t.long_edge_is_source() ? source_port : target_port;
+    link(t, record, graph_.attach(long_edge, long_port, static_cast<std::uint32_t>(links_.size())), short_edge);
 }
 
 inline void BandSweep::pass_middle(const Pending& pending) {
     const CrossedTriangle& t = buckets_->records[pending.record];
-    const auto link = static_cast<std::uint32_t>(links_.size());
-    const Slot short_edge = edge_slot(t.middle, t.upper, t.last);
-    const bool from_long = t.long_edge_is_source();
-    const PortRef short_port = graph_.attach(short_edge, from_long ? target_port : source_port, link);
-    links_.push_back(from_long ? Link{pending.long_edge, short_port} : Link{short_port, pending.long_edge});
-    link_records_.push_back(pending.record);
+    link(t, pending.record, pending.long_edge, edge_slot(t.middle, t.upper, t.last));
 }
 
 void BandSweep::link_events(PlaneIndex plane) {
     if (links_.empty()) {
         return;
     }
+    for (const Slot slot : graph_.end_attaching()) {
+        GridVertex lower;
+        GridVertex upper;
+        unpack_edge(graph_.key(slot), lower, upper);
+        edges_.put(slot, lower, upper);
+    }
     graph_.settle(
         links_, [this](Slot slot, std::span<MeetingEnd> ends) { sort_meeting(slot, ends); },
         [this](Slot to, Slot from) { edges_.copy(to, from); });
-    for (std::size_t i = 0; i < links_.size(); ++i) {
-        graph_.connect(links_[i]);
+    for (const Link& link : links_) {
+        graph_.connect(link);
     }
     for (std::size_t i = first_entering_; i < links_.size(); ++i) {
         const PlaneIndex middle = buckets_->records[link_records_[i]].middle_plane();
@@ -194,7 +202,7 @@ void BandSweep::expect_middle(std::uint32_t record, const Link& link) {
         return;  // no plane lies between the middle vertex and the upper one
     }
     std::uint32_t& head = pending_head_[t.middle_plane() - band_.first];
-    const Pending pending{record, t.long_edge_is_source() ? link.source : link.target, head};
+    const Pending pending{record, link.ends[t.long_edge_is_source() ? source_port : target_port], head};
     if (pending_free_ != no_link) {
         head = pending_free_;
         pending_free_ = pending_[head].next;

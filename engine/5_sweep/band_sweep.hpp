@@ -61,6 +61,7 @@ private:
     void gather_active(PlaneIndex plane, std::span<const std::uint32_t> seeds);
     void take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds);
     void enter(std::uint32_t record, PlaneIndex plane);
+    void link(const CrossedTriangle& t, std::uint32_t record, PortRef long_end, Slot short_edge);
     void pass_middle(const Pending& pending);
     void link_events(PlaneIndex plane);
     void sort_meeting(Slot slot, std::span<MeetingEnd> ends);

@@ -28,8 +28,9 @@ public:
             const Segment& segment = segments_[i];
             const PortRef source = attach(segment.from_key, segment.from, source_port, i);
             const PortRef target = attach(segment.to_key, segment.to, target_port, i);
-            links_.push_back({source, target});
+            links_.push_back({{target, source}});
         }
+        graph_.end_attaching();
         graph_.settle(
             links_, [this](Slot, std::span<MeetingEnd> ends) { sort_by_rank(ends); },
             [this](Slot to, Slot from) { put(to, Point(points_[from])); });
@@ -52,10 +53,8 @@ public:
 
 private:
     PortRef attach(const EndKey& key, Point point, int port, std::uint32_t link) {
-        const auto [slot, fresh] = graph_.find_or_add(key);
-        if (fresh) {
-            put(slot, point);
-        }
+        const Slot slot = graph_.find_or_add(key);
+        put(slot, point);
         return graph_.attach(slot, port, link);
     }
 

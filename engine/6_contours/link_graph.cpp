@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <type_traits>
 
 namespace lamella {
 
@@ -10,6 +11,9 @@ namespace {
 
 /// Room beyond the order's end that copy_run() may write and read.
 constexpr std::size_t run_padding = 16;
+
+/// With fewer slots than this for each change, runs are too short to copy and links are followed one by one.
+constexpr std::size_t slots_per_change = 8;
 
 /// Most runs are short, and a copy whose length the processor need not guess is the fastest: 64 bytes a step, overshooting.
 inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {
@@ -22,6 +26,8 @@ inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {
 
 LinkGraph::LinkGraph(std::pmr::memory_resource* memory)
     : nodes_(memory),
+      links_{std::pmr::vector<PortRef>(memory), std::pmr::vector<PortRef>(memory)},
+      flags_(memory),
       position_(memory),
       position_next_(memory),
       free_(memory),
@@ -34,15 +40,21 @@ LinkGraph::LinkGraph(std::pmr::memory_resource* memory)
       order_next_(memory),
       breaks_(memory),
       contours_(memory),
+      old_starts_(memory),
       leave_by_(memory) {
     clear();
 }
 
 void LinkGraph::clear() {
+    for (Slot slot = 0; slot < slot_end_; ++slot) {
+        nodes_[slot].owners[target_port] = no_link;
+        nodes_[slot].owners[source_port] = no_link;
+    }
     free_.clear();
     fresh_.clear();
     crowd_.clear();
     contours_.clear();
+    used_ = 0;
     slot_end_ = 0;
     live_ = 0;
     open_ = 0;
@@ -50,13 +62,16 @@ void LinkGraph::clear() {
     ordered_ = 0;
     order_.resize(std::max<std::size_t>(1, order_.size()));
     breaks_.assign(1, 0);
-    changed_ = false;
+    changes_ = 0;
     order_known_ = true;
 }
 
 void LinkGraph::reserve(std::size_t slots) {
     if (slots > nodes_.size()) {
         nodes_.resize(slots);
+        links_[target_port].resize(slots);
+        links_[source_port].resize(slots);
+        flags_.resize(slots);
         position_.resize(slots);
         position_next_.resize(slots);
     }
@@ -72,6 +87,30 @@ void LinkGraph::begin_events(std::size_t attachments) {
     table_mask_ = size - 1;
     table_shift_ = 64 - std::countr_zero(size);
     fresh_.clear();
+    used_ = 0;
+}
+
+std::span<const Slot> LinkGraph::end_attaching() {
+    const std::size_t recycled = std::min<std::size_t>(used_, free_.size());
+    fresh_.assign(free_.end() - static_cast<std::ptrdiff_t>(recycled), free_.end());
+    free_.resize(free_.size() - recycled);
+    for (; fresh_.size() < used_; ++slot_end_) {
+        fresh_.push_back(slot_end_);
+    }
+    used_ = 0;
+    for (const Slot slot : fresh_) {
+        make(slot);
+    }
+    return fresh_;
+}
+
+void LinkGraph::make(Slot slot) {
+    links_[target_port][slot] = no_link;
+    links_[source_port][slot] = no_link;
+    flags_[slot] = 0;
+    position_[slot] = no_position;
+    ++live_;
+    ++changes_;
 }
 
 // --- Meetings
@@ -80,11 +119,11 @@ void LinkGraph::begin_events(std::size_t attachments) {
 void LinkGraph::settle(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
                        FunctionRef<void(Slot, Slot)> copied) {
     for (const Crowded& c : crowd_) {
-        nodes_[c.slot].flags |= crowded;
+        flags_[c.slot] |= crowded;
     }
     for (const Slot slot : fresh_) {
         const bool one_sided = nodes_[slot].owners[0] == no_link || nodes_[slot].owners[1] == no_link;
-        if (one_sided && (nodes_[slot].flags & crowded) == 0) {
+        if (one_sided && (flags_[slot] & crowded) == 0) {
             note_open(slot);
         }
     }
@@ -94,7 +133,7 @@ void LinkGraph::settle(std::span<Link> links, FunctionRef<void(Slot, std::span<M
 }
 
 void LinkGraph::note_open(Slot slot) {
-    nodes_[slot].flags |= open_end;
+    flags_[slot] |= open_end;
     ++open_;
 }
 
@@ -128,7 +167,16 @@ void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Sl
             nodes_[slot].owners[1] = no_link;
             return slot;
         }
-        const Slot copy = add_slot(EndKey(nodes_[slot].key));
+        const Slot copy = spare();
+        reserve(copy + std::size_t{1});
+        nodes_[copy].key = nodes_[slot].key;
+        if (free_.empty()) {
+            ++slot_end_;
+        } else {
+            free_.pop_back();
+        }
+        fresh_.push_back(copy);
+        make(copy);
         copied(copy, slot);
         return copy;
     };
@@ -136,7 +184,7 @@ void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Sl
         const Slot at = next_slot();
         seat(at, target_port, meeting_[in], links);
         seat(at, source_port, meeting_[out], links);
-        mixed_ += (nodes_[at].flags & mixed) != 0 ? 1 : 0;
+        mixed_ += (flags_[at] & mixed) != 0 ? 1 : 0;
     }
     if (pairing_.odd_one() >= 0) {
         const MeetingEnd& odd = meeting_[static_cast<std::size_t>(pairing_.odd_one())];
@@ -149,11 +197,11 @@ void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Sl
 void LinkGraph::seat(Slot slot, int port, const MeetingEnd& end, std::span<Link> links) {
     const PortRef ref = 2 * slot + static_cast<unsigned>(port);
     nodes_[slot].owners[port] = end.link;
-    (end.is_source ? links[end.link].source : links[end.link].target) = ref;
+    links[end.link].ends[end.is_source ? source_port : target_port] = ref;
     if (end.is_source && port == target_port) {
-        nodes_[slot].flags |= mixed_target_is_source;
+        flags_[slot] |= mixed_target_is_source;
     } else if (!end.is_source && port == source_port) {
-        nodes_[slot].flags |= mixed_source_is_target;
+        flags_[slot] |= mixed_source_is_target;
     }
 }
 
@@ -168,7 +216,7 @@ void LinkGraph::seat(Slot slot, int port, const MeetingEnd& end, std::span<Link>
 // A link that changed has its source's position marked, so that no run is ever entered but at its first slot.
 
 void LinkGraph::walk() {
-    if (!changed_) {
+    if (changes_ == 0) {
         return;
     }
     begin_order();
@@ -178,16 +226,16 @@ void LinkGraph::walk() {
         order_known_ = false;
         return;
     }
-    if (!order_known_) {
-        std::fill_n(position_.begin(), slot_end_, no_position);
-    }
+    chase_ = !order_known_ || changes_ * slots_per_change > live_;
     if (open_ > 0) {
         walk_sources();
     }
-    if (order_known_) {
+    if (chase_) {
+        walk_old_starts();
+    } else {
         walk_old_runs();
     }
-    walk_new_slots();
+    walk_rest();
     assert(filled_ == live_ && "every slot is walked once");
     finish_order();
     order_known_ = true;
@@ -198,6 +246,10 @@ void LinkGraph::begin_order() {
         order_next_.resize(std::max(live_ + live_ / 32 + 1 + run_padding, order_next_.size()));
     }
     filled_ = 0;
+    old_starts_.clear();
+    for (const WalkedContour& contour : contours_) {
+        old_starts_.push_back(contour.begin + 1);
+    }
     contours_.clear();
 }
 
@@ -209,7 +261,7 @@ void LinkGraph::finish_order() {
     for (const WalkedContour& contour : contours_) {
         break_after(contour.begin + contour.count);
     }
-    changed_ = false;
+    changes_ = 0;
 }
 
 std::uint32_t LinkGraph::next_break(std::uint32_t position) const noexcept {
@@ -229,9 +281,8 @@ bool LinkGraph::walked(Slot slot) const noexcept {
 
 void LinkGraph::walk_sources() {
     for (Slot slot = 0; slot < slot_end_; ++slot) {
-        if (nodes_[slot].links[target_port] == no_link) {
-            const std::uint32_t begin = filled_;
-            add_contour(begin, follow(slot), false);
+        if (links_[target_port][slot] == no_link) {
+            walk_from(slot);
         }
     }
 }
@@ -240,32 +291,42 @@ void LinkGraph::walk_old_runs() {
     for (std::uint32_t position = 1; position <= ordered_; position = next_break(position) + 1) {
         const Slot slot = order_[position];
         if (position_[slot] == position && !walked(slot)) {
-            const std::uint32_t begin = filled_;
-            add_contour(begin, follow(slot), false);
+            walk_from(slot);
         }
     }
 }
 
-void LinkGraph::walk_new_slots() {
-    const auto walk_from = [this](Slot slot) {
+void LinkGraph::walk_old_starts() {
+    for (const std::uint32_t position : old_starts_) {
+        const Slot slot = order_[position];
         if (!is_free(slot) && !walked(slot)) {
-            const std::uint32_t begin = filled_;
-            add_contour(begin, follow(slot), false);
-        }
-    };
-    if (order_known_) {
-        for (const Slot slot : fresh_) {
-            walk_from(slot);
-        }
-    } else {
-        for (Slot slot = 0; slot < slot_end_; ++slot) {
             walk_from(slot);
         }
     }
 }
 
-/// Appends the contour from `start` on; true if it closed.
-bool LinkGraph::follow(Slot start) {
+/// What began at this plane, and after a walk along links what split off.
+void LinkGraph::walk_rest() {
+    for (std::size_t i = 0; filled_ < live_ && i < fresh_.size(); ++i) {
+        if (!is_free(fresh_[i]) && !walked(fresh_[i])) {
+            walk_from(fresh_[i]);
+        }
+    }
+    for (Slot slot = 0; filled_ < live_ && slot < slot_end_; ++slot) {
+        if (!is_free(slot) && !walked(slot)) {
+            walk_from(slot);
+        }
+    }
+}
+
+void LinkGraph::walk_from(Slot start) {
+    const std::uint32_t begin = filled_;
+    const bool closed = chase_ ? follow_links(start) : follow_runs(start);
+    add_contour(begin, closed, false);
+}
+
+/// Appends the contour from `start` on, run by run; true if it closed.
+bool LinkGraph::follow_runs(Slot start) {
     Slot* const out = order_next_.data() + 1;
     std::uint32_t* const position_next = position_next_.data();
     std::uint32_t filled = filled_;
@@ -286,13 +347,30 @@ bool LinkGraph::follow(Slot start) {
             filled += length;
             last = run[length - 1];
         }
-        const PortRef next = nodes_[last].links[source_port];
+        const PortRef next = links_[source_port][last];
         slot = next >> 1;
         if (next == no_link || slot == start) {
             filled_ = filled;
             return next != no_link;
         }
     }
+}
+
+/// The same link by link: where runs are a few slots long this is the faster.
+bool LinkGraph::follow_links(Slot start) {
+    Slot* const out = order_next_.data() + 1;
+    std::uint32_t* const position_next = position_next_.data();
+    const PortRef* const next_of = links_[source_port].data();
+    std::uint32_t filled = filled_;
+    PortRef next = 2 * start;
+    do {
+        const Slot slot = next >> 1;
+        out[filled] = slot;
+        position_next[slot] = ++filled;
+        next = next_of[slot];
+    } while (next != no_link && (next >> 1) != start);
+    filled_ = filled;
+    return next != no_link;
 }
 
 void LinkGraph::add_contour(std::uint32_t begin, bool closed, bool is_mixed) {
@@ -304,12 +382,12 @@ void LinkGraph::add_contour(std::uint32_t begin, bool closed, bool is_mixed) {
 
 void LinkGraph::walk_any_sense() {
     leave_by_.resize(order_next_.size());
-    const auto walk_from = [this](Slot slot, int leave_by, bool closed) {
+    const auto walk_along = [this](Slot slot, int leave_by, bool closed) {
         const std::uint32_t begin = filled_;
         follow_any_sense(slot, leave_by, closed);
         bool is_mixed = false;
         for (std::uint32_t i = begin; i < filled_; ++i) {
-            is_mixed = is_mixed || (nodes_[order_next_[i + 1]].flags & mixed) != 0;
+            is_mixed = is_mixed || (flags_[order_next_[i + 1]] & mixed) != 0;
         }
         if (runs_backwards(begin, closed)) {
             std::reverse(order_next_.begin() + 1 + begin, order_next_.begin() + 1 + filled_);
@@ -320,13 +398,13 @@ void LinkGraph::walk_any_sense() {
         add_contour(begin, closed, is_mixed);
     };
     for (Slot slot = 0; slot < slot_end_ && open_ > 0; ++slot) {
-        if (!is_free(slot) && (nodes_[slot].flags & open_end) != 0 && !walked(slot)) {
-            walk_from(slot, nodes_[slot].links[target_port] == no_link ? source_port : target_port, false);
+        if (!is_free(slot) && (flags_[slot] & open_end) != 0 && !walked(slot)) {
+            walk_along(slot, links_[target_port][slot] == no_link ? source_port : target_port, false);
         }
     }
     for (Slot slot = 0; slot < slot_end_; ++slot) {
         if (!is_free(slot) && !walked(slot)) {
-            walk_from(slot, source_port, true);
+            walk_along(slot, source_port, true);
         }
     }
     assert(filled_ == live_ && "every slot is walked once");
@@ -338,7 +416,7 @@ void LinkGraph::follow_any_sense(Slot start, int leave_by, bool closed) {
         order_next_[filled_ + 1] = slot;
         leave_by_[filled_] = static_cast<std::uint8_t>(leave_by);
         position_next_[slot] = ++filled_;
-        const PortRef next = nodes_[slot].links[leave_by];
+        const PortRef next = links_[leave_by][slot];
         if (next == no_link || (closed && (next >> 1) == start)) {
             return;
         }
@@ -356,7 +434,7 @@ bool LinkGraph::runs_backwards(std::uint32_t begin, bool closed) const {
     std::uint32_t forwards = 0;
     for (std::uint32_t i = 0; i < segments; ++i) {
         const unsigned flag = leave_by_[begin + i] == source_port ? mixed_source_is_target : mixed_target_is_source;
-        forwards += ((nodes_[slots[i]].flags & flag) == 0) == (leave_by_[begin + i] == source_port) ? 1 : 0;
+        forwards += ((flags_[slots[i]] & flag) == 0) == (leave_by_[begin + i] == source_port) ? 1 : 0;
     }
     if (2 * forwards != segments) {
         return 2 * forwards < segments;
@@ -394,22 +472,26 @@ bool LinkGraph::runs_backwards(std::uint32_t begin, bool closed) const {
 // ---------------------------------------------------------------------------------------------------------------
 
 bool LinkGraph::compact(FunctionRef<void(std::span<const Slot>)> moved) {
-    assert(!changed_);
+    assert(changes_ == 0);
     if (slot_end_ < 256 || 2 * live_ >= slot_end_) {
         return false;
     }
     const auto moved_ref = [this](PortRef ref) {
         return ref == no_link ? no_link : 2 * (position_[ref >> 1] - 1) + (ref & 1);
     };
-    std::pmr::vector<Node> nodes(nodes_.size(), nodes_.get_allocator());
-    for (Slot slot = 0; slot < ordered_; ++slot) {
-        nodes[slot] = nodes_[order_[slot + 1]];
-        for (PortRef& ref : nodes[slot].links) {
-            ref = moved_ref(ref);
-        }
+    const std::span<const Slot> new_to_old = order();
+    const auto move = [new_to_old](auto& array) {
+        std::remove_reference_t<decltype(array)> to(array.size(), array.get_allocator());
+        std::transform(new_to_old.begin(), new_to_old.end(), to.begin(), [&array](Slot old) { return array[old]; });
+        array.swap(to);
+    };
+    move(nodes_);
+    move(flags_);
+    for (auto& links : links_) {
+        move(links);
+        std::transform(links.begin(), links.begin() + ordered_, links.begin(), moved_ref);
     }
-    moved(order());
-    nodes_.swap(nodes);
+    moved(new_to_old);
     for (Slot slot = 0; slot < ordered_; ++slot) {
         order_[slot + 1] = slot;
         position_[slot] = slot + 1;

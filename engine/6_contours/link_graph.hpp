@@ -33,10 +33,9 @@ inline constexpr std::uint32_t no_link = 0xFFFFFFFFU;
 inline constexpr int target_port = 0;
 inline constexpr int source_port = 1;
 
-/// A segment that is being linked: where it leaves and where it enters.
+/// A segment that is being linked: ends[target_port] is where it enters, ends[source_port] where it leaves.
 struct Link {
-    PortRef source;
-    PortRef target;
+    PortRef ends[2];
 };
 
 /// A contour of the current plane: a run of LinkGraph::order().
@@ -62,12 +61,8 @@ public:
     /// Opens a new epoch of the map, sized for at most `attachments` ends.
     void begin_events(std::size_t attachments);
 
-    struct Found {
-        Slot slot;
-        bool fresh;  ///< made just now: the caller fills in its geometry
-    };
     /// The slot of `key`, made if need be.
-    Found find_or_add(const EndKey& key);
+    Slot find_or_add(const EndKey& key);
 
     /// Attaches an end of link `link` to `slot`. Returns the port's reference, which settle() may change where more than two
     /// meet.
@@ -81,18 +76,23 @@ public:
         return 2 * slot + static_cast<unsigned>(port);
     }
 
-    /// Pairs what meets at every slot made since begin_events(). Where more than two ends meet, or two of the same sense,
-    /// `order` sorts the ends counter-clockwise round the edge; further slots are made, `copied(to, from)` being called for
-    /// each; and `links` is corrected.
+    /// All ends are attached. Returns the slots made since begin_events().
+    std::span<const Slot> end_attaching();
+
+    /// Pairs what meets at the slots made. Where more than two ends meet, or two of the same sense, `order` sorts them
+    /// counter-clockwise round the edge; further slots are made, `copied(to, from)` being called for each; and `links` is
+    /// corrected.
     void settle(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
                 FunctionRef<void(Slot, Slot)> copied);
 
     /// Joins the two ports of `link`; the walk is patched at its source.
     void connect(const Link& link) {
-        port_of(link.source) = link.target;
-        port_of(link.target) = link.source;
-        break_after(position_[link.source >> 1]);
-        changed_ = true;
+        const PortRef source = link.ends[source_port];
+        const PortRef target = link.ends[target_port];
+        link_at(source) = target;
+        link_at(target) = source;
+        break_after(position_[source >> 1]);
+        ++changes_;
     }
 
     /// The edge of `slot` ends below the plane.
@@ -110,7 +110,7 @@ public:
     /// Slots in use are below this; some below it are free.
     Slot slot_end() const noexcept { return slot_end_; }
     std::size_t live() const noexcept { return live_; }
-    bool is_free(Slot slot) const noexcept { return nodes_[slot].links[0] == freed; }
+    bool is_free(Slot slot) const noexcept { return links_[target_port][slot] == freed; }
 
     /// Renumbers the slots 0, 1, 2, ... in walking order when fewer than half are in use, so that a plane costs what is
     /// active now. Calls moved(new_to_old) once if it did. Precondition: walk() has been called since the last change.
@@ -128,12 +128,10 @@ private:
         crowded = 8,  // more than two ends meet, or two of one sense
     };
 
-    /// What is written of a slot when its edge starts, side by side.
+    /// An edge as the map compares it, and what attaches to it while it is new.
     struct Node {
         EndKey key;
-        PortRef links[2];         // what each port is linked to
-        std::uint32_t owners[2];  // the link on each port, while the slot is new
-        std::uint8_t flags;
+        std::uint32_t owners[2] = {no_link, no_link};  // the link on each port
     };
 
     struct Entry {
@@ -141,14 +139,19 @@ private:
         Slot slot;
     };
 
-    Slot add_slot(const EndKey& key);
+    /// The slot that the next new edge will take: the last freed, else one never used.
+    Slot spare() const noexcept {
+        return used_ < free_.size() ? free_[free_.size() - 1 - used_]
+                                    : slot_end_ + (used_ - static_cast<Slot>(free_.size()));
+    }
+    void make(Slot slot);
     void settle_crowded(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
                         FunctionRef<void(Slot, Slot)> copied);
     void settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Slot, Slot)> copied);
     void seat(Slot slot, int port, const MeetingEnd& end, std::span<Link> links);
     void note_open(Slot slot);
 
-    PortRef& port_of(PortRef ref) noexcept { return nodes_[ref >> 1].links[ref & 1]; }
+    PortRef& link_at(PortRef ref) noexcept { return links_[ref & 1][ref >> 1]; }
 
     void break_after(std::uint32_t position) noexcept { breaks_[position >> 6] |= std::uint64_t{1} << (position & 63); }
     std::uint32_t next_break(std::uint32_t position) const noexcept;
@@ -157,8 +160,11 @@ private:
     void finish_order();
     void walk_sources();
     void walk_old_runs();
-    void walk_new_slots();
-    bool follow(Slot start);
+    void walk_old_starts();
+    void walk_from(Slot start);
+    bool follow_runs(Slot start);
+    bool follow_links(Slot start);
+    void walk_rest();
     void add_contour(std::uint32_t begin, bool closed, bool is_mixed);
 
     void walk_any_sense();
@@ -167,10 +173,13 @@ private:
 
     // slots
     std::pmr::vector<Node> nodes_;
+    std::pmr::vector<PortRef> links_[2];  // by port: what it is linked to
+    std::pmr::vector<std::uint8_t> flags_;
     std::pmr::vector<std::uint32_t> position_;  // in order_, from 1
     std::pmr::vector<std::uint32_t> position_next_;
     std::pmr::vector<Slot> free_;
-    std::pmr::vector<Slot> fresh_;  // made since begin_events()
+    Slot used_ = 0;                 // slots made since begin_events(), from the end of free_ on
+    std::pmr::vector<Slot> fresh_;  // they, after end_attaching()
     Slot slot_end_ = 0;
     std::size_t live_ = 0;
     std::size_t open_ = 0;   // slots with an open end
@@ -197,54 +206,46 @@ private:
     std::pmr::vector<Slot> order_next_;
     std::pmr::vector<std::uint64_t> breaks_;  // bit p: the walk does not go on from position p to p + 1
     std::pmr::vector<WalkedContour> contours_;
-    std::pmr::vector<std::uint8_t> leave_by_;  // of a walk in any sense: the port by which each slot was left
+    std::pmr::vector<std::uint32_t> old_starts_;  // positions at which the last plane's contours began
+    std::pmr::vector<std::uint8_t> leave_by_;     // of a walk in any sense: the port by which each slot was left
     std::uint32_t ordered_ = 0;
     std::uint32_t filled_ = 0;  // of order_next_
-    bool changed_ = false;
-    bool order_known_ = true;  // order_ can be patched
+    std::size_t changes_ = 0;   // links written and slots freed since the last walk
+    bool chase_ = false;        // this walk follows links rather than runs
+    bool order_known_ = true;   // order_ can be patched
 };
 
-inline LinkGraph::Found LinkGraph::find_or_add(const EndKey& key) {
+/// Nothing predicts whether an edge is met for the first or the second time, so no branch asks: the key is written to the
+/// spare slot, which is compared with itself if the edge is new, and is taken by adding 0 or 1.
+inline Slot LinkGraph::find_or_add(const EndKey& key) {
+    const Slot new_slot = spare();
+    if (new_slot >= nodes_.size()) {
+        reserve(new_slot + new_slot / 2 + 1024);
+    }
+    nodes_[new_slot].key = key;
     for (std::size_t i = hash_key(key) >> table_shift_;; i = (i + 1) & table_mask_) {
-        Entry& entry = table_[i];
-        if (entry.epoch != epoch_) {
-            entry = {epoch_, add_slot(key)};
-            return {entry.slot, true};
-        }
-        if (nodes_[entry.slot].key == key) {
-            return {entry.slot, false};
+        const Entry entry = table_[i];
+        const bool is_new = entry.epoch != epoch_;
+        const Slot slot = is_new ? new_slot : entry.slot;
+        if (nodes_[slot].key == key) {
+            table_[i] = {epoch_, slot};
+            used_ += is_new ? 1 : 0;
+            return slot;
         }
     }
-}
-
-inline Slot LinkGraph::add_slot(const EndKey& key) {
-    Slot slot;
-    if (!free_.empty()) {
-        slot = free_.back();
-        free_.pop_back();
-    } else {
-        if (slot_end_ == nodes_.size()) {
-            reserve(nodes_.size() + nodes_.size() / 2 + 1024);
-        }
-        slot = slot_end_++;
-    }
-    nodes_[slot] = {key, {no_link, no_link}, {no_link, no_link}, 0};
-    position_[slot] = no_position;
-    fresh_.push_back(slot);
-    ++live_;
-    changed_ = true;
-    return slot;
 }
 
 inline void LinkGraph::release(Slot slot) {
     break_after(position_[slot]);
     position_[slot] = no_position;
-    open_ -= (nodes_[slot].flags & open_end) != 0 ? 1 : 0;
-    mixed_ -= (nodes_[slot].flags & mixed) != 0 ? 1 : 0;
-    nodes_[slot].links[0] = freed;
+    open_ -= (flags_[slot] & open_end) != 0 ? 1 : 0;
+    mixed_ -= (flags_[slot] & mixed) != 0 ? 1 : 0;
+    links_[target_port][slot] = freed;
+    nodes_[slot].owners[target_port] = no_link;
+    nodes_[slot].owners[source_port] = no_link;
     free_.push_back(slot);
     --live_;
-    changed_ = true;
+    ++changes_;
 }
 
 }  // namespace lamella

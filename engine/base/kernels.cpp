@@ -113,21 +113,18 @@ bool fits_halves(const RingFacts& facts) {
            std::int64_t{facts.box_max.y} - facts.box_min.y <= INT32_MAX;
 }
 
-/// Folds what the lanes of the vectors hold into `facts`.
-template <std::size_t Lanes>
-void finish_facts(RingFacts& facts, const Point* lows, const Point* highs, const std::uint64_t* low_sums,
-                  const std::uint64_t* high_sums) {
-    std::uint64_t low = 0;
-    std::uint64_t high = 0;
-    facts.box_min = lows[0];
-    facts.box_max = highs[0];
-    for (std::size_t i = 0; i < Lanes; ++i) {
-        facts.box_min = {std::min(facts.box_min.x, lows[i].x), std::min(facts.box_min.y, lows[i].y)};
-        facts.box_max = {std::max(facts.box_max.x, highs[i].x), std::max(facts.box_max.y, highs[i].y)};
-        low += low_sums[i];
-        high += high_sums[i];
-    }
-    facts.twice_area = (Int128{static_cast<std::int64_t>(high)} << 32) + Int128{low};
+/// Folds four lanes of lowest and highest points and of sums into `facts`.
+LAMELLA_AVX2 void finish_facts(RingFacts& facts, __m256i low, __m256i high, __m256i low_sum, __m256i high_sum) {
+    const auto point = [](__m128i lane) { return std::bit_cast<Point>(_mm_cvtsi128_si64(lane)); };
+    const __m128i low2 = _mm_min_epi32(_mm256_castsi256_si128(low), _mm256_extracti128_si256(low, 1));
+    const __m128i high2 = _mm_max_epi32(_mm256_castsi256_si128(high), _mm256_extracti128_si256(high, 1));
+    facts.box_min = point(_mm_min_epi32(low2, _mm_unpackhi_epi64(low2, low2)));
+    facts.box_max = point(_mm_max_epi32(high2, _mm_unpackhi_epi64(high2, high2)));
+    const __m128i low_sum2 = _mm_add_epi64(_mm256_castsi256_si128(low_sum), _mm256_extracti128_si256(low_sum, 1));
+    const __m128i high_sum2 = _mm_add_epi64(_mm256_castsi256_si128(high_sum), _mm256_extracti128_si256(high_sum, 1));
+    const std::int64_t low_half = _mm_cvtsi128_si64(_mm_add_epi64(low_sum2, _mm_unpackhi_epi64(low_sum2, low_sum2)));
+    const std::int64_t high_half = _mm_cvtsi128_si64(_mm_add_epi64(high_sum2, _mm_unpackhi_epi64(high_sum2, high_sum2)));
+    facts.twice_area = (Int128{high_half} << 32) + Int128{static_cast<std::uint64_t>(low_half)};
 }
 
 /// Four points a step; x lies in the low half of each 64-bit lane and y in the high one. Products are summed by halves, each
@@ -157,17 +154,9 @@ LAMELLA_AVX2 RingFacts examine_avx2(const Point* ring, std::size_t count) {
         low_sum = _mm256_add_epi64(low_sum, _mm256_and_si256(product, low_half));
         high_sum = _mm256_add_epi64(high_sum, _mm256_srli_epi64(product, 32));
     }
-    Point lows[4];
-    Point highs[4];
-    std::uint64_t low_sums[4];
-    std::uint64_t high_sums[4];
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(lows), low);
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(highs), high);
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(low_sums), low_sum);
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(high_sums), high_sum);
     RingFacts facts{};
     facts.has_repeats = _mm256_testz_si256(repeats, repeats) == 0;
-    finish_facts<4>(facts, lows, highs, low_sums, high_sums);
+    finish_facts(facts, low, high, low_sum, high_sum);
     facts.twice_area -= Int128{whole} << 63;
     add_tail(facts, ring, whole, count);
     return fits_halves(facts) ? facts : examine_portable(ring, count);
@@ -209,6 +198,13 @@ LAMELLA_AVX512 void pierce_avx512(const EdgeArrays& edges, std::int32_t z, std::
     }
 }
 
+LAMELLA_AVX512 __m256i lower_half(__m512i v) {
+    return _mm512_maskz_extracti64x4_epi64(0xF, v, 0);
+}
+LAMELLA_AVX512 __m256i upper_half(__m512i v) {
+    return _mm512_maskz_extracti64x4_epi64(0xF, v, 1);
+}
+
 /// As examine_avx2, with signed shifts; the last vector is masked to the points that there are.
 LAMELLA_AVX512 RingFacts examine_avx512(const Point* ring, std::size_t count) {
     const __m512i first = _mm512_set1_epi64(static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(ring[0])));
@@ -232,17 +228,12 @@ LAMELLA_AVX512 RingFacts examine_avx512(const Point* ring, std::size_t count) {
         low_sum = _mm512_add_epi64(low_sum, _mm512_and_si512(product, low_half));
         high_sum = _mm512_add_epi64(high_sum, _mm512_maskz_srai_epi64(0xFF, product, 32));
     }
-    Point lows[8];
-    Point highs[8];
-    std::uint64_t low_sums[8];
-    std::uint64_t high_sums[8];
-    _mm512_storeu_si512(lows, low);
-    _mm512_storeu_si512(highs, high);
-    _mm512_storeu_si512(low_sums, low_sum);
-    _mm512_storeu_si512(high_sums, high_sum);
     RingFacts facts{};
     facts.has_repeats = repeats != 0;
-    finish_facts<8>(facts, lows, highs, low_sums, high_sums);
+    finish_facts(facts, _mm256_min_epi32(lower_half(low), upper_half(low)),
+                 _mm256_max_epi32(lower_half(high), upper_half(high)),
+                 _mm256_add_epi64(lower_half(low_sum), upper_half(low_sum)),
+                 _mm256_add_epi64(lower_half(high_sum), upper_half(high_sum)));
     return fits_halves(facts) ? facts : examine_portable(ring, count);
 }
 

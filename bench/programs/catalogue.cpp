@@ -1,0 +1,174 @@
+#include "catalogue.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lamella::bench {
+
+namespace {
+
+constexpr double layer_mm = 0.032;
+constexpr std::uint64_t few_planes_segments = 5'000'000;
+constexpr double few_planes_height_mm = 10;
+constexpr double segments_per_triangle = 5;  // of the linear series, and of weak scaling
+
+using PlanOf = std::function<LayerPlan(const Mesh&)>;
+
+PlanOf uniform(double height_mm) {
+    return [=](const Mesh&) { return LayerPlan{UniformLayers{.layer_height_mm = height_mm}}; };
+}
+
+/// As many planes as uniform(layer_mm), on average.
+PlanOf irregular() {
+    return [](const Mesh&) { return LayerPlan{RandomLayers{layer_mm / 2, layer_mm * 3 / 2, 1}}; };
+}
+
+/// `count` planes, evenly between the lowest and the highest vertex.
+PlanOf few(int count) {
+    return [=](const Mesh& mesh) {
+        ExplicitPlanes planes;
+        for (int i = 0; i < count; ++i) {
+            planes.heights_mm.push_back(mesh.low_mm + (mesh.high_mm - mesh.low_mm) * (i + 0.5) / count);
+        }
+        return LayerPlan{planes};
+    };
+}
+
+/// Layers as high as give `segments_per_triangle`.
+PlanOf constant_ratio() {
+    return [](const Mesh& mesh) {
+        const double crossings = segments_per_triangle * static_cast<double>(mesh.triangles());
+        return LayerPlan{UniformLayers{.layer_height_mm = mesh.rise_mm / crossings}};
+    };
+}
+
+class CatalogueMaker {
+public:
+    explicit CatalogueMaker(const Options& options) : options_(options) {}
+
+    std::vector<Case> make() {
+        add_real("liver", KnownAnswer{6'242, 2'342'005, 15'790, 0});
+        add_real("femur", KnownAnswer{3'155, 1'180'826, 3'338, 0});
+        add_real("brain", {});
+        add_real("hip_femur", {});
+        add_bones();
+        add_few_planes();
+        add_linear();
+        add_weak();
+        return std::move(cases_);
+    }
+
+private:
+    std::uint64_t scaled(std::uint64_t count) const { return options_.quick ? count / 100 : count; }
+
+    Case& add(const std::string& name, const std::string& mesh_name, std::function<Result<Mesh>()> mesh, PlanOf plan,
+              const Measured& measured) {
+        return cases_.emplace_back(Case{name, std::move(mesh), mesh_name, std::move(plan), measured});
+    }
+
+    std::function<Result<Mesh>()> made(const models::Recipe& recipe) const {
+        return [recipe, cache = options_.cache]() -> Result<Mesh> {
+            const Result<std::filesystem::path> file = cached_mesh(recipe, cache);
+            return file ? load_mesh(*file) : Result<Mesh>(file.error());
+        };
+    }
+
+    /// Real meshes, or where they are absent a bone of about as many triangles under a name that says so.
+    void add_real(const std::string& name, const std::optional<KnownAnswer>& known) {
+        const std::filesystem::path file = options_.shared / (name + ".stl");
+        const bool paper = known.has_value();
+        const bool present = !options_.shared.empty() && std::filesystem::exists(file);
+        const Measured all{.stages = paper, .assembled = true, .cold = true, .from_file = true};
+        if (present) {
+            const auto load = [file] { return load_mesh(file); };
+            add(name, name, load, uniform(layer_mm), all).known = known;
+            add(name + "_irregular", name, load, irregular(), {});
+        } else if (paper) {
+            const auto make = made({.shape = models::Shape::bone, .triangles = 40'000});
+            add("instead_of_" + name, "instead_of_real", make, uniform(layer_mm), all);
+        }
+    }
+
+    /// A bone of the stated size; scaled down it has the crossings that it has.
+    models::Recipe bone(std::uint64_t triangles, double height_mm, std::uint64_t segments) const {
+        models::Recipe recipe{.shape = models::Shape::bone, .triangles = scaled(triangles), .height_mm = height_mm};
+        if (!options_.quick) {
+            recipe.segments = segments;
+            recipe.layer_height_mm = layer_mm;
+        }
+        return recipe;
+    }
+
+    Case& add_bone(const std::string& name, const models::Recipe& recipe, const Measured& measured) {
+        Case& added = add(name, name, made(recipe), uniform(layer_mm), measured);
+        added.triangles = recipe.triangles;
+        added.segments = recipe.segments.value_or(0);
+        return added;
+    }
+
+    void add_bones() {
+        models::Recipe scan = bone(3'400'000, 150, 18'000'000);
+        add_bone("scan", scan, {.stages = true, .assembled = true, .cold = true, .from_file = true});
+        add("scan_irregular", "scan", made(scan), irregular(), {});
+        scan.order = models::Order::random;
+        add_bone("scan_shuffled", scan, {.stages = true});
+        add_bone("figure", bone(8'800'000, 10, 1'100'000), {.stages = true, .cold = true, .from_file = true});
+        add_bone("skull", bone(16'700'000, 150, 70'000'000), {.stages = true, .cold = true, .from_file = true});
+    }
+
+    /// 5 M segments in one, two and four planes: as one contour a plane, and as many small ones.
+    void add_few_planes() {
+        constexpr std::uint32_t sides = 64;
+        const std::uint64_t all = scaled(few_planes_segments);
+        for (const int planes : {1, 2, 4}) {
+            const std::uint64_t facets = all / static_cast<std::uint64_t>(planes);
+            const auto count = static_cast<std::uint32_t>(facets / (2 * sides));
+            const std::string suffix = "_planes" + std::to_string(planes);
+            add("columns" + suffix, "columns" + suffix,
+                [=] { return Result<Mesh>(make_columns(count, sides, few_planes_height_mm)); }, few(planes), {})
+                .segments = all;
+            const models::Recipe prism{.shape = models::Shape::prism,
+                                       .triangles = facets * 2,
+                                       .height_mm = few_planes_height_mm,
+                                       .segments = all,
+                                       .layer_height_mm = few_planes_height_mm / planes};
+            add("prism" + suffix, "prism" + suffix, made(prism), few(planes), {}).segments = all;
+        }
+    }
+
+    void add_constant_ratio(const std::string& name, std::uint64_t triangles, const Measured& measured) {
+        const models::Recipe recipe{.shape = models::Shape::torus, .triangles = triangles / 2 * 2};
+        Case& added = add(name, name, made(recipe), constant_ratio(), measured);
+        added.triangles = recipe.triangles;
+        added.segments = static_cast<std::uint64_t>(segments_per_triangle * static_cast<double>(triangles));
+    }
+
+    /// 10^4 to 10^7 triangles by half decades.
+    void add_linear() {
+        for (int half_decade = 8; half_decade <= 14; ++half_decade) {
+            const auto triangles = static_cast<std::uint64_t>(std::llround(std::pow(10.0, half_decade / 2.0)));
+            add_constant_ratio("linear_" + std::to_string(triangles), std::max<std::uint64_t>(scaled(triangles), 1'000), {});
+        }
+    }
+
+    /// As much work for each thread.
+    void add_weak() {
+        for (const int threads : thread_counts(options_)) {
+            add_constant_ratio("weak_" + std::to_string(threads),
+                               std::min(scaled(1'000'000) * static_cast<std::uint64_t>(threads), models::most_triangles),
+                               {.single_use = true, .threads = threads});
+        }
+    }
+
+    Options options_;
+    std::vector<Case> cases_;
+};
+
+}  // namespace
+
+std::vector<Case> make_catalogue(const Options& options) {
+    return CatalogueMaker(options).make();
+}
+
+}  // namespace lamella::bench

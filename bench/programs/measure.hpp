@@ -1,0 +1,71 @@
+// How everything is timed, and what is counted.
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "options.hpp"
+#include "prepared.hpp"
+
+namespace lamella::bench {
+
+/// Times work() alone; setup() is run before each. Returns the mean, in seconds.
+template <class Setup, class Work>
+double measure(benchmark::State& state, Setup&& setup, Work&& work) {
+    using Clock = std::chrono::steady_clock;
+    double all = 0;
+    for (auto _ : state) {
+        setup();
+        const auto start = Clock::now();
+        work();
+        const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+        state.SetIterationTime(seconds);
+        all += seconds;
+    }
+    return all / static_cast<double>(std::max<benchmark::IterationCount>(1, state.iterations()));
+}
+
+template <class Work>
+double measure(benchmark::State& state, Work&& work) {
+    return measure(
+        state, [] {}, work);
+}
+
+/// What one iteration handles; zeros are not reported.
+struct Handled {
+    std::uint64_t segments = 0;
+    std::uint64_t triangles = 0;
+    std::uint64_t contours = 0;
+    std::uint64_t planes = 0;
+    std::uint64_t bytes = 0;  ///< that must be read or written once: the floor
+};
+
+void count(benchmark::State& state, const Handled& handled, double seconds, int threads);
+
+/// Registers `name`; `run` is called with the prepared case, or the benchmark reports why there is none.
+void add_case_benchmark(const std::string& name, const Options& options, const Case& wanted,
+                        std::function<void(benchmark::State&, Prepared&)> run);
+/// The same without a case.
+void add_benchmark(const std::string& name, const Options& options, std::function<void(benchmark::State&)> run);
+
+/// "what/case/variant/threads:N"
+std::string benchmark_name(const std::string& what, const std::string& case_name, const std::string& variant, int threads);
+
+const char* name_of(ContourForm form);
+
+/// One function per file of benchmarks.
+void add_end_to_end(const Options& options, const Case& wanted);
+void add_stages(const Options& options, const Case& wanted);
+void add_contours(const Options& options, const Case& wanted);
+void add_copies(const Options& options);
+void add_nesting_series(const Options& options);
+
+/// Machine, compiler, flags, threads, pinning, huge pages: into the results' context.
+void describe_context(const Options& options);
+
+}  // namespace lamella::bench

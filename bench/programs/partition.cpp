@@ -1,0 +1,158 @@
+// Times every band and every part of the other stages, alone on one thread, as the engine would cut them for 1 to 128
+// threads, and prints the times as JSON. No schedule is made here: scripts/partition.py does that.
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <exception>
+#include <functional>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "catalogue.hpp"
+#include "copy_bandwidth.hpp"
+#include "prepared.hpp"
+#include "stages.hpp"
+
+namespace lamella::bench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int repetitions = 3;
+
+double seconds(const std::function<void()>& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void keep_least(double& least, double value) {
+    least = least == 0 ? value : std::min(least, value);
+}
+
+/// Bounds, count and scatter for the `part`-th of `parts` equal runs of triangles.
+Json time_part(const Prepared& prepared, std::size_t part, std::size_t parts) {
+    const std::size_t all = prepared.mesh().triangles();
+    const std::size_t begin = all * part / parts;
+    const std::size_t end = std::max(begin + 1, all * (part + 1) / parts);
+    const float* first = prepared.mesh().soup.data() + 9 * begin;
+    Stages whole(prepared.mesh().view(), prepared.plan(), 1);
+    double bounds = 0;
+    double count = 0;
+    double scatter = 0;
+    // Planes are those of the whole mesh, so they are made from its bounds before the view is narrowed.
+    if (!whole.measure() || !whole.plan_planes()) {
+        return {};
+    }
+    whole.narrow_to(MeshView::soup(std::span<const float>(first, 9 * (end - begin))));
+    for (int i = 0; i < repetitions; ++i) {
+        keep_least(count, seconds([&] { whole.count(); }));
+        keep_least(scatter, seconds([&] { whole.scatter(); }));
+        keep_least(bounds, seconds([&] { whole.look_at_bounds(); }));
+    }
+    return {{"bounds", bounds}, {"count", count}, {"scatter", scatter}};
+}
+
+/// Every band by itself, as cut for `threads`.
+std::vector<double> time_bands(Stages& stages) {
+    std::vector<double> least(stages.bands().bands.size(), 0);
+    for (int i = 0; i < repetitions; ++i) {
+        for (std::size_t band = 0; band < least.size(); ++band) {
+            keep_least(least[band], seconds([&] { stages.sweep_band(band, ContourForm::swept); }));
+        }
+    }
+    return least;
+}
+
+Json time_partition(const Prepared& prepared, Stages& stages, int threads) {
+    double plan_bands = 0;
+    for (int i = 0; i < repetitions; ++i) {
+        keep_least(plan_bands, seconds([&] { stages.cut_bands_for(threads); }));
+    }
+    Json json{{"threads", threads}, {"plan_bands", plan_bands}, {"bands", time_bands(stages)}};
+    std::vector<std::uint64_t> segments;
+    for (const Band& band : stages.bands().bands) {
+        segments.push_back(band.segments);
+    }
+    json["band_segments"] = segments;
+    // The parts are alike but for how many of their triangles are cut: the first, the last and two between stand for all.
+    const auto parts = static_cast<std::size_t>(threads);
+    std::vector<std::size_t> sampled{0, parts / 3, parts * 2 / 3, parts - 1};
+    sampled.erase(std::unique(sampled.begin(), sampled.end()), sampled.end());
+    for (const std::size_t part : sampled) {
+        json["parts"].push_back(time_part(prepared, part, parts));
+    }
+    return json;
+}
+
+Json time_case(Prepared& prepared) {
+    Stages stages(prepared.mesh().view(), prepared.plan(), 1);
+    if (!stages.prepare()) {
+        return {};
+    }
+    Json json{{"triangles", prepared.mesh().triangles()},
+              {"planes", stages.planes().size()},
+              {"segments", prepared.summary().segments},
+              {"contours", prepared.contours()},
+              {"copy_bytes_per_s", copy_bandwidth(1)}};
+    double planes = 0;
+    double end_to_end = 0;
+    const SliceOptions options = prepared.options(ContourForm::swept, 1);
+    for (int i = 0; i < repetitions; ++i) {
+        keep_least(planes, seconds([&] { (void)stages.plan_planes().ok(); }));
+        keep_least(end_to_end,
+                   seconds([&] { (void)slice(prepared.mesh().view(), options, prepared.workspace, prepared.result).ok(); }));
+    }
+    json["plan_planes"] = planes;
+    json["end_to_end_1_thread"] = end_to_end;
+    json["serial_per_part"] = time_part(prepared, 0, prepared.mesh().triangles())["count"];
+    for (int threads = 1; threads <= 128; threads *= 2) {
+        json["partitions"].push_back(time_partition(prepared, stages, threads));
+    }
+    return json;
+}
+
+bool is_wanted(const Case& each) {
+    return each.measured.stages || each.name.find("_planes") != std::string::npos;
+}
+
+int run(const Options& options) {
+    if (options.quick) {
+        set_copy_size(std::size_t{16} << 20);
+    }
+    Preparer preparer;
+    Json all;
+    for (const Case& each : make_catalogue(options)) {
+        if (!is_wanted(each)) {
+            continue;
+        }
+        Prepared* prepared = preparer.get(each);
+        if (prepared == nullptr || !prepared->failure().empty()) {
+            std::cerr << each.name << ": " << (prepared == nullptr ? preparer.failure() : prepared->failure()) << '\n';
+            return 1;
+        }
+        std::cerr << each.name << '\n';
+        all[each.name] = time_case(*prepared);
+    }
+    std::cout << all.dump(1) << '\n';
+    return 0;
+}
+
+}  // namespace
+
+}  // namespace lamella::bench
+
+int main(int count, char** words) try {
+    std::vector<char*> arguments(words + 1, words + count);
+    const lamella::bench::Options options = lamella::bench::take_options(arguments);
+    if (!arguments.empty()) {
+        std::cerr << "usage: lamella_partition [--cache=DIR] [--shared=DIR] [--quick]\n";
+        return 2;
+    }
+    return lamella::bench::run(options);
+} catch (const std::exception& failure) {
+    std::cerr << failure.what() << '\n';
+    return 1;
+}

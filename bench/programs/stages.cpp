@@ -1,0 +1,102 @@
+#include "stages.hpp"
+
+#include <limits>
+#include <memory_resource>
+
+namespace lamella::bench {
+
+Stages::Stages(const MeshView& mesh, const LayerPlan& plan, int threads) : mesh_(mesh), plan_(plan), parallel_(threads) {
+    for (int i = 0; i < threads; ++i) {
+        workers_.push_back(std::make_unique<Worker>());
+    }
+}
+
+Status Stages::measure() {
+    const Result<Bounds> bounds = measure_bounds(mesh_, Transform{}, parallel_);
+    if (!bounds) {
+        return bounds.error();
+    }
+    bounds_ = *bounds;
+    const Result<double> unit = choose_unit(bounds_, 0);
+    if (!unit) {
+        return unit.error();
+    }
+    unit_mm_ = *unit;
+    return {};
+}
+
+Status Stages::plan_planes() {
+    return planes_.build(plan_, bounds_, unit_mm_, mesh_.number, std::numeric_limits<std::uint64_t>::max());
+}
+
+void Stages::count() {
+    count_crossings(mesh_, Transform{}, unit_mm_, planes_, parallel_, buckets_);
+}
+
+void Stages::scatter() {
+    scatter_triangles(mesh_, Transform{}, unit_mm_, planes_, parallel_, buckets_);
+}
+
+void Stages::look_at_bounds() const {
+    (void)measure_bounds(mesh_, Transform{}, parallel_).ok();
+}
+
+void Stages::cut_bands() {
+    cut_bands_for(parallel_.threads());
+}
+
+void Stages::cut_bands_for(int threads) {
+    bands_.cut(buckets_, planes_.size(), 0, threads);
+    bands_.find_seeds(buckets_, planes_.size(), parallel_);
+}
+
+Status Stages::prepare() {
+    if (Status status = measure(); !status) {
+        return status;
+    }
+    if (Status status = plan_planes(); !status) {
+        return status;
+    }
+    count();
+    scatter();
+    cut_bands();
+    return {};
+}
+
+void Stages::sweep_on(Worker& worker, std::size_t band, ContourForm form) {
+    worker.output.begin({worker.output.buffer.data(), worker.output.buffer.capacity()});
+    (void)worker.sweep.run(bands_.bands[band], bands_.seeds_of(band), buckets_, planes_, form, {}, worker.output);
+    worker.contours += worker.output.contours.size();
+    worker.points += worker.output.point_count;
+}
+
+void Stages::sweep(ContourForm form) {
+    for (const auto& worker : workers_) {
+        worker->contours = 0;
+        worker->points = 0;
+    }
+    parallel_.run(bands_.bands.size(),
+                  [&](std::size_t band, int worker) { sweep_on(*workers_[static_cast<std::size_t>(worker)], band, form); });
+}
+
+void Stages::sweep_band(std::size_t band, ContourForm form) {
+    sweep_on(*workers_.front(), band, form);
+}
+
+std::uint64_t Stages::swept_contours() const noexcept {
+    std::uint64_t all = 0;
+    for (const auto& worker : workers_) {
+        all += worker->contours;
+    }
+    return all;
+}
+
+std::uint64_t Stages::swept_points() const noexcept {
+    std::uint64_t all = 0;
+    for (const auto& worker : workers_) {
+        all += worker->points;
+    }
+    return all;
+}
+
+}  // namespace lamella::bench

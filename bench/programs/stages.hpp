@@ -1,0 +1,70 @@
+// The engine's stages one by one, with the memory that they keep: slice() taken apart.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "2_grid/bounds.hpp"
+#include "3_planes/plane_set.hpp"
+#include "4_bucket/bucket.hpp"
+#include "5_sweep/band_sweep.hpp"
+#include "5_sweep/bands.hpp"
+#include "base/parallel.hpp"
+#include "lamella/mesh.hpp"
+#include "lamella/slice.hpp"
+
+namespace lamella::bench {
+
+class Stages {
+public:
+    Stages(const MeshView& mesh, const LayerPlan& plan, int threads);
+
+    Status measure();  ///< bounds and unit
+    Status plan_planes();
+    void count();
+    void scatter();
+    void cut_bands();
+    /// Sweeps every band into a buffer of its thread's own: everything but placement.
+    void sweep(ContourForm form);
+    /// Sweeps one band on this thread.
+    void sweep_band(std::size_t band, ContourForm form);
+
+    /// Everything up to cut_bands().
+    Status prepare();
+
+    /// As the engine would for another number of threads.
+    void cut_bands_for(int threads);
+    /// From now on count() and scatter() see `part` only, on the planes of the whole.
+    void narrow_to(const MeshView& part) { mesh_ = part; }
+    /// The work of measure(), whose answer is dropped.
+    void look_at_bounds() const;
+
+    const PlaneSet& planes() const noexcept { return planes_; }
+    const Buckets& buckets() const noexcept { return buckets_; }
+    const BandPlan& bands() const noexcept { return bands_; }
+    std::uint64_t swept_contours() const noexcept;  ///< by the last sweep()
+    std::uint64_t swept_points() const noexcept;
+
+private:
+    struct Worker {
+        Worker() : sweep(std::pmr::new_delete_resource()), output(std::pmr::new_delete_resource()) {}
+        BandSweep sweep;
+        BandOutput output;
+        std::uint64_t contours = 0;
+        std::uint64_t points = 0;
+    };
+    void sweep_on(Worker& worker, std::size_t band, ContourForm form);
+
+    MeshView mesh_;
+    LayerPlan plan_;
+    Parallel parallel_;
+    Bounds bounds_{};
+    double unit_mm_ = 0;
+    PlaneSet planes_{nullptr};
+    Buckets buckets_{nullptr};
+    BandPlan bands_{std::pmr::new_delete_resource()};
+    std::vector<std::unique_ptr<Worker>> workers_;
+};
+
+}  // namespace lamella::bench

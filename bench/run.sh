@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# Builds, runs every benchmark and writes bench/results: Google Benchmark's JSON, a CSV row for each run, a plot of scaling,
+# and the figures of bench/README.md. Ends with the table of bars.
+#
+#     bench/run.sh            everything; takes tens of minutes, the first time some more for the meshes
+#     bench/run.sh --quick    a hundredth of the sizes, into build/bench-quick: tells only that the benchmarks work
+#
+# PIN=LIST pins the whole process to these cores (taskset -c LIST).
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source tools/packages.sh
+
+readonly python=/usr/bin/python3 # the one that Debian's matplotlib is installed for
+
+quick=()
+results=bench/results
+if [[ "${1:-}" == --quick ]]; then
+    quick=(--quick)
+    results=build/bench-quick
+elif (($# > 0)); then
+    echo "usage: bench/run.sh [--quick]" >&2
+    exit 2
+fi
+
+stage() { printf '\n== %s (%d s so far)\n' "$1" "$SECONDS"; }
+
+stage "packages and build"
+install_missing "${build_packages[@]}" python3-matplotlib
+generator=()
+[[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
+cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON > /dev/null
+cmake --build build --parallel --target lamella_bench lamella_partition lamella_peak | tail -n 1
+
+# Meshes made by another version of the generator are not the stated ones.
+cache=build/bench-models
+if [[ -d "$cache" && -n "$(find tools/models -newer "$cache/made" 2> /dev/null || echo unknown)" ]]; then
+    rm -rf "$cache"
+fi
+mkdir -p "$cache" "$results"
+[[ -e "$cache/made" ]] || touch "$cache/made"
+
+where=("--cache=$cache")
+[[ -d ../shared/models ]] && where+=(--shared=../shared/models)
+pin=()
+[[ -z "${PIN:-}" ]] || pin=(taskset -c "$PIN")
+
+stage "benchmarks"
+"${pin[@]}" build/bench/lamella_bench "${quick[@]}" "${where[@]}" \
+    --benchmark_out="$results/bench.json" --benchmark_out_format=json --benchmark_display_aggregates_only=true
+
+stage "bands and parts by themselves"
+"${pin[@]}" build/bench/lamella_partition "${quick[@]}" "${where[@]}" > "$results/partition.json"
+
+stage "peak memory"
+meshes=()
+[[ -e ../shared/models/liver.stl ]] && meshes+=(liver=../shared/models/liver.stl)
+if ((${#quick[@]} == 0)); then
+    meshes+=("scan=$(echo "$cache"/bone-3400000-*um.stl)" "figure=$(echo "$cache"/bone-8800000-*um.stl)"
+        "skull=$(echo "$cache"/bone-16700000-*um.stl)")
+else
+    meshes+=("scan=$(echo "$cache"/bone-34000-*mm.stl)")
+fi
+"$python" bench/scripts/peaks.py build/bench/lamella_peak "$results/peaks.json" "${meshes[@]}"
+
+stage "tables and plot"
+"$python" bench/scripts/export.py "$results"
+if ((${#quick[@]} == 0)); then
+    "$python" bench/scripts/figures.py "$results" bench/README.md
+fi
+status=0
+"$python" bench/scripts/bars.py "$results" | tee "$results/bars.md" || status=$?
+if ((status == 1 && ${#quick[@]} > 0)); then
+    status=0 # bars are for full sizes
+fi
+exit "$status"

@@ -81,8 +81,7 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
     const std::uint32_t list_begin = buckets_->list_begin[plane];
     const std::uint32_t list_end = buckets_->list_begin[plane + 1];
     std::uint32_t& head = pending_head_[plane - band_.first];
-    links_.clear();
-    link_records_.clear();
+    link_count_ = 0;
     first_entering_ = 0;
     if (list_begin == list_end && head == no_link && seeds.empty()) {
         return;
@@ -97,20 +96,26 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
     }
     const std::size_t entering = seeds.size() + list_end - list_begin;
     graph_.begin_events(2 * entering + middles);
-    links_.reserve(entering + middles);
-    link_records_.reserve(entering + middles);
+    reserve_links(entering + middles);
     for (std::uint32_t p = std::exchange(head, no_link); p != no_link;) {
         const Pending pending = pending_[p];
         pass_middle(pending);
         pending_[p].next = std::exchange(pending_free_, p);
         p = pending.next;
     }
-    first_entering_ = links_.size();
+    first_entering_ = link_count_;
     for (const std::uint32_t record : seeds) {
         enter(record, plane);
     }
     for (std::uint32_t record = list_begin; record < list_end; ++record) {
         enter(record, plane);
+    }
+}
+
+void BandSweep::reserve_links(std::size_t count) {
+    if (links_.size() < count) {
+        links_.resize(count);
+        link_records_.resize(count);
     }
 }
 
@@ -121,8 +126,7 @@ void BandSweep::begin_plane_afresh(PlaneIndex plane) {
     pending_head_.assign(band_.last - band_.first, no_link);
     pending_.clear();
     pending_free_ = no_link;
-    links_.clear();
-    link_records_.clear();
+    link_count_ = 0;
     first_entering_ = 0;
 }
 
@@ -134,6 +138,7 @@ void BandSweep::gather_active(PlaneIndex plane, std::span<const std::uint32_t> s
     }
     std::erase_if(active_, [&](std::uint32_t record) { return buckets_->records[record].last <= plane; });
     graph_.begin_events(2 * active_.size());
+    reserve_links(active_.size());
     for (const std::uint32_t record : active_) {
         enter(record, plane);
     }
@@ -149,12 +154,12 @@ inline Slot BandSweep::edge_slot(const GridVertex& lower, const GridVertex& uppe
 /// other.
 inline void BandSweep::link(const CrossedTriangle& t, std::uint32_t record, PortRef long_end, Slot short_edge) {
     const bool from_long = t.long_edge_is_source();
-    const PortRef short_end =
-        graph_.attach(short_edge, from_long ? target_port : source_port, static_cast<std::uint32_t>(links_.size()));
+    const PortRef short_end = graph_.attach(short_edge, from_long ? target_port : source_port, link_count_);
     // Selected rather than stored by index: an eight-byte copy of two four-byte stores stalls.
     static_assert(target_port == 0 && source_port == 1);
-    links_.push_back({{from_long ? short_end : long_end, from_long ? long_end : short_end}});
-    link_records_.push_back(record);
+    links_[link_count_] = {{from_long ? short_end : long_end, from_long ? long_end : short_end}};
+    link_records_[link_count_] = record;
+    ++link_count_;
 }
 
 inline void BandSweep::enter(std::uint32_t record, PlaneIndex plane) {
@@ -164,7 +169,7 @@ inline void BandSweep::enter(std::uint32_t record, PlaneIndex plane) {
     const Slot short_edge = edge_slot(above_middle ? t.middle : t.lower, above_middle ? t.upper : t.middle,
                                       above_middle ? t.last : t.middle_plane());
     const int long_port = t.long_edge_is_source() ? source_port : target_port;
-    link(t, record, graph_.attach(long_edge, long_port, static_cast<std::uint32_t>(links_.size())), short_edge);
+    link(t, record, graph_.attach(long_edge, long_port, link_count_), short_edge);
 }
 
 inline void BandSweep::pass_middle(const Pending& pending) {
@@ -173,9 +178,10 @@ inline void BandSweep::pass_middle(const Pending& pending) {
 }
 
 void BandSweep::link_events(PlaneIndex plane) {
-    if (links_.empty()) {
+    if (link_count_ == 0) {
         return;
     }
+    const std::span<Link> links{links_.data(), link_count_};
     for (const Slot slot : graph_.end_attaching()) {
         GridVertex lower;
         GridVertex upper;
@@ -183,12 +189,12 @@ void BandSweep::link_events(PlaneIndex plane) {
         edges_.put(slot, lower, upper);
     }
     graph_.settle(
-        links_, [this](Slot slot, std::span<MeetingEnd> ends) { sort_meeting(slot, ends); },
+        links, [this](Slot slot, std::span<MeetingEnd> ends) { sort_meeting(slot, ends); },
         [this](Slot to, Slot from) { edges_.copy(to, from); });
-    for (const Link& link : links_) {
+    for (const Link& link : links) {
         graph_.connect(link);
     }
-    for (std::size_t i = first_entering_; i < links_.size(); ++i) {
+    for (std::size_t i = first_entering_; i < link_count_; ++i) {
         const PlaneIndex middle = buckets_->records[link_records_[i]].middle_plane();
         if (middle > plane && middle < band_.last) {
             expect_middle(link_records_[i], links_[i]);

@@ -63,6 +63,7 @@ private:
     void enter(std::uint32_t record, PlaneIndex plane);
     void link(const CrossedTriangle& t, std::uint32_t record, PortRef long_end, Slot short_edge);
     void pass_middle(const Pending& pending);
+    void reserve_links(std::size_t count);
     void link_events(PlaneIndex plane);
     void sort_meeting(Slot slot, std::span<MeetingEnd> ends);
     void expect_middle(std::uint32_t record, const Link& link);
@@ -78,7 +79,8 @@ private:
     const Buckets* buckets_ = nullptr;
     std::pmr::vector<Link> links_;  // of the plane's events: triangles that pass their middle vertex, then ...
     std::pmr::vector<std::uint32_t> link_records_;
-    std::size_t first_entering_ = 0;  // ... from here on, triangles that enter
+    std::uint32_t link_count_ = 0;
+    std::uint32_t first_entering_ = 0;  // ... from here on, triangles that enter
     std::pmr::vector<Pending> pending_;
     std::pmr::vector<std::uint32_t> pending_head_;  // by plane of the band
     std::uint32_t pending_free_ = no_link;

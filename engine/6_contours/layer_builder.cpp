@@ -10,10 +10,6 @@ namespace lamella {
 
 namespace {
 
-/// Room around each ring: the last point before it, the first behind it, and what a vector load may touch beyond.
-constexpr std::size_t ring_front = 1;
-constexpr std::size_t ring_padding = 4;
-
 /// Whether the closed ring read from `a` on is smaller than read from `b` on.
 bool rotation_before(const Point* ring, std::uint32_t count, std::uint32_t a, std::uint32_t b) {
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -99,31 +95,27 @@ void LayerBuilder::build(const LinkGraph& graph, const Point* points, BandOutput
 void LayerBuilder::gather(const LinkGraph& graph, const Point* points) {
     const std::span<const Slot> order = graph.order();
     const std::span<const WalkedContour> contours = graph.contours();
-    const std::size_t room = order.size() + contours.size() * (ring_front + 1) + ring_padding;
+    const std::size_t room = order.size() + padded_count;
     if (rings_.size() < room) {
         rings_.resize(room + room / 32);
     }
     found_.clear();
     Point* ring = rings_.data();
     for (const WalkedContour& walked : contours) {
-        ring += ring_front;
-        const Slot* slots = order.data() + walked.begin;
-        for (std::uint32_t i = 0; i < walked.count; ++i) {
-            ring[i] = points[slots[i]];
-        }
-        found_.push_back(walked.closed ? examine_closed(graph, walked, ring) : examine_open(graph, walked, ring));
-        ring += walked.count + 1;
+        found_.push_back(walked.closed ? examine_closed(graph, walked, points, ring)
+                                       : examine_open(graph, walked, points, ring));
+        ring += walked.count;
     }
 }
 
-LayerBuilder::Found LayerBuilder::examine_closed(const LinkGraph& graph, const WalkedContour& walked, Point* ring) const {
+LayerBuilder::Found LayerBuilder::examine_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points,
+                                                 Point* ring) const {
     const std::uint32_t count = walked.count;
-    ring[-1] = ring[count - 1];
-    ring[count] = ring[0];
-    const RingFacts facts = kernels_.examine(ring, count);
+    const Slot* slots = graph.order().data() + walked.begin;
+    const RingFacts facts = kernels_.trace(points, slots, count, ring);
     const std::uint32_t start = pick_start(graph, walked, ring, facts);
     Found found;
-    found.start_key = graph.key(graph.order()[walked.begin + start]);
+    found.start_key = graph.key(slots[start]);
     found.segments = count;
     NestItem& item = found.item;
     item.points = ring;
@@ -142,7 +134,10 @@ LayerBuilder::Found LayerBuilder::examine_closed(const LinkGraph& graph, const W
     return found;
 }
 
-LayerBuilder::Found LayerBuilder::examine_open(const LinkGraph& graph, const WalkedContour& walked, Point* ring) {
+LayerBuilder::Found LayerBuilder::examine_open(const LinkGraph& graph, const WalkedContour& walked, const Point* points,
+                                               Point* ring) {
+    std::transform(graph.order().begin() + walked.begin, graph.order().begin() + walked.begin + walked.count, ring,
+                   [points](Slot slot) { return points[slot]; });
     Found found;
     found.start_key = graph.key(graph.order()[walked.begin]);
     found.segments = walked.count - 1;

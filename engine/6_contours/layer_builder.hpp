@@ -73,8 +73,8 @@ private:
     };
 
     void gather(const LinkGraph& graph, const Point* points);
-    Found examine_closed(const LinkGraph& graph, const WalkedContour& walked, Point* ring) const;
-    static Found examine_open(const LinkGraph& graph, const WalkedContour& walked, Point* ring);
+    Found examine_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring) const;
+    static Found examine_open(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring);
     std::uint32_t pick_start(const LinkGraph& graph, const WalkedContour& walked, const Point* ring,
                              const RingFacts& facts) const;
     void sort_by_start();
@@ -83,7 +83,7 @@ private:
 
     const Kernels& kernels_;
     Nester nester_;
-    std::pmr::vector<Point> rings_;  // the plane's points in walking order, each contour with room to close it
+    std::pmr::vector<Point> rings_;  // the plane's points in walking order, contour by contour
     std::pmr::vector<Found> found_;
     std::pmr::vector<std::uint32_t> by_start_;  // of found_
     std::pmr::vector<NestItem> items_;          // in the order of by_start_

@@ -22,6 +22,20 @@ inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {
     }
 }
 
+/// positions[run[i]] = first + i.
+inline void number_run(const Slot* run, std::uint32_t length, std::uint32_t first, std::uint32_t* positions) {
+    std::uint32_t i = 0;
+    for (; i + 4 <= length; i += 4) {
+        positions[run[i]] = first + i;
+        positions[run[i + 1]] = first + i + 1;
+        positions[run[i + 2]] = first + i + 2;
+        positions[run[i + 3]] = first + i + 3;
+    }
+    for (; i < length; ++i) {
+        positions[run[i]] = first + i;
+    }
+}
+
 }  // namespace
 
 LinkGraph::LinkGraph(std::pmr::memory_resource* memory)
@@ -29,7 +43,6 @@ LinkGraph::LinkGraph(std::pmr::memory_resource* memory)
       links_{std::pmr::vector<PortRef>(memory), std::pmr::vector<PortRef>(memory)},
       flags_(memory),
       position_(memory),
-      position_next_(memory),
       free_(memory),
       fresh_(memory),
       table_(memory),
@@ -73,7 +86,7 @@ void LinkGraph::reserve(std::size_t slots) {
         links_[source_port].resize(slots);
         flags_.resize(slots);
         position_.resize(slots);
-        position_next_.resize(slots);
+        capacity_ = static_cast<Slot>(slots);
     }
 }
 
@@ -88,6 +101,7 @@ void LinkGraph::begin_events(std::size_t attachments) {
     table_shift_ = 64 - std::countr_zero(size);
     fresh_.clear();
     used_ = 0;
+    spare_ = spare();
 }
 
 std::span<const Slot> LinkGraph::end_attaching() {
@@ -255,7 +269,6 @@ void LinkGraph::begin_order() {
 
 void LinkGraph::finish_order() {
     order_.swap(order_next_);
-    position_.swap(position_next_);
     ordered_ = filled_;
     breaks_.assign(ordered_ / 64 + 1, 0);
     for (const WalkedContour& contour : contours_) {
@@ -273,9 +286,9 @@ std::uint32_t LinkGraph::next_break(std::uint32_t position) const noexcept {
     return static_cast<std::uint32_t>(word * 64) + static_cast<std::uint32_t>(std::countr_zero(bits));
 }
 
-/// position_next_ may hold anything for slots not yet walked; what order_next_ says at that position tells.
+/// A slot not yet walked has its old position; what order_next_ holds there tells.
 bool LinkGraph::walked(Slot slot) const noexcept {
-    const std::uint32_t position = position_next_[slot];
+    const std::uint32_t position = position_[slot];
     return position - 1 < filled_ && order_next_[position] == slot;
 }
 
@@ -328,7 +341,7 @@ void LinkGraph::walk_from(Slot start) {
 /// Appends the contour from `start` on, run by run; true if it closed.
 bool LinkGraph::follow_runs(Slot start) {
     Slot* const out = order_next_.data() + 1;
-    std::uint32_t* const position_next = position_next_.data();
+    std::uint32_t* const positions = position_.data();
     std::uint32_t filled = filled_;
     Slot slot = start;
     for (;;) {
@@ -336,13 +349,13 @@ bool LinkGraph::follow_runs(Slot start) {
         Slot last = slot;
         if (from == no_position) {
             out[filled] = slot;
-            position_next[slot] = ++filled;
+            positions[slot] = ++filled;
         } else {
             const std::uint32_t length = next_break(from) - from + 1;
             const Slot* run = order_.data() + from;
             copy_run(run, length, out + filled);
-            for (std::uint32_t i = 0; i < length; ++i) {
-                position_next[run[i]] = filled + i + 1;
+            if (filled + 1 != from) {
+                number_run(run, length, filled + 1, positions);
             }
             filled += length;
             last = run[length - 1];
@@ -359,14 +372,14 @@ bool LinkGraph::follow_runs(Slot start) {
 /// The same link by link: where runs are a few slots long this is the faster.
 bool LinkGraph::follow_links(Slot start) {
     Slot* const out = order_next_.data() + 1;
-    std::uint32_t* const position_next = position_next_.data();
+    std::uint32_t* const positions = position_.data();
     const PortRef* const next_of = links_[source_port].data();
     std::uint32_t filled = filled_;
     PortRef next = 2 * start;
     do {
         const Slot slot = next >> 1;
         out[filled] = slot;
-        position_next[slot] = ++filled;
+        positions[slot] = ++filled;
         next = next_of[slot];
     } while (next != no_link && (next >> 1) != start);
     filled_ = filled;
@@ -392,7 +405,7 @@ void LinkGraph::walk_any_sense() {
         if (runs_backwards(begin, closed)) {
             std::reverse(order_next_.begin() + 1 + begin, order_next_.begin() + 1 + filled_);
             for (std::uint32_t i = begin; i < filled_; ++i) {
-                position_next_[order_next_[i + 1]] = i + 1;
+                position_[order_next_[i + 1]] = i + 1;
             }
         }
         add_contour(begin, closed, is_mixed);
@@ -415,7 +428,7 @@ void LinkGraph::follow_any_sense(Slot start, int leave_by, bool closed) {
     for (;;) {
         order_next_[filled_ + 1] = slot;
         leave_by_[filled_] = static_cast<std::uint8_t>(leave_by);
-        position_next_[slot] = ++filled_;
+        position_[slot] = ++filled_;
         const PortRef next = links_[leave_by][slot];
         if (next == no_link || (closed && (next >> 1) == start)) {
             return;

@@ -176,8 +176,9 @@ private:
     std::pmr::vector<PortRef> links_[2];  // by port: what it is linked to
     std::pmr::vector<std::uint8_t> flags_;
     std::pmr::vector<std::uint32_t> position_;  // in order_, from 1
-    std::pmr::vector<std::uint32_t> position_next_;
     std::pmr::vector<Slot> free_;
+    Slot spare_ = 0;
+    Slot capacity_ = 0;             // nodes_.size()
     Slot used_ = 0;                 // slots made since begin_events(), from the end of free_ on
     std::pmr::vector<Slot> fresh_;  // they, after end_attaching()
     Slot slot_end_ = 0;
@@ -218,18 +219,24 @@ private:
 /// Nothing predicts whether an edge is met for the first or the second time, so no branch asks: the key is written to the
 /// spare slot, which is compared with itself if the edge is new, and is taken by adding 0 or 1.
 inline Slot LinkGraph::find_or_add(const EndKey& key) {
-    const Slot new_slot = spare();
-    if (new_slot >= nodes_.size()) {
+    const Slot new_slot = spare_;
+    if (new_slot >= capacity_) {
         reserve(new_slot + new_slot / 2 + 1024);
     }
-    nodes_[new_slot].key = key;
+    Node* const nodes = nodes_.data();
+    nodes[new_slot].key = key;
+    Entry* const table = table_.data();
     for (std::size_t i = hash_key(key) >> table_shift_;; i = (i + 1) & table_mask_) {
-        const Entry entry = table_[i];
-        const bool is_new = entry.epoch != epoch_;
-        const Slot slot = is_new ? new_slot : entry.slot;
-        if (nodes_[slot].key == key) {
-            table_[i] = {epoch_, slot};
-            used_ += is_new ? 1 : 0;
+        Entry& place = table[i];
+        const Entry entry = place;
+        // All bits set if the entry is of another epoch; compilers turn a comparison back into a branch.
+        const std::uint32_t other = entry.epoch ^ epoch_;
+        const std::uint32_t is_new = 0U - ((other | (0U - other)) >> 31);
+        const Slot slot = entry.slot ^ ((entry.slot ^ new_slot) & is_new);
+        if (nodes[slot].key == key) {
+            place = {epoch_, slot};
+            used_ += is_new & 1;
+            spare_ = spare();
             return slot;
         }
     }

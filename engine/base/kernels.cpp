@@ -39,18 +39,21 @@ private:
     std::int64_t high_ = 0;
 };
 
-RingFacts examine_portable(const Point* ring, std::size_t count) {
-    RingFacts facts{ring[0], ring[0], 0, false};
+RingFacts trace_portable(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
+    const Point first = points[slots[0]];
+    RingFacts facts{first, first, 0, false};
     ProductSum sum;
-    const std::int64_t origin = ring[0].x;
-    const Point* before = ring - 1;
+    Point before = points[slots[count - 1]];
+    Point here = first;
     for (std::size_t i = 0; i < count; ++i) {
-        const Point here = ring[i];
-        const Point next = ring[i + 1];
+        const Point next = i + 1 < count ? points[slots[i + 1]] : first;
+        ring[i] = here;
         facts.box_min = {std::min(facts.box_min.x, here.x), std::min(facts.box_min.y, here.y)};
         facts.box_max = {std::max(facts.box_max.x, here.x), std::max(facts.box_max.y, here.y)};
         facts.has_repeats = facts.has_repeats || here == next;
-        sum.add((here.x - origin) * (std::int64_t{next.y} - before[i].y));
+        sum.add((std::int64_t{here.x} - first.x) * (std::int64_t{next.y} - before.y));
+        before = here;
+        here = next;
     }
     facts.twice_area = sum.total();
     return facts;
@@ -62,7 +65,7 @@ std::size_t find_x_portable(const Point* ring, std::size_t from, std::size_t cou
     return from;
 }
 
-constexpr Kernels portable{pierce_portable, examine_portable, find_x_portable};
+constexpr Kernels portable{pierce_portable, trace_portable, find_x_portable};
 
 #ifdef LAMELLA_X86_KERNELS
 
@@ -96,17 +99,6 @@ LAMELLA_AVX2 __m256i load_points(const Point* at) {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
 }
 
-/// The points from `from` on, fewer than a vector of them.
-void add_tail(RingFacts& facts, const Point* ring, std::size_t from, std::size_t count) {
-    const Point* before = ring - 1;
-    for (std::size_t i = from; i < count; ++i) {
-        facts.box_min = {std::min(facts.box_min.x, ring[i].x), std::min(facts.box_min.y, ring[i].y)};
-        facts.box_max = {std::max(facts.box_max.x, ring[i].x), std::max(facts.box_max.y, ring[i].y)};
-        facts.has_repeats = facts.has_repeats || ring[i] == ring[i + 1];
-        facts.twice_area += Int128{std::int64_t{ring[i].x} - ring[0].x} * (std::int64_t{ring[i + 1].y} - before[i].y);
-    }
-}
-
 /// Whether all differences within the box fit the 32-bit halves that vector multiplication takes.
 bool fits_halves(const RingFacts& facts) {
     return std::int64_t{facts.box_max.x} - facts.box_min.x <= INT32_MAX &&
@@ -127,39 +119,62 @@ LAMELLA_AVX2 void finish_facts(RingFacts& facts, __m256i low, __m256i high, __m2
     facts.twice_area = (Int128{high_half} << 32) + Int128{static_cast<std::uint64_t>(low_half)};
 }
 
-/// Four points a step; x lies in the low half of each 64-bit lane and y in the high one. Products are summed by halves, each
-/// biased by 2^63 to be unsigned (AVX2 shifts no signs), the bias being taken off at the end.
-LAMELLA_AVX2 RingFacts examine_avx2(const Point* ring, std::size_t count) {
+/// Points [at, at + 4) of the ring.
+LAMELLA_AVX2 __m256i gather_four(const Point* points, const std::uint32_t* slots) {
+    const __m128i at = _mm_loadu_si128(reinterpret_cast<const __m128i*>(slots));
+    return _mm256_i32gather_epi64(reinterpret_cast<const long long*>(points), at, sizeof(Point));
+}
+
+/// Four points a step, as in trace_avx512, for rings that fill a vector; what is left over is looked at one by one. AVX2
+/// shifts no signs: products are biased by 2^63 to be unsigned, and the bias is taken off at the end.
+LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
     if (count < 8) {
-        return examine_portable(ring, count);
+        return trace_portable(points, slots, count, ring);
     }
-    const __m256i origin = _mm256_set1_epi64x(static_cast<std::uint32_t>(ring[0].x));
+    const Point first = points[slots[0]];
+    const __m256i origin = _mm256_set1_epi64x(std::bit_cast<std::int64_t>(first));
     const __m256i bias = _mm256_set1_epi64x(INT64_MIN);
     const __m256i low_half = _mm256_set1_epi64x(0xFFFFFFFF);
-    __m256i low = load_points(ring);
-    __m256i high = low;
+    __m256i low = origin;
+    __m256i high = origin;
     __m256i repeats = _mm256_setzero_si256();
     __m256i low_sum = _mm256_setzero_si256();
     __m256i high_sum = _mm256_setzero_si256();
-    const std::size_t whole = count / 4 * 4;
+    __m256i before = _mm256_set1_epi64x(std::bit_cast<std::int64_t>(points[slots[count - 1]]));
+    __m256i here = gather_four(points, slots);
+    const std::size_t whole = (count - 4) / 4 * 4;  // a whole vector follows each
     for (std::size_t i = 0; i < whole; i += 4) {
-        const __m256i here = load_points(ring + i);
-        const __m256i next = load_points(ring + i + 1);
+        const __m256i next = gather_four(points, slots + i + 4);
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ring + i), here);
+        // Neighbours by shifting registers: loading them back would wait for the stores.
+        const __m256i after = _mm256_permute4x64_epi64(_mm256_blend_epi32(here, next, 0x03), 0x39);
+        const __m256i previous = _mm256_permute4x64_epi64(_mm256_blend_epi32(here, before, 0xC0), 0x93);
         low = _mm256_min_epi32(low, here);
         high = _mm256_max_epi32(high, here);
-        repeats = _mm256_or_si256(repeats, _mm256_cmpeq_epi64(here, next));
-        const __m256i x = _mm256_sub_epi32(here, origin);
-        const __m256i dy = _mm256_srli_epi64(_mm256_sub_epi32(next, load_points(ring + i - 1)), 32);
-        const __m256i product = _mm256_xor_si256(_mm256_mul_epi32(x, dy), bias);
+        repeats = _mm256_or_si256(repeats, _mm256_cmpeq_epi64(here, after));
+        const __m256i dy = _mm256_srli_epi64(_mm256_sub_epi32(after, previous), 32);
+        const __m256i product = _mm256_xor_si256(_mm256_mul_epi32(_mm256_sub_epi32(here, origin), dy), bias);
         low_sum = _mm256_add_epi64(low_sum, _mm256_and_si256(product, low_half));
         high_sum = _mm256_add_epi64(high_sum, _mm256_srli_epi64(product, 32));
+        before = here;
+        here = next;
     }
     RingFacts facts{};
     facts.has_repeats = _mm256_testz_si256(repeats, repeats) == 0;
     finish_facts(facts, low, high, low_sum, high_sum);
     facts.twice_area -= Int128{whole} << 63;
-    add_tail(facts, ring, whole, count);
-    return fits_halves(facts) ? facts : examine_portable(ring, count);
+    Point last = points[slots[whole > 0 ? whole - 1 : count - 1]];
+    for (std::size_t i = whole; i < count; ++i) {
+        const Point point = points[slots[i]];
+        const Point next = i + 1 < count ? points[slots[i + 1]] : first;
+        ring[i] = point;
+        facts.box_min = {std::min(facts.box_min.x, point.x), std::min(facts.box_min.y, point.y)};
+        facts.box_max = {std::max(facts.box_max.x, point.x), std::max(facts.box_max.y, point.y)};
+        facts.has_repeats = facts.has_repeats || point == next;
+        facts.twice_area += Int128{std::int64_t{point.x} - first.x} * (std::int64_t{next.y} - last.y);
+        last = point;
+    }
+    return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
 }
 
 LAMELLA_AVX2 std::size_t find_x_avx2(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
@@ -174,7 +189,7 @@ LAMELLA_AVX2 std::size_t find_x_avx2(const Point* ring, std::size_t from, std::s
     return find_x_portable(ring, from, count, x);
 }
 
-constexpr Kernels avx2{pierce_avx2, examine_avx2, find_x_avx2};
+constexpr Kernels avx2{pierce_avx2, trace_avx2, find_x_avx2};
 
 // --- AVX-512: eight edges, eight points a step
 // ---------------------------------------------------------------
@@ -198,6 +213,11 @@ LAMELLA_AVX512 void pierce_avx512(const EdgeArrays& edges, std::int32_t z, std::
     }
 }
 
+LAMELLA_AVX512 __m512i gather_eight(const Point* points, const std::uint32_t* slots) {
+    const __m256i at = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(slots));
+    return _mm512_mask_i32gather_epi64(_mm512_setzero_si512(), 0xFF, at, points, sizeof(Point));
+}
+
 LAMELLA_AVX512 __m256i lower_half(__m512i v) {
     return _mm512_maskz_extracti64x4_epi64(0xF, v, 0);
 }
@@ -205,28 +225,39 @@ LAMELLA_AVX512 __m256i upper_half(__m512i v) {
     return _mm512_maskz_extracti64x4_epi64(0xF, v, 1);
 }
 
-/// As examine_avx2, with signed shifts; the last vector is masked to the points that there are.
-LAMELLA_AVX512 RingFacts examine_avx512(const Point* ring, std::size_t count) {
-    const __m512i first = _mm512_set1_epi64(static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(ring[0])));
+/// Eight points a step. Neighbours come from shifting the vectors before and behind into this one, not from loading them
+/// back from the ring, which would wait for the stores; x lies in the low half of each 64-bit lane and y in the high one:
+///
+///     before  [ .. .. .. .. .. .. .. a ]  here  [ b c d e f g h i ]  next  [ j .. .. .. .. .. .. .. ]
+///     previous                                  [ a b c d e f g h ]
+///     after                                     [ c d e f g h i j ]
+LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
+    const __m512i first = _mm512_set1_epi64(std::bit_cast<std::int64_t>(points[slots[0]]));
     const __m512i low_half = _mm512_set1_epi64(0xFFFFFFFF);
     __m512i low = first;
     __m512i high = first;
     __m512i low_sum = _mm512_setzero_si512();
     __m512i high_sum = _mm512_setzero_si512();
     unsigned repeats = 0;
+    __m512i before = _mm512_set1_epi64(std::bit_cast<std::int64_t>(points[slots[count - 1]]));
+    __m512i here = gather_eight(points, slots);
     for (std::size_t i = 0; i < count; i += 8) {
-        const auto lanes = static_cast<__mmask8>(count - i >= 8 ? 0xFF : (1U << (count - i)) - 1);
-        const __m512i here = _mm512_mask_loadu_epi64(first, lanes, ring + i);
-        const __m512i next = _mm512_maskz_loadu_epi64(lanes, ring + i + 1);
-        const __m512i before = _mm512_maskz_loadu_epi64(lanes, ring + i - 1);
+        const std::size_t left = count - i;
+        const auto lanes = static_cast<__mmask8>(left >= 8 ? 0xFF : (1U << left) - 1);
+        const __m512i next = left > 8 ? gather_eight(points, slots + i + 8) : first;
+        here = _mm512_mask_blend_epi64(lanes, first, here);  // what lies behind the last point is the first
+        _mm512_storeu_si512(ring + i, here);
+        const __m512i previous = _mm512_maskz_alignr_epi64(0xFF, here, before, 7);
+        const __m512i after = _mm512_maskz_alignr_epi64(0xFF, next, here, 1);
         low = _mm512_maskz_min_epi32(0xFFFF, low, here);
         high = _mm512_maskz_max_epi32(0xFFFF, high, here);
-        repeats |= _mm512_mask_cmpeq_epi64_mask(lanes, here, next);
-        const __m512i x = _mm512_sub_epi32(here, first);
-        const __m512i dy = _mm512_maskz_srli_epi64(0xFF, _mm512_sub_epi32(next, before), 32);
-        const __m512i product = _mm512_maskz_mul_epi32(0xFF, x, dy);
+        repeats |= _mm512_mask_cmpeq_epi64_mask(lanes, here, after);
+        const __m512i dy = _mm512_maskz_srli_epi64(0xFF, _mm512_sub_epi32(after, previous), 32);
+        const __m512i product = _mm512_maskz_mul_epi32(0xFF, _mm512_sub_epi32(here, first), dy);
         low_sum = _mm512_add_epi64(low_sum, _mm512_and_si512(product, low_half));
         high_sum = _mm512_add_epi64(high_sum, _mm512_maskz_srai_epi64(0xFF, product, 32));
+        before = here;
+        here = next;
     }
     RingFacts facts{};
     facts.has_repeats = repeats != 0;
@@ -234,7 +265,7 @@ LAMELLA_AVX512 RingFacts examine_avx512(const Point* ring, std::size_t count) {
                  _mm256_max_epi32(lower_half(high), upper_half(high)),
                  _mm256_add_epi64(lower_half(low_sum), upper_half(low_sum)),
                  _mm256_add_epi64(lower_half(high_sum), upper_half(high_sum)));
-    return fits_halves(facts) ? facts : examine_portable(ring, count);
+    return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
 }
 
 LAMELLA_AVX512 std::size_t find_x_avx512(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
@@ -250,7 +281,7 @@ LAMELLA_AVX512 std::size_t find_x_avx512(const Point* ring, std::size_t from, st
     return count;
 }
 
-constexpr Kernels avx512{pierce_avx512, examine_avx512, find_x_avx512};
+constexpr Kernels avx512{pierce_avx512, trace_avx512, find_x_avx512};
 
 #endif
 

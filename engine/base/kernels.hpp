@@ -32,8 +32,9 @@ struct Kernels {
     /// points[e] = where edge e pierces the plane at height z, for e in [0, count). Arrays are readable, and points
     /// writable, up to the next multiple of padded_count.
     void (*pierce)(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points);
-    /// The closed ring of count > 0 points; ring[-1] and ring[count] close it.
-    RingFacts (*examine)(const Point* ring, std::size_t count);
+    /// ring[i] = points[slots[i]] for i in [0, count), count > 0, and the facts of the closed ring that this makes. `slots`
+    /// is readable, with numbers below the number of points, and `ring` writable up to the next multiple of padded_count.
+    RingFacts (*trace)(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring);
     /// Index of the first point with the given x, from `from` on, or count.
     std::size_t (*find_x)(const Point* ring, std::size_t from, std::size_t count, std::int32_t x);
 };

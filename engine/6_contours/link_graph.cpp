@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t run_padding = 16;
 
 /// With fewer slots than this for each change, runs are too short to copy and links are followed one by one.
-constexpr std::size_t slots_per_change = 8;
+constexpr std::size_t slots_per_change = 4;
 
 /// Most runs are short, and a copy whose length the processor need not guess is the fastest: 64 bytes a step, overshooting.
 inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {

@@ -15,8 +15,10 @@
 #include "4_bucket/bucket.hpp"
 #include "5_sweep/band_sweep.hpp"
 #include "5_sweep/bands.hpp"
+#include "6_contours/wide_plane.hpp"
 #include "8_result/placement.hpp"
 #include "base/clock.hpp"
+#include "base/memory.hpp"
 #include "base/parallel.hpp"
 
 namespace lamella {
@@ -24,10 +26,6 @@ namespace lamella {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-std::pmr::memory_resource* resource_or_default(std::pmr::memory_resource* memory) {
-    return memory != nullptr ? memory : std::pmr::new_delete_resource();
-}
 
 std::uint64_t memory_limit(const SliceOptions& options) {
     if (options.memory_limit_bytes != 0) {
@@ -46,11 +44,7 @@ Error cancelled() {
 /// Everything that is kept from call to call.
 struct Workspace::Impl {
     explicit Impl(std::pmr::memory_resource* memory)
-        : memory(memory),
-          planes(memory),
-          buckets(memory),
-          bands(resource_or_default(memory)),
-          placement(resource_or_default(memory)) {}
+        : memory(memory), planes(memory), buckets(memory), bands(resource_or_default(memory)), placement(memory) {}
 
     std::pmr::memory_resource* memory;
     PlaneSet planes;
@@ -94,6 +88,8 @@ private:
     Status bucket_triangles();
     Status sweep_bands();
     bool sweep_all_into(std::span<Point> points);
+    void sweep_band(std::size_t band, int worker);
+    void sweep_wide(std::size_t band);
     void split_time(double sweep_ms);
     void finish_result();
     void fill_layers();
@@ -171,30 +167,54 @@ Status Slicing::sweep_bands() {
     return {};
 }
 
-/// False if the caller asked to stop.
+/// Stretches of bands for one thread each, and wide planes between them for all. False if the caller asked to stop.
 bool Slicing::sweep_all_into(std::span<Point> points) {
-    const BandPlan& plan = kept_.bands;
-    Placement& placement = kept_.placement;
-    placement.begin(plan.bands, parallel_.threads(), kept_.buckets.segment_count, points, options_.progress);
-    parallel_.run(plan.bands.size(), [&](std::size_t b, int worker) {
-        auto& sweep = kept_.sweeps[static_cast<std::size_t>(worker)];
-        try {
-            if (sweep == nullptr) {
-                sweep = std::make_unique<BandSweep>(resource_or_default(kept_.memory));
-            }
-            BandOutput* output = placement.acquire(b);
-            if (output != nullptr && sweep->run(plan.bands[b], plan.seeds_of(b), kept_.buckets, kept_.planes, options_.form,
-                                                options_.stop, *output)) {
-                placement.submit(b, output);
-            } else {
-                placement.abort();
-            }
-        } catch (...) {
-            placement.abort();
-            throw;
+    const auto& bands = kept_.bands.bands;
+    kept_.placement.begin(bands, parallel_.threads(), kept_.buckets.segment_count, points, options_.progress);
+    for (std::size_t begin = 0; begin < bands.size() && !options_.stop.stop_requested();) {
+        if (bands[begin].wide && options_.form == ContourForm::swept) {
+            sweep_wide(begin++);
+            continue;
         }
-    });
+        std::size_t end = begin + 1;
+        while (end < bands.size() && !bands[end].wide) {
+            ++end;
+        }
+        parallel_.run(end - begin, [&](std::size_t i, int worker) { sweep_band(begin + i, worker); });
+        begin = end;
+    }
     return !options_.stop.stop_requested();
+}
+
+void Slicing::sweep_band(std::size_t band, int worker) {
+    auto& sweep = kept_.sweeps[static_cast<std::size_t>(worker)];
+    Placement& placement = kept_.placement;
+    try {
+        if (sweep == nullptr) {
+            sweep = std::make_unique<BandSweep>(resource_or_default(kept_.memory));
+        }
+        BandOutput* output = placement.acquire(band);
+        if (output != nullptr && sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes,
+                                            options_.form, options_.stop, *output)) {
+            placement.submit(band, output);
+        } else {
+            placement.abort();
+        }
+    } catch (...) {
+        placement.abort();
+        throw;
+    }
+}
+
+void Slicing::sweep_wide(std::size_t band) {
+    WidePlane wide(kept_.memory, parallel_);
+    BandOutput* output = kept_.placement.acquire(band);
+    if (wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, *output)) {
+        kept_.placement.submit(band, output);
+    } else {
+        kept_.placement.give_back(output);
+        sweep_band(band, 0);
+    }
 }
 
 /// Wall time of the fused stages, in proportion to the thread time that each took in sampled layers.

@@ -73,7 +73,6 @@ void BandSweep::begin(const Band& band, const Buckets& buckets) {
 }
 
 // --- Events
-// -------------------------------------------------------------------------------------------------------------------
 
 /// Swept form: edges that end leave, triangles of the plane's list enter, middle vertices are passed.
 void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
@@ -236,7 +235,6 @@ void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
 }
 
 // --- The plane
-// ----------------------------------------------------------------------------------------------------------------
 
 void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) {
     if (graph_.live() == 0) {

@@ -13,6 +13,14 @@ constexpr std::uint64_t segments_per_entry = 24;
 /// A band has at least so much work for each seed, which costs what an entry does: seeds then take a twenty-fifth.
 constexpr std::uint64_t work_per_seed = 25 * segments_per_entry;
 
+/// A plane is worth all threads when it is large and its segments are mostly its own: links kept from plane to plane gain
+/// little there.
+bool is_wide(const Buckets& buckets, PlaneIndex plane) noexcept {
+    constexpr std::uint32_t large = 1 << 18;
+    return buckets.segments[plane] >= large &&
+           buckets.segments[plane] / 2 <= buckets.list_begin[plane + 1] - buckets.list_begin[plane];
+}
+
 std::uint64_t work_of(const Buckets& buckets, PlaneIndex plane) noexcept {
     return buckets.segments[plane] + segments_per_entry * (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
 }
@@ -27,18 +35,20 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
     }
     // Some bands for each thread so that an uneven one can be evened out; on one thread they only serve the cache.
     const std::uint64_t share = all_work / (10 * static_cast<std::uint64_t>(threads)) + 1;
-    Band band{0, 0, 0};
+    Band band{0, 0, 0, false};
     std::uint64_t work = 0;
     for (PlaneIndex plane = 0; plane < planes; ++plane) {
         const std::uint64_t enough = std::clamp(work_per_seed * buckets.segments[plane], std::min(share, least_segments),
                                                 std::max(share, least_segments));
         const bool full = asked_planes > 0 ? plane - band.first >= static_cast<PlaneIndex>(asked_planes) : work >= enough;
-        if (full && plane > band.first) {
+        const bool wide = is_wide(buckets, plane);
+        if ((full || wide || band.wide) && plane > band.first) {
             bands.push_back(band);
-            band = {plane, plane, 0};
+            band = {plane, plane, 0, false};
             work = 0;
         }
         band.last = plane + 1;
+        band.wide = wide;
         band.segments += buckets.segments[plane];
         work += work_of(buckets, plane);
     }

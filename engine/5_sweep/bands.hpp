@@ -18,6 +18,7 @@ struct Band {
     PlaneIndex first;
     PlaneIndex last;  ///< one past
     std::uint64_t segments;
+    bool wide = false;  ///< one plane that all threads work on together
 };
 
 struct BandPlan {

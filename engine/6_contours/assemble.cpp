@@ -106,7 +106,7 @@ Result<LayerContours> assemble(std::span<const Segment> segments, const Assemble
         if (segments.size() > most_segments) {
             return Error{Code::invalid_argument, "more than 2^30 segments in one plane"};
         }
-        Assembly assembly(segments, options.memory != nullptr ? options.memory : std::pmr::new_delete_resource());
+        Assembly assembly(segments, resource_or_default(options.memory));
         assembly.link();
         return assembly.build(options.memory);
     } catch (const std::bad_alloc&) {

@@ -83,6 +83,24 @@ LayerBuilder::LayerBuilder(std::pmr::memory_resource* memory)
 
 void LayerBuilder::build(const LinkGraph& graph, const Point* points, BandOutput& out) {
     gather(graph, points);
+    finish(out);
+}
+
+void LayerBuilder::build_traced(Point* rings, std::span<const WalkedContour> contours,
+                                FunctionRef<EndKey(std::uint32_t)> key_at, const Parallel& parallel, BandOutput& out) {
+    found_.resize(contours.size());
+    parallel.run_ranges(contours.size(), 64, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t c = begin; c < end; ++c) {
+            const WalkedContour& walked = contours[c];
+            Point* ring = rings + walked.begin;
+            found_[c] = describe(walked, ring, examine_ring(ring, walked.count),
+                                 [&](std::uint32_t i) { return key_at(walked.begin + i); });
+        }
+    });
+    finish(out);
+}
+
+void LayerBuilder::finish(BandOutput& out) {
     sort_by_start();
     const std::uint64_t before = timed ? ticks() : 0;
     nester_.nest(items_);
@@ -110,12 +128,17 @@ void LayerBuilder::gather(const LinkGraph& graph, const Point* points) {
 
 LayerBuilder::Found LayerBuilder::examine_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points,
                                                  Point* ring) const {
-    const std::uint32_t count = walked.count;
     const Slot* slots = graph.order().data() + walked.begin;
-    const RingFacts facts = kernels_.trace(points, slots, count, ring);
-    const std::uint32_t start = pick_start(graph, walked, ring, facts);
+    const RingFacts facts = kernels_.trace(points, slots, walked.count, ring);
+    return describe(walked, ring, facts, [&](std::uint32_t i) { return graph.key(slots[i]); });
+}
+
+LayerBuilder::Found LayerBuilder::describe(const WalkedContour& walked, Point* ring, const RingFacts& facts,
+                                           FunctionRef<EndKey(std::uint32_t)> key_at) const {
+    const std::uint32_t count = walked.count;
+    const std::uint32_t start = pick_start(count, ring, facts, key_at);
     Found found;
-    found.start_key = graph.key(slots[start]);
+    found.start_key = key_at(start);
     found.segments = count;
     NestItem& item = found.item;
     item.points = ring;
@@ -148,10 +171,8 @@ LayerBuilder::Found LayerBuilder::examine_open(const LinkGraph& graph, const Wal
 }
 
 /// The smallest (x, y, edge key); where a contour passes through one edge twice, the smaller of the two rotations.
-std::uint32_t LayerBuilder::pick_start(const LinkGraph& graph, const WalkedContour& walked, const Point* ring,
-                                       const RingFacts& facts) const {
-    const std::uint32_t count = walked.count;
-    const auto key_at = [&](std::uint32_t i) -> const EndKey& { return graph.key(graph.order()[walked.begin + i]); };
+std::uint32_t LayerBuilder::pick_start(std::uint32_t count, const Point* ring, const RingFacts& facts,
+                                       FunctionRef<EndKey(std::uint32_t)> key_at) const {
     auto best = static_cast<std::uint32_t>(kernels_.find_x(ring, 0, count, facts.box_min.x));
     for (std::size_t i = kernels_.find_x(ring, best + 1, count, facts.box_min.x); i < count;
          i = kernels_.find_x(ring, i + 1, count, facts.box_min.x)) {

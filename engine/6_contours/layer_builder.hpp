@@ -9,6 +9,7 @@
 #include "6_contours/link_graph.hpp"
 #include "7_nesting/nest.hpp"
 #include "base/kernels.hpp"
+#include "base/memory.hpp"
 #include "lamella/array.hpp"
 #include "lamella/result.hpp"
 
@@ -17,7 +18,8 @@ namespace lamella {
 /// What a band of planes yields, kept by its thread until the bands below have been placed. Indices are relative to the
 /// band.
 struct BandOutput {
-    explicit BandOutput(std::pmr::memory_resource* memory) : buffer(memory), contours(memory), layer_contours(memory) {}
+    explicit BandOutput(std::pmr::memory_resource* memory)
+        : buffer(memory), contours(resource_or_default(memory)), layer_contours(resource_or_default(memory)) {}
 
     Point* points =
         nullptr;  ///< where they go: the result's own array, where their place is known from the start, or `buffer`
@@ -57,6 +59,11 @@ public:
     /// O(q log q) for q points. Throws std::bad_alloc.
     void build(const LinkGraph& graph, const Point* points, BandOutput& out);
 
+    /// The same for closed contours whose points already lie in walking order: each contour's from rings + begin on.
+    /// key_at(i) is the edge that point i lies on.
+    void build_traced(Point* rings, std::span<const WalkedContour> contours, FunctionRef<EndKey(std::uint32_t)> key_at,
+                      const Parallel& parallel, BandOutput& out);
+
     /// Appends a layer without contours.
     static void skip(BandOutput& out) { out.layer_contours.push_back(0); }
 
@@ -73,10 +80,13 @@ private:
     };
 
     void gather(const LinkGraph& graph, const Point* points);
+    void finish(BandOutput& out);
+    Found describe(const WalkedContour& walked, Point* ring, const RingFacts& facts,
+                   FunctionRef<EndKey(std::uint32_t)> key_at) const;
     Found examine_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring) const;
     static Found examine_open(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring);
-    std::uint32_t pick_start(const LinkGraph& graph, const WalkedContour& walked, const Point* ring,
-                             const RingFacts& facts) const;
+    std::uint32_t pick_start(std::uint32_t count, const Point* ring, const RingFacts& facts,
+                             FunctionRef<EndKey(std::uint32_t)> key_at) const;
     void sort_by_start();
     void put_holes_behind_outers();
     void append(BandOutput& out) const;

@@ -128,7 +128,6 @@ void LinkGraph::make(Slot slot) {
 }
 
 // --- Meetings
-// ---------------------------------------------------------------------------------------------------------------
 
 void LinkGraph::settle(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
                        FunctionRef<void(Slot, Slot)> copied) {
@@ -220,7 +219,6 @@ void LinkGraph::seat(Slot slot, int port, const MeetingEnd& end, std::span<Link>
 }
 
 // --- Walking along the segments' sense
-// ----------------------------------------------------------------------------------------
 //
 // The last plane's order, with a break after each position whose link changed and at each contour's end:
 //
@@ -391,7 +389,6 @@ void LinkGraph::add_contour(std::uint32_t begin, bool closed, bool is_mixed) {
 }
 
 // --- Walking where senses disagree
-// --------------------------------------------------------------------------------------------
 
 void LinkGraph::walk_any_sense() {
     leave_by_.resize(order_next_.size());
@@ -482,7 +479,6 @@ bool LinkGraph::runs_backwards(std::uint32_t begin, bool closed) const {
 }
 
 // --- Compaction
-// ---------------------------------------------------------------------------------------------------------------
 
 bool LinkGraph::compact(FunctionRef<void(std::span<const Slot>)> moved) {
     assert(changes_ == 0);

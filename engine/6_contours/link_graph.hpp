@@ -56,7 +56,6 @@ public:
     void reserve(std::size_t slots);
 
     // --- A plane's events: begin, attach both ends of each new link, settle, connect each, walk.
-    // -----------------------------
 
     /// Opens a new epoch of the map, sized for at most `attachments` ends.
     void begin_events(std::size_t attachments);
@@ -102,7 +101,6 @@ public:
     void walk();
 
     // --- The plane as it stands
-    // ---------------------------------------------------------------------------------------------
 
     std::span<const Slot> order() const noexcept { return {order_.data() + 1, ordered_}; }
     std::span<const WalkedContour> contours() const noexcept { return contours_; }

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cstring>
 
+#include "base/memory.hpp"
+
 namespace lamella {
 
 void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
@@ -21,7 +23,7 @@ void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t se
     placed_.clear();
     placed_.reserve(bands.size());
     for (std::size_t b = 0; b < bands.size(); ++b) {
-        placed_.emplace_back(memory_);
+        placed_.emplace_back(resource_or_default(memory_));
     }
     idle_.clear();
     for (const auto& buffer : buffers_) {
@@ -51,6 +53,11 @@ BandOutput* Placement::acquire(std::size_t band) {
     }
     output->begin({output->buffer.data(), output->buffer.capacity()});
     return output;
+}
+
+void Placement::give_back(BandOutput* output) {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(output);
 }
 
 void Placement::submit(std::size_t band, BandOutput* output) {

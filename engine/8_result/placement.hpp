@@ -33,6 +33,8 @@ public:
     /// head. Null after abort(). Bands must be asked for in ascending order, each by a thread that goes on to submit it or
     /// to abort().
     BandOutput* acquire(std::size_t band);
+    /// Takes back what acquire() gave, unused.
+    void give_back(BandOutput* output);
     /// Places `output`, and any that waited for it.
     void submit(std::size_t band, BandOutput* output);
     /// The run has failed: wakes all that wait.

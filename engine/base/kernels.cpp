@@ -15,7 +15,6 @@ namespace lamella {
 namespace {
 
 // --- Portable
-// -----------------------------------------------------------------------------------------------------------------
 
 void pierce_portable(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
     for (std::size_t e = 0; e < count; ++e) {
@@ -39,15 +38,16 @@ private:
     std::int64_t high_ = 0;
 };
 
-RingFacts trace_portable(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
-    const Point first = points[slots[0]];
+/// point(i) is the ring's i-th point; each is read once.
+template <class PointAt>
+RingFacts facts_of(std::size_t count, const PointAt& point) {
+    const Point first = point(0);
     RingFacts facts{first, first, 0, false};
     ProductSum sum;
-    Point before = points[slots[count - 1]];
+    Point before = point(count - 1);
     Point here = first;
     for (std::size_t i = 0; i < count; ++i) {
-        const Point next = i + 1 < count ? points[slots[i + 1]] : first;
-        ring[i] = here;
+        const Point next = i + 1 < count ? point(i + 1) : first;
         facts.box_min = {std::min(facts.box_min.x, here.x), std::min(facts.box_min.y, here.y)};
         facts.box_max = {std::max(facts.box_max.x, here.x), std::max(facts.box_max.y, here.y)};
         facts.has_repeats = facts.has_repeats || here == next;
@@ -57,6 +57,10 @@ RingFacts trace_portable(const Point* points, const std::uint32_t* slots, std::s
     }
     facts.twice_area = sum.total();
     return facts;
+}
+
+RingFacts trace_portable(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
+    return facts_of(count, [=](std::size_t i) { return ring[i] = points[slots[i]]; });
 }
 
 std::size_t find_x_portable(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
@@ -73,7 +77,6 @@ constexpr Kernels portable{pierce_portable, trace_portable, find_x_portable};
 #define LAMELLA_AVX512 __attribute__((target("avx512f,avx512vl,avx2")))
 
 // --- AVX2: four edges, four points a step
-// ---------------------------------------------------------------------------------------
 
 LAMELLA_AVX2 __m128i four_ints(const std::int32_t* at) {
     return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
@@ -192,7 +195,6 @@ LAMELLA_AVX2 std::size_t find_x_avx2(const Point* ring, std::size_t from, std::s
 constexpr Kernels avx2{pierce_avx2, trace_avx2, find_x_avx2};
 
 // --- AVX-512: eight edges, eight points a step
-// ---------------------------------------------------------------
 
 LAMELLA_AVX512 __m256i eight_ints(const std::int32_t* at) {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
@@ -286,6 +288,10 @@ constexpr Kernels avx512{pierce_avx512, trace_avx512, find_x_avx512};
 #endif
 
 }  // namespace
+
+RingFacts examine_ring(const Point* ring, std::size_t count) noexcept {
+    return facts_of(count, [ring](std::size_t i) { return ring[i]; });
+}
 
 const Kernels& portable_kernels() noexcept {
     return portable;

@@ -42,6 +42,9 @@ struct Kernels {
 /// Room that arrays handed to pierce() need beyond a multiple of it.
 inline constexpr std::size_t padded_count = 8;
 
+/// The facts of a closed ring of count > 0 points as they lie.
+RingFacts examine_ring(const Point* ring, std::size_t count) noexcept;
+
 /// The kernels for the processor that this runs on.
 const Kernels& kernels_for_this_cpu() noexcept;
 /// The portable ones, for comparison.

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 #else
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #endif
@@ -25,13 +26,16 @@ struct Dispenser {
     std::mutex mutex{};
     std::exception_ptr failure{};
 
+    /// Relaxed: the join orders results, and any other order among tasks would hide their races from the thread sanitizer.
+    std::size_t claim() noexcept { return next.fetch_add(1, std::memory_order_relaxed); }
+
     void work(int worker) noexcept {
         try {
-            for (std::size_t i = next.fetch_add(1); i < count; i = next.fetch_add(1)) {
+            for (std::size_t i = claim(); i < count; i = claim()) {
                 task(i, worker);
             }
         } catch (...) {
-            next.store(count);
+            next.store(count, std::memory_order_relaxed);
             const std::lock_guard lock(mutex);
             if (!failure) {
                 failure = std::current_exception();
@@ -61,7 +65,11 @@ Parallel::Parallel(int threads) : threads_(threads > 0 ? threads : Arena::defaul
 #else
 
 struct Parallel::Arena {
-    explicit Arena(int threads) : arena(threads) {}
+    /// No more than there are: oneTBB would give no more, and say so on stderr.
+    explicit Arena(int threads) : arena(std::min(threads, available())) {}
+    static int available() {
+        return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    }
     tbb::task_arena arena;
 
     /// Workers are tasks that each claim indices until none is left: fewer threads than workers only means that some find

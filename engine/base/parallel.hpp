@@ -16,9 +16,11 @@ class FunctionRef;
 template <class R, class... Args>
 class FunctionRef<R(Args...)> {
 public:
+    // Implicit, as lambdas are passed; the constraint leaves copies to the copy constructor.
     template <class F>
+    // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload)
     requires(!std::is_same_v<std::remove_cvref_t<F>, FunctionRef>) FunctionRef(F&& f)
-    noexcept  // NOLINT(google-explicit-constructor, bugprone-forwarding-reference-overload)
+    noexcept
         : object_(const_cast<void*>(static_cast<const void*>(std::addressof(f)))),
           call_([](void* object, Args... args) -> R {
               return (*static_cast<std::remove_reference_t<F>*>(object))(static_cast<Args>(args)...);

@@ -21,9 +21,8 @@ constexpr int create_attempts = 100;
 std::filesystem::path aside_name(const std::filesystem::path& destination, int attempt) {
     constexpr std::size_t longest_stem = 180;
     const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
-    std::string name(1, '.');
-    name += destination.filename().string().substr(0, longest_stem);
-    name += '.' + std::to_string(::getpid()) + '-' + std::to_string(now + attempt) + ".part";
+    const std::string name = "." + destination.filename().string().substr(0, longest_stem) + "." +
+                             std::to_string(::getpid()) + "-" + std::to_string(now + attempt) + ".part";
     return destination.parent_path() / name;
 }
 

@@ -148,7 +148,7 @@ private:
         std::string text = "Coordinates in mm. Grid unit " + exact_text(result_.unit_mm) +
                            " mm. Planes: " + describe(result_.plan) + ". Frame (rows of a 3x4 matrix from mesh to layers):";
         for (const double entry : result_.frame.m) {
-            text.append(1, ' ').append(exact_text(entry));
+            text += " " + exact_text(entry);
         }
         return text + ".";
     }

@@ -108,9 +108,10 @@ test_accepted_input() {
     expect 0 slice $'odd\nname.stl' --report report.json
     expect_failure 3 'no?file' info $'no\nfile'
     local format
-    for format in --map "--threads 1" "--threads 3" "--band 1" "--band 7" "--form assembled"; do
+    for format in --map "--threads 1" "--threads 3" "--threads 64" "--band 1" "--band 7" "--form assembled"; do
         # shellcheck disable=SC2086
         expect 0 slice ball.stl $format --report report.json
+        [[ ! -s .stderr ]] || fail "$format: stderr is not silent"
         expect_json report.json "$hash" output_hash
     done
 }
@@ -148,27 +149,35 @@ test_no_partial_output() {
     expect_files ball.stl
 }
 
-# The signal is sent when the file aside appears. Once in a while the tool is done before it arrives; then it is tried again.
+# interrupted SIGNAL OUTPUT ARGUMENT...: the signal is sent when the file aside appears. Once in a while the tool is done before
+# it arrives; then it is tried again.
+interrupted() {
+    local signal=$1 output=$2 attempt status tool
+    shift 2
+    for attempt in 1 2 3 4 5; do
+        # A background job ignores SIGINT unless job control gives it a group of its own.
+        set -m
+        "$lamella" "$@" -o "$output" > .stdout 2> .stderr &
+        set +m
+        tool=$!
+        until compgen -G ".$output.*" > /dev/null || ! kill -0 "$tool" 2> /dev/null; do :; done
+        kill -s "$signal" "$tool" 2> /dev/null
+        wait "$tool" 2> /dev/null
+        status=$?
+        ((status == 0)) || break
+        rm "$output"
+    done
+    ((status == 128 + $(kill -l "$signal"))) || fail "$1, $signal: exit status $status"
+    [[ $(cat .stderr) == "lamella: interrupted" ]] || fail "$1, $signal: not one line"
+    expect_files ball.stl
+}
+
 test_interrupt() {
     sphere ball.stl 20000
-    local signal attempt status
+    local signal
     for signal in INT TERM; do
-        for attempt in 1 2 3 4 5; do
-            # A background job ignores SIGINT unless job control gives it a group of its own.
-            set -m
-            "$lamella" slice ball.stl --layer-height 0.002 -o out.svg > .stdout 2> .stderr &
-            set +m
-            local tool=$!
-            until compgen -G ".out.svg.*" > /dev/null || ! kill -0 "$tool" 2> /dev/null; do :; done
-            kill -s "$signal" "$tool" 2> /dev/null
-            wait "$tool" 2> /dev/null
-            status=$?
-            ((status == 0)) || break
-            rm out.svg
-        done
-        ((status == 128 + $(kill -l "$signal"))) || fail "$signal: exit status $status"
-        [[ $(cat .stderr) == "lamella: interrupted" ]] || fail "$signal: not one line"
-        expect_files ball.stl
+        interrupted "$signal" out.svg slice ball.stl --layer-height 0.002
+        interrupted "$signal" made.stl make bone --triangles 1000000
     done
 }
 

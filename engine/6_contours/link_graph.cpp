@@ -242,9 +242,8 @@ void LinkGraph::walk() {
     if (open_ > 0) {
         walk_sources();
     }
-    if (chase_) {
-        walk_old_starts();
-    } else {
+    walk_old_starts();
+    if (!chase_) {
         walk_old_runs();
     }
     walk_rest();
@@ -298,8 +297,9 @@ void LinkGraph::walk_sources() {
     }
 }
 
+/// What the starts of the last plane's contours did not lead to: parts that split off.
 void LinkGraph::walk_old_runs() {
-    for (std::uint32_t position = 1; position <= ordered_; position = next_break(position) + 1) {
+    for (std::uint32_t position = 1; filled_ < live_ && position <= ordered_; position = next_break(position) + 1) {
         const Slot slot = order_[position];
         if (position_[slot] == position && !walked(slot)) {
             walk_from(slot);
@@ -310,7 +310,7 @@ void LinkGraph::walk_old_runs() {
 void LinkGraph::walk_old_starts() {
     for (const std::uint32_t position : old_starts_) {
         const Slot slot = order_[position];
-        if (!is_free(slot) && !walked(slot)) {
+        if (chase_ ? !is_free(slot) && !walked(slot) : position_[slot] == position && !walked(slot)) {
             walk_from(slot);
         }
     }

@@ -67,12 +67,50 @@ __attribute__((target("avx2"))) void add_edges_avx2(Winding& winding, const Poin
     _mm256_zeroupper();  // the caller runs the narrow instructions of the baseline
 }
 
+/// The same with 16 points a step: compared lanes arrive as bits, x and y by turns, and the y bits are picked out.
+__attribute__((target("avx512f,avx512vl,bmi2"))) unsigned edges_at_512(const Point* points, std::int32_t y) noexcept {
+    const __m512i level = _mm512_set1_epi32(y);
+    const __m512i low = _mm512_loadu_si512(points);
+    const __m512i high = _mm512_loadu_si512(points + 8);
+    const auto y_lanes = [](unsigned first, unsigned second) __attribute__((target("bmi2"))) {
+        return _pext_u32(first | second << 16, 0xaaaaaaaaU);
+    };
+    const unsigned above = y_lanes(_mm512_cmpgt_epi32_mask(low, level), _mm512_cmpgt_epi32_mask(high, level)) |
+                           static_cast<unsigned>(points[16].y > y) << 16;
+    const unsigned at = y_lanes(_mm512_cmpeq_epi32_mask(low, level), _mm512_cmpeq_epi32_mask(high, level));
+    return ((above ^ above >> 1) & 0xffffU) | at;
+}
+
+__attribute__((target("avx512f,avx512vl,bmi2"))) void add_edges_avx512(Winding& winding, const Point* points,
+                                                                       std::uint32_t count) noexcept {
+    if (count < 16) {
+        add_edges_portable(winding, points, count);
+        return;
+    }
+    Winding sum = winding;
+    const std::int32_t y = sum.query().y;
+    for (std::uint32_t i = 0; i < count; i += 16) {
+        const std::uint32_t first = std::min(i, count - 16);  // the last run overlaps the one before
+        for (unsigned edges = edges_at_512(points + first, y) >> (i - first) << (i - first); edges != 0;
+             edges &= edges - 1) {
+            const Point* edge = points + first + std::countr_zero(edges);
+            sum.add(edge[0], edge[1]);
+        }
+    }
+    winding = sum;
+    _mm256_zeroupper();
+}
+
 }  // namespace
 
 #endif
 
 AddEdges best_add_edges() noexcept {
 #ifdef LAMELLA_AVX2
+    if (__builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512vl") != 0 &&
+        __builtin_cpu_supports("bmi2") != 0) {
+        return add_edges_avx512;
+    }
     if (__builtin_cpu_supports("avx2") != 0) {
         return add_edges_avx2;
     }

@@ -49,14 +49,17 @@ public:
     /// Puts the edge of slot `from` in slot `to` too.
     void copy(Slot to, Slot from);
 
-    /// Calls leave(slot) for each edge that leaves at `plane`.
+    /// Calls leave(slot) for each edge that leaves at `plane`; returns their number.
     template <class Leave>
-    void take_ended(PlaneIndex plane, Leave&& leave) {
+    std::size_t take_ended(PlaneIndex plane, Leave&& leave) {
+        std::size_t count = 0;
         for (Slot slot = std::exchange(head_[plane - first_], no_link); slot != no_link;) {
             const Slot next = endings_[slot].next;
             leave(slot);
             slot = next;
+            ++count;
         }
+        return count;
     }
 
     /// Renumbers after LinkGraph::compact(). `plane` is the current one.

@@ -76,7 +76,7 @@ void BandSweep::begin(const Band& band, const Buckets& buckets) {
 
 /// Swept form: edges that end leave, triangles of the plane's list enter, middle vertices are passed.
 void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
-    edges_.take_ended(plane, [this](Slot slot) { graph_.release(slot); });
+    graph_.released(edges_.take_ended(plane, [this](Slot slot) { graph_.release(slot); }));
     const std::uint32_t list_begin = buckets_->list_begin[plane];
     const std::uint32_t list_end = buckets_->list_begin[plane + 1];
     std::uint32_t& head = pending_head_[plane - band_.first];

@@ -59,10 +59,6 @@ LinkGraph::LinkGraph(std::pmr::memory_resource* memory)
 }
 
 void LinkGraph::clear() {
-    for (Slot slot = 0; slot < slot_end_; ++slot) {
-        nodes_[slot].owners[target_port] = no_link;
-        nodes_[slot].owners[source_port] = no_link;
-    }
     free_.clear();
     fresh_.clear();
     crowd_.clear();
@@ -182,7 +178,7 @@ void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Sl
         }
         const Slot copy = spare();
         reserve(copy + std::size_t{1});
-        nodes_[copy].key = nodes_[slot].key;
+        nodes_[copy] = {nodes_[slot].key, {no_link, no_link}};
         if (free_.empty()) {
             ++slot_end_;
         } else {
@@ -291,7 +287,7 @@ bool LinkGraph::walked(Slot slot) const noexcept {
 
 void LinkGraph::walk_sources() {
     for (Slot slot = 0; slot < slot_end_; ++slot) {
-        if (links_[target_port][slot] == no_link) {
+        if (!is_free(slot) && links_[target_port][slot] == no_link) {
             walk_from(slot);
         }
     }

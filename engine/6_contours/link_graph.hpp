@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <memory_resource>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "6_contours/end_key.hpp"
@@ -94,8 +95,13 @@ public:
         ++changes_;
     }
 
-    /// The edge of `slot` ends below the plane.
+    /// The edge of `slot` ends below the plane; released() follows.
     void release(Slot slot);
+    /// As many slots as that were released.
+    void released(std::size_t count) noexcept {
+        live_ -= count;
+        changes_ += count;
+    }
 
     /// Brings order() and contours() up to date. O(runs between changes + slots), and O(1) when nothing changed.
     void walk();
@@ -108,28 +114,28 @@ public:
     /// Slots in use are below this; some below it are free.
     Slot slot_end() const noexcept { return slot_end_; }
     std::size_t live() const noexcept { return live_; }
-    bool is_free(Slot slot) const noexcept { return links_[target_port][slot] == freed; }
+    bool is_free(Slot slot) const noexcept { return flags_[slot] == unused; }
 
     /// Renumbers the slots 0, 1, 2, ... in walking order when fewer than half are in use, so that a plane costs what is
     /// active now. Calls moved(new_to_old) once if it did. Precondition: walk() has been called since the last change.
     bool compact(FunctionRef<void(std::span<const Slot> new_to_old)> moved);
 
 private:
-    static constexpr std::uint32_t freed = 0xFFFFFFFEU;
     static constexpr std::uint32_t no_position = 0;  // positions count from 1, so that marking it is harmless
 
-    enum Flag : std::uint8_t {
+    enum Flag : std::uint32_t {
         open_end = 1,
         mixed_target_is_source = 2,  // the end on port 0 leaves by it
         mixed_source_is_target = 4,  // the end on port 1 enters by it
         mixed = mixed_target_is_source | mixed_source_is_target,
         crowded = 8,  // more than two ends meet, or two of one sense
+        unused = 16,  // no edge is here
     };
 
     /// An edge as the map compares it, and what attaches to it while it is new.
     struct Node {
         EndKey key;
-        std::uint32_t owners[2] = {no_link, no_link};  // the link on each port
+        std::uint32_t owners[2];  // the link on each port
     };
 
     struct Entry {
@@ -171,8 +177,8 @@ private:
 
     // slots
     std::pmr::vector<Node> nodes_;
-    std::pmr::vector<PortRef> links_[2];  // by port: what it is linked to
-    std::pmr::vector<std::uint8_t> flags_;
+    std::pmr::vector<PortRef> links_[2];        // by port: what it is linked to
+    std::pmr::vector<std::uint32_t> flags_;     // a byte would alias all that the loops keep in registers
     std::pmr::vector<std::uint32_t> position_;  // in order_, from 1
     std::pmr::vector<Slot> free_;
     Slot spare_ = 0;
@@ -222,7 +228,7 @@ inline Slot LinkGraph::find_or_add(const EndKey& key) {
         reserve(new_slot + new_slot / 2 + 1024);
     }
     Node* const nodes = nodes_.data();
-    nodes[new_slot].key = key;
+    nodes[new_slot] = {key, {no_link, no_link}};
     Entry* const table = table_.data();
     for (std::size_t i = hash_key(key) >> table_shift_;; i = (i + 1) & table_mask_) {
         Entry& place = table[i];
@@ -243,14 +249,12 @@ inline Slot LinkGraph::find_or_add(const EndKey& key) {
 inline void LinkGraph::release(Slot slot) {
     break_after(position_[slot]);
     position_[slot] = no_position;
-    open_ -= (flags_[slot] & open_end) != 0 ? 1 : 0;
-    mixed_ -= (flags_[slot] & mixed) != 0 ? 1 : 0;
-    links_[target_port][slot] = freed;
-    nodes_[slot].owners[target_port] = no_link;
-    nodes_[slot].owners[source_port] = no_link;
+    const std::uint32_t flags = std::exchange(flags_[slot], unused);
+    if (flags != 0) {
+        open_ -= (flags & open_end) != 0 ? 1 : 0;
+        mixed_ -= (flags & mixed) != 0 ? 1 : 0;
+    }
     free_.push_back(slot);
-    --live_;
-    ++changes_;
 }
 
 }  // namespace lamella

@@ -3,6 +3,8 @@
 #include <limits>
 #include <stop_token>
 
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
@@ -62,9 +64,22 @@ TEST_CASE("results known to be too large are refused before they are allocated",
     options.plan.spacing = lamella::UniformLayers{0.001};
     options.memory_limit_bytes = 11'000'000;
     CHECK(failure_of(view_of(soup), options).code == Code::result_too_large);
-    // The default limit, at the height that would take a machine down.
-    lamella::SliceOptions careless = uniform(1e-6, 0x1p-23);
-    CHECK(failure_of(view_of(shapes::box({0, 0, 0}, {4, 4, 120})), careless).code == Code::result_too_large);
+}
+
+TEST_CASE("the default limit is half of physical memory", "[engine][errors]") {
+    constexpr double height_mm = 240;
+    constexpr double layer_height_mm = 2.5e-7;
+    constexpr double layers_bytes = height_mm / layer_height_mm * sizeof(lamella::Layer);
+    const double limit_bytes =
+        0.5 * static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+    if (limit_bytes > layers_bytes) {
+        WARN("not tested: this machine has memory for the most layers that a grid holds");
+        return;
+    }
+    const shapes::Soup soup = shapes::box({0, 0, -height_mm / 2}, {4, 4, height_mm / 2});
+    const lamella::Error error = failure_of(view_of(soup), uniform(layer_height_mm, 0x1p-23));
+    CHECK(error.code == Code::result_too_large);
+    CHECK_THAT(error.message, Catch::Contains(std::to_string(static_cast<std::uint64_t>(limit_bytes))));
 }
 
 TEST_CASE("a failing allocation is an error, not an exception", "[engine][errors]") {

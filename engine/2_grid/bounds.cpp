@@ -64,14 +64,14 @@ Partial measure_float_soup(const MeshView& mesh, std::size_t begin, std::size_t 
         low[v] = _mm_set1_ps(std::numeric_limits<float>::infinity());
         high[v] = _mm_set1_ps(-std::numeric_limits<float>::infinity());
     }
-    __m128 poison = _mm_setzero_ps();
+    __m128 poison[3] = {_mm_setzero_ps(), _mm_setzero_ps(), _mm_setzero_ps()};  // one each: a sum waits for the one before
     for (std::size_t t = begin; t < end; ++t) {
         const auto* at = reinterpret_cast<const float*>(mesh.vertices + t * mesh.stride);
         for (int v = 0; v < 3; ++v) {
             const __m128 value = _mm_loadu_ps(at + offset[v]);
             low[v] = _mm_min_ps(low[v], value);
             high[v] = _mm_max_ps(high[v], value);
-            poison = _mm_add_ps(poison, _mm_mul_ps(value, _mm_setzero_ps()));
+            poison[v] = _mm_add_ps(poison[v], _mm_mul_ps(value, _mm_setzero_ps()));
         }
     }
     Partial box;
@@ -84,7 +84,8 @@ Partial measure_float_soup(const MeshView& mesh, std::size_t begin, std::size_t 
             box.add(axis_of_lane[v][lane], static_cast<double>(lows[lane]), static_cast<double>(highs[lane]));
         }
     }
-    box.finite = _mm_movemask_ps(_mm_cmpeq_ps(poison, _mm_setzero_ps())) == 0xF;
+    const __m128 sum = _mm_add_ps(poison[0], _mm_add_ps(poison[1], poison[2]));
+    box.finite = _mm_movemask_ps(_mm_cmpeq_ps(sum, _mm_setzero_ps())) == 0xF;
     return box;
 }
 #endif

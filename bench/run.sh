@@ -5,7 +5,7 @@
 #     bench/run.sh            everything; takes tens of minutes, the first time some more for the meshes
 #     bench/run.sh --quick    a hundredth of the sizes, into build/bench-quick: tells only that the benchmarks work
 #
-# PIN=LIST pins the whole process to these cores (taskset -c LIST).
+# PIN=LIST pins the whole process to these cores (taskset -c LIST). FILTER=REGEX runs only the benchmarks that match (-REGEX: that do not).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
@@ -46,7 +46,7 @@ pin=()
 
 stage "benchmarks"
 "${pin[@]}" build/bench/lamella_bench "${quick[@]}" "${where[@]}" \
-    --benchmark_out="$results/bench.json" --benchmark_out_format=json --benchmark_display_aggregates_only=true
+    --benchmark_filter="${FILTER:-.}" --benchmark_out="$results/bench.json" --benchmark_out_format=json --benchmark_display_aggregates_only=true
 
 stage "bands and parts by themselves"
 "${pin[@]}" build/bench/lamella_partition "${quick[@]}" "${where[@]}" > "$results/partition.json"

@@ -34,7 +34,7 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
         all_work += work_of(buckets, plane);
     }
     // Some bands for each thread so that an uneven one can be evened out; on one thread they only serve the cache.
-    const std::uint64_t share = all_work / (10 * static_cast<std::uint64_t>(threads)) + 1;
+    const std::uint64_t share = all_work / (16 * static_cast<std::uint64_t>(threads)) + 1;
     Band band{0, 0, 0, false};
     std::uint64_t work = 0;
     for (PlaneIndex plane = 0; plane < planes; ++plane) {
@@ -70,17 +70,18 @@ void BandPlan::find_seeds(const Buckets& buckets, PlaneIndex planes, const Paral
     parallel.run(bands.size(), [&](std::size_t b, int worker) {
         const PlaneIndex last = bands[b].last;
         for (std::uint32_t r = buckets.list_begin[bands[b].first]; r < buckets.list_begin[last]; ++r) {
-            if (const PlaneIndex end = buckets.records[r].last; end > last) {
-                spans_[static_cast<std::size_t>(worker)].push_back({r, static_cast<std::uint32_t>(b + 1), band_of[end - 1]});
+            if (buckets.records[r].last > last) {
+                spans_[static_cast<std::size_t>(worker)].push_back({r, static_cast<std::uint32_t>(b + 1)});
             }
         }
     });
+    const auto last_band = [&](const Span& span) { return band_of[buckets.records[span.record].last - 1]; };
     // Count, prefix sum, scatter. A span adds one where it begins and takes it off where it ends.
     std::pmr::vector<std::int64_t> change(bands.size() + 1, 0, seeds.get_allocator());
     for (const auto& spans : spans_) {
         for (const Span& span : spans) {
             ++change[span.first];
-            --change[span.last + 1];
+            --change[last_band(span) + 1];
         }
     }
     std::int64_t reaching = 0;
@@ -91,12 +92,14 @@ void BandPlan::find_seeds(const Buckets& buckets, PlaneIndex planes, const Paral
     seeds.resize(seed_begin.back());
     for (const auto& spans : spans_) {
         for (const Span& span : spans) {
-            for (std::uint32_t b = span.first; b <= span.last; ++b) {
+            const std::uint32_t last = last_band(span);
+            for (std::uint32_t b = span.first; b <= last; ++b) {
                 seeds[seed_begin[b + 1]++] = span.record;
             }
         }
     }
     seed_begin.pop_back();
+    spans_.clear();  // not kept: of tall facets it is a good part of all scratch
 }
 
 }  // namespace lamella

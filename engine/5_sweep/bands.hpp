@@ -40,11 +40,10 @@ struct BandPlan {
     void find_seeds(const Buckets& buckets, PlaneIndex planes, const Parallel& parallel);
 
 private:
-    /// A triangle that reaches beyond its first band: it is a seed of [first, last].
+    /// A triangle that reaches beyond the band before `first`: it is a seed of that one and of what follows up to its end.
     struct Span {
         std::uint32_t record;
         std::uint32_t first;
-        std::uint32_t last;
     };
     std::pmr::vector<std::pmr::vector<Span>> spans_;  // by worker
 };

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 namespace lamella {
 
@@ -39,7 +40,7 @@ inline void number_run(const Slot* run, std::uint32_t length, std::uint32_t firs
 }  // namespace
 
 LinkGraph::LinkGraph(std::pmr::memory_resource* memory)
-    : nodes_(memory),
+    : keys_(memory),
       links_{std::pmr::vector<PortRef>(memory), std::pmr::vector<PortRef>(memory)},
       flags_(memory),
       position_(memory),
@@ -76,8 +77,8 @@ void LinkGraph::clear() {
 }
 
 void LinkGraph::reserve(std::size_t slots) {
-    if (slots > nodes_.size()) {
-        nodes_.resize(slots);
+    if (slots > keys_.size()) {
+        keys_.resize(slots);
         links_[target_port].resize(slots);
         links_[source_port].resize(slots);
         flags_.resize(slots);
@@ -87,17 +88,39 @@ void LinkGraph::reserve(std::size_t slots) {
 }
 
 void LinkGraph::begin_events(std::size_t attachments) {
-    // Two ends share an edge as a rule, so the table is less than half full; it never fills, even if none do.
-    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, attachments + attachments / 4));
+    // Two ends share an edge as a rule. Small tables are less than half full then; large ones, of a band's first plane, take
+    // memory.
+    const bool small = attachments < (std::size_t{1} << 16);
+    const std::size_t edges = small ? attachments : attachments / 2;
+    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, edges + edges / 4));
     if (size > table_.size() || ++epoch_ == 0) {
         table_.assign(std::max(size, table_.size()), Entry{0, 0});
         epoch_ = 1;
     }
     table_mask_ = size - 1;
     table_shift_ = 64 - std::countr_zero(size);
+    table_limit_ = static_cast<Slot>(size - size / 8);
     fresh_.clear();
     used_ = 0;
     spare_ = spare();
+}
+
+/// Fewer ends shared an edge than is the rule: the edges made so far go to a table of twice the size.
+void LinkGraph::grow_table() {
+    const std::size_t size = 2 * (table_mask_ + 1);
+    table_.assign(size, Entry{0, 0});
+    epoch_ = 1;
+    table_mask_ = size - 1;
+    --table_shift_;
+    table_limit_ = static_cast<Slot>(size - size / 8);
+    const Slot made = std::exchange(used_, 0);
+    for (; used_ < made; ++used_) {
+        std::size_t i = hash_key(keys_[spare()]) >> table_shift_;
+        while (table_[i].epoch == epoch_) {
+            i = (i + 1) & table_mask_;
+        }
+        table_[i] = {epoch_, spare()};
+    }
 }
 
 std::span<const Slot> LinkGraph::end_attaching() {
@@ -115,8 +138,6 @@ std::span<const Slot> LinkGraph::end_attaching() {
 }
 
 void LinkGraph::make(Slot slot) {
-    links_[target_port][slot] = no_link;
-    links_[source_port][slot] = no_link;
     flags_[slot] = 0;
     position_[slot] = no_position;
     ++live_;
@@ -131,7 +152,7 @@ void LinkGraph::settle(std::span<Link> links, FunctionRef<void(Slot, std::span<M
         flags_[c.slot] |= crowded;
     }
     for (const Slot slot : fresh_) {
-        const bool one_sided = nodes_[slot].owners[0] == no_link || nodes_[slot].owners[1] == no_link;
+        const bool one_sided = links_[target_port][slot] == no_link || links_[source_port][slot] == no_link;
         if (one_sided && (flags_[slot] & crowded) == 0) {
             note_open(slot);
         }
@@ -153,7 +174,7 @@ void LinkGraph::settle_crowded(std::span<Link> links, FunctionRef<void(Slot, std
         const Slot slot = crowd_[i].slot;
         meeting_.clear();
         for (const int port : {target_port, source_port}) {
-            if (const std::uint32_t link = nodes_[slot].owners[port]; link != no_link) {
+            if (const std::uint32_t link = links_[port][slot]; link != no_link) {
                 meeting_.push_back({link, port == source_port});
             }
         }
@@ -172,13 +193,15 @@ void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Sl
     bool first = true;
     const auto next_slot = [&] {
         if (std::exchange(first, false)) {
-            nodes_[slot].owners[0] = no_link;
-            nodes_[slot].owners[1] = no_link;
+            links_[target_port][slot] = no_link;
+            links_[source_port][slot] = no_link;
             return slot;
         }
         const Slot copy = spare();
         reserve(copy + std::size_t{1});
-        nodes_[copy] = {nodes_[slot].key, {no_link, no_link}};
+        keys_[copy] = keys_[slot];
+        links_[target_port][copy] = no_link;
+        links_[source_port][copy] = no_link;
         if (free_.empty()) {
             ++slot_end_;
         } else {
@@ -205,7 +228,6 @@ void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Sl
 
 void LinkGraph::seat(Slot slot, int port, const MeetingEnd& end, std::span<Link> links) {
     const PortRef ref = 2 * slot + static_cast<unsigned>(port);
-    nodes_[slot].owners[port] = end.link;
     links[end.link].ends[end.is_source ? source_port : target_port] = ref;
     if (end.is_source && port == target_port) {
         flags_[slot] |= mixed_target_is_source;
@@ -445,7 +467,7 @@ bool LinkGraph::runs_backwards(std::uint32_t begin, bool closed) const {
     if (2 * forwards != segments) {
         return 2 * forwards < segments;
     }
-    const auto key_at = [&](std::uint32_t i) -> const EndKey& { return nodes_[slots[i % count]].key; };
+    const auto key_at = [&](std::uint32_t i) -> const EndKey& { return keys_[slots[i % count]]; };
     const auto smaller = [&](std::uint32_t a, bool a_back, std::uint32_t b, bool b_back) {
         for (std::uint32_t i = 0; i < count; ++i) {
             const EndKey& key_a = key_at(a_back ? a + count - i : a + i);
@@ -490,7 +512,7 @@ bool LinkGraph::compact(FunctionRef<void(std::span<const Slot>)> moved) {
         std::transform(new_to_old.begin(), new_to_old.end(), to.begin(), [&array](Slot old) { return array[old]; });
         array.swap(to);
     };
-    move(nodes_);
+    move(keys_);
     move(flags_);
     for (auto& links : links_) {
         move(links);

@@ -67,7 +67,8 @@ public:
     /// Attaches an end of link `link` to `slot`. Returns the port's reference, which settle() may change where more than two
     /// meet.
     PortRef attach(Slot slot, int port, std::uint32_t link) {
-        std::uint32_t& owner = nodes_[slot].owners[port];
+        // Until it is connected, a new slot's port holds the link that came first.
+        std::uint32_t& owner = links_[port][slot];
         if (owner == no_link) {
             owner = link;
         } else {
@@ -110,7 +111,7 @@ public:
 
     std::span<const Slot> order() const noexcept { return {order_.data() + 1, ordered_}; }
     std::span<const WalkedContour> contours() const noexcept { return contours_; }
-    const EndKey& key(Slot slot) const noexcept { return nodes_[slot].key; }
+    const EndKey& key(Slot slot) const noexcept { return keys_[slot]; }
     /// Slots in use are below this; some below it are free.
     Slot slot_end() const noexcept { return slot_end_; }
     std::size_t live() const noexcept { return live_; }
@@ -132,17 +133,12 @@ private:
         unused = 16,  // no edge is here
     };
 
-    /// An edge as the map compares it, and what attaches to it while it is new.
-    struct Node {
-        EndKey key;
-        std::uint32_t owners[2];  // the link on each port
-    };
-
     struct Entry {
         std::uint32_t epoch;
         Slot slot;
     };
 
+    void grow_table();
     /// The slot that the next new edge will take: the last freed, else one never used.
     Slot spare() const noexcept {
         return used_ < free_.size() ? free_[free_.size() - 1 - used_]
@@ -176,13 +172,13 @@ private:
     bool runs_backwards(std::uint32_t begin, bool closed) const;
 
     // slots
-    std::pmr::vector<Node> nodes_;
+    std::pmr::vector<EndKey> keys_;
     std::pmr::vector<PortRef> links_[2];        // by port: what it is linked to
     std::pmr::vector<std::uint32_t> flags_;     // a byte would alias all that the loops keep in registers
     std::pmr::vector<std::uint32_t> position_;  // in order_, from 1
     std::pmr::vector<Slot> free_;
     Slot spare_ = 0;
-    Slot capacity_ = 0;             // nodes_.size()
+    Slot capacity_ = 0;             // keys_.size()
     Slot used_ = 0;                 // slots made since begin_events(), from the end of free_ on
     std::pmr::vector<Slot> fresh_;  // they, after end_attaching()
     Slot slot_end_ = 0;
@@ -193,6 +189,7 @@ private:
     // map
     std::pmr::vector<Entry> table_;
     std::size_t table_mask_ = 0;
+    Slot table_limit_ = 0;  // new edges that it holds before it must grow
     int table_shift_ = 63;
     std::uint32_t epoch_ = 0;
 
@@ -227,8 +224,10 @@ inline Slot LinkGraph::find_or_add(const EndKey& key) {
     if (new_slot >= capacity_) {
         reserve(new_slot + new_slot / 2 + 1024);
     }
-    Node* const nodes = nodes_.data();
-    nodes[new_slot] = {key, {no_link, no_link}};
+    EndKey* const keys = keys_.data();
+    keys[new_slot] = key;
+    links_[target_port][new_slot] = no_link;
+    links_[source_port][new_slot] = no_link;
     Entry* const table = table_.data();
     for (std::size_t i = hash_key(key) >> table_shift_;; i = (i + 1) & table_mask_) {
         Entry& place = table[i];
@@ -237,10 +236,13 @@ inline Slot LinkGraph::find_or_add(const EndKey& key) {
         const std::uint32_t other = entry.epoch ^ epoch_;
         const std::uint32_t is_new = 0U - ((other | (0U - other)) >> 31);
         const Slot slot = entry.slot ^ ((entry.slot ^ new_slot) & is_new);
-        if (nodes[slot].key == key) {
+        if (keys[slot] == key) {
             place = {epoch_, slot};
             used_ += is_new & 1;
             spare_ = spare();
+            if (used_ == table_limit_) {
+                grow_table();
+            }
             return slot;
         }
     }

@@ -128,3 +128,22 @@ TEST_CASE("areas times layer height are the volume", "[engine][scale]") {
     }
     CHECK(sum == Approx(volume).epsilon(1e-5));
 }
+
+TEST_CASE("facets that share no edge, more than the edge map expects", "[engine][scale]") {
+    constexpr int count = 40'000;
+    shapes::Soup soup;
+    for (int i = 0; i < count; ++i) {
+        const double x = 3 * (i % 200);
+        const double y = 3 * (i / 200);
+        const shapes::Soup facet = shapes::triangle({x, y, 0}, {x + 1, y, 0}, {x, y + 1, 2});
+        soup.insert(soup.end(), facet.begin(), facet.end());
+    }
+    lamella::SliceOptions options;
+    options.plan.spacing = lamella::ExplicitPlanes{{1}};
+    const lamella::SliceResult result = sliced(soup, options);
+    CHECK(result.summary.open_contours == count);
+    CHECK(result.points.size() == 2 * std::size_t{count});
+    options.form = lamella::ContourForm::assembled;
+    options.threads = 1;
+    CHECK(output_hash(sliced(soup, options)) == output_hash(result));
+}

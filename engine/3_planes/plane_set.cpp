@@ -16,6 +16,7 @@ namespace {
 constexpr std::int32_t below_all = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t above_all = std::numeric_limits<std::int32_t>::max();
 constexpr double most_planes = 2147483648.0 - 4;
+constexpr std::size_t most_listed = std::size_t{1} << 27;  // as many as find room beyond either end of the grid
 
 std::string mm_text(double mm) {
     std::string text = std::to_string(mm);
@@ -79,7 +80,7 @@ Status PlaneSet::check_distinct() const {
     for (PlaneIndex i = 1; i < count_; ++i) {
         const double below = height_mm(i - 1);
         const double above = height_mm(i);
-        if (above < below || z(i) <= z(i - 1)) {
+        if (above <= below || z(i) <= z(i - 1)) {
             const char* what = above < below ? " are not in ascending order" : " are the same on the grid";
             return Error{Code::bad_planes,
                          "planes " + std::to_string(i - 1) + " and " + std::to_string(i) + " (" + mm_text(below) + ", " +
@@ -120,7 +121,8 @@ Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, 
     const std::int32_t highest = to_even_grid(high, unit_mm_);
     padded_.resize_discarding(static_cast<std::size_t>(candidates) + 3);
     first_step_ = step;
-    for (double i = 0; i < candidates; ++i) {
+    for (std::uint32_t n = 0; n < static_cast<std::uint32_t>(candidates); ++n) {
+        const double i = n;
         const double mm = first_mm_ + (step + i) * h;
         if (mm > high + h) {
             break;  // also keeps the rounding in range
@@ -149,6 +151,9 @@ Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, 
 }
 
 Status PlaneSet::build_explicit(const ExplicitPlanes& plan) {
+    if (plan.heights_mm.size() > most_listed) {
+        return Error{Code::bad_planes, "more than 2^27 planes listed"};
+    }
     for (std::size_t i = 0; i < plan.heights_mm.size(); ++i) {
         if (!std::isfinite(plan.heights_mm[i])) {
             return Error{Code::bad_planes, "plane " + std::to_string(i) + " is not finite", -1,
@@ -200,15 +205,20 @@ Status PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, st
     return {};
 }
 
-/// Heights far outside the grid are clamped: they cut nothing, and need only keep their order.
+/// Heights far outside the grid cut nothing and need only keep their order: they are counted off from its ends.
 void PlaneSet::fill_from_heights() {
     count_ = static_cast<PlaneIndex>(heights_mm_.size());
     padded_.resize_discarding(heights_mm_.size() + 3);
     padded_[0] = below_all;
-    constexpr double reach = 2.0 * grid_limit - 4;
+    constexpr double reach = 1.5 * grid_limit;
     for (PlaneIndex i = 0; i < count_; ++i) {
         const double mm = heights_mm_[i];
-        padded_[i + 1] = std::abs(mm / unit_mm_) < reach ? round_height(mm) : (mm < 0 ? below_all + 3 : above_all - 2);
+        if (std::abs(mm / unit_mm_) < reach) {
+            padded_[i + 1] = round_height(mm);
+        } else {
+            padded_[i + 1] = mm < 0 ? below_all + 3 + 2 * static_cast<std::int32_t>(i)
+                                    : above_all - 2 - 2 * static_cast<std::int32_t>(count_ - 1 - i);
+        }
     }
     padded_[count_ + 1] = above_all;
     padded_[count_ + 2] = above_all;

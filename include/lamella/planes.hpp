@@ -28,7 +28,8 @@ struct UniformLayers {
     Datum datum = Datum::mesh_min;
 };
 
-/// Planes at the given absolute heights, ascending and distinct after rounding. Heights outside the mesh give empty layers.
+/// Planes at the given absolute heights, ascending and distinct after rounding. Heights outside the mesh give empty layers
+/// (beyond the grid's reach, `Layer::plane` only keeps their order).
 /// A layer reaches from the middle between its plane and the one below to the middle between it and the one above.
 struct ExplicitPlanes {
     std::vector<double> heights_mm;

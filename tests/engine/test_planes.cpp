@@ -215,3 +215,15 @@ TEST_CASE("steps under two units and too many planes are refused", "[engine][pla
     random.plan.spacing = lamella::RandomLayers{2, 1, 1};
     CHECK(failure_of(view_of(soup), random).code == Code::invalid_argument);
 }
+
+TEST_CASE("planes far beyond the grid give empty layers", "[engine][planes]") {
+    lamella::SliceOptions options;
+    options.plan.spacing = lamella::ExplicitPlanes{{-2e8, -1e8, -3000, 0.5, 2500, 9e7, 1e8}};
+    const lamella::SliceResult result = sliced(shapes::box({0, 0, 0}, {1, 1, 1}), options);
+    REQUIRE(result.layers.size() == 7);
+    for (std::size_t l = 0; l < 7; ++l) {
+        CHECK(result.layers[l].contour_count == (l == 3 ? 1 : 0));
+    }
+    options.plan.spacing = lamella::ExplicitPlanes{{0.5, 1e8, 1e8}};
+    CHECK(failure_of(view_of(shapes::box({0, 0, 0}, {1, 1, 1})), options).plane == 2);
+}

@@ -13,12 +13,14 @@ constexpr std::uint64_t segments_per_entry = 24;
 /// A band has at least so much work for each seed, which costs what an entry does: seeds then take a twenty-fifth.
 constexpr std::uint64_t work_per_seed = 25 * segments_per_entry;
 
-/// A plane is worth all threads when it is large and its segments are mostly its own: links kept from plane to plane gain
-/// little there.
+/// A plane is worth all threads when it is large and there are few such, or its segments are mostly its own: links kept from
+/// plane to plane gain little there, and bands would leave threads without work.
 bool is_wide(const Buckets& buckets, PlaneIndex plane) noexcept {
     constexpr std::uint32_t large = 1 << 18;
-    return buckets.segments[plane] >= large &&
-           buckets.segments[plane] / 2 <= buckets.list_begin[plane + 1] - buckets.list_begin[plane];
+    constexpr std::uint64_t few = 16;
+    const std::uint64_t segments = buckets.segments[plane];
+    const std::uint64_t entering = buckets.list_begin[plane + 1] - buckets.list_begin[plane];
+    return segments >= large && (few * segments >= buckets.segment_count || 2 * entering >= segments);
 }
 
 std::uint64_t work_of(const Buckets& buckets, PlaneIndex plane) noexcept {

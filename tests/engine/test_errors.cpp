@@ -119,10 +119,12 @@ TEST_CASE("progress rises from 0 to 1", "[engine][cancel]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
     lamella::SliceOptions options = uniform(0.01);
     options.threads = GENERATE(1, 3);
+    options.band_planes = 20;
     std::vector<double> seen;
     options.progress = [&](double done) { seen.push_back(done); };
     (void)sliced(soup, options);
-    REQUIRE(seen.size() > 2);
+    // Bands that finish out of turn are reported together, but no more than run ahead: two a thread.
+    REQUIRE(seen.size() >= 100 / (2 * static_cast<std::size_t>(options.threads) + 1));
     CHECK(std::is_sorted(seen.begin(), seen.end()));
     CHECK(seen.front() >= 0);
     CHECK(seen.back() == 1);

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <vector>
 
-#include "6_contours/end_key.hpp"
+#include "6_contours/mesh_edge.hpp"
 #include "7_nesting/nest.hpp"
 #include "base/rounding.hpp"
 #include "base/wide.hpp"
@@ -37,7 +37,7 @@ std::vector<Segment> segments_of(const Stages& stages, PlaneIndex plane) {
         const bool above = t.middle_plane() <= plane;
         const GridVertex& low = above ? t.middle : t.lower;
         const GridVertex& high = above ? t.upper : t.middle;
-        Segment segment{pack_edge(t.lower, t.upper), pack_edge(low, high), pierce(t.lower, t.upper, z),
+        Segment segment{to_key(long_edge(t)), to_key(short_edge(t, above)), pierce(t.lower, t.upper, z),
                         pierce(low, high, z)};
         if (!t.long_edge_is_source()) {
             std::swap(segment.from_key, segment.to_key);

@@ -22,7 +22,9 @@ BandSweep::BandSweep(std::pmr::memory_resource* memory)
       links_(memory),
       link_records_(memory),
       pending_(memory),
-      pending_head_(memory),
+      pending_plane_(memory),
+      passing_(memory),
+      passing_at_(memory),
       active_(memory),
       faces_(memory),
       points_(memory) {}
@@ -39,12 +41,13 @@ bool BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
         const std::uint64_t start = timed ? ticks() : 0;
         const auto seeds_here = plane == band.first ? seeds : std::span<const std::uint32_t>{};
         if (form == ContourForm::assembled) {
-            begin_plane_afresh(plane);
+            begin_plane_afresh();
             gather_active(plane, seeds_here);
+            enter_active(plane);
         } else {
             take_events(plane, seeds_here);
         }
-        link_events(plane);
+        link_events();
         graph_.walk();
         const std::uint64_t linked = timed ? ticks() : 0;
         emit(plane, planes, out);
@@ -52,7 +55,7 @@ bool BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
             ticks_.sweep += linked - start;
             ticks_.contours += ticks() - linked;
         }
-        compact(plane);
+        compact();
     }
     return true;
 }
@@ -64,166 +67,197 @@ void BandSweep::begin(const Band& band, const Buckets& buckets) {
     const std::size_t edges = *std::max_element(buckets.segments.begin() + band.first, buckets.segments.begin() + band.last);
     graph_.clear();
     graph_.reserve(edges + 16);
-    edges_.clear(band.first, band.last);
-    edges_.reserve(edges + 16);
-    pending_.clear();
-    pending_free_ = no_link;
-    pending_head_.assign(band.last - band.first, no_link);
+    pending_count_ = 0;
     active_.clear();
 }
 
 // --- Events
 
-/// Swept form: edges that end leave, triangles of the plane's list enter, middle vertices are passed.
+/// Takes a plane's events. What each of them changes is a member here, as in LinkGraph::Attaching and for the same reason.
+class BandSweep::Events {
+public:
+    Events(BandSweep& sweep, std::size_t attachments)
+        : attaching_(sweep.graph_.begin_attaching(attachments)),
+          records_(sweep.buckets_->records.data()),
+          links_(sweep.links_.data()),
+          link_records_(sweep.link_records_.data()),
+          pending_(sweep.pending_.data()),
+          pending_plane_(sweep.pending_plane_.data()),
+          pending_count_(sweep.pending_count_),
+          band_last_(sweep.band_.last) {}
+
+    void enter(std::uint32_t record, PlaneIndex plane) {
+        const CrossedTriangle& t = records_[record];
+        const PlaneIndex middle = t.middle_plane();
+        const bool above_middle = middle <= plane;
+        const int long_port = t.long_edge_is_source() ? source_port : target_port;
+        const PortRef long_end = attach(long_edge(t), t.last, long_port);
+        const PortRef short_end = attach(short_edge(t, above_middle), above_middle ? t.last : middle, 1 - long_port);
+        link(record, long_port, long_end, short_end);
+        // No plane may lie between the middle vertex and the upper one. Taken by adding 0 or 1: nothing predicts it.
+        pending_[pending_count_] = {record, long_end};
+        pending_plane_[pending_count_] = middle;
+        pending_count_ += (!above_middle && middle < band_last_ && middle < t.last) ? 1 : 0;
+    }
+
+    void pass_middle(const Pending& pending) {
+        const CrossedTriangle& t = records_[pending.record];
+        const int long_port = t.long_edge_is_source() ? source_port : target_port;
+        link(pending.record, long_port, pending.long_end, attach(short_edge(t, true), t.last, 1 - long_port));
+    }
+
+    std::uint32_t link_count() const noexcept { return link_count_; }
+    std::uint32_t pending_count() const noexcept { return pending_count_; }
+    const LinkGraph::Attaching& attaching() const noexcept { return attaching_; }
+
+private:
+    PortRef attach(const MeshEdge& edge, PlaneIndex end, int port) {
+        return attaching_.attach(attaching_.find_or_add(edge, end), port, link_count_);
+    }
+
+    /// The long edge is source or target as the triangle says, the short one the other.
+    void link(std::uint32_t record, int long_port, PortRef long_end, PortRef short_end) {
+        // Selected rather than stored by index: an eight-byte copy of two four-byte stores stalls.
+        static_assert(target_port == 0 && source_port == 1);
+        const bool from_long = long_port == source_port;
+        links_[link_count_] = {{from_long ? short_end : long_end, from_long ? long_end : short_end}};
+        link_records_[link_count_] = record;
+        ++link_count_;
+    }
+
+    LinkGraph::Attaching attaching_;
+    const CrossedTriangle* records_;
+    Link* links_;
+    std::uint32_t* link_records_;
+    Pending* pending_;
+    PlaneIndex* pending_plane_;
+    std::uint32_t link_count_ = 0;
+    std::uint32_t pending_count_;
+    PlaneIndex band_last_;
+};
+
+/// Swept form: edges that end leave, middle vertices are passed, triangles of the plane's list enter.
 void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
-    graph_.released(edges_.take_ended(plane, [this](Slot slot) { graph_.release(slot); }));
+    graph_.release_ended(plane);
     const std::uint32_t list_begin = buckets_->list_begin[plane];
     const std::uint32_t list_end = buckets_->list_begin[plane + 1];
-    std::uint32_t& head = pending_head_[plane - band_.first];
+    const std::span<const Pending> passing = take_passing(plane);
+    const std::size_t entering = seeds.size() + list_end - list_begin;
     link_count_ = 0;
-    first_entering_ = 0;
-    if (list_begin == list_end && head == no_link && seeds.empty()) {
+    if (entering + passing.size() == 0) {
         return;
     }
-    std::size_t middles = 0;
-    for (std::uint32_t p = head; p != no_link; p = pending_[p].next) {
-        // The triangle was read when it entered, maybe long ago.
-        const auto* record = reinterpret_cast<const char*>(&buckets_->records[pending_[p].record]);
-        __builtin_prefetch(record);
-        __builtin_prefetch(record + sizeof(CrossedTriangle) - 1);
-        ++middles;
+    reserve_events(entering + passing.size());
+    Events events(*this, 2 * entering + passing.size());
+    for (const Pending& pending : passing) {
+        events.pass_middle(pending);
     }
-    const std::size_t entering = seeds.size() + list_end - list_begin;
-    graph_.begin_events(2 * entering + middles);
-    reserve_links(entering + middles);
-    for (std::uint32_t p = std::exchange(head, no_link); p != no_link;) {
-        const Pending pending = pending_[p];
-        pass_middle(pending);
-        pending_[p].next = std::exchange(pending_free_, p);
-        p = pending.next;
-    }
-    first_entering_ = link_count_;
+    first_entering_ = events.link_count();
     for (const std::uint32_t record : seeds) {
-        enter(record, plane);
+        events.enter(record, plane);
     }
     for (std::uint32_t record = list_begin; record < list_end; ++record) {
-        enter(record, plane);
+        events.enter(record, plane);
+    }
+    link_count_ = events.link_count();
+    first_new_pending_ = std::exchange(pending_count_, events.pending_count());
+    graph_.end_attaching(events.attaching(), 2 * entering + passing.size());
+}
+
+/// Takes the triangles whose middle vertex lies below `plane` and not below the one before. Their records, read when they
+/// entered and maybe long ago, are sent for.
+std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
+    if (passing_.size() < pending_count_ + select_padding) {
+        passing_.resize(pending_plane_.size() + select_padding);
+        passing_at_.resize(passing_.size());
+    }
+    const std::size_t count = kernels_.select_equal(pending_plane_.data(), pending_count_, plane, passing_at_.data());
+    for (std::size_t i = 0; i < count; ++i) {
+        passing_[i] = pending_[passing_at_[i]];
+        const auto* record = reinterpret_cast<const char*>(&buckets_->records[passing_[i].record]);
+        __builtin_prefetch(record);
+        __builtin_prefetch(record + sizeof(CrossedTriangle) - 1);
+    }
+    for (std::size_t i = count; i-- > 0;) {  // the last ones take their places
+        --pending_count_;
+        pending_[passing_at_[i]] = pending_[pending_count_];
+        pending_plane_[passing_at_[i]] = pending_plane_[pending_count_];
+    }
+    return {passing_.data(), count};
+}
+
+void BandSweep::reserve_events(std::size_t links) {
+    if (links_.size() < links) {
+        links_.resize(links);
+        link_records_.resize(links);
+    }
+    if (pending_.size() < pending_count_ + links) {
+        pending_.resize(pending_count_ + links + links / 2);
+        pending_plane_.resize(pending_.size());
     }
 }
 
-void BandSweep::reserve_links(std::size_t count) {
-    if (links_.size() < count) {
-        links_.resize(count);
-        link_records_.resize(count);
-    }
-}
-
-/// Assembled form: the links of the plane before are forgotten ...
-void BandSweep::begin_plane_afresh(PlaneIndex plane) {
+/// Assembled form: the links of the plane before are forgotten, ...
+void BandSweep::begin_plane_afresh() {
     graph_.clear();
-    edges_.clear(plane, plane + 1);
-    pending_head_.assign(band_.last - band_.first, no_link);
-    pending_.clear();
-    pending_free_ = no_link;
+    pending_count_ = 0;
     link_count_ = 0;
     first_entering_ = 0;
 }
 
-/// ... and every triangle of the active set (Algorithm 1, steps 7 to 12) enters anew.
+/// ... the active set is brought up to date (Algorithm 1, steps 7 to 12), ...
 void BandSweep::gather_active(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
     active_.insert(active_.end(), seeds.begin(), seeds.end());
     for (std::uint32_t record = buckets_->list_begin[plane]; record < buckets_->list_begin[plane + 1]; ++record) {
         active_.push_back(record);
     }
     std::erase_if(active_, [&](std::uint32_t record) { return buckets_->records[record].last <= plane; });
-    graph_.begin_events(2 * active_.size());
-    reserve_links(active_.size());
+}
+
+/// ... and every triangle in it enters anew.
+void BandSweep::enter_active(PlaneIndex plane) {
+    reserve_events(active_.size());
+    Events events(*this, 2 * active_.size());
     for (const std::uint32_t record : active_) {
-        enter(record, plane);
+        events.enter(record, plane);
     }
+    link_count_ = events.link_count();
+    graph_.end_attaching(events.attaching(), 2 * active_.size());
 }
 
-inline Slot BandSweep::edge_slot(const GridVertex& lower, const GridVertex& upper, PlaneIndex end) {
-    const Slot slot = graph_.find_or_add(pack_edge(lower, upper));
-    edges_.note_end(slot, end);
-    return slot;
-}
-
-/// Links a triangle's long edge with a short one: the long one is source or target as the triangle says, the short one the
-/// other.
-inline void BandSweep::link(const CrossedTriangle& t, std::uint32_t record, PortRef long_end, Slot short_edge) {
-    const bool from_long = t.long_edge_is_source();
-    const PortRef short_end = graph_.attach(short_edge, from_long ? target_port : source_port, link_count_);
-    // Selected rather than stored by index: an eight-byte copy of two four-byte stores stalls.
-    static_assert(target_port == 0 && source_port == 1);
-    links_[link_count_] = {{from_long ? short_end : long_end, from_long ? long_end : short_end}};
-    link_records_[link_count_] = record;
-    ++link_count_;
-}
-
-inline void BandSweep::enter(std::uint32_t record, PlaneIndex plane) {
-    const CrossedTriangle& t = buckets_->records[record];
-    const bool above_middle = t.middle_plane() <= plane;
-    const Slot long_edge = edge_slot(t.lower, t.upper, t.last);
-    const Slot short_edge = edge_slot(above_middle ? t.middle : t.lower, above_middle ? t.upper : t.middle,
-                                      above_middle ? t.last : t.middle_plane());
-    const int long_port = t.long_edge_is_source() ? source_port : target_port;
-    link(t, record, graph_.attach(long_edge, long_port, link_count_), short_edge);
-}
-
-inline void BandSweep::pass_middle(const Pending& pending) {
-    const CrossedTriangle& t = buckets_->records[pending.record];
-    link(t, pending.record, pending.long_edge, edge_slot(t.middle, t.upper, t.last));
-}
-
-void BandSweep::link_events(PlaneIndex plane) {
+void BandSweep::link_events() {
     if (link_count_ == 0) {
         return;
     }
     const std::span<Link> links{links_.data(), link_count_};
-    for (const Slot slot : graph_.end_attaching()) {
-        GridVertex lower;
-        GridVertex upper;
-        unpack_edge(graph_.key(slot), lower, upper);
-        edges_.put(slot, lower, upper);
+    if (graph_.settle(
+            links, [this](Slot slot, std::span<MeetingEnd> ends) { sort_meeting(slot, ends); }, [](Slot, Slot) {})) {
+        correct_pending();
     }
-    graph_.settle(
-        links, [this](Slot slot, std::span<MeetingEnd> ends) { sort_meeting(slot, ends); },
-        [this](Slot to, Slot from) { edges_.copy(to, from); });
-    for (const Link& link : links) {
-        graph_.connect(link);
-    }
-    for (std::size_t i = first_entering_; i < link_count_; ++i) {
-        const PlaneIndex middle = buckets_->records[link_records_[i]].middle_plane();
-        if (middle > plane && middle < band_.last) {
-            expect_middle(link_records_[i], links_[i]);
-        }
+    graph_.connect(links);
+    edges_.reserve(graph_.capacity());
+    for (const Slot slot : graph_.fresh()) {
+        edges_.put(slot, graph_.edge(slot));
     }
 }
 
-void BandSweep::expect_middle(std::uint32_t record, const Link& link) {
-    const CrossedTriangle& t = buckets_->records[record];
-    if (t.middle_plane() >= t.last) {
-        return;  // no plane lies between the middle vertex and the upper one
-    }
-    std::uint32_t& head = pending_head_[t.middle_plane() - band_.first];
-    const Pending pending{record, link.ends[t.long_edge_is_source() ? source_port : target_port], head};
-    if (pending_free_ != no_link) {
-        head = pending_free_;
-        pending_free_ = pending_[head].next;
-        pending_[head] = pending;
-    } else {
-        head = static_cast<std::uint32_t>(pending_.size());
-        pending_.push_back(pending);
+/// The new links' long edges may have got other slots where more than two faces meet.
+void BandSweep::correct_pending() {
+    std::uint32_t link = first_entering_;
+    for (std::uint32_t p = first_new_pending_; p < pending_count_; ++p, ++link) {
+        while (link_records_[link] != pending_[p].record) {
+            ++link;
+        }
+        const CrossedTriangle& t = buckets_->records[pending_[p].record];
+        pending_[p].long_end = links_[link].ends[t.long_edge_is_source() ? source_port : target_port];
     }
 }
 
 /// Where more than two faces meet at an edge: the faces of the ends, sorted round it.
 void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
     faces_.clear();
-    GridVertex lower;
-    GridVertex upper;
-    unpack_edge(graph_.key(slot), lower, upper);
+    const GridVertex lower = graph_.edge(slot).lower();
+    const GridVertex upper = graph_.edge(slot).upper();
     for (const MeetingEnd& end : ends) {
         const CrossedTriangle& t = buckets_->records[link_records_[end.link]];
         const bool has_lowest = t.lower == lower || t.lower == upper;
@@ -248,18 +282,12 @@ void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) 
     layers_.build(graph_, points_.data(), out);
 }
 
-void BandSweep::compact(PlaneIndex plane) {
+void BandSweep::compact() {
     graph_.compact([&](std::span<const Slot> new_to_old) {
-        std::pmr::vector<Slot> old_to_new(edges_.capacity(), no_link, points_.get_allocator());
-        for (Slot slot = 0; slot < new_to_old.size(); ++slot) {
-            old_to_new[new_to_old[slot]] = slot;
+        for (std::uint32_t p = 0; p < pending_count_; ++p) {
+            pending_[p].long_end = graph_.moved(pending_[p].long_end);
         }
-        for (const std::uint32_t head : pending_head_) {
-            for (std::uint32_t p = head; p != no_link; p = pending_[p].next) {
-                pending_[p].long_edge = 2 * old_to_new[pending_[p].long_edge >> 1] + (pending_[p].long_edge & 1);
-            }
-        }
-        edges_.compact(new_to_old, plane);
+        edges_.compact(new_to_old);
     });
 }
 

@@ -49,26 +49,24 @@ public:
     SweepTicks take_ticks() noexcept;
 
 private:
+    class Events;
     /// A triangle whose middle vertex lies ahead.
     struct Pending {
         std::uint32_t record;
-        PortRef long_edge;
-        std::uint32_t next;
+        PortRef long_end;
     };
 
     void begin(const Band& band, const Buckets& buckets);
-    void begin_plane_afresh(PlaneIndex plane);
+    void begin_plane_afresh();
     void gather_active(PlaneIndex plane, std::span<const std::uint32_t> seeds);
+    void enter_active(PlaneIndex plane);
     void take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds);
-    void enter(std::uint32_t record, PlaneIndex plane);
-    void link(const CrossedTriangle& t, std::uint32_t record, PortRef long_end, Slot short_edge);
-    void pass_middle(const Pending& pending);
-    void reserve_links(std::size_t count);
-    void link_events(PlaneIndex plane);
+    std::span<const Pending> take_passing(PlaneIndex plane);
+    void reserve_events(std::size_t links);
+    void link_events();
     void sort_meeting(Slot slot, std::span<MeetingEnd> ends);
-    void expect_middle(std::uint32_t record, const Link& link);
-    void compact(PlaneIndex plane);
-    Slot edge_slot(const GridVertex& lower, const GridVertex& upper, PlaneIndex end);
+    void correct_pending();
+    void compact();
     void emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out);
 
     const Kernels& kernels_;
@@ -82,9 +80,12 @@ private:
     std::uint32_t link_count_ = 0;
     std::uint32_t first_entering_ = 0;  // ... from here on, triangles that enter
     std::pmr::vector<Pending> pending_;
-    std::pmr::vector<std::uint32_t> pending_head_;  // by plane of the band
-    std::uint32_t pending_free_ = no_link;
-    std::pmr::vector<std::uint32_t> active_;  // assembled form: records that the plane cuts
+    std::pmr::vector<PlaneIndex> pending_plane_;  // the first plane above each one's middle vertex
+    std::uint32_t pending_count_ = 0;
+    std::uint32_t first_new_pending_ = 0;
+    std::pmr::vector<Pending> passing_;           // scratch: those that pass at a plane, ...
+    std::pmr::vector<std::uint32_t> passing_at_;  // ... and where they were
+    std::pmr::vector<std::uint32_t> active_;      // assembled form: records that the plane cuts
     std::pmr::vector<FaceAtEdge> faces_;
     std::pmr::vector<Point> points_;  // by slot
     SweepTicks ticks_;

@@ -22,21 +22,19 @@ public:
         : segments_(segments), graph_(memory), layer_(memory), output_(memory), links_(memory), points_(memory) {}
 
     void link() {
-        graph_.begin_events(2 * segments_.size());
+        LinkGraph::Attaching attaching = graph_.begin_attaching(2 * segments_.size());
         links_.reserve(segments_.size());
         for (std::uint32_t i = 0; i < segments_.size(); ++i) {
             const Segment& segment = segments_[i];
-            const PortRef source = attach(segment.from_key, segment.from, source_port, i);
-            const PortRef target = attach(segment.to_key, segment.to, target_port, i);
+            const PortRef source = attach(attaching, segment.from_key, segment.from, source_port, i);
+            const PortRef target = attach(attaching, segment.to_key, segment.to, target_port, i);
             links_.push_back({{target, source}});
         }
-        graph_.end_attaching();
+        graph_.end_attaching(attaching, 2 * segments_.size());
         graph_.settle(
             links_, [this](Slot, std::span<MeetingEnd> ends) { sort_by_rank(ends); },
             [this](Slot to, Slot from) { put(to, Point(points_[from])); });
-        for (const Link& link : links_) {
-            graph_.connect(link);
-        }
+        graph_.connect(links_);
         graph_.walk();
     }
 
@@ -52,10 +50,10 @@ public:
     }
 
 private:
-    PortRef attach(const EndKey& key, Point point, int port, std::uint32_t link) {
-        const Slot slot = graph_.find_or_add(key);
+    PortRef attach(LinkGraph::Attaching& attaching, const EndKey& key, Point point, int port, std::uint32_t link) {
+        const Slot slot = attaching.find_or_add(from_key(key), 0);
         put(slot, point);
-        return graph_.attach(slot, port, link);
+        return attaching.attach(slot, port, link);
     }
 
     void put(Slot slot, Point point) {
@@ -98,7 +96,7 @@ private:
 
 EndKey EndKey::of_edge(GridVertex u, GridVertex v) noexcept {
     const bool u_is_lower = u.z != v.z ? u.z < v.z : u < v;
-    return u_is_lower ? pack_edge(u, v) : pack_edge(v, u);
+    return to_key(u_is_lower ? MeshEdge::between(u, v) : MeshEdge::between(v, u));
 }
 
 Result<LayerContours> assemble(std::span<const Segment> segments, const AssembleOptions& options) noexcept {

@@ -130,7 +130,7 @@ LayerBuilder::Found LayerBuilder::examine_closed(const LinkGraph& graph, const W
                                                  Point* ring) const {
     const Slot* slots = graph.order().data() + walked.begin;
     const RingFacts facts = kernels_.trace(points, slots, walked.count, ring);
-    return describe(walked, ring, facts, [&](std::uint32_t i) { return graph.key(slots[i]); });
+    return describe(walked, ring, facts, [&](std::uint32_t i) { return to_key(graph.edge(slots[i])); });
 }
 
 LayerBuilder::Found LayerBuilder::describe(const WalkedContour& walked, Point* ring, const RingFacts& facts,
@@ -162,7 +162,7 @@ LayerBuilder::Found LayerBuilder::examine_open(const LinkGraph& graph, const Wal
     std::transform(graph.order().begin() + walked.begin, graph.order().begin() + walked.begin + walked.count, ring,
                    [points](Slot slot) { return points[slot]; });
     Found found;
-    found.start_key = graph.key(graph.order()[walked.begin]);
+    found.start_key = to_key(graph.edge(graph.order()[walked.begin]));
     found.segments = walked.count - 1;
     found.item.points = ring;
     found.item.count = drop_repeats(ring, walked.count, false);

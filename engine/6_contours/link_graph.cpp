@@ -2,18 +2,20 @@
 
 #include <algorithm>
 #include <bit>
-#include <type_traits>
+#include <cstring>
 #include <utility>
 
 namespace lamella {
 
 LinkGraph::LinkGraph(std::pmr::memory_resource* memory)
-    : keys_(memory),
-      links_{std::pmr::vector<PortRef>(memory), std::pmr::vector<PortRef>(memory)},
+    : kernels_(kernels_for_this_cpu()),
+      edges_(memory),
+      links_(memory),
+      ends_(memory),
       flags_(memory),
       position_(memory),
       free_(memory),
-      fresh_(memory),
+      moving_(memory),
       table_(memory),
       crowd_(memory),
       meeting_(memory),
@@ -28,13 +30,9 @@ LinkGraph::LinkGraph(std::pmr::memory_resource* memory)
 }
 
 void LinkGraph::clear() {
-    free_.clear();
-    fresh_.clear();
     crowd_.clear();
     contours_.clear();
-    used_ = 0;
-    slot_end_ = 0;
-    live_ = 0;
+    free_all_from(0);
     open_ = 0;
     mixed_ = 0;
     ordered_ = 0;
@@ -45,21 +43,64 @@ void LinkGraph::clear() {
 }
 
 void LinkGraph::reserve(std::size_t slots) {
-    if (slots > keys_.size()) {
-        keys_.resize(slots);
-        links_[target_port].resize(slots);
-        links_[source_port].resize(slots);
-        flags_.resize(slots);
-        position_.resize(slots);
-        capacity_ = static_cast<Slot>(slots);
+    const std::size_t before = capacity();
+    if (slots <= before) {
+        return;
     }
+    edges_.resize(slots);
+    links_.resize(2 * slots);
+    ends_.resize(slots, no_plane);
+    flags_.resize(slots);
+    position_.resize(slots, no_position);
+    // What was added goes beneath the stack. The slots that are being made lie above its top and come along.
+    const std::size_t added = slots - before;
+    free_.resize(slots + select_padding);
+    std::copy_backward(free_.begin(), free_.begin() + static_cast<std::ptrdiff_t>(before),
+                       free_.begin() + static_cast<std::ptrdiff_t>(slots));
+    std::generate_n(free_.begin(), added, [slot = static_cast<Slot>(slots)]() mutable { return --slot; });
+    free_count_ += added;
 }
 
-void LinkGraph::begin_events(std::size_t attachments) {
+/// Slots from `first` on are free, none below it is.
+void LinkGraph::free_all_from(Slot first) {
+    for (Slot slot = first; slot < slot_end_; ++slot) {
+        ends_[slot] = no_plane;
+        flags_[slot] = 0;
+        position_[slot] = no_position;
+    }
+    free_count_ = capacity() - slot_end_;  // those never used are at the bottom as they were
+    while (slot_end_ > first) {
+        free_[free_count_++] = --slot_end_;
+    }
+    fresh_count_ = 0;
+}
+
+// --- Edges that end and edges that begin
+
+void LinkGraph::release_ended(PlaneIndex plane) {
+    Slot* const ended = free_.data() + free_count_;
+    const std::size_t count = kernels_.select_equal(ends_.data(), slot_end_, plane, ended);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Slot slot = ended[i];
+        break_after(position_[slot]);
+        position_[slot] = no_position;
+        ends_[slot] = no_plane;
+        if (flags_[slot] != 0) {
+            const std::uint32_t flags = std::exchange(flags_[slot], 0U);
+            open_ -= (flags & open_end) != 0 ? 1 : 0;
+            mixed_ -= (flags & mixed) != 0 ? 1 : 0;
+        }
+    }
+    free_count_ += count;
+    fresh_count_ = 0;
+    changes_ += count;
+}
+
+LinkGraph::Attaching LinkGraph::begin_attaching(std::size_t attachments) {
     // Two ends share an edge as a rule. Small tables are less than half full then; large ones, of a band's first plane, take
     // memory.
     const bool small = attachments < (std::size_t{1} << 16);
-    const std::size_t edges = small ? attachments : attachments / 2;
+    const std::size_t edges = small ? attachments : attachments / 2 + 64;
     const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, edges + edges / 4));
     if (size > table_.size() || ++epoch_ == 0) {
         table_.assign(std::max(size, table_.size()), Entry{0, 0});
@@ -67,67 +108,66 @@ void LinkGraph::begin_events(std::size_t attachments) {
     }
     table_mask_ = size - 1;
     table_shift_ = 64 - std::countr_zero(size);
-    table_limit_ = static_cast<Slot>(size - size / 8);
-    fresh_.clear();
-    used_ = 0;
-    spare_ = spare();
+    limit_ = static_cast<std::uint32_t>(edges);
+    reserve(live() + edges + 1);  // one is written before it is known to be new
+    return Attaching(*this);
 }
 
-/// Fewer ends shared an edge than is the rule: the edges made so far go to a table of twice the size.
-void LinkGraph::grow_table() {
+/// Fewer ends shared an edge than is the rule: the `made` edges so far go to a table of twice the size.
+void LinkGraph::grow(std::uint32_t made) {
     const std::size_t size = 2 * (table_mask_ + 1);
     table_.assign(size, Entry{0, 0});
     epoch_ = 1;
     table_mask_ = size - 1;
     --table_shift_;
-    table_limit_ = static_cast<Slot>(size - size / 8);
-    const Slot made = std::exchange(used_, 0);
-    for (; used_ < made; ++used_) {
-        std::size_t i = hash_key(keys_[spare()]) >> table_shift_;
-        while (table_[i].epoch == epoch_) {
-            i = (i + 1) & table_mask_;
+    limit_ = static_cast<std::uint32_t>(size - size / 8);
+    reserve(live() + limit_ + 1);
+    for (std::uint32_t i = 1; i <= made; ++i) {
+        const Slot slot = free_[free_count_ - i];
+        std::size_t place = edges_[slot].hash() >> table_shift_;
+        while (table_[place].epoch == epoch_) {
+            place = (place + 1) & table_mask_;
         }
-        table_[i] = {epoch_, spare()};
+        table_[place] = {epoch_, slot};
     }
 }
 
-std::span<const Slot> LinkGraph::end_attaching() {
-    const std::size_t recycled = std::min<std::size_t>(used_, free_.size());
-    fresh_.assign(free_.end() - static_cast<std::ptrdiff_t>(recycled), free_.end());
-    free_.resize(free_.size() - recycled);
-    for (; fresh_.size() < used_; ++slot_end_) {
-        fresh_.push_back(slot_end_);
-    }
-    used_ = 0;
-    for (const Slot slot : fresh_) {
-        make(slot);
-    }
-    return fresh_;
+void LinkGraph::end_attaching(const Attaching& attaching, std::size_t attachments) {
+    ends_[*(attaching.free_top_ - attaching.made_)] = no_plane;  // the spare that was not taken
+    take_spares(attaching.made_);
+    one_sided_ = attachments - crowd_.size() < 2 * std::size_t{attaching.made_};
 }
 
-void LinkGraph::make(Slot slot) {
-    flags_[slot] = 0;
-    position_[slot] = no_position;
-    ++live_;
-    ++changes_;
+/// Takes `count` slots off the stack, to fresh().
+void LinkGraph::take_spares(std::uint32_t count) {
+    free_count_ -= count;
+    fresh_count_ += count;
+    changes_ += count;
+    if (count > 0) {  // the highest of those never used is the deepest
+        slot_end_ = std::max(slot_end_, free_[free_count_] + 1);
+    }
 }
 
 // --- Meetings
 
-void LinkGraph::settle(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
+bool LinkGraph::settle(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
                        FunctionRef<void(Slot, Slot)> copied) {
     for (const Crowded& c : crowd_) {
         flags_[c.slot] |= crowded;
     }
-    for (const Slot slot : fresh_) {
-        const bool one_sided = links_[target_port][slot] == no_link || links_[source_port][slot] == no_link;
-        if (one_sided && (flags_[slot] & crowded) == 0) {
-            note_open(slot);
+    if (one_sided_ || !crowd_.empty()) {
+        for (const Slot slot : fresh()) {
+            const bool both = has(slot, target_port) && has(slot, source_port);
+            if (!both && (flags_[slot] & crowded) == 0) {
+                note_open(slot);
+            }
         }
     }
-    if (!crowd_.empty()) {
-        settle_crowded(links, order, copied);
+    if (crowd_.empty()) {
+        return false;
     }
+    settle_crowded(links, order, copied);
+    return true;
 }
 
 void LinkGraph::note_open(Slot slot) {
@@ -142,8 +182,8 @@ void LinkGraph::settle_crowded(std::span<Link> links, FunctionRef<void(Slot, std
         const Slot slot = crowd_[i].slot;
         meeting_.clear();
         for (const int port : {target_port, source_port}) {
-            if (const std::uint32_t link = links_[port][slot]; link != no_link) {
-                meeting_.push_back({link, port == source_port});
+            if (has(slot, port)) {
+                meeting_.push_back({links_[2 * slot + static_cast<unsigned>(port)], port == source_port});
             }
         }
         for (; i < crowd_.size() && crowd_[i].slot == slot; ++i) {
@@ -161,22 +201,11 @@ void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Sl
     bool first = true;
     const auto next_slot = [&] {
         if (std::exchange(first, false)) {
-            links_[target_port][slot] = no_link;
-            links_[source_port][slot] = no_link;
+            links_[2 * slot + target_port] = no_link;
+            links_[2 * slot + source_port] = no_link;
             return slot;
         }
-        const Slot copy = spare();
-        reserve(copy + std::size_t{1});
-        keys_[copy] = keys_[slot];
-        links_[target_port][copy] = no_link;
-        links_[source_port][copy] = no_link;
-        if (free_.empty()) {
-            ++slot_end_;
-        } else {
-            free_.pop_back();
-        }
-        fresh_.push_back(copy);
-        make(copy);
+        const Slot copy = add_copy(slot);
         copied(copy, slot);
         return copy;
     };
@@ -194,6 +223,19 @@ void LinkGraph::settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Sl
     }
 }
 
+Slot LinkGraph::add_copy(Slot slot) {
+    if (free_count_ == 0) {
+        reserve(capacity() + capacity() / 2 + 64);
+    }
+    take_spares(1);
+    const Slot copy = free_[free_count_];
+    edges_[copy] = edges_[slot];
+    ends_[copy] = ends_[slot];
+    links_[2 * copy + target_port] = no_link;
+    links_[2 * copy + source_port] = no_link;
+    return copy;
+}
+
 void LinkGraph::seat(Slot slot, int port, const MeetingEnd& end, std::span<Link> links) {
     const PortRef ref = 2 * slot + static_cast<unsigned>(port);
     links[end.link].ends[end.is_source ? source_port : target_port] = ref;
@@ -204,36 +246,45 @@ void LinkGraph::seat(Slot slot, int port, const MeetingEnd& end, std::span<Link>
     }
 }
 
+void LinkGraph::connect(std::span<const Link> links) {
+    for (const Link& link : links) {
+        links_[link.ends[source_port]] = link.ends[target_port];
+        links_[link.ends[target_port]] = link.ends[source_port];
+    }
+    changes_ += links.size();
+    if (!most_changed()) {  // else the walk does not ask for runs
+        for (const Link& link : links) {
+            break_after(position_[link.ends[source_port] >> 1]);
+        }
+    }
+}
+
 // --- Compaction
 
-bool LinkGraph::compact(FunctionRef<void(std::span<const Slot>)> moved) {
+bool LinkGraph::compact(FunctionRef<void(std::span<const Slot>)> move) {
     assert(changes_ == 0);
-    if (slot_end_ < 256 || 2 * live_ >= slot_end_) {
+    if (slot_end_ < 256 || slot_end_ <= 2 * live()) {
         return false;
     }
-    const auto moved_ref = [this](PortRef ref) {
-        return ref == no_link ? no_link : 2 * (position_[ref >> 1] - 1) + (ref & 1);
-    };
     const std::span<const Slot> new_to_old = order();
-    const auto move = [new_to_old](auto& array) {
-        std::remove_reference_t<decltype(array)> to(array.size(), array.get_allocator());
-        std::transform(new_to_old.begin(), new_to_old.end(), to.begin(), [&array](Slot old) { return array[old]; });
-        array.swap(to);
-    };
-    move(keys_);
-    move(flags_);
-    for (auto& links : links_) {
-        move(links);
-        std::transform(links.begin(), links.begin() + ordered_, links.begin(), moved_ref);
+    gather_slots(edges_, new_to_old, moving_);
+    gather_slots(ends_, new_to_old, moving_);
+    gather_slots(flags_, new_to_old, moving_);
+    for (Slot slot = 0; slot < ordered_; ++slot) {
+        PortRef ends[2];
+        for (const unsigned port : {0U, 1U}) {
+            const PortRef ref = links_[2 * new_to_old[slot] + port];
+            ends[port] = ref == no_link ? no_link : moved(ref);
+        }
+        moving_[slot] = std::bit_cast<std::uint64_t>(ends);
     }
-    moved(new_to_old);
+    std::memcpy(links_.data(), moving_.data(), ordered_ * sizeof(std::uint64_t));
+    move(new_to_old);
+    free_all_from(ordered_);
     for (Slot slot = 0; slot < ordered_; ++slot) {
         order_[slot + 1] = slot;
         position_[slot] = slot + 1;
     }
-    slot_end_ = ordered_;
-    free_.clear();
-    fresh_.clear();
     return true;
 }
 

@@ -11,17 +11,24 @@
 // up at that plane only, and the map holds the edges that start at one plane: it is emptied by moving to the next epoch,
 // stays within the cache, and never erases. Links are written when a triangle enters and when the sweep passes its middle
 // vertex, and stay as they are from plane to plane; so does the order of the walk, which is patched where a link changed.
+//
+// New edges take the slots of those that ended last; where a plane has far fewer edges than one before it, slots are closed
+// up.
 #pragma once
 
 #include <cassert>
 #include <cstdint>
+#include <cstring>
 #include <memory_resource>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "6_contours/end_key.hpp"
+#include "3_planes/plane_set.hpp"
+#include "6_contours/mesh_edge.hpp"
 #include "6_contours/pairing.hpp"
+#include "base/kernels.hpp"
 #include "base/parallel.hpp"
 
 namespace lamella {
@@ -47,6 +54,22 @@ struct WalkedContour {
     bool mixed;  ///< its segments do not all run the same way
 };
 
+/// array[i] = what was array[new_to_old[i]], by way of `scratch`.
+template <class T>
+void gather_slots(std::pmr::vector<T>& array, std::span<const Slot> new_to_old, std::pmr::vector<std::uint64_t>& scratch) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const std::size_t words = (new_to_old.size() * sizeof(T) + 7) / 8;
+    if (scratch.size() < words) {
+        scratch.resize(words);
+    }
+    auto* to = reinterpret_cast<unsigned char*>(scratch.data());
+    for (const Slot old : new_to_old) {
+        std::memcpy(to, &array[old], sizeof(T));
+        to += sizeof(T);
+    }
+    std::memcpy(static_cast<void*>(array.data()), scratch.data(), new_to_old.size() * sizeof(T));
+}
+
 class LinkGraph {
 public:
     explicit LinkGraph(std::pmr::memory_resource* memory);
@@ -56,53 +79,26 @@ public:
     /// Takes memory for `slots` slots at once rather than by growing.
     void reserve(std::size_t slots);
 
-    // --- A plane's events: begin, attach both ends of each new link, settle, connect each, walk.
+    // --- A plane's events: release what ends, attach both ends of each new link, settle, connect, walk.
 
+    /// Frees the slots of the edges that end at `plane`: it is the first one above them.
+    void release_ended(PlaneIndex plane);
+
+    class Attaching;
     /// Opens a new epoch of the map, sized for at most `attachments` ends.
-    void begin_events(std::size_t attachments);
+    Attaching begin_attaching(std::size_t attachments);
 
-    /// The slot of `key`, made if need be.
-    Slot find_or_add(const EndKey& key);
-
-    /// Attaches an end of link `link` to `slot`. Returns the port's reference, which settle() may change where more than two
-    /// meet.
-    PortRef attach(Slot slot, int port, std::uint32_t link) {
-        // Until it is connected, a new slot's port holds the link that came first.
-        std::uint32_t& owner = links_[port][slot];
-        if (owner == no_link) {
-            owner = link;
-        } else {
-            crowd_.push_back({slot, link, port == source_port});
-        }
-        return 2 * slot + static_cast<unsigned>(port);
-    }
-
-    /// All ends are attached. Returns the slots made since begin_events().
-    std::span<const Slot> end_attaching();
+    /// All ends are attached, which are `attachments`; fresh() are the slots made for them.
+    void end_attaching(const Attaching& attaching, std::size_t attachments);
 
     /// Pairs what meets at the slots made. Where more than two ends meet, or two of the same sense, `order` sorts them
-    /// counter-clockwise round the edge; further slots are made, `copied(to, from)` being called for each; and `links` is
-    /// corrected.
-    void settle(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
+    /// counter-clockwise round the edge; further slots are made, `copied(to, from)` being called for each; `links` is
+    /// corrected, and true returned.
+    bool settle(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
                 FunctionRef<void(Slot, Slot)> copied);
 
-    /// Joins the two ports of `link`; the walk is patched at its source.
-    void connect(const Link& link) {
-        const PortRef source = link.ends[source_port];
-        const PortRef target = link.ends[target_port];
-        link_at(source) = target;
-        link_at(target) = source;
-        break_after(position_[source >> 1]);
-        ++changes_;
-    }
-
-    /// The edge of `slot` ends below the plane; released() follows.
-    void release(Slot slot);
-    /// As many slots as that were released.
-    void released(std::size_t count) noexcept {
-        live_ -= count;
-        changes_ += count;
-    }
+    /// Joins the two ports of each link; the walk will be patched at their sources.
+    void connect(std::span<const Link> links);
 
     /// Brings order() and contours() up to date. O(runs between changes + slots), and O(1) when nothing changed.
     void walk();
@@ -111,18 +107,26 @@ public:
 
     std::span<const Slot> order() const noexcept { return {order_.data() + 1, ordered_}; }
     std::span<const WalkedContour> contours() const noexcept { return contours_; }
-    const EndKey& key(Slot slot) const noexcept { return keys_[slot]; }
+    const MeshEdge& edge(Slot slot) const noexcept { return edges_[slot]; }
     /// Slots in use are below this; some below it are free.
     Slot slot_end() const noexcept { return slot_end_; }
-    std::size_t live() const noexcept { return live_; }
-    bool is_free(Slot slot) const noexcept { return flags_[slot] == unused; }
+    /// Slots made since begin_attaching().
+    std::span<const Slot> fresh() const noexcept { return {free_.data() + free_count_, fresh_count_}; }
+    /// Slots are below this, in use or not.
+    std::size_t capacity() const noexcept { return edges_.size(); }
+    std::size_t live() const noexcept { return capacity() - free_count_; }
+    bool is_free(Slot slot) const noexcept { return ends_[slot] == no_plane; }
 
-    /// Renumbers the slots 0, 1, 2, ... in walking order when fewer than half are in use, so that a plane costs what is
-    /// active now. Calls moved(new_to_old) once if it did. Precondition: walk() has been called since the last change.
-    bool compact(FunctionRef<void(std::span<const Slot> new_to_old)> moved);
+    /// Renumbers the slots 0, 1, 2, ... in walking order when many have ended, so that a plane costs what is active now.
+    /// Calls move(new_to_old) once if it does. Precondition: walk() has been called since the last change.
+    bool compact(FunctionRef<void(std::span<const Slot> new_to_old)> move);
+    /// While compact() calls move: what a port becomes.
+    PortRef moved(PortRef ref) const noexcept { return 2 * (position_[ref >> 1] - 1) + (ref & 1); }
 
 private:
     static constexpr std::uint32_t no_position = 0;  // positions count from 1, so that marking it is harmless
+    static constexpr PlaneIndex no_plane = 0xFFFFFFFFU;
+    static constexpr std::size_t slots_per_change = 4;  // with fewer, runs are too short to copy
 
     enum Flag : std::uint32_t {
         open_end = 1,
@@ -130,7 +134,6 @@ private:
         mixed_source_is_target = 4,  // the end on port 1 enters by it
         mixed = mixed_target_is_source | mixed_source_is_target,
         crowded = 8,  // more than two ends meet, or two of one sense
-        unused = 16,  // no edge is here
     };
 
     struct Entry {
@@ -138,20 +141,18 @@ private:
         Slot slot;
     };
 
-    void grow_table();
-    /// The slot that the next new edge will take: the last freed, else one never used.
-    Slot spare() const noexcept {
-        return used_ < free_.size() ? free_[free_.size() - 1 - used_]
-                                    : slot_end_ + (used_ - static_cast<Slot>(free_.size()));
-    }
-    void make(Slot slot);
+    void grow(std::uint32_t made);
+    void take_spares(std::uint32_t count);
+    void free_all_from(Slot first);
+    Slot add_copy(Slot slot);
     void settle_crowded(std::span<Link> links, FunctionRef<void(Slot, std::span<MeetingEnd>)> order,
                         FunctionRef<void(Slot, Slot)> copied);
     void settle_one(Slot slot, std::span<Link> links, FunctionRef<void(Slot, Slot)> copied);
     void seat(Slot slot, int port, const MeetingEnd& end, std::span<Link> links);
     void note_open(Slot slot);
+    bool most_changed() const noexcept { return changes_ * slots_per_change > live(); }
 
-    PortRef& link_at(PortRef ref) noexcept { return links_[ref & 1][ref >> 1]; }
+    bool has(Slot slot, int port) const noexcept { return links_[2 * slot + static_cast<unsigned>(port)] != no_link; }
 
     void break_after(std::uint32_t position) noexcept { breaks_[position >> 6] |= std::uint64_t{1} << (position & 63); }
     std::uint32_t next_break(std::uint32_t position) const noexcept;
@@ -171,25 +172,26 @@ private:
     void follow_any_sense(Slot start, int leave_by, bool closed);
     bool runs_backwards(std::uint32_t begin, bool closed) const;
 
+    const Kernels& kernels_;
+
     // slots
-    std::pmr::vector<EndKey> keys_;
-    std::pmr::vector<PortRef> links_[2];        // by port: what it is linked to
-    std::pmr::vector<std::uint32_t> flags_;     // a byte would alias all that the loops keep in registers
-    std::pmr::vector<std::uint32_t> position_;  // in order_, from 1
-    std::pmr::vector<Slot> free_;
-    Slot spare_ = 0;
-    Slot capacity_ = 0;             // keys_.size()
-    Slot used_ = 0;                 // slots made since begin_events(), from the end of free_ on
-    std::pmr::vector<Slot> fresh_;  // they, after end_attaching()
+    std::pmr::vector<MeshEdge> edges_;
+    std::pmr::vector<PortRef> links_;           // by port: what it is linked to
+    std::pmr::vector<PlaneIndex> ends_;         // the plane at which the edge will have ended; no_plane: the slot is free
+    std::pmr::vector<std::uint32_t> flags_;     // 0 if free. A byte would alias all that the loops keep in registers
+    std::pmr::vector<std::uint32_t> position_;  // in order_, from 1; no_position if free or new
+    std::pmr::vector<Slot> free_;               // a stack; those never used are at its bottom, highest first
+    std::pmr::vector<std::uint64_t> moving_;    // scratch: an array on its way to new slots
+    std::size_t free_count_ = 0;
+    std::size_t fresh_count_ = 0;  // they are still above the top of the stack
     Slot slot_end_ = 0;
-    std::size_t live_ = 0;
     std::size_t open_ = 0;   // slots with an open end
     std::size_t mixed_ = 0;  // slots that join two ends of the same sense
 
     // map
     std::pmr::vector<Entry> table_;
     std::size_t table_mask_ = 0;
-    Slot table_limit_ = 0;  // new edges that it holds before it must grow
+    std::uint32_t limit_ = 0;  // new edges that there is room for
     int table_shift_ = 63;
     std::uint32_t epoch_ = 0;
 
@@ -212,51 +214,85 @@ private:
     std::pmr::vector<std::uint8_t> leave_by_;     // of a walk in any sense: the port by which each slot was left
     std::uint32_t ordered_ = 0;
     std::uint32_t filled_ = 0;  // of order_next_
-    std::size_t changes_ = 0;   // links written and slots freed since the last walk
+    std::size_t changes_ = 0;   // links written, slots made and freed since the last walk
+    bool one_sided_ = false;    // some new slot has an end on one side only
     bool chase_ = false;        // this walk follows links rather than runs
     bool order_known_ = true;   // order_ can be patched
 };
 
-/// Nothing predicts whether an edge is met for the first or the second time, so no branch asks: the key is written to the
-/// spare slot, which is compared with itself if the edge is new, and is taken by adding 0 or 1.
-inline Slot LinkGraph::find_or_add(const EndKey& key) {
-    const Slot new_slot = spare_;
-    if (new_slot >= capacity_) {
-        reserve(new_slot + new_slot / 2 + 1024);
-    }
-    EndKey* const keys = keys_.data();
-    keys[new_slot] = key;
-    links_[target_port][new_slot] = no_link;
-    links_[source_port][new_slot] = no_link;
-    Entry* const table = table_.data();
-    for (std::size_t i = hash_key(key) >> table_shift_;; i = (i + 1) & table_mask_) {
-        Entry& place = table[i];
-        const Entry entry = place;
-        // All bits set if the entry is of another epoch; compilers turn a comparison back into a branch.
-        const std::uint32_t other = entry.epoch ^ epoch_;
-        const std::uint32_t is_new = 0U - ((other | (0U - other)) >> 31);
-        const Slot slot = entry.slot ^ ((entry.slot ^ new_slot) & is_new);
-        if (keys[slot] == key) {
-            place = {epoch_, slot};
-            used_ += is_new & 1;
-            spare_ = spare();
-            if (used_ == table_limit_) {
-                grow_table();
+/// The ends of a plane's new links on their way to their slots. What each of them changes is a member here and not of the
+/// graph: it stays in registers, where the graph's would be loaded again after every store to an array.
+class LinkGraph::Attaching {
+public:
+    explicit Attaching(LinkGraph& graph) noexcept : graph_(graph) { load(); }
+
+    /// The slot of `edge`, made if need be, which will have ended at plane `end`.
+    ///
+    /// Nothing predicts whether an edge is met for the first or the second time, so no branch asks: the edge is written to
+    /// the spare slot, which is compared with itself if the edge is new, and is taken by adding 0 or 1.
+    Slot find_or_add(const MeshEdge& edge, PlaneIndex end) {
+        if (made_ == limit_) {
+            graph_.grow(made_);
+            load();
+        }
+        const Slot spare = *(free_top_ - made_);
+        edges_[spare] = edge;
+        ends_[spare] = end;
+        links_[2 * spare + target_port] = no_link;
+        links_[2 * spare + source_port] = no_link;
+        for (std::size_t i = edge.hash() >> shift_;; i = (i + 1) & mask_) {
+            const Entry entry = table_[i];
+            // All bits set if the entry is of another epoch; compilers turn a comparison back into a branch.
+            const std::uint32_t other = entry.epoch ^ epoch_;
+            const std::uint32_t is_new = 0U - ((other | (0U - other)) >> 31);
+            const Slot slot = entry.slot ^ ((entry.slot ^ spare) & is_new);
+            if (edges_[slot] == edge) {
+                table_[i] = {epoch_, slot};
+                made_ += is_new & 1;
+                return slot;
             }
-            return slot;
         }
     }
-}
 
-inline void LinkGraph::release(Slot slot) {
-    break_after(position_[slot]);
-    position_[slot] = no_position;
-    const std::uint32_t flags = std::exchange(flags_[slot], unused);
-    if (flags != 0) {
-        open_ -= (flags & open_end) != 0 ? 1 : 0;
-        mixed_ -= (flags & mixed) != 0 ? 1 : 0;
+    /// Attaches an end of link `link` to `slot`. Returns the port's reference, which settle() may change where more than two
+    /// meet.
+    PortRef attach(Slot slot, int port, std::uint32_t link) {
+        // Until it is connected, a new slot's port holds the link that came first.
+        const PortRef ref = 2 * slot + static_cast<unsigned>(port);
+        if (links_[ref] == no_link) {
+            links_[ref] = link;
+        } else {
+            graph_.crowd_.push_back({slot, link, port == source_port});
+        }
+        return ref;
     }
-    free_.push_back(slot);
-}
+
+private:
+    friend class LinkGraph;
+
+    void load() noexcept {
+        free_top_ = graph_.free_.data() + graph_.free_count_ - 1;
+        edges_ = graph_.edges_.data();
+        ends_ = graph_.ends_.data();
+        links_ = graph_.links_.data();
+        table_ = graph_.table_.data();
+        mask_ = graph_.table_mask_;
+        shift_ = graph_.table_shift_;
+        epoch_ = graph_.epoch_;
+        limit_ = graph_.limit_;
+    }
+
+    LinkGraph& graph_;
+    const Slot* free_top_ = nullptr;
+    MeshEdge* edges_ = nullptr;
+    PlaneIndex* ends_ = nullptr;
+    PortRef* links_ = nullptr;
+    Entry* table_ = nullptr;
+    std::size_t mask_ = 0;
+    int shift_ = 0;
+    std::uint32_t epoch_ = 0;
+    std::uint32_t made_ = 0;
+    std::uint32_t limit_ = 0;
+};
 
 }  // namespace lamella

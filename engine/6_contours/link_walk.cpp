@@ -12,9 +12,6 @@ namespace {
 /// Room beyond the order's end that copy_run() may write and read.
 constexpr std::size_t run_padding = 16;
 
-/// With fewer slots than this for each change, runs are too short to copy and links are followed one by one.
-constexpr std::size_t slots_per_change = 4;
-
 /// Most runs are short, and a copy whose length the processor need not guess is the fastest: 64 bytes a step, overshooting.
 inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {
     for (std::uint32_t i = 0; i < length; i += run_padding) {
@@ -58,7 +55,7 @@ void LinkGraph::walk() {
         order_known_ = false;
         return;
     }
-    chase_ = !order_known_ || changes_ * slots_per_change > live_;
+    chase_ = !order_known_ || most_changed();
     if (open_ > 0) {
         walk_sources();
     }
@@ -67,14 +64,14 @@ void LinkGraph::walk() {
         walk_old_runs();
     }
     walk_rest();
-    assert(filled_ == live_ && "every slot is walked once");
+    assert(filled_ == live() && "every slot is walked once");
     finish_order();
     order_known_ = true;
 }
 
 void LinkGraph::begin_order() {
-    if (order_next_.size() < live_ + 1 + run_padding) {
-        order_next_.resize(std::max(live_ + live_ / 32 + 1 + run_padding, order_next_.size()));
+    if (order_next_.size() < live() + 1 + run_padding) {
+        order_next_.resize(std::max(live() + live() / 32 + 1 + run_padding, order_next_.size()));
     }
     filled_ = 0;
     old_starts_.clear();
@@ -111,7 +108,7 @@ bool LinkGraph::walked(Slot slot) const noexcept {
 
 void LinkGraph::walk_sources() {
     for (Slot slot = 0; slot < slot_end_; ++slot) {
-        if (!is_free(slot) && links_[target_port][slot] == no_link) {
+        if (!is_free(slot) && !has(slot, target_port)) {
             walk_from(slot);
         }
     }
@@ -119,7 +116,7 @@ void LinkGraph::walk_sources() {
 
 /// What the starts of the last plane's contours did not lead to: parts that split off.
 void LinkGraph::walk_old_runs() {
-    for (std::uint32_t position = 1; filled_ < live_ && position <= ordered_; position = next_break(position) + 1) {
+    for (std::uint32_t position = 1; filled_ < live() && position <= ordered_; position = next_break(position) + 1) {
         const Slot slot = order_[position];
         if (position_[slot] == position && !walked(slot)) {
             walk_from(slot);
@@ -138,12 +135,12 @@ void LinkGraph::walk_old_starts() {
 
 /// What began at this plane, and after a walk along links what split off.
 void LinkGraph::walk_rest() {
-    for (std::size_t i = 0; filled_ < live_ && i < fresh_.size(); ++i) {
-        if (!is_free(fresh_[i]) && !walked(fresh_[i])) {
-            walk_from(fresh_[i]);
+    for (const Slot slot : fresh()) {
+        if (!walked(slot)) {
+            walk_from(slot);
         }
     }
-    for (Slot slot = 0; filled_ < live_ && slot < slot_end_; ++slot) {
+    for (Slot slot = 0; filled_ < live() && slot < slot_end_; ++slot) {
         if (!is_free(slot) && !walked(slot)) {
             walk_from(slot);
         }
@@ -178,7 +175,7 @@ bool LinkGraph::follow_runs(Slot start) {
             filled += length;
             last = run[length - 1];
         }
-        const PortRef next = links_[source_port][last];
+        const PortRef next = links_[2 * last + source_port];
         slot = next >> 1;
         if (next == no_link || slot == start) {
             filled_ = filled;
@@ -191,14 +188,15 @@ bool LinkGraph::follow_runs(Slot start) {
 bool LinkGraph::follow_links(Slot start) {
     Slot* const out = order_next_.data() + 1;
     std::uint32_t* const positions = position_.data();
-    const PortRef* const next_of = links_[source_port].data();
+    const PortRef* const links = links_.data();
     std::uint32_t filled = filled_;
-    PortRef next = 2 * start;
+    PortRef next = 2 * start;  // each target port's source port is beside it
+    static_assert(target_port == 0 && source_port == 1);
     do {
         const Slot slot = next >> 1;
         out[filled] = slot;
         positions[slot] = ++filled;
-        next = next_of[slot];
+        next = links[next | source_port];
     } while (next != no_link && (next >> 1) != start);
     filled_ = filled;
     return next != no_link;
@@ -229,7 +227,7 @@ void LinkGraph::walk_any_sense() {
     };
     for (Slot slot = 0; slot < slot_end_ && open_ > 0; ++slot) {
         if (!is_free(slot) && (flags_[slot] & open_end) != 0 && !walked(slot)) {
-            walk_along(slot, links_[target_port][slot] == no_link ? source_port : target_port, false);
+            walk_along(slot, !has(slot, target_port) ? source_port : target_port, false);
         }
     }
     for (Slot slot = 0; slot < slot_end_; ++slot) {
@@ -237,7 +235,7 @@ void LinkGraph::walk_any_sense() {
             walk_along(slot, source_port, true);
         }
     }
-    assert(filled_ == live_ && "every slot is walked once");
+    assert(filled_ == live() && "every slot is walked once");
 }
 
 void LinkGraph::follow_any_sense(Slot start, int leave_by, bool closed) {
@@ -246,7 +244,7 @@ void LinkGraph::follow_any_sense(Slot start, int leave_by, bool closed) {
         order_next_[filled_ + 1] = slot;
         leave_by_[filled_] = static_cast<std::uint8_t>(leave_by);
         position_[slot] = ++filled_;
-        const PortRef next = links_[leave_by][slot];
+        const PortRef next = links_[2 * slot + static_cast<unsigned>(leave_by)];
         if (next == no_link || (closed && (next >> 1) == start)) {
             return;
         }
@@ -269,11 +267,11 @@ bool LinkGraph::runs_backwards(std::uint32_t begin, bool closed) const {
     if (2 * forwards != segments) {
         return 2 * forwards < segments;
     }
-    const auto key_at = [&](std::uint32_t i) -> const EndKey& { return keys_[slots[i % count]]; };
+    const auto key_at = [&](std::uint32_t i) { return to_key(edges_[slots[i % count]]); };
     const auto smaller = [&](std::uint32_t a, bool a_back, std::uint32_t b, bool b_back) {
         for (std::uint32_t i = 0; i < count; ++i) {
-            const EndKey& key_a = key_at(a_back ? a + count - i : a + i);
-            const EndKey& key_b = key_at(b_back ? b + count - i : b + i);
+            const EndKey key_a = key_at(a_back ? a + count - i : a + i);
+            const EndKey key_b = key_at(b_back ? b + count - i : b + i);
             if (key_a != key_b) {
                 return key_a < key_b;
             }

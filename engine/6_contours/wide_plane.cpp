@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "6_contours/end_key.hpp"
+#include "6_contours/mesh_edge.hpp"
 #include "base/rounding.hpp"
 
 namespace lamella {
@@ -35,11 +35,11 @@ public:
 
     enum class Met { waits, linked, irregular };
 
-    /// Puts an end there or meets the one that waits, whose segment is then in `partner`. `same_key(segment, source)`
+    /// Puts an end there or meets the one that waits, whose segment is then in `partner`. `same_edge(segment, source)`
     /// compares.
-    template <class SameKey>
+    template <class SameEdge>
     Met meet(std::uint64_t hash, std::uint32_t segment, bool source, std::uint32_t& partner,
-             const SameKey& same_key) noexcept {
+             const SameEdge& same_edge) noexcept {
         const std::uint64_t tag = (hash << 34) | present;
         const std::uint64_t mine = tag | (std::uint64_t{segment} << 1) | (source ? 1 : 0);
         const std::size_t mask = entries_.size() - 1;
@@ -54,7 +54,7 @@ public:
             }
             const bool other_source = (entry & 1) != 0;
             const auto other = static_cast<std::uint32_t>((entry & 0xFFFFFFFFU) >> 1);
-            if (((entry ^ tag) & ~(complete | 0xFFFFFFFFU)) != 0 || !same_key(other, other_source)) {
+            if (((entry ^ tag) & ~(complete | 0xFFFFFFFFU)) != 0 || !same_edge(other, other_source)) {
                 continue;
             }
             // A failed exchange here means a third end: only the second one completes an entry.
@@ -89,24 +89,21 @@ bool WidePlane::build(PlaneIndex plane, std::span<const std::uint32_t> seeds, co
     string_together();
     trace(planes.z(plane));
     layer_.build_traced(
-        rings_.data(), contours_, [this](std::uint32_t at) { return end_key(order_[at], true); }, parallel_, out);
+        rings_.data(), contours_, [this](std::uint32_t at) { return to_key(edge_at(order_[at], true)); }, parallel_, out);
     return true;
 }
 
 /// The edge that a segment leaves or enters.
-EndKey WidePlane::end_key(std::uint32_t segment, bool source) const noexcept {
+MeshEdge WidePlane::edge_at(std::uint32_t segment, bool source) const noexcept {
     const CrossedTriangle& t = triangle(segment);
-    if (source == t.long_edge_is_source()) {
-        return pack_edge(t.lower, t.upper);
-    }
-    return t.middle_plane() <= plane_ ? pack_edge(t.middle, t.upper) : pack_edge(t.lower, t.middle);
+    return source == t.long_edge_is_source() ? long_edge(t) : short_edge(t, t.middle_plane() <= plane_);
 }
 
 /// Where the edge that a segment leaves pierces the plane; the arithmetic of Kernels::pierce.
 Point WidePlane::source_point(std::uint32_t segment, std::int32_t z) const noexcept {
-    GridVertex lower;
-    GridVertex upper;
-    unpack_edge(end_key(segment, true), lower, upper);
+    const MeshEdge edge = edge_at(segment, true);
+    const GridVertex lower = edge.lower();
+    const GridVertex upper = edge.upper();
     const double height = static_cast<double>(upper.z) - lower.z;
     const double slope_x = (static_cast<double>(upper.x) - lower.x) / height;
     const double slope_y = (static_cast<double>(upper.y) - lower.y) / height;
@@ -138,23 +135,23 @@ bool WidePlane::link() {
 
 /// The entries of a block are fetched together: one at a time, each would be waited for. Returns the links made, or -1.
 std::int64_t WidePlane::link_block(Table& table, std::uint32_t begin, std::uint32_t end) {
-    EndKey keys[block][2];
+    MeshEdge edges[block][2];
     std::uint64_t hashes[block][2];
     for (std::uint32_t segment = begin; segment < end; ++segment) {
         for (const bool source : {false, true}) {
-            EndKey& key = keys[segment - begin][source ? 1 : 0];
-            key = end_key(segment, source);
-            table.prefetch(hashes[segment - begin][source ? 1 : 0] = hash_key(key));
+            MeshEdge& edge = edges[segment - begin][source ? 1 : 0];
+            edge = edge_at(segment, source);
+            table.prefetch(hashes[segment - begin][source ? 1 : 0] = edge.hash());
         }
     }
     std::int64_t links = 0;
     for (std::uint32_t segment = begin; segment < end; ++segment) {
         for (const bool source : {false, true}) {
-            const EndKey& key = keys[segment - begin][source ? 1 : 0];
+            const MeshEdge& edge = edges[segment - begin][source ? 1 : 0];
             std::uint32_t partner = 0;
             const auto met =
                 table.meet(hashes[segment - begin][source ? 1 : 0], segment, source, partner,
-                           [&](std::uint32_t other, bool other_source) { return end_key(other, other_source) == key; });
+                           [&](std::uint32_t other, bool other_source) { return edge_at(other, other_source) == edge; });
             if (met == Table::Met::irregular) {
                 return -1;
             }

@@ -55,7 +55,7 @@ private:
                    ? buckets_->records[seeds_[segment]]
                    : buckets_->records[list_begin_ + (segment - static_cast<std::uint32_t>(seeds_.size()))];
     }
-    EndKey end_key(std::uint32_t segment, bool source) const noexcept;
+    MeshEdge edge_at(std::uint32_t segment, bool source) const noexcept;
     Point source_point(std::uint32_t segment, std::int32_t z) const noexcept;
 
     bool link();

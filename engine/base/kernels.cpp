@@ -69,12 +69,22 @@ std::size_t find_x_portable(const Point* ring, std::size_t from, std::size_t cou
     return from;
 }
 
-constexpr Kernels portable{pierce_portable, trace_portable, find_x_portable};
+std::size_t select_equal_portable(const std::uint32_t* values, std::size_t count, std::uint32_t value,
+                                  std::uint32_t* indices) {
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        indices[found] = static_cast<std::uint32_t>(i);
+        found += values[i] == value ? 1 : 0;
+    }
+    return found;
+}
+
+constexpr Kernels portable{pierce_portable, trace_portable, find_x_portable, select_equal_portable};
 
 #ifdef LAMELLA_X86_KERNELS
 
 #define LAMELLA_AVX2 __attribute__((target("avx2")))
-#define LAMELLA_AVX512 __attribute__((target("avx512f,avx512vl,avx2")))
+#define LAMELLA_AVX512 __attribute__((target("avx512f,avx512vl,avx2,popcnt")))
 
 // --- AVX2: four edges, four points a step
 
@@ -192,7 +202,25 @@ LAMELLA_AVX2 std::size_t find_x_avx2(const Point* ring, std::size_t from, std::s
     return find_x_portable(ring, from, count, x);
 }
 
-constexpr Kernels avx2{pierce_avx2, trace_avx2, find_x_avx2};
+LAMELLA_AVX2 std::size_t select_equal_avx2(const std::uint32_t* values, std::size_t count, std::uint32_t value,
+                                           std::uint32_t* indices) {
+    const __m256i wanted = _mm256_set1_epi32(static_cast<int>(value));
+    std::size_t found = 0;
+    std::size_t i = 0;
+    for (; i + 8 <= count; i += 8) {
+        const __m256i same = _mm256_cmpeq_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(values + i)), wanted);
+        for (auto bits = static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(same))); bits != 0; bits &= bits - 1) {
+            indices[found++] = static_cast<std::uint32_t>(i) + static_cast<std::uint32_t>(std::countr_zero(bits));
+        }
+    }
+    for (; i < count; ++i) {
+        indices[found] = static_cast<std::uint32_t>(i);
+        found += values[i] == value ? 1 : 0;
+    }
+    return found;
+}
+
+constexpr Kernels avx2{pierce_avx2, trace_avx2, find_x_avx2, select_equal_avx2};
 
 // --- AVX-512: eight edges, eight points a step
 
@@ -283,7 +311,24 @@ LAMELLA_AVX512 std::size_t find_x_avx512(const Point* ring, std::size_t from, st
     return count;
 }
 
-constexpr Kernels avx512{pierce_avx512, trace_avx512, find_x_avx512};
+LAMELLA_AVX512 std::size_t select_equal_avx512(const std::uint32_t* values, std::size_t count, std::uint32_t value,
+                                               std::uint32_t* indices) {
+    const __m512i wanted = _mm512_set1_epi32(static_cast<int>(value));
+    __m512i index = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < count; i += 16) {
+        const std::size_t left = count - i;
+        const auto lanes = static_cast<__mmask16>(left >= 16 ? 0xFFFF : (1U << left) - 1);
+        const __mmask16 same = _mm512_mask_cmpeq_epi32_mask(lanes, _mm512_maskz_loadu_epi32(lanes, values + i), wanted);
+        // Nothing predicts whether there is one.
+        _mm512_storeu_si512(indices + found, _mm512_maskz_compress_epi32(same, index));
+        found += static_cast<std::size_t>(std::popcount(same));
+        index = _mm512_add_epi32(index, _mm512_set1_epi32(16));
+    }
+    return found;
+}
+
+constexpr Kernels avx512{pierce_avx512, trace_avx512, find_x_avx512, select_equal_avx512};
 
 #endif
 

@@ -1,5 +1,6 @@
-// The three loops that touch every point of every layer, in the widest form that this processor has, chosen at run time: the
-// default build carries no -march. All forms give the same bytes (no contraction, the same operations in the same order).
+// The loops that touch every point or edge of every layer, in the widest form that this processor has, chosen at run time:
+// the default build carries no -march. All forms give the same bytes (no contraction, the same operations in the same
+// order).
 #pragma once
 
 #include <cstddef>
@@ -37,10 +38,15 @@ struct Kernels {
     RingFacts (*trace)(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring);
     /// Index of the first point with the given x, from `from` on, or count.
     std::size_t (*find_x)(const Point* ring, std::size_t from, std::size_t count, std::int32_t x);
+    /// Writes to `indices` the i in [0, count), in ascending order, with values[i] == value; returns how many. `indices` is
+    /// writable up to count + select_padding.
+    std::size_t (*select_equal)(const std::uint32_t* values, std::size_t count, std::uint32_t value, std::uint32_t* indices);
 };
 
 /// Room that arrays handed to pierce() need beyond a multiple of it.
 inline constexpr std::size_t padded_count = 8;
+/// Room that select_equal() needs beyond what it finds.
+inline constexpr std::size_t select_padding = 16;
 
 /// The facts of a closed ring of count > 0 points as they lie.
 RingFacts examine_ring(const Point* ring, std::size_t count) noexcept;

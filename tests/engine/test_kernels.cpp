@@ -39,3 +39,27 @@ TEST_CASE("kernels agree with the portable ones", "[engine][kernels]") {
         }
     }
 }
+
+TEST_CASE("select_equal finds what a loop finds, and writes no further than it may", "[engine][kernels]") {
+    std::mt19937 random(11);
+    for (const lamella::Kernels* kernels : {&lamella::kernels_for_this_cpu(), &lamella::portable_kernels()}) {
+        for (std::size_t count = 0; count < 100; ++count) {
+            for (const std::uint32_t kinds : {1U, 2U, 40U}) {
+                std::vector<std::uint32_t> values(count);
+                std::vector<std::uint32_t> expected;
+                for (std::size_t i = 0; i < count; ++i) {
+                    values[i] = 0xFFFFFFF0U + static_cast<std::uint32_t>(random()) % kinds % 16;
+                    if (values[i] == 0xFFFFFFF1U - (kinds == 1 ? 1 : 0)) {
+                        expected.push_back(static_cast<std::uint32_t>(i));
+                    }
+                }
+                const std::uint32_t wanted = 0xFFFFFFF1U - (kinds == 1 ? 1 : 0);
+                std::vector<std::uint32_t> found(count + lamella::select_padding + 1, 77);
+                const std::size_t n = kernels->select_equal(values.data(), count, wanted, found.data());
+                CHECK(found.back() == 77);
+                found.resize(n);
+                CHECK(found == expected);
+            }
+        }
+    }
+}

@@ -89,15 +89,18 @@ public:
     void enter(std::uint32_t record, PlaneIndex plane) {
         const CrossedTriangle& t = records_[record];
         const PlaneIndex middle = t.middle_plane();
-        const bool above_middle = middle <= plane;
+        const auto above_middle = static_cast<std::uint32_t>(middle <= plane);
         const int long_port = t.long_edge_is_source() ? source_port : target_port;
         const PortRef long_end = attach(long_edge(t), t.last, long_port);
-        const PortRef short_end = attach(short_edge(t, above_middle), above_middle ? t.last : middle, 1 - long_port);
+        // Nothing predicts where the middle vertex lies: `middle` or `last`, and below 0 or 1, without a branch.
+        const PlaneIndex end = middle ^ ((middle ^ t.last) & (0U - above_middle));
+        const PortRef short_end = attach(short_edge(t, above_middle != 0), end, 1 - long_port);
         link(record, long_port, long_end, short_end);
-        // No plane may lie between the middle vertex and the upper one. Taken by adding 0 or 1: nothing predicts it.
         pending_[pending_count_] = {record, long_end};
         pending_plane_[pending_count_] = middle;
-        pending_count_ += (!above_middle && middle < band_last_ && middle < t.last) ? 1 : 0;
+        // No plane may lie between the middle vertex and the upper one.
+        const auto has_middle_event = static_cast<std::uint32_t>(middle < std::min(t.last, band_last_));
+        pending_count_ += has_middle_event & (1U - above_middle);
     }
 
     void pass_middle(const Pending& pending) {
@@ -117,10 +120,10 @@ private:
 
     /// The long edge is source or target as the triangle says, the short one the other.
     void link(std::uint32_t record, int long_port, PortRef long_end, PortRef short_end) {
-        // Selected rather than stored by index: an eight-byte copy of two four-byte stores stalls.
-        static_assert(target_port == 0 && source_port == 1);
-        const bool from_long = long_port == source_port;
-        links_[link_count_] = {{from_long ? short_end : long_end, from_long ? long_end : short_end}};
+        // Stored by index, as nothing predicts which is which. They are read one by one too: loading both at once would wait
+        // for the stores.
+        links_[link_count_].ends[long_port] = long_end;
+        links_[link_count_].ends[1 - long_port] = short_end;
         link_records_[link_count_] = record;
         ++link_count_;
     }

@@ -36,7 +36,7 @@ void LinkGraph::clear() {
     open_ = 0;
     mixed_ = 0;
     ordered_ = 0;
-    order_.resize(std::max<std::size_t>(1, order_.size()));
+    order_.resize(std::max<std::size_t>(32, order_.size()));
     breaks_.assign(1, 0);
     changes_ = 0;
     order_known_ = true;
@@ -97,14 +97,14 @@ void LinkGraph::release_ended(PlaneIndex plane) {
 }
 
 LinkGraph::Attaching LinkGraph::begin_attaching(std::size_t attachments) {
-    // Two ends share an edge as a rule. Small tables are less than half full then; large ones, of a band's first plane, take
+    // Two ends share an edge as a rule. Small tables are a quarter full then; large ones, of a band's first plane, take
     // memory.
     const bool small = attachments < (std::size_t{1} << 16);
     const std::size_t edges = small ? attachments : attachments / 2 + 64;
-    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, edges + edges / 4));
-    if (size > table_.size() || ++epoch_ == 0) {
-        table_.assign(std::max(size, table_.size()), Entry{0, 0});
-        epoch_ = 1;
+    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, 2 * edges));
+    epoch_ += first_epoch;
+    if (size > table_.size() || epoch_ == 0) {
+        clear_table(std::max(size, table_.size()));
     }
     table_mask_ = size - 1;
     table_shift_ = 64 - std::countr_zero(size);
@@ -113,11 +113,15 @@ LinkGraph::Attaching LinkGraph::begin_attaching(std::size_t attachments) {
     return Attaching(*this);
 }
 
+void LinkGraph::clear_table(std::size_t size) {
+    table_.assign(size, 0);
+    epoch_ = first_epoch;
+}
+
 /// Fewer ends shared an edge than is the rule: the `made` edges so far go to a table of twice the size.
 void LinkGraph::grow(std::uint32_t made) {
     const std::size_t size = 2 * (table_mask_ + 1);
-    table_.assign(size, Entry{0, 0});
-    epoch_ = 1;
+    clear_table(size);
     table_mask_ = size - 1;
     --table_shift_;
     limit_ = static_cast<std::uint32_t>(size - size / 8);
@@ -125,10 +129,10 @@ void LinkGraph::grow(std::uint32_t made) {
     for (std::uint32_t i = 1; i <= made; ++i) {
         const Slot slot = free_[free_count_ - i];
         std::size_t place = edges_[slot].hash() >> table_shift_;
-        while (table_[place].epoch == epoch_) {
+        while ((table_[place] ^ epoch_) < first_epoch) {
             place = (place + 1) & table_mask_;
         }
-        table_[place] = {epoch_, slot};
+        table_[place] = epoch_ | slot;
     }
 }
 

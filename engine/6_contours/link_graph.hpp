@@ -136,11 +136,11 @@ private:
         crowded = 8,  // more than two ends meet, or two of one sense
     };
 
-    struct Entry {
-        std::uint32_t epoch;
-        Slot slot;
-    };
+    /// Epoch in the high half, slot in the low.
+    using Entry = std::uint64_t;
+    static constexpr Entry first_epoch = Entry{1} << 32;
 
+    void clear_table(std::size_t size);
     void grow(std::uint32_t made);
     void take_spares(std::uint32_t count);
     void free_all_from(Slot first);
@@ -193,7 +193,7 @@ private:
     std::size_t table_mask_ = 0;
     std::uint32_t limit_ = 0;  // new edges that there is room for
     int table_shift_ = 63;
-    std::uint32_t epoch_ = 0;
+    Entry epoch_ = 0;  // in the high half
 
     // meetings of more than two
     struct Crowded {
@@ -241,14 +241,14 @@ public:
         links_[2 * spare + target_port] = no_link;
         links_[2 * spare + source_port] = no_link;
         for (std::size_t i = edge.hash() >> shift_;; i = (i + 1) & mask_) {
-            const Entry entry = table_[i];
-            // All bits set if the entry is of another epoch; compilers turn a comparison back into a branch.
-            const std::uint32_t other = entry.epoch ^ epoch_;
-            const std::uint32_t is_new = 0U - ((other | (0U - other)) >> 31);
-            const Slot slot = entry.slot ^ ((entry.slot ^ spare) & is_new);
+            const Entry difference = table_[i] ^ epoch_;
+            // 1 if the entry is of another epoch. Reckoned, as compilers turn a comparison back into a branch.
+            const auto is_new = static_cast<std::uint32_t>(((difference >> 32) + 0xFFFFFFFFU) >> 32);
+            const auto found = static_cast<Slot>(difference);
+            const Slot slot = found ^ ((found ^ spare) & (0U - is_new));
             if (edges_[slot] == edge) {
-                table_[i] = {epoch_, slot};
-                made_ += is_new & 1;
+                table_[i] = epoch_ | slot;
+                made_ += is_new;
                 return slot;
             }
         }
@@ -290,7 +290,7 @@ private:
     Entry* table_ = nullptr;
     std::size_t mask_ = 0;
     int shift_ = 0;
-    std::uint32_t epoch_ = 0;
+    Entry epoch_ = 0;
     std::uint32_t made_ = 0;
     std::uint32_t limit_ = 0;
 };

@@ -21,8 +21,7 @@ struct MeshEdge {
     static MeshEdge between(const GridVertex& lower, const GridVertex& upper) noexcept {
         MeshEdge edge;
         std::memcpy(&edge.words[0], &lower.x, sizeof edge.words[0]);
-        const std::int32_t inner[2] = {lower.z, upper.x};
-        edge.words[1] = std::bit_cast<std::uint64_t>(inner);
+        edge.words[1] = joined(lower.z, upper.x);
         std::memcpy(&edge.words[2], &upper.y, sizeof edge.words[2]);
         return edge;
     }
@@ -32,15 +31,21 @@ struct MeshEdge {
 
     /// Well mixed in its high bits, which is where tables take their index from.
     std::uint64_t hash() const noexcept {
-        std::uint64_t h = words[0] * 0x9E3779B97F4A7C15U;
-        h ^= (words[1] ^ (h >> 29)) * 0xC2B2AE3D27D4EB4FU;
-        h ^= (h >> 32) ^ (words[2] * 0x165667B19E3779F9U);
-        return h * 0x9E3779B97F4A7C15U;
+        std::uint64_t h = words[0] * 0x9E3779B97F4A7C15U + words[1] * 0xC2B2AE3D27D4EB4FU + words[2] * 0x165667B19E3779F9U;
+        h ^= h >> 32;
+        return h * 0xD6E8FEB86659FD93U;
     }
 
     friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
 
 private:
+    /// Two coordinates as they lie in memory. Shifted together: compilers join an array by way of vector registers.
+    static std::uint64_t joined(std::int32_t first, std::int32_t second) noexcept {
+        const std::uint64_t a = static_cast<std::uint32_t>(first);
+        const std::uint64_t b = static_cast<std::uint32_t>(second);
+        return std::endian::native == std::endian::little ? a | b << 32 : b | a << 32;
+    }
+
     GridVertex vertex(std::size_t at) const noexcept {
         GridVertex v;
         std::memcpy(static_cast<void*>(&v), reinterpret_cast<const char*>(words) + at, sizeof v);
@@ -54,12 +59,16 @@ inline MeshEdge long_edge(const CrossedTriangle& t) noexcept {
 }
 
 /// The one above the middle vertex, or the one below it. Nothing predicts which is asked for: the two are neighbours in
-/// memory, and it is the address that is chosen.
+/// memory, and it is the address that is reckoned.
 inline MeshEdge short_edge(const CrossedTriangle& t, bool above_middle) noexcept {
     static_assert(offsetof(CrossedTriangle, lower) == 0 && offsetof(CrossedTriangle, middle) == sizeof(GridVertex) &&
                   offsetof(CrossedTriangle, upper) == 2 * sizeof(GridVertex));
+    const char* at = reinterpret_cast<const char*>(&t) + sizeof(GridVertex) * static_cast<std::size_t>(above_middle);
     MeshEdge edge;
-    std::memcpy(&edge, reinterpret_cast<const char*>(&t) + (above_middle ? sizeof(GridVertex) : 0), sizeof edge);
+    for (std::uint64_t& word : edge.words) {
+        std::memcpy(&word, at, sizeof word);
+        at += sizeof word;
+    }
     return edge;
 }
 

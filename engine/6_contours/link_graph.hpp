@@ -126,7 +126,7 @@ public:
 private:
     static constexpr std::uint32_t no_position = 0;  // positions count from 1, so that marking it is harmless
     static constexpr PlaneIndex no_plane = 0xFFFFFFFFU;
-    static constexpr std::size_t slots_per_change = 4;  // with fewer, runs are too short to copy
+    static constexpr std::size_t slots_per_change = 3;  // with fewer, runs are too short to copy
 
     enum Flag : std::uint32_t {
         open_end = 1,

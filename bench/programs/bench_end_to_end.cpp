@@ -5,7 +5,7 @@
 #include <mimalloc.h>
 #endif
 
-#include "lamella/stl.hpp"
+#include "lamella/mesh_file.hpp"
 #include "measure.hpp"
 
 namespace lamella::bench {
@@ -71,14 +71,14 @@ void run_cold(benchmark::State& state, Prepared& prepared, ContourForm form, int
     count(state, handled_by(prepared, prepared.mesh().bytes()), seconds, threads);
 }
 
-/// The result's and the engine's memory are warm; the file's bytes go where read_stl() puts them.
+/// The result's and the engine's memory are warm; the file's bytes go where read_mesh() puts them.
 void run_file(benchmark::State& state, Prepared& prepared, bool map_file, int threads) {
     std::string failure = prepared.check(ContourForm::swept, threads);
     const SliceOptions options = prepared.options(ContourForm::swept, threads);
-    StlReadOptions reading;
+    ReadOptions reading;
     reading.threads = threads;
     reading.map_file = map_file;
-    Result<StlMesh> mesh = read_stl(prepared.mesh().file, reading);
+    Result<MeshFile> mesh = read_mesh(prepared.mesh().file, reading);
     if (failure.empty() && (!mesh || mesh->triangle_count != prepared.mesh().triangles())) {
         failure = mesh ? "the file holds another mesh" : mesh.error().message;
     }
@@ -91,7 +91,7 @@ void run_file(benchmark::State& state, Prepared& prepared, bool map_file, int th
     const double seconds = measure(
         state, [&] { mesh = Error{}; },
         [&] {
-            mesh = read_stl(prepared.mesh().file, reading);
+            mesh = read_mesh(prepared.mesh().file, reading);
             ok = ok && mesh && slice(mesh->view(), options, prepared.workspace, prepared.result).ok();
         });
     if (!ok) {

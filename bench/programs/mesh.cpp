@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "base/parallel.hpp"
-#include "lamella/stl.hpp"
+#include "lamella/mesh_file.hpp"
 
 namespace lamella::bench {
 
@@ -23,7 +23,7 @@ void Mesh::measure() noexcept {
 }
 
 Result<Mesh> load_mesh(const std::filesystem::path& file) {
-    const Result<StlMesh> stl = read_stl(file);
+    const Result<MeshFile> stl = read_mesh(file);
     if (!stl) {
         return stl.error();
     }

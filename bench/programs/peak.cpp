@@ -20,7 +20,7 @@ int main(int count, char** words) try {
     options.plan = LayerPlan{UniformLayers{.layer_height_mm = std::atof(words[2])}};
     options.threads = std::atoi(words[3]);
     options.band_planes = std::atoi(words[4]);
-    const Result<StlMesh> mesh = read_stl(words[1], StlReadOptions{.threads = options.threads});
+    const Result<MeshFile> mesh = read_mesh(words[1], ReadOptions{.threads = options.threads});
     if (!mesh) {
         std::cerr << mesh.error().message << '\n';
         return 3;

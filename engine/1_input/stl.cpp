@@ -1,5 +1,4 @@
-#include "lamella/stl.hpp"
-
+// STL, binary and ASCII. Which of the two a file is, is decided by its size and content, never by the word "solid" alone.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -8,7 +7,7 @@
 #include <utility>
 
 #include "1_input/facet_parser.hpp"
-#include "1_input/input_file.hpp"
+#include "1_input/reader.hpp"
 #include "1_input/stl_ascii.hpp"
 #include "base/parallel.hpp"
 
@@ -25,27 +24,10 @@ constexpr std::size_t record_bytes = 50;
 constexpr std::size_t normal_bytes = 12;
 static_assert(std::endian::native == std::endian::little, "the file's numbers are used where they lie");
 
-/// How much of the file decides what it is.
-constexpr std::size_t sample_bytes = std::size_t{64} << 10;
-
 using Clock = std::chrono::steady_clock;
 
 double ms_since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-std::string_view as_text(std::span<const std::byte> bytes) {
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-std::string_view without_byte_order_mark(std::string_view text) {
-    return text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
-}
-
-/// No control characters. Every binary file has some: its count has a zero byte below 2^24 triangles, and beyond, a sample
-/// of a thousand records has plenty.
-bool is_text(std::string_view sample) {
-    return std::none_of(sample.begin(), sample.end(), [](char c) { return c >= 0 && c < ' ' && !is_space(c); });
 }
 
 bool begins_with_solid(std::string_view text) {
@@ -57,13 +39,6 @@ bool begins_with_solid(std::string_view text) {
            std::equal(solid.begin(), solid.end(), p, [](char a, char b) { return a == (b | 0x20); });
 }
 
-Error no_text_stl(const InputFile& file, std::string_view sample) {
-    constexpr std::size_t quoted = 32;
-    const std::string_view line = sample.substr(0, std::min(sample.find_first_of("\r\n"), quoted));
-    return file.error(Code::malformed_mesh, "is no STL file: text that begins with '" + printable(std::string(line)) + "'",
-                      0);
-}
-
 std::uint32_t counted_triangles(std::string_view sample) {
     std::uint32_t count = 0;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -73,12 +48,12 @@ std::uint32_t counted_triangles(std::string_view sample) {
 }
 
 /// The number of triangles, if the file holds as many as it says.
-Result<std::uint64_t> check_binary(const InputFile& file, std::string_view sample) {
+Result<std::uint64_t> check_binary(const FileSource& file) {
     if (file.size() < header_bytes) {
         return file.error(Code::malformed_mesh,
                           "is no STL file: " + std::to_string(file.size()) + " bytes, and a binary header alone has 84", 0);
     }
-    const std::uint64_t count = counted_triangles(sample);
+    const std::uint64_t count = counted_triangles(file.sample());
     const std::uint64_t needed = header_bytes + record_bytes * count;
     if (count == 0 && file.size() == header_bytes) {
         return file.error(Code::empty_mesh, "holds no triangles");
@@ -98,41 +73,17 @@ Result<std::uint64_t> check_binary(const InputFile& file, std::string_view sampl
     return count;
 }
 
-Result<Array<std::byte>> get_bytes(const InputFile& file, std::size_t count, const StlReadOptions& options,
-                                   const Parallel& parallel) {
-    if (options.map_file) {
-        Result<Array<std::byte>> mapped = file.map(count);
-        if (!mapped) {
-            return mapped;
-        }
-        if (Status same = file.unchanged(); !same) {
-            return same.error();
-        }
-        return mapped;
-    }
-    Array<std::byte> bytes(options.memory);
-    bytes.resize_discarding(count);
-    if (Status got = file.read(bytes.span(), parallel); !got) {
-        return got.error();
-    }
-    if (Status same = file.unchanged(); !same) {
-        return same.error();
-    }
-    return bytes;
-}
-
-Result<StlMesh> read_binary(const InputFile& file, std::string_view sample, const StlReadOptions& options,
-                            const Parallel& parallel) {
-    const Result<std::uint64_t> count = check_binary(file, sample);
+Result<MeshFile> read_binary(FileSource& file) {
+    const Result<std::uint64_t> count = check_binary(file);
     if (!count) {
         return count.error();
     }
     const std::uint64_t needed = header_bytes + record_bytes * count.value();
-    Result<Array<std::byte>> bytes = get_bytes(file, needed, options, parallel);
+    Result<Array<std::byte>> bytes = file.take(needed);
     if (!bytes) {
         return bytes.error();
     }
-    StlMesh mesh;
+    MeshFile mesh;
     mesh.bytes = std::move(bytes).value();
     mesh.first_offset = header_bytes + normal_bytes;
     mesh.stride = record_bytes;
@@ -144,16 +95,17 @@ Result<StlMesh> read_binary(const InputFile& file, std::string_view sample, cons
     return mesh;
 }
 
-Result<StlMesh> read_ascii(const InputFile& file, const StlReadOptions& options, const Parallel& parallel) {
-    const Result<Array<std::byte>> bytes = get_bytes(file, file.size(), options, parallel);
+Result<MeshFile> read_ascii(FileSource& file) {
+    const std::uint64_t size = file.size();
+    const Result<Array<std::byte>> bytes = file.take(size);
     if (!bytes) {
         return bytes.error();
     }
     const Clock::time_point start = Clock::now();
     const std::string_view text = without_byte_order_mark(as_text(bytes.value().span()));
-    AsciiFacets facets = parse_ascii_stl(text, options.memory, parallel);
+    AsciiFacets facets = parse_ascii_stl(text, file.memory(), file.parallel());
     if (facets.error) {
-        const std::size_t offset = facets.error->offset + (file.size() - text.size());
+        const std::size_t offset = facets.error->offset + (size - text.size());
         return file.error(
             Code::malformed_mesh,
             "line " + std::to_string(facets.error->line) + ", byte " + std::to_string(offset) + ": " + facets.error->what,
@@ -162,51 +114,23 @@ Result<StlMesh> read_ascii(const InputFile& file, const StlReadOptions& options,
     if (facets.count == 0) {
         return file.error(Code::empty_mesh, "holds no triangles");
     }
-    StlMesh mesh;
+    MeshFile mesh;
     mesh.bytes = std::move(facets.coordinates);
     mesh.stride = 9 * sizeof(float);
     mesh.triangle_count = facets.count;
-    mesh.ascii = true;
+    mesh.text = true;
     mesh.parse_ms = ms_since(start);
-    return mesh;
-}
-
-Result<StlMesh> read(const std::filesystem::path& path, const StlReadOptions& options) {
-    const Clock::time_point start = Clock::now();
-    const Result<InputFile> opened = InputFile::open(path);
-    if (!opened) {
-        return opened.error();
-    }
-    const InputFile& file = opened.value();
-    if (file.size() == 0) {
-        return file.error(Code::empty_mesh, "is empty");
-    }
-    const Parallel parallel(options.threads);
-    std::vector<std::byte> sampled(std::min<std::uint64_t>(file.size(), sample_bytes));
-    if (Status got = file.read(sampled, parallel); !got) {
-        return got.error();
-    }
-    const std::string_view sample = as_text(sampled);
-    const bool text = is_text(sample);
-    if (text && !begins_with_solid(sample)) {
-        return no_text_stl(file, sample);
-    }
-    Result<StlMesh> mesh = text ? read_ascii(file, options, parallel) : read_binary(file, sample, options, parallel);
-    if (mesh) {
-        mesh->file_bytes = file.size();
-        mesh->read_ms = ms_since(start) - mesh->parse_ms;
-    }
     return mesh;
 }
 
 }  // namespace
 
-Result<StlMesh> read_stl(const std::filesystem::path& path, const StlReadOptions& options) noexcept {
-    try {
-        return read(path, options);
-    } catch (...) {                                          // bad_alloc, or threads that the system would not start
-        return Error{Code::out_of_memory, "out of memory"};  // short enough to need none
-    }
+bool looks_like_stl(const FileSource& source) {
+    return is_text(source.sample()) ? begins_with_solid(source.sample()) : check_binary(source).ok();
+}
+
+Result<MeshFile> read_stl(FileSource& source) {
+    return is_text(source.sample()) ? read_ascii(source) : read_binary(source);
 }
 
 }  // namespace lamella

@@ -7,12 +7,12 @@
 #include <catch2/catch.hpp>
 
 #include "files.hpp"
-#include "lamella/stl.hpp"
+#include "lamella/mesh_file.hpp"
 
 namespace lamella::input_test {
 
 /// The facets of a file that must be readable, the same read and mapped, by 1 and 3 threads.
-inline std::vector<Facet> facets_of(const StlMesh& mesh) {
+inline std::vector<Facet> facets_of(const MeshFile& mesh) {
     const MeshView view = mesh.view();
     std::vector<Facet> facets(view.triangle_count);
     for (std::size_t t = 0; t < facets.size(); ++t) {
@@ -25,10 +25,10 @@ inline std::vector<Facet> read_facets(const std::filesystem::path& path) {
     std::vector<Facet> first;
     for (const bool map : {false, true}) {
         for (const int threads : {1, 3}) {
-            StlReadOptions options;
+            ReadOptions options;
             options.threads = threads;
             options.map_file = map;
-            const Result<StlMesh> mesh = read_stl(path, options);
+            const Result<MeshFile> mesh = read_mesh(path, options);
             INFO((mesh ? "" : mesh.error().message));
             REQUIRE(mesh.ok());
             CHECK(mesh.value().file_bytes == std::filesystem::file_size(path));
@@ -46,10 +46,10 @@ inline Error read_error(const std::filesystem::path& path) {
     Error first;
     for (const bool map : {false, true}) {
         for (const int threads : {1, 3}) {
-            StlReadOptions options;
+            ReadOptions options;
             options.threads = threads;
             options.map_file = map;
-            const Result<StlMesh> mesh = read_stl(path, options);
+            const Result<MeshFile> mesh = read_mesh(path, options);
             REQUIRE_FALSE(mesh.ok());
             if (first.message.empty()) {
                 first = mesh.error();

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "files.hpp"
-#include "lamella/stl.hpp"
+#include "lamella/mesh_file.hpp"
 #include "read.hpp"
 
 namespace lamella::input_test {
@@ -44,8 +44,8 @@ TEST_CASE("ASCII is packed into floats", "[input]") {
     const std::vector<Facet> facets = numbered_facets(7);
     const auto path = dir.write("a.stl", ascii_stl(facets));
     CHECK(read_facets(path) == facets);
-    const Result<StlMesh> mesh = read_stl(path);
-    CHECK(mesh.value().ascii);
+    const Result<MeshFile> mesh = read_mesh(path);
+    CHECK(mesh.value().text);
     CHECK(mesh.value().stride == 36);
     CHECK(mesh.value().bytes.size() == 7 * 36);
 }
@@ -164,7 +164,7 @@ TEST_CASE("ASCII cut within a facet is refused wherever the cut is", "[input]") 
     const std::size_t end = whole.rfind("endfacet") + 8;
     for (std::size_t length = begin + 1; length < end; ++length) {
         INFO(length);
-        const Result<StlMesh> mesh = read_stl(dir.write("a.stl", whole.substr(0, length)));
+        const Result<MeshFile> mesh = read_mesh(dir.write("a.stl", whole.substr(0, length)));
         REQUIRE_FALSE(mesh.ok());
         CHECK(mesh.error().code == Code::malformed_mesh);
     }

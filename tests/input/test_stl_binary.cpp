@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "files.hpp"
-#include "lamella/stl.hpp"
+#include "lamella/mesh_file.hpp"
 #include "read.hpp"
 
 namespace lamella::input_test {
@@ -22,8 +22,8 @@ TEST_CASE("a binary file is kept as its bytes", "[input]") {
     const std::vector<Facet> facets = numbered_facets(5);
     const auto path = dir.write("a.stl", binary_stl(facets));
     CHECK(read_facets(path) == facets);
-    const Result<StlMesh> mesh = read_stl(path);
-    CHECK_FALSE(mesh.value().ascii);
+    const Result<MeshFile> mesh = read_mesh(path);
+    CHECK_FALSE(mesh.value().text);
     CHECK(mesh.value().stride == 50);
     CHECK(mesh.value().first_offset == 96);
     CHECK(mesh.value().bytes.size() == 84 + 5 * 50);
@@ -57,7 +57,7 @@ TEST_CASE("bytes after the last counted record are ignored with a warning", "[in
     const std::size_t extra = GENERATE(1U, 49U, 50U, 1234U);
     const auto path = dir.write("a.stl", binary_stl(facets, 3, header) + std::string(extra, 'x'));
     CHECK(read_facets(path) == facets);
-    const Result<StlMesh> mesh = read_stl(path);
+    const Result<MeshFile> mesh = read_mesh(path);
     REQUIRE(mesh.value().warnings.size() == 1);
     CHECK_THAT(mesh.value().warnings[0], Contains(std::to_string(extra) + " bytes") && Contains(path.string()));
 }
@@ -77,7 +77,7 @@ TEST_CASE("a binary file cut anywhere is refused", "[input]") {
     const std::string whole = binary_stl(numbered_facets(3), 3, "solid part");
     for (std::size_t length = 1; length < whole.size(); ++length) {
         INFO(length);
-        const Result<StlMesh> mesh = read_stl(dir.write("a.stl", whole.substr(0, length)));
+        const Result<MeshFile> mesh = read_mesh(dir.write("a.stl", whole.substr(0, length)));
         REQUIRE_FALSE(mesh.ok());
         const bool reads_as_ascii = length >= 5 && length <= 10;  // what is left of the header is a solid without facets
         CHECK(mesh.error().code == (reads_as_ascii ? Code::empty_mesh : Code::malformed_mesh));
@@ -145,7 +145,7 @@ TEST_CASE("a header of 2^32 - 1 triangles is refused at once", "[input]") {
 }
 
 TEST_CASE("control characters in a file's name stay out of the message", "[input]") {
-    const Result<StlMesh> mesh = read_stl("no\nsuch\tfile.stl");
+    const Result<MeshFile> mesh = read_mesh("no\nsuch\tfile.stl");
     REQUIRE_FALSE(mesh.ok());
     CHECK_THAT(mesh.error().message, Contains("no?such?file.stl: "));
 }

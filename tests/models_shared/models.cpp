@@ -12,14 +12,14 @@ namespace {
 
 const std::filesystem::path folder = LAMELLA_SHARED_MODELS;
 
-lamella::StlMesh mesh_of(const std::filesystem::path& file) {
-    lamella::Result<lamella::StlMesh> mesh = lamella::read_stl(file);
+lamella::MeshFile mesh_of(const std::filesystem::path& file) {
+    lamella::Result<lamella::MeshFile> mesh = lamella::read_mesh(file);
     INFO((mesh ? std::string() : mesh.error().message));
     REQUIRE(mesh.ok());
     return std::move(mesh).value();
 }
 
-SliceResult sliced(const lamella::StlMesh& mesh, const lamella::SliceOptions& options) {
+SliceResult sliced(const lamella::MeshFile& mesh, const lamella::SliceOptions& options) {
     lamella::Result<SliceResult> result = slice(mesh.view(), options);
     INFO((result ? std::string() : result.error().message));
     REQUIRE(result.ok());
@@ -49,7 +49,7 @@ struct KnownAnswer {
 TEST_CASE("counts are those of the paper's program and its table", "[counts]") {
     const KnownAnswer known = GENERATE(KnownAnswer{"liver.stl", 38'142, 6'242, 2'342'005, 15'790, 9'490},
                                        KnownAnswer{"femur.stl", 42'110, 3'155, 1'180'826, 3'338, 30});
-    const lamella::StlMesh mesh = mesh_of(folder / known.file);
+    const lamella::MeshFile mesh = mesh_of(folder / known.file);
     lamella::SliceOptions options = at_layer_height(0.032);
     std::get<lamella::UniformLayers>(options.plan.spacing).first_height_mm = 0.008;
     options.unit_mm = 0.004;
@@ -67,7 +67,7 @@ TEST_CASE("counts are those of the paper's program and its table", "[counts]") {
 
 TEST_CASE("areas times layer height are the volume of closed meshes", "[volume]") {
     const char* file = GENERATE("liver.stl", "femur.stl", "brain.stl", "hip_femur.stl");
-    const lamella::StlMesh mesh = mesh_of(folder / file);
+    const lamella::MeshFile mesh = mesh_of(folder / file);
     const lamella::Result<lamella::MeshInfo> info = inspect(mesh.view());
     REQUIRE(info.ok());
     INFO(file);
@@ -88,7 +88,7 @@ TEST_CASE("bones with boundary edges slice, their open polylines flagged", "[ope
         if (entry.path().extension() != ".stl") {
             continue;
         }
-        const lamella::StlMesh mesh = mesh_of(entry.path());
+        const lamella::MeshFile mesh = mesh_of(entry.path());
         const lamella::Result<lamella::MeshInfo> info = inspect(mesh.view());
         REQUIRE(info.ok());
         INFO(entry.path());

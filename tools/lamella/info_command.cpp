@@ -6,7 +6,7 @@
 #include "console.hpp"
 #include "failure.hpp"
 #include "lamella/inspect.hpp"
-#include "lamella/stl.hpp"
+#include "lamella/mesh_file.hpp"
 
 namespace lamella::cli {
 
@@ -26,8 +26,8 @@ std::string box(const MeshInfo& info) {
     return text + " mm";
 }
 
-std::string words(const std::string& path, const StlMesh& mesh, const MeshInfo& info) {
-    return "mesh            " + path + ", " + (mesh.ascii ? "ASCII" : "binary") + " STL, " +
+std::string words(const std::string& path, const MeshFile& mesh, const MeshInfo& info) {
+    return "mesh            " + path + ", " + (mesh.text ? "ASCII" : "binary") + " STL, " +
            file_size_text(mesh.file_bytes) + "\ntriangles       " + grouped(info.triangles) + "\ndegenerate      " +
            grouped(info.degenerate) + "\nbox             " + box(info) + "\narea            " + rounded(info.area_mm2, 3) +
            " mm2\nvolume          " + rounded(info.volume_mm3, 3) + " mm3" +
@@ -38,7 +38,7 @@ std::string words(const std::string& path, const StlMesh& mesh, const MeshInfo& 
 }
 
 void run(const InfoArguments& arguments) {
-    const Result<StlMesh> mesh = read_stl(arguments.mesh, {.threads = arguments.threads});
+    const Result<MeshFile> mesh = read_mesh(arguments.mesh, {.threads = arguments.threads});
     if (!mesh) {
         throw failure_of(mesh.error());
     }

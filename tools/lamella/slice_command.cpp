@@ -24,7 +24,7 @@ public:
     void run() {
         require_outputs();
         SliceRequest request = request_of(arguments_);
-        const StlMesh mesh = read();
+        const MeshFile mesh = read();
         const SliceResult result = slice_mesh(mesh, request);
         if (result.summary.segments == 0) {
             note("no plane meets the mesh, which reaches from " + exact_text(result.summary.min_mm[2]) + " to " +
@@ -56,10 +56,10 @@ private:
         context_.warnings.push_back(warning);
     }
 
-    StlMesh read() {
+    MeshFile read() {
         bar_.show("reading", 0);
-        Result<StlMesh> mesh =
-            read_stl(arguments_.mesh, {.threads = arguments_.threads, .memory = nullptr, .map_file = arguments_.map_file});
+        Result<MeshFile> mesh =
+            read_mesh(arguments_.mesh, {.threads = arguments_.threads, .memory = nullptr, .map_file = arguments_.map_file});
         if (!mesh) {
             throw failure_of(mesh.error());
         }
@@ -72,7 +72,7 @@ private:
         return std::move(mesh).value();
     }
 
-    SliceResult slice_mesh(const StlMesh& mesh, SliceRequest& request) {
+    SliceResult slice_mesh(const MeshFile& mesh, SliceRequest& request) {
         request.options.stop = interrupt_.defer();
         if (bar_.shown()) {
             request.options.progress = [this](double fraction) { bar_.show("slicing", fraction); };
@@ -112,7 +112,7 @@ private:
         context_.write_ms = watch.ms();
     }
 
-    void report(const SliceResult& result, const StlMesh& mesh) const {
+    void report(const SliceResult& result, const MeshFile& mesh) const {
         const std::string words = summary(result, mesh, context_);
         if (arguments_.report.empty()) {
             print(words);

@@ -27,9 +27,9 @@ std::string words(const RandomLayers& layers) {
            std::to_string(layers.seed) + ", from the mesh's lowest vertex up";
 }
 
-std::string mesh_line(const SliceSummary& counts, const StlMesh& mesh, const ReportContext& context) {
+std::string mesh_line(const SliceSummary& counts, const MeshFile& mesh, const ReportContext& context) {
     std::string text = "mesh      " + context.mesh_file + ", " + grouped(counts.triangles) + " triangles, " +
-                       file_size_text(mesh.file_bytes) + (mesh.ascii ? " of ASCII" : "");
+                       file_size_text(mesh.file_bytes) + (mesh.text ? " of ASCII" : "");
     if (counts.degenerate > 0) {
         text += "; " + grouped(counts.degenerate) + " degenerate, dropped";
     }
@@ -73,7 +73,7 @@ std::string contour_counts(const SliceResult& result) {
 
 }  // namespace
 
-std::string summary(const SliceResult& result, const StlMesh& mesh, const ReportContext& context) {
+std::string summary(const SliceResult& result, const MeshFile& mesh, const ReportContext& context) {
     std::string text = mesh_line(result.summary, mesh, context) + planes_line(result) + "segments  " +
                        grouped(result.summary.segments) + "\ncontours  " + contour_counts(result) + "\n" +
                        times(result.summary, context) + "memory    " + file_size_text(context.peak_rss_bytes) +

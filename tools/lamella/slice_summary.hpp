@@ -4,12 +4,12 @@
 #include <string>
 
 #include "lamella/result.hpp"
-#include "lamella/stl.hpp"
+#include "lamella/mesh_file.hpp"
 #include "lamella/write.hpp"
 
 namespace lamella::cli {
 
 /// Some lines, each a keyword and what there is to say, with a final newline.
-std::string summary(const SliceResult& result, const StlMesh& mesh, const ReportContext& context);
+std::string summary(const SliceResult& result, const MeshFile& mesh, const ReportContext& context);
 
 }  // namespace lamella::cli

@@ -1,0 +1,63 @@
+// Mesh files: one call for every format. Which format a file has is decided by its content, then by its name; where the two
+// disagree the content is believed and a warning says so.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lamella/array.hpp"
+#include "lamella/mesh.hpp"
+#include "lamella/status.hpp"
+
+namespace lamella {
+
+enum class MeshFormat : std::uint8_t { stl };
+
+/// "STL", ...
+std::string_view name_of(MeshFormat format) noexcept;
+
+/// A mesh read from a file, with its memory: triangle soup as it lies in the file, or vertices and indices.
+struct MeshFile {
+    Array<std::byte> bytes;        ///< what holds the coordinates; a binary STL file is kept as it is (no parse, no copy)
+    std::size_t first_offset = 0;  ///< of the first triangle's (soup) or vertex's coordinates in `bytes`
+    std::size_t stride = 0;        ///< bytes from one triangle (soup) or vertex to the next
+    Number number = Number::f32;
+    std::uint64_t vertex_count = 0;  ///< 0 for soup
+    Array<std::uint32_t> indices;    ///< three a triangle; empty for soup
+    std::uint64_t triangle_count = 0;
+
+    MeshFormat format = MeshFormat::stl;
+    bool text = false;                  ///< numbers were written out in decimals
+    bool compressed = false;            ///< by gzip, as a whole
+    std::vector<std::string> warnings;  ///< one line each, naming the file
+    std::uint64_t file_bytes = 0;
+    double read_ms = 0;   ///< getting the bytes
+    double parse_ms = 0;  ///< making triangles of them, and decompression
+
+    MeshView view() const noexcept {
+        if (indices.empty()) {
+            return MeshView::strided_soup(bytes.data() + first_offset, triangle_count, stride, number);
+        }
+        return MeshView::indexed(bytes.data() + first_offset, vertex_count, stride, number, indices.span());
+    }
+};
+
+struct ReadOptions {
+    int threads = 0;                              ///< 0: all that the host's task arena allows
+    std::pmr::memory_resource* memory = nullptr;  ///< null: operator new
+    /// Map the file instead of reading it. Saves the copy; a file that shrinks while it is mapped kills the process, so this
+    /// is for programs that own their input.
+    bool map_file = false;
+    /// What reading may take beside the file's own bytes; more is an error before it is allocated. 0: three times the file
+    /// and 256 MiB, which only files that expand enormously exceed.
+    std::uint64_t memory_limit_bytes = 0;
+};
+
+/// Reads `path`. Errors: unreadable_file, malformed_mesh (with the byte offset, and for text the line, in the message),
+/// empty_mesh, out_of_memory. Never allocates by a count that the file does not hold.
+Result<MeshFile> read_mesh(const std::filesystem::path& path, const ReadOptions& options = {}) noexcept;
+
+}  // namespace lamella

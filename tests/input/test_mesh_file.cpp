@@ -1,0 +1,101 @@
+// What read_mesh() does for every format: it tells them apart, and unpacks gzip.
+#include <zlib.h>
+
+#include <catch2/catch.hpp>
+
+#include "files.hpp"
+#include "read.hpp"
+
+namespace lamella {
+namespace {
+
+using namespace input_test;
+
+std::string gzipped(const std::string& bytes) {
+    std::string packed(bytes.size() + 1024, '\0');
+    z_stream stream{};
+    REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY) == Z_OK);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+    stream.avail_in = static_cast<uInt>(bytes.size());
+    stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+    stream.avail_out = static_cast<uInt>(packed.size());
+    REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
+    packed.resize(packed.size() - stream.avail_out);
+    deflateEnd(&stream);
+    return packed;
+}
+
+MeshFile read_one(const std::filesystem::path& path) {
+    Result<MeshFile> mesh = read_mesh(path);
+    INFO((mesh ? "" : mesh.error().message));
+    REQUIRE(mesh.ok());
+    return std::move(mesh).value();
+}
+
+TEST_CASE("gzip of any form of STL is unpacked", "[input][gzip]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(3000);
+    const bool text = GENERATE(false, true);
+    const std::string bytes = text ? ascii_stl(facets) : binary_stl(facets);
+    const auto half = bytes.size() / 2;
+    for (const std::string& packed : {gzipped(bytes), gzipped(bytes.substr(0, half)) + gzipped(bytes.substr(half))}) {
+        const auto path = dir.write("a.stl.gz", packed);
+        CHECK(read_facets(path) == facets);
+        const MeshFile mesh = read_one(path);
+        CHECK(mesh.compressed);
+        CHECK(mesh.text == text);
+        CHECK(mesh.warnings.empty());
+    }
+}
+
+TEST_CASE("bytes after gzip data are warned of", "[input][gzip]") {
+    const TempDir dir;
+    const auto path = dir.write("a.stl.gz", gzipped(binary_stl(numbered_facets(10))) + "tail");
+    const MeshFile mesh = read_one(path);
+    REQUIRE(mesh.warnings.size() == 1);
+    CHECK(mesh.warnings[0] == path.string() + ": ignored 4 bytes after the gzip data");
+}
+
+TEST_CASE("gzip data that end too early or are damaged are refused", "[input][gzip]") {
+    const TempDir dir;
+    const std::string packed = gzipped(binary_stl(numbered_facets(40)));
+    for (std::size_t length = 2; length < packed.size(); ++length) {
+        const Error error = read_error(dir.write("a.stl.gz", packed.substr(0, length)));
+        CHECK(error.code == Code::malformed_mesh);
+        CHECK(error.message.find("is truncated: its gzip data end too early") != std::string::npos);
+    }
+    std::string damaged = packed;
+    damaged[packed.size() - 6] ^= 1;  // the checksum
+    CHECK(read_error(dir.write("a.stl.gz", damaged)).message.find("is damaged: no valid gzip data") != std::string::npos);
+    CHECK(read_error(dir.write("a.stl.gz", std::string("\x1F\x8B") + std::string(100, 'x'))).code == Code::malformed_mesh);
+}
+
+TEST_CASE("a file that expands enormously is refused before it is unpacked whole", "[input][gzip]") {
+    const TempDir dir;
+    const auto path = dir.write("a.stl.gz", gzipped(std::string(std::size_t{8} << 20, '\0')));
+    ReadOptions options;
+    options.memory_limit_bytes = std::uint64_t{6} << 20;
+    const Result<MeshFile> mesh = read_mesh(path, options);
+    REQUIRE_FALSE(mesh.ok());
+    CHECK(mesh.error().code == Code::out_of_memory);
+    CHECK(mesh.error().message == path.string() + ": expands to more than the 6291456 bytes that reading it may take");
+}
+
+TEST_CASE("what is in gzip data is judged like any file", "[input][gzip]") {
+    const TempDir dir;
+    CHECK(read_error(dir.write("a.stl.gz", gzipped(""))).message.find("is empty") != std::string::npos);
+    CHECK(read_error(dir.write("a.stl.gz", gzipped("<html>"))).message.find("'<html>'") != std::string::npos);
+    CHECK(read_error(dir.write("a.stl.gz", gzipped(gzipped("solid")))).code == Code::malformed_mesh);
+}
+
+TEST_CASE("an STL file may have any name", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(20);
+    for (const char* name : {"a", "a.STL", "a.bin", "a.gz"}) {
+        CHECK(read_facets(dir.write(name, binary_stl(facets))) == facets);
+        CHECK(read_facets(dir.write(name, ascii_stl(facets))) == facets);
+    }
+}
+
+}  // namespace
+}  // namespace lamella

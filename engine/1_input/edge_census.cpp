@@ -281,8 +281,8 @@ private:
 
 }  // namespace
 
-EdgeCensus count_edges(const MeshView& mesh, double unit_mm, const Parallel& parallel) {
-    return with_reader(mesh, Transform{}, unit_mm, [&]<class Reader>(const Reader& reader) {
+EdgeCensus count_edges(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel) {
+    return with_reader(mesh, transform, unit_mm, [&]<class Reader>(const Reader& reader) {
         if (mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3) {
             return Census<std::uint32_t, Reader>(reader, mesh.triangle_count, parallel).run();
         }

@@ -20,6 +20,6 @@ struct EdgeCensus {
 
 /// O(n) expected; 16 bytes a triangle (32 from 2^32 / 3 triangles on) beside the mesh. The counts do not depend on threads.
 /// Precondition: indices in range, coordinates within the grid. Throws std::bad_alloc.
-EdgeCensus count_edges(const MeshView& mesh, double unit_mm, const Parallel& parallel);
+EdgeCensus count_edges(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel);
 
 }  // namespace lamella

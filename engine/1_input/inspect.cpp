@@ -38,15 +38,19 @@ struct Measure {
 };
 
 /// Volume as the sum of tetrahedra to the middle of the box: near, so that little cancels.
-Measure measure(const MeshView& mesh, const Vector& middle, const Parallel& parallel) {
+Measure measure(const MeshView& mesh, const Transform& transform, const Vector& middle, const Parallel& parallel) {
     const std::size_t chunks = (mesh.triangle_count + chunk_triangles - 1) / chunk_triangles;
     const RawReader read(mesh);
+    const bool transformed = !transform.is_identity();
     std::vector<Measure> parts(chunks);
     parallel.run(chunks, [&](std::size_t chunk, int) {
         Measure part;
         const std::size_t end = std::min(mesh.triangle_count, (chunk + 1) * chunk_triangles);
         for (std::size_t t = chunk * chunk_triangles; t != end; ++t) {
-            const RawTriangle raw = read(t);
+            RawTriangle raw = read(t);
+            if (transformed) {
+                apply(transform, raw);
+            }
             const Vector a{raw.v[0], raw.v[1], raw.v[2]};
             const Vector normal = cross(Vector{raw.v[3], raw.v[4], raw.v[5]} - a, Vector{raw.v[6], raw.v[7], raw.v[8]} - a);
             part.six_volumes += dot(a - middle, normal);
@@ -80,7 +84,7 @@ MeshInfo describe(const Bounds& box, const Measure& measured, const EdgeCensus& 
 
 Result<MeshInfo> inspect_or_throw(const MeshView& mesh, const InspectOptions& options) {
     const Parallel parallel(options.threads);
-    const Result<Bounds> bounds = measure_bounds(mesh, Transform{}, parallel);
+    const Result<Bounds> bounds = measure_bounds(mesh, options.transform, parallel);
     if (!bounds) {
         return bounds.error();
     }
@@ -91,7 +95,8 @@ Result<MeshInfo> inspect_or_throw(const MeshView& mesh, const InspectOptions& op
     }
     const Vector middle{(box.min_mm[0] + box.max_mm[0]) / 2, (box.min_mm[1] + box.max_mm[1]) / 2,
                         (box.min_mm[2] + box.max_mm[2]) / 2};
-    MeshInfo info = describe(box, measure(mesh, middle, parallel), count_edges(mesh, unit.value(), parallel));
+    MeshInfo info = describe(box, measure(mesh, options.transform, middle, parallel),
+                             count_edges(mesh, options.transform, unit.value(), parallel));
     info.triangles = mesh.triangle_count;
     info.unit_mm = unit.value();
     return info;

@@ -98,7 +98,7 @@ const Reader* choose_reader(const FileSource& source, const std::filesystem::pat
     return &*found;
 }
 
-Result<MeshFile> read_source(FileSource& source, const std::filesystem::path& path) {
+Result<MeshFile> read_source(FileSource& source, const std::filesystem::path& path, const ReadOptions& options) {
     if (source.size() == 0) {
         return source.error(Code::empty_mesh, "is empty");
     }
@@ -113,6 +113,7 @@ Result<MeshFile> read_source(FileSource& source, const std::filesystem::path& pa
     Result<MeshFile> mesh = reader->read(source);
     if (mesh) {
         mesh->format = reader->format;
+        mesh->mm_per_unit = mesh->states_unit ? mesh->mm_per_unit : options.mm_per_unit;
         mesh->warnings.insert(mesh->warnings.begin(), warnings.begin(), warnings.end());
     }
     return mesh;
@@ -131,7 +132,7 @@ Result<MeshFile> read_compressed(FileSource& packed, const InputFile& file, cons
     }
     const double unzip_ms = ms_since(start);
     FileSource source(file, std::move(unzipped.contents), options, parallel);
-    Result<MeshFile> mesh = read_source(source, path);
+    Result<MeshFile> mesh = read_source(source, path, options);
     if (mesh) {
         mesh->compressed = true;
         mesh->parse_ms += unzip_ms;
@@ -156,7 +157,7 @@ Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& opti
         return got.error();
     }
     Result<MeshFile> mesh = source.sample().starts_with(gzip_magic) ? read_compressed(source, file, path, options, parallel)
-                                                                    : read_source(source, path);
+                                                                    : read_source(source, path, options);
     if (mesh) {
         mesh->file_bytes = file.size();
         mesh->read_ms = ms_since(start) - mesh->parse_ms;
@@ -166,13 +167,34 @@ Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& opti
 
 }  // namespace
 
-std::span<const Reader> readers() noexcept {
-    return all_readers;
-}
-
 std::string_view name_of(MeshFormat format) noexcept {
     return std::find_if(all_readers.begin(), all_readers.end(), [format](const Reader& r) { return r.format == format; })
         ->name;
+}
+
+std::vector<std::string_view> format_names() {
+    std::vector<std::string_view> names;
+    for (const Reader& reader : all_readers) {
+        names.push_back(reader.name);
+    }
+    return names;
+}
+
+std::string_view name_of(PatientFrame frame) noexcept {
+    constexpr std::array<std::string_view, 3> names = {"", "LPS", "RAS"};
+    return names[static_cast<std::size_t>(frame)];
+}
+
+PatientFrame stated_frame(std::string_view header) noexcept {
+    constexpr std::string_view word = "SPACE=";
+    for (const PatientFrame frame : {PatientFrame::lps, PatientFrame::ras}) {
+        for (std::size_t at = header.find(word); at != std::string_view::npos; at = header.find(word, at + 1)) {
+            if (header.substr(at + word.size(), 3) == name_of(frame)) {
+                return frame;
+            }
+        }
+    }
+    return PatientFrame::unstated;
 }
 
 bool is_text(std::string_view sample) noexcept {

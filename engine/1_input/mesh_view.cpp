@@ -70,6 +70,27 @@ MeshView MeshView::indexed(const std::byte* first, std::size_t vertices, std::si
 //
 // Where c < 0 the space is first turned half round the x axis, so that nothing is divided by a small 1 + c. Only
 // + - * / and sqrt are used, which are rounded alike everywhere.
+Transform Transform::scale(double factor) noexcept {
+    Transform transform;
+    transform.m[0] = transform.m[5] = transform.m[10] = factor;
+    return transform;
+}
+
+Transform operator*(const Transform& second, const Transform& first) noexcept {
+    if (first.is_identity()) {
+        return second;  // to the bit
+    }
+    Transform both;
+    for (std::size_t row = 0; row < 3; ++row) {
+        const double* of = second.m.data() + 4 * row;
+        for (std::size_t column = 0; column < 4; ++column) {
+            const auto* at = first.m.data() + column;
+            both.m[4 * row + column] = of[0] * at[0] + of[1] * at[4] + of[2] * at[8] + (column == 3 ? of[3] : 0.0);
+        }
+    }
+    return both;
+}
+
 Transform Transform::from_normal(double x, double y, double z) noexcept {
     const double largest = std::max({std::abs(x), std::abs(y), std::abs(z)});
     assert(largest > 0 && std::isfinite(largest));

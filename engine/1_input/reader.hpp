@@ -1,4 +1,4 @@
-// What a reader of one format is given and what it must say of itself. readers() in mesh_file.cpp lists them all.
+// What a reader of one format is given and what it must say of itself. all_readers in mesh_file.cpp lists them.
 #pragma once
 
 #include <cstdint>
@@ -59,8 +59,6 @@ struct Reader {
     Result<MeshFile> (*read)(FileSource& source);  ///< everything but what read_mesh() fills in for all
 };
 
-std::span<const Reader> readers() noexcept;
-
 // The readers, each in its file.
 bool looks_like_stl(const FileSource& source);
 Result<MeshFile> read_stl(FileSource& source);
@@ -73,6 +71,9 @@ inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
 inline std::string_view without_byte_order_mark(std::string_view text) noexcept {
     return text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
 }
+
+/// What "SPACE=LPS" or "SPACE=RAS" in a header or comment, as 3D Slicer writes it, says.
+PatientFrame stated_frame(std::string_view header) noexcept;
 
 /// No control characters but white space: every binary mesh has some in its first 64 KiB.
 bool is_text(std::string_view sample) noexcept;

@@ -88,6 +88,7 @@ Result<MeshFile> read_binary(FileSource& file) {
     mesh.first_offset = header_bytes + normal_bytes;
     mesh.stride = record_bytes;
     mesh.triangle_count = count.value();
+    mesh.patient_frame = stated_frame(file.sample().substr(0, 80));
     if (file.size() > needed) {
         mesh.warnings.push_back(file.name() + ": ignored " + std::to_string(file.size() - needed) +
                                 " bytes after the last of " + std::to_string(count.value()) + " triangles");
@@ -119,6 +120,7 @@ Result<MeshFile> read_ascii(FileSource& file) {
     mesh.stride = 9 * sizeof(float);
     mesh.triangle_count = facets.count;
     mesh.text = true;
+    mesh.patient_frame = stated_frame(text.substr(0, text.find_first_of("\r\n")));
     mesh.parse_ms = ms_since(start);
     return mesh;
 }

@@ -80,10 +80,24 @@ Json times_json(const StageTimes& stages, const ReportContext& context) {
             {"write", context.write_ms}, {"total", context.total_ms}};
 }
 
+Json file_json(const MeshFile& file) {
+    return {
+        {"format", name_of(file.format)},
+        {"text", file.text},
+        {"compressed", file.compressed},
+        {"bytes", file.file_bytes},
+        {"mm_per_unit", file.mm_per_unit},
+        {"states_unit", file.states_unit},
+        {"patient_frame", file.patient_frame == PatientFrame::unstated ? Json(nullptr) : Json(name_of(file.patient_frame))}};
+}
+
 Json report(const SliceResult& result, const ReportContext& context) {
     const SliceSummary& summary = result.summary;
     Json json = {{"mesh", context.mesh_file},
                  {"output", context.output_file.empty() ? Json(nullptr) : Json(context.output_file)}};
+    if (context.file != nullptr) {
+        json["file"] = file_json(*context.file);
+    }
     json.update(counts_json(result));
     json["grid_mm"] = result.unit_mm;
     json["plan"] = plan_json(result.plan);

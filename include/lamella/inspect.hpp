@@ -29,6 +29,7 @@ struct MeshInfo {
 struct InspectOptions {
     double unit_mm = 0;  ///< 0: as slicing would choose
     int threads = 0;
+    Transform transform;  ///< to mm, as in SliceOptions
 };
 
 /// O(n) expected; 16 bytes a triangle beside the mesh. The answer does not depend on threads. Errors: empty_mesh,

@@ -20,6 +20,12 @@ struct Transform {
     /// The rotation that turns `normal` (any length but zero) into +z, so that planes are cut perpendicular to `normal`.
     /// (0, 0, 1) gives the identity exactly.
     static Transform from_normal(double x, double y, double z) noexcept;
+
+    /// All three axes times `factor`: from other units to mm.
+    static Transform scale(double factor) noexcept;
+
+    /// `first`, then `second`.
+    friend Transform operator*(const Transform& second, const Transform& first) noexcept;
 };
 
 /// Triangles in memory, in one of two shapes:

@@ -19,6 +19,16 @@ enum class MeshFormat : std::uint8_t { stl };
 /// "STL", ...
 std::string_view name_of(MeshFormat format) noexcept;
 
+/// Of all formats that can be read.
+std::vector<std::string_view> format_names();
+
+/// In which directions a medical mesh's axes run through the patient: towards left, posterior and superior, or towards
+/// right, anterior and superior. Read where a file states it, and never guessed.
+enum class PatientFrame : std::uint8_t { unstated, lps, ras };
+
+/// "LPS", "RAS" or "".
+std::string_view name_of(PatientFrame frame) noexcept;
+
 /// A mesh read from a file, with its memory: triangle soup as it lies in the file, or vertices and indices.
 struct MeshFile {
     Array<std::byte> bytes;        ///< what holds the coordinates; a binary STL file is kept as it is (no parse, no copy)
@@ -30,8 +40,11 @@ struct MeshFile {
     std::uint64_t triangle_count = 0;
 
     MeshFormat format = MeshFormat::stl;
-    bool text = false;                  ///< numbers were written out in decimals
-    bool compressed = false;            ///< by gzip, as a whole
+    bool text = false;         ///< numbers were written out in decimals
+    bool compressed = false;   ///< by gzip, as a whole
+    double mm_per_unit = 1;    ///< of the coordinates: what the file states, else what the caller asked for
+    bool states_unit = false;  ///< the file does
+    PatientFrame patient_frame = PatientFrame::unstated;
     std::vector<std::string> warnings;  ///< one line each, naming the file
     std::uint64_t file_bytes = 0;
     double read_ms = 0;   ///< getting the bytes
@@ -43,6 +56,9 @@ struct MeshFile {
         }
         return MeshView::indexed(bytes.data() + first_offset, vertex_count, stride, number, indices.span());
     }
+
+    /// From the coordinates to mm: what SliceOptions::transform must begin with.
+    Transform to_mm() const noexcept { return Transform::scale(mm_per_unit); }
 };
 
 struct ReadOptions {
@@ -51,6 +67,7 @@ struct ReadOptions {
     /// Map the file instead of reading it. Saves the copy; a file that shrinks while it is mapped kills the process, so this
     /// is for programs that own their input.
     bool map_file = false;
+    double mm_per_unit = 1;  ///< for files that state no unit
     /// What reading may take beside the file's own bytes; more is an error before it is allocated. 0: three times the file
     /// and 256 MiB, which only files that expand enormously exceed.
     std::uint64_t memory_limit_bytes = 0;

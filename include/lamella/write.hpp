@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lamella/mesh_file.hpp"
 #include "lamella/result.hpp"
 #include "lamella/status.hpp"
 
@@ -23,6 +24,7 @@ Status write_svg(const SliceResult& result, const std::filesystem::path& path, c
 /// What the engine cannot know: where the mesh came from and what it cost to read and write.
 struct ReportContext {
     std::string mesh_file{};
+    const MeshFile* file = nullptr;  ///< as it was read, if it came from a file
     std::string output_file{};
     double read_ms = 0;  ///< bytes only
     double parse_ms = 0;

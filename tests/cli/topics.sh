@@ -294,6 +294,33 @@ test_orientation() {
     expect_failure 2 "--normal" slice egg.stl --transform tall.txt --normal 1,0,0
 }
 
+test_units() {
+    expect 0 make sphere --triangles 2000 --height 2 -o ball.stl
+    expect 0 slice ball.stl --layer-height 0.5 --unit cm --report cm.json
+    expect_json cm.json 40 planes
+    expect_json cm.json 10.0 file mm_per_unit
+    expect_json cm.json OFF file states_unit
+    expect_json cm.json STL file format
+    expect_json cm.json "" file patient_frame
+    expect 0 slice ball.stl --layer-height 0.5 --unit 10 --report ten.json
+    expect_json ten.json "$(json_value cm.json output_hash)" output_hash
+    printf '10 0 0 0 0 10 0 0 0 0 10 0\n' > ten.txt
+    expect 0 slice ball.stl --layer-height 0.5 --transform ten.txt --report moved.json
+    expect_json moved.json "$(json_value cm.json output_hash)" output_hash
+    expect 0 info ball.stl --unit in
+    grep -q 'units of 25.4 mm' .stdout || fail "info does not say the unit"
+    expect_failure 2 "--unit" slice ball.stl --unit furlong
+    expect_failure 2 "--unit" slice ball.stl --unit -1
+    (printf '3D Slicer output. SPACE=RAS' | head -c 80; head -c 53 /dev/zero; tail -c +81 ball.stl) > ras.stl
+    expect 0 slice ras.stl --layer-height 0.5 --report ras.json
+    expect_json ras.json RAS file patient_frame
+    grep -q 'patient frame RAS' .stdout || fail "the summary does not say the frame"
+    gzip -k ras.stl
+    expect 0 slice ras.stl.gz --layer-height 0.5 --report zipped.json
+    expect_json zipped.json "$(json_value ras.json output_hash)" output_hash
+    expect_json zipped.json ON file compressed
+}
+
 test_make() {
     local shape
     for shape in sphere torus gyroid bone prism; do

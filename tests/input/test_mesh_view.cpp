@@ -101,4 +101,13 @@ TEST_CASE("axis normals give exact transforms", "[input]") {
     CHECK(Transform::from_normal(5, 0, 0).m == std::array<double, 12>{0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0});
 }
 
+TEST_CASE("a product of transforms applies the right one first", "[input]") {
+    const Transform move{{1, 0, 0, 10, 0, 1, 0, 20, 0, 0, 1, 30}};
+    const Transform turn{{0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0}};
+    CHECK((turn * move).m == std::array<double, 12>{0, -1, 0, -20, 1, 0, 0, 10, 0, 0, 1, 30});
+    CHECK((move * turn).m == std::array<double, 12>{0, -1, 0, 10, 1, 0, 0, 20, 0, 0, 1, 30});
+    CHECK((move * Transform::scale(2)).m == std::array<double, 12>{2, 0, 0, 10, 0, 2, 0, 20, 0, 0, 2, 30});
+    CHECK((move * Transform{}).m == move.m);
+}
+
 }  // namespace lamella::input_test

@@ -1,10 +1,12 @@
 #include "numbers.hpp"
 
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 #include "failure.hpp"
 
@@ -50,6 +52,21 @@ std::optional<double> parse_number(std::string_view text) noexcept {
         return std::nullopt;
     }
     return value;
+}
+
+double parse_unit(const std::string& text, const std::string& option) {
+    constexpr std::array<std::pair<std::string_view, double>, 6> units = {
+        {{"mm", 1}, {"um", 0.001}, {"cm", 10}, {"m", 1000}, {"in", 25.4}, {"ft", 304.8}}};
+    for (const auto& [name, mm] : units) {
+        if (text == name) {
+            return mm;
+        }
+    }
+    const std::optional<double> mm = parse_number(text);
+    if (!mm || *mm <= 0) {
+        throw Failure(bad_usage, option + ": '" + text + "' is neither mm, um, cm, m, in, ft nor a positive number of mm");
+    }
+    return *mm;
 }
 
 std::optional<std::vector<double>> parse_list(std::string_view text) {

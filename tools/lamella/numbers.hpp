@@ -19,6 +19,9 @@ std::optional<std::vector<double>> parse_list(std::string_view text);
 /// Exactly three numbers with commas between; throws Failure naming `option`.
 std::vector<double> parse_triple(std::string_view text, const std::string& option);
 
+/// mm in a "mm", "um", "cm", "m", "in" or "ft", or in so many mm as the number says; throws Failure naming `option`.
+double parse_unit(const std::string& text, const std::string& option);
+
 struct NumberFile {
     std::vector<double> values;
     std::vector<std::size_t> lines;  ///< where each value stands, from 1

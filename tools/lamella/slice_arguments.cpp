@@ -9,6 +9,7 @@
 
 #include "console.hpp"
 #include "failure.hpp"
+#include "mesh_words.hpp"
 #include "numbers.hpp"
 
 namespace lamella::cli {
@@ -147,10 +148,12 @@ void declare_planes(CLI::App& command, SliceArguments& arguments) {
 }  // namespace
 
 void declare(CLI::App& command, SliceArguments& arguments) {
-    command.add_option("mesh", arguments.mesh, "STL file, binary or ASCII")->required()->type_name("MESH");
+    command.add_option("mesh", arguments.mesh, "Mesh file: " + mesh_formats())->required()->type_name("MESH");
     command.add_option("-o,--output", arguments.output, "Layered SVG to write")->type_name("OUT.svg");
     declare_planes(command, arguments);
     command.add_option("--grid", arguments.grid_mm, "Grid unit (2^-20 mm, or what the mesh needs)")->type_name("MM");
+    command.add_option("--unit", arguments.unit, "What a mesh that states no unit is measured in (mm)")
+        ->type_name("mm|um|cm|m|in|ft|MM");
     CLI::Option* const normal = command.add_option("--normal", arguments.normal, "Cut perpendicular to this direction");
     CLI::Option* const transform =
         command.add_option("--transform", arguments.transform, "3x4 matrix, row by row, applied to the mesh first");

@@ -26,6 +26,7 @@ struct SliceArguments {
     Datum datum = Datum::mesh_min;
     Side side = Side::below;
     std::optional<double> grid_mm;
+    std::string unit = "mm";
     std::string normal;
     std::string transform;
     int threads = 0;

@@ -8,6 +8,7 @@
 #include "console.hpp"
 #include "failure.hpp"
 #include "lamella/lamella.hpp"
+#include "numbers.hpp"
 #include "output_path.hpp"
 #include "slice_arguments.hpp"
 #include "slice_summary.hpp"
@@ -58,8 +59,10 @@ private:
 
     MeshFile read() {
         bar_.show("reading", 0);
-        Result<MeshFile> mesh =
-            read_mesh(arguments_.mesh, {.threads = arguments_.threads, .memory = nullptr, .map_file = arguments_.map_file});
+        Result<MeshFile> mesh = read_mesh(arguments_.mesh, {.threads = arguments_.threads,
+                                                            .memory = nullptr,
+                                                            .map_file = arguments_.map_file,
+                                                            .mm_per_unit = parse_unit(arguments_.unit, "--unit")});
         if (!mesh) {
             throw failure_of(mesh.error());
         }
@@ -74,6 +77,7 @@ private:
 
     SliceResult slice_mesh(const MeshFile& mesh, SliceRequest& request) {
         request.options.stop = interrupt_.defer();
+        request.options.transform = request.options.transform * mesh.to_mm();
         if (bar_.shown()) {
             request.options.progress = [this](double fraction) { bar_.show("slicing", fraction); };
         }
@@ -112,7 +116,8 @@ private:
         context_.write_ms = watch.ms();
     }
 
-    void report(const SliceResult& result, const MeshFile& mesh) const {
+    void report(const SliceResult& result, const MeshFile& mesh) {
+        context_.file = &mesh;
         const std::string words = summary(result, mesh, context_);
         if (arguments_.report.empty()) {
             print(words);

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "console.hpp"
+#include "mesh_words.hpp"
 
 namespace lamella::cli {
 
@@ -28,8 +29,8 @@ std::string words(const RandomLayers& layers) {
 }
 
 std::string mesh_line(const SliceSummary& counts, const MeshFile& mesh, const ReportContext& context) {
-    std::string text = "mesh      " + context.mesh_file + ", " + grouped(counts.triangles) + " triangles, " +
-                       file_size_text(mesh.file_bytes) + (mesh.text ? " of ASCII" : "");
+    std::string text =
+        "mesh      " + context.mesh_file + ", " + grouped(counts.triangles) + " triangles, " + description(mesh);
     if (counts.degenerate > 0) {
         text += "; " + grouped(counts.degenerate) + " degenerate, dropped";
     }

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "lamella/result.hpp"
 #include "lamella/mesh_file.hpp"
+#include "lamella/result.hpp"
 #include "lamella/write.hpp"
 
 namespace lamella::cli {

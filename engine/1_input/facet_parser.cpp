@@ -1,21 +1,11 @@
 #include "1_input/facet_parser.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
-#include <system_error>
-
-#include <fast_float/fast_float.h>
-
-#include "1_input/input_file.hpp"
 
 namespace lamella {
 
 namespace {
-
-const char* skip_line(const char* p, const char* end) {
-    return std::find_if(p, end, [](char c) { return c == '\n' || c == '\r'; });
-}
 
 bool is_number_character(char c) {
     return (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '+' || c == 'e' || c == 'E';
@@ -38,19 +28,6 @@ bool passes_for_number(std::string_view word) {
 bool FacetParser::fail(const std::string& what) {
     failure_ = {p_, what};
     return false;
-}
-
-/// The word at hand, for a message.
-std::string FacetParser::found() const {
-    if (p_ == end_) {
-        return "the end of the file";
-    }
-    constexpr std::ptrdiff_t longest = 32;
-    const char* shown_end = skip_word(p_, p_ + std::min(longest, end_ - p_));
-    std::string quoted("'");
-    quoted += printable(std::string(p_, shown_end));
-    quoted += shown_end == end_ || is_space(*shown_end) ? "'" : "...'";
-    return quoted;
 }
 
 template <Keyword keyword>
@@ -106,20 +83,15 @@ bool FacetParser::number(float& value) {
     if (p_ == end_) {
         return fail("expected a coordinate, found the end of the file");
     }
-    const char* digits = p_;
-    if (*p_ == '+' && end_ - p_ > 1 && p_[1] != '-') {
-        ++digits;  // fast_float, as std::from_chars, takes no plus sign
+    switch (read_number(p_, end_, value)) {
+        case NumberText::read:
+            return true;
+        case NumberText::malformed:
+            return fail("malformed coordinate " + found());
+        case NumberText::not_finite:
+            break;
     }
-    const fast_float::from_chars_result got = fast_float::from_chars(digits, end_, value);
-    // What is too small for a float is 0, and releases differ in whether they report it; what is too large is infinite.
-    if (got.ec == std::errc::invalid_argument || (got.ptr != end_ && !is_space(*got.ptr))) {
-        return fail("malformed coordinate " + found());
-    }
-    if (!std::isfinite(value)) {
-        return fail("coordinate is not a finite float: " + found());
-    }
-    p_ = got.ptr;
-    return true;
+    return fail("coordinate is not a finite float: " + found());
 }
 
 }  // namespace lamella

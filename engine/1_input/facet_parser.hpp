@@ -7,25 +7,9 @@
 #include <cstring>
 #include <string>
 
+#include "1_input/text.hpp"
+
 namespace lamella {
-
-constexpr bool is_space(char c) {
-    return (c == ' ') | ((c >= '\t') & (c <= '\r'));
-}
-
-inline const char* skip_space(const char* p, const char* end) {
-    while (p != end && is_space(*p)) {
-        ++p;
-    }
-    return p;
-}
-
-inline const char* skip_word(const char* p, const char* end) {
-    while (p != end && !is_space(*p)) {
-        ++p;
-    }
-    return p;
-}
 
 /// A word of at most eight lower-case letters, compared as one integer.
 template <std::size_t N>
@@ -81,7 +65,7 @@ private:
     template <Keyword keyword>
     bool word(const char* place);
     bool fail(const std::string& what);
-    std::string found() const;
+    std::string found() const { return word_at(p_, end_); }
 
     const char* p_;
     const char* end_;

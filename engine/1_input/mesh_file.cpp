@@ -10,6 +10,7 @@
 
 #include "1_input/gzip.hpp"
 #include "1_input/reader.hpp"
+#include "1_input/text.hpp"
 
 namespace lamella {
 
@@ -253,6 +254,12 @@ Result<Array<std::byte>> FileSource::take(std::size_t count) {
         return same.error();
     }
     return bytes;
+}
+
+Error FileSource::error_in_text(std::string_view text, std::size_t offset, const std::string& what) const {
+    return error(Code::malformed_mesh,
+                 "line " + std::to_string(line_of(text, offset)) + ", byte " + std::to_string(offset) + ": " + what,
+                 static_cast<std::int64_t>(offset));
 }
 
 // ---

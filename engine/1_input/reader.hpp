@@ -40,6 +40,9 @@ public:
         return file_.error(code, what, byte_offset);
     }
 
+    /// An error at byte `offset` of the contents `text`, that names the line too.
+    Error error_in_text(std::string_view text, std::size_t offset, const std::string& what) const;
+
 private:
     const InputFile& file_;
     const ReadOptions& options_;

@@ -97,20 +97,16 @@ Result<MeshFile> read_binary(FileSource& file) {
 }
 
 Result<MeshFile> read_ascii(FileSource& file) {
-    const std::uint64_t size = file.size();
-    const Result<Array<std::byte>> bytes = file.take(size);
+    const Result<Array<std::byte>> bytes = file.take(file.size());
     if (!bytes) {
         return bytes.error();
     }
     const Clock::time_point start = Clock::now();
-    const std::string_view text = without_byte_order_mark(as_text(bytes.value().span()));
+    const std::string_view whole = as_text(bytes.value().span());
+    const std::string_view text = without_byte_order_mark(whole);
     AsciiFacets facets = parse_ascii_stl(text, file.memory(), file.parallel());
     if (facets.error) {
-        const std::size_t offset = facets.error->offset + (size - text.size());
-        return file.error(
-            Code::malformed_mesh,
-            "line " + std::to_string(facets.error->line) + ", byte " + std::to_string(offset) + ": " + facets.error->what,
-            static_cast<std::int64_t>(offset));
+        return file.error_in_text(whole, facets.error->offset + (whole.size() - text.size()), facets.error->what);
     }
     if (facets.count == 0) {
         return file.error(Code::empty_mesh, "holds no triangles");

@@ -29,10 +29,6 @@ struct Piece {
     FacetParser::Failure failure;
 };
 
-bool ends_line(char c) {
-    return c == '\n' || c == '\r';
-}
-
 /// Whether [line, p) holds `solid` or `endsolid` as a word: what follows on the line is then a name.
 bool names_something(const char* line, const char* p) {
     while ((line = skip_space(line, p)) != p) {
@@ -116,15 +112,6 @@ std::size_t close_gaps(const std::vector<Piece>& pieces, std::byte* coordinates)
     return count;
 }
 
-std::size_t line_of(std::string_view text, std::size_t offset) {
-    std::size_t lines = 1;
-    for (std::size_t i = 0; i < offset; ++i) {
-        const bool carriage_return_alone = text[i] == '\r' && (i + 1 == text.size() || text[i + 1] != '\n');
-        lines += static_cast<std::size_t>(text[i] == '\n') + static_cast<std::size_t>(carriage_return_alone);
-    }
-    return lines;
-}
-
 void parse_all(std::vector<Piece>& pieces, const char* end, std::byte* coordinates, const Parallel& parallel) {
     std::atomic<std::size_t> failed{pieces.size()};
     parallel.run(pieces.size(), [&](std::size_t i, int) {
@@ -157,7 +144,7 @@ AsciiFacets parse_ascii_stl(std::string_view text, std::pmr::memory_resource* me
     const auto failed = std::find_if(pieces.begin(), pieces.end(), [](const Piece& p) { return p.failure.at != nullptr; });
     if (failed != pieces.end()) {
         const auto offset = static_cast<std::size_t>(failed->failure.at - text.data());
-        facets.error = AsciiError{offset, line_of(text, offset), failed->failure.what};
+        facets.error = AsciiError{offset, failed->failure.what};
         return facets;
     }
     facets.count = close_gaps(pieces, facets.coordinates.data());

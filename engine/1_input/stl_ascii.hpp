@@ -14,7 +14,6 @@ namespace lamella {
 
 struct AsciiError {
     std::size_t offset = 0;  ///< byte of `text`
-    std::size_t line = 0;    ///< from 1; CR, LF and CRLF each end one
     std::string what;
 };
 

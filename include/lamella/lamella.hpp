@@ -9,4 +9,5 @@
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/status.hpp"
+#include "lamella/weld.hpp"
 #include "lamella/write.hpp"

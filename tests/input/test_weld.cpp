@@ -1,0 +1,149 @@
+// Welding: which vertices become one, and that nothing else changes.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
+#include "lamella/weld.hpp"
+
+namespace lamella {
+namespace {
+
+WeldedMesh welded(const shapes::Soup& soup, double tolerance) {
+    Result<WeldedMesh> mesh = weld(view_of(soup), tolerance);
+    REQUIRE(mesh.ok());
+    return std::move(mesh).value();
+}
+
+SliceResult slice_of(const MeshView& mesh, double height_mm) {
+    return sliced(mesh, uniform(height_mm));
+}
+
+/// Each corner of each triangle moved by up to `reach`.
+shapes::Soup cracked(shapes::Soup soup, double reach, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> move(-reach, reach);
+    for (double& coordinate : soup) {
+        coordinate += move(random);
+    }
+    return soup;
+}
+
+TEST_CASE("a tolerance of zero joins equal vertices and changes no slice", "[input][weld]") {
+    const shapes::Soup soup = shapes::octasphere({1, 2, 3}, 10, 4);
+    const WeldedMesh mesh = welded(soup, 0);
+    CHECK(mesh.joined == 0);
+    CHECK(mesh.largest_move == 0);
+    CHECK(mesh.indices.size() == soup.size() / 3);
+    CHECK(mesh.vertices == soup.size() / 9 / 2 + 2);  // Euler, on a sphere
+    CHECK(output_hash(slice_of(mesh.view(), 0.3)) == output_hash(slice_of(view_of(soup), 0.3)));
+}
+
+TEST_CASE("a cracked sphere closes when it is welded", "[input][weld]") {
+    const shapes::Soup whole = shapes::octasphere({0, 0, 0}, 10, 4);
+    const shapes::Soup soup = cracked(whole, 0.001, 5);
+    CHECK(slice_of(view_of(soup), 0.3).summary.open_contours > 0);
+    const WeldedMesh mesh = welded(soup, 0.01);
+    CHECK(mesh.vertices == whole.size() / 9 / 2 + 2);
+    CHECK(mesh.joined == soup.size() / 3 - mesh.vertices);
+    CHECK(mesh.largest_move <= 0.01);
+    CHECK(mesh.largest_move > 0.001);
+    const SliceResult result = slice_of(mesh.view(), 0.3);
+    CHECK(result.summary.open_contours == 0);
+    CHECK(result.summary.degenerate == 0);
+}
+
+TEST_CASE("the outcome does not depend on the order of the triangles", "[input][weld]") {
+    shapes::Soup soup = cracked(shapes::octasphere({0, 0, 0}, 10, 3), 0.2, 9);
+    const std::uint64_t hash = output_hash(slice_of(welded(soup, 0.25).view(), 0.3));
+    std::mt19937 random(3);
+    for (int turn = 0; turn < 5; ++turn) {
+        const std::size_t triangles = soup.size() / 9;
+        for (std::size_t t = triangles - 1; t > 0; --t) {
+            const std::size_t other = random() % (t + 1);
+            std::swap_ranges(soup.begin() + static_cast<std::ptrdiff_t>(9 * t),
+                             soup.begin() + static_cast<std::ptrdiff_t>(9 * t + 9),
+                             soup.begin() + static_cast<std::ptrdiff_t>(9 * other));
+        }
+        CHECK(output_hash(slice_of(welded(soup, 0.25).view(), 0.3)) == hash);
+    }
+}
+
+TEST_CASE("a chain of close vertices does not collapse", "[input][weld]") {
+    // Ten triangles along x whose lowest corners lie 1 apart: with a tolerance of 1 every other one is kept.
+    shapes::Soup soup;
+    for (int i = 0; i < 10; ++i) {
+        const double x = i;
+        soup.insert(soup.end(), {x, 0, 0, 100 + 10 * x, 50, 0, 100 + 10 * x, 0, 50});
+    }
+    const WeldedMesh mesh = welded(soup, 1);
+    CHECK(mesh.joined == 5);
+    CHECK(mesh.largest_move == 1);
+    CHECK(welded(soup, 0.999).joined == 0);
+}
+
+TEST_CASE("the nearest vertex wins, across cells of the search too", "[input][weld]") {
+    std::mt19937 random(21);
+    std::uniform_real_distribution<double> place(-3, 3);
+    shapes::Soup soup(9 * 300);
+    for (double& coordinate : soup) {
+        coordinate = place(random);
+    }
+    const double tolerance = 0.4;
+    const WeldedMesh mesh = welded(soup, tolerance);
+    // The rule as stated, all against all.
+    std::vector<std::array<double, 3>> corners(soup.size() / 3);
+    for (std::size_t i = 0; i < soup.size(); ++i) {
+        corners[i / 3][i % 3] = soup[i];
+    }
+    std::vector<std::array<double, 3>> sorted = corners;
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<std::array<double, 3>> kept;
+    std::map<std::array<double, 3>, std::uint32_t> vertex_of;
+    for (const auto& at : sorted) {
+        const auto squared = [&](const auto& other) {
+            return std::pow(at[0] - other[0], 2) + std::pow(at[1] - other[1], 2) + std::pow(at[2] - other[2], 2);
+        };
+        const auto nearest = std::min_element(kept.begin(), kept.end(),
+                                              [&](const auto& a, const auto& b) { return squared(a) < squared(b); });
+        vertex_of[at] = static_cast<std::uint32_t>(nearest - kept.begin());
+        if (nearest == kept.end() || squared(*nearest) > tolerance * tolerance) {
+            vertex_of[at] = static_cast<std::uint32_t>(kept.size());
+            kept.push_back(at);
+        }
+    }
+    CHECK(kept.size() > 200);
+    CHECK(mesh.joined == corners.size() - kept.size());
+    REQUIRE(mesh.vertices == kept.size());
+    REQUIRE(mesh.coordinates.size() == kept.size() * sizeof kept[0]);
+    CHECK(std::memcmp(mesh.coordinates.data(), kept.data(), mesh.coordinates.size()) == 0);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        CHECK(mesh.indices[i] == vertex_of[corners[i]]);
+    }
+}
+
+TEST_CASE("what cannot be welded is an error", "[input][weld]") {
+    shapes::Soup soup = shapes::octasphere({0, 0, 0}, 1, 1);
+    for (const double tolerance : {-1.0, 1e-10, std::nan(""), std::numeric_limits<double>::infinity()}) {
+        CHECK(weld(view_of(soup), tolerance).error().code == Code::invalid_argument);
+    }
+    CHECK(weld(view_of({}), 0).error().code == Code::empty_mesh);
+    soup[9 * 3 + 4] = std::nan("");
+    const Result<WeldedMesh> broken = weld(view_of(soup), 0.1);
+    REQUIRE_FALSE(broken.ok());
+    CHECK(broken.error().code == Code::bad_coordinate);
+    CHECK(broken.error().triangle == 3);
+    const std::vector<float> xyz(9);
+    const std::vector<std::uint32_t> indices{0, 1, 3};
+    CHECK(weld(MeshView::indexed(std::span(xyz), indices), 0).error().code == Code::invalid_argument);
+}
+
+}  // namespace
+}  // namespace lamella

@@ -31,6 +31,7 @@ void StartTree::assign(std::span<const SortKey> by_start, double slimness) {
     }
 }
 
+/// Equal strips by y, each in the order of x.
 void StartTree::order_places(std::span<const SortKey> by_start, std::uint32_t strips) {
     const auto count = static_cast<std::uint32_t>(by_start.size());
     const std::uint32_t strip = ((count - 1) / (strips * lanes) + 1) * lanes;  // starts

@@ -77,9 +77,11 @@ LayerBuilder::LayerBuilder(std::pmr::memory_resource* memory)
       rings_(memory),
       found_(memory),
       by_start_(memory),
+      spare_keys_(memory),
       items_(memory),
       placed_(memory),
-      place_of_(memory) {}
+      place_of_(memory),
+      next_place_(memory) {}
 
 void LayerBuilder::build(const LinkGraph& graph, const Point* points, BandOutput& out) {
     gather(graph, points);
@@ -191,52 +193,47 @@ std::uint32_t LayerBuilder::pick_start(std::uint32_t count, const Point* ring, c
 /// items_ becomes what was found, by start: (x, y, edge key). Contours that start on the same edge are told apart by what
 /// they hold; those that hold the same are interchangeable.
 void LayerBuilder::sort_by_start() {
-    by_start_.resize(found_.size());
-    std::iota(by_start_.begin(), by_start_.end(), 0U);
-    if (found_.size() > 1) {
-        std::sort(by_start_.begin(), by_start_.end(), [this](std::uint32_t a, std::uint32_t b) {
-            const Point& start_a = found_[a].item.points[found_[a].item.start];
-            const Point& start_b = found_[b].item.points[found_[b].item.start];
-            if (start_a != start_b) {
-                return start_a < start_b;
-            }
-            if (found_[a].start_key != found_[b].start_key) {
-                return found_[a].start_key < found_[b].start_key;
-            }
-            return holds_less(found_[a].item, found_[a].segments, found_[b].item, found_[b].segments);
-        });
+    by_start_.clear();
+    for (std::uint32_t i = 0; i < found_.size(); ++i) {
+        const NestItem& item = found_[i].item;
+        by_start_.push_back({nesting::key_of(item.points[item.start]), i});
     }
+    nesting::sort_keys(by_start_, spare_keys_);
+    nesting::sort_equal_keys(by_start_, [this](const nesting::SortKey& key_a, const nesting::SortKey& key_b) {
+        const Found& a = found_[key_a.index];
+        const Found& b = found_[key_b.index];
+        return a.start_key != b.start_key ? a.start_key < b.start_key : holds_less(a.item, a.segments, b.item, b.segments);
+    });
     items_.clear();
-    for (const std::uint32_t i : by_start_) {
-        items_.push_back(found_[i].item);
+    for (const nesting::SortKey& key : by_start_) {
+        items_.push_back(found_[key.index].item);
     }
 }
 
 /// placed_ becomes the canonical order: by start, each outer followed by its holes. A hole's leader is the nearest outer
-/// around it, which starts before the hole since it lies around it.
+/// around it, which starts before the hole since it lies around it. Items are counted by leader, then placed.
 void LayerBuilder::put_holes_behind_outers() {
-    placed_.resize(items_.size());
-    place_of_.resize(items_.size());
-    for (std::uint32_t i = 0; i < items_.size(); ++i) {
-        std::uint32_t leader = i;
-        while (items_[leader].role == Role::hole) {
-            assert(items_[leader].parent >= 0 && "a hole lies in something");
-            leader = static_cast<std::uint32_t>(items_[leader].parent);
-        }
-        placed_[i] = std::uint64_t{leader} << 32 | i;
+    const std::size_t count = items_.size();
+    next_place_.assign(count, 0);
+    placed_.resize(count);
+    place_of_.resize(count);  // at first: the leader
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const NestItem& item = items_[i];
+        assert((item.role != Role::hole || (item.parent >= 0 && item.parent < static_cast<std::int64_t>(i))) &&
+               "a hole lies in something that starts before it");
+        place_of_[i] = item.role == Role::hole ? place_of_[static_cast<std::size_t>(item.parent)] : i;
+        ++next_place_[place_of_[i]];
     }
-    if (!std::is_sorted(placed_.begin(), placed_.end())) {
-        std::sort(placed_.begin(), placed_.end());
-    }
-    for (std::uint32_t place = 0; place < placed_.size(); ++place) {
-        place_of_[placed_[place] & 0xFFFFFFFFU] = place;
+    std::exclusive_scan(next_place_.begin(), next_place_.end(), next_place_.begin(), 0U);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        place_of_[i] = next_place_[place_of_[i]]++;
+        placed_[place_of_[i]] = i;
     }
 }
 
 void LayerBuilder::append(BandOutput& out) const {
     const std::size_t base = out.contours.size();
-    for (const std::uint64_t placed : placed_) {
-        const auto i = static_cast<std::uint32_t>(placed);
+    for (const std::uint32_t i : placed_) {
         const NestItem& item = items_[i];
         append_points(item, out.reserve_points(item.count));
         Contour& contour = out.contours.emplace_back();
@@ -245,7 +242,7 @@ void LayerBuilder::append(BandOutput& out) const {
         contour.parent =
             item.parent < 0 ? -1 : static_cast<std::int64_t>(base + place_of_[static_cast<std::size_t>(item.parent)]);
         contour.point_count = item.count;
-        contour.segments = found_[by_start_[i]].segments;
+        contour.segments = found_[by_start_[i].index].segments;
         contour.role = item.role;
         contour.sense = item.sense;
         contour.flags = item.flags;

@@ -8,6 +8,7 @@
 
 #include "6_contours/link_graph.hpp"
 #include "7_nesting/nest.hpp"
+#include "7_nesting/order.hpp"
 #include "base/kernels.hpp"
 #include "base/memory.hpp"
 #include "lamella/array.hpp"
@@ -95,10 +96,10 @@ private:
     Nester nester_;
     std::pmr::vector<Point> rings_;  // the plane's points in walking order, contour by contour
     std::pmr::vector<Found> found_;
-    std::pmr::vector<std::uint32_t> by_start_;  // of found_
-    std::pmr::vector<NestItem> items_;          // in the order of by_start_
-    std::pmr::vector<std::uint64_t> placed_;    // canonical order: leading outer << 32 | item
-    std::pmr::vector<std::uint32_t> place_of_;  // of each item
+    std::pmr::vector<nesting::SortKey> by_start_, spare_keys_;  // of found_
+    std::pmr::vector<NestItem> items_;                          // in the order of by_start_
+    std::pmr::vector<std::uint32_t> placed_;                    // the items in canonical order
+    std::pmr::vector<std::uint32_t> place_of_, next_place_;     // of each item; of each leader
 };
 
 }  // namespace lamella

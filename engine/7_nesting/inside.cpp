@@ -1,24 +1,31 @@
 #include "7_nesting/inside.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <numeric>
 
 #if defined(__x86_64__) && defined(__GNUC__)
-#define LAMELLA_AVX2 1
+#define LAMELLA_X86_FORMS
 #define LAMELLA_AVX2_INLINE __attribute__((target("avx2"), always_inline)) inline
+#define LAMELLA_AVX512 __attribute__((target("avx512f,avx512vl")))
+#define LAMELLA_AVX512_INLINE __attribute__((target("avx512f,avx512vl"), always_inline)) inline
 #include <immintrin.h>
 #endif
 
 namespace lamella::nesting {
 
+namespace {
+
 void add_edges_portable(Winding& winding, const Point* points, std::uint32_t count) noexcept {
+    const std::int32_t y = winding.query().y;
     for (std::uint32_t i = 0; i < count; ++i) {
-        winding.add(points[i], points[i + 1]);
+        if ((points[i].y > y) != (points[i + 1].y > y) || points[i].y == y) {
+            winding.add(points[i], points[i + 1]);
+        }
     }
 }
 
-#ifdef LAMELLA_AVX2
-
-namespace {
+#ifdef LAMELLA_X86_FORMS
 
 /// Lanes are x0 y0 x1 y1 x2 y2 x3 y3; a double's sign is a y lane's, so movemask_pd reads the four answers for y.
 LAMELLA_AVX2_INLINE unsigned y_bits(__m256i lanes) noexcept {
@@ -67,33 +74,53 @@ __attribute__((target("avx2"))) void add_edges_avx2(Winding& winding, const Poin
     _mm256_zeroupper();  // the caller runs the narrow instructions of the baseline
 }
 
-/// The same with 16 points a step: compared lanes arrive as bits, x and y by turns, and the y bits are picked out.
-__attribute__((target("avx512f,avx512vl,bmi2"))) unsigned edges_at_512(const Point* points, std::int32_t y) noexcept {
-    const __m512i level = _mm512_set1_epi32(y);
-    const __m512i low = _mm512_loadu_si512(points);
-    const __m512i high = _mm512_loadu_si512(points + 8);
-    const auto y_lanes = [](unsigned first, unsigned second) __attribute__((target("bmi2"))) {
-        return _pext_u32(first | second << 16, 0xaaaaaaaaU);
-    };
-    const unsigned above = y_lanes(_mm512_cmpgt_epi32_mask(low, level), _mm512_cmpgt_epi32_mask(high, level)) |
-                           static_cast<unsigned>(points[16].y > y) << 16;
-    const unsigned at = y_lanes(_mm512_cmpeq_epi32_mask(low, level), _mm512_cmpeq_epi32_mask(high, level));
-    return ((above ^ above >> 1) & 0xffffU) | at;
+/// Of up to 64 points, bit i for point i: whether it lies above the query's y, and whether at it.
+struct Levels {
+    std::uint64_t above = 0;
+    std::uint64_t at = 0;
+};
+
+/// Adds sixteen points. The y's of two vectors of points are drawn together into one.
+LAMELLA_AVX512_INLINE void add_levels(Levels& levels, __m512i low, __m512i high, __m512i level, unsigned shift) noexcept {
+    const __m512i y_lanes = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+    const __m512i ys = _mm512_permutex2var_epi32(low, y_lanes, high);
+    levels.above |= std::uint64_t{_mm512_cmpgt_epi32_mask(ys, level)} << shift;
+    levels.at |= std::uint64_t{_mm512_cmpeq_epi32_mask(ys, level)} << shift;
 }
 
-__attribute__((target("avx512f,avx512vl,bmi2"))) void add_edges_avx512(Winding& winding, const Point* points,
-                                                                       std::uint32_t count) noexcept {
-    if (count < 16) {
-        add_edges_portable(winding, points, count);
-        return;
+LAMELLA_AVX512_INLINE Levels levels_of_64(const Point* points, __m512i level) noexcept {
+    Levels levels;
+    for (unsigned i = 0; i < 64; i += 16) {
+        add_levels(levels, _mm512_loadu_si512(points + i), _mm512_loadu_si512(points + i + 8), level, i);
     }
+    return levels;
+}
+
+/// Of fewer than 64.
+LAMELLA_AVX512_INLINE Levels levels_of_few(const Point* points, unsigned count, __m512i level) noexcept {
+    Levels levels;
+    for (unsigned i = 0; i < count; i += 16) {
+        const unsigned lanes = 2 * (count - i);
+        const std::uint32_t loaded = lanes >= 32 ? 0xffffffffU : (1U << lanes) - 1;
+        add_levels(levels, _mm512_maskz_loadu_epi32(static_cast<__mmask16>(loaded), points + i),
+                   _mm512_maskz_loadu_epi32(static_cast<__mmask16>(loaded >> 16), points + i + 8), level, i);
+    }
+    return levels;
+}
+
+/// The same with 64 edges a step, sifted without a branch.
+LAMELLA_AVX512 void add_edges_avx512(Winding& winding, const Point* points, std::uint32_t count) noexcept {
     Winding sum = winding;
-    const std::int32_t y = sum.query().y;
-    for (std::uint32_t i = 0; i < count; i += 16) {
-        const std::uint32_t first = std::min(i, count - 16);  // the last run overlaps the one before
-        for (unsigned edges = edges_at_512(points + first, y) >> (i - first) << (i - first); edges != 0;
-             edges &= edges - 1) {
-            const Point* edge = points + first + std::countr_zero(edges);
+    const __m512i level = _mm512_set1_epi32(sum.query().y);
+    for (std::uint32_t i = 0; i < count; i += 64) {
+        const unsigned edges = std::min(count - i, 64U);
+        const Levels levels = edges == 64 ? levels_of_64(points + i, level) : levels_of_few(points + i, edges, level);
+        const std::uint64_t looked_at = ~std::uint64_t{0} >> (64 - edges);
+        const std::uint64_t above = levels.above & looked_at;
+        const std::uint64_t behind = points[i + edges].y > sum.query().y ? 1 : 0;
+        std::uint64_t wanted = (above ^ (above >> 1 | behind << (edges - 1))) | (levels.at & looked_at);
+        for (; wanted != 0; wanted &= wanted - 1) {
+            const Point* edge = points + i + std::countr_zero(wanted);
             sum.add(edge[0], edge[1]);
         }
     }
@@ -101,100 +128,135 @@ __attribute__((target("avx512f,avx512vl,bmi2"))) void add_edges_avx512(Winding& 
     _mm256_zeroupper();
 }
 
+#endif
+
 }  // namespace
 
+std::span<const AddEdges> supported_add_edges() noexcept {
+    static constexpr AddEdges forms[] = {
+#ifdef LAMELLA_X86_FORMS
+        add_edges_avx512, add_edges_avx2,
 #endif
-
-AddEdges best_add_edges() noexcept {
-#ifdef LAMELLA_AVX2
-    if (__builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512vl") != 0 &&
-        __builtin_cpu_supports("bmi2") != 0) {
-        return add_edges_avx512;
-    }
-    if (__builtin_cpu_supports("avx2") != 0) {
-        return add_edges_avx2;
+        add_edges_portable};
+    std::size_t first = 0;
+#ifdef LAMELLA_X86_FORMS
+    if (__builtin_cpu_supports("avx2") == 0) {
+        first = 2;
+    } else if (__builtin_cpu_supports("avx512f") == 0 || __builtin_cpu_supports("avx512vl") == 0) {
+        first = 1;
     }
 #endif
-    return add_edges_portable;
+    return std::span(forms).subspan(first);
 }
 
 namespace {
 
-constexpr std::uint32_t divide_up(std::uint32_t count, std::uint32_t by) noexcept {
-    return (count - 1) / by + 1;
-}
+/// So many queries are looked at one by one.
+constexpr std::uint32_t few_queries = 16;
 
 }  // namespace
 
-std::size_t EdgeIndex::add(const Point* points, std::uint32_t count) {
-    const std::size_t handle = extents_.size();
-    const std::uint32_t edges = count - 1;  // the closing edge is always looked at
-    for (std::uint32_t first = 0; first < edges; first += run_edges) {
-        Extent extent{points[first].y, points[first].y};
-        const std::uint32_t last = std::min(first + run_edges, edges);
-        for (std::uint32_t i = first + 1; i <= last; ++i) {
-            extent.low = std::min(extent.low, points[i].y);
-            extent.high = std::max(extent.high, points[i].y);
-        }
-        extents_.push_back(extent);
+void ManyInside::test(const Point* points, std::uint32_t count, std::pmr::vector<std::uint32_t>& inside) {
+    if (queries_.empty()) {
+        return;
     }
-    std::size_t below = handle;
-    for (std::size_t size = extents_.size() - handle; size > runs_per_run; size = extents_.size() - below) {
-        const std::size_t end = below + size;
-        for (std::size_t first = below; first < end; first += runs_per_run) {
-            Extent extent = extents_[first];
-            for (std::size_t i = first + 1; i < std::min<std::size_t>(first + runs_per_run, end); ++i) {
-                extent.low = std::min(extent.low, extents_[i].low);
-                extent.high = std::max(extent.high, extents_[i].high);
-            }
-            extents_.push_back(extent);
+    const Steps steps = sort_by_step();
+    const Point closing[] = {points[count - 1], points[0]};
+    add_edges(steps, points, count - 1);
+    add_edges(steps, closing, 1);
+    for (const Query& query : by_y_) {
+        if (query.winding.strictly_inside()) {
+            inside.push_back(query.number);
         }
-        below = end;
     }
-    return handle;
 }
 
-bool EdgeIndex::strictly_inside(std::size_t handle, AddEdges add_edges, const Point* points, std::uint32_t count,
-                                Point query) const noexcept {
-    Winding winding(query);
-    const std::uint32_t edges = count - 1;
-    // Levels of up to 32 + 4 x 7 bits: the uppermost has at most 16 runs.
-    std::uint32_t sizes[8];
-    const Extent* levels[8];
-    int top = 0;
-    sizes[0] = divide_up(edges, run_edges);
-    levels[0] = extents_.data() + handle;
-    for (; sizes[top] > runs_per_run; ++top) {
-        levels[top + 1] = levels[top] + sizes[top];
-        sizes[top + 1] = divide_up(sizes[top], runs_per_run);
+/// by_y_ becomes the queries in the order of y: there are several times as many steps, so that most hold one or none.
+ManyInside::Steps ManyInside::sort_by_step() {
+    constexpr std::size_t fewest_steps = 64;
+    constexpr std::size_t most_steps = std::size_t{1} << 14;
+    std::int32_t low = grid_limit;
+    std::int32_t high = -grid_limit;
+    for (const Query& query : queries_) {
+        low = std::min(low, query.winding.query().y);
+        high = std::max(high, query.winding.query().y);
     }
-    // Depth first; `next[level]` walks the runs below the run taken one level up.
-    std::uint32_t next[8];
-    std::uint32_t end[8];
-    int level = top;
-    next[top] = 0;
-    end[top] = sizes[top];
-    while (level <= top) {
-        if (next[level] == end[level]) {
-            ++level;
-            continue;
-        }
-        const std::uint32_t run = next[level]++;
-        const Extent extent = levels[level][run];
-        if (query.y < extent.low || extent.high < query.y) {
-            continue;
-        }
-        if (level == 0) {
-            const std::uint32_t first = run * run_edges;
-            add_edges(winding, points + first, std::min(run_edges, edges - first));
-        } else {
-            --level;
-            next[level] = run * runs_per_run;
-            end[level] = std::min(next[level] + runs_per_run, sizes[level]);
+    const std::size_t count = std::clamp(std::bit_ceil(8 * queries_.size()), fewest_steps, most_steps);
+    const auto range = static_cast<std::uint32_t>(high) - static_cast<std::uint32_t>(low);
+    const int shift = std::max(0, static_cast<int>(std::bit_width(range)) - std::countr_zero(count));
+    const Steps steps{low - (1 << shift), high + (1 << shift), shift};  // a 64th of the range beyond: far within 32 bits
+
+    ends_.assign(count + 3, 0);
+    std::uint32_t longest = 0;
+    for (const Query& query : queries_) {
+        longest = std::max(longest, ++ends_[steps.of(query.winding.query().y) + 1]);
+    }
+    std::exclusive_scan(ends_.begin(), ends_.end(), ends_.begin(), 0U);
+    by_y_.resize(queries_.size());
+    for (const Query& query : queries_) {
+        by_y_[ends_[steps.of(query.winding.query().y) + 1]++] = query;
+    }
+    if (longest > few_queries) {
+        sort_long_steps();
+    }
+    for (std::size_t i = 1; i < by_y_.size(); ++i) {  // what is left lies within short steps
+        for (std::size_t place = i; place > 0 && lower(by_y_[place], by_y_[place - 1]); --place) {
+            std::swap(by_y_[place], by_y_[place - 1]);
         }
     }
-    winding.add(points[count - 1], points[0]);
-    return winding.strictly_inside();
+    return steps;
+}
+
+void ManyInside::sort_long_steps() {
+    for (std::size_t step = 0; step + 1 < ends_.size(); ++step) {
+        if (ends_[step + 1] - ends_[step] > few_queries) {
+            std::sort(by_y_.begin() + ends_[step], by_y_.begin() + ends_[step + 1], lower);
+        }
+    }
+}
+
+/// Shows every query the edges from points[0] to points[count] that reach its step. A run at a time is sifted without a
+/// branch first.
+void ManyInside::add_edges(const Steps& steps, const Point* points, std::uint32_t count) {
+    struct Reach {
+        std::uint32_t edge, begin, end;  // of by_y_
+    };
+    constexpr std::uint32_t run = 128;
+    Reach reaches[run];
+    const std::uint32_t* ends = ends_.data();
+    std::uint32_t begin = ends[steps.of(points[0].y)];
+    std::uint32_t end = ends[steps.of(points[0].y) + 1];
+    for (std::uint32_t first = 0; first < count; first += run) {
+        std::size_t reaching = 0;
+        for (std::uint32_t edge = first; edge < std::min(first + run, count); ++edge) {
+            const std::uint32_t step = steps.of(points[edge + 1].y);
+            const std::uint32_t next_begin = ends[step];
+            const std::uint32_t next_end = ends[step + 1];
+            Reach& reach = reaches[reaching];
+            reach = {edge, begin < next_begin ? begin : next_begin, end < next_end ? next_end : end};
+            reaching += reach.begin < reach.end ? 1 : 0;
+            begin = next_begin;
+            end = next_end;
+        }
+        for (std::size_t i = 0; i < reaching; ++i) {
+            const Reach& reach = reaches[i];
+            add_edge(points[reach.edge], points[reach.edge + 1], reach.begin, reach.end);
+        }
+    }
+}
+
+/// Shows the edge to by_y_[begin] to by_y_[end].
+inline void ManyInside::add_edge(Point a, Point b, std::uint32_t begin, std::uint32_t end) {
+    auto from = by_y_.begin() + begin;
+    auto to = by_y_.begin() + end;
+    if (end - begin > few_queries) {
+        const auto [low, high] = std::minmax(a.y, b.y);
+        from = std::partition_point(from, to, [low = low](const Query& query) { return query.winding.query().y < low; });
+        to = std::partition_point(from, to, [high = high](const Query& query) { return query.winding.query().y <= high; });
+    }
+    for (; from != to; ++from) {
+        from->winding.add(a, b);
+    }
 }
 
 }  // namespace lamella::nesting

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory_resource>
+#include <span>
 #include <vector>
 
 #include "lamella/grid.hpp"
@@ -25,18 +26,19 @@ inline int side_of(Point a, Point b, Point q) noexcept {
 /// one, downwards minus one. Only edges that straddle the point's y, or begin at it, need be shown.
 class Winding {
 public:
+    Winding() = default;
     explicit Winding(Point query) noexcept : query_(query) {}
 
     void add(Point a, Point b) noexcept {
         const bool a_above = a.y > query_.y;
         const bool b_above = b.y > query_.y;
-        if (a_above != b_above) {
-            const int side = side_of(a, b, query_);
-            on_boundary_ |= side == 0;
-            number_ += (b_above && side > 0) - (a_above && side < 0);
-        } else if (a.y == query_.y) {
-            const auto [low, high] = std::minmax(a.x, b.x);
-            on_boundary_ |= a.x == query_.x || (b.y == query_.y && low <= query_.x && query_.x <= high);
+        const bool straddles = a_above != b_above;
+        const int side = side_of(a, b, query_);
+        on_boundary_ |= straddles & (side == 0);
+        number_ += (straddles & b_above & (side > 0)) - (straddles & a_above & (side < 0));
+        if (a.y == query_.y) {
+            const auto [left, right] = std::minmax(a.x, b.x);
+            on_boundary_ |= a.x == query_.x || (b.y == query_.y && left <= query_.x && query_.x <= right);
         }
     }
     Point query() const noexcept { return query_; }
@@ -52,10 +54,8 @@ private:
 /// Shows `winding` those of the `count` edges between points[0] and points[count] that it needs to see.
 using AddEdges = void (*)(Winding& winding, const Point* points, std::uint32_t count) noexcept;
 
-void add_edges_portable(Winding& winding, const Point* points, std::uint32_t count) noexcept;
-
-/// The fastest form that this processor runs. All give the same answers.
-AddEdges best_add_edges() noexcept;
+/// The forms that this processor runs, the fastest first, the portable one last. All give the same answers.
+std::span<const AddEdges> supported_add_edges() noexcept;
 
 /// Whether the non-zero winding interior of a closed contour contains `query`. O(count).
 inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32_t count, Point query) noexcept {
@@ -65,30 +65,41 @@ inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32
     return winding.strictly_inside();
 }
 
-/// The y extents of runs of a contour's edges, and of runs of runs, for contours that many points are tested against:
-///
-///     level 1   [.................|.................|... ]   16 runs each
-///     level 0   [||||||||||||||||]|                          32 edges each
-///
-/// A test descends where the extent holds the point's y: O(edges at that y x log count).
-class EdgeIndex {
+/// Many points against one contour, all of them together: a pass over the edges, most of which are seen to reach no point's
+/// y. O(points log points + edges log points), and what is to be done where a point and an edge share a y.
+class ManyInside {
 public:
-    explicit EdgeIndex(std::pmr::memory_resource* memory) : extents_(memory) {}
+    explicit ManyInside(std::pmr::memory_resource* memory) : queries_(memory), by_y_(memory), ends_(memory) {}
 
-    void clear() noexcept { extents_.clear(); }
-    /// Returns the handle of the contour for strictly_inside(). Throws std::bad_alloc.
-    std::size_t add(const Point* points, std::uint32_t count);
-    bool strictly_inside(std::size_t handle, AddEdges add_edges, const Point* points, std::uint32_t count,
-                         Point query) const noexcept;
-
-    static constexpr std::uint32_t run_edges = 32;
-    static constexpr std::uint32_t runs_per_run = 16;
+    void clear() noexcept { queries_.clear(); }
+    /// Throws std::bad_alloc.
+    void add(Point point, std::uint32_t number) { queries_.push_back({Winding(point), number}); }
+    /// Appends the numbers of the points added that lie strictly inside to `inside`, in an unspecified but reproducible
+    /// order. Throws std::bad_alloc.
+    void test(const Point* points, std::uint32_t count, std::pmr::vector<std::uint32_t>& inside);
 
 private:
-    struct Extent {
-        std::int32_t low, high;
+    struct Query {
+        Winding winding;
+        std::uint32_t number = 0;
     };
-    std::pmr::vector<Extent> extents_;
+    static bool lower(const Query& a, const Query& b) noexcept { return a.winding.query().y < b.winding.query().y; }
+    /// The range of the queries' y in steps; the first and the last are empty, and hold what lies below and above.
+    struct Steps {
+        std::int32_t low, high;
+        int shift;
+        std::uint32_t of(std::int32_t y) const noexcept {
+            const std::int32_t within = y < low ? low : (y < high ? y : high);
+            return (static_cast<std::uint32_t>(within) - static_cast<std::uint32_t>(low)) >> shift;
+        }
+    };
+    Steps sort_by_step();
+    void sort_long_steps();
+    void add_edges(const Steps& steps, const Point* points, std::uint32_t count);
+    void add_edge(Point a, Point b, std::uint32_t begin, std::uint32_t end);
+
+    std::pmr::vector<Query> queries_, by_y_;
+    std::pmr::vector<std::uint32_t> ends_;  // step s holds by_y_[ends_[s]] to by_y_[ends_[s + 1]]
 };
 
 }  // namespace lamella::nesting

@@ -1,24 +1,20 @@
 #include "7_nesting/nest.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <compare>
-#include <functional>
+#include <iterator>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace lamella {
 
 namespace {
 
-using nesting::BoxQuad;
+using nesting::Container;
 using nesting::Ring;
 using nesting::SortKey;
-
-/// Layers of at most so many contours compare all with all.
-constexpr std::size_t few_rings = 100;
+using nesting::StartLine;
 
 int sign_of(const Wide& area) noexcept {
     if (area.high < 0) {
@@ -64,70 +60,38 @@ std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept
     return compare_points(a, b);
 }
 
-/// Maps signed order to unsigned order.
-constexpr std::uint32_t biased(std::int32_t value) noexcept {
-    return static_cast<std::uint32_t>(value) ^ 0x8000'0000U;
+/// Orders by area; those too large to tell apart come out last.
+std::uint64_t area_key(const Wide& twice_area) noexcept {
+    const auto [high, low] = magnitude(twice_area);
+    return high != 0 ? std::numeric_limits<std::uint64_t>::max() : low;
 }
 
-bool before(const SortKey& a, const SortKey& b) noexcept {
-    return a.key != b.key ? a.key < b.key : a.index < b.index;
-}
-
-/// Sorts keys whose indices ascend by (key, index): digit by digit once there are enough of them, constant digits skipped.
-void sort_keys(std::pmr::vector<SortKey>& keys, std::pmr::vector<SortKey>& spare) {
-    constexpr std::size_t few = 1024;
-    constexpr int digit_bits = 11;
-    constexpr std::uint64_t digit_mask = (1U << digit_bits) - 1;
-    if (std::is_sorted(keys.begin(), keys.end(), before)) {
-        return;
-    }
-    if (keys.size() < few) {
-        std::sort(keys.begin(), keys.end(), before);
-        return;
-    }
-    std::uint64_t varying = 0;
-    for (const SortKey& key : keys) {
-        varying |= key.key ^ keys[0].key;
-    }
-    spare.resize(keys.size());
-    for (int shift = 0; shift < 64 && varying >> shift != 0; shift += digit_bits) {
-        shift += std::countr_zero(varying >> shift);
-        std::uint32_t ends[digit_mask + 1] = {};
-        for (const SortKey& key : keys) {
-            ++ends[key.key >> shift & digit_mask];
-        }
-        std::exclusive_scan(std::begin(ends), std::end(ends), std::begin(ends), 0U);
-        for (const SortKey& key : keys) {
-            spare[ends[key.key >> shift & digit_mask]++] = key;
-        }
-        keys.swap(spare);
-    }
+void fetch([[maybe_unused]] const void* address) noexcept {
+#if defined(__GNUC__)
+    __builtin_prefetch(address);
+#endif
 }
 
 }  // namespace
 
 Nester::Nester(std::pmr::memory_resource* memory)
     : memory_(memory != nullptr ? memory : std::pmr::new_delete_resource()),
-      add_edges_(nesting::best_add_edges()),
-      rings_(memory_),
-      areas_(memory_),
+      add_edges_(nesting::supported_add_edges().front()),
       keys_(memory_),
       spare_keys_(memory_),
-      quads_(memory_),
-      places_(memory_),
-      strip_ends_(memory_),
+      rings_(memory_),
+      starts_(memory_),
       tree_(memory_),
-      around_(memory_),
-      edge_index_(memory_) {}
+      containers_(memory_),
+      found_(memory_),
+      many_inside_(memory_) {}
 
 void Nester::nest(std::span<NestItem> items) {
     assert(items.size() <= std::size_t{std::numeric_limits<std::int32_t>::max()});
     collect(items);
     sort_by_start(items);
-    if (rings_.size() <= few_rings) {
-        find_parents_among_few(items);
-    } else {
-        find_parents_among_many(items);
+    if (rings_.size() > 1) {
+        find_parents(items);
     }
     assign_roles(items);
 }
@@ -144,162 +108,155 @@ void Nester::collect(std::span<NestItem> items) {
         if (item.sense != 0) {
             assert(item.start < item.count && item.points[item.start].x == item.box_min.x);
             const Point start = item.points[item.start];
-            keys_.push_back({std::uint64_t{biased(start.x)} << 32 | biased(start.y), static_cast<std::uint32_t>(i)});
+            keys_.push_back({nesting::key_of(start), static_cast<std::uint32_t>(i)});
         }
     }
 }
 
-/// Rings in the order of starts; of equal starts the larger first, so that a search backwards meets the smaller first.
+/// Rings in the order of starts, of equal starts the smaller first.
 void Nester::sort_by_start(std::span<const NestItem> items) {
-    sort_keys(keys_, spare_keys_);
-    for (auto run = keys_.begin(); run != keys_.end();) {
-        const auto end = std::find_if(run + 1, keys_.end(), [run](const SortKey& key) { return key.key != run->key; });
-        if (end - run > 1) {
-            std::sort(run, end, [items](const SortKey& a, const SortKey& b) {
-                const std::strong_ordering order = compare_size(items[a.index], items[b.index]);
-                return std::is_neq(order) ? std::is_gt(order) : a.index > b.index;
-            });
-        }
-        run = end;
+    nesting::sort_keys(keys_, spare_keys_);
+    nesting::sort_equal_keys(keys_, [items](const SortKey& a, const SortKey& b) {
+        const std::strong_ordering order = compare_size(items[a.index], items[b.index]);
+        return std::is_neq(order) ? std::is_lt(order) : a.index < b.index;
+    });
+    rings_.clear();
+    for (const SortKey& key : keys_) {
+        rings_.emplace_back().item = key.index;
     }
-    edge_index_.clear();
-    rings_.resize(keys_.size());
-    areas_.resize(keys_.size());
+}
+
+/// Every ring takes in what lies inside it and has no parent yet: the smallest ring first.
+void Nester::find_parents(std::span<const NestItem> items) {
+    starts_.assign(keys_);
+    tree_in_use_ = !find_containers(items);
+    if (tree_in_use_) {
+        tree_.assign(keys_, slimness_of(items));
+        take_all_for_containers();
+    }
+    sort_containers(items);
     for (std::size_t i = 0; i < keys_.size(); ++i) {
-        const NestItem& item = items[keys_[i].index];
-        const auto [high, low] = magnitude(item.twice_area);
-        Ring& ring = rings_[i] = Ring{};
-        ring.start = item.points[item.start];
-        ring.box_min = item.box_min;
-        ring.box_max = item.box_max;
-        areas_[i] = high != 0 ? std::numeric_limits<std::uint64_t>::max() : low;
-        ring.item = keys_[i].index;
+        fetch_ahead(items, i);
+        const Container& container = containers_[keys_[i].index];
+        const NestItem& contour = items[container.item];
+        found_.clear();
+        if (tree_in_use_) {
+            tree_.find(contour.box_min, contour.box_max, found_);
+        } else {
+            starts_.find(container.window, contour.box_min.y, contour.box_max.y, found_);
+        }
+        take_in(contour, container.ring);
     }
 }
 
-/// Every contour against every earlier one, four boxes at a time.
-void Nester::find_parents_among_few(std::span<const NestItem> items) {
-    quads_.assign((rings_.size() + 3) / 4, BoxQuad{});
-    std::size_t left = 0;  // rings that begin left of the start asked for, and are in `quads_`
-    for (std::size_t ring = 1; ring < rings_.size(); ++ring) {
-        const Point start = rings_[ring].start;
-        for (; rings_[left].box_min.x < start.x; ++left) {
-            quads_[left / 4].set(left % 4, rings_[left].box_min, rings_[left].box_max);
+/// Containers come in the order of size, which is none in memory: what the next ones will need is asked for in time.
+void Nester::fetch_ahead(std::span<const NestItem> items, std::size_t place) const {
+    constexpr std::size_t items_ahead = 16;
+    constexpr std::size_t points_ahead = 8;
+    constexpr std::uint32_t line_points = 8;
+    constexpr std::uint32_t most_points = 8 * line_points;
+    if (place + items_ahead >= keys_.size()) {
+        return;
+    }
+    fetch(&items[containers_[keys_[place + items_ahead].index].item]);
+    const NestItem& contour = items[containers_[keys_[place + points_ahead].index].item];
+    for (std::uint32_t i = 0; i < std::min(contour.count, most_points); i += line_points) {
+        fetch(contour.points + i);
+    }
+}
+
+/// False if the windows are so long that a tree is better.
+bool Nester::find_containers(std::span<const NestItem> items) {
+    constexpr std::size_t steps_per_ring = 16;
+    containers_.clear();
+    std::size_t steps = 0;
+    std::uint32_t right = 0;  // the first start right of the ring's
+    for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
+        const NestItem& contour = items[rings_[ring].item];
+        right = right > ring ? right : starts_.first_right_of(ring, ring + 1);
+        const StartLine::Window window = starts_.window(right, contour.box_max.x, contour.box_min.y, contour.box_max.y);
+        if (window.occupied) {
+            containers_.push_back({ring, rings_[ring].item, window});
         }
-        std::uint64_t smallest = std::numeric_limits<std::uint64_t>::max();  // of those found around the start
-        for (std::size_t quad = (left + 3) / 4; quad-- > 0;) {
-            for (unsigned around = quads_[quad].around(start); around != 0;) {
-                const auto lane = static_cast<std::size_t>(std::bit_width(around) - 1);
-                around &= ~(1U << lane);
-                const std::size_t candidate = 4 * quad + lane;
-                if (areas_[candidate] <= smallest) {
-                    take_if_closer(items, ring, candidate);
-                    smallest = rings_[ring].parent >= 0 ? areas_[static_cast<std::size_t>(rings_[ring].parent)] : smallest;
-                }
+        steps += window.steps();
+        if (steps > 4 * rings_.size() + steps_per_ring * ring) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// The boxes' mean width over their mean height, each as a share of the layer's.
+double Nester::slimness_of(std::span<const NestItem> items) const {
+    Point low = items[rings_[0].item].box_min;
+    Point high = items[rings_[0].item].box_max;
+    double widths = 0;
+    double heights = 0;
+    for (const Ring& ring : rings_) {
+        const NestItem& contour = items[ring.item];
+        low = {std::min(low.x, contour.box_min.x), std::min(low.y, contour.box_min.y)};
+        high = {std::max(high.x, contour.box_max.x), std::max(high.y, contour.box_max.y)};
+        widths += static_cast<double>(contour.box_max.x) - contour.box_min.x;
+        heights += static_cast<double>(contour.box_max.y) - contour.box_min.y;
+    }
+    return widths / heights * (static_cast<double>(high.y) - low.y) / (static_cast<double>(high.x) - low.x);
+}
+
+void Nester::take_all_for_containers() {
+    containers_.clear();
+    for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
+        containers_.push_back({ring, rings_[ring].item, {}});
+    }
+}
+
+/// keys_ becomes the order of containers by size. The rings' order breaks ties: by start, of equal starts the smaller first.
+void Nester::sort_containers(std::span<const NestItem> items) {
+    const auto item_of = [&](const SortKey& key) -> const NestItem& { return items[containers_[key.index].item]; };
+    keys_.clear();
+    for (std::uint32_t i = 0; i < containers_.size(); ++i) {
+        const NestItem& contour = items[containers_[i].item];
+        keys_.push_back({area_key(contour.twice_area), i});
+    }
+    nesting::sort_keys(keys_, spare_keys_);
+    auto huge = keys_.end();
+    while (huge != keys_.begin() && std::prev(huge)->key == std::numeric_limits<std::uint64_t>::max()) {
+        --huge;
+    }
+    std::sort(huge, keys_.end(), [&](const SortKey& a, const SortKey& b) {
+        const std::strong_ordering order = compare_size(item_of(a), item_of(b));
+        return std::is_neq(order) ? std::is_lt(order) : a.index < b.index;
+    });
+}
+
+/// Tests the starts found in the contour's box: those inside are its children.
+void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
+    constexpr std::size_t many = 8;
+    if (found_.size() < many) {
+        for (const std::uint32_t child : found_) {
+            if (nesting::strictly_inside(add_edges_, contour.points, contour.count, starts_.at(child))) {
+                adopt(ring, child);
             }
         }
+        return;
+    }
+    many_inside_.clear();
+    for (const std::uint32_t child : found_) {
+        many_inside_.add(starts_.at(child), child);
+    }
+    found_.clear();
+    many_inside_.test(contour.points, contour.count, found_);
+    for (const std::uint32_t child : found_) {
+        adopt(ring, child);
     }
 }
 
-/// A sweep over the starts. The last box around a start is most often the parent's; the rest are asked while there is
-/// patience, which only matters where contours cross.
-void Nester::find_parents_among_many(std::span<const NestItem> items) {
-    order_places();
-    tree_.reset(static_cast<std::uint32_t>(rings_.size()));
-    std::size_t patience = 4 * rings_.size() + 4096;
-    std::size_t left = 0;  // rings that begin left of the start asked for, and are in the tree
-    for (std::size_t ring = 1; ring < rings_.size(); ++ring) {
-        const Point start = rings_[ring].start;
-        for (; rings_[left].box_min.x < start.x; ++left) {
-            tree_.add(places_[left], static_cast<std::int32_t>(left), rings_[left].box_min, rings_[left].box_max);
-        }
-        const std::int32_t last = tree_.last_around(start);
-        if (last >= 0) {
-            take_if_closer(items, ring, static_cast<std::size_t>(last));
-            ask_all_around(items, ring, patience);
-        }
+void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
+    rings_[child].parent = static_cast<std::int32_t>(ring);
+    if (tree_in_use_) {
+        tree_.take_off(child);
+    } else {
+        starts_.take_off(child);
     }
-}
-
-/// Asks all rings whose boxes lie around the start of `ring`, backwards, until the parent is known and patience at its end.
-void Nester::ask_all_around(std::span<const NestItem> items, std::size_t ring, std::size_t& patience) {
-    around_.clear();
-    std::size_t unlimited = std::numeric_limits<std::size_t>::max();
-    const bool found = rings_[ring].parent >= 0;
-    tree_.all_around(rings_[ring].start, found ? patience : unlimited, around_);
-    if (!found) {
-        std::sort(around_.begin(), around_.end(), std::greater<>());
-    }
-    for (const std::int32_t around : around_) {
-        if (!found && rings_[ring].parent >= 0 && patience-- == 0) {
-            patience = 0;
-            return;
-        }
-        take_if_closer(items, ring, static_cast<std::size_t>(around));
-    }
-}
-
-/// Places in the tree follow the boxes' middles in y: one counting pass into as many strips as there are rings.
-void Nester::order_places() {
-    constexpr std::size_t most_strips = std::size_t{1} << 16;
-    const auto middle = [](const Ring& ring) { return (std::int64_t{ring.box_min.y} + ring.box_max.y) >> 1; };
-    std::int64_t low = grid_limit;
-    std::int64_t high = -grid_limit;
-    for (const Ring& ring : rings_) {
-        low = std::min(low, middle(ring));
-        high = std::max(high, middle(ring));
-    }
-    const std::size_t strips = std::min(std::bit_ceil(rings_.size()), most_strips);
-    const int shift =
-        std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(high - low))) - std::countr_zero(strips));
-    const auto strip_of = [&](const Ring& ring) { return static_cast<std::size_t>((middle(ring) - low) >> shift); };
-    strip_ends_.assign(strips, 0);
-    for (const Ring& ring : rings_) {
-        ++strip_ends_[strip_of(ring)];
-    }
-    std::exclusive_scan(strip_ends_.begin(), strip_ends_.end(), strip_ends_.begin(), 0U);
-    places_.resize(rings_.size());
-    for (std::size_t i = 0; i < rings_.size(); ++i) {
-        places_[i] = strip_ends_[strip_of(rings_[i])]++;
-    }
-}
-
-/// Makes `around`, whose box is known to lie around the start of `ring`, its parent if the contour does and is the smallest
-/// so far, in whatever order they are asked.
-void Nester::take_if_closer(std::span<const NestItem> items, std::size_t ring_index, std::size_t around_index) {
-    Ring& ring = rings_[ring_index];
-    Ring& around = rings_[around_index];
-    if (ring.parent >= 0) {
-        const auto best = static_cast<std::size_t>(ring.parent);
-        if (areas_[around_index] > areas_[best] || around_index == best) {
-            return;
-        }
-        if (areas_[around_index] == areas_[best]) {
-            const std::strong_ordering order = compare_size(items[around.item], items[rings_[best].item]);
-            if (std::is_gt(order) ||
-                (std::is_eq(order) && around_index < best)) {  // of equal contours the first item is the later ring
-                return;
-            }
-        }
-    }
-    if (inside(items[around.item], around, ring.start)) {
-        ring.parent = static_cast<std::int32_t>(around_index);
-    }
-}
-
-/// Long contours that are asked often get an index, so that many children cost their parent's points only once.
-bool Nester::inside(const NestItem& contour, Ring& ring, Point query) {
-    constexpr std::uint32_t long_contour = 256;
-    constexpr std::uint32_t tests_before_index = 3;
-    if (contour.count < long_contour || ring.tests < tests_before_index) {
-        ++ring.tests;
-        return nesting::strictly_inside(add_edges_, contour.points, contour.count, query);
-    }
-    if (ring.tests == tests_before_index) {
-        ring.edge_index = edge_index_.add(contour.points, contour.count);
-        ++ring.tests;
-    }
-    return edge_index_.strictly_inside(ring.edge_index, add_edges_, contour.points, contour.count, query);
 }
 
 /// The facets' sense stands as long as no winding number from the outside in is negative; below one that is, the number of

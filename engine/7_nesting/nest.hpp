@@ -7,14 +7,14 @@
 // Parent chains cannot cycle, even where contours cross: a contour's start is the smallest (x, y) of its convex hull, so
 // whatever lies strictly inside it is larger, and starts strictly descend from child to parent.
 //
-// So contours are taken in the order of starts, and what lies around one is searched backwards from it. Where contours do
-// not cross, the first found is the smallest. Layers of few contours look at all the others nevertheless. Layers of more
-// than 100 sweep over the starts with a tree of boxes and look further only while a budget of 4,096 nodes and 4 a contour
-// lasts: where contours cross as well, a few may get a larger parent than the smallest, the same in any order of the items.
+// Contours are taken from small to large, and each becomes the parent of the starts strictly inside it that have none yet.
+// The starts in its box come from a line of all starts, or, where boxes see long stretches of it, from a tree: those with a
+// parent have been taken off, so that a nest of any depth costs one test a contour. Starts in the box of one contour are
+// tested together.
 //
 // O(q log q) for q contours and points, deep nests and arrays of contours that lie apart included. What costs more: k
 // contours whose boxes, but not whose insides, lie around a start cost O(k) for it (L shapes, one in the crook of the
-// other).
+// other), and boxes that are long and thin both ways meet up to the root of q nodes of the tree.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,10 @@
 #include <span>
 #include <vector>
 
-#include "7_nesting/boxes.hpp"
 #include "7_nesting/inside.hpp"
+#include "7_nesting/order.hpp"
+#include "7_nesting/start_tree.hpp"
+#include "7_nesting/starts.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/result.hpp"
 
@@ -49,23 +51,21 @@ struct NestItem {
 
 namespace lamella::nesting {
 
-/// A closed contour with area. Rings are in the order of starts: what lies around one comes before it.
+/// A closed contour with area. Rings are in the order of starts, of equal ones the smaller first: what lies around one comes
+/// before it.
 struct Ring {
-    Point start;
-    Point box_min, box_max;
-    std::size_t edge_index = 0;  // handle, once asked often
     std::uint32_t item = 0;
-    std::uint32_t tests = 0;   // points tested against it
     std::int32_t parent = -1;  // index of a ring
     std::int32_t winding = 0;  // just inside, as the senses add up from the outermost
     std::uint32_t depth = 0;   // number of rings around
     bool overruled = false;    // a winding below zero, here or around
 };
 
-/// What rings are sorted by, with whose it is.
-struct SortKey {
-    std::uint64_t key = 0;
-    std::uint32_t index = 0;
+/// A ring whose box may hold starts.
+struct Container {
+    std::uint32_t ring = 0;
+    std::uint32_t item = 0;
+    StartLine::Window window;
 };
 
 }  // namespace lamella::nesting
@@ -85,25 +85,26 @@ public:
 private:
     void collect(std::span<NestItem> items);
     void sort_by_start(std::span<const NestItem> items);
-    void find_parents_among_few(std::span<const NestItem> items);
-    void find_parents_among_many(std::span<const NestItem> items);
-    void ask_all_around(std::span<const NestItem> items, std::size_t ring, std::size_t& patience);
-    void order_places();
-    void take_if_closer(std::span<const NestItem> items, std::size_t ring, std::size_t around);
-    bool inside(const NestItem& contour, nesting::Ring& ring, Point query);
+    void find_parents(std::span<const NestItem> items);
+    bool find_containers(std::span<const NestItem> items);
+    double slimness_of(std::span<const NestItem> items) const;
+    void take_all_for_containers();
+    void sort_containers(std::span<const NestItem> items);
+    void fetch_ahead(std::span<const NestItem> items, std::size_t place) const;
+    void take_in(const NestItem& contour, std::uint32_t ring);
+    void adopt(std::uint32_t ring, std::uint32_t child);
     void assign_roles(std::span<NestItem> items);
 
     std::pmr::memory_resource* memory_;
     nesting::AddEdges add_edges_;
-    std::pmr::vector<nesting::Ring> rings_;
-    std::pmr::vector<std::uint64_t> areas_;  // of the rings: |twice_area|, as far as it fits
     std::pmr::vector<nesting::SortKey> keys_, spare_keys_;
-    std::pmr::vector<nesting::BoxQuad> quads_;
-    std::pmr::vector<std::uint32_t> places_;  // of the rings in the tree
-    std::pmr::vector<std::uint32_t> strip_ends_;
-    nesting::BoxTree tree_;
-    std::pmr::vector<std::int32_t> around_;
-    nesting::EdgeIndex edge_index_;
+    std::pmr::vector<nesting::Ring> rings_;
+    nesting::StartLine starts_;
+    nesting::StartTree tree_;
+    bool tree_in_use_ = false;  // instead of windows
+    std::pmr::vector<nesting::Container> containers_;
+    std::pmr::vector<std::uint32_t> found_;  // starts in a container's box
+    nesting::ManyInside many_inside_;
 };
 
 }  // namespace lamella

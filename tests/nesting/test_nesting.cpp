@@ -182,6 +182,41 @@ TEST_CASE("layers of many contours agree with the oracle", "[nesting]") {
     check_against_oracle(lamella::test::side_by_side(300, 12));
 }
 
+TEST_CASE("many contours that cross agree with the oracle", "[nesting]") {
+    std::mt19937 random(GENERATE(21U, 22U));
+    const bool wide = GENERATE(false, true);  // boxes that see most of the others are looked up in a tree
+    LayerSample sample;
+    for (int i = 0; i < 1000; ++i) {
+        const Point low{below(random, 300), below(random, 300)};
+        sample.add_box(low, {low.x + (wide ? 500 : 1) + below(random, 40), low.y + 1 + below(random, 60)},
+                       below(random, 2) == 0);
+    }
+    sample.drop_repeated();
+    check_against_oracle(sample);
+}
+
+TEST_CASE("areas beyond 64 bits are told apart", "[nesting]") {
+    constexpr std::int32_t far = lamella::grid_limit;
+    const auto turns = [](std::int32_t reach, int count) {
+        std::vector<Point> points;
+        for (int i = 0; i < count; ++i) {
+            points.insert(points.end(), {{-reach, -reach}, {reach, -reach}, {reach, reach}, {-reach, reach}});
+        }
+        return points;
+    };
+    LayerSample sample;
+    sample.add(turns(far, 5), true);
+    sample.add(turns(far - 1, 3), true);
+    sample.add(turns(far - 2, 4), true);  // larger by area than what lies around it
+    sample.add_box({0, 0}, {1, 1}, true);
+    std::vector<NestItem> items = sample.items();
+    Nester(nullptr).nest(items);
+    CHECK(items[3].parent == 1);
+    CHECK(items[2].parent == 1);
+    CHECK(items[1].parent == 0);
+    check_against_oracle(sample);
+}
+
 TEST_CASE("a long contour with many inside", "[nesting]") {
     std::mt19937 random(5);
     LayerSample sample;
@@ -246,20 +281,6 @@ TEST_CASE("scratch is kept from layer to layer", "[nesting]") {
     nester.nest(rings);
     nester.nest(many);
     CHECK(counter.allocations == first);
-}
-
-TEST_CASE("both forms of the edge test agree", "[nesting]") {
-    std::mt19937 random(9);
-    const lamella::nesting::AddEdges best = lamella::nesting::best_add_edges();
-    for (int round = 0; round < 20000; ++round) {
-        const int size = 2 + below(random, 30);
-        const std::vector<Point> points = lamella::test::random_walk(random, size);
-        const Point query{below(random, size), below(random, size)};
-        const auto count = static_cast<std::uint32_t>(points.size());
-        const bool expected = lamella::test::oracle::contains(points, query);
-        REQUIRE(strictly_inside(lamella::nesting::add_edges_portable, points.data(), count, query) == expected);
-        REQUIRE(strictly_inside(best, points.data(), count, query) == expected);
-    }
 }
 
 TEST_CASE("nesting does not depend on the order of contours or on earlier layers", "[nesting]") {

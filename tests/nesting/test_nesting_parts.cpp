@@ -1,0 +1,214 @@
+// What nesting is made of: sorting by keys, starts within boxes, points within contours, each against the obvious way.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "7_nesting/order.hpp"
+#include "7_nesting/start_tree.hpp"
+#include "7_nesting/starts.hpp"
+#include "layer_sample.hpp"
+
+using lamella::Point;
+using lamella::nesting::ManyInside;
+using lamella::nesting::SortKey;
+using lamella::nesting::StartLine;
+using lamella::nesting::StartTree;
+using lamella::test::below;
+
+namespace {
+
+using Keys = std::pmr::vector<SortKey>;
+
+bool before(const SortKey& a, const SortKey& b) {
+    return a.key != b.key ? a.key < b.key : a.index < b.index;
+}
+
+bool equal(const SortKey& a, const SortKey& b) {
+    return a.key == b.key && a.index == b.index;
+}
+
+/// Points in the order of x, of which many share an x or a y if `size` is small.
+Keys random_starts(std::mt19937& random, int count, int size) {
+    Keys keys;
+    for (int i = 0; i < count; ++i) {
+        keys.push_back({lamella::nesting::key_of({below(random, size) - size / 2, below(random, size) - size / 2}), 0});
+    }
+    std::sort(keys.begin(), keys.end(), before);
+    return keys;
+}
+
+Point point_of(const SortKey& key) {
+    return {lamella::nesting::x_of(key.key), lamella::nesting::y_of(key.key)};
+}
+
+struct Box {
+    Point min, max;
+};
+
+Box random_box(std::mt19937& random, int size) {
+    const Point a{below(random, size) - size / 2, below(random, size) - size / 2};
+    const Point b{below(random, size) - size / 2, below(random, size) - size / 2};
+    return {{std::min(a.x, b.x), std::min(a.y, b.y)}, {std::max(a.x, b.x), std::max(a.y, b.y)}};
+}
+
+/// The starts strictly within the box, but for those taken off.
+std::vector<std::uint32_t> expected_within(const Keys& starts, const std::vector<bool>& taken_off, const Box& box) {
+    std::vector<std::uint32_t> within;
+    for (std::uint32_t i = 0; i < starts.size(); ++i) {
+        const Point p = point_of(starts[i]);
+        if (!taken_off[i] && box.min.x < p.x && p.x < box.max.x && box.min.y < p.y && p.y < box.max.y) {
+            within.push_back(i);
+        }
+    }
+    return within;
+}
+
+std::vector<std::uint32_t> sorted(const std::pmr::vector<std::uint32_t>& found) {
+    std::vector<std::uint32_t> copy(found.begin(), found.end());
+    std::sort(copy.begin(), copy.end());
+    return copy;
+}
+
+}  // namespace
+
+TEST_CASE("keys are sorted whatever their number and spread", "[nesting]") {
+    std::mt19937_64 random(1);
+    const int count = GENERATE(0, 1, 2, 24, 25, 100, 1023, 1024, 5000);
+    Keys spare;
+    for (int spread = 0; spread < 6; ++spread) {
+        Keys keys;
+        for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(count); ++i) {
+            const std::uint64_t number = random();
+            const std::uint64_t kinds[] = {
+                number,                                                   // all bits vary
+                number % 7,                                               // few values
+                (number % 3 << 62) + (number >> 40),                      // in bunches, of which one digit tells little
+                0x8000'0000'0000'0000U - 50 + number % 100,               // across a carry into all bits
+                (0x7FFF'FFF0U + number % 32) << 32 | (0x8000'0000U - i),  // points about the origin, backwards
+                number % 50 == 0 ? number : static_cast<std::uint64_t>(count) - i,  // close by, with some far off
+            };
+            keys.push_back({kinds[spread], i});
+        }
+        Keys expected = keys;
+        std::sort(expected.begin(), expected.end(), before);
+        lamella::nesting::sort_keys(keys, spare);
+        CAPTURE(spread);
+        REQUIRE(std::equal(keys.begin(), keys.end(), expected.begin(), expected.end(), equal));
+    }
+}
+
+TEST_CASE("equal keys are put in an order of their own", "[nesting]") {
+    Keys keys = {{1, 0}, {2, 1}, {2, 2}, {2, 3}, {3, 4}, {4, 5}, {4, 6}};
+    lamella::nesting::sort_equal_keys(keys, [](const SortKey& a, const SortKey& b) { return a.index > b.index; });
+    const std::uint32_t expected[] = {0, 3, 2, 1, 4, 6, 5};
+    CHECK(std::equal(keys.begin(), keys.end(), std::begin(expected), std::end(expected),
+                     [](const SortKey& key, std::uint32_t index) { return key.index == index; }));
+}
+
+TEST_CASE("points keep their order as keys", "[nesting]") {
+    constexpr std::int32_t far = lamella::grid_limit;
+    const Point points[] = {{-far, -far}, {-far, far}, {-1, 5}, {0, -1}, {0, 0}, {0, 1}, {far, -far}, {far, far}};
+    for (const Point a : points) {
+        CHECK(point_of({lamella::nesting::key_of(a), 0}) == a);
+        for (const Point b : points) {
+            CHECK((a < b) == (lamella::nesting::key_of(a) < lamella::nesting::key_of(b)));
+        }
+    }
+}
+
+TEST_CASE("the line and the tree find the starts within a box", "[nesting]") {
+    std::mt19937 random(GENERATE(1U, 2U, 3U));
+    const int count = GENERATE(1, 15, 16, 17, 300, 5000);
+    const int size = GENERATE(3, 60, 1 << 30);
+    const double slimness = GENERATE(0.0, 1.0, 1e9);
+    const Keys starts = random_starts(random, count, size);
+    StartLine line(std::pmr::new_delete_resource());
+    StartTree tree(std::pmr::new_delete_resource());
+    line.assign(random_starts(random, 40, size));  // what was there before leaves no trace
+    tree.assign(random_starts(random, 6000, size), 1.0);
+    line.assign(starts);
+    tree.assign(starts, slimness);
+    std::vector<bool> taken_off(starts.size(), false);
+    for (int round = 0; round < 40; ++round) {
+        const auto corner = static_cast<std::uint32_t>(below(random, count));  // the line's boxes begin at a start
+        Box box = random_box(random, size);
+        box.min.x = point_of(starts[corner]).x;
+        const StartLine::Window window = line.window(line.first_right_of(corner, corner), box.max.x, box.min.y, box.max.y);
+        std::pmr::vector<std::uint32_t> in_line;
+        std::pmr::vector<std::uint32_t> in_tree;
+        line.find(window, box.min.y, box.max.y, in_line);
+        tree.find(box.min, box.max, in_tree);
+        const std::vector<std::uint32_t> expected = expected_within(starts, taken_off, box);
+        REQUIRE(sorted(in_line) == expected);
+        REQUIRE(sorted(in_tree) == expected);
+        REQUIRE(window.occupied == !expected.empty());
+        for (const std::uint32_t start : expected) {
+            if (below(random, 3) == 0) {
+                taken_off[start] = true;
+                line.take_off(start);
+                tree.take_off(start);
+            }
+        }
+    }
+}
+
+TEST_CASE("many points at once are inside where they are one by one", "[nesting]") {
+    std::mt19937 random(GENERATE(5U, 6U));
+    ManyInside many(std::pmr::new_delete_resource());
+    for (int round = 0; round < 400; ++round) {
+        const int size = 2 + (1 << below(random, 25));
+        const std::vector<Point> points = lamella::test::random_walk(random, size);
+        const int bunch = 1 + below(random, size);  // most of them within a part of the contour's height
+        const int count = 1 + below(random, 200);
+        many.clear();
+        std::vector<std::uint32_t> expected;
+        for (int i = 0; i < count; ++i) {
+            const Point query{below(random, size + 2) - 1, below(random, below(random, 8) == 0 ? size + 2 : bunch) - 1};
+            many.add(query, static_cast<std::uint32_t>(i));
+            if (lamella::test::oracle::contains(points, query)) {
+                expected.push_back(static_cast<std::uint32_t>(i));
+            }
+        }
+        std::pmr::vector<std::uint32_t> inside;
+        many.test(points.data(), static_cast<std::uint32_t>(points.size()), inside);
+        REQUIRE(sorted(inside) == expected);
+    }
+}
+
+TEST_CASE("many points at once at the ends of the grid", "[nesting]") {
+    constexpr std::int32_t far = lamella::grid_limit;
+    const std::vector<Point> points = {{-far, -far}, {far, -far}, {far, far}, {-far, far}};
+    ManyInside many(std::pmr::new_delete_resource());
+    const Point queries[] = {{0, -far}, {0, 1 - far}, {0, far - 1}, {0, far},
+                             {-far, 0}, {far, 0},     {far - 1, 0}, {1 - far, 0}};
+    for (std::uint32_t i = 0; i < std::size(queries); ++i) {
+        many.add(queries[i], i);
+    }
+    std::pmr::vector<std::uint32_t> inside;
+    many.test(points.data(), 4, inside);
+    CHECK(sorted(inside) == std::vector<std::uint32_t>{1, 2, 6, 7});
+}
+
+TEST_CASE("all forms of the edge test agree", "[nesting]") {
+    std::mt19937 random(9);
+    const std::span<const lamella::nesting::AddEdges> forms = lamella::nesting::supported_add_edges();
+    for (int round = 0; round < 20000; ++round) {
+        const int size = 2 + below(random, 30);
+        std::vector<Point> points = lamella::test::random_walk(random, size);
+        for (int more = below(random, 5); more > 0; --more) {  // up to some 200, with repeats that do no harm
+            const std::vector<Point> walk = lamella::test::random_walk(random, size);
+            points.insert(points.end(), walk.begin(), walk.end());
+        }
+        const int away = round % 3 == 0 ? -100 : 0;  // also where all coordinates are negative
+        for (Point& p : points) {
+            p = {p.x + away, p.y + away};
+        }
+        const Point query{below(random, size) + away, below(random, size) + away};
+        const auto count = static_cast<std::uint32_t>(points.size());
+        const bool expected = lamella::test::oracle::contains(points, query);
+        for (std::size_t form = 0; form < forms.size(); ++form) {
+            CAPTURE(round, form);
+            REQUIRE(strictly_inside(forms[form], points.data(), count, query) == expected);
+        }
+    }
+}

@@ -23,9 +23,11 @@ struct Band {
 
 struct BandPlan {
     explicit BandPlan(std::pmr::memory_resource* memory)
-        : bands(memory), seed_begin(memory), seeds(memory), spans_(memory) {}
+        : bands(memory), band_end(memory), reaching(memory), seed_begin(memory), seeds(memory) {}
 
     std::pmr::vector<Band> bands;
+    std::pmr::vector<PlaneIndex> band_end;  ///< k + 1: the end of each plane's band, and k
+    ReachLists reaching;                    ///< what scatter_triangles() finds to reach beyond; given up by find_seeds()
     std::pmr::vector<std::uint64_t> seed_begin;  ///< bands + 1: where each band's seeds begin
     std::pmr::vector<std::uint32_t> seeds;       ///< indices of records
 
@@ -36,16 +38,9 @@ struct BandPlan {
     /// Cuts the planes into bands: every `asked_planes` of them, or when that is 0 by the work in them. O(k).
     void cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads);
 
-    /// Finds every band's seeds. O(crossed triangles + bands + seeds), and a seed has at least one segment in its band.
-    void find_seeds(const Buckets& buckets, PlaneIndex planes, const Parallel& parallel);
-
-private:
-    /// A triangle that reaches beyond the band before `first`: it is a seed of that one and of what follows up to its end.
-    struct Span {
-        std::uint32_t record;
-        std::uint32_t first;
-    };
-    std::pmr::vector<std::pmr::vector<Span>> spans_;  // by worker
+    /// Finds every band's seeds in `reaching`. O(k + triangles there + seeds), and a seed has at least one segment in its
+    /// band.
+    void find_seeds(PlaneIndex planes);
 };
 
 }  // namespace lamella

@@ -233,7 +233,7 @@ void PlaneSet::make_table() {
     table_.highest = z(count_ - 1);
     const auto span = static_cast<std::uint64_t>(std::int64_t{table_.highest} - table_.lowest) + 1;
     table_.shift = 0;
-    while ((span >> table_.shift) > 2 * static_cast<std::uint64_t>(count_)) {
+    while ((span >> table_.shift) > 4 * static_cast<std::uint64_t>(count_)) {
         ++table_.shift;
     }
     const std::size_t cells = table_.cell(table_.highest) + 1;
@@ -256,11 +256,10 @@ PlaneIndex PlaneSet::by_table(std::int32_t z) const noexcept {
     const std::int32_t* plane = padded_.data() + 1;
     const std::size_t cell = table_.cell(z);
     PlaneIndex low = table_.first[cell];
-    for (int step = 0; step < table_steps; ++step) {
-        if (plane[low] > z) {
-            return low;
-        }
-        ++low;
+    low += plane[low] < z ? 1 : 0;  // no branch: nothing would predict it
+    low += plane[low] < z ? 1 : 0;
+    if (plane[low] > z) {
+        return low;
     }
     PlaneIndex length = table_.first[cell + 1] - low;
     // Invariant: the answer lies in [low, low + length].

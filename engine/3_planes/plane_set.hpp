@@ -17,12 +17,12 @@ namespace lamella {
 /// Index of a plane, or one past the last. Plans with more than 2^31 planes are refused, so 32 bits hold it.
 using PlaneIndex = std::uint32_t;
 
-/// Heights cut into cells of 2^shift units, about one or two a plane, from the lowest plane to the highest: a vertex's cell
-/// tells the first plane above it but for those within the cell.
+/// Heights cut into cells of 2^shift units, two to four a plane, from the lowest plane to the highest: a vertex's cell tells
+/// the first plane above it but for those within the cell.
 ///
-///     planes       |  |      |     |||       |
-///     cells      [    |    |    |    |    |    ]
-///     first       0    2    2    3    6    6    7
+///     planes       |  |          |  |||          |
+///     cells      [   |   |   |   |   |   |   |   ]
+///     first        0   2   2   2   3   6   6   6   7
 struct HeightTable {
     explicit HeightTable(std::pmr::memory_resource* memory) : first(memory) {}
 
@@ -37,9 +37,6 @@ struct HeightTable {
     std::int32_t highest = 0;
     int shift = 0;
 };
-
-/// Planes that are looked at one after the other from a cell's first before the rest of the cell is searched.
-inline constexpr int table_steps = 4;
 
 /// k planes, ascending. Immutable once made, shared by all threads.
 class PlaneSet {

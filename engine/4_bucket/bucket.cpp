@@ -46,7 +46,7 @@ public:
     /// Triangles [begin, end), at most 64; returns which of them planes cut. Degenerate ones are looked for if asked.
     std::uint64_t count(std::size_t begin, std::size_t end, bool may_be_degenerate) {
         if (!scan_.usable() || end - begin < block_triangles) {
-            return count_each(begin, end);
+            return count_each(begin, end, may_be_degenerate);
         }
         SoupScan::Ranges ranges;
         std::uint64_t mask = scan_.ranges(begin, ranges);
@@ -63,11 +63,11 @@ public:
     std::uint64_t degenerate() const noexcept { return degenerate_; }
 
 private:
-    std::uint64_t count_each(std::size_t begin, std::size_t end) {
+    std::uint64_t count_each(std::size_t begin, std::size_t end, bool may_be_degenerate) {
         std::uint64_t mask = 0;
         for (std::size_t t = begin; t < end; ++t) {
             const GridTriangle v = read_(t);
-            if (is_degenerate(v)) {
+            if (may_be_degenerate && is_degenerate(v)) {
                 ++degenerate_;
                 continue;
             }

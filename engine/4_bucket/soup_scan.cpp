@@ -22,6 +22,7 @@ namespace {
 constexpr PlaneIndex most_by_arithmetic = 1 << 19;
 constexpr double least_step_units = 1024;
 constexpr PlaneIndex most_planes = 1 << 28;  // indices of gathers are signed, and the table has two cells a plane
+constexpr int table_steps = 4;               // planes of a cell looked at before the rest of it is searched
 constexpr std::size_t group_size = 16;
 constexpr __mmask16 every = 0xFFFF;
 constexpr __mmask16 nine = 0x1FF;  // numbers of a triangle
@@ -212,6 +213,7 @@ struct SoupKernel {
                 const __m512i order = _mm512_loadu_si512(lanes[group.order[lane]].data());
                 const std::uint32_t at = list_end[first[lane]]++;
                 CrossedTriangle& record = records[at];
+                __builtin_prefetch(&record + 2, 1);  // of the same list, and mostly the next to be written
                 _mm512_mask_storeu_epi32(&record, nine, _mm512_maskz_permutexvar_epi32(every, order, round_even(mm, scale)));
                 record.triangle = static_cast<std::uint32_t>(t);
                 record.middle_and_sense = group.middle_and_sense[lane];

@@ -44,12 +44,7 @@ Error cancelled() {
 /// Everything that is kept from call to call.
 struct Workspace::Impl {
     explicit Impl(std::pmr::memory_resource* memory)
-        : memory(memory),
-          blocks(memory),
-          planes(memory),
-          buckets(memory),
-          bands(resource_or_default(memory)),
-          placement(memory) {}
+        : memory(memory), blocks(memory), planes(memory), buckets(memory), bands(memory), placement(memory) {}
 
     std::pmr::memory_resource* memory;
     BlockTable blocks;
@@ -145,9 +140,9 @@ Status Slicing::bucket_triangles() {
     }
     BandPlan& bands = kept_.bands;
     bands.cut(buckets, kept_.planes.size(), options_.band_planes, parallel_.threads());
-    scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes, bands.band_end, parallel_, buckets,
-                      bands.reaching);
-    bands.find_seeds(kept_.planes.size());
+    const std::size_t reaching = scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes, bands.band_end,
+                                                   parallel_, buckets, bands.reaching.span());
+    bands.find_seeds(kept_.planes.size(), reaching);
     return {};
 }
 
@@ -171,6 +166,7 @@ Status Slicing::sweep_bands() {
         }
         room = needed;
     }
+    kept_.bands.forget_many_seeds();  // before the result's contours are added to what is held
     split_time(milliseconds_since(start));
     return {};
 }

@@ -34,7 +34,8 @@ void Stages::count() {
 }
 
 void Stages::scatter() {
-    scatter_triangles(mesh_, Transform{}, unit_mm_, planes_, bands_.band_end, parallel_, buckets_, bands_.reaching);
+    reaching_ = scatter_triangles(mesh_, Transform{}, unit_mm_, planes_, bands_.band_end, parallel_, buckets_,
+                                  bands_.reaching.span());
 }
 
 void Stages::look_at_bounds() {
@@ -50,7 +51,7 @@ void Stages::cut_bands_for(int threads) {
 }
 
 void Stages::find_seeds() {
-    bands_.find_seeds(planes_.size());
+    bands_.find_seeds(planes_.size(), reaching_);
 }
 
 Status Stages::prepare() {

@@ -25,7 +25,7 @@ public:
     void count();
     void cut_bands();
     void scatter();
-    void find_seeds();  ///< once after scatter(), whose lists it gives up
+    void find_seeds();  ///< once after scatter(), whose notes it may give up
     /// Sweeps every band into a buffer of its thread's own: everything but placement.
     void sweep(ContourForm form);
     /// Sweeps one band on this thread.
@@ -65,7 +65,8 @@ private:
     BlockTable blocks_{nullptr};
     PlaneSet planes_{nullptr};
     Buckets buckets_{nullptr};
-    BandPlan bands_{std::pmr::new_delete_resource()};
+    BandPlan bands_{nullptr};
+    std::size_t reaching_ = 0;  // entries of bands_.reaching
     std::vector<std::unique_ptr<Worker>> workers_;
 };
 

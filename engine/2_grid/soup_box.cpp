@@ -88,8 +88,9 @@ SoupBox measure_portable(const FloatSoup& soup, std::size_t begin, std::size_t e
                 box.add(v, value[v], value[v]);
             }
             const __m128 third = _mm_shuffle_ps(value[2], value[2], _MM_SHUFFLE(3, 3, 2, 1));
-            near |= all_within(_mm_sub_ps(value[0], value[1]), reach) | all_within(_mm_sub_ps(value[1], third), reach) |
-                    all_within(_mm_sub_ps(third, value[0]), reach);
+            near |= all_within(_mm_sub_ps(value[0], value[1]), reach);
+            near |= all_within(_mm_sub_ps(value[1], third), reach);
+            near |= all_within(_mm_sub_ps(third, value[0]), reach);
             nan = _mm_or_ps(nan, _mm_or_ps(_mm_cmpunord_ps(value[0], value[1]), _mm_cmpunord_ps(value[2], value[2])));
         }
         blocks[block] = block_of(box.by_axis(), near);

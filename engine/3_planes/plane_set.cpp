@@ -119,7 +119,7 @@ Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, 
     }
     const std::int32_t lowest = to_even_grid(low, unit_mm_);
     const std::int32_t highest = to_even_grid(high, unit_mm_);
-    padded_.resize_discarding(static_cast<std::size_t>(candidates) + 3);
+    padded_.resize_discarding(static_cast<std::size_t>(candidates) + 2);
     first_step_ = step;
     for (std::uint32_t n = 0; n < static_cast<std::uint32_t>(candidates); ++n) {
         const double i = n;
@@ -143,7 +143,6 @@ Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, 
     }
     padded_[0] = below_all;
     padded_[count_ + 1] = above_all;
-    padded_[count_ + 2] = above_all;
     first_z_ = count_ > 0 ? padded_[1] : 0;
     inverse_step_ = unit_mm_ / h;
     last_guess_ = count_ > 0 ? static_cast<double>(count_ - 1) : 0;
@@ -209,7 +208,7 @@ Status PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, st
 /// Heights far outside the grid cut nothing and need only keep their order: they are counted off from its ends.
 void PlaneSet::fill_from_heights() {
     count_ = static_cast<PlaneIndex>(heights_mm_.size());
-    padded_.resize_discarding(heights_mm_.size() + 3);
+    padded_.resize_discarding(heights_mm_.size() + 2);
     padded_[0] = below_all;
     constexpr double reach = 1.5 * grid_limit;
     for (PlaneIndex i = 0; i < count_; ++i) {
@@ -222,7 +221,6 @@ void PlaneSet::fill_from_heights() {
         }
     }
     padded_[count_ + 1] = above_all;
-    padded_[count_ + 2] = above_all;
 }
 
 void PlaneSet::make_table() {

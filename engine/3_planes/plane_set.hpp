@@ -47,7 +47,7 @@ public:
     bool uniform() const noexcept { return inverse_step_ > 0; }
     /// z of plane i in grid units; -1 and size() are sentinels beyond every vertex.
     std::int32_t z(PlaneIndex i) const noexcept { return padded_[i + 1]; }
-    /// z of planes -1 to size() + 1, from plane 0 on.
+    /// z of planes -1 to size(), from plane 0 on.
     const std::int32_t* heights() const noexcept { return padded_.data() + 1; }
     /// 0 when not uniform.
     double planes_per_unit() const noexcept { return inverse_step_; }
@@ -101,7 +101,7 @@ private:
     double unit_mm_ = default_unit_mm;
     Number number_ = Number::f32;
     PlaneIndex count_ = 0;
-    Array<std::int32_t> padded_;  // [lowest, plane 0, ..., plane k-1, highest, highest]
+    Array<std::int32_t> padded_;  // [lowest, plane 0, ..., plane k-1, highest]
     // uniform: plane i is at first_mm_ + (first_step_ + i) * step_mm_
     double first_mm_ = 0;
     double first_step_ = 0;

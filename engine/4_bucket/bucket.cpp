@@ -1,6 +1,7 @@
 #include "4_bucket/bucket.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <numeric>
@@ -106,12 +107,30 @@ bool lies_between_planes(const TriangleBlock& block, double unit_mm, const Plane
     return to_even_grid(block.high_mm, unit_mm) < planes.z(planes.first_above(to_even_grid(block.low_mm, unit_mm)));
 }
 
+/// Where parts note triangles that reach beyond their bands, a block's at a time.
+class ReachingOutput {
+public:
+    explicit ReachingOutput(std::span<Reaching> room) : room_(room) {}
+
+    /// Room for `count` more.
+    Reaching* take(std::size_t count) noexcept {
+        const std::size_t at = count_.fetch_add(count, std::memory_order_relaxed);
+        assert(at + count <= room_.size());
+        return room_.data() + at;
+    }
+    std::size_t count() const noexcept { return count_.load(std::memory_order_relaxed); }
+
+private:
+    std::span<Reaching> room_;
+    std::atomic<std::size_t> count_ = 0;
+};
+
 /// The scatter of one part.
 template <class Reader>
 class PartScatter {
 public:
     PartScatter(const Reader& read, const SoupScan& scan, const PlaneSet& planes, std::span<const PlaneIndex> reach_end,
-                PartCounters counters, Buckets& buckets, std::pmr::vector<Reaching>& reaching)
+                PartCounters counters, Buckets& buckets, ReachingOutput& reaching)
         : read_(read),
           scan_(scan),
           planes_(planes),
@@ -126,10 +145,13 @@ public:
             return scatter_each(begin, crossed);
         }
         SoupScan::Written written;
-        for (std::uint64_t mask = scan_.write(begin, crossed, reach_end_.data(), counters_.first, records_, written);
-             mask != 0; mask &= mask - 1) {
+        std::uint64_t mask = scan_.write(begin, crossed, reach_end_.data(), counters_.first, records_, written);
+        if (mask == 0) {
+            return;
+        }
+        for (Reaching* out = reaching_.take(static_cast<std::size_t>(std::popcount(mask))); mask != 0; mask &= mask - 1) {
             const int t = std::countr_zero(mask);
-            reaching_.push_back({written.record[t], written.first[t], written.last[t]});
+            *out++ = {written.record[t], written.first[t], written.last[t]};
         }
     }
 
@@ -144,7 +166,7 @@ private:
             const std::uint32_t at = counters_.first[first]++;
             records_[at] = record;
             if (record.last > reach_end_[first]) {
-                reaching_.push_back({at, first, record.last});
+                *reaching_.take(1) = {at, first, record.last};
             }
         }
     }
@@ -155,7 +177,7 @@ private:
     std::span<const PlaneIndex> reach_end_;
     PartCounters counters_;
     CrossedTriangle* records_;
-    std::pmr::vector<Reaching>& reaching_;
+    ReachingOutput& reaching_;
 };
 
 /// Turns counts into list beginnings, for all and for each part, and sums up the segments.
@@ -208,25 +230,24 @@ void count_crossings(const MeshView& mesh, const Transform& transform, double un
     prefix_sums(planes, parts, buckets);
 }
 
-void scatter_triangles(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes,
-                       std::span<const PlaneIndex> reach_end, const Parallel& parallel, Buckets& buckets,
-                       ReachLists& reaching) {
+std::size_t scatter_triangles(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes,
+                              std::span<const PlaneIndex> reach_end, const Parallel& parallel, Buckets& buckets,
+                              std::span<Reaching> reaching) {
     const Parts parts(mesh.triangle_count, parallel);
     assert(reach_end.size() == std::size_t{planes.size()} + 1);
     buckets.records.resize_discarding(buckets.list_begin[planes.size()]);
-    reaching.clear();
-    reaching.resize(parts.count);
+    ReachingOutput output(reaching);
     const SoupScan scan(mesh, transform, unit_mm, planes);
     with_reader(mesh, transform, unit_mm, [&](const auto& read) {
         parallel.run(parts.count, [&](std::size_t part, int) {
-            PartScatter scatter(read, scan, planes, reach_end, PartCounters(buckets, part, planes.size()), buckets,
-                                reaching[part]);
+            PartScatter scatter(read, scan, planes, reach_end, PartCounters(buckets, part, planes.size()), buckets, output);
             for (std::size_t block = parts.begin_block(part); block < parts.begin_block(part + 1); ++block) {
                 const std::size_t begin = block * block_triangles;
                 scatter.scatter(begin, buckets.crossed_mask[block], begin + block_triangles <= parts.triangles);
             }
         });
     });
+    return output.count();
 }
 
 }  // namespace lamella

@@ -9,10 +9,9 @@
 //     records     [ t7 t2 | t9 t4 | t1 | ...     list_begin = 0, 2, 4, 5, ...
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <memory_resource>
 #include <span>
-#include <vector>
 
 #include "2_grid/blocks.hpp"
 #include "3_planes/plane_set.hpp"
@@ -42,17 +41,17 @@ struct Reaching {
     PlaneIndex first;
     PlaneIndex last;  ///< one past
 };
-using ReachLists = std::pmr::vector<std::pmr::vector<Reaching>>;
 
 /// First read: degenerate triangles, the size of every list, and m, before anything of that size is allocated. Blocks that
 /// lie between two planes and have no degenerate triangle are not read. `blocks` comes from measure_bounds().
 void count_crossings(const MeshView& mesh, const Transform& transform, double unit_mm, const BlockTable& blocks,
                      const PlaneSet& planes, const Parallel& parallel, Buckets& buckets);
 
-/// Second read: the records, and lists, in no order, of those triangles that planes from reach_end[first plane] on cut; it
-/// has k + 1 numbers. Precondition: count_crossings() with the same arguments.
-void scatter_triangles(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes,
-                       std::span<const PlaneIndex> reach_end, const Parallel& parallel, Buckets& buckets,
-                       ReachLists& reaching);
+/// Second read: the records, and, in no order, those of them whose triangles are cut by planes from reach_end[first plane]
+/// on too: into `reaching`, which must have room for all; returns how many they are. `reach_end` has k + 1 numbers.
+/// Precondition: count_crossings() with the same arguments.
+std::size_t scatter_triangles(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes,
+                              std::span<const PlaneIndex> reach_end, const Parallel& parallel, Buckets& buckets,
+                              std::span<Reaching> reaching);
 
 }  // namespace lamella

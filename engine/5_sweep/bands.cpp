@@ -27,6 +27,15 @@ std::uint64_t work_of(const Buckets& buckets, PlaneIndex plane) noexcept {
     return buckets.segments[plane] + segments_per_entry * (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
 }
 
+/// Arrays that only very many bands or tall triangles make large are not kept.
+template <class T>
+void give_back_many(Array<T>& array) {
+    constexpr std::size_t many_bytes = std::size_t{1} << 23;
+    if (array.capacity() * sizeof(T) > many_bytes) {
+        array = Array<T>(array.resource());
+    }
+}
+
 }  // namespace
 
 void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads) {
@@ -57,24 +66,32 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
     if (planes > 0) {
         bands.push_back(band);
     }
-    band_end.assign(std::size_t{planes} + 1, planes);
-    for (const Band& cut : bands) {
-        std::fill(band_end.begin() + cut.first, band_end.begin() + cut.last, cut.last);
-    }
+    make_room(buckets, planes);
 }
 
-void BandPlan::find_seeds(PlaneIndex planes) {
-    std::pmr::vector<std::uint32_t> band_of(planes, seeds.get_allocator());
+void BandPlan::make_room(const Buckets& buckets, PlaneIndex planes) {
+    band_end.assign(std::size_t{planes} + 1, planes);
+    std::size_t most_reaching = 0;
+    for (const Band& band : bands) {
+        std::fill(band_end.begin() + band.first, band_end.begin() + band.last, band.last);
+        // What a band's first plane cuts and does not start there comes from below.
+        most_reaching +=
+            buckets.segments[band.first] - (buckets.list_begin[band.first + 1] - buckets.list_begin[band.first]);
+    }
+    reaching.resize_discarding(std::min<std::size_t>(most_reaching, buckets.list_begin[planes]));
+}
+
+void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count) {
+    const std::span<const Reaching> found{reaching.data(), reaching_count};
+    std::pmr::vector<std::uint32_t> band_of(planes, bands.get_allocator());
     for (std::uint32_t b = 0; b < bands.size(); ++b) {
         std::fill(band_of.begin() + bands[b].first, band_of.begin() + bands[b].last, b);
     }
     // Count, prefix sum, scatter. A triangle adds one in the band after its first and takes it off after its last.
-    std::pmr::vector<std::int64_t> change(bands.size() + 1, 0, seeds.get_allocator());
-    for (const auto& list : reaching) {
-        for (const Reaching& triangle : list) {
-            ++change[band_of[triangle.first] + 1];
-            --change[band_of[triangle.last - 1] + 1];
-        }
+    std::pmr::vector<std::int64_t> change(bands.size() + 1, 0, bands.get_allocator());
+    for (const Reaching& triangle : found) {
+        ++change[band_of[triangle.first] + 1];
+        --change[band_of[triangle.last - 1] + 1];
     }
     seed_begin.assign(bands.size() + 2, 0);
     std::int64_t active = 0;
@@ -82,17 +99,19 @@ void BandPlan::find_seeds(PlaneIndex planes) {
         active += change[b];
         seed_begin[b + 2] = seed_begin[b + 1] + static_cast<std::uint64_t>(active);
     }
-    seeds.resize(seed_begin.back());
-    for (auto& list : reaching) {
-        for (const Reaching& triangle : list) {
-            const std::uint32_t last = band_of[triangle.last - 1];
-            for (std::uint32_t b = band_of[triangle.first] + 1; b <= last; ++b) {
-                seeds[seed_begin[b + 1]++] = triangle.record;
-            }
+    seeds.resize_discarding(seed_begin.back());
+    for (const Reaching& triangle : found) {
+        const std::uint32_t last = band_of[triangle.last - 1];
+        for (std::uint32_t b = band_of[triangle.first] + 1; b <= last; ++b) {
+            seeds[seed_begin[b + 1]++] = triangle.record;
         }
     }
     seed_begin.pop_back();
-    reaching.clear();  // not kept: of tall facets it is a good part of all scratch
+    give_back_many(reaching);
+}
+
+void BandPlan::forget_many_seeds() {
+    give_back_many(seeds);
 }
 
 }  // namespace lamella

@@ -59,7 +59,7 @@ struct Bucketed {
     BlockTable blocks{nullptr};
     PlaneSet planes{nullptr};
     Buckets buckets{nullptr};
-    BandPlan bands{std::pmr::new_delete_resource()};
+    BandPlan bands{nullptr};
 
     Bucketed(const MeshView& mesh, const lamella::LayerPlan& plan, double unit_mm, int threads, int band_planes) {
         const lamella::Parallel parallel(threads);
@@ -69,8 +69,9 @@ struct Bucketed {
         REQUIRE(planes.build(plan, *bounds, unit_mm, mesh.number, no_limit));
         lamella::count_crossings(mesh, none, unit_mm, blocks, planes, parallel, buckets);
         bands.cut(buckets, planes.size(), band_planes, threads);
-        lamella::scatter_triangles(mesh, none, unit_mm, planes, bands.band_end, parallel, buckets, bands.reaching);
-        bands.find_seeds(planes.size());
+        const std::size_t reaching = lamella::scatter_triangles(mesh, none, unit_mm, planes, bands.band_end, parallel,
+                                                                buckets, bands.reaching.span());
+        bands.find_seeds(planes.size(), reaching);
     }
 
     using Row =

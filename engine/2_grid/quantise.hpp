@@ -75,6 +75,21 @@ inline void apply(const Transform& transform, RawTriangle& t) noexcept {
 }
 
 #ifdef __SSE2__
+/// Numbers need no alignment.
+inline __m128d load_double(const std::byte* at) noexcept {
+    double value;
+    std::memcpy(&value, at, sizeof value);
+    return _mm_set_sd(value);
+}
+inline __m128 load_float(const std::byte* at) noexcept {
+    float value;
+    std::memcpy(&value, at, sizeof value);
+    return _mm_set_ss(value);
+}
+inline __m128 load_two_floats(const std::byte* at) noexcept {
+    return _mm_castpd_ps(load_double(at));
+}
+
 /// x, y, z of each, and anything after them. Whoever picks a vertex finds it in what one store left: a load from two of them
 /// would wait until they have reached the cache.
 inline void store_vertices(GridTriangle& grid, __m128i first, __m128i second, __m128i third) noexcept {
@@ -119,13 +134,13 @@ private:
         __m128d xy;
         __m128d z;
         if (raw_.number() == Number::f64) {
-            const auto* at = reinterpret_cast<const double*>(raw_.at(t, corner, 3 * sizeof(double)));
-            xy = _mm_loadu_pd(at);
-            z = _mm_load_sd(at + 2);
+            const std::byte* at = raw_.at(t, corner, 3 * sizeof(double));
+            xy = _mm_loadu_pd(reinterpret_cast<const double*>(at));
+            z = load_double(at + 2 * sizeof(double));
         } else {
             const std::byte* at = raw_.at(t, corner, 3 * sizeof(float));
-            xy = _mm_cvtps_pd(_mm_castpd_ps(_mm_load_sd(reinterpret_cast<const double*>(at))));
-            z = _mm_cvtps_pd(_mm_load_ss(reinterpret_cast<const float*>(at + 2 * sizeof(float))));
+            xy = _mm_cvtps_pd(load_two_floats(at));
+            z = _mm_cvtps_pd(load_float(at + 2 * sizeof(float)));
         }
         const __m128d spacing = _mm_set1_pd(2 * unit_mm_);
         const __m128i half =
@@ -171,8 +186,7 @@ private:
 
     __m128i vertex(std::size_t index) const noexcept {
         const std::byte* at = mesh_.vertices + index * mesh_.stride;
-        const __m128 xy = _mm_castpd_ps(_mm_load_sd(reinterpret_cast<const double*>(at)));
-        return round_even(_mm_movelh_ps(xy, _mm_load_ss(reinterpret_cast<const float*>(at + 2 * sizeof(float)))));
+        return round_even(_mm_movelh_ps(load_two_floats(at), load_float(at + 2 * sizeof(float))));
     }
 
     GridTriangle indexed(std::size_t t) const noexcept {

@@ -181,8 +181,9 @@ struct SoupKernel {
         const __m512i middle = first_above(scan, greatest(low, least(high, z[2])));
         const __m512i last = first_above(scan, greatest(high, z[2]));
         // The sense is bit `order` of the even orders.
-        const __m512i sense = _mm512_maskz_slli_epi32(
-            every, _mm512_maskz_srlv_epi32(every, _mm512_set1_epi32(static_cast<int>(even_orders())), order), 31);
+        constexpr auto even = static_cast<std::int32_t>(even_orders());
+        const __m512i sense =
+            _mm512_maskz_slli_epi32(every, _mm512_maskz_srlv_epi32(every, _mm512_set1_epi32(even), order), 31);
         _mm512_store_si512(group.order, order);
         _mm512_store_si512(group.middle_and_sense, _mm512_or_epi32(middle, sense));
         _mm512_storeu_si512(first_out, first);

@@ -44,9 +44,10 @@ Error cancelled() {
 /// Everything that is kept from call to call.
 struct Workspace::Impl {
     explicit Impl(std::pmr::memory_resource* memory)
-        : memory(memory), planes(memory), buckets(memory), bands(resource_or_default(memory)), placement(memory) {}
+        : memory(memory), blocks(memory), planes(memory), buckets(memory), bands(memory), placement(memory) {}
 
     std::pmr::memory_resource* memory;
+    BlockTable blocks;
     PlaneSet planes;
     Buckets buckets;
     BandPlan bands;
@@ -104,7 +105,7 @@ private:
 
 /// Stages 2 and 3.
 Status Slicing::choose_grid_and_planes() {
-    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, parallel_);
+    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, options_.unit_mm, parallel_, kept_.blocks);
     if (!bounds) {
         return bounds.error();
     }
@@ -122,10 +123,11 @@ Status Slicing::choose_grid_and_planes() {
     return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
 }
 
-/// Stage 4. The size of the result is known, and refused if too large, before anything of that size is allocated.
+/// Stage 4, and the bands of stage 5, so that the triangles that reach beyond theirs are seen as they pass. The size of the
+/// result is known, and refused if too large, before anything of that size is allocated.
 Status Slicing::bucket_triangles() {
     Buckets& buckets = kept_.buckets;
-    count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.planes, parallel_, buckets);
+    count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
     const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + kept_.planes.size() * sizeof(Layer);
     if (bytes > memory_limit(options_)) {
         return Error{Code::result_too_large, std::to_string(kept_.planes.size()) + " layers with " +
@@ -136,16 +138,17 @@ Status Slicing::bucket_triangles() {
     if (options_.stop.stop_requested()) {
         return cancelled();
     }
-    scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes, parallel_, buckets);
+    BandPlan& bands = kept_.bands;
+    bands.cut(buckets, kept_.planes.size(), options_.band_planes, parallel_.threads());
+    const std::size_t reaching = scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes, bands.band_end,
+                                                   parallel_, buckets, bands.reaching.span());
+    bands.find_seeds(kept_.planes.size(), reaching);
     return {};
 }
 
 /// Stages 5 to 7, band by band.
 Status Slicing::sweep_bands() {
     const auto start = Clock::now();
-    BandPlan& bands = kept_.bands;
-    bands.cut(kept_.buckets, kept_.planes.size(), options_.band_planes, parallel_.threads());
-    bands.find_seeds(kept_.buckets, kept_.planes.size(), parallel_);
     kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
 
     // A closed contour has at most as many points as segments; an open one has one more, for which there is some room. Only
@@ -163,6 +166,7 @@ Status Slicing::sweep_bands() {
         }
         room = needed;
     }
+    kept_.bands.forget_many_seeds();  // before the result's contours are added to what is held
     split_time(milliseconds_since(start));
     return {};
 }

@@ -12,7 +12,7 @@ Stages::Stages(const MeshView& mesh, const LayerPlan& plan, int threads) : mesh_
 }
 
 Status Stages::measure() {
-    const Result<Bounds> bounds = measure_bounds(mesh_, Transform{}, parallel_);
+    const Result<Bounds> bounds = measure_bounds(mesh_, Transform{}, 0, parallel_, blocks_);
     if (!bounds) {
         return bounds.error();
     }
@@ -30,15 +30,16 @@ Status Stages::plan_planes() {
 }
 
 void Stages::count() {
-    count_crossings(mesh_, Transform{}, unit_mm_, planes_, parallel_, buckets_);
+    count_crossings(mesh_, Transform{}, unit_mm_, blocks_, planes_, parallel_, buckets_);
 }
 
 void Stages::scatter() {
-    scatter_triangles(mesh_, Transform{}, unit_mm_, planes_, parallel_, buckets_);
+    reaching_ = scatter_triangles(mesh_, Transform{}, unit_mm_, planes_, bands_.band_end, parallel_, buckets_,
+                                  bands_.reaching.span());
 }
 
-void Stages::look_at_bounds() const {
-    (void)measure_bounds(mesh_, Transform{}, parallel_).ok();
+void Stages::look_at_bounds() {
+    (void)measure_bounds(mesh_, Transform{}, 0, parallel_, blocks_).ok();
 }
 
 void Stages::cut_bands() {
@@ -47,7 +48,10 @@ void Stages::cut_bands() {
 
 void Stages::cut_bands_for(int threads) {
     bands_.cut(buckets_, planes_.size(), 0, threads);
-    bands_.find_seeds(buckets_, planes_.size(), parallel_);
+}
+
+void Stages::find_seeds() {
+    bands_.find_seeds(planes_.size(), reaching_);
 }
 
 Status Stages::prepare() {
@@ -58,8 +62,9 @@ Status Stages::prepare() {
         return status;
     }
     count();
-    scatter();
     cut_bands();
+    scatter();
+    find_seeds();
     return {};
 }
 

@@ -23,8 +23,9 @@ public:
     Status measure();  ///< bounds and unit
     Status plan_planes();
     void count();
-    void scatter();
     void cut_bands();
+    void scatter();
+    void find_seeds();  ///< once after scatter(), whose notes it may give up
     /// Sweeps every band into a buffer of its thread's own: everything but placement.
     void sweep(ContourForm form);
     /// Sweeps one band on this thread.
@@ -33,12 +34,12 @@ public:
     /// Everything up to cut_bands().
     Status prepare();
 
-    /// As the engine would for another number of threads.
+    /// As the engine would for another number of threads; scatter() and find_seeds() have to follow.
     void cut_bands_for(int threads);
-    /// From now on count() and scatter() see `part` only, on the planes of the whole.
+    /// From now on look_at_bounds(), count(), cut_bands() and scatter() see `part` only, on the planes of the whole.
     void narrow_to(const MeshView& part) { mesh_ = part; }
-    /// The work of measure(), whose answer is dropped.
-    void look_at_bounds() const;
+    /// The work of measure(), of which only the table of blocks is kept.
+    void look_at_bounds();
 
     const PlaneSet& planes() const noexcept { return planes_; }
     const Buckets& buckets() const noexcept { return buckets_; }
@@ -61,9 +62,11 @@ private:
     Parallel parallel_;
     Bounds bounds_{};
     double unit_mm_ = 0;
+    BlockTable blocks_{nullptr};
     PlaneSet planes_{nullptr};
     Buckets buckets_{nullptr};
-    BandPlan bands_{std::pmr::new_delete_resource()};
+    BandPlan bands_{nullptr};
+    std::size_t reaching_ = 0;  // entries of bands_.reaching
     std::vector<std::unique_ptr<Worker>> workers_;
 };
 

@@ -84,7 +84,8 @@ MeshInfo describe(const Bounds& box, const Measure& measured, const EdgeCensus& 
 
 Result<MeshInfo> inspect_or_throw(const MeshView& mesh, const InspectOptions& options) {
     const Parallel parallel(options.threads);
-    const Result<Bounds> bounds = measure_bounds(mesh, options.transform, parallel);
+    BlockTable blocks(nullptr);
+    const Result<Bounds> bounds = measure_bounds(mesh, options.transform, options.unit_mm, parallel, blocks);
     if (!bounds) {
         return bounds.error();
     }

@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "2_grid/quantise.hpp"
+#include "2_grid/soup_box.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {
 
 namespace {
 
-constexpr std::size_t grain = 1 << 14;  // triangles per task
+constexpr std::size_t grain = (1 << 14) / block_triangles;  // blocks per task
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A box that grows, and whether something in it was not finite.
@@ -34,69 +35,53 @@ struct Partial {
     }
 };
 
-Partial measure_general(const MeshView& mesh, const Transform& transform, std::size_t begin, std::size_t end) {
+/// Whether two vertices of the triangle lie within `reach` of each other on every axis.
+bool has_near_vertices(const RawTriangle& t, double reach) {
+    const auto near = [&](const double* a, const double* b) {
+        return std::abs(a[0] - b[0]) <= reach && std::abs(a[1] - b[1]) <= reach && std::abs(a[2] - b[2]) <= reach;
+    };
+    return near(t.v, t.v + 3) || near(t.v + 3, t.v + 6) || near(t.v + 6, t.v);
+}
+
+/// Blocks [begin, end) of any mesh.
+Partial measure_general(const MeshView& mesh, const Transform& transform, std::size_t begin, std::size_t end,
+                        BlockTable& table) {
     const RawReader read(mesh);
     const bool identity = transform.is_identity();
-    Partial box;
+    Partial all;
     double poison = 0;  // times zero: becomes NaN, and stays so, at the first value that is not finite
-    for (std::size_t t = begin; t < end; ++t) {
-        RawTriangle raw = read(t);
-        if (!identity) {
-            apply(transform, raw);
+    for (std::size_t block = begin; block < end; ++block) {
+        Partial box;
+        bool near = false;
+        const std::size_t last = std::min(mesh.triangle_count, (block + 1) * block_triangles);
+        for (std::size_t t = block * block_triangles; t < last; ++t) {
+            RawTriangle raw = read(t);
+            if (!identity) {
+                apply(transform, raw);
+            }
+            for (int i = 0; i < 9; ++i) {
+                box.add(i % 3, raw.v[i], raw.v[i]);
+                poison += raw.v[i] * 0.0;
+            }
+            near = near || has_near_vertices(raw, table.near_mm);
         }
-        for (int i = 0; i < 9; ++i) {
-            box.add(i % 3, raw.v[i], raw.v[i]);
-            poison += raw.v[i] * 0.0;
-        }
+        table.blocks[block] = {box.min[2], box.max[2], near};
+        all.add(box);
     }
-    box.finite = poison == 0;
-    return box;
+    all.finite = poison == 0;
+    return all;
 }
 
-#ifdef __SSE2__
-/// Float soup without a transform, three vectors a triangle as in FloatReader.
-Partial measure_float_soup(const MeshView& mesh, std::size_t begin, std::size_t end) {
-    constexpr int axis_of_lane[3][4] = {{0, 1, 2, 0}, {1, 2, 0, 1}, {2, 0, 1, 2}};
-    constexpr int offset[3] = {0, 4, 5};
-    __m128 low[3];
-    __m128 high[3];
-    for (int v = 0; v < 3; ++v) {
-        low[v] = _mm_set1_ps(std::numeric_limits<float>::infinity());
-        high[v] = _mm_set1_ps(-std::numeric_limits<float>::infinity());
-    }
-    __m128 poison[3] = {_mm_setzero_ps(), _mm_setzero_ps(), _mm_setzero_ps()};  // one each: a sum waits for the one before
-    for (std::size_t t = begin; t < end; ++t) {
-        const auto* at = reinterpret_cast<const float*>(mesh.vertices + t * mesh.stride);
-        for (int v = 0; v < 3; ++v) {
-            const __m128 value = _mm_loadu_ps(at + offset[v]);
-            low[v] = _mm_min_ps(low[v], value);
-            high[v] = _mm_max_ps(high[v], value);
-            poison[v] = _mm_add_ps(poison[v], _mm_mul_ps(value, _mm_setzero_ps()));
-        }
-    }
+/// The same for a float soup without a transform.
+Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, BlockTable& table) {
+    const FloatSoup soup{mesh.vertices, mesh.stride, mesh.triangle_count, static_cast<float>(table.near_mm)};
+    const SoupBox found = measure_soup_for_this_cpu()(soup, begin, end, table.blocks.data());
     Partial box;
-    for (int v = 0; v < 3; ++v) {
-        float lows[4];
-        float highs[4];
-        _mm_storeu_ps(lows, low[v]);
-        _mm_storeu_ps(highs, high[v]);
-        for (int lane = 0; lane < 4; ++lane) {
-            box.add(axis_of_lane[v][lane], static_cast<double>(lows[lane]), static_cast<double>(highs[lane]));
-        }
+    for (int axis = 0; axis < 3; ++axis) {
+        box.add(axis, static_cast<double>(found.low[axis]), static_cast<double>(found.high[axis]));
     }
-    const __m128 sum = _mm_add_ps(poison[0], _mm_add_ps(poison[1], poison[2]));
-    box.finite = _mm_movemask_ps(_mm_cmpeq_ps(sum, _mm_setzero_ps())) == 0xF;
+    box.finite = !found.has_nan;  // infinity shows in the box
     return box;
-}
-#endif
-
-Partial measure_range(const MeshView& mesh, const Transform& transform, std::size_t begin, std::size_t end) {
-#ifdef __SSE2__
-    if (mesh.number == Number::f32 && mesh.indices == nullptr && transform.is_identity()) {
-        return measure_float_soup(mesh, begin, end);
-    }
-#endif
-    return measure_general(mesh, transform, begin, end);
 }
 
 std::string axis_text(int i) {
@@ -133,25 +118,31 @@ std::int64_t first_bad_index(const MeshView& mesh, std::size_t begin, std::size_
 
 }  // namespace
 
-Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, const Parallel& parallel) {
+Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
+                              BlockTable& table) {
     if (mesh.triangle_count == 0) {
         return Error{Code::empty_mesh, "the mesh has no triangles"};
     }
     if (mesh.triangle_count >= std::numeric_limits<std::uint32_t>::max()) {
         return Error{Code::invalid_argument, "the mesh has more than 2^32 - 2 triangles"};
     }
+    const bool float_soup = mesh.number == Number::f32 && mesh.indices == nullptr && transform.is_identity();
     const auto workers = static_cast<std::size_t>(parallel.threads());
     std::vector<Partial> partial(workers);
     std::vector<std::int64_t> bad_index(workers, std::numeric_limits<std::int64_t>::max());
-    parallel.run_ranges(mesh.triangle_count, grain, [&](std::size_t begin, std::size_t end, int worker) {
+    table.near_mm = BlockTable::near_mm_for(unit_mm != 0 ? unit_mm : default_unit_mm);
+    table.blocks.resize_discarding(block_count(mesh.triangle_count));
+    parallel.run_ranges(table.blocks.size(), grain, [&](std::size_t begin, std::size_t end, int worker) {
         const auto w = static_cast<std::size_t>(worker);
         if (mesh.indices != nullptr) {
-            if (const std::int64_t bad = first_bad_index(mesh, begin, end); bad >= 0) {
+            const std::size_t last = std::min(mesh.triangle_count, end * block_triangles);
+            if (const std::int64_t bad = first_bad_index(mesh, begin * block_triangles, last); bad >= 0) {
                 bad_index[w] = std::min(bad_index[w], bad);
                 return;
             }
         }
-        partial[w].add(measure_range(mesh, transform, begin, end));
+        partial[w].add(float_soup ? measure_soup(mesh, begin, end, table)
+                                  : measure_general(mesh, transform, begin, end, table));
     });
     if (const std::int64_t bad = *std::min_element(bad_index.begin(), bad_index.end());
         bad != std::numeric_limits<std::int64_t>::max()) {

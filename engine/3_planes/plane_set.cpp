@@ -119,7 +119,7 @@ Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, 
     }
     const std::int32_t lowest = to_even_grid(low, unit_mm_);
     const std::int32_t highest = to_even_grid(high, unit_mm_);
-    padded_.resize_discarding(static_cast<std::size_t>(candidates) + 3);
+    padded_.resize_discarding(static_cast<std::size_t>(candidates) + 2);
     first_step_ = step;
     for (std::uint32_t n = 0; n < static_cast<std::uint32_t>(candidates); ++n) {
         const double i = n;
@@ -143,10 +143,10 @@ Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, 
     }
     padded_[0] = below_all;
     padded_[count_ + 1] = above_all;
-    padded_[count_ + 2] = above_all;
     first_z_ = count_ > 0 ? padded_[1] : 0;
     inverse_step_ = unit_mm_ / h;
     last_guess_ = count_ > 0 ? static_cast<double>(count_ - 1) : 0;
+    make_table();
     return {};
 }
 
@@ -165,7 +165,7 @@ Status PlaneSet::build_explicit(const ExplicitPlanes& plan) {
     if (Status status = check_distinct(); !status) {
         return status;
     }
-    index_heights();
+    make_table();
     return {};
 }
 
@@ -201,14 +201,14 @@ Status PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, st
     if (Status status = check_distinct(); !status) {
         return status;
     }
-    index_heights();
+    make_table();
     return {};
 }
 
 /// Heights far outside the grid cut nothing and need only keep their order: they are counted off from its ends.
 void PlaneSet::fill_from_heights() {
     count_ = static_cast<PlaneIndex>(heights_mm_.size());
-    padded_.resize_discarding(heights_mm_.size() + 3);
+    padded_.resize_discarding(heights_mm_.size() + 2);
     padded_[0] = below_all;
     constexpr double reach = 1.5 * grid_limit;
     for (PlaneIndex i = 0; i < count_; ++i) {
@@ -221,45 +221,49 @@ void PlaneSet::fill_from_heights() {
         }
     }
     padded_[count_ + 1] = above_all;
-    padded_[count_ + 2] = above_all;
 }
 
-/// About one bucket a plane, each starting at a multiple of 2^shift_ units above the first plane.
-void PlaneSet::index_heights() {
+void PlaneSet::make_table() {
     if (count_ == 0) {
         return;
     }
-    const auto span = static_cast<std::uint64_t>(static_cast<std::int64_t>(z(count_ - 1)) - z(0)) + 1;
-    shift_ = 0;
-    while ((span >> shift_) > 2 * static_cast<std::uint64_t>(count_)) {
-        ++shift_;
+    table_.lowest = z(0);
+    table_.highest = z(count_ - 1);
+    const auto span = static_cast<std::uint64_t>(std::int64_t{table_.highest} - table_.lowest) + 1;
+    table_.shift = 0;
+    while ((span >> table_.shift) > 4 * static_cast<std::uint64_t>(count_)) {
+        ++table_.shift;
     }
-    const std::size_t buckets = static_cast<std::size_t>(span >> shift_) + 2;
-    bucket_first_.resize_discarding(buckets + 1);
-    PlaneIndex i = 0;
-    for (std::size_t bucket = 0; bucket <= buckets; ++bucket) {
-        const std::int64_t start = z(0) + (static_cast<std::int64_t>(bucket) << shift_);
-        while (i < count_ && z(i) < start) {
-            ++i;
+    const std::size_t cells = table_.cell(table_.highest) + 1;
+    table_.first.resize_discarding(cells + 1);
+    // Backwards: each plane is the first of its own cell and of those after the plane before it, until one below says else.
+    std::size_t open = cells + 1;
+    for (PlaneIndex plane = count_; plane-- > 0;) {
+        const std::size_t cell = table_.cell(z(plane));
+        for (; open > cell + 1; --open) {
+            table_.first[open - 1] = plane + 1;
         }
-        bucket_first_[bucket] = i;
+        table_.first[cell] = plane;
     }
 }
 
-PlaneIndex PlaneSet::search_bucket(std::int32_t z) const noexcept {
-    if (count_ == 0 || z < padded_[1]) {
+PlaneIndex PlaneSet::by_table(std::int32_t z) const noexcept {
+    if (count_ == 0) {
         return 0;
     }
-    if (z > padded_[count_]) {
-        return count_;
+    const std::int32_t* plane = padded_.data() + 1;
+    const std::size_t cell = table_.cell(z);
+    PlaneIndex low = table_.first[cell];
+    low += plane[low] < z ? 1 : 0;  // no branch: nothing would predict it
+    low += plane[low] < z ? 1 : 0;
+    if (plane[low] > z) {
+        return low;
     }
-    const auto bucket = static_cast<std::size_t>((static_cast<std::int64_t>(z) - padded_[1]) >> shift_);
-    PlaneIndex low = bucket_first_[bucket];
-    PlaneIndex length = bucket_first_[bucket + 1] - low;
+    PlaneIndex length = table_.first[cell + 1] - low;
     // Invariant: the answer lies in [low, low + length].
     while (length > 0) {
         const PlaneIndex half = length / 2;
-        const bool above = this->z(low + half) < z;
+        const bool above = plane[low + half] < z;
         low = above ? low + half + 1 : low;
         length = above ? length - half - 1 : half;
     }

@@ -9,30 +9,17 @@
 //     records     [ t7 t2 | t9 t4 | t1 | ...     list_begin = 0, 2, 4, 5, ...
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
-#include "2_grid/quantise.hpp"
+#include "2_grid/blocks.hpp"
 #include "3_planes/plane_set.hpp"
+#include "4_bucket/crossed_triangle.hpp"
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
 
 namespace lamella {
-
-/// A triangle that at least one plane cuts. Vertices by height; the long edge runs from `lower` to `upper`, the short edges
-/// from `lower` to `middle` and from `middle` to `upper`. A segment leaves the edge that its face walks downwards and
-/// ends on the one that it walks upwards: that way the solid is on its left.
-struct CrossedTriangle {
-    GridVertex lower;
-    GridVertex middle;
-    GridVertex upper;
-    std::uint32_t triangle;          ///< index in the input
-    std::uint32_t middle_and_sense;  ///< first plane above `middle`, and in the top bit whether the long edge is the source
-    PlaneIndex last;                 ///< one past the last plane that cuts it
-
-    PlaneIndex middle_plane() const noexcept { return middle_and_sense & 0x7FFFFFFFU; }
-    bool long_edge_is_source() const noexcept { return (middle_and_sense >> 31) != 0; }
-};
-static_assert(sizeof(CrossedTriangle) == 48, "the memory bound counts 48 bytes a crossed triangle");
 
 struct Buckets {
     explicit Buckets(std::pmr::memory_resource* memory)
@@ -48,12 +35,23 @@ struct Buckets {
     Array<std::uint32_t> counters;      // scratch: per thread and plane
 };
 
-/// First read: degenerate triangles, the size of every list, and m, before anything of that size is allocated.
-void count_crossings(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes,
-                     const Parallel& parallel, Buckets& buckets);
+/// A record whose triangle reaches beyond the planes that its first plane is swept with.
+struct Reaching {
+    std::uint32_t record;
+    PlaneIndex first;
+    PlaneIndex last;  ///< one past
+};
 
-/// Second read: the records. Precondition: count_crossings() with the same arguments.
-void scatter_triangles(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes,
-                       const Parallel& parallel, Buckets& buckets);
+/// First read: degenerate triangles, the size of every list, and m, before anything of that size is allocated. Blocks that
+/// lie between two planes and have no degenerate triangle are not read. `blocks` comes from measure_bounds().
+void count_crossings(const MeshView& mesh, const Transform& transform, double unit_mm, const BlockTable& blocks,
+                     const PlaneSet& planes, const Parallel& parallel, Buckets& buckets);
+
+/// Second read: the records, and, in no order, those of them whose triangles are cut by planes from reach_end[first plane]
+/// on too: into `reaching`, which must have room for all; returns how many they are. `reach_end` has k + 1 numbers.
+/// Precondition: count_crossings() with the same arguments.
+std::size_t scatter_triangles(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes,
+                              std::span<const PlaneIndex> reach_end, const Parallel& parallel, Buckets& buckets,
+                              std::span<Reaching> reaching);
 
 }  // namespace lamella

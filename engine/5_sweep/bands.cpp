@@ -27,6 +27,15 @@ std::uint64_t work_of(const Buckets& buckets, PlaneIndex plane) noexcept {
     return buckets.segments[plane] + segments_per_entry * (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
 }
 
+/// Arrays that only very many bands or tall triangles make large are not kept.
+template <class T>
+void give_back_many(Array<T>& array) {
+    constexpr std::size_t many_bytes = std::size_t{1} << 23;
+    if (array.capacity() * sizeof(T) > many_bytes) {
+        array = Array<T>(array.resource());
+    }
+}
+
 }  // namespace
 
 void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads) {
@@ -57,51 +66,52 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
     if (planes > 0) {
         bands.push_back(band);
     }
+    make_room(buckets, planes);
 }
 
-void BandPlan::find_seeds(const Buckets& buckets, PlaneIndex planes, const Parallel& parallel) {
-    seed_begin.assign(bands.size() + 2, 0);
-    spans_.resize(static_cast<std::size_t>(parallel.threads()), std::pmr::vector<Span>(seeds.get_allocator()));
-    for (auto& spans : spans_) {
-        spans.clear();
+void BandPlan::make_room(const Buckets& buckets, PlaneIndex planes) {
+    band_end.assign(std::size_t{planes} + 1, planes);
+    std::size_t most_reaching = 0;
+    for (const Band& band : bands) {
+        std::fill(band_end.begin() + band.first, band_end.begin() + band.last, band.last);
+        // What a band's first plane cuts and does not start there comes from below.
+        most_reaching +=
+            buckets.segments[band.first] - (buckets.list_begin[band.first + 1] - buckets.list_begin[band.first]);
     }
-    std::pmr::vector<std::uint32_t> band_of(planes, seeds.get_allocator());
+    reaching.resize_discarding(std::min<std::size_t>(most_reaching, buckets.list_begin[planes]));
+}
+
+void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count) {
+    const std::span<const Reaching> found{reaching.data(), reaching_count};
+    std::pmr::vector<std::uint32_t> band_of(planes, bands.get_allocator());
     for (std::uint32_t b = 0; b < bands.size(); ++b) {
         std::fill(band_of.begin() + bands[b].first, band_of.begin() + bands[b].last, b);
     }
-    parallel.run(bands.size(), [&](std::size_t b, int worker) {
-        const PlaneIndex last = bands[b].last;
-        for (std::uint32_t r = buckets.list_begin[bands[b].first]; r < buckets.list_begin[last]; ++r) {
-            if (buckets.records[r].last > last) {
-                spans_[static_cast<std::size_t>(worker)].push_back({r, static_cast<std::uint32_t>(b + 1)});
-            }
-        }
-    });
-    const auto last_band = [&](const Span& span) { return band_of[buckets.records[span.record].last - 1]; };
-    // Count, prefix sum, scatter. A span adds one where it begins and takes it off where it ends.
-    std::pmr::vector<std::int64_t> change(bands.size() + 1, 0, seeds.get_allocator());
-    for (const auto& spans : spans_) {
-        for (const Span& span : spans) {
-            ++change[span.first];
-            --change[last_band(span) + 1];
-        }
+    // Count, prefix sum, scatter. A triangle adds one in the band after its first and takes it off after its last.
+    std::pmr::vector<std::int64_t> change(bands.size() + 1, 0, bands.get_allocator());
+    for (const Reaching& triangle : found) {
+        ++change[band_of[triangle.first] + 1];
+        --change[band_of[triangle.last - 1] + 1];
     }
-    std::int64_t reaching = 0;
+    seed_begin.assign(bands.size() + 2, 0);
+    std::int64_t active = 0;
     for (std::size_t b = 0; b < bands.size(); ++b) {
-        reaching += change[b];
-        seed_begin[b + 2] = seed_begin[b + 1] + static_cast<std::uint64_t>(reaching);
+        active += change[b];
+        seed_begin[b + 2] = seed_begin[b + 1] + static_cast<std::uint64_t>(active);
     }
-    seeds.resize(seed_begin.back());
-    for (const auto& spans : spans_) {
-        for (const Span& span : spans) {
-            const std::uint32_t last = last_band(span);
-            for (std::uint32_t b = span.first; b <= last; ++b) {
-                seeds[seed_begin[b + 1]++] = span.record;
-            }
+    seeds.resize_discarding(seed_begin.back());
+    for (const Reaching& triangle : found) {
+        const std::uint32_t last = band_of[triangle.last - 1];
+        for (std::uint32_t b = band_of[triangle.first] + 1; b <= last; ++b) {
+            seeds[seed_begin[b + 1]++] = triangle.record;
         }
     }
     seed_begin.pop_back();
-    spans_.clear();  // not kept: of tall facets it is a good part of all scratch
+    give_back_many(reaching);
+}
+
+void BandPlan::forget_many_seeds() {
+    give_back_many(seeds);
 }
 
 }  // namespace lamella

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "4_bucket/bucket.hpp"
+#include "base/memory.hpp"
 
 namespace lamella {
 
@@ -22,30 +23,37 @@ struct Band {
 };
 
 struct BandPlan {
+    /// Null: operator new.
     explicit BandPlan(std::pmr::memory_resource* memory)
-        : bands(memory), seed_begin(memory), seeds(memory), spans_(memory) {}
+        : bands(resource_or_default(memory)),
+          band_end(resource_or_default(memory)),
+          reaching(memory),
+          seed_begin(resource_or_default(memory)),
+          seeds(memory) {}
 
     std::pmr::vector<Band> bands;
+    std::pmr::vector<PlaneIndex> band_end;       ///< k + 1: the end of each plane's band, and k
+    Array<Reaching> reaching;                    ///< room for what scatter_triangles() finds to reach beyond its band
     std::pmr::vector<std::uint64_t> seed_begin;  ///< bands + 1: where each band's seeds begin
-    std::pmr::vector<std::uint32_t> seeds;       ///< indices of records
+    Array<std::uint32_t> seeds;                  ///< indices of records
 
     std::span<const std::uint32_t> seeds_of(std::size_t band) const noexcept {
         return {seeds.data() + seed_begin[band], seeds.data() + seed_begin[band + 1]};
     }
 
-    /// Cuts the planes into bands: every `asked_planes` of them, or when that is 0 by the work in them. O(k).
+    /// Cuts the planes into bands: every `asked_planes` of them, or when that is 0 by the work in them; makes `band_end`,
+    /// and `reaching` large enough. O(k).
     void cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads);
 
-    /// Finds every band's seeds. O(crossed triangles + bands + seeds), and a seed has at least one segment in its band.
-    void find_seeds(const Buckets& buckets, PlaneIndex planes, const Parallel& parallel);
+    /// Finds every band's seeds in the first `reaching_count` of `reaching`. O(k + reaching_count + seeds), and a seed has
+    /// at least one segment in its band.
+    void find_seeds(PlaneIndex planes, std::size_t reaching_count);
+
+    /// Gives the memory of many seeds back; that of few is kept. To be called when they have served.
+    void forget_many_seeds();
 
 private:
-    /// A triangle that reaches beyond the band before `first`: it is a seed of that one and of what follows up to its end.
-    struct Span {
-        std::uint32_t record;
-        std::uint32_t first;
-    };
-    std::pmr::vector<std::pmr::vector<Span>> spans_;  // by worker
+    void make_room(const Buckets& buckets, PlaneIndex planes);
 };
 
 }  // namespace lamella

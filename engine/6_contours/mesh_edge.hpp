@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "4_bucket/bucket.hpp"
+#include "4_bucket/crossed_triangle.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/grid.hpp"
 

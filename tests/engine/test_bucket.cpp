@@ -1,0 +1,300 @@
+// Stages 2 to 4 by themselves: what vector code and tables find is what looking at triangles and planes one by one finds.
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <tuple>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "2_grid/bounds.hpp"
+#include "2_grid/soup_box.hpp"
+#include "4_bucket/bucket.hpp"
+#include "5_sweep/bands.hpp"
+#include "engine/slicing.hpp"
+
+using lamella::BandPlan;
+using lamella::BlockTable;
+using lamella::Buckets;
+using lamella::MeshView;
+using lamella::PlaneIndex;
+using lamella::PlaneSet;
+
+namespace {
+
+constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
+
+/// Triangles as flat as `rise` and as wide as `width`; some are degenerate, some level.
+std::vector<float> random_soup(std::size_t triangles, float rise, float width, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> place(-20, 20);
+    std::uniform_real_distribution<float> part(0, 1);
+    std::vector<float> soup;
+    for (std::size_t t = 0; t < triangles; ++t) {
+        const float at[3] = {place(random), place(random), place(random)};
+        for (int i = 0; i < 9; ++i) {
+            soup.push_back(at[i % 3] + part(random) * (i % 3 == 2 ? rise : width));
+        }
+        float* v = soup.data() + 9 * t;
+        if (t % 17 == 3) {
+            std::copy_n(v, 3, v + 6);
+        } else if (t % 11 == 5) {
+            v[5] = v[2];
+        }
+    }
+    return soup;
+}
+
+std::vector<std::uint32_t> counting_up(std::size_t count) {
+    std::vector<std::uint32_t> numbers(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        numbers[i] = static_cast<std::uint32_t>(i);
+    }
+    return numbers;
+}
+
+/// Stages 2 to 4.
+struct Bucketed {
+    BlockTable blocks{nullptr};
+    PlaneSet planes{nullptr};
+    Buckets buckets{nullptr};
+    BandPlan bands{nullptr};
+
+    Bucketed(const MeshView& mesh, const lamella::LayerPlan& plan, double unit_mm, int threads, int band_planes) {
+        const lamella::Parallel parallel(threads);
+        const lamella::Transform none;
+        const auto bounds = lamella::measure_bounds(mesh, none, unit_mm, parallel, blocks);
+        REQUIRE(bounds);
+        REQUIRE(planes.build(plan, *bounds, unit_mm, mesh.number, no_limit));
+        lamella::count_crossings(mesh, none, unit_mm, blocks, planes, parallel, buckets);
+        bands.cut(buckets, planes.size(), band_planes, threads);
+        const std::size_t reaching = lamella::scatter_triangles(mesh, none, unit_mm, planes, bands.band_end, parallel,
+                                                                buckets, bands.reaching.span());
+        bands.find_seeds(planes.size(), reaching);
+    }
+
+    using Row =
+        std::tuple<std::uint32_t, lamella::GridVertex, lamella::GridVertex, lamella::GridVertex, std::uint32_t, PlaneIndex>;
+    /// The list of each plane, in the order of the input.
+    std::vector<std::vector<Row>> lists() const {
+        std::vector<std::vector<Row>> all(planes.size());
+        for (PlaneIndex plane = 0; plane < planes.size(); ++plane) {
+            for (std::uint32_t r = buckets.list_begin[plane]; r < buckets.list_begin[plane + 1]; ++r) {
+                const lamella::CrossedTriangle& t = buckets.records[r];
+                all[plane].push_back({t.triangle, t.lower, t.middle, t.upper, t.middle_and_sense, t.last});
+            }
+            std::sort(all[plane].begin(), all[plane].end());
+        }
+        return all;
+    }
+};
+
+/// What the definitions say, plane by plane.
+void check_by_definition(const Bucketed& found, const MeshView& mesh, double unit_mm) {
+    const lamella::GeneralReader read(mesh, {}, unit_mm);
+    std::uint64_t degenerate = 0;
+    std::uint64_t segments = 0;
+    std::vector<std::uint32_t> list_size(found.planes.size());
+    for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
+        const lamella::GridTriangle v = read(t);
+        if (lamella::is_degenerate(v)) {
+            ++degenerate;
+            continue;
+        }
+        const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
+        bool is_first = true;
+        for (PlaneIndex plane = 0; plane < found.planes.size(); ++plane) {
+            if (low < found.planes.z(plane) && found.planes.z(plane) < high) {
+                list_size[plane] += is_first ? 1U : 0U;
+                is_first = false;
+                ++segments;
+            }
+        }
+    }
+    CHECK(found.buckets.degenerate == degenerate);
+    CHECK(found.buckets.segment_count == segments);
+    const auto lists = found.lists();
+    for (PlaneIndex plane = 0; plane < found.planes.size(); ++plane) {
+        CHECK(lists[plane].size() == list_size[plane]);
+    }
+}
+
+lamella::LayerPlan uniform_plan(double height_mm) {
+    lamella::LayerPlan plan;
+    plan.spacing = lamella::UniformLayers{.layer_height_mm = height_mm};
+    return plan;
+}
+
+lamella::LayerPlan random_plan(double least_mm, double most_mm) {
+    lamella::LayerPlan plan;
+    plan.spacing = lamella::RandomLayers{.min_height_mm = least_mm, .max_height_mm = most_mm};
+    return plan;
+}
+
+/// A few planes far apart and many close together: cells of the table that hold a hundred.
+lamella::LayerPlan crowded_plan() {
+    lamella::ExplicitPlanes planes;
+    planes.heights_mm = {-30, -19.5, -3};
+    for (int i = 0; i < 200; ++i) {
+        planes.heights_mm.push_back(1 + i * 0x1p-16);
+    }
+    planes.heights_mm.insert(planes.heights_mm.end(), {7.5, 19, 40});
+    lamella::LayerPlan plan;
+    plan.spacing = planes;
+    return plan;
+}
+
+}  // namespace
+
+TEST_CASE("boxes of blocks do not depend on the processor", "[engine][bucket]") {
+    for (const std::size_t triangles : {1U, 15U, 64U, 65U, 200U, 1000U}) {
+        for (const std::size_t stride : {36U, 50U}) {
+            const std::vector<float> soup = random_soup(triangles, 0.1F, 0.1F, 3);
+            std::vector<std::byte> bytes(triangles * stride - (stride - 36));  // nothing may be read beyond the last
+            for (std::size_t t = 0; t < triangles; ++t) {
+                std::memcpy(bytes.data() + t * stride, soup.data() + 9 * t, 36);
+            }
+            for (const bool poisoned : {false, true}) {
+                if (poisoned) {
+                    const float nan = std::numeric_limits<float>::quiet_NaN();
+                    std::memcpy(bytes.data() + (triangles - 1) * stride + 7 * sizeof(float), &nan, sizeof nan);
+                }
+                for (const float near_mm : {0x1p-18F, 0.02F}) {
+                    const lamella::FloatSoup view{bytes.data(), stride, triangles, near_mm};
+                    const std::size_t blocks = lamella::block_count(triangles);
+                    std::vector<lamella::TriangleBlock> chosen(blocks);
+                    std::vector<lamella::TriangleBlock> portable(blocks);
+                    const auto box = lamella::measure_soup_for_this_cpu()(view, 0, blocks, chosen.data());
+                    const auto expected = lamella::portable_measure_soup()(view, 0, blocks, portable.data());
+                    REQUIRE(box.has_nan == poisoned);
+                    REQUIRE(expected.has_nan == poisoned);
+                    if (poisoned) {
+                        continue;  // the boxes mean nothing then
+                    }
+                    CHECK(std::equal(box.low, box.low + 3, expected.low));
+                    CHECK(std::equal(box.high, box.high + 3, expected.high));
+                    for (std::size_t b = 0; b < blocks; ++b) {
+                        CHECK(chosen[b].low_mm == portable[b].low_mm);
+                        CHECK(chosen[b].high_mm == portable[b].high_mm);
+                        CHECK(chosen[b].near == portable[b].near);
+                    }
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("the table finds the first plane above a vertex", "[engine][bucket][planes]") {
+    const lamella::Bounds bounds{{-20, -20, -20}, {20, 20, 20}};
+    for (const lamella::LayerPlan& plan :
+         {uniform_plan(0.25), uniform_plan(0x1p-18), random_plan(0.01, 0.03), crowded_plan()}) {
+        const bool fine = std::holds_alternative<lamella::UniformLayers>(plan.spacing) &&
+                          std::get<lamella::UniformLayers>(plan.spacing).layer_height_mm < 0.001;
+        const lamella::Bounds box = fine ? lamella::Bounds{{0, 0, 0}, {1, 1, 0x1p-8}} : bounds;
+        PlaneSet planes(nullptr);
+        REQUIRE(planes.build(plan, box, lamella::default_unit_mm, lamella::Number::f32, no_limit));
+        REQUIRE(planes.size() > 100);
+        const auto check = [&](std::int32_t z) {
+            const std::int32_t* end = planes.heights() + planes.size();
+            const auto expected = static_cast<PlaneIndex>(std::upper_bound(planes.heights(), end, z) - planes.heights());
+            CHECK(planes.by_table(z) == expected);
+            CHECK(planes.first_above(z) == expected);
+        };
+        for (PlaneIndex plane = 0; plane < planes.size(); ++plane) {
+            check(planes.z(plane) - 1);
+            check(planes.z(plane) + 1);
+        }
+        check(-lamella::grid_limit);
+        check(lamella::grid_limit);
+    }
+}
+
+TEST_CASE("buckets hold what the planes cut, whoever looks", "[engine][bucket]") {
+    const double unit_mm = lamella::default_unit_mm;
+    struct Sample {
+        const char* name;
+        lamella::LayerPlan plan;
+        float rise;
+    };
+    const Sample samples[] = {{"uniform", uniform_plan(0.5), 1.5F},
+                              {"most lie between planes", uniform_plan(3), 0.05F},
+                              {"irregular", random_plan(0.1, 0.5), 1},
+                              {"crowded", crowded_plan(), 2}};
+    for (const Sample& sample : samples) {
+        INFO(sample.name);
+        const std::vector<float> soup = random_soup(1000, sample.rise, 1, 5);
+        const MeshView view = MeshView::soup(soup);
+        const Bucketed found(view, sample.plan, unit_mm, 1, 3);
+        check_by_definition(found, view, unit_mm);
+        const std::vector<double> wide(soup.begin(), soup.end());
+        const std::vector<std::uint32_t> corners = counting_up(3000);
+        const auto lists = found.lists();
+        // One by one, from indices, and in parts.
+        CHECK(Bucketed(MeshView::indexed(soup, corners), sample.plan, unit_mm, 1, 3).lists() == lists);
+        CHECK(Bucketed(view, sample.plan, unit_mm, 2, 3).lists() == lists);
+        // Doubles are planned for as doubles, so their planes may lie a unit elsewhere.
+        check_by_definition(Bucketed(MeshView::soup(wide), sample.plan, unit_mm, 1, 3), MeshView::soup(wide), unit_mm);
+    }
+}
+
+TEST_CASE("fine steps are found by the table, not by arithmetic", "[engine][bucket]") {
+    // Two hundred planes 4 units apart: rounding moves each by a good part of a step.
+    std::vector<float> soup = random_soup(500, 0x1p-12F, 1, 9);
+    for (std::size_t i = 2; i < soup.size(); i += 3) {
+        soup[i] = std::abs(std::remainder(soup[i], 0x1p-10F));
+    }
+    const MeshView view = MeshView::soup(soup);
+    const Bucketed found(view, uniform_plan(4.5 * lamella::default_unit_mm), lamella::default_unit_mm, 1, 0);
+    REQUIRE(found.planes.size() > 50);
+    check_by_definition(found, view, lamella::default_unit_mm);
+}
+
+TEST_CASE("seeds of a band are the triangles from below that it cuts", "[engine][bucket]") {
+    const std::vector<float> soup = random_soup(700, 6, 1, 11);
+    const MeshView view = MeshView::soup(soup);
+    for (const int band_planes : {1, 4}) {
+        for (const int threads : {1, 3}) {
+            const Bucketed found(view, uniform_plan(0.5), lamella::default_unit_mm, threads, band_planes);
+            REQUIRE(found.bands.bands.size() > 5);
+            for (std::size_t b = 0; b < found.bands.bands.size(); ++b) {
+                const PlaneIndex first = found.bands.bands[b].first;
+                std::vector<std::uint32_t> expected;
+                for (std::uint32_t r = 0; r < found.buckets.list_begin[first]; ++r) {
+                    if (found.buckets.records[r].last > first) {
+                        expected.push_back(r);
+                    }
+                }
+                const auto seeds = found.bands.seeds_of(b);
+                std::vector<std::uint32_t> sorted(seeds.begin(), seeds.end());
+                std::sort(sorted.begin(), sorted.end());
+                CHECK(sorted == expected);
+            }
+        }
+    }
+}
+
+TEST_CASE("degenerate triangles are counted where no plane is", "[engine][bucket]") {
+    // All below the only plane but one triangle; vertices of every tenth fall together on a grid of 1 mm only.
+    std::vector<float> soup;
+    for (int t = 0; t < 640; ++t) {
+        const auto x = static_cast<float>(4 * t);
+        const float width = t % 10 == 0 ? 0.5F : 8.0F;
+        soup.insert(soup.end(), {x, 0, 0, x + width, 0, 0, x, 8, t == 77 ? 200.0F : 2.0F});
+    }
+    lamella::SliceOptions options = uniform(200, 1.0);
+    CHECK(sliced(MeshView::soup(soup), options).summary.degenerate == 64);
+    options.unit_mm = lamella::default_unit_mm * 4;
+    CHECK(sliced(MeshView::soup(soup), options).summary.degenerate == 0);
+}
+
+TEST_CASE("a grid coarser than the one asked for may make more triangles degenerate", "[engine][bucket]") {
+    // Beyond 1,024 mm the default unit doubles; the blocks were measured for the smaller one.
+    const float far = 500'000;
+    std::vector<float> soup{0, 0, 0, far, 0, 0, 0, far, far};
+    for (int t = 0; t < 100; ++t) {
+        const auto z = static_cast<float>(t);
+        soup.insert(soup.end(), {1, 2, z, 1 + 0x1p-13F, 2, z, 100, 100, z + 1});
+    }
+    CHECK(sliced(MeshView::soup(soup), uniform(1000)).summary.degenerate == 100);
+}

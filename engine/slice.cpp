@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -91,6 +92,7 @@ private:
     bool sweep_all_into(std::span<Point> points);
     void sweep_band(std::size_t band, int worker);
     void sweep_wide(std::size_t band);
+    LayerRules rules() const noexcept { return {options_.fill_rule, options_.close_gaps_mm / result_.unit_mm}; }
     void split_time(double sweep_ms);
     void finish_result();
     void fill_layers();
@@ -116,6 +118,8 @@ Status Slicing::choose_grid_and_planes() {
     result_.unit_mm = *unit;
     result_.frame = options_.transform;
     result_.plan = options_.plan;
+    result_.fill_rule = options_.fill_rule;
+    result_.close_gaps_mm = options_.close_gaps_mm;
     result_.summary = {};
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
     std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
@@ -197,6 +201,7 @@ void Slicing::sweep_band(std::size_t band, int worker) {
         if (sweep == nullptr) {
             sweep = std::make_unique<BandSweep>(resource_or_default(kept_.memory));
         }
+        sweep->set_rules(rules());
         BandOutput* output = placement.acquire(band);
         if (output != nullptr && sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes,
                                             options_.form, options_.stop, *output)) {
@@ -211,7 +216,7 @@ void Slicing::sweep_band(std::size_t band, int worker) {
 }
 
 void Slicing::sweep_wide(std::size_t band) {
-    WidePlane wide(kept_.memory, parallel_);
+    WidePlane wide(kept_.memory, parallel_, rules());
     BandOutput* output = kept_.placement.acquire(band);
     if (wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, *output)) {
         kept_.placement.submit(band, output);
@@ -243,6 +248,8 @@ void Slicing::finish_result() {
     const auto start = Clock::now();
     result_.contours.resize_discarding(kept_.placement.contour_count());
     result_.layers.resize_discarding(kept_.planes.size());
+    result_.closed_gaps.resize_discarding(kept_.placement.closed_gap_count());
+    kept_.placement.write_closed_gaps(result_.closed_gaps.span());
     fill_layers();
     kept_.placement.write_contours(parallel_, result_.contours.span(), result_.layers.span());
     summarise();
@@ -279,6 +286,9 @@ void Slicing::summarise() {
 Status slice_or_throw(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) {
     if (options.threads < 0 || options.band_planes < 0) {
         return Error{Code::invalid_argument, "threads and band planes must not be negative"};
+    }
+    if (!(options.close_gaps_mm >= 0) || !std::isfinite(options.close_gaps_mm)) {
+        return Error{Code::invalid_argument, "the length up to which gaps are closed must be finite and not negative"};
     }
     if (workspace.impl().memory != options.memory) {
         workspace.reset(options.memory);

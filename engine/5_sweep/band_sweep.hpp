@@ -45,6 +45,9 @@ public:
     bool run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
              ContourForm form, const std::stop_token& stop, BandOutput& out);
 
+    /// Of the bands to come.
+    void set_rules(const LayerRules& rules) noexcept { layers_.rules = rules; }
+
     /// What was spent since the last call.
     SweepTicks take_ticks() noexcept;
 

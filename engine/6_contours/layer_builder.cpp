@@ -74,8 +74,13 @@ void BandOutput::move_to_larger_buffer(std::size_t count) {
 LayerBuilder::LayerBuilder(std::pmr::memory_resource* memory)
     : kernels_(kernels_for_this_cpu()),
       nester_(memory),
+      gap_closer_(memory),
       rings_(memory),
       found_(memory),
+      open_(memory),
+      ends_(memory),
+      joined_(memory),
+      filled_(memory),
       by_start_(memory),
       spare_keys_(memory),
       items_(memory),
@@ -103,7 +108,14 @@ void LayerBuilder::build_traced(Point* rings, std::span<const WalkedContour> con
 }
 
 void LayerBuilder::finish(BandOutput& out) {
+    if (rules.close_gaps > 0) {
+        close_gaps(out);
+    }
     sort_by_start();
+    if (rules.fill != FillRule::contours) {
+        fill_regions();
+        sort_by_start();
+    }
     const std::uint64_t before = timed ? ticks() : 0;
     nester_.nest(items_);
     nesting_ticks += timed ? ticks() - before : 0;
@@ -189,6 +201,105 @@ std::uint32_t LayerBuilder::pick_start(std::uint32_t count, const Point* ring, c
     }
     return best;
 }
+
+// --- What is only done where it was asked for
+
+/// Joins polylines over gaps. They are taken in canonical order, so that nothing depends on that of the walk.
+void LayerBuilder::close_gaps(BandOutput& out) {
+    const auto first_open =
+        std::stable_partition(found_.begin(), found_.end(), [](const Found& f) { return f.item.closed; });
+    open_.assign(first_open, found_.end());
+    std::sort(open_.begin(), open_.end(), [](const Found& a, const Found& b) {
+        const Point& start_a = a.item.points[0];
+        const Point& start_b = b.item.points[0];
+        if (start_a != start_b || a.start_key != b.start_key) {
+            return start_a != start_b ? start_a < start_b : a.start_key < b.start_key;
+        }
+        return holds_less(a.item, a.segments, b.item, b.segments);
+    });
+    ends_.clear();
+    std::size_t points = 0;
+    for (const Found& open : open_) {
+        ends_.push_back({open.item.points[0], open.item.points[open.item.count - 1]});
+        points += open.item.count;
+    }
+    const std::span<const Gap> gaps = gap_closer_.close(ends_, rules.close_gaps);
+    if (gaps.empty()) {
+        return;
+    }
+    for (const Gap& gap : gaps) {
+        out.closed_gaps.push_back({out.layer_contours.size(), ends_[gap.from].last, ends_[gap.to].first});
+    }
+    found_.erase(first_open, found_.end());
+    joined_.clear();
+    joined_.reserve(points);  // contours point into it
+    for (const bool in_rings : {false, true}) {
+        for (std::uint32_t p = 0; p < open_.size(); ++p) {
+            if (open_[p].item.count > 0 && gap_closer_.follows(p) == in_rings) {
+                join(p);
+            }
+        }
+    }
+}
+
+/// The contour or polyline that begins with open_[polyline], whose count and that of all that follow it become 0.
+void LayerBuilder::join(std::uint32_t polyline) {
+    const std::size_t begin = joined_.size();
+    Found found = open_[polyline];
+    found.segments = 0;
+    std::int64_t next = polyline;
+    while (next >= 0 && open_[static_cast<std::size_t>(next)].item.count > 0) {
+        Found& part = open_[static_cast<std::size_t>(next)];
+        joined_.insert(joined_.end(), part.item.points, part.item.points + part.item.count);
+        found.segments += part.segments;
+        found.item.flags |= part.item.flags;
+        part.item.count = 0;
+        next = gap_closer_.next(static_cast<std::uint32_t>(next));
+    }
+    Point* const ring = joined_.data() + begin;
+    const auto count = static_cast<std::uint32_t>(joined_.size() - begin);
+    if (gap_closer_.follows(polyline)) {
+        const std::uint32_t segments = found.segments;
+        const std::uint16_t flags = found.item.flags | gap_closed;
+        found = describe({0, count, true, false}, ring, examine_ring(ring, count), [](std::uint32_t) { return EndKey{}; });
+        found.segments = segments;
+        found.item.flags = flags;
+    } else {
+        if (gap_closer_.next(polyline) >= 0) {
+            found.item.flags |= gap_closed;
+        }
+        found.item.points = ring;
+        found.item.count = drop_repeats(ring, count, false);
+    }
+    found_.push_back(found);
+}
+
+/// found_ becomes the region that the closed contours bound by the rule, and the polylines as they were.
+void LayerBuilder::fill_regions() {
+    fill_.clear();
+    for (const NestItem& item : items_) {
+        if (item.closed) {
+            fill_.add({item.points + item.start, item.count - item.start}, {item.points, item.start});
+        }
+    }
+    std::erase_if(found_, [](const Found& found) { return found.item.closed; });
+    const std::size_t polylines = found_.size();
+    filled_.clear();
+    fill_.fill(rules.fill, [this](std::span<const Point> contour) {
+        Found& found = found_.emplace_back();
+        found.segments = static_cast<std::uint32_t>(contour.size());
+        filled_.insert(filled_.end(), contour.begin(), contour.end());
+    });
+    Point* ring = filled_.data();
+    for (std::size_t c = polylines; c < found_.size(); ++c) {
+        const std::uint32_t count = found_[c].segments;
+        found_[c] =
+            describe({0, count, true, false}, ring, examine_ring(ring, count), [](std::uint32_t) { return EndKey{}; });
+        ring += count;
+    }
+}
+
+// --- Canonical order
 
 /// items_ becomes what was found, by start: (x, y, edge key). Contours that start on the same edge are told apart by what
 /// they hold; those that hold the same are interchangeable.

@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "6_contours/gaps.hpp"
 #include "6_contours/link_graph.hpp"
+#include "7_nesting/fill.hpp"
 #include "7_nesting/nest.hpp"
 #include "7_nesting/order.hpp"
 #include "base/kernels.hpp"
@@ -20,7 +22,10 @@ namespace lamella {
 /// band.
 struct BandOutput {
     explicit BandOutput(std::pmr::memory_resource* memory)
-        : buffer(memory), contours(resource_or_default(memory)), layer_contours(resource_or_default(memory)) {}
+        : buffer(memory),
+          contours(resource_or_default(memory)),
+          layer_contours(resource_or_default(memory)),
+          closed_gaps(resource_or_default(memory)) {}
 
     Point* points =
         nullptr;  ///< where they go: the result's own array, where their place is known from the start, or `buffer`
@@ -29,6 +34,7 @@ struct BandOutput {
     Array<Point> buffer;
     std::pmr::vector<Contour> contours;
     std::pmr::vector<std::uint32_t> layer_contours;  ///< contours of each plane
+    std::pmr::vector<ClosedGap> closed_gaps;
 
     /// Empty, with `room` to fill before `buffer` is turned to.
     void begin(std::span<Point> room) noexcept {
@@ -37,6 +43,7 @@ struct BandOutput {
         point_count = 0;
         contours.clear();
         layer_contours.clear();
+        closed_gaps.clear();
     }
     bool in_buffer() const noexcept { return points == buffer.data(); }
 
@@ -50,6 +57,12 @@ struct BandOutput {
 
 private:
     void move_to_larger_buffer(std::size_t count);
+};
+
+/// What is done to a plane's contours beyond walking them.
+struct LayerRules {
+    FillRule fill = FillRule::contours;
+    double close_gaps = 0;  ///< grid units
 };
 
 class LayerBuilder {
@@ -67,6 +80,9 @@ public:
 
     /// Appends a layer without contours.
     static void skip(BandOutput& out) { out.layer_contours.push_back(0); }
+
+    /// Of the layers to come.
+    LayerRules rules;
 
     /// Time spent in nesting since construction, for layers built with `timed`; see StageTimes.
     std::uint64_t nesting_ticks = 0;
@@ -88,14 +104,23 @@ private:
     static Found examine_open(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring);
     std::uint32_t pick_start(std::uint32_t count, const Point* ring, const RingFacts& facts,
                              FunctionRef<EndKey(std::uint32_t)> key_at) const;
+    void close_gaps(BandOutput& out);
+    void join(std::uint32_t polyline);
+    void fill_regions();
     void sort_by_start();
     void put_holes_behind_outers();
     void append(BandOutput& out) const;
 
     const Kernels& kernels_;
     Nester nester_;
+    GapCloser gap_closer_;
+    Fill fill_;
     std::pmr::vector<Point> rings_;  // the plane's points in walking order, contour by contour
     std::pmr::vector<Found> found_;
+    std::pmr::vector<Found> open_;                              // of them, in canonical order, while gaps are closed
+    std::pmr::vector<GapCloser::Ends> ends_;                    // of open_
+    std::pmr::vector<Point> joined_;                            // points of polylines that were joined
+    std::pmr::vector<Point> filled_;                            // points of contours that a fill rule made
     std::pmr::vector<nesting::SortKey> by_start_, spare_keys_;  // of found_
     std::pmr::vector<NestItem> items_;                          // in the order of by_start_
     std::pmr::vector<std::uint32_t> placed_;                    // the items in canonical order

@@ -24,7 +24,7 @@ namespace lamella {
 
 class WidePlane {
 public:
-    WidePlane(std::pmr::memory_resource* memory, const Parallel& parallel)
+    WidePlane(std::pmr::memory_resource* memory, const Parallel& parallel, const LayerRules& rules)
         : parallel_(parallel),
           next_(memory),
           order_(memory),
@@ -32,7 +32,9 @@ public:
           pieces_(resource_or_default(memory)),
           contours_(resource_or_default(memory)),
           layer_(resource_or_default(memory)),
-          memory_(memory) {}
+          memory_(memory) {
+        layer_.rules = rules;
+    }
 
     /// Appends the layer of `plane` to `out`; `seeds` are the triangles that cut it besides those of its own list. False,
     /// with nothing appended, if an edge is open or crowded. O(q) expected for linking, O(q log q) for order and nesting.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <numeric>
+#include <tuple>
 
 #include "base/memory.hpp"
 
@@ -74,6 +76,7 @@ void Placement::submit(std::size_t band, BandOutput* output) {
         placed.first_contour = contour_count_;
         placed.contours.swap(placed.waiting->contours);
         placed.layer_contours.swap(placed.waiting->layer_contours);
+        placed.closed_gaps.swap(placed.waiting->closed_gaps);
         point_count_ += placed.waiting->point_count;
         contour_count_ += placed.contours.size();
         segments_placed_ += bands_[head_].segments;
@@ -105,6 +108,23 @@ void Placement::abort() {
         aborted_ = true;
     }
     head_moved_.notify_all();
+}
+
+std::uint64_t Placement::closed_gap_count() const noexcept {
+    return std::accumulate(placed_.begin(), placed_.end(), std::uint64_t{0},
+                           [](std::uint64_t sum, const Placed& placed) { return sum + placed.closed_gaps.size(); });
+}
+
+void Placement::write_closed_gaps(std::span<ClosedGap> gaps) const {
+    ClosedGap* out = gaps.data();
+    for (std::size_t b = 0; b < placed_.size(); ++b) {
+        for (const ClosedGap& gap : placed_[b].closed_gaps) {
+            *out++ = {bands_[b].first + gap.layer, gap.from, gap.to};
+        }
+    }
+    std::sort(gaps.begin(), gaps.end(), [](const ClosedGap& a, const ClosedGap& b) {
+        return std::tie(a.layer, a.from, a.to) < std::tie(b.layer, b.from, b.to);
+    });
 }
 
 void Placement::write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const {

@@ -44,18 +44,22 @@ public:
     /// with room.
     std::uint64_t point_count() const noexcept { return point_count_; }
     std::uint64_t contour_count() const noexcept { return contour_count_; }
+    std::uint64_t closed_gap_count() const noexcept;
 
     /// Writes contours and the layers' contour ranges, after all bands were submitted. layers[i] is plane i's.
     void write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const;
+    /// Writes the gaps that were closed, by layer, then by where they lead from and to.
+    void write_closed_gaps(std::span<ClosedGap> gaps) const;
 
 private:
     struct Placed {
-        explicit Placed(std::pmr::memory_resource* memory) : contours(memory), layer_contours(memory) {}
+        explicit Placed(std::pmr::memory_resource* memory) : contours(memory), layer_contours(memory), closed_gaps(memory) {}
 
         std::uint64_t first_point = 0;
         std::uint64_t first_contour = 0;
         std::pmr::vector<Contour> contours;
         std::pmr::vector<std::uint32_t> layer_contours;
+        std::pmr::vector<ClosedGap> closed_gaps;
         BandOutput* waiting = nullptr;
     };
 

@@ -1,5 +1,7 @@
 #include "lamella/result.hpp"
 
+#include <cmath>
+
 #include "base/wide.hpp"
 
 namespace lamella {
@@ -11,6 +13,12 @@ double SliceResult::area_mm2(const Layer& layer) const noexcept {
         twice_area += from_wide(contour.twice_area);
     }
     return static_cast<double>(twice_area) / 2 * unit_mm * unit_mm;
+}
+
+double SliceResult::length_mm(const ClosedGap& gap) const noexcept {
+    const double dx = static_cast<double>(gap.to.x) - gap.from.x;
+    const double dy = static_cast<double>(gap.to.y) - gap.from.y;
+    return std::sqrt(dx * dx + dy * dy) * unit_mm;
 }
 
 }  // namespace lamella

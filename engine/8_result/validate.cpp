@@ -83,7 +83,9 @@ Complaint check_points(const Contour& contour, std::span<const Point> points) {
     if (std::adjacent_find(points.begin(), points.end()) != points.end()) {
         return "equal consecutive points";
     }
-    if (contour.point_count > std::uint64_t{contour.segments} + (is_closed(contour) ? 0 : 1)) {
+    // A polyline has a point more than segments, and keeps it when it is joined to another.
+    const std::uint64_t extra = (contour.flags & gap_closed) != 0 ? contour.segments : (is_closed(contour) ? 0 : 1);
+    if (contour.point_count > std::uint64_t{contour.segments} + extra) {
         return "more points than its segments have";
     }
     if (!is_closed(contour)) {
@@ -135,7 +137,7 @@ Complaint check_sense(const Contour& contour) {
 }
 
 Complaint check_contour(const Contour& contour, std::span<const Point> points) {
-    if (contour.role > Role::open || (contour.flags & ~(sense_overruled | sense_mixed)) != 0) {
+    if (contour.role > Role::open || (contour.flags & ~(sense_overruled | sense_mixed | gap_closed)) != 0) {
         return "an unknown role or flag";
     }
     if (contour.segments == 0) {
@@ -185,7 +187,10 @@ private:
         for (const Contour& contour : contours_) {
             sum += contour.segments;
         }
-        return sum == layer_.segments ? Complaint{} : place(index_) + "contours do not use every segment once";
+        // A fill rule drops some and cuts others in two.
+        return sum == layer_.segments || result_.fill_rule != FillRule::contours
+                   ? Complaint{}
+                   : place(index_) + "contours do not use every segment once";
     }
 
     Complaint parents() const {
@@ -302,8 +307,9 @@ Complaint check_summary(const SliceResult& result) {
         counted.overruled_contours += (contour.flags & sense_overruled) != 0;
     }
     const SliceSummary& summary = result.summary;
-    const bool agrees = counted.segments == summary.segments && counted.holes == summary.holes &&
-                        counted.flat_contours == summary.flat_contours && counted.open_contours == summary.open_contours &&
+    const bool agrees = (counted.segments == summary.segments || result.fill_rule != FillRule::contours) &&
+                        counted.holes == summary.holes && counted.flat_contours == summary.flat_contours &&
+                        counted.open_contours == summary.open_contours &&
                         counted.overruled_contours == summary.overruled_contours;
     return agrees ? Complaint{} : "the summary's counts are not those of the contours";
 }

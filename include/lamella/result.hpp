@@ -29,6 +29,15 @@ enum class Role : std::uint8_t {
     open,   ///< a polyline: the mesh lacks a face at both of its ends
 };
 
+/// What is inside where contours overlap, nest the same way or run backwards. All rules but the first take the union by a
+/// clipping library: points where contours cross are rounded to the grid.
+enum class FillRule : std::uint8_t {
+    contours,  ///< as walked: nothing is joined or cut
+    even_odd,  ///< within an odd number of contours
+    non_zero,  ///< where contours wind round, either way
+    positive,  ///< where more contours run counter-clockwise round than clockwise, as the facets say
+};
+
 /// Bits of Contour::flags.
 enum ContourFlag : std::uint16_t {
     /// The facets' sense could not stand (a winding number below zero, here or around here: an inverted shell, a flipped
@@ -36,6 +45,8 @@ enum ContourFlag : std::uint16_t {
     sense_overruled = 1,
     /// Neighbouring facets disagree about which side is solid; the contour runs as most of its segments say.
     sense_mixed = 2,
+    /// Ends of open polylines were joined; see SliceResult::closed_gaps.
+    gap_closed = 4,
 };
 
 /// A signed 128-bit integer as two words, so that areas are exact and the layout is plain.
@@ -66,6 +77,13 @@ struct Contour {
     Role role = Role::outer;
     std::int8_t sense = 0;    ///< as the facets say: +1 counter-clockwise, -1 clockwise, 0 flat or open
     std::uint16_t flags = 0;  ///< ContourFlag bits
+};
+
+/// Where two ends of open polylines were joined.
+struct ClosedGap {
+    std::uint64_t layer = 0;  ///< index into SliceResult::layers
+    Point from;               ///< a polyline's end
+    Point to;                 ///< a polyline's start
 };
 
 /// One plane with the slab that it stands for.
@@ -106,11 +124,14 @@ struct SliceSummary {
 struct SliceResult {
     /// Its arrays will take their memory from `memory`; null: operator new.
     explicit SliceResult(std::pmr::memory_resource* memory = nullptr) noexcept
-        : layers(memory), contours(memory), points(memory) {}
+        : layers(memory), contours(memory), points(memory), closed_gaps(memory) {}
 
     Array<Layer> layers;
     Array<Contour> contours;
     Array<Point> points;
+    Array<ClosedGap> closed_gaps;  ///< by layer, then by `from` and `to`
+    FillRule fill_rule = FillRule::contours;
+    double close_gaps_mm = 0;          ///< ends at most so far apart were joined
     double unit_mm = default_unit_mm;  ///< grid units times this give mm
     Transform frame;                   ///< from the caller's space to the space of layers and points
     LayerPlan plan;
@@ -124,6 +145,7 @@ struct SliceResult {
     }
     /// Net solid area of a layer, mm²: outers minus holes. O(contours).
     double area_mm2(const Layer& layer) const noexcept;
+    double length_mm(const ClosedGap& gap) const noexcept;
 };
 
 /// Checks every promise above: offsets contiguous, contours closed and canonical, oriented as their role says, areas exact,

@@ -26,6 +26,8 @@ struct SliceOptions {
     int threads = 0;      ///< at most this many; 0: all that the host's task arena allows
     int band_planes = 0;  ///< planes per z-band; 0 sizes bands by the work in them
     ContourForm form = ContourForm::swept;
+    FillRule fill_rule = FillRule::contours;
+    double close_gaps_mm = 0;              ///< join ends of open polylines at most so far apart; 0 joins none
     std::uint64_t memory_limit_bytes = 0;  ///< larger results are refused before allocation; 0: half of physical memory
     std::pmr::memory_resource* memory =
         nullptr;                           ///< for the result and all scratch; null: operator new. Must be thread-safe.

@@ -1,0 +1,217 @@
+// What is inside by each fill rule, and gaps that are closed: the expected answers written down.
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
+
+using lamella::FillRule;
+using lamella::Role;
+using lamella::SliceResult;
+
+namespace {
+
+constexpr FillRule all_rules[] = {FillRule::contours, FillRule::even_odd, FillRule::non_zero, FillRule::positive};
+
+/// At mid-height of solids that reach from z = 0 to 10, on the coarse grid.
+SliceResult filled(const shapes::Soup& soup, FillRule rule, double close_gaps_mm = 0) {
+    lamella::SliceOptions options = at_heights({5});
+    options.fill_rule = rule;
+    options.close_gaps_mm = close_gaps_mm;
+    SliceResult result = sliced(soup, options);
+    CHECK(result.fill_rule == rule);
+    return result;
+}
+
+/// "outers 1 holes 0 area 100", for each rule.
+std::vector<std::string> regions(const shapes::Soup& soup) {
+    std::vector<std::string> lines;
+    for (const FillRule rule : all_rules) {
+        const SliceResult result = filled(soup, rule);
+        const auto count = [&](Role role) {
+            return std::to_string(std::count_if(result.contours.begin(), result.contours.end(),
+                                                [role](const lamella::Contour& contour) { return contour.role == role; }));
+        };
+        std::string line = count(Role::outer) + " outer, " + count(Role::hole) + " hole, " +
+                           std::to_string(static_cast<int>(result.area_mm2(result.layers[0])));
+        if (count(Role::open) != "0") {
+            line += ", " + count(Role::open) + " open";
+        }
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+using Lines = std::vector<std::string>;
+
+shapes::Soup square(double x, double y, double size) {
+    return shapes::box({x, y, 0}, {x + size, y + size, 10});
+}
+
+/// A box without the side that lies at `y` low.
+shapes::Soup without_front(shapes::Soup box) {
+    box.erase(box.begin() + 4 * 9, box.begin() + 6 * 9);
+    return box;
+}
+
+}  // namespace
+
+TEST_CASE("fill rules: one solid is the same by all, and by `contours` to the byte", "[engine][fill]") {
+    CHECK(regions(square(0, 0, 10)) == Lines(4, "1 outer, 0 hole, 100"));
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
+    lamella::SliceOptions options = uniform(0.3);
+    const SliceResult walked = sliced(ball, options);
+    for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
+        options.fill_rule = rule;
+        const SliceResult result = sliced(ball, options);
+        REQUIRE(result.points.size() == walked.points.size());
+        CHECK(std::equal(result.points.begin(), result.points.end(), walked.points.begin()));
+    }
+}
+
+TEST_CASE("fill rules: two overlapping cubes", "[engine][fill]") {
+    CHECK(regions(shapes::joined({square(0, 0, 10), square(5, 5, 10)})) ==
+          Lines{"2 outer, 0 hole, 200", "2 outer, 0 hole, 150", "1 outer, 0 hole, 175", "1 outer, 0 hole, 175"});
+}
+
+TEST_CASE("fill rules: overlapping cubes with sides in one plane, of equal sense", "[engine][fill]") {
+    CHECK(regions(shapes::joined({square(0, 0, 10), square(5, 0, 10)})) ==
+          Lines{"2 outer, 0 hole, 200", "2 outer, 0 hole, 100", "1 outer, 0 hole, 150", "1 outer, 0 hole, 150"});
+}
+
+TEST_CASE("fill rules: touching cubes, whose common side has two faces of opposite sense", "[engine][fill]") {
+    CHECK(regions(shapes::joined({square(0, 0, 10), square(10, 0, 10)})) ==
+          Lines{"2 outer, 0 hole, 200", "1 outer, 0 hole, 200", "1 outer, 0 hole, 200", "1 outer, 0 hole, 200"});
+}
+
+TEST_CASE("fill rules: a solid insert in a solid", "[engine][fill]") {
+    CHECK(regions(shapes::joined({square(0, 0, 30), square(10, 10, 10)})) ==
+          Lines{"2 outer, 0 hole, 1000", "1 outer, 1 hole, 800", "1 outer, 0 hole, 900", "1 outer, 0 hole, 900"});
+}
+
+TEST_CASE("fill rules: a cavity", "[engine][fill]") {
+    CHECK(regions(shapes::joined({square(0, 0, 30), shapes::flipped(square(10, 10, 10))})) ==
+          Lines(4, "1 outer, 1 hole, 800"));
+}
+
+TEST_CASE("fill rules: a body exported twice", "[engine][fill]") {
+    CHECK(regions(shapes::joined({square(0, 0, 10), square(0, 0, 10)})) ==
+          Lines{"2 outer, 0 hole, 200", "0 outer, 0 hole, 0", "1 outer, 0 hole, 100", "1 outer, 0 hole, 100"});
+}
+
+TEST_CASE("fill rules: an inverted body", "[engine][fill]") {
+    CHECK(regions(shapes::flipped(square(0, 0, 10))) ==
+          Lines{"1 outer, 0 hole, 100", "1 outer, 0 hole, 100", "1 outer, 0 hole, 100", "0 outer, 0 hole, 0"});
+}
+
+TEST_CASE("fill rules: an internal wall stays an open polyline", "[engine][fill]") {
+    const shapes::Soup wall = shapes::joined(
+        {shapes::triangle({2, 5, 0}, {8, 5, 0}, {8, 5, 10}), shapes::triangle({2, 5, 0}, {8, 5, 10}, {2, 5, 10})});
+    CHECK(regions(shapes::joined({square(0, 0, 10), wall})) == Lines(4, "1 outer, 0 hole, 100, 1 open"));
+}
+
+TEST_CASE("fill rules: the same bytes on any thread count, band size and order of triangles", "[engine][fill]") {
+    shapes::Soup soup;
+    std::mt19937 random(4);
+    for (int i = 0; i < 12; ++i) {
+        const auto at = [&] { return static_cast<double>(random() % 4000) / 1000.0; };
+        const shapes::Soup ball = shapes::octasphere({at(), at(), at()}, 2, 2);
+        soup = shapes::joined({soup, i % 4 == 3 ? shapes::flipped(ball) : ball});
+    }
+    for (const FillRule rule : all_rules) {
+        lamella::SliceOptions options = uniform(0.05);
+        options.fill_rule = rule;
+        const std::uint64_t hash = output_hash(sliced(soup, options));
+        for (int turn = 0; turn < 3; ++turn) {
+            options.threads = turn + 1;
+            options.band_planes = turn * 7;
+            options.form = turn == 2 ? lamella::ContourForm::assembled : lamella::ContourForm::swept;
+            for (std::size_t t = soup.size() / 9 - 1; t > 0; --t) {
+                const std::size_t other = random() % (t + 1);
+                std::swap_ranges(&soup[9 * t], &soup[9 * t] + 9, &soup[9 * other]);
+            }
+            CHECK(output_hash(sliced(soup, options)) == hash);
+        }
+    }
+}
+
+TEST_CASE("gaps up to the length asked for are closed, and each is told", "[engine][gaps]") {
+    const shapes::Soup soup = without_front(square(0, 0, 10));
+    const SliceResult open = filled(soup, FillRule::contours);
+    REQUIRE(open.contours.size() == 1);
+    CHECK(open.contours[0].role == Role::open);
+    CHECK(open.closed_gaps.empty());
+    const SliceResult short_reach = filled(soup, FillRule::contours, 9.9);
+    CHECK(output_hash(short_reach) == output_hash(open));
+    CHECK(short_reach.closed_gaps.empty());
+
+    const SliceResult closed = filled(soup, FillRule::contours, 10);
+    REQUIRE(closed.contours.size() == 1);
+    CHECK(closed.contours[0].role == Role::outer);
+    CHECK((closed.contours[0].flags & lamella::gap_closed) != 0);
+    CHECK(closed.area_mm2(closed.layers[0]) == 100);
+    REQUIRE(closed.closed_gaps.size() == 1);
+    CHECK(closed.closed_gaps[0].layer == 0);
+    CHECK(closed.length_mm(closed.closed_gaps[0]) == 10);
+    // The solid is on the left: along the missing side the contour would run towards larger x.
+    CHECK(closed.closed_gaps[0].from == lamella::Point{0, 0});
+    CHECK(closed.closed_gaps[0].to == lamella::Point{20, 0});
+}
+
+TEST_CASE("the nearest ends are joined first", "[engine][gaps]") {
+    // Two walls of a channel, the one 10 long and the other 10 further on: 4 apart at their ends, 8 across.
+    const auto wall = [](double x0, double x1, double y) {
+        return shapes::joined(
+            {shapes::triangle({x0, y, 0}, {x1, y, 0}, {x1, y, 10}), shapes::triangle({x0, y, 0}, {x1, y, 10}, {x0, y, 10})});
+    };
+    const shapes::Soup soup = shapes::joined({wall(0, 10, 0), wall(14, 24, 0), wall(24, 0, 8)});
+    const SliceResult near = filled(soup, FillRule::contours, 5);
+    REQUIRE(near.closed_gaps.size() == 1);
+    CHECK(near.length_mm(near.closed_gaps[0]) == 4);
+    CHECK(near.summary.open_contours == 2);
+    const SliceResult all = filled(soup, FillRule::contours, 8);
+    REQUIRE(all.closed_gaps.size() == 3);
+    CHECK(all.summary.open_contours == 0);
+    CHECK(all.contours.size() == 1);
+    CHECK(all.area_mm2(all.layers[0]) == 24 * 8);
+    CHECK(std::accumulate(all.closed_gaps.begin(), all.closed_gaps.end(), 0.0,
+                          [&](double sum, const auto& gap) { return sum + all.length_mm(gap); }) == 4 + 8 + 8);
+}
+
+TEST_CASE("closing gaps gives the same bytes on any thread count, band size and order of triangles", "[engine][gaps]") {
+    shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 4);
+    std::mt19937 random(8);
+    for (int lost = 0; lost < 60; ++lost) {
+        const auto t = static_cast<std::ptrdiff_t>(random() % (soup.size() / 9));
+        soup.erase(soup.begin() + 9 * t, soup.begin() + 9 * t + 9);
+    }
+    lamella::SliceOptions options = uniform(0.05);
+    const std::uint64_t open = sliced(soup, options).summary.open_contours;
+    options.close_gaps_mm = 1;
+    const SliceResult closed = sliced(soup, options);
+    CHECK(open > 50);
+    CHECK(closed.summary.open_contours < open / 2);
+    CHECK(closed.closed_gaps.size() >= open - closed.summary.open_contours);
+    for (int turn = 0; turn < 3; ++turn) {
+        options.threads = turn + 1;
+        options.band_planes = turn * 9;
+        options.form = turn == 1 ? lamella::ContourForm::assembled : lamella::ContourForm::swept;
+        for (std::size_t t = soup.size() / 9 - 1; t > 0; --t) {
+            const std::size_t other = random() % (t + 1);
+            std::swap_ranges(&soup[9 * t], &soup[9 * t] + 9, &soup[9 * other]);
+        }
+        const SliceResult again = sliced(soup, options);
+        CHECK(output_hash(again) == output_hash(closed));
+        REQUIRE(again.closed_gaps.size() == closed.closed_gaps.size());
+        CHECK(
+            std::equal(again.closed_gaps.begin(), again.closed_gaps.end(), closed.closed_gaps.begin(),
+                       [](const auto& a, const auto& b) { return a.layer == b.layer && a.from == b.from && a.to == b.to; }));
+    }
+    for (const double reach : {-1.0, std::nan(""), HUGE_VAL}) {
+        options.close_gaps_mm = reach;
+        CHECK(failure_of(view_of(soup), options).code == lamella::Code::invalid_argument);
+    }
+}

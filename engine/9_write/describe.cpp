@@ -48,4 +48,13 @@ std::string describe(const LayerPlan& plan) {
            (plan.side == Side::below ? "down" : "up") + " (side " + name_of(plan.side) + ")";
 }
 
+std::string describe_rules(const SliceResult& result) {
+    std::string text = "Fill rule " + std::string(name_of(result.fill_rule));
+    if (result.close_gaps_mm > 0) {
+        text += ". Gaps of up to " + exact_text(result.close_gaps_mm) +
+                " mm closed: " + std::to_string(result.closed_gaps.size());
+    }
+    return text;
+}
+
 }  // namespace lamella

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "lamella/planes.hpp"
+#include "lamella/result.hpp"
 
 namespace lamella {
 
@@ -15,5 +16,8 @@ std::string exact_text(double value);
 
 /// Where the planes lie and how each was rounded, as one sentence.
 std::string describe(const LayerPlan& plan);
+
+/// What is inside, and which gaps were closed, as a sentence or two.
+std::string describe_rules(const SliceResult& result);
 
 }  // namespace lamella

@@ -1,4 +1,5 @@
 // The report: what was asked, what was found, what it cost, as JSON.
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdint>
@@ -16,6 +17,9 @@ namespace lamella {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// So many places of a kind are listed; the counts are of all.
+constexpr std::size_t most_places = 100;
 
 Json spacing_json(const UniformLayers& layers) {
     return {{"kind", "uniform"},
@@ -91,6 +95,57 @@ Json file_json(const MeshFile& file) {
         {"patient_frame", file.patient_frame == PatientFrame::unstated ? Json(nullptr) : Json(name_of(file.patient_frame))}};
 }
 
+/// A place in a layer, mm.
+Json place_json(const SliceResult& result, const Point& point) {
+    return {point.x * result.unit_mm, point.y * result.unit_mm};
+}
+
+Json gaps_json(const SliceResult& result) {
+    double longest = 0;
+    Json first = Json::array();
+    for (const ClosedGap& gap : result.closed_gaps) {
+        const double length = result.length_mm(gap);
+        longest = std::max(longest, length);
+        if (first.size() < most_places) {
+            first.push_back({{"layer", gap.layer},
+                             {"plane_mm", result.layers[gap.layer].plane_mm},
+                             {"from_mm", place_json(result, gap.from)},
+                             {"to_mm", place_json(result, gap.to)},
+                             {"length_mm", length}});
+        }
+    }
+    return {{"reach_mm", result.close_gaps_mm},
+            {"closed", result.closed_gaps.size()},
+            {"longest_mm", longest},
+            {"first", first}};
+}
+
+/// The first open polylines: where each ends and where it starts, between which the mesh lacks faces.
+Json open_json(const SliceResult& result) {
+    Json first = Json::array();
+    for (std::size_t l = 0; l < result.layers.size() && first.size() < most_places; ++l) {
+        for (const Contour& contour : result.contours_of(result.layers[l])) {
+            if (contour.role != Role::open || first.size() >= most_places) {
+                continue;
+            }
+            const std::span<const Point> points = result.points_of(contour);
+            first.push_back({{"layer", l},
+                             {"plane_mm", result.layers[l].plane_mm},
+                             {"from_mm", place_json(result, points.back())},
+                             {"to_mm", place_json(result, points.front())},
+                             {"gap_mm", result.length_mm({l, points.back(), points.front()})}});
+        }
+    }
+    return first;
+}
+
+Json weld_json(const ReportContext& context) {
+    return {{"tolerance_mm", context.weld_mm},
+            {"vertices", context.welded->vertices},
+            {"joined", context.welded->joined},
+            {"largest_move_mm", context.welded->largest_move}};
+}
+
 Json report(const SliceResult& result, const ReportContext& context) {
     const SliceSummary& summary = result.summary;
     Json json = {{"mesh", context.mesh_file},
@@ -99,6 +154,12 @@ Json report(const SliceResult& result, const ReportContext& context) {
         json["file"] = file_json(*context.file);
     }
     json.update(counts_json(result));
+    json["first_open"] = open_json(result);
+    json["fill_rule"] = name_of(result.fill_rule);
+    json["gaps"] = gaps_json(result);
+    if (context.welded != nullptr) {
+        json["weld"] = weld_json(context);
+    }
     json["grid_mm"] = result.unit_mm;
     json["plan"] = plan_json(result.plan);
     json["frame"] = result.frame.m;

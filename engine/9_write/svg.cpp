@@ -146,7 +146,8 @@ public:
 private:
     std::string description() const {
         std::string text = "Coordinates in mm. Grid unit " + exact_text(result_.unit_mm) +
-                           " mm. Planes: " + describe(result_.plan) + ". Frame (rows of a 3x4 matrix from mesh to layers):";
+                           " mm. Planes: " + describe(result_.plan) + ". " + describe_rules(result_) +
+                           ". Frame (rows of a 3x4 matrix from mesh to layers):";
         for (const double entry : result_.frame.m) {
             text += " " + exact_text(entry);
         }

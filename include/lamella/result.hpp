@@ -12,6 +12,7 @@
 #include <memory_resource>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lamella/array.hpp"
@@ -37,6 +38,9 @@ enum class FillRule : std::uint8_t {
     non_zero,  ///< where contours wind round, either way
     positive,  ///< where more contours run counter-clockwise round than clockwise, as the facets say
 };
+
+/// "contours", "even-odd", "non-zero" or "positive".
+std::string_view name_of(FillRule rule) noexcept;
 
 /// Bits of Contour::flags.
 enum ContourFlag : std::uint16_t {

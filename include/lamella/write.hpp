@@ -11,6 +11,7 @@
 #include "lamella/mesh_file.hpp"
 #include "lamella/result.hpp"
 #include "lamella/status.hpp"
+#include "lamella/weld.hpp"
 
 namespace lamella {
 
@@ -24,7 +25,9 @@ Status write_svg(const SliceResult& result, const std::filesystem::path& path, c
 /// What the engine cannot know: where the mesh came from and what it cost to read and write.
 struct ReportContext {
     std::string mesh_file{};
-    const MeshFile* file = nullptr;  ///< as it was read, if it came from a file
+    const MeshFile* file = nullptr;      ///< as it was read, if it came from a file
+    const WeldedMesh* welded = nullptr;  ///< if it was
+    double weld_mm = 0;                  ///< the tolerance asked for
     std::string output_file{};
     double read_ms = 0;  ///< bytes only
     double parse_ms = 0;

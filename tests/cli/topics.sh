@@ -321,6 +321,62 @@ test_units() {
     expect_json zipped.json ON file compressed
 }
 
+# cube FILE X SIDES: an ASCII cube of 10 mm at x, of which so many of its six sides are there
+cube() {
+    local x0=$2 x1=$(($2 + 10)) sides=$3
+    local a="$x0 0 0" b="$x1 0 0" c="$x1 10 0" d="$x0 10 0" e="$x0 0 10" f="$x1 0 10" g="$x1 10 10" h="$x0 10 10"
+    local corners=("$a|$d|$c" "$a|$c|$b" "$e|$f|$g" "$e|$g|$h" "$b|$c|$g" "$b|$g|$f" "$c|$d|$h" "$c|$h|$g" "$d|$a|$e" "$d|$e|$h"
+        "$a|$b|$f" "$a|$f|$e") i
+    {
+        echo solid
+        for ((i = 0; i < 2 * sides; ++i)); do
+            facet "$(tr '|' '\n' <<< "${corners[i]}" | sed 's/^/vertex /')"$'\n'
+        done
+        echo endsolid
+    } > "$1"
+}
+
+test_mending() {
+    cube left.stl 0 6
+    cube right.stl 5 6
+    cat left.stl right.stl > both.stl
+    local rule
+    for rule in contours even-odd non-zero positive; do
+        expect 0 slice both.stl --planes 5 --fill-rule "$rule" -o out.svg --report report.json
+        expect_json report.json "$rule" fill_rule
+        grep -q "Fill rule $rule" out.svg || fail "the SVG does not say the rule"
+    done
+    expect 0 slice both.stl --layer-height 10 --first-height 5 --fill-rule non-zero --report report.json
+    expect_json report.json 1500.0 solid_volume_mm3
+    expect_json report.json 1 contours
+    grep -q 'rule non-zero' .stdout || fail "the summary does not say the rule"
+    expect_failure 2 "--fill-rule" slice both.stl --fill-rule odd
+
+    cube open.stl 0 5
+    expect 0 slice open.stl --planes 5 --report open.json
+    expect_json open.json 1 open_contours
+    expect_json open.json 10.0 first_open 0 gap_mm
+    expect 0 slice open.stl --planes 5 --close-gaps 9.5 --report report.json
+    expect_json report.json 1 open_contours
+    expect_json report.json 0 gaps closed
+    expect 0 slice open.stl --planes 5 --close-gaps 10 --report report.json
+    expect_json report.json 0 open_contours
+    expect_json report.json 1 gaps closed
+    expect_json report.json 10.0 gaps first 0 length_mm
+    grep -q '^gaps *1 closed' .stdout || fail "the summary does not say what was closed"
+    expect_failure 2 "--close-gaps" slice open.stl --close-gaps -1
+
+    awk '/^vertex 10 10 10$/ && ++n == 3 {$2 = 10.001} 1' left.stl > cracked.stl
+    expect 0 slice cracked.stl --planes 5 --report report.json
+    expect_json report.json 2 open_contours
+    expect 0 slice cracked.stl --planes 5 --weld 0.01 --report report.json
+    expect_json report.json 0 open_contours
+    expect_json report.json 1 weld joined
+    expect_json report.json 8 weld vertices
+    grep -q '^welded *1 vertices' .stdout || fail "the summary does not say what was welded"
+    expect_failure 2 "--weld" slice cracked.stl --weld nan
+}
+
 test_make() {
     local shape
     for shape in sphere torus gyroid bone prism; do

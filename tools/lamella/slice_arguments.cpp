@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <system_error>
+#include <utility>
 
 #include "console.hpp"
 #include "failure.hpp"
@@ -154,6 +155,15 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     command.add_option("--grid", arguments.grid_mm, "Grid unit (2^-20 mm, or what the mesh needs)")->type_name("MM");
     command.add_option("--unit", arguments.unit, "What a mesh that states no unit is measured in (mm)")
         ->type_name("mm|um|cm|m|in|ft|MM");
+    command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart, nearest first (off)")->type_name("MM");
+    command.add_option("--close-gaps", arguments.close_gaps_mm, "Join ends of open polylines at most MM apart (off)")
+        ->type_name("MM");
+    declare_choice<FillRule>(command, "--fill-rule", arguments.fill_rule,
+                             {{"contours", FillRule::contours},
+                              {"even-odd", FillRule::even_odd},
+                              {"non-zero", FillRule::non_zero},
+                              {"positive", FillRule::positive}},
+                             "What is inside where shells overlap (contours: as walked, no union)");
     CLI::Option* const normal = command.add_option("--normal", arguments.normal, "Cut perpendicular to this direction");
     CLI::Option* const transform =
         command.add_option("--transform", arguments.transform, "3x4 matrix, row by row, applied to the mesh first");
@@ -190,6 +200,14 @@ SliceRequest request_of(const SliceArguments& arguments) {
     require_positive(arguments.grid_mm, "--grid");
     request.options.unit_mm = arguments.grid_mm.value_or(0);
     request.options.transform = transform_of(arguments);
+    for (const auto& [value, option] :
+         {std::pair{&arguments.weld_mm, "--weld"}, {&arguments.close_gaps_mm, "--close-gaps"}}) {
+        if (*value && !(**value >= 0 && std::isfinite(**value))) {
+            throw Failure(bad_usage, std::string(option) + ": not a number of mm that is at least 0");
+        }
+    }
+    request.options.close_gaps_mm = arguments.close_gaps_mm.value_or(0);
+    request.options.fill_rule = arguments.fill_rule;
     request.options.threads = arguments.threads;
     request.options.band_planes = arguments.band_planes;
     request.options.form = arguments.form;

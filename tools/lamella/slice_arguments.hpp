@@ -27,6 +27,9 @@ struct SliceArguments {
     Side side = Side::below;
     std::optional<double> grid_mm;
     std::string unit = "mm";
+    std::optional<double> weld_mm;
+    std::optional<double> close_gaps_mm;
+    FillRule fill_rule = FillRule::contours;
     std::string normal;
     std::string transform;
     int threads = 0;

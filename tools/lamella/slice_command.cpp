@@ -1,6 +1,7 @@
 // lamella slice: read, slice, write, report.
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -81,12 +82,29 @@ private:
         if (bar_.shown()) {
             request.options.progress = [this](double fraction) { bar_.show("slicing", fraction); };
         }
-        Result<SliceResult> result = slice(mesh.view(), request.options);
+        if (arguments_.weld_mm) {
+            weld_vertices(mesh);
+        }
+        Result<SliceResult> result = slice(welded_ ? welded_->view() : mesh.view(), request.options);
         bar_.wipe();
         if (!result) {
             throw slicing_failure(result.error(), request);
         }
         return std::move(result).value();
+    }
+
+    void weld_vertices(const MeshFile& mesh) {
+        bar_.show("welding", 0);
+        const double tolerance = *arguments_.weld_mm / mesh.mm_per_unit;
+        Result<WeldedMesh> welded = weld(mesh.view(), tolerance);
+        bar_.wipe();
+        if (!welded) {
+            throw Failure(failure_of(welded.error()).status(), arguments_.mesh + ": " + welded.error().message);
+        }
+        welded_ = std::move(welded).value();
+        welded_->largest_move *= mesh.mm_per_unit;
+        context_.welded = &*welded_;
+        context_.weld_mm = *arguments_.weld_mm;
     }
 
     Failure slicing_failure(const Error& error, const SliceRequest& request) const {
@@ -142,6 +160,7 @@ private:
     const SliceArguments& arguments_;
     Interrupt& interrupt_;
     ProgressBar bar_;
+    std::optional<WeldedMesh> welded_;
     ReportContext context_;
     Stopwatch total_;
 };

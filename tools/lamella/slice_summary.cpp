@@ -1,5 +1,6 @@
 #include "slice_summary.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <system_error>
@@ -44,6 +45,27 @@ std::string planes_line(const SliceResult& result) {
            ", grid " + exact_text(result.unit_mm) + " mm\n";
 }
 
+/// What was done beyond cutting, if anything.
+std::string mending(const SliceResult& result, const ReportContext& context) {
+    std::string text;
+    if (context.welded != nullptr) {
+        text += "welded    " + grouped(context.welded->joined) + " vertices onto others at most " +
+                exact_text(context.weld_mm) + " mm away, the farthest " + rounded(context.welded->largest_move, 6) + " mm\n";
+    }
+    if (result.close_gaps_mm > 0) {
+        double longest = 0;
+        for (const ClosedGap& gap : result.closed_gaps) {
+            longest = std::max(longest, result.length_mm(gap));
+        }
+        text += "gaps      " + grouped(result.closed_gaps.size()) + " closed of up to " + exact_text(result.close_gaps_mm) +
+                " mm, the longest " + rounded(longest, 6) + " mm\n";
+    }
+    if (result.fill_rule != FillRule::contours) {
+        text += std::string("filled    by the rule ") + std::string(name_of(result.fill_rule)) + "\n";
+    }
+    return text;
+}
+
 std::string times(const SliceSummary& summary, const ReportContext& context) {
     std::string text = "time      " + rounded(context.total_ms, 1) + " ms: read " + rounded(context.read_ms, 1);
     if (context.parse_ms > 0) {
@@ -75,8 +97,8 @@ std::string contour_counts(const SliceResult& result) {
 }  // namespace
 
 std::string summary(const SliceResult& result, const MeshFile& mesh, const ReportContext& context) {
-    std::string text = mesh_line(result.summary, mesh, context) + planes_line(result) + "segments  " +
-                       grouped(result.summary.segments) + "\ncontours  " + contour_counts(result) + "\n" +
+    std::string text = mesh_line(result.summary, mesh, context) + planes_line(result) + mending(result, context) +
+                       "segments  " + grouped(result.summary.segments) + "\ncontours  " + contour_counts(result) + "\n" +
                        times(result.summary, context) + "memory    " + file_size_text(context.peak_rss_bytes) +
                        " at the peak\n";
     if (!context.output_file.empty()) {

@@ -3,6 +3,7 @@
 
 #include "lamella/assemble.hpp"
 #include "lamella/inspect.hpp"
+#include "lamella/ledger.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/mesh_file.hpp"
 #include "lamella/planes.hpp"

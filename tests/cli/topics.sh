@@ -356,6 +356,10 @@ test_mending() {
     expect 0 slice open.stl --planes 5 --report open.json
     expect_json open.json 1 open_contours
     expect_json open.json 10.0 first_open 0 gap_mm
+    expect_json open.json 10 ledger triangles
+    expect_json open.json 6 ledger cut
+    expect_json open.json 4 ledger between_planes
+    expect_json open.json 100.0 ledger flat_up_mm2
     expect 0 slice open.stl --planes 5 --close-gaps 9.5 --report report.json
     expect_json report.json 1 open_contours
     expect_json report.json 0 gaps closed

@@ -20,8 +20,8 @@ constexpr std::uint32_t leaf_corners = 8;
 
 /// Steps through the tree, for each corner and for each polygon, after which one is refused. Outlines that mean something
 /// take a hundred for each corner.
-constexpr std::uint64_t most_steps_a_corner = 1024;
-constexpr std::uint64_t free_steps = std::uint64_t{1} << 22;
+constexpr std::uint64_t most_steps_a_corner = 512;
+constexpr std::uint64_t free_steps = std::uint64_t{1} << 18;
 
 Vector minus(const Vector& a, const Vector& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -81,6 +81,9 @@ int turn(const A& a, const B& b, const C& c) {
     const double area = left - right;
     if (std::abs(area) > error_bound * (std::abs(left) + std::abs(right))) {
         return sign_of(area);
+    }
+    if ((a.x == c.x || b.y == c.y) && (a.y == c.y || b.x == c.x)) {
+        return 0;  // what is most common of the undecided: two in one place, or all on a line along an axis
     }
     ExactSum sum;
     sum.add_product(a.x, b.y);

@@ -239,6 +239,7 @@ bool PolygonTriangulator::is_ear(std::uint32_t corner, Rule rule) {
 
 void PolygonTriangulator::build_tree() {
     blockers_.clear();
+    blockers_.reserve(corners_.size());
     leaf_of_.assign(corners_.size(), no_leaf);
     for (std::uint32_t i = 0; i < corners_.size(); ++i) {
         if (!turns_left(i)) {
@@ -246,6 +247,7 @@ void PolygonTriangulator::build_tree() {
         }
     }
     nodes_.clear();
+    nodes_.reserve(most_nodes(blockers_.size()));
     nodes_.push_back({.end = static_cast<std::uint32_t>(blockers_.size())});
     for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
         split(node);

@@ -48,9 +48,11 @@ public:
     /// Preconditions: at least three corners, each of them a vertex; finite coordinates. Throws std::bad_alloc.
     std::size_t triangulate(std::span<const std::uint32_t> corners, const VertexCoordinates& vertices, std::uint32_t* out);
 
-    /// The most scratch memory that a polygon of so many corners takes.
+    /// The most scratch memory that a polygon of so many corners takes, twice because vectors grow by copying.
     static constexpr std::size_t scratch_bytes(std::size_t corners) noexcept {
-        return corners <= 4 ? 0 : corners * (sizeof(Corner) + 2 * sizeof(std::uint32_t) + sizeof(Node));
+        return corners <= 4
+                   ? 0
+                   : 2 * (corners * (sizeof(Corner) + 2 * sizeof(std::uint32_t)) + most_nodes(corners) * sizeof(Node));
     }
 
 private:
@@ -77,6 +79,9 @@ private:
     /// What still keeps a convex corner from being clipped: corners in or on the triangle, only those strictly within,
     /// nothing; and, in the end, any corner may go. All but the first are for polygons that touch or cross themselves.
     enum class Rule { untouched, nothing_within, convex, any };
+
+    /// Every leaf but a lone one has more than four corners.
+    static constexpr std::size_t most_nodes(std::size_t corners) noexcept { return corners / 2 + 1; }
 
     void project(std::span<const std::uint32_t> corners, const VertexCoordinates& vertices);
     bool is_convex() const;

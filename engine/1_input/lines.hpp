@@ -13,7 +13,7 @@ namespace lamella {
 
 /// White space within a line.
 constexpr bool is_blank(char c) {
-    return is_space(c) & !ends_line(c);
+    return (c == ' ') | (c == '\t') | (c == '\v') | (c == '\f');
 }
 
 /// The bytes of a backslash and the line end behind it, which join two lines; 0 where there is none at `p`.
@@ -73,9 +73,11 @@ protected:
 
     /// Behind the word at p_.
     void skip_word() {
-        while (!word_ends(p_)) {
-            ++p_;
-        }
+        do {
+            while (p_ != end_ && !is_space(*p_) && *p_ != '\\') {
+                ++p_;
+            }
+        } while (!word_ends(p_) && ++p_);
     }
 
     /// The words of the line from p_ on, read over.

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::array all_readers = {
     Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, read_stl},
+    Reader{MeshFormat::ply, "PLY", ".ply", looks_like_ply, read_ply},
 };
 
 /// How much of the file decides what it is.

@@ -58,7 +58,7 @@ bool copy_indices(const char* from, std::size_t stride, std::size_t count, bool 
         for (std::size_t corner = 0; corner < 3; ++corner) {
             const auto index = load_number<Index>(from + i * stride + corner * sizeof(Index), swapped);
             largest = std::max(largest, static_cast<std::uint64_t>(static_cast<std::int64_t>(index)));
-            to[3 * i + corner] = static_cast<std::uint32_t>(index);
+            to[3 * i + corner] = static_cast<std::uint32_t>(index);  // NOLINT(bugprone-signed-char-misuse): a number
         }
     }
     return largest < vertex_count;

@@ -70,7 +70,8 @@ void count(Piece& piece) {
         lines += static_cast<std::size_t>(piece.begin[i] == '\n');
     }
     for (std::size_t i = 1; i < length; ++i) {
-        words += static_cast<std::size_t>(is_space(piece.begin[i - 1]) & !is_space(piece.begin[i]));
+        words +=
+            static_cast<std::size_t>(is_space(piece.begin[i - 1])) & static_cast<std::size_t>(!is_space(piece.begin[i]));
     }
     piece.rows = lines;
     piece.words = words;

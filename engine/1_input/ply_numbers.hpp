@@ -81,7 +81,7 @@ public:
             if constexpr (std::is_floating_point_v<decltype(sample)>) {
                 return to_integer(number, value);
             } else {
-                value = number;
+                value = number;  // NOLINT(bugprone-signed-char-misuse): a number, not a character
                 return true;
             }
         });

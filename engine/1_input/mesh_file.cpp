@@ -20,6 +20,7 @@ constexpr std::array all_readers = {
     Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, read_stl},
     Reader{MeshFormat::obj, "OBJ", ".obj", looks_like_obj, read_obj},
     Reader{MeshFormat::off, "OFF", ".off", looks_like_off, read_off},
+    Reader{MeshFormat::ply, "PLY", ".ply", looks_like_ply, read_ply},
 };
 
 /// How much of the file decides what it is.

@@ -69,6 +69,8 @@ bool looks_like_obj(const FileSource& source);
 Result<MeshFile> read_obj(FileSource& source);
 bool looks_like_off(const FileSource& source);
 Result<MeshFile> read_off(FileSource& source);
+bool looks_like_ply(const FileSource& source);
+Result<MeshFile> read_ply(FileSource& source);
 
 inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

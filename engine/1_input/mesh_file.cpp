@@ -18,6 +18,8 @@ namespace {
 
 constexpr std::array all_readers = {
     Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, read_stl},
+    Reader{MeshFormat::vtk, "VTK", ".vtk", looks_like_vtk, read_vtk},
+    Reader{MeshFormat::vtp, "VTP", ".vtp", looks_like_vtp, read_vtp},
 };
 
 /// How much of the file decides what it is.

@@ -90,6 +90,9 @@ Status LegacyVtk::parse() {
     if (!points_) {
         return scanner_.expected("POINTS");
     }
+    for (CellArray& array : cells_) {  // points may come behind cells
+        array.point_count = static_cast<std::uint32_t>(points_->count / 3);
+    }
     return {};
 }
 

@@ -272,8 +272,9 @@ Status make_plans(VtkFile& file, std::span<const CellArray> arrays, std::vector<
             return done;
         }
         mesh.triangle_count += plan.triangles;
-        scratch = std::max<std::uint64_t>(
-            scratch, PolygonTriangulator::scratch_bytes(plan.most_corners) + plan.most_corners * sizeof(std::uint32_t));
+        const bool strips = array.kind == CellKind::strips;
+        const std::uint64_t to_cut = strips ? 0 : PolygonTriangulator::scratch_bytes(plan.most_corners);
+        scratch = std::max(scratch, plan.most_corners * sizeof(std::uint32_t) + to_cut);
         if (plan.without_area > 0) {
             mesh.warnings.push_back(file.source.name() + ": ignored " + std::to_string(plan.without_area) + " cells of " +
                                     std::string(array.name) + " with fewer than three corners, the first being cell " +

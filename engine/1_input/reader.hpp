@@ -71,6 +71,10 @@ bool looks_like_off(const FileSource& source);
 Result<MeshFile> read_off(FileSource& source);
 bool looks_like_ply(const FileSource& source);
 Result<MeshFile> read_ply(FileSource& source);
+bool looks_like_vtk(const FileSource& source);
+Result<MeshFile> read_vtk(FileSource& source);
+bool looks_like_vtp(const FileSource& source);
+Result<MeshFile> read_vtp(FileSource& source);
 
 inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -14,7 +14,7 @@
 
 namespace lamella {
 
-enum class MeshFormat : std::uint8_t { stl, obj, off, ply };
+enum class MeshFormat : std::uint8_t { stl, obj, off, ply, vtk, vtp };
 
 /// "STL", ...
 std::string_view name_of(MeshFormat format) noexcept;

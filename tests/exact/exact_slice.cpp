@@ -19,13 +19,13 @@ struct Segment {
     Point2 to;
 };
 
-/// The segments that leave and enter a point.
-struct Meeting {
-    std::size_t leaves = none;
-    std::size_t enters = none;
+/// A segment's end at the point where it meets others.
+struct End {
+    std::size_t segment;
+    bool leaves;
 };
 
-using Meetings = std::map<Point2, Meeting, Kernel::Less_xy_2>;
+using Meetings = std::map<Point2, std::vector<End>, Kernel::Less_xy_2>;
 
 Point2 crossing(const Kernel::Plane_3& plane, GridVertex u, GridVertex v) {
     const auto space = [](GridVertex g) { return Kernel::Point_3(g.x, g.y, g.z); };
@@ -59,34 +59,61 @@ std::vector<Segment> segments_at(std::span<const oracle::Triangle> triangles, st
     return segments;
 }
 
-void take(std::size_t& place, std::size_t segment) {
-    if (place != none) {
-        throw std::logic_error("segments " + std::to_string(place) + " and " + std::to_string(segment) +
-                               " meet with the same sense");
+void sort_counter_clockwise(std::vector<End>& ends, const std::vector<Segment>& segments) {
+    const auto direction = [&](const End& end) {
+        const Segment& s = segments[end.segment];
+        return end.leaves ? Kernel::Direction_2(s.to - s.from) : Kernel::Direction_2(s.from - s.to);
+    };
+    std::sort(ends.begin(), ends.end(), [&](const End& a, const End& b) { return direction(a) < direction(b); });
+    for (std::size_t i = 1; i < ends.size(); ++i) {
+        if (direction(ends[i - 1]) == direction(ends[i])) {
+            throw std::logic_error("more than two segments meet, and two of them in the same direction");
+        }
     }
-    place = segment;
 }
 
-Meetings meetings_of(const std::vector<Segment>& segments) {
+/// By segment: the one that goes on where it ends, or none.
+std::vector<std::size_t> successors(const std::vector<Segment>& segments) {
     Meetings meetings;
     for (std::size_t s = 0; s < segments.size(); ++s) {
-        take(meetings[segments[s].from].leaves, s);
-        take(meetings[segments[s].to].enters, s);
+        meetings[segments[s].from].push_back({s, true});
+        meetings[segments[s].to].push_back({s, false});
     }
-    return meetings;
+    std::vector<std::size_t> next(segments.size(), none);
+    for (auto& [point, ends] : meetings) {
+        if (ends.size() > 2) {
+            sort_counter_clockwise(ends, segments);
+        }
+        for (std::size_t i = 0; i < ends.size() && ends.size() > 1; ++i) {
+            const End& clockwise = ends[(i + ends.size() - 1) % ends.size()];
+            if (ends[i].leaves == clockwise.leaves) {
+                throw std::logic_error("two segments that meet have the same sense");
+            }
+            if (!ends[i].leaves) {
+                next[ends[i].segment] = clockwise.segment;
+            }
+        }
+    }
+    return next;
 }
 
 }  // namespace
 
 std::vector<Chain> chains_at(std::span<const oracle::Triangle> triangles, std::int32_t z) {
     const std::vector<Segment> segments = segments_at(triangles, z);
-    const Meetings meetings = meetings_of(segments);
+    const std::vector<std::size_t> next = successors(segments);
     std::vector<char> used(segments.size(), 0);
+    std::vector<char> follows(segments.size(), 0);
+    for (const std::size_t s : next) {
+        if (s != none) {
+            follows[s] = 1;
+        }
+    }
     std::vector<Chain> chains;
     const auto follow = [&](std::size_t first, bool closed) {
         Chain chain{{}, closed};
         std::size_t last = first;
-        for (std::size_t s = first; s != none && used[s] == 0; s = meetings.at(segments[s].to).leaves) {
+        for (std::size_t s = first; s != none && used[s] == 0; s = next[s]) {
             used[s] = 1;
             chain.points.push_back(segments[s].from);
             last = s;
@@ -96,14 +123,11 @@ std::vector<Chain> chains_at(std::span<const oracle::Triangle> triangles, std::i
         }
         chains.push_back(std::move(chain));
     };
-    for (const auto& [point, meeting] : meetings) {
-        if (meeting.enters == none) {
-            follow(meeting.leaves, false);
-        }
-    }
-    for (std::size_t s = 0; s < segments.size(); ++s) {
-        if (used[s] == 0) {
-            follow(s, true);
+    for (const bool closed : {false, true}) {
+        for (std::size_t s = 0; s < segments.size(); ++s) {
+            if (used[s] == 0 && (closed || follows[s] == 0)) {
+                follow(s, closed);
+            }
         }
     }
     return chains;

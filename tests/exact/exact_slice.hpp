@@ -23,8 +23,9 @@ struct Chain {
     bool closed = true;
 };
 
-/// The contours of the plane at odd height `z`. Throws std::logic_error where more than two segments meet in a point, or two
-/// of the same sense: these have several right answers in exact arithmetic too.
+/// The contours of the plane at odd height `z`. Where more than two segments meet, each that comes in goes on with the next
+/// one clockwise, so that the solid lies between them. Throws std::logic_error where that one does not go out, or two have
+/// the same direction: solids overlap there, and exact arithmetic alone does not say which contour is whose.
 std::vector<Chain> chains_at(std::span<const oracle::Triangle> triangles, std::int32_t z);
 
 /// Non-zero winding; the boundary is not inside.

@@ -97,6 +97,18 @@ Soup height_field(int size, const std::function<double(int, int)>& height, doubl
     return soup;
 }
 
+void add_cell_side(Soup& soup, const int (&place)[3], std::size_t axis, bool upper) {
+    Xyz corner{static_cast<double>(place[0]), static_cast<double>(place[1]), static_cast<double>(place[2])};
+    corner[axis] += upper ? 1 : 0;
+    Xyz next = corner;
+    next[(axis + 1) % 3] += 1;
+    Xyz last = corner;
+    last[(axis + 2) % 3] += 1;
+    Xyz across = next;
+    across[(axis + 2) % 3] += 1;
+    add_quad(soup, corner, upper ? next : last, across, upper ? last : next);
+}
+
 /// One number for each node of a square, by seed.
 std::vector<double> nodes(std::uint64_t seed, int size, std::uint64_t range) {
     Random random(seed);
@@ -229,6 +241,31 @@ Soup terraces(std::uint64_t seed, int size, std::uint64_t steps) {
     const std::vector<double> values = nodes(seed, coarse, steps);
     return height_field(
         size, [&](int i, int j) { return values[node(coarse, i / 3, j / 3)]; }, -1);
+}
+
+Soup cells(std::uint64_t seed, int size) {
+    Random random(seed);
+    const int wide = size + 2;  // with empty cells all round
+    std::vector<char> full(static_cast<std::size_t>(wide * wide * wide), 0);
+    const auto at = [wide](int x, int y, int z) { return static_cast<std::size_t>((z * wide + y) * wide + x); };
+    for (int cell = 0; cell < size * size * size; ++cell) {
+        full[at(1 + cell % size, 1 + cell / size % size, 1 + cell / size / size)] = static_cast<char>(random() % 2);
+    }
+    Soup soup;
+    for (std::size_t cell = 0; cell < full.size(); ++cell) {
+        const int place[] = {static_cast<int>(cell) % wide, static_cast<int>(cell) / wide % wide,
+                             static_cast<int>(cell) / wide / wide};
+        for (std::size_t axis = 0; axis < 3 && full[cell] != 0; ++axis) {
+            for (const int step : {-1, 1}) {
+                int beside[] = {place[0], place[1], place[2]};
+                beside[axis] += step;
+                if (full[at(beside[0], beside[1], beside[2])] == 0) {
+                    add_cell_side(soup, place, axis, step > 0);
+                }
+            }
+        }
+    }
+    return soup;
 }
 
 Soup spindle(std::uint64_t seed, int sides, int steps) {

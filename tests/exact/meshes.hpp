@@ -32,6 +32,9 @@ Soup ripples(std::uint64_t seed, int size, std::uint64_t steps, double step_mm);
 /// A slab whose top consists of flat steps, walls between them that lean, and pits.
 Soup terraces(std::uint64_t seed, int size, std::uint64_t steps);
 
+/// The surface of about half the cells of a cube: solids that touch along edges and at corners.
+Soup cells(std::uint64_t seed, int size);
+
 /// A turned part: vertical walls, horizontal flats, grooves, all at whole heights.
 Soup spindle(std::uint64_t seed, int sides, int steps);
 

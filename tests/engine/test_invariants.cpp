@@ -149,6 +149,27 @@ SliceOptions at_explicit(std::vector<double> heights) {
     return options;
 }
 
+/// Slices at those of `heights` whose index `takes` names, and finds the layers of `whole`.
+void check_part(const shapes::Soup& mesh, const std::vector<double>& heights, const SliceResult& whole,
+                const std::function<bool(std::size_t)>& takes) {
+    std::vector<double> part;
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+        if (takes(i)) {
+            part.push_back(heights[i]);
+            places.push_back(i);
+        }
+    }
+    const SliceResult result = sliced(mesh, at_explicit(part));
+    REQUIRE(result.layers.size() == places.size());
+    for (std::size_t l = 0; l < places.size(); ++l) {
+        const Layer& in_whole = whole.layers[places[l]];
+        REQUIRE(result.layers[l].plane == in_whole.plane);
+        REQUIRE(result.layers[l].segments == in_whole.segments);
+        REQUIRE(outlines(result, result.layers[l]) == outlines(whole, in_whole));
+    }
+}
+
 bool is_whole(const std::string& mesh_name) {
     return mesh_name != "torn ball";
 }
@@ -231,27 +252,9 @@ TEST_CASE("parts of a list of planes give what the whole list gives", "[engine][
         const std::vector<double> heights = vertex_heights(mesh, unit_mm);
         const SliceResult whole = sliced(mesh, at_explicit(heights));
         const std::size_t half = heights.size() / 2;
-        const auto deal = [&](auto&& takes) {
-            std::vector<double> part;
-            std::vector<std::size_t> places;
-            for (std::size_t i = 0; i < heights.size(); ++i) {
-                if (takes(i)) {
-                    part.push_back(heights[i]);
-                    places.push_back(i);
-                }
-            }
-            const SliceResult result = sliced(mesh, at_explicit(part));
-            REQUIRE(result.layers.size() == places.size());
-            for (std::size_t l = 0; l < places.size(); ++l) {
-                const Layer& in_whole = whole.layers[places[l]];
-                REQUIRE(result.layers[l].plane == in_whole.plane);
-                REQUIRE(result.layers[l].segments == in_whole.segments);
-                REQUIRE(outlines(result, result.layers[l]) == outlines(whole, in_whole));
-            }
-        };
-        deal([half](std::size_t i) { return i < half; });
-        deal([half](std::size_t i) { return i >= half; });
-        deal([](std::size_t i) { return i % 7 == 3; });
+        check_part(mesh, heights, whole, [half](std::size_t i) { return i < half; });
+        check_part(mesh, heights, whole, [half](std::size_t i) { return i >= half; });
+        check_part(mesh, heights, whole, [](std::size_t i) { return i % 7 == 3; });
     }
 }
 

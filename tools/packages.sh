@@ -6,6 +6,7 @@ build_packages=(
     zlib1g-dev libexpat1-dev libpolyclipping-dev pkg-config
 )
 check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libxml2-utils)
+check_packages+=(libcgal-dev) # the exact judges, tests/exact
 picture_packages=(librsvg2-bin)
 
 is_installed() {

@@ -22,9 +22,12 @@ struct Box {
     void include(const Box& other) noexcept;
 
     bool meets(const Box& other) const noexcept {
-        // Without branches: which of the six fails cannot be predicted.
-        return ((low[0] <= other.high[0]) & (other.low[0] <= high[0]) & (low[1] <= other.high[1]) &
-                (other.low[1] <= high[1]) & (low[2] <= other.high[2]) & (other.low[2] <= high[2])) != 0;
+        int met = 1;  // without branches: which of the six comparisons fails cannot be predicted
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            met &= static_cast<int>(low[axis] <= other.high[axis]);
+            met &= static_cast<int>(other.low[axis] <= high[axis]);
+        }
+        return met != 0;
     }
 };
 

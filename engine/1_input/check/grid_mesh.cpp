@@ -79,8 +79,9 @@ GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, double
     grid.faces.resize_discarding(mesh.triangle_count);
     std::size_t count = 0;
     for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
-        const Face face = face_of(numbers, t);
+        Face face = face_of(numbers, t);
         if (is_collapsed(face)) {
+            std::sort(face.corners.begin(), face.corners.end());  // it has no sense, and may have no one smallest corner
             grid.collapsed.push_back(face);
         } else {
             grid.faces[count++] = face;

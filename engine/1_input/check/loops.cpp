@@ -30,7 +30,7 @@ struct Loop {
 /// that holes which touch at a vertex come out as separate loops. What is left when it can go no further is an open chain.
 class LoopWalk {
 public:
-    LoopWalk(const GridMesh& mesh, const EdgeTable& edges) : mesh_(mesh), edges_(edges) {
+    LoopWalk(const GridMesh& mesh, const EdgeTable& edges) : mesh_(mesh) {
         for (std::size_t edge = 0; edge < edges.size(); ++edge) {
             if (edges.sides(edge).size() == 1) {
                 ends_.push_back({edges[edge].lower, edges[edge].upper, boundary_count_});
@@ -141,7 +141,6 @@ private:
     }
 
     const GridMesh& mesh_;
-    const EdgeTable& edges_;
     std::uint32_t boundary_count_ = 0;
     std::vector<End> ends_;             ///< two an edge, by vertex
     std::vector<std::uint32_t> sides_;  ///< by boundary edge

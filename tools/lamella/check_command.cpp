@@ -21,7 +21,8 @@ namespace lamella::cli {
 
 namespace {
 
-constexpr std::size_t most_marks = 1'000'000;  ///< of each kind; also keeps vertex numbers within PLY's int
+constexpr std::size_t most_marks =
+    1'000'000;  ///< of each kind, as of what is listed; also keeps vertex numbers within PLY's int
 
 struct CheckArguments {
     std::string mesh;
@@ -120,7 +121,9 @@ void add_check_command(CLI::App& app) {
         ->type_name("FILE.ply");
     command->add_option("--tolerance", arguments->tolerance_mm, "Up to which gaps are cracks and T-junctions (0.01)")
         ->type_name("MM");
-    command->add_option("--places", arguments->places, "How many places of each kind to list (10)")->type_name("N");
+    command->add_option("--places", arguments->places, "How many places of each kind to list (10)")
+        ->type_name("N")
+        ->check(CLI::Range(0, static_cast<int>(most_marks)));
     command->add_option("--unit", arguments->unit, "What a mesh that states no unit is measured in (mm)")
         ->type_name("mm|um|cm|m|in|ft|MM");
     command->add_option("--threads", arguments->threads, "At most this many (0: all)")

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "lamella/assemble.hpp"
+#include "lamella/check.hpp"
+#include "lamella/check_report.hpp"
 #include "lamella/inspect.hpp"
 #include "lamella/ledger.hpp"
 #include "lamella/mesh.hpp"

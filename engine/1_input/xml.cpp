@@ -139,6 +139,10 @@ struct XmlReader::Callbacks {
     static void text(void* user, const XML_Char* piece, int length) {
         reader(user).deliver([&] { reader(user).text({piece, static_cast<std::size_t>(length)}); });
     }
+    static void declare(void* user, const XML_Char* prefix, const XML_Char* space) {
+        const auto view = [](const XML_Char* text) { return text != nullptr ? std::string_view(text) : std::string_view(); };
+        reader(user).deliver([&] { reader(user).declare_namespace(view(prefix), view(space)); });
+    }
     static void doctype(void* user, const XML_Char*, const XML_Char*, const XML_Char*, int) {
         reader(user).deliver([&] { reader(user).fail("a document type declaration, which is refused"); });
     }
@@ -155,6 +159,7 @@ XmlReader::XmlReader(std::pmr::memory_resource* memory) : memory_(std::make_uniq
     XML_SetUserData(parser, this);
     XML_SetElementHandler(parser, Callbacks::begin, Callbacks::end);
     XML_SetCharacterDataHandler(parser, Callbacks::text);
+    XML_SetStartNamespaceDeclHandler(parser, Callbacks::declare);
     XML_SetStartDoctypeDeclHandler(parser, Callbacks::doctype);
 }
 
@@ -209,14 +214,17 @@ bool XmlReader::parse(std::string_view bytes, bool last) {
 }
 
 void XmlReader::fail(std::string what) {
-    XML_Parser parser = as_parser(parser_);
-    failure_ = {XML_GetCurrentLineNumber(parser), event_offset(), std::move(what)};
+    failure_ = {event_line(), event_offset(), std::move(what)};
     stop();
 }
 
 void XmlReader::stop() {
     stopped_ = true;
     XML_StopParser(as_parser(parser_), XML_FALSE);
+}
+
+std::uint64_t XmlReader::event_line() const noexcept {
+    return XML_GetCurrentLineNumber(as_parser(parser_));
 }
 
 std::uint64_t XmlReader::event_offset() const noexcept {

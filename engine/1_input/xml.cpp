@@ -60,7 +60,7 @@ private:
     /// Before each block.
     struct alignas(std::max_align_t) Header {
         Memory* owner;
-        std::size_t bytes;
+        std::size_t bytes;  // of the block, and of this
     };
 
     static Header* header_of(void* block) noexcept { return static_cast<Header*>(block) - 1; }
@@ -74,7 +74,7 @@ private:
         Header* const old = header_of(block);
         void* const fresh = old->owner->take(bytes);
         if (fresh != nullptr) {
-            std::memcpy(fresh, block, std::min(bytes, old->bytes));
+            std::memcpy(fresh, block, std::min(bytes, old->bytes - sizeof(Header)));
             release(block);
         }
         return fresh;
@@ -86,17 +86,19 @@ private:
             Memory& owner = *header->owner;
             const std::size_t bytes = header->bytes;
             owner.in_use_ -= bytes;
-            owner.resource_->deallocate(header, sizeof(Header) + bytes, alignof(Header));
+            owner.resource_->deallocate(header, bytes, alignof(Header));
         }
     }
 
-    void* take(std::size_t bytes) noexcept {
-        if (bytes > parser_memory_limit - in_use_) {
+    void* take(std::size_t block_bytes) noexcept {
+        const std::size_t left = parser_memory_limit - in_use_;
+        if (left < sizeof(Header) || block_bytes > left - sizeof(Header)) {
             exhausted_ = true;
             return nullptr;
         }
+        const std::size_t bytes = sizeof(Header) + block_bytes;
         try {
-            void* const raw = resource_->allocate(sizeof(Header) + bytes, alignof(Header));
+            void* const raw = resource_->allocate(bytes, alignof(Header));
             in_use_ += bytes;
             return new (raw) Header{this, bytes} + 1;
         } catch (...) {
@@ -117,7 +119,8 @@ const XML_Memory_Handling_Suite XmlReader::Memory::functions = {allocate, reallo
 
 std::optional<std::string_view> XmlAttributes::find(const XmlName& name) const noexcept {
     for (const char* const* at = list_; *at != nullptr; at += 2) {
-        if (split_name(at[0]) == name) {
+        // Most have no namespace and need not be split.
+        if (name.space.empty() ? at[0] == name.local : split_name(at[0]) == name) {
             return at[1];
         }
     }

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::array all_readers = {
     Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, read_stl},
+    Reader{MeshFormat::three_mf, "3MF", ".3mf", looks_like_3mf, read_3mf},
 };
 
 /// How much of the file decides what it is.

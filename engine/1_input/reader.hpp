@@ -65,6 +65,8 @@ struct Reader {
 // The readers, each in its file.
 bool looks_like_stl(const FileSource& source);
 Result<MeshFile> read_stl(FileSource& source);
+bool looks_like_3mf(const FileSource& source);
+Result<MeshFile> read_3mf(FileSource& source);
 
 inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -23,6 +23,7 @@ constexpr std::array all_readers = {
     Reader{MeshFormat::ply, "PLY", ".ply", looks_like_ply, read_ply},
     Reader{MeshFormat::vtk, "VTK", ".vtk", looks_like_vtk, read_vtk},
     Reader{MeshFormat::vtp, "VTP", ".vtp", looks_like_vtp, read_vtp},
+    Reader{MeshFormat::three_mf, "3MF", ".3mf", looks_like_3mf, read_3mf},
 };
 
 /// How much of the file decides what it is.

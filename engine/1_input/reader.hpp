@@ -75,6 +75,8 @@ bool looks_like_vtk(const FileSource& source);
 Result<MeshFile> read_vtk(FileSource& source);
 bool looks_like_vtp(const FileSource& source);
 Result<MeshFile> read_vtp(FileSource& source);
+bool looks_like_3mf(const FileSource& source);
+Result<MeshFile> read_3mf(FileSource& source);
 
 inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -60,7 +60,7 @@ private:
     /// Before each block.
     struct alignas(std::max_align_t) Header {
         Memory* owner;
-        std::size_t bytes;
+        std::size_t bytes;  // of the block, and of this
     };
 
     static Header* header_of(void* block) noexcept { return static_cast<Header*>(block) - 1; }
@@ -74,7 +74,7 @@ private:
         Header* const old = header_of(block);
         void* const fresh = old->owner->take(bytes);
         if (fresh != nullptr) {
-            std::memcpy(fresh, block, std::min(bytes, old->bytes));
+            std::memcpy(fresh, block, std::min(bytes, old->bytes - sizeof(Header)));
             release(block);
         }
         return fresh;
@@ -86,17 +86,19 @@ private:
             Memory& owner = *header->owner;
             const std::size_t bytes = header->bytes;
             owner.in_use_ -= bytes;
-            owner.resource_->deallocate(header, sizeof(Header) + bytes, alignof(Header));
+            owner.resource_->deallocate(header, bytes, alignof(Header));
         }
     }
 
-    void* take(std::size_t bytes) noexcept {
-        if (bytes > parser_memory_limit - in_use_) {
+    void* take(std::size_t block_bytes) noexcept {
+        const std::size_t left = parser_memory_limit - in_use_;
+        if (left < sizeof(Header) || block_bytes > left - sizeof(Header)) {
             exhausted_ = true;
             return nullptr;
         }
+        const std::size_t bytes = sizeof(Header) + block_bytes;
         try {
-            void* const raw = resource_->allocate(sizeof(Header) + bytes, alignof(Header));
+            void* const raw = resource_->allocate(bytes, alignof(Header));
             in_use_ += bytes;
             return new (raw) Header{this, bytes} + 1;
         } catch (...) {
@@ -117,7 +119,8 @@ const XML_Memory_Handling_Suite XmlReader::Memory::functions = {allocate, reallo
 
 std::optional<std::string_view> XmlAttributes::find(const XmlName& name) const noexcept {
     for (const char* const* at = list_; *at != nullptr; at += 2) {
-        if (split_name(at[0]) == name) {
+        // Most have no namespace and need not be split.
+        if (name.space.empty() ? at[0] == name.local : split_name(at[0]) == name) {
             return at[1];
         }
     }
@@ -139,6 +142,10 @@ struct XmlReader::Callbacks {
     static void text(void* user, const XML_Char* piece, int length) {
         reader(user).deliver([&] { reader(user).text({piece, static_cast<std::size_t>(length)}); });
     }
+    static void declare(void* user, const XML_Char* prefix, const XML_Char* space) {
+        const auto view = [](const XML_Char* text) { return text != nullptr ? std::string_view(text) : std::string_view(); };
+        reader(user).deliver([&] { reader(user).declare_namespace(view(prefix), view(space)); });
+    }
     static void doctype(void* user, const XML_Char*, const XML_Char*, const XML_Char*, int) {
         reader(user).deliver([&] { reader(user).fail("a document type declaration, which is refused"); });
     }
@@ -155,6 +162,7 @@ XmlReader::XmlReader(std::pmr::memory_resource* memory) : memory_(std::make_uniq
     XML_SetUserData(parser, this);
     XML_SetElementHandler(parser, Callbacks::begin, Callbacks::end);
     XML_SetCharacterDataHandler(parser, Callbacks::text);
+    XML_SetStartNamespaceDeclHandler(parser, Callbacks::declare);
     XML_SetStartDoctypeDeclHandler(parser, Callbacks::doctype);
 }
 
@@ -209,14 +217,17 @@ bool XmlReader::parse(std::string_view bytes, bool last) {
 }
 
 void XmlReader::fail(std::string what) {
-    XML_Parser parser = as_parser(parser_);
-    failure_ = {XML_GetCurrentLineNumber(parser), event_offset(), std::move(what)};
+    failure_ = {event_line(), event_offset(), std::move(what)};
     stop();
 }
 
 void XmlReader::stop() {
     stopped_ = true;
     XML_StopParser(as_parser(parser_), XML_FALSE);
+}
+
+std::uint64_t XmlReader::event_line() const noexcept {
+    return XML_GetCurrentLineNumber(as_parser(parser_));
 }
 
 std::uint64_t XmlReader::event_offset() const noexcept {

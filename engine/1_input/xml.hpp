@@ -65,13 +65,16 @@ protected:
     virtual void end_element(const XmlName& name) = 0;
     /// A piece of the text between tags; a line of it may come in many.
     virtual void text(std::string_view piece) = 0;
+    /// A prefix that the next element declares, empty for that of names without one.
+    virtual void declare_namespace(std::string_view /*prefix*/, std::string_view /*space*/) {}
 
     /// Ends parsing with a failure at the event at hand.
     void fail(std::string what);
     /// Ends parsing without one.
     void stop();
 
-    /// Where in the document the tag or text at hand begins and ends, in bytes.
+    /// Where in the document the tag or text at hand stands: its line, from 1, and the bytes where it begins and ends.
+    std::uint64_t event_line() const noexcept;
     std::uint64_t event_offset() const noexcept;
     std::uint64_t event_end() const noexcept;
 

@@ -13,7 +13,7 @@
 
 #include "engine/shapes.hpp"
 
-namespace lamella::input_test {
+namespace lamella::ply_test {
 
 inline constexpr std::array<std::string_view, 3> ply_encodings = {"ascii", "binary_little_endian", "binary_big_endian"};
 
@@ -225,4 +225,4 @@ inline std::string ply(const PlyVariant& how, const shapes::Indexed& mesh) {
     return ply(how, mesh.xyz, triangles_of(mesh));
 }
 
-}  // namespace lamella::input_test
+}  // namespace lamella::ply_test

@@ -9,7 +9,9 @@
 #include "ply_writer.hpp"
 #include "read.hpp"
 
-namespace lamella::input_test {
+namespace lamella::ply_test {
+
+using namespace input_test;
 
 using Catch::Contains;
 
@@ -378,4 +380,4 @@ TEST_CASE("PLY is known by its content", "[input][ply]") {
     CHECK_THAT(mesh.warnings[0], Contains("is a file of format PLY, not STL as its name says"));
 }
 
-}  // namespace lamella::input_test
+}  // namespace lamella::ply_test

@@ -8,7 +8,9 @@
 #include "ply_writer.hpp"
 #include "read.hpp"
 
-namespace lamella::input_test {
+namespace lamella::ply_test {
+
+using namespace input_test;
 
 using Catch::Contains;
 
@@ -269,4 +271,4 @@ TEST_CASE("PLY polygons with a corner that is nowhere are refused", "[input][ply
     CHECK_THAT(error.message, Contains("'face' 1: vertex 2 has a coordinate that is not finite"));
 }
 
-}  // namespace lamella::input_test
+}  // namespace lamella::ply_test

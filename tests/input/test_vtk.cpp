@@ -7,7 +7,7 @@
 #include "read.hpp"
 #include "vtk_files.hpp"
 
-namespace lamella::input_test {
+namespace lamella::vtk_test {
 
 using Catch::Contains;
 
@@ -366,4 +366,4 @@ TEST_CASE("what legacy VTK expands to is counted before it is allocated", "[inpu
     CHECK(read_mesh(path, options).ok());
 }
 
-}  // namespace lamella::input_test
+}  // namespace lamella::vtk_test

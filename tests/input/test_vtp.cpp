@@ -5,7 +5,7 @@
 #include "read.hpp"
 #include "vtk_files.hpp"
 
-namespace lamella::input_test {
+namespace lamella::vtk_test {
 
 using Catch::Contains;
 
@@ -428,4 +428,4 @@ TEST_CASE("VTP that expands enormously is refused before it is unpacked", "[inpu
     CHECK(read_mesh(many, options).error().code == Code::out_of_memory);
 }
 
-}  // namespace lamella::input_test
+}  // namespace lamella::vtk_test

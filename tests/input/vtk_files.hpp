@@ -15,7 +15,9 @@
 #include "files.hpp"
 #include "lamella/lamella.hpp"
 
-namespace lamella::input_test {
+namespace lamella::vtk_test {
+
+using namespace input_test;
 
 using Cells = std::vector<std::vector<std::uint32_t>>;
 
@@ -197,4 +199,4 @@ struct Encoding {
     }
 };
 
-}  // namespace lamella::input_test
+}  // namespace lamella::vtk_test

@@ -62,5 +62,6 @@ expect_json() {
 sphere() { expect 0 make sphere --triangles "${2:-1000}" --height 20 -o "$1"; }
 
 source "$here/topics.sh"
+source "$here/faults.sh"
 "test_$topic"
 echo "passed"

@@ -1,0 +1,189 @@
+// Memory that runs out, at every allocation in turn: an error each time, and nothing kept.
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <memory_resource>
+#include <new>
+#include <optional>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "input/files.hpp"
+
+using lamella::Code;
+using lamella::SliceOptions;
+
+namespace {
+
+/// Fails its allocation number `fails_at` (from 1) and every one after that: memory that is gone stays gone.
+class FailingMemory final : public std::pmr::memory_resource {
+public:
+    explicit FailingMemory(std::uint64_t fails_at) : fails_at_(fails_at) {}
+    std::uint64_t asked() const { return asked_; }
+    std::int64_t held() const { return held_; }
+
+private:
+    void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+        if (++asked_ >= fails_at_) {
+            throw std::bad_alloc();
+        }
+        ++held_;
+        return ::operator new (bytes, std::align_val_t{alignment});
+    }
+    void do_deallocate(void* memory, std::size_t, std::size_t alignment) override {
+        --held_;
+        ::operator delete (memory, std::align_val_t{alignment});
+    }
+    bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
+
+    std::uint64_t fails_at_;
+    std::atomic<std::uint64_t> asked_{0};
+    std::atomic<std::int64_t> held_{0};
+};
+
+constexpr std::uint64_t never = ~std::uint64_t{0};
+
+/// Runs `call` until it succeeds, the first failing allocation being `step` later each time. `call` says with which code it
+/// failed, or nothing.
+using Call = std::function<std::optional<Code>(std::pmr::memory_resource*)>;
+
+void fail_everywhere(const Call& call, std::uint64_t step = 1) {
+    std::uint64_t failures = 0;
+    for (std::uint64_t at = 1;; at += step) {
+        FailingMemory memory(at);
+        const std::optional<Code> code = call(&memory);
+        INFO("allocation " << at);
+        REQUIRE(memory.held() == 0);
+        if (!code) {
+            break;
+        }
+        REQUIRE(*code == Code::out_of_memory);
+        ++failures;
+    }
+    CHECK(failures > 0);
+}
+
+template <class Outcome>
+std::optional<Code> code_of(const Outcome& outcome) {
+    return outcome.ok() ? std::optional<Code>() : outcome.error().code;
+}
+
+void fail_slicing_everywhere(const shapes::Soup& soup, SliceOptions options, std::uint64_t step = 1) {
+    fail_everywhere(
+        [&](std::pmr::memory_resource* memory) {
+            options.memory = memory;
+            return code_of(slice(view_of(soup), options));
+        },
+        step);
+}
+
+/// Nested and overlapping shells, one inverted, with a hole: contours of every role.
+shapes::Soup everything() {
+    shapes::Soup soup =
+        shapes::joined({shapes::box({0, 0, 0}, {9, 9, 9}), shapes::flipped(shapes::box({1, 1, 1}, {4, 4, 8})),
+                        shapes::box({6, 6, 0}, {12, 12, 9}), shapes::octasphere({20, 0, 5}, 5, 2)});
+    soup.erase(soup.end() - 9 * 20, soup.end() - 9 * 14);
+    return soup;
+}
+
+/// One plane that crosses more segments than from which on threads share it: the sides of many prisms.
+shapes::Soup wide_plane() {
+    constexpr std::size_t wide = std::size_t{1} << 18;
+    constexpr std::size_t prisms = 64;
+    shapes::Soup soup;
+    for (std::size_t i = 0; i < prisms; ++i) {
+        const shapes::Soup prism = shapes::moved(shapes::prism(static_cast<int>(wide / prisms / 8) + 1, 1, 1),
+                                                 {3.0 * static_cast<double>(i), 0, 0});
+        soup.insert(soup.end(), prism.begin(), prism.end());
+    }
+    return soup;
+}
+
+}  // namespace
+
+TEST_CASE("a slice fails cleanly at each of its allocations", "[engine][faults]") {
+    SliceOptions options = uniform(0.4);
+    options.form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
+    options.threads = GENERATE(1, 3);
+    options.band_planes = GENERATE(0, 5);
+    fail_slicing_everywhere(everything(), options);
+}
+
+TEST_CASE("a slice by random planes fails cleanly at each of its allocations", "[engine][faults]") {
+    SliceOptions options;
+    options.plan.spacing = lamella::RandomLayers{0.2, 0.6, 4};
+    options.threads = 1;
+    fail_slicing_everywhere(everything(), options);
+}
+
+TEST_CASE("filling and closing gaps fail cleanly at each of their allocations", "[engine][faults]") {
+    SliceOptions options = uniform(0.7);
+    options.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::even_odd, lamella::FillRule::non_zero,
+                                 lamella::FillRule::positive);
+    options.close_gaps_mm = 2;
+    options.threads = 2;
+    fail_slicing_everywhere(everything(), options);
+}
+
+TEST_CASE("a wide plane fails cleanly at its allocations", "[engine][faults][wide]") {
+    const shapes::Soup soup = wide_plane();
+    SliceOptions options;
+    options.plan.spacing = lamella::ExplicitPlanes{{0.5}};
+    options.threads = 2;
+    FailingMemory counting(never);
+    options.memory = &counting;
+    REQUIRE(slice(view_of(soup), options).ok());
+    // Each costs a slice of 2^18 segments: a dozen, spread over all.
+    fail_slicing_everywhere(soup, options, std::max<std::uint64_t>(1, counting.asked() / 12));
+}
+
+TEST_CASE("a workspace whose memory ran out slices again", "[engine][faults]") {
+    const shapes::Soup soup = everything();
+    SliceOptions options = uniform(0.4);
+    options.threads = 2;
+    const std::uint64_t expected = output_hash(sliced(soup, options));
+    for (std::uint64_t at = 1; at < 200; at += 7) {
+        lamella::Workspace workspace;
+        lamella::SliceResult result;
+        FailingMemory memory(at);
+        options.memory = &memory;
+        (void)slice(view_of(soup), options, workspace, result);
+        options.memory = nullptr;
+        INFO("allocation " << at);
+        REQUIRE(slice(view_of(soup), options, workspace, result).ok());
+        CHECK(output_hash(result) == expected);
+        CHECK(memory.held() == 0);
+    }
+}
+
+TEST_CASE("welding fails cleanly at each of its allocations", "[engine][faults]") {
+    const shapes::Soup soup = everything();
+    fail_everywhere([&](std::pmr::memory_resource* memory) { return code_of(weld(view_of(soup), 0.01, memory)); });
+}
+
+TEST_CASE("assembling fails cleanly at each of its allocations", "[engine][faults]") {
+    std::vector<lamella::Segment> segments;
+    for (std::uint64_t i = 0; i < 5000; ++i) {
+        const auto at = static_cast<std::int32_t>(i);
+        segments.push_back({{i, 0, 0}, {i % 3 == 2 ? i - 2 : i + 1, 0, 0}, {at, at % 7}, {at + 1, at % 5}, 0, 0});
+    }
+    fail_everywhere([&](std::pmr::memory_resource* memory) {
+        lamella::AssembleOptions options;
+        options.memory = memory;
+        return code_of(assemble(segments, options));
+    });
+}
+
+TEST_CASE("reading fails cleanly at each of its allocations", "[engine][faults]") {
+    const lamella::input_test::TempDir folder;
+    const auto facets = lamella::input_test::numbered_facets(500);
+    const bool text = GENERATE(false, true);
+    const auto path = folder.write(text ? "text.stl" : "binary.stl",
+                                   text ? lamella::input_test::ascii_stl(facets) : lamella::input_test::binary_stl(facets));
+    fail_everywhere([&](std::pmr::memory_resource* memory) {
+        lamella::ReadOptions options;
+        options.memory = memory;
+        return code_of(read_mesh(path, options));
+    });
+}

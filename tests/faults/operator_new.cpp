@@ -1,0 +1,232 @@
+// What takes memory by operator new, which this executable replaces: each call fails at each allocation in turn with an
+// error, and gives back all that it took.
+#include <atomic>
+#include <cstdlib>
+#include <functional>
+#include <iterator>
+#include <new>
+#include <optional>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "input/files.hpp"
+
+namespace {
+
+constexpr std::int64_t never = -1;
+
+std::atomic<std::int64_t> left_until_failure{never};  ///< allocations that still succeed, while it is not `never`
+std::atomic<bool> fails_once{false};                  ///< else for good, as memory that is gone
+std::atomic<std::int64_t> failures{0};
+std::atomic<std::int64_t> blocks_held{0};
+
+bool fails_now() noexcept {
+    std::int64_t left = left_until_failure;
+    while (left > 0 && !left_until_failure.compare_exchange_weak(left, left - 1)) {
+    }
+    return left == 0 && (failures++ == 0 || !fails_once);
+}
+
+void* take(std::size_t bytes, std::size_t alignment) noexcept {
+    if (fails_now()) {
+        return nullptr;
+    }
+    void* const memory = std::aligned_alloc(alignment, (bytes + alignment) / alignment * alignment);
+    blocks_held += memory != nullptr ? 1 : 0;
+    return memory;
+}
+
+void* take_or_throw(std::size_t bytes, std::size_t alignment) {
+    void* const memory = take(bytes, alignment);
+    if (memory == nullptr) {
+        throw std::bad_alloc();
+    }
+    return memory;
+}
+
+void give(void* memory) noexcept {
+    blocks_held -= memory != nullptr ? 1 : 0;
+    std::free(memory);
+}
+
+constexpr std::size_t usual = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+
+}  // namespace
+
+void* operator new(std::size_t bytes) {
+    return take_or_throw(bytes, usual);
+}
+void* operator new[](std::size_t bytes) {
+    return take_or_throw(bytes, usual);
+}
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+    return take_or_throw(bytes, static_cast<std::size_t>(alignment));
+}
+void* operator new[](std::size_t bytes, std::align_val_t alignment) {
+    return take_or_throw(bytes, static_cast<std::size_t>(alignment));
+}
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+    return take(bytes, usual);
+}
+void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept {
+    return take(bytes, usual);
+}
+void operator delete(void* memory) noexcept {
+    give(memory);
+}
+void operator delete[](void* memory) noexcept {
+    give(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    give(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+    give(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+    give(memory);
+}
+void operator delete[](void* memory, std::align_val_t) noexcept {
+    give(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+    give(memory);
+}
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
+    give(memory);
+}
+
+namespace {
+
+using lamella::Code;
+using lamella::input_test::TempDir;
+
+/// The code with which a call failed, or nothing.
+using Call = std::function<std::optional<Code>()>;
+
+template <class Outcome>
+std::optional<Code> code_of(const Outcome& outcome) {
+    return outcome.ok() ? std::optional<Code>() : outcome.error().code;
+}
+
+/// Runs `call` with its first, second, ... allocation failing, until it needs no more of them.
+void fail_everywhere(const Call& call, bool once) {
+    const std::optional<Code> expected = call();  // threads that start now keep what they take
+    std::int64_t succeed = 0;
+    for (bool failed = true; failed; ++succeed) {
+        const std::int64_t held = blocks_held;
+        fails_once = once;
+        failures = 0;
+        left_until_failure = succeed;
+        const std::optional<Code> code = call();
+        left_until_failure = never;
+        const std::int64_t kept = blocks_held - held;
+        failed = failures > 0;
+        INFO("after " << succeed << " allocations, failing " << (once ? "once" : "for good"));
+        REQUIRE(kept == 0);
+        REQUIRE((code == expected || (failed && code == Code::out_of_memory)));
+    }
+    CHECK(succeed > 1);
+}
+
+void fail_everywhere(const Call& call) {
+    fail_everywhere(call, true);
+    fail_everywhere(call, false);
+}
+
+/// A box with a side open, an inverted one inside it, and a ball.
+shapes::Soup everything() {
+    shapes::Soup soup =
+        shapes::joined({shapes::box({0, 0, 0}, {9, 9, 9}), shapes::flipped(shapes::box({1, 1, 1}, {4, 4, 8})),
+                        shapes::octasphere({20, 0, 5}, 5, 2)});
+    soup.erase(soup.begin() + 9 * 4, soup.begin() + 9 * 6);
+    return soup;
+}
+
+std::size_t files_in(const TempDir& folder) {
+    const std::filesystem::directory_iterator entries(folder / "");
+    return static_cast<std::size_t>(std::distance(begin(entries), end(entries)));
+}
+
+}  // namespace
+
+TEST_CASE("operator new fails: slicing", "[faults]") {
+    const shapes::Soup soup = everything();
+    lamella::SliceOptions options = uniform(0.4);
+    options.form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
+    options.threads = GENERATE(1, 3);
+    options.close_gaps_mm = 2;
+    fail_everywhere([&] { return code_of(slice(view_of(soup), options)); });
+}
+
+TEST_CASE("operator new fails: slicing what is refused", "[faults]") {
+    shapes::Soup soup = everything();
+    lamella::SliceOptions options = uniform(0.4);
+    options.threads = 1;
+    SECTION("a coordinate") {
+        soup[100] = 1e300;
+    }
+    SECTION("planes") {
+        options.plan.spacing = lamella::ExplicitPlanes{{2, 1}};
+    }
+    SECTION("the memory limit") {
+        options.memory_limit_bytes = 1000;
+    }
+    SECTION("an option") {
+        options.threads = -1;
+    }
+    fail_everywhere([&] { return code_of(slice(view_of(soup), options)); });
+}
+
+TEST_CASE("operator new fails: examining, welding, assembling", "[faults]") {
+    const shapes::Soup soup = everything();
+    const int threads = GENERATE(1, 3);
+    fail_everywhere([&] { return code_of(inspect(view_of(soup), {.unit_mm = 0, .threads = threads, .transform = {}})); });
+    fail_everywhere([&] { return code_of(lamella::weld(view_of(soup), 0.01)); });
+    const std::vector<lamella::Segment> segments(9, {{1, 0, 0}, {2, 0, 0}, {0, 0}, {1, 1}, 0, 0});
+    fail_everywhere([&] { return code_of(lamella::assemble(segments)); });
+}
+
+TEST_CASE("operator new fails: reading", "[faults]") {
+    const TempDir folder;
+    const auto facets = lamella::input_test::numbered_facets(50);
+    const std::string binary = lamella::input_test::binary_stl(facets);
+    const std::string text = lamella::input_test::ascii_stl(facets);
+    const std::vector<std::filesystem::path> paths = {folder.write("binary.stl", binary),
+                                                      folder.write("text.stl", text),
+                                                      folder.write("other.bin", binary),
+                                                      folder.write("trailing.stl", binary + "more"),
+                                                      folder.write("cut.stl", binary.substr(0, 1000)),
+                                                      folder.write("cut_text.stl", text.substr(0, 1000)),
+                                                      folder.write("page.stl", "<html></html>"),
+                                                      folder / "missing.stl"};
+    for (const std::filesystem::path& path : paths) {
+        for (const bool map : {false, true}) {
+            INFO(path.string());
+            lamella::ReadOptions options;
+            options.threads = 2;
+            options.map_file = map;
+            fail_everywhere([&] { return code_of(read_mesh(path, options)); });
+        }
+    }
+}
+
+// Not report_json(): the JSON library neither frees all that it took nor destroys a tree without taking more.
+TEST_CASE("operator new fails: writing leaves nothing half-written", "[faults]") {
+    const TempDir folder;
+    const lamella::SliceResult result = sliced(everything(), uniform(0.4));
+    const std::filesystem::path path = folder / "out.svg";
+    bool tidy = true;  // noted here and checked below, as Catch takes memory too
+    const auto left_alone = [&](const lamella::Status& status) {
+        const std::int64_t left = left_until_failure.exchange(never);
+        tidy = tidy && files_in(folder) == (status.ok() ? 1U : 0U);
+        std::filesystem::remove(path);
+        left_until_failure = left;
+        return code_of(status);
+    };
+    fail_everywhere([&] { return left_alone(write_svg(result, path)); });
+    fail_everywhere([&] { return left_alone(lamella::write_text_file(path, "text")); });
+    CHECK(tidy);
+    fail_everywhere([&] { return code_of(validate(result)); });
+}

@@ -1,0 +1,56 @@
+// What the fuzz targets share: choices drawn from the fuzzer's bytes, and the one way to report a finding.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fuzz {
+
+/// Reads byte by byte; past the end there are zeros, so that every input means something.
+class Bytes {
+public:
+    Bytes(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}
+
+    std::uint8_t next() {
+        if (rest_.empty()) {
+            return 0;
+        }
+        const std::uint8_t byte = rest_.front();
+        rest_ = rest_.subspan(1);
+        return byte;
+    }
+    /// A number below `end`, which is at most 256.
+    unsigned below(unsigned end) { return next() % end; }
+    bool empty() const { return rest_.empty(); }
+    std::span<const std::uint8_t> rest() const { return rest_; }
+
+private:
+    std::span<const std::uint8_t> rest_;
+};
+
+/// The fuzzers and the replay take an abort as the finding that it is.
+inline void require(bool holds, const std::string& promise) {
+    if (!holds) {
+        (void)std::fprintf(stderr, "broken: %s\n", promise.c_str());
+        std::abort();
+    }
+}
+
+/// An order that depends on nothing but the seed.
+template <class T>
+void shuffle(std::vector<T>& items, std::uint32_t seed) {
+    for (std::size_t i = items.size(); i > 1; --i) {
+        seed = seed * 1664525U + 1013904223U;
+        std::swap(items[i - 1], items[(seed >> 8) % i]);
+    }
+}
+
+}  // namespace fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

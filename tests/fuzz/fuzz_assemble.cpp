@@ -1,0 +1,107 @@
+// Arbitrary segments with few keys, so that many meet: assembled, every one is used exactly once.
+#include <algorithm>
+
+#include "bytes.hpp"
+#include "lamella/assemble.hpp"
+
+using lamella::Contour;
+using lamella::EndKey;
+using lamella::LayerContours;
+using lamella::Point;
+using lamella::Role;
+using lamella::Segment;
+
+namespace {
+
+constexpr std::size_t most_segments = 400;
+
+/// Where the ends with a key lie, if the segments agree about it.
+Point place_of(const EndKey& key) {
+    return {static_cast<std::int32_t>(7 * key.a % 16), static_cast<std::int32_t>(5 * key.a % 16)};
+}
+
+/// As segments from a mesh are: what meets has one place, and a rank is a segment's own.
+Segment agreeing(fuzz::Bytes& bytes) {
+    Segment segment;
+    segment.from_key.a = bytes.below(24);
+    segment.to_key.a = bytes.below(24);
+    segment.from = place_of(segment.from_key);
+    segment.to = place_of(segment.to_key);
+    segment.from_rank = static_cast<std::uint32_t>(segment.to_key.a % 5);
+    segment.to_rank = static_cast<std::uint32_t>(segment.from_key.a % 3);
+    return segment;
+}
+
+Segment arbitrary(fuzz::Bytes& bytes) {
+    // The largest differences that a grid allows among the small ones.
+    const auto coordinate = [&bytes] {
+        const unsigned byte = bytes.next();
+        return byte >= 0xF8 ? (byte % 2 == 0 ? lamella::grid_limit : -lamella::grid_limit)
+                            : static_cast<std::int32_t>(byte % 8);
+    };
+    Segment segment;
+    segment.from_key = {bytes.below(4), bytes.below(2), bytes.below(2)};
+    segment.to_key = {bytes.below(4), bytes.below(2), bytes.below(2)};
+    segment.from = {coordinate(), coordinate()};
+    segment.to = {coordinate(), coordinate()};
+    segment.from_rank = bytes.below(3);
+    segment.to_rank = bytes.below(3);
+    return segment;
+}
+
+void check_contour(const LayerContours& layer, const Contour& contour, std::uint64_t first_point) {
+    fuzz::require(contour.first_point == first_point && contour.point_count > 0, "points are contiguous");
+    fuzz::require(contour.parent >= -1 && contour.parent < static_cast<std::int64_t>(layer.contours.size()),
+                  "parents are contours");
+    if (contour.parent >= 0) {
+        const Role role = layer.contours[static_cast<std::size_t>(contour.parent)].role;
+        fuzz::require(role == Role::outer || role == Role::hole, "parents have an inside");
+    }
+    const bool flat = contour.twice_area == lamella::Wide{};
+    fuzz::require(flat == (contour.role == Role::flat || contour.role == Role::open), "what has no area is flat or open");
+    fuzz::require(flat || (contour.twice_area.high < 0) == (contour.role == Role::hole), "outers turn left, holes right");
+}
+
+LayerContours assembled(const std::vector<Segment>& segments) {
+    lamella::Result<LayerContours> layer = assemble(segments);
+    fuzz::require(layer.ok(), "any segments can be assembled");
+    std::uint64_t used = 0;
+    std::uint64_t points = 0;
+    for (const Contour& contour : layer->contours) {
+        check_contour(*layer, contour, points);
+        used += contour.segments;
+        points += contour.point_count;
+    }
+    fuzz::require(used == segments.size(), "every segment is used exactly once");
+    fuzz::require(points == layer->points.size(), "every point belongs to a contour");
+    return std::move(layer).value();
+}
+
+bool same(const Contour& a, const Contour& b) {
+    return a.first_point == b.first_point && a.twice_area == b.twice_area && a.parent == b.parent &&
+           a.point_count == b.point_count && a.segments == b.segments && a.role == b.role && a.sense == b.sense &&
+           a.flags == b.flags;
+}
+
+bool same(const LayerContours& a, const LayerContours& b) {
+    return std::equal(a.contours.begin(), a.contours.end(), b.contours.begin(), b.contours.end(),
+                      [](const Contour& x, const Contour& y) { return same(x, y); }) &&
+           std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end());
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::Bytes bytes(data, size);
+    const std::uint32_t seed = bytes.next();
+    const bool agree = seed % 2 == 0;
+    std::vector<Segment> segments;
+    while (!bytes.empty() && segments.size() < most_segments) {
+        segments.push_back(agree ? agreeing(bytes) : arbitrary(bytes));
+    }
+    const LayerContours layer = assembled(segments);
+    fuzz::shuffle(segments, seed);
+    const LayerContours again = assembled(segments);
+    fuzz::require(!agree || same(layer, again), "the order of the segments does not matter");
+    return 0;
+}

@@ -1,0 +1,143 @@
+// Soups with corners on small integers, where everything coincides, sliced in every way that must not matter: both forms,
+// other bands and threads, shuffled triangles. All must be valid and the same.
+#include <algorithm>
+#include <array>
+
+#include "bytes.hpp"
+#include "lamella/lamella.hpp"
+
+using lamella::ContourForm;
+using lamella::MeshView;
+using lamella::SliceOptions;
+using lamella::SliceResult;
+
+namespace {
+
+using Corner = std::array<double, 3>;
+using Triangle = std::array<Corner, 3>;
+
+constexpr std::size_t most_triangles = 60;
+
+/// How wide an integer step is, on which grid: on a coarse one, on a fine one, and up to the grid's very limits.
+struct Scale {
+    double step_mm;
+    double unit_mm;
+};
+constexpr std::array<Scale, 4> scales = {{{1, 0.5}, {1, 0.125}, {256, 0}, {0.37, 0}}};
+
+struct Case {
+    std::vector<Triangle> triangles;
+    SliceOptions options;
+    std::uint32_t seed = 0;
+    bool floats = false;
+};
+
+Corner corner(fuzz::Bytes& bytes, double step_mm) {
+    const unsigned xy = bytes.next();
+    const auto at = [step_mm](unsigned integer) { return step_mm * (static_cast<double>(integer) - 4); };
+    return {at(xy % 9), at(xy / 16 % 9), at(bytes.below(9))};
+}
+
+/// A triangle, or the four of a tetrahedron: alone the first leave hardly anything closed.
+void add_shape(fuzz::Bytes& bytes, bool solid, double step_mm, std::vector<Triangle>& triangles) {
+    const Corner a = corner(bytes, step_mm);
+    const Corner b = corner(bytes, step_mm);
+    const Corner c = corner(bytes, step_mm);
+    triangles.push_back({a, b, c});
+    if (solid) {
+        const Corner d = corner(bytes, step_mm);
+        triangles.insert(triangles.end(), {{a, c, d}, {c, b, d}, {b, a, d}});
+    }
+}
+
+/// Heights on the integers, which corners have, and between them.
+lamella::LayerPlan plan(fuzz::Bytes& bytes, double step_mm) {
+    lamella::LayerPlan plan;
+    const unsigned kind = bytes.next();
+    plan.side = kind % 2 == 0 ? lamella::Side::below : lamella::Side::above;
+    if (kind / 2 % 4 == 0) {
+        plan.spacing = lamella::UniformLayers{step_mm * (1 + kind / 8 % 8) / 4, {}, lamella::Datum::mesh_min};
+    } else if (kind / 2 % 4 == 1) {
+        plan.spacing = lamella::UniformLayers{step_mm / 2, step_mm * (kind / 8 % 4) / 2, lamella::Datum::zero};
+    } else if (kind / 2 % 4 == 2) {
+        plan.spacing = lamella::RandomLayers{step_mm / 2, step_mm, kind};
+    } else {
+        lamella::ExplicitPlanes planes;
+        for (int quarter = -18; quarter <= 18; quarter += 1 + static_cast<int>(kind / 8 % 8)) {
+            planes.heights_mm.push_back(step_mm * quarter / 4);
+        }
+        plan.spacing = planes;
+    }
+    return plan;
+}
+
+Case drawn(fuzz::Bytes& bytes) {
+    Case drawn;
+    const unsigned form = bytes.next();
+    const unsigned mending = bytes.next();
+    const Scale scale = scales[form / 4 % 4];
+    drawn.seed = form;
+    drawn.floats = form % 2 != 0;
+    drawn.options.unit_mm = scale.unit_mm;
+    drawn.options.threads = 1 + static_cast<int>(form / 16 % 3);
+    drawn.options.band_planes = static_cast<int>(form / 64);
+    drawn.options.fill_rule = static_cast<lamella::FillRule>(mending % 4);
+    drawn.options.close_gaps_mm = scale.step_mm * (mending / 4 % 4);
+    if (mending / 16 % 4 == 3) {
+        drawn.options.transform = lamella::Transform::from_normal(1, mending / 64, 2);
+    }
+    drawn.options.plan = plan(bytes, scale.step_mm);
+    while (!bytes.empty() && drawn.triangles.size() < most_triangles) {
+        add_shape(bytes, form / 2 % 2 != 0, scale.step_mm, drawn.triangles);
+    }
+    return drawn;
+}
+
+template <class Number>
+lamella::Result<SliceResult> sliced_as(const Case& drawn) {
+    std::vector<Number> soup;
+    for (const Triangle& triangle : drawn.triangles) {
+        for (const Corner& corner : triangle) {
+            soup.insert(soup.end(),
+                        {static_cast<Number>(corner[0]), static_cast<Number>(corner[1]), static_cast<Number>(corner[2])});
+        }
+    }
+    return slice(MeshView::soup(std::span<const Number>(soup)), drawn.options);
+}
+
+/// The hash of a valid result; the code of an error.
+std::uint64_t outcome(const Case& drawn) {
+    const lamella::Result<SliceResult> result = drawn.floats ? sliced_as<float>(drawn) : sliced_as<double>(drawn);
+    if (!result) {
+        // That is what an exception from within would become.
+        fuzz::require(result.error().code != lamella::Code::cancelled, result.error().message);
+        return static_cast<std::uint64_t>(result.error().code);
+    }
+    const lamella::Status valid = validate(*result);
+    fuzz::require(valid.ok(), valid.ok() ? "" : valid.error().message);
+    return output_hash(*result);
+}
+
+void check_ways(Case drawn) {
+    const std::uint64_t expected = outcome(drawn);
+    drawn.options.form = ContourForm::assembled;
+    fuzz::require(outcome(drawn) == expected, "both forms give the same");
+    drawn.options.form = ContourForm::swept;
+    drawn.options.band_planes = 3 - drawn.options.band_planes;
+    drawn.options.threads = 4 - drawn.options.threads;
+    fuzz::require(outcome(drawn) == expected, "neither bands nor threads matter");
+    fuzz::shuffle(drawn.triangles, drawn.seed);
+    for (std::size_t t = 0; t < drawn.triangles.size(); ++t) {
+        Triangle& corners = drawn.triangles[t];
+        std::rotate(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(t % 3), corners.end());
+    }
+    fuzz::require(outcome(drawn) == expected, "the order of triangles and corners does not matter");
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::Bytes bytes(data, size);
+    check_ways(drawn(bytes));
+    return 0;
+}

@@ -1,0 +1,46 @@
+// Runs a fuzz target over the files named, and over those in the folders named: what the fuzzers found worth keeping, as a
+// test for any compiler.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "bytes.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> files_in(const fs::path& path) {
+    if (!fs::is_directory(path)) {
+        return {path};
+    }
+    std::vector<fs::path> files(fs::directory_iterator(path), fs::directory_iterator{});
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+void replay(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    const std::vector<char> bytes(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>{});
+    fuzz::require(!stream.bad() && stream.is_open(), "the corpus can be read: " + file.string());
+    (void)LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+    std::size_t replayed = 0;
+    for (int i = 1; i < count; ++i) {
+        for (const fs::path& file : files_in(words[i])) {
+            (void)std::fprintf(stderr, "%s\n", file.c_str());  // the last one named is the one that broke something
+            replay(file);
+            ++replayed;
+        }
+    }
+    fuzz::require(replayed > 0, "there is a corpus");
+    std::printf("%zu inputs replayed\n", replayed);
+    return 0;
+}

@@ -64,11 +64,11 @@ TEST_CASE("boxes that only one axis makes too wide for vectors have exact areas"
     for (std::size_t i = 0; i < slots.size(); ++i) {
         slots[i] = static_cast<std::uint32_t>(i);
     }
-    for (const bool wide : {false, true}) {
+    for (const bool along_x : {false, true}) {
         std::vector<Point> points;
-        for (std::int32_t i = 0; i < 12; ++i) {  // to and fro between the ends of one axis
-            const Point point{i % 2 == 0 ? -far : far - i, i < 6 ? i : 7 * i};
-            points.push_back(wide ? point : Point{point.y, point.x});
+        for (std::int32_t i = 0; i < 12; ++i) {  // to and fro between the ends of one axis, 2^31 apart
+            const Point point{i % 4 < 2 ? -far : far, i < 6 ? i : 7 * i};
+            points.push_back(along_x ? point : Point{point.y, point.x});
         }
         points.resize(40, points[0]);
         lamella::Int128 expected = 0;

@@ -87,18 +87,6 @@ TEST_CASE("explicit heights outside the mesh give empty layers", "[engine][plane
     CHECK(result.layers[1].plane.z() == -7);
 }
 
-TEST_CASE("slabs of listed heights meet halfway", "[engine][planes]") {
-    const shapes::Soup soup = box({0, 0, 0}, {4, 4, 10});
-    const lamella::SliceResult result = sliced(soup, at_heights({1, 3, 8}));
-    REQUIRE(result.layers.size() == 3);
-    CHECK(result.layers[0].bottom_mm == 0);  // the outermost reach as far out as they do in
-    CHECK(result.layers[0].top_mm == 2);
-    CHECK(result.layers[1].bottom_mm == 2);
-    CHECK(result.layers[1].top_mm == 5.5);
-    CHECK(result.layers[2].bottom_mm == 5.5);
-    CHECK(result.layers[2].top_mm == 10.5);
-}
-
 TEST_CASE("explicit heights that are not ascending and distinct name the pair", "[engine][planes]") {
     const shapes::Soup soup = box({0, 0, 0}, {4, 4, 4});
     const lamella::Error unsorted = failure_of(view_of(soup), at_heights({1, 3, 2}));
@@ -109,6 +97,7 @@ TEST_CASE("explicit heights that are not ascending and distinct name the pair", 
     CHECK(equal.code == Code::bad_planes);
     CHECK(equal.plane == 2);
     CHECK_THAT(equal.message, Catch::Contains("1.75") && Catch::Contains("2.25"));
+    CHECK(failure_of(view_of(soup), at_heights({3, 1})).plane == 1);
     CHECK(failure_of(view_of(soup), at_heights({1, std::nan(""), 3})).code == Code::bad_planes);
 }
 

@@ -56,12 +56,12 @@ run_tests() {
     fi
 }
 
-# The test that failed, from $log: Catch2 writes its name beneath a line, ctest behind a number.
+# failed_test STATUS: the test that failed, from $log: Catch2 writes its name beneath a line, ctest behind a number.
 failed_test() {
-    local name
-    name=$(awk 'ruled { print; exit } { ruled = /^-{70,}$/ }' "$log")
-    [[ -n "$name" ]] || name=$(sed -n 's/^ *[0-9]* - \(cli_[a-z_]*\).*/\1/p' "$log" | head -n 1)
-    echo "${name:-no test in particular}"
+    local status=$1 name
+    name=$(awk 'ruled { print; exit } { ruled = /^-+$/ && length($0) > 70 }' "$log")
+    [[ -n "$name" ]] || name=$(sed -n 's/^[[:space:]]*[0-9]* - \(cli_[a-z_]*\).*/\1/p' "$log" | head -n 1)
+    echo "${name:-exit status $status}"
 }
 
 # field NAME PATCH
@@ -84,7 +84,7 @@ try() {
     elif run_tests "$(field Tests "$patch")"; then
         outcome="SURVIVED"
     else
-        outcome="caught    $(failed_test)"
+        outcome="caught    $(failed_test $?)"
     fi
     patch_sources -R "$patch"
     echo "$outcome"

@@ -2,9 +2,10 @@
 
 build_packages=(
     cmake ninja-build g++
-    libtbb-dev libmimalloc-dev libbenchmark-dev catch2 libcli11-dev nlohmann-json3-dev libfast-float-dev zlib1g-dev libpolyclipping-dev pkg-config
+    libtbb-dev libmimalloc-dev libbenchmark-dev catch2 libcli11-dev nlohmann-json3-dev libfast-float-dev
+    zlib1g-dev libexpat1-dev libminizip-dev libpolyclipping-dev pkg-config
 )
-check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libxml2-utils)
+check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libxml2-utils libcgal-dev)
 picture_packages=(librsvg2-bin)
 
 is_installed() {

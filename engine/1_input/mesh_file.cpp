@@ -18,6 +18,12 @@ namespace {
 
 constexpr std::array all_readers = {
     Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, read_stl},
+    Reader{MeshFormat::obj, "OBJ", ".obj", looks_like_obj, read_obj},
+    Reader{MeshFormat::off, "OFF", ".off", looks_like_off, read_off},
+    Reader{MeshFormat::ply, "PLY", ".ply", looks_like_ply, read_ply},
+    Reader{MeshFormat::vtk, "VTK", ".vtk", looks_like_vtk, read_vtk},
+    Reader{MeshFormat::vtp, "VTP", ".vtp", looks_like_vtp, read_vtp},
+    Reader{MeshFormat::three_mf, "3MF", ".3mf", looks_like_3mf, read_3mf},
 };
 
 /// How much of the file decides what it is.

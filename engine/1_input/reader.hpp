@@ -65,6 +65,18 @@ struct Reader {
 // The readers, each in its file.
 bool looks_like_stl(const FileSource& source);
 Result<MeshFile> read_stl(FileSource& source);
+bool looks_like_obj(const FileSource& source);
+Result<MeshFile> read_obj(FileSource& source);
+bool looks_like_off(const FileSource& source);
+Result<MeshFile> read_off(FileSource& source);
+bool looks_like_ply(const FileSource& source);
+Result<MeshFile> read_ply(FileSource& source);
+bool looks_like_vtk(const FileSource& source);
+Result<MeshFile> read_vtk(FileSource& source);
+bool looks_like_vtp(const FileSource& source);
+Result<MeshFile> read_vtp(FileSource& source);
+bool looks_like_3mf(const FileSource& source);
+Result<MeshFile> read_3mf(FileSource& source);
 
 inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -139,6 +139,32 @@ Json open_json(const SliceResult& result) {
     return first;
 }
 
+Json ledger_json(const Ledger& ledger) {
+    Json slabs = Json::array();
+    for (std::size_t i = 0; i < std::min(ledger.slabs.size(), most_places); ++i) {
+        const Slab& slab = ledger.slabs[i];
+        slabs.push_back({{"below_layer", slab.layer},
+                         {"triangles", slab.triangles},
+                         {"flat_up_mm2", slab.flat_up_mm2},
+                         {"flat_down_mm2", slab.flat_down_mm2}});
+    }
+    Json gaps = Json::array();
+    for (std::size_t i = 0; i < std::min(ledger.gaps.size(), most_places); ++i) {
+        gaps.push_back(ledger.gaps[i]);
+    }
+    return {{"triangles", ledger.triangles},
+            {"cut", ledger.cut},
+            {"between_planes", ledger.between},
+            {"degenerate", ledger.degenerate},
+            {"horizontal", ledger.horizontal},
+            {"flat_up_mm2", ledger.flat_up_mm2},
+            {"flat_down_mm2", ledger.flat_down_mm2},
+            {"slabs", ledger.slabs.size()},
+            {"first_slabs", slabs},
+            {"empty_layers_inside", ledger.gaps.size()},
+            {"first_empty_layers", gaps}};
+}
+
 Json weld_json(const ReportContext& context) {
     return {{"tolerance_mm", context.weld_mm},
             {"vertices", context.welded->vertices},
@@ -157,6 +183,9 @@ Json report(const SliceResult& result, const ReportContext& context) {
     json["first_open"] = open_json(result);
     json["fill_rule"] = name_of(result.fill_rule);
     json["gaps"] = gaps_json(result);
+    if (context.ledger != nullptr) {
+        json["ledger"] = ledger_json(*context.ledger);
+    }
     if (context.welded != nullptr) {
         json["weld"] = weld_json(context);
     }

@@ -2,7 +2,10 @@
 #pragma once
 
 #include "lamella/assemble.hpp"
+#include "lamella/check.hpp"
+#include "lamella/check_report.hpp"
 #include "lamella/inspect.hpp"
+#include "lamella/ledger.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/mesh_file.hpp"
 #include "lamella/planes.hpp"

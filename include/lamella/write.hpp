@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lamella/ledger.hpp"
 #include "lamella/mesh_file.hpp"
 #include "lamella/result.hpp"
 #include "lamella/status.hpp"
@@ -26,6 +27,7 @@ Status write_svg(const SliceResult& result, const std::filesystem::path& path, c
 struct ReportContext {
     std::string mesh_file{};
     const MeshFile* file = nullptr;      ///< as it was read, if it came from a file
+    const Ledger* ledger = nullptr;      ///< if it was drawn up
     const WeldedMesh* welded = nullptr;  ///< if it was
     double weld_mm = 0;                  ///< the tolerance asked for
     std::string output_file{};

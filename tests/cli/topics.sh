@@ -81,7 +81,7 @@ test_bad_input() {
     local file begin command
     for file in missing.stl *.stl; do
         [[ $file != ball.stl ]] || continue
-        for command in slice info; do
+        for command in slice info check; do
             begin=$(date +%s%N)
             expect_failure 3 "$file" "$command" "$file"
             (($(date +%s%N) - begin < 1000000000)) || [[ $lamella == */asan/* || $lamella == */tsan/* ]] || fail "$file: over a second"
@@ -356,6 +356,10 @@ test_mending() {
     expect 0 slice open.stl --planes 5 --report open.json
     expect_json open.json 1 open_contours
     expect_json open.json 10.0 first_open 0 gap_mm
+    expect_json open.json 10 ledger triangles
+    expect_json open.json 6 ledger cut
+    expect_json open.json 4 ledger between_planes
+    expect_json open.json 100.0 ledger flat_up_mm2
     expect 0 slice open.stl --planes 5 --close-gaps 9.5 --report report.json
     expect_json report.json 1 open_contours
     expect_json report.json 0 gaps closed
@@ -411,4 +415,41 @@ test_info() {
     grep -qE '^boundary edges  *3$' .stdout || fail "the hole is not seen"
     grep -qE '^closed  *no$' .stdout || fail "an open mesh is called closed"
     expect 0 slice open.stl --report open.json
+}
+
+test_check() {
+    sphere ball.stl
+    expect 0 check ball.stl
+    [[ $(tail -n 1 .stdout) == "closed and clean" ]] || fail "the last line is not the verdict"
+    [[ ! -s .stderr ]] || fail "stderr is not silent"
+    { head -c 80 ball.stl; le32 999; tail -c +85 ball.stl | head -c $((999 * 50)); } > open.stl
+    expect 0 check open.stl --report open.json --marks open.ply
+    [[ $(tail -n 1 .stdout) == "not clean: 3 boundary edges, 1 boundary loop" ]] || fail "the hole is not named"
+    grep -qE '^boundary edges  *3$' .stdout || fail "no count"
+    grep -qE '^  \(.*\) \(.*\), triangle [0-9]+$' .stdout || fail "no place"
+    expect_json open.json 3 findings boundary_edges count
+    expect_json open.json 3 findings boundary_loops places 0 edges
+    expect_json open.json OFF clean
+    grep -q '^element vertex 7$' open.ply || fail "marks: not seven points"
+    grep -q '^element edge 3$' open.ply || fail "marks: not three edges"
+    cp .stdout words
+    expect 0 check open.stl --threads 1 --report - --marks again.ply
+    cmp .stdout open.json || fail "another report on one thread"
+    cmp .stderr words || fail "other words on one thread"
+    cmp open.ply again.ply || fail "other marks on one thread"
+    expect 0 check open.stl --places 1 --tolerance 0
+    grep -q '^  ... and 2 more$' .stdout || fail "more than one place"
+    expect 0 check ball.stl --unit cm --report cm.json
+    expect_json cm.json ON clean
+    rm again.ply words
+    expect_failure 2 "--tolerance" check ball.stl --tolerance -1
+    expect_failure 2 "--tolerance" check ball.stl --tolerance nan
+    expect_failure 2 "--places" check ball.stl --places -1
+    expect_failure 2 "--unit" check ball.stl --unit furlong
+    expect_failure 2 "the mesh itself" check ball.stl --marks ball.stl
+    expect_failure 2 "--marks itself" check ball.stl --marks a --report a
+    expect_failure 3 "none.stl" check none.stl
+    expect_failure 4 "none/marks.ply" check ball.stl --marks none/marks.ply
+    expect_failure 4 "No space left" check ball.stl --report /dev/full
+    expect_files ball.stl cm.json open.json open.ply open.stl
 }

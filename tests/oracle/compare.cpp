@@ -29,7 +29,8 @@ std::vector<Point> smallest_rotation(const std::vector<Point>& points) {
 
 void print(std::ostream& out, const Contour& contour, bool any_start) {
     out << name_of(contour.role) << " sense " << contour.sense << " flags " << contour.flags << " segments "
-        << contour.segments << " area/2 " << static_cast<long double>(contour.twice_area) << " points";
+        << contour.segments << " twice area " << static_cast<std::int64_t>(contour.twice_area >> 64) << " * 2^64 + "
+        << static_cast<std::uint64_t>(contour.twice_area) << " points";
     const bool rotate = any_start && contour.role != lamella::Role::open;
     for (const Point p : rotate ? smallest_rotation(contour.points) : contour.points) {
         out << ' ' << p.x << ',' << p.y;

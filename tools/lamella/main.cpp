@@ -34,6 +34,7 @@ int run(int count, char** words) {
     app.require_subcommand(1);
     add_slice_command(app, interrupt);
     add_info_command(app);
+    add_check_command(app);
     add_make_command(app, interrupt);
     try {
         app.parse(count, words);

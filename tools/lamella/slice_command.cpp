@@ -141,7 +141,13 @@ private:
             print(words);
             return;
         }
+        const Result<Ledger> books = ledger(welded_ ? welded_->view() : mesh.view(), result);
+        if (!books) {
+            throw failure_of(books.error());
+        }
+        context_.ledger = &books.value();
         const Result<std::string> json = report_json(result, context_);
+        context_.ledger = nullptr;
         if (!json) {
             throw failure_of(json.error());
         }

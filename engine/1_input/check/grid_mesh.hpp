@@ -1,0 +1,43 @@
+// The mesh as the diagnosis sees it: vertices and faces on the grid, in an order that depends on nothing but coordinates.
+// Everything found by going through them in this order is the same for any order of the input and any number of threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "lamella/array.hpp"
+#include "lamella/grid.hpp"
+#include "lamella/mesh.hpp"
+
+namespace lamella {
+
+/// Corners as vertex numbers, the smallest first, in the sense of the input; and the triangle that it was there.
+struct Face {
+    std::array<std::uint32_t, 3> corners;
+    std::uint32_t source;
+};
+
+/// Faces with the same three vertices, in either sense, have equal keys.
+inline std::array<std::uint32_t, 3> vertex_set(const Face& face) noexcept {
+    const auto [a, b, c] = face.corners;
+    return b < c ? std::array{a, b, c} : std::array{a, c, b};
+}
+
+struct GridMesh {
+    Array<GridVertex> vertices;   ///< distinct, ascending
+    Array<Face> faces;            ///< by vertex_set(), then sense, then source; those with two equal vertices left out
+    std::vector<Face> collapsed;  ///< these, in the same order
+    double unit_mm = 0;
+
+    std::array<GridVertex, 3> corners(const Face& face) const noexcept {
+        return {vertices[face.corners[0]], vertices[face.corners[1]], vertices[face.corners[2]]};
+    }
+};
+
+/// O(n log n). Precondition: indices in range, coordinates within the grid, fewer than 2^32 / 3 triangles. Throws
+/// std::bad_alloc.
+GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel);
+
+}  // namespace lamella

@@ -1,0 +1,18 @@
+// Which shell lies within which.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "1_input/check/grid_mesh.hpp"
+#include "lamella/check.hpp"
+
+namespace lamella {
+
+/// Fills in depth and parent. Rays upwards from a few vertices of each shell count, exactly, how often each closed shell
+/// winds around them; a vertex on the other shell's surface says nothing of it, and the next is asked. Returns false where
+/// the work would have exceeded 128 box comparisons a face.
+bool nest_shells(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of, std::vector<Shell>& shells,
+                 const Parallel& parallel);
+
+}  // namespace lamella

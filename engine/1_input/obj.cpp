@@ -1,0 +1,238 @@
+// Wavefront OBJ: vertices and faces; all other statements are read over.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "1_input/faces.hpp"
+#include "1_input/lines.hpp"
+#include "1_input/reader.hpp"
+
+namespace lamella {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+constexpr bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+struct Piece {
+    std::string_view text;
+    std::size_t first_vertex = 0;
+    std::size_t vertices = 0;
+};
+
+/// Reads the statements of one piece, twice: what it counts first is what it writes then.
+///
+///     v X Y Z [W | R G B [A]]
+///     f CORNER CORNER CORNER ...          with CORNER = V[/[VT][/[VN]]]
+class ObjParser : private LineParser {
+public:
+    explicit ObjParser(std::string_view piece) : LineParser(piece.data(), piece.data() + piece.size(), true) {}
+
+    void count(Piece& piece, FaceRange& faces);
+
+    /// `vertex_count` is the whole file's, as faces may refer to vertices behind them.
+    bool parse(const Piece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces);
+
+    /// Where the piece's face of this number begins. Precondition: it has so many.
+    const char* place_of_face(std::size_t number);
+
+    using LineParser::failure;
+
+private:
+    enum class Statement { vertex, face, other, none };
+
+    /// To the next statement and, of those that are read, behind its first word.
+    Statement next();
+    bool face(FaceWriter& faces);
+    bool corner(FaceWriter& faces);
+    bool references();
+    bool out_of_range(bool from_here);
+
+    std::size_t vertex_count_ = 0;
+    std::size_t seen_ = 0;  // vertices before this statement, in the whole file
+};
+
+ObjParser::Statement ObjParser::next() {
+    for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
+        if (p_ == end_) {
+            return Statement::none;
+        }
+    }
+    if (!word_ends(p_ + 1) || (*p_ != 'v' && *p_ != 'f')) {
+        return Statement::other;
+    }
+    return *p_++ == 'v' ? Statement::vertex : Statement::face;
+}
+
+void ObjParser::count(Piece& piece, FaceRange& faces) {
+    for (Statement statement = next(); statement != Statement::none; statement = next()) {
+        if (statement == Statement::face) {
+            const std::size_t corners = count_words();
+            faces.triangles += triangles_in(corners);
+            faces.most_corners = std::max(faces.most_corners, corners);
+        } else {
+            piece.vertices += static_cast<std::size_t>(statement == Statement::vertex);
+        }
+        skip_rest();
+    }
+}
+
+bool ObjParser::parse(const Piece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces) {
+    constexpr int weight_or_colour = 4;
+    vertex_count_ = vertex_count;
+    seen_ = piece.first_vertex;
+    for (Statement statement = next(); statement != Statement::none; statement = next()) {
+        if (statement == Statement::vertex) {
+            double xyz[3];
+            if (!vertex(xyz, weight_or_colour)) {
+                return false;
+            }
+            std::memcpy(coordinates + seen_ * sizeof xyz, xyz, sizeof xyz);
+            ++seen_;
+        } else if (statement == Statement::face && !face(faces)) {
+            return false;
+        }
+        skip_rest();
+    }
+    return true;
+}
+
+const char* ObjParser::place_of_face(std::size_t number) {
+    for (Statement statement = next(); statement != Statement::face || number-- > 0; statement = next()) {
+        skip_rest();
+    }
+    return p_ - 1;
+}
+
+bool ObjParser::face(FaceWriter& faces) {
+    const char* const begin = p_ - 1;
+    while (to_word()) {
+        if (!corner(faces)) {
+            return false;
+        }
+    }
+    if (faces.corners() < 3 || faces.corners() >= polygon_mark) {
+        const std::string corners = std::to_string(faces.corners());
+        p_ = begin;
+        return fail("a face has three corners or more, this one has " + corners);
+    }
+    faces.end_face();
+    return true;
+}
+
+bool ObjParser::corner(FaceWriter& faces) {
+    const char* const begin = p_;
+    const bool from_here = *p_ == '-';
+    p_ += static_cast<int>(from_here);
+    const char* const digits = p_;
+    std::uint64_t number = 0;
+    for (; p_ != end_ && is_digit(*p_); ++p_) {
+        number = std::min<std::uint64_t>(10 * number + static_cast<std::uint64_t>(*p_ - '0'), polygon_mark);
+    }
+    if (p_ == digits || !references() || !word_ends(p_)) {
+        p_ = begin;
+        return fail("malformed vertex number " + found());
+    }
+    if (number == 0 || number > (from_here ? seen_ : vertex_count_)) {
+        p_ = begin;
+        return out_of_range(from_here);
+    }
+    faces.add_corner(static_cast<std::uint32_t>(from_here ? seen_ - number : number - 1));
+    return true;
+}
+
+/// The numbers of a corner's texture vertex and normal, which may be left out.
+bool ObjParser::references() {
+    for (int i = 0; i < 2 && p_ != end_ && *p_ == '/'; ++i) {
+        ++p_;
+        const bool from_here = p_ != end_ && *p_ == '-';
+        p_ += static_cast<int>(from_here);
+        const char* const digits = p_;
+        while (p_ != end_ && is_digit(*p_)) {
+            ++p_;
+        }
+        if (from_here && p_ == digits) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool ObjParser::out_of_range(bool from_here) {
+    return fail("vertex number out of range: " +
+                (from_here ? std::to_string(seen_) + " vertices precede, found "
+                           : "the file has " + std::to_string(vertex_count_) + " vertices, found ") +
+                found());
+}
+
+std::vector<Piece> in_pieces(std::string_view text) {
+    std::vector<Piece> pieces;
+    for (const std::string_view piece : cut_at_lines(text)) {
+        pieces.push_back({.text = piece});
+    }
+    return pieces;
+}
+
+std::size_t place_vertices(std::vector<Piece>& pieces) {
+    std::size_t vertices = 0;
+    for (Piece& piece : pieces) {
+        piece.first_vertex = std::exchange(vertices, vertices + piece.vertices);
+    }
+    return vertices;
+}
+
+}  // namespace
+
+/// By its first statement, as nothing marks the format.
+bool looks_like_obj(const FileSource& source) {
+    constexpr std::array<std::string_view, 17> statements = {
+        "v", "vt", "vn", "vp", "f", "l", "p", "g", "o", "s", "mg", "mtllib", "usemtl", "usemap", "cstype", "maplib", "deg"};
+    const std::string_view text = without_byte_order_mark(source.sample());
+    const std::string_view head = head_comments(text);
+    if (!is_text(text) || head.find("# vtk") != std::string_view::npos) {
+        return false;
+    }
+    const char* const begin = text.data() + head.size();
+    const char* const end = text.data() + text.size();
+    const std::string_view word(begin, static_cast<std::size_t>(skip_word(begin, end) - begin));
+    return word.empty() ? !head.empty() : std::find(statements.begin(), statements.end(), word) != statements.end();
+}
+
+Result<MeshFile> read_obj(FileSource& source) {
+    const Result<Array<std::byte>> bytes = source.take(source.size());
+    if (!bytes) {
+        return bytes.error();
+    }
+    const Clock::time_point start = Clock::now();
+    const std::string_view whole = as_text(bytes.value().span());
+    const std::string_view text = without_byte_order_mark(whole);
+    std::vector<Piece> pieces = in_pieces(text);
+    std::vector<FaceRange> faces(pieces.size());
+    source.parallel().run(pieces.size(), [&](std::size_t i, int) { ObjParser(pieces[i].text).count(pieces[i], faces[i]); });
+    const std::size_t vertices = place_vertices(pieces);
+    Result<MeshFile> mesh = read_faces(
+        source, whole, vertices, faces,
+        [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {
+            ObjParser parser(pieces[i].text);
+            parser.parse(pieces[i], vertices, coordinates, writer);
+            return parser.failure();
+        },
+        [&](std::size_t i, std::size_t face) { return ObjParser(pieces[i].text).place_of_face(face); });
+    if (mesh) {
+        mesh->patient_frame = stated_frame(head_comments(text));
+        mesh->parse_ms = ms_since(start);
+    }
+    return mesh;
+}
+
+}  // namespace lamella

@@ -1,0 +1,310 @@
+// OFF, as text: a header, two counts, then a line for each vertex and for each face.
+//
+//     [ST][C][N]OFF
+//     VERTICES FACES [EDGES]        on a line of its own or on the header's
+//     X Y Z ...                     for each vertex; normal, colour and texture are read over
+//     CORNERS V V V ... [COLOUR]    for each face, with vertices numbered from 0
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "1_input/faces.hpp"
+#include "1_input/lines.hpp"
+#include "1_input/reader.hpp"
+
+namespace lamella {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+constexpr bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+/// The header's word, or nothing.
+std::string_view header_word(std::string_view text) {
+    const char* const begin = text.data() + head_comments(text).size();
+    const char* const end = text.data() + text.size();
+    const std::string_view word(begin, static_cast<std::size_t>(skip_word(begin, end) - begin));
+    const bool is_header = word.ends_with("OFF") && word.size() <= std::string_view("STCN4nOFF").size() &&
+                           word.find_first_not_of("STCN4nOF") == std::string_view::npos;
+    return is_header ? word : std::string_view();
+}
+
+struct Counts {
+    std::size_t vertices = 0;
+    std::size_t faces = 0;
+    const char* at = nullptr;
+
+    std::size_t lines() const { return vertices + faces; }
+    std::string words() const { return std::to_string(vertices) + " vertices and " + std::to_string(faces) + " faces"; }
+};
+
+/// The lines of a piece: vertices, then faces, then what is too much.
+struct Piece {
+    std::string_view text;
+    std::size_t first_line = 0;
+    std::size_t lines = 0;
+};
+
+/// Reads the lines of a piece, twice: what it counts first is what it writes then. Without a comment or nothing alone, each
+/// line is a vertex or a face.
+class OffParser : private LineParser {
+public:
+    explicit OffParser(std::string_view text) : LineParser(text.data(), text.data() + text.size(), false) {}
+
+    /// Of the file's head; rest() is then behind it.
+    bool header(Counts& counts);
+    const char* rest() const { return p_; }
+
+    /// The number of lines, at most `most`. All but the first `vertices` are counted as faces.
+    std::size_t count(FaceRange& faces, std::size_t vertices = 0,
+                      std::size_t most = std::numeric_limits<std::size_t>::max());
+
+    bool parse(const Piece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces);
+
+    /// Where the piece's line of this number begins. Precondition: it has so many.
+    const char* place_of_line(std::size_t number);
+
+    using LineParser::failure;
+
+private:
+    bool next_line();
+    bool whole_number(std::size_t& number, const char* what);
+    std::size_t corners_of_line();
+    bool face(std::size_t vertex_count, FaceWriter& faces);
+    bool corner(std::size_t vertex_count, FaceWriter& faces);
+};
+
+/// To the next line that holds anything.
+bool OffParser::next_line() {
+    for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
+        if (p_ == end_) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool OffParser::whole_number(std::size_t& number, const char* what) {
+    constexpr std::size_t limit = std::size_t{1} << 53;
+    if (!to_word()) {
+        return fail(std::string("expected ") + what + ", found " + found());
+    }
+    const char* const begin = p_;
+    for (number = 0; p_ != end_ && is_digit(*p_); ++p_) {
+        number = std::min(10 * number + static_cast<std::size_t>(*p_ - '0'), limit);
+    }
+    if (p_ == begin || !word_ends(p_)) {
+        p_ = begin;
+        return fail(std::string("expected ") + what + ", found " + found());
+    }
+    return true;
+}
+
+bool OffParser::header(Counts& counts) {
+    const std::string_view word = header_word({p_, static_cast<std::size_t>(end_ - p_)});
+    p_ = word.data();
+    if (word.find_first_of("4n") != std::string_view::npos) {
+        return fail("vertices of other than three coordinates are not read: " + found());
+    }
+    p_ += word.size();
+    std::size_t edges = 0;
+    if (!to_word()) {
+        next_line();
+    }
+    counts.at = p_;
+    return whole_number(counts.vertices, "the number of vertices") && whole_number(counts.faces, "the number of faces") &&
+           (!to_word() || whole_number(edges, "the number of edges")) && other_numbers(0);
+}
+
+/// What a face's line begins with, where the line is long enough for so many corners.
+std::size_t OffParser::corners_of_line() {
+    const char* const line_end = skip_line(p_, end_);
+    std::size_t corners = 0;
+    for (const char* p = p_; p != line_end && is_digit(*p); ++p) {
+        corners = 10 * corners + static_cast<std::size_t>(*p - '0');
+        if (corners > static_cast<std::size_t>(line_end - p_) / 2) {
+            return 0;  // parse() will say so
+        }
+    }
+    return corners;
+}
+
+std::size_t OffParser::count(FaceRange& faces, std::size_t vertices, std::size_t most) {
+    std::size_t lines = 0;
+    for (; lines < most && next_line(); ++lines) {
+        if (lines >= vertices) {
+            const std::size_t corners = corners_of_line();
+            faces.triangles += triangles_in(corners);
+            faces.most_corners = std::max(faces.most_corners, corners);
+        }
+        p_ = skip_line(p_, end_);
+    }
+    return lines;
+}
+
+bool OffParser::parse(const Piece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces) {
+    constexpr int normal_colour_and_texture = 3 + 4 + 2;
+    const std::size_t last = std::min(piece.first_line + piece.lines, counts.lines());
+    for (std::size_t line = piece.first_line; line < last; ++line) {
+        next_line();
+        if (line < counts.vertices) {
+            double xyz[3];
+            if (!vertex(xyz, normal_colour_and_texture)) {
+                return false;
+            }
+            std::memcpy(coordinates + line * sizeof xyz, xyz, sizeof xyz);
+        } else if (!face(counts.vertices, faces)) {
+            return false;
+        }
+        p_ = skip_line(p_, end_);
+    }
+    return true;
+}
+
+const char* OffParser::place_of_line(std::size_t number) {
+    while (next_line() && number-- > 0) {
+        p_ = skip_line(p_, end_);
+    }
+    return p_;
+}
+
+bool OffParser::face(std::size_t vertex_count, FaceWriter& faces) {
+    constexpr int colour = 4;
+    const char* const begin = p_;
+    const std::size_t held = corners_of_line();
+    std::size_t corners = 0;
+    if (!whole_number(corners, "the number of a face's corners")) {
+        return false;
+    }
+    if (corners < 3) {
+        p_ = begin;
+        return fail("a face has three corners or more, this one has " + std::to_string(corners));
+    }
+    if (corners != held) {
+        p_ = begin;
+        return fail("the face counts " + std::to_string(corners) + " corners, more than its line holds");
+    }
+    for (std::size_t i = 0; i < corners; ++i) {
+        if (!corner(vertex_count, faces)) {
+            return false;
+        }
+    }
+    faces.end_face();
+    return other_numbers(colour);
+}
+
+bool OffParser::corner(std::size_t vertex_count, FaceWriter& faces) {
+    std::size_t vertex = 0;
+    to_word();
+    const char* const begin = p_;
+    if (!whole_number(vertex, "a vertex number")) {
+        return false;
+    }
+    if (vertex >= vertex_count) {
+        p_ = begin;
+        return fail("vertex number out of range: the file has " + std::to_string(vertex_count) + " vertices, found " +
+                    found());
+    }
+    faces.add_corner(static_cast<std::uint32_t>(vertex));
+    return true;
+}
+
+std::vector<Piece> in_pieces(std::string_view text) {
+    std::vector<Piece> pieces;
+    for (const std::string_view piece : cut_at_lines(text)) {
+        pieces.push_back({.text = piece});
+    }
+    return pieces;
+}
+
+/// Counts what the pieces hold, each vertex and face on a line of its own.
+std::vector<FaceRange> count_faces(std::vector<Piece>& pieces, const Counts& counts, const Parallel& parallel) {
+    std::vector<FaceRange> faces(pieces.size());
+    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].lines = OffParser(pieces[i].text).count(faces[i]); });
+    std::size_t line = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        pieces[i].first_line = std::exchange(line, line + pieces[i].lines);
+        if (pieces[i].first_line < counts.vertices || line > counts.lines()) {  // not all of them are faces
+            faces[i] = {};
+            if (line > counts.vertices && pieces[i].first_line < counts.lines()) {
+                const std::size_t vertices = counts.vertices - std::min(counts.vertices, pieces[i].first_line);
+                OffParser(pieces[i].text).count(faces[i], vertices, counts.lines() - pieces[i].first_line);
+            }
+        }
+    }
+    return faces;
+}
+
+}  // namespace
+
+/// By its first word; binary files too, so that they are refused for what they are.
+bool looks_like_off(const FileSource& source) {
+    return !header_word(without_byte_order_mark(source.sample())).empty();
+}
+
+Result<MeshFile> read_off(FileSource& source) {
+    if (!is_text(source.sample())) {
+        return source.error(Code::malformed_mesh, "is a binary OFF file; only OFF as text is read", 0);
+    }
+    const Result<Array<std::byte>> bytes = source.take(source.size());
+    if (!bytes) {
+        return bytes.error();
+    }
+    const Clock::time_point start = Clock::now();
+    const std::string_view whole = as_text(bytes.value().span());
+    const std::string_view text = without_byte_order_mark(whole);
+    const auto failed = [&](const TextFailure& failure) {
+        return source.error_in_text(whole, static_cast<std::size_t>(failure.at - whole.data()), failure.what);
+    };
+    OffParser head(text);
+    Counts counts;
+    if (!head.header(counts)) {
+        return failed(head.failure());
+    }
+    const std::string_view body = text.substr(static_cast<std::size_t>(head.rest() - text.data()));
+    // The shortest lines are "0 0 0" and "3 0 0 0"; the last may lack its end.
+    if (6 * counts.vertices + 8 * counts.faces > body.size() + 1) {
+        return failed({counts.at, "counts " + counts.words() + ", more than the " + std::to_string(body.size()) +
+                                      " bytes that follow can hold"});
+    }
+    std::vector<Piece> pieces = in_pieces(body);
+    std::vector<FaceRange> faces = count_faces(pieces, counts, source.parallel());
+    const std::size_t lines = pieces.empty() ? 0 : pieces.back().first_line + pieces.back().lines;
+    Result<MeshFile> mesh = read_faces(
+        source, whole, std::min(counts.vertices, lines), faces,
+        [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {
+            OffParser parser(pieces[i].text);
+            const bool parsed = parser.parse(pieces[i], counts, coordinates, writer);
+            if (parsed && i + 1 == pieces.size() && lines < counts.lines()) {
+                return TextFailure{body.data() + body.size(), "expected " + counts.words() + ", found the end of the file"};
+            }
+            return parser.failure();
+        },
+        [&](std::size_t i, std::size_t face) {
+            const std::size_t first = std::max(pieces[i].first_line, counts.vertices);
+            return OffParser(pieces[i].text).place_of_line(first - pieces[i].first_line + face);
+        });
+    if (mesh) {
+        mesh->patient_frame = stated_frame(text.substr(0, static_cast<std::size_t>(counts.at - text.data())));
+        mesh->parse_ms = ms_since(start);
+        if (lines > counts.lines()) {
+            mesh->warnings.push_back(source.name() + ": ignored " + std::to_string(lines - counts.lines()) +
+                                     " lines after the last of " + std::to_string(counts.faces) + " faces");
+        }
+    }
+    return mesh;
+}
+
+}  // namespace lamella

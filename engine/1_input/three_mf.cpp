@@ -1,0 +1,76 @@
+// 3MF: a zip archive of XML parts (3MF core specification and production extension). The parts are streamed: neither an XML
+// text nor a tree of it is ever held, only the vertices and triangles that it lists.
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "1_input/reader.hpp"
+#include "1_input/three_mf_build.hpp"
+#include "1_input/three_mf_model.hpp"
+#include "1_input/zip_archive.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// What the parts of a file may expand to. Their text is not held, so that this bounds the time: real files compress about
+/// ten times, what expands a thousand times is no mesh.
+std::uint64_t text_limit(const FileSource& file) {
+    constexpr std::uint64_t largest_ratio = 32;
+    return file.memory_limit() + largest_ratio * std::min(file.size(), std::numeric_limits<std::uint64_t>::max() / 128);
+}
+
+Result<three_mf::Model> load(FileSource& file, std::chrono::steady_clock::time_point& start) {
+    const Result<Array<std::byte>> bytes = file.take(file.size());
+    if (!bytes) {
+        return bytes.error();
+    }
+    start = std::chrono::steady_clock::now();
+    Result<ZipArchive> package = ZipArchive::open(file, bytes.value().span(), text_limit(file));
+    return package ? three_mf::read_model(package.value(), file.memory_limit(), file.memory()) : package.error();
+}
+
+Result<MeshFile> build(const FileSource& file, three_mf::Model& model) {
+    if (model.items.empty()) {
+        return error_in_part(file, Code::empty_mesh, model.parts.front(), 0, "has nothing in its build");
+    }
+    std::vector<three_mf::Instance> instances;
+    if (const std::optional<three_mf::BuildProblem> problem =
+            three_mf::list_instances(model, file.memory_limit(), instances)) {
+        return error_in_part(file, problem->code, model.parts[problem->place.part], problem->place.line, problem->what);
+    }
+    if (instances.empty()) {
+        return file.error(Code::empty_mesh, "holds no triangles");
+    }
+    MeshFile mesh;
+    three_mf::place(model, instances, file.memory(), mesh);
+    mesh.text = true;
+    mesh.mm_per_unit = model.mm_per_unit;
+    mesh.states_unit = true;
+    for (const std::string& warning : model.warnings) {
+        mesh.warnings.push_back(file.name() + ": " + warning);
+    }
+    return mesh;
+}
+
+}  // namespace
+
+bool looks_like_3mf(const FileSource& source) {
+    return source.sample().starts_with(zip_magic);
+}
+
+Result<MeshFile> read_3mf(FileSource& source) {
+    std::chrono::steady_clock::time_point start;
+    Result<three_mf::Model> model = load(source, start);
+    if (!model) {
+        return model.error();
+    }
+    Result<MeshFile> mesh = build(source, model.value());
+    if (mesh) {
+        mesh->parse_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    }
+    return mesh;
+}
+
+}  // namespace lamella

@@ -1,0 +1,121 @@
+#include "1_input/three_mf_model.hpp"
+
+#include <optional>
+#include <utility>
+
+#include "1_input/three_mf_part.hpp"
+#include "1_input/xml.hpp"
+
+namespace lamella::three_mf {
+
+namespace {
+
+constexpr std::string_view package_relationships = "_rels/.rels";
+constexpr std::string_view content_types = "[Content_Types].xml";
+
+/// Finds the root model part among the relationships of a package.
+class RelationshipReader : public XmlReader {
+public:
+    using XmlReader::XmlReader;
+
+    const std::string& root() const noexcept { return root_; }  ///< empty: none
+
+private:
+    void begin_element(const XmlName& name, const XmlAttributes& attributes) override {
+        constexpr XmlName relationship{"http://schemas.openxmlformats.org/package/2006/relationships", "Relationship"};
+        constexpr std::string_view model_type = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
+        if (name != relationship || attributes.find("Type") != model_type) {
+            return;
+        }
+        const std::optional<std::string_view> target = attributes.find("Target");
+        const std::optional<std::string> part = target ? part_name(*target) : std::nullopt;
+        if (!part || attributes.find("TargetMode") == "External") {
+            fail("the model is no part of the package");
+        } else if (!root_.empty()) {
+            fail("a second model");
+        } else {
+            root_ = *part;
+        }
+    }
+    void end_element(const XmlName&) override {}
+    void text(std::string_view) override {}
+
+    std::string root_;
+};
+
+/// Streams a part through `reader`, which may fail without this being an error of the archive: a damaged part can fail as
+/// XML before its checksum is known, and that it is damaged says more.
+Status stream(ZipArchive& package, const std::string& part, XmlReader& reader) {
+    Status read = package.read(part, [&reader](std::string_view piece) { return reader.feed(piece); });
+    if (read) {
+        reader.finish();
+    }
+    return read;
+}
+
+Error failure_of(const ZipArchive& package, const std::string& part, const XmlReader& reader, Code code) {
+    return package.error(code, part, reader.failure()->line, reader.failure()->what);
+}
+
+Result<std::string> find_root(ZipArchive& package, std::pmr::memory_resource* memory) {
+    RelationshipReader relationships(memory);
+    const std::string part(package_relationships);
+    if (Status read = stream(package, part, relationships); !read) {
+        return read.error();
+    }
+    if (relationships.failure()) {
+        return failure_of(package, part, relationships, Code::malformed_mesh);
+    }
+    if (relationships.root().empty()) {
+        return package.error(Code::malformed_mesh, part, 0, "names no model: is no 3MF package");
+    }
+    return relationships.root();
+}
+
+Status read_part(ZipArchive& package, Model& model, Part part, Budget& budget, std::pmr::memory_resource* memory) {
+    PartReader reader(model, part, budget, memory);
+    const std::string name = model.parts[part];
+    if (Status read = stream(package, name, reader); !read) {
+        return read;
+    }
+    if (reader.failure()) {
+        return failure_of(package, name, reader, reader.failure_code());
+    }
+    if (part == 0) {
+        model.mm_per_unit = reader.mm_per_unit();
+    } else if (reader.mm_per_unit() != model.mm_per_unit) {
+        return package.error(Code::malformed_mesh, name, 0, "has another unit than the root part");
+    }
+    return {};
+}
+
+}  // namespace
+
+Part Model::part_of(const std::string& name) {
+    const auto [at, is_new] = part_index.emplace(name, static_cast<Part>(parts.size()));
+    if (is_new) {
+        parts.push_back(name);
+    }
+    return at->second;
+}
+
+Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, std::pmr::memory_resource* memory) {
+    const Result<std::string> root = find_root(package, memory);
+    if (!root) {
+        return root.error();
+    }
+    Model model;
+    if (!package.contains(content_types)) {
+        model.warnings.push_back("has no part '" + std::string(content_types) + "', as a 3MF package must");
+    }
+    model.part_of(root.value());
+    Budget budget(limit_bytes);
+    for (Part part = 0; part < model.parts.size(); ++part) {  // the root part adds to them
+        if (Status read = read_part(package, model, part, budget, memory); !read) {
+            return read.error();
+        }
+    }
+    return model;
+}
+
+}  // namespace lamella::three_mf

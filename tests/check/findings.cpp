@@ -1,0 +1,57 @@
+#include "check/findings.hpp"
+
+namespace lamella::check_test {
+
+std::string text_without_triangles(MeshCheck check) {
+    for (Finding& finding : check.findings) {
+        for (Place& place : finding.places) {
+            place.triangles = {-1, -1};
+        }
+    }
+    for (Shell& shell : check.shells) {
+        shell.triangle = -1;
+    }
+    const Result<std::string> json = check_json(check, {}, 1000);
+    REQUIRE(json.ok());
+    return json.value();
+}
+
+MeshCheck findings_of(const Soup& soup, CheckOptions options) {
+    options.threads = 1;
+    const MeshView view = MeshView::soup(std::span<const double>(soup));
+    const Result<MeshCheck> one = check(view, options);
+    INFO((one ? "" : one.error().message));
+    REQUIRE(one.ok());
+    options.threads = 3;
+    const Result<MeshCheck> three = check(view, options);
+    REQUIRE(three.ok());
+    CHECK(check_json(one.value(), {}, 1000).value() == check_json(three.value(), {}, 1000).value());
+    return one.value();
+}
+
+Counts counts(const MeshCheck& check) {
+    Counts found;
+    for (std::size_t i = 0; i < fault_count; ++i) {
+        if (check.findings[i].count > 0) {
+            found[std::string(key_of(static_cast<Fault>(i)))] = check.findings[i].count;
+        }
+    }
+    return found;
+}
+
+Soup quad(Xyz a, Xyz b, Xyz c, Xyz d) {
+    return shapes::joined({shapes::triangle(a, b, c), shapes::triangle(a, c, d)});
+}
+
+Soup without(Soup soup, std::size_t from, std::size_t count) {
+    const auto at = soup.begin() + static_cast<std::ptrdiff_t>(9 * from);
+    soup.erase(at, at + static_cast<std::ptrdiff_t>(9 * count));
+    return soup;
+}
+
+Soup only(const Soup& soup, std::size_t from, std::size_t count) {
+    const auto at = soup.begin() + static_cast<std::ptrdiff_t>(9 * from);
+    return {at, at + static_cast<std::ptrdiff_t>(9 * count)};
+}
+
+}  // namespace lamella::check_test

@@ -1,0 +1,156 @@
+// Faces that cross, overlap or touch.
+#include "1_input/check/meeting.hpp"
+#include "check/findings.hpp"
+
+namespace lamella::check_test {
+
+using shapes::box;
+using shapes::joined;
+using shapes::triangle;
+
+namespace {
+
+Soup tetrahedron(Xyz a, Xyz b, Xyz c, Xyz d) {
+    return joined({triangle(a, c, b), triangle(a, b, d), triangle(b, c, d), triangle(c, a, d)});
+}
+
+/// Crossings, overlaps and touches.
+std::array<std::uint64_t, 3> meetings(const Soup& soup) {
+    const MeshCheck check = findings_of(soup);
+    return {check.of(Fault::crossing_faces).count, check.of(Fault::overlapping_faces).count,
+            check.of(Fault::touching_faces).count};
+}
+
+using Three = std::array<std::uint64_t, 3>;
+
+}  // namespace
+
+TEST_CASE("a tetrahedron whose tip pierces a face of another crosses it three times", "[check]") {
+    const Soup large = tetrahedron({0, 0, 0}, {30, 0, 0}, {0, 30, 0}, {0, 0, 30});
+    const Soup spike = tetrahedron({4, 4, -4}, {6, 4, -4}, {4, 6, -4}, {5, 5, 4});
+    const MeshCheck check = findings_of(joined({large, spike}));
+    CHECK(counts(check) == Counts{{"crossing_faces", 3}});
+    for (const Place& place : check.of(Fault::crossing_faces).places) {
+        REQUIRE(place.point_count == 2);
+        CHECK(place.points_mm[0][2] == Approx(0).margin(1e-9));  // the face that is pierced lies in z = 0
+        CHECK(place.points_mm[1][2] == Approx(0).margin(1e-9));
+        CHECK(place.points_mm[0] < place.points_mm[1]);
+        CHECK(place.triangles[0] != place.triangles[1]);
+    }
+}
+
+TEST_CASE("two triangles that meet in one way or another", "[check]") {
+    const Soup base = triangle({0, 0, 0}, {12, 0, 0}, {0, 12, 0});
+    const auto with = [&](Xyz a, Xyz b, Xyz c) { return meetings(joined({base, triangle(a, b, c)})); };
+    SECTION("through") {
+        CHECK(with({2, 2, -1}, {4, 2, -1}, {3, 3, 1}) == Three{1, 0, 0});
+        CHECK(with({2, 2, -1}, {2, 2, 1}, {20, 20, 0}) == Three{1, 0, 0});  // out over the edge
+        CHECK(with({2, 2, 0}, {4, 4, 1}, {4, 4, -1}) == Three{1, 0, 0});    // a corner on the plane
+        CHECK(with({0, 0, 0}, {4, 4, 1}, {4, 4, -1}) == Three{1, 0, 0});    // from a common vertex
+    }
+    SECTION("touching") {
+        CHECK(with({2, 2, 0}, {4, 2, 1}, {3, 3, 1}) == Three{0, 0, 1});     // by a corner, inside
+        CHECK(with({6, 6, 0}, {6, 6, 1}, {9, 9, 3}) == Three{0, 0, 1});     // by a corner, on an edge
+        CHECK(with({2, 2, 0}, {4, 2, 0}, {3, 3, 1}) == Three{0, 0, 1});     // by an edge, inside
+        CHECK(with({-9, 1, 0}, {20, 1, 0}, {3, 3, 1}) == Three{0, 0, 1});   // by an edge, across
+        CHECK(with({6, 6, -1}, {6, 6, 1}, {20, 20, 0}) == Three{0, 0, 1});  // edge to edge in a point
+        CHECK(with({0, 0, 0}, {3, 3, 0}, {3, 3, 1}) == Three{0, 0, 1});     // by an edge from a common vertex
+        CHECK(with({0, 0, 0}, {5, 0, 0}, {3, -3, 0}) == Three{0, 0, 1});    // by part of an edge, in the plane
+        CHECK(with({0, 0, 0}, {5, 0, 0}, {3, -3, 2}) == Three{0, 0, 1});    // and out of it
+        CHECK(with({-5, 0, 0}, {5, 0, 0}, {0, -3, 0}) == Three{0, 0, 1});   // by part of an edge, no vertex in common
+        CHECK(with({6, 6, 0}, {9, 9, 0}, {9, 8, 0}) == Three{0, 0, 1});     // by a corner, in the plane
+    }
+    SECTION("overlapping") {
+        CHECK(with({1, 1, 0}, {2, 1, 0}, {1, 2, 0}) == Three{0, 1, 0});      // within
+        CHECK(with({-9, -9, 0}, {99, 0, 0}, {0, 99, 0}) == Three{0, 1, 0});  // around
+        CHECK(with({0, 0, 0}, {5, 5, 0}, {4, 5, 0}) == Three{0, 1, 0});      // from a common vertex
+        CHECK(with({0, 0, 0}, {12, 0, 0}, {3, 3, 0}) == Three{0, 1, 0});     // from a common edge
+        CHECK(with({4, -1, 0}, {4, 20, 0}, {5, -1, 0}) == Three{0, 1, 0});   // across, no corner in the other
+    }
+    SECTION("apart, or in what they share") {
+        CHECK(with({2, 2, 1}, {4, 2, 1}, {3, 3, 2}) == Three{});
+        CHECK(with({9, 9, -1}, {9, 9, 1}, {20, 20, 0}) == Three{});    // through the plane beside it
+        CHECK(with({7, 7, 0}, {9, 9, 0}, {9, 8, 0}) == Three{});       // in the plane beside it
+        CHECK(with({0, 0, 0}, {12, 0, 0}, {3, 3, 3}) == Three{});      // common edge
+        CHECK(with({0, 0, 0}, {12, 0, 0}, {3, -3, 0}) == Three{});     // common edge, in the plane
+        CHECK(with({0, 0, 0}, {-4, -4, 1}, {-4, -4, -1}) == Three{});  // common vertex, other way
+        CHECK(with({0, 0, 0}, {-4, 0, 0}, {0, -4, 0}) == Three{});     // common vertex, in the plane
+        CHECK(with({0, 0, 0}, {-4, 0, 0}, {0, -4, 5}) == Three{});
+        CHECK(with({0, 0, 0}, {12, 0, 0}, {0, 12, 0}) == Three{});  // a duplicate is counted as such
+    }
+}
+
+TEST_CASE("every pair is found", "[check]") {
+    // Small and large triangles, coincidences of every kind.
+    const std::uint64_t seed = GENERATE(range(1, 5));
+    const Soup soup = joined({shapes::random_soup(seed, 60, 40), shapes::random_soup(seed + 100, 60, 3),
+                              shapes::moved(shapes::random_soup(seed + 200, 100, 6), {15, 15, 15})});
+    std::vector<ExactFace> faces;
+    for (std::size_t at = 0; at < soup.size(); at += 9) {
+        std::array<GridVertex, 3> corners;
+        std::array<std::uint32_t, 3> ids{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto grid = [&](std::size_t axis) { return 2 * static_cast<std::int32_t>(soup[at + 3 * i + axis]); };
+            corners[i] = {grid(0), grid(1), grid(2)};
+            ids[i] = static_cast<std::uint32_t>(corners[i].x + 1000 * (corners[i].y + 1000 * corners[i].z));
+        }
+        if (const ExactFace face(ids, corners); face.has_area()) {
+            faces.push_back(face);
+        }
+    }
+    Three expected{};
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            const Meeting meeting = meet(faces[i], faces[j]);
+            expected[0] += meeting == Meeting::cross ? 1 : 0;
+            expected[1] += meeting == Meeting::overlap ? 1 : 0;
+            expected[2] += meeting == Meeting::touch ? 1 : 0;
+        }
+    }
+    CHECK(expected[0] > 100);
+    CHECK(expected[1] > 0);
+    CHECK(expected[2] > 10);
+    CHECK(meetings(soup) == expected);
+}
+
+TEST_CASE("boxes stacked askew overlap where they stand on one another", "[check]") {
+    const MeshCheck check = findings_of(joined({box({0, 0, 0}, {2, 2, 2}), box({1, 1, 2}, {3, 3, 4})}));
+    CHECK(check.of(Fault::overlapping_faces).count == 2);  // both diagonals lie on x = y
+    CHECK(check.of(Fault::crossing_faces).count == 0);
+    CHECK(check.of(Fault::touching_faces).count > 0);
+    for (const Place& place : check.of(Fault::overlapping_faces).places) {
+        CHECK(place.point_count == 1);
+        CHECK(place.points_mm[0][2] == 2);
+    }
+    CHECK(check.shells.size() == 2);
+}
+
+TEST_CASE("a surface that crosses another along their edges touches it", "[check]") {
+    // A roof pushed up through a ridge: the edge lies in the face, its two sides above and below.
+    const Soup base = triangle({-9, -9, 0}, {9, -9, 0}, {0, 18, 0});
+    const Soup above = triangle({-1, 0, 0}, {1, 0, 0}, {0, 0, 5});
+    const Soup below = triangle({1, 0, 0}, {-1, 0, 0}, {0, 1, -5});
+    CHECK(meetings(joined({base, above, below})) == Three{0, 0, 2});
+}
+
+TEST_CASE("closed models give no finding", "[check]") {
+    CHECK(findings_of(shapes::octasphere({1, 2, 3}, 30, 5)).clean());
+    CHECK(findings_of(shapes::prism(16, 20, 30)).clean());
+    CHECK(counts(findings_of(shapes::octasphere({1, 2, 3}, 30, 5))).empty());
+}
+
+TEST_CASE("piled up triangles are searched only so far, and it is said", "[check]") {
+    Soup soup;
+    for (int i = 0; i < 3500; ++i) {  // all boxes meet, and no two triangles
+        const Soup next = triangle({0, 0, 1.0 * i}, {1, 0, 4000.0 + i}, {0, 1, 4000.0 + i});
+        soup.insert(soup.end(), next.begin(), next.end());
+    }
+    CHECK_FALSE(findings_of(only(soup, 0, 1000)).of(Fault::crossing_faces).at_least);
+    const MeshCheck check = findings_of(soup);
+    CHECK(check.of(Fault::crossing_faces).at_least);
+    CHECK(check.of(Fault::touching_faces).at_least);
+    CHECK(check.of(Fault::crossing_faces).count == 0);
+    CHECK_FALSE(check.of(Fault::boundary_edge).at_least);
+}
+
+}  // namespace lamella::check_test

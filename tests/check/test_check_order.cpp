@@ -1,0 +1,89 @@
+// The findings do not depend on the order of triangles and vertices, and the numbers that they give are those of the input.
+#include <algorithm>
+
+#include "check/findings.hpp"
+
+namespace lamella::check_test {
+
+namespace {
+
+/// Meshes with faults of every kind that random corners bring about.
+Soup faulty(std::uint64_t seed) {
+    return shapes::joined({shapes::random_soup(seed, 60, 4), shapes::random_tetrahedra(seed, 25, 9),
+                           shapes::moved(shapes::random_tetrahedra(seed + 1, 10, 3), {40, 0, 0}),
+                           shapes::box({-1, -1, -1}, {100, 100, 100})});
+}
+
+bool has_corner(const Soup& soup, std::int64_t triangle, const Xyz& point) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double* const at = soup.data() + 9 * triangle + 3 * i;
+        if (Xyz{at[0], at[1], at[2]} == point) {
+            return true;
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
+TEST_CASE("the report is the same in any order", "[check]") {
+    const std::uint64_t seed = GENERATE(range(1, 13));
+    const Soup soup = faulty(seed);
+    CheckOptions options;
+    options.tolerance_mm = 1;
+    options.most_places = 25;
+    const std::string one = text_without_triangles(findings_of(soup, options));
+    for (std::uint64_t order = 0; order < 3; ++order) {
+        CHECK(text_without_triangles(findings_of(shapes::shuffled(soup, order), options)) == one);
+    }
+}
+
+TEST_CASE("indexed meshes and soup give the same report", "[check]") {
+    const Soup soup = faulty(5);
+    const shapes::Indexed mesh = shapes::indexed(soup);
+    const Result<MeshCheck> found = check(mesh.view());
+    REQUIRE(found.ok());
+    CHECK(check_json(found.value(), {}, 1000).value() == check_json(findings_of(soup), {}, 1000).value());
+}
+
+TEST_CASE("counts agree with the census", "[check]") {
+    const std::uint64_t seed = GENERATE(range(1, 9));
+    const MeshCheck check = findings_of(faulty(seed));
+    CHECK(check.of(Fault::boundary_edge).count == check.info.boundary_edges);
+    CHECK(check.of(Fault::overfull_balanced).count + check.of(Fault::overfull_unbalanced).count ==
+          check.info.overfull_edges);
+    CHECK(check.of(Fault::mismatched_edge).count == check.info.mismatched_edges);
+    CHECK(check.of(Fault::collapsed_face).count == check.info.degenerate);
+    CHECK(check.shells.size() == check.info.shells);
+}
+
+TEST_CASE("places name triangles of the input", "[check]") {
+    const Soup soup = shapes::shuffled(faulty(7), 1);
+    CheckOptions options;
+    options.most_places = 1000;
+    const MeshCheck check = findings_of(soup, options);
+    std::size_t seen = 0;
+    for (const Fault fault :
+         {Fault::boundary_edge, Fault::overfull_balanced, Fault::overfull_unbalanced, Fault::mismatched_edge,
+          Fault::split_vertex, Fault::flipped_face, Fault::duplicate_face, Fault::opposite_face, Fault::collapsed_face,
+          Fault::zero_area_face, Fault::wrong_sense_shell}) {
+        for (const Place& place : check.of(fault).places) {
+            for (int i = 0; i < place.point_count; ++i) {
+                CHECK(has_corner(soup, place.triangles[0], place.points_mm[static_cast<std::size_t>(i)]));
+            }
+            ++seen;
+        }
+    }
+    CHECK(seen > 100);
+}
+
+TEST_CASE("a transform moves the places with the mesh", "[check]") {
+    const Soup soup = without(shapes::box({0, 0, 0}, {2, 2, 2}), 2, 2);
+    CheckOptions options;
+    options.transform = Transform::scale(10);
+    const MeshCheck check = findings_of(soup, options);
+    CHECK(first(check, Fault::boundary_edge).points_mm[0] == Xyz{0, 0, 20});
+    CHECK(first(check, Fault::boundary_loop).measure == 80);
+}
+
+}  // namespace lamella::check_test

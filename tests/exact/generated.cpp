@@ -1,0 +1,160 @@
+// Random closed meshes against exact arithmetic. The long test is the short one on thousands of seeds.
+#include <algorithm>
+#include <functional>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "exact/judge.hpp"
+#include "exact/meshes.hpp"
+#include "exact/second_opinion.hpp"
+#include "models/models.hpp"
+
+using exact::Soup;
+using lamella::models::Shape;
+
+namespace {
+
+/// A sanitizer makes CGAL's arithmetic thirty times slower.
+#ifdef LAMELLA_TESTS_SANITIZED
+constexpr std::uint64_t few_seeds = 2;
+#else
+constexpr std::uint64_t few_seeds = 6;
+#endif
+constexpr std::uint64_t many_seeds = 200;
+constexpr std::size_t few_planes = 6;
+constexpr std::size_t many_planes = 40;
+
+enum class Trait {
+    simple,
+    contradictory,  ///< facets' senses do not stand everywhere
+    touching,       ///< more than two faces at some edges
+};
+
+struct Kind {
+    const char* name;
+    double unit_mm;
+    std::function<Soup(std::uint64_t seed, bool large)> make;
+    Trait trait = Trait::simple;
+};
+
+Soup generated(Shape shape, std::uint64_t triangles, std::uint64_t seed) {
+    lamella::models::Recipe recipe;
+    recipe.shape = shape;
+    recipe.triangles = triangles;
+    recipe.height_mm = 20;
+    recipe.seed = seed;
+    const std::vector<float> soup = lamella::models::make_soup(recipe);
+    return {soup.begin(), soup.end()};
+}
+
+constexpr double fine = lamella::default_unit_mm;
+
+const std::vector<Kind>& kinds() {
+    static const std::vector<Kind> all{
+        {"hull on a coarse grid", coarse_unit_mm,
+         [](std::uint64_t seed, bool large) { return exact::hull(seed, large ? 400 : 60, 8 + seed % 50); }},
+        {"hull at the edge of the grid", fine,
+         [](std::uint64_t seed, bool large) {
+             return shapes::moved(shapes::scaled(exact::hull(seed, large ? 400 : 60, 1U << 20), {0x1p-14, 0x1p-14, 0x1p-14}),
+                                  {-950, 950, 950});
+         }},
+        {"gyroid", fine,
+         [](std::uint64_t seed, bool large) { return generated(Shape::gyroid, large ? 20'000 : 2'000, seed); }},
+        {"bone", fine, [](std::uint64_t seed, bool large) { return generated(Shape::bone, large ? 20'000 : 2'000, seed); }},
+        {"torus chain", fine,
+         [](std::uint64_t seed, bool large) { return exact::torus_chain(seed, large ? 12 : 4, large ? 40 : 16, 8); }},
+        {"shells", fine, [](std::uint64_t seed, bool large) { return exact::shells(seed, large ? 7 : 4); }},
+        {"needles", fine, [](std::uint64_t seed, bool large) { return exact::needles(seed, large ? 20 : 8, 0.01); }},
+        {"needles as thin as the grid", fine,
+         [](std::uint64_t seed, bool large) { return exact::needles(seed, large ? 20 : 8, 0x1p-17); }, Trait::contradictory},
+        {"ripples at the edge of the grid", fine,
+         [](std::uint64_t seed, bool large) {
+             return shapes::moved(exact::ripples(seed, large ? 30 : 8, 1 + seed % 9, 0x1p-19), {-1000, 990, 0});
+         }},
+        {"crossing hulls, some inside out", fine,
+         [](std::uint64_t seed, bool large) { return exact::crossing_hulls(seed, large ? 30 : 8); }, Trait::contradictory},
+        {"terraces", coarse_unit_mm,
+         [](std::uint64_t seed, bool large) { return exact::terraces(seed, large ? 40 : 10, 2 + seed % 4); }},
+        {"cells that touch", coarse_unit_mm,
+         [](std::uint64_t seed, bool large) { return exact::cells(seed, large ? 12 : 4); }, Trait::touching},
+        {"spindle", fine, [](std::uint64_t seed, bool large) { return exact::spindle(seed, large ? 90 : 12, 6); }},
+    };
+    return all;
+}
+
+struct Tally {
+    std::size_t meshes = 0;
+    std::size_t layers = 0;
+    std::size_t contours = 0;
+    std::size_t points = 0;
+};
+
+/// Slices through heights of vertices and judges every layer.
+void judge(const Kind& kind, std::uint64_t seed, bool large, std::size_t planes, Tally& tally) {
+    const Soup soup = kind.make(seed, large);
+    INFO(kind.name << ", seed " << seed);
+    const lamella::SliceResult result = sliced(soup, exact::through_vertices(soup, kind.unit_mm, seed, planes));
+    CHECK(result.summary.open_contours == 0);
+    CHECK((kind.trait == Trait::contradictory || result.summary.overruled_contours == 0));
+    REQUIRE_THAT(exact::difference(result, oracle::quantise(soup, kind.unit_mm)), Catch::Equals(""));
+    ++tally.meshes;
+    tally.layers += result.layers.size();
+    tally.contours += result.contours.size();
+    tally.points += result.points.size();
+}
+
+}  // namespace
+
+TEST_CASE("contours of random closed meshes are the exact ones", "[meshes]") {
+    Tally tally;
+    for (const Kind& kind : kinds()) {
+        for (std::uint64_t seed = 0; seed < few_seeds; ++seed) {
+            judge(kind, seed, false, few_planes, tally);
+        }
+    }
+    CHECK(tally.points > 1'000 * few_seeds);
+}
+
+TEST_CASE("contours of thousands of random closed meshes are the exact ones", "[meshes_long]") {
+    Tally tally;
+    for (const Kind& kind : kinds()) {
+        for (std::uint64_t seed = 100; seed < 100 + many_seeds; ++seed) {
+            const bool large = seed % 4 == 0;
+            judge(kind, seed, large, large ? few_planes : many_planes, tally);
+        }
+    }
+    WARN("judged " << tally.meshes << " meshes, " << tally.layers << " layers, " << tally.contours << " contours, "
+                   << tally.points << " points");
+}
+
+TEST_CASE("the exact contours are those of CGAL's own slicer", "[second_opinion]") {
+    for (const Kind& kind : kinds()) {
+        const Soup soup = kind.make(1, false);
+        const lamella::SliceResult result = sliced(soup, exact::through_vertices(soup, kind.unit_mm, 1, 3));
+        const std::string opinion = exact::second_opinion(result, oracle::quantise(soup, kind.unit_mm));
+        INFO(kind.name);
+        CHECK(opinion == (kind.trait == Trait::touching ? "the triangles form no closed manifold" : ""));
+    }
+}
+
+TEST_CASE("the exact judge sees what differs", "[meshes]") {
+    const Soup soup = exact::shells(5, 2);
+    const std::vector<oracle::Triangle> triangles = oracle::quantise(soup, fine);
+    const lamella::SliceOptions options = exact::through_vertices(soup, fine, 5, few_planes);
+    const auto differs = [&](auto&& damage) {
+        lamella::SliceResult result = sliced(soup, options);
+        damage(result);
+        return !exact::difference(result, triangles).empty();
+    };
+    CHECK_FALSE(differs([](lamella::SliceResult&) {}));
+    CHECK(differs([](lamella::SliceResult& r) { r.points[3].x += 1; }));
+    CHECK(differs([](lamella::SliceResult& r) { r.contours[1].role = lamella::Role::flat; }));
+    CHECK(differs([](lamella::SliceResult& r) { r.contours[0].parent = 0; }));
+    CHECK(differs([](lamella::SliceResult& r) { ++r.contours[0].segments; }));
+    CHECK(differs([](lamella::SliceResult& r) { r.contours[0].twice_area.low ^= 2; }));
+    CHECK(differs([](lamella::SliceResult& r) {
+        const auto filled = [](const lamella::Layer& layer) { return layer.contour_count > 0; };
+        --std::find_if(r.layers.begin(), r.layers.end(), filled)->contour_count;
+    }));
+}

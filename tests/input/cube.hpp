@@ -1,0 +1,96 @@
+// One cube, as the readers of text know it: what every form of it must give.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "read.hpp"
+
+namespace lamella::input_test {
+
+using Corner = std::array<float, 3>;
+
+inline constexpr std::array<Corner, 8> cube_corners = {{{0, 0, 0},
+                                                        {8, 0, 0},
+                                                        {8, 8, 0},
+                                                        {0, 8, 0},  //
+                                                        {0, 0, 8.5F},
+                                                        {8, 0, 8.5F},
+                                                        {8, 8, 8.5F},
+                                                        {0, 8, 8.5F}}};
+inline constexpr std::array<std::array<std::uint32_t, 4>, 6> cube_sides = {
+    {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
+
+inline std::string cube_corner_text(std::size_t v) {
+    std::string text;
+    for (const float value : cube_corners[v]) {
+        text += (text.empty() ? "" : " ") + std::to_string(value);
+    }
+    return text;
+}
+
+/// Nine coordinates a triangle, the same read and mapped, by 1 and 3 threads.
+inline std::vector<std::array<double, 9>> read_triangles(const std::filesystem::path& path) {
+    std::vector<std::array<double, 9>> first;
+    for (const bool map : {false, true}) {
+        for (const int threads : {1, 3}) {
+            ReadOptions options;
+            options.threads = threads;
+            options.map_file = map;
+            const Result<MeshFile> mesh = read_mesh(path, options);
+            INFO((mesh ? "" : mesh.error().message));
+            REQUIRE(mesh.ok());
+            const MeshView view = mesh.value().view();
+            REQUIRE(view.number == Number::f64);
+            REQUIRE(view.indices != nullptr);
+            const std::span<const std::uint32_t> indices(view.indices, 3 * view.triangle_count);
+            REQUIRE(std::all_of(indices.begin(), indices.end(), [&](std::uint32_t i) { return i < view.vertex_count; }));
+            std::vector<std::array<double, 9>> triangles(view.triangle_count);
+            for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
+                std::memcpy(&triangles[i / 3][3 * (i % 3)], view.vertices + indices[i] * view.stride, 3 * sizeof(double));
+            }
+            if (first.empty()) {
+                first = triangles;
+            }
+            CHECK((triangles == first));
+        }
+    }
+    return first;
+}
+
+/// Of the slices of any file.
+inline std::uint64_t hash_of(const std::filesystem::path& path) {
+    const Result<MeshFile> mesh = read_mesh(path);
+    INFO((mesh ? "" : mesh.error().message));
+    REQUIRE(mesh.ok());
+    return output_hash(sliced(mesh.value().view(), uniform(0.7)));
+}
+
+/// Of the cube as STL.
+inline std::uint64_t cube_hash(const TempDir& dir) {
+    std::vector<Facet> facets;
+    for (const auto& side : cube_sides) {
+        for (const std::size_t i : {1U, 2U}) {
+            Facet& facet = facets.emplace_back();
+            const std::array corners = {cube_corners[side[0]], cube_corners[side[i]], cube_corners[side[i + 1]]};
+            std::memcpy(facet.data(), corners.data(), sizeof facet);
+        }
+    }
+    return hash_of(dir.write("cube.stl", binary_stl(facets)));
+}
+
+inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+        text.replace(at, what.size(), by);
+    }
+    return text;
+}
+
+}  // namespace lamella::input_test

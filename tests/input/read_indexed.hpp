@@ -1,0 +1,80 @@
+// Reading files of vertices and indices, with the checks that every answer must pass.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "lamella/mesh_file.hpp"
+
+namespace lamella::input_test {
+
+/// Three corners in mm.
+using Corners = std::array<std::array<double, 3>, 3>;
+
+inline std::vector<Corners> corners_of(const MeshFile& mesh) {
+    const MeshView view = mesh.view();
+    REQUIRE(view.indices != nullptr);
+    REQUIRE(view.number == Number::f64);
+    REQUIRE(std::all_of(view.indices, view.indices + 3 * view.triangle_count,
+                        [&view](std::uint32_t index) { return index < view.vertex_count; }));
+    std::vector<Corners> triangles(view.triangle_count);
+    for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
+        std::array<double, 3>& corner = triangles[i / 3][i % 3];
+        std::memcpy(corner.data(), view.vertices + view.indices[i] * view.stride, sizeof corner);
+        for (double& coordinate : corner) {
+            coordinate *= mesh.mm_per_unit;
+        }
+    }
+    return triangles;
+}
+
+/// A file that must be readable, and the same read and mapped, by 1 and 3 threads.
+inline MeshFile read_indexed(const std::filesystem::path& path) {
+    MeshFile first;
+    for (const bool map : {true, false}) {
+        for (const int threads : {3, 1}) {
+            ReadOptions options;
+            options.threads = threads;
+            options.map_file = map;
+            Result<MeshFile> mesh = read_mesh(path, options);
+            INFO((mesh ? "" : mesh.error().message));
+            REQUIRE(mesh.ok());
+            if (first.triangle_count > 0) {
+                CHECK(corners_of(*mesh) == corners_of(first));
+                CHECK(mesh->warnings == first.warnings);
+            }
+            first = std::move(mesh).value();
+        }
+    }
+    return first;
+}
+
+/// Six times the volume, signed: positive where triangles are seen counter-clockwise from outside.
+inline double six_volumes(const std::vector<Corners>& triangles) {
+    double sum = 0;
+    for (const auto& [a, b, c] : triangles) {
+        sum += a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    }
+    return sum;
+}
+
+/// The lowest and the highest corner of the box around the triangles.
+inline std::array<std::array<double, 3>, 2> box_of(const std::vector<Corners>& triangles) {
+    std::array<std::array<double, 3>, 2> box = {triangles.at(0)[0], triangles.at(0)[0]};
+    for (const Corners& corners : triangles) {
+        for (const auto& corner : corners) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                box[0][axis] = std::min(box[0][axis], corner[axis]);
+                box[1][axis] = std::max(box[1][axis], corner[axis]);
+            }
+        }
+    }
+    return box;
+}
+
+}  // namespace lamella::input_test

@@ -1,0 +1,277 @@
+// 3MF: what is in a package is read, placed and oriented as the format has it.
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "files.hpp"
+#include "lamella/lamella.hpp"
+#include "read.hpp"
+#include "read_indexed.hpp"
+#include "zip.hpp"
+
+namespace lamella {
+namespace {
+
+using namespace input_test;
+
+using Box = std::array<std::array<double, 3>, 2>;
+
+constexpr double cube_volume = 1000;
+
+std::string cube(int id = 1, const std::string& attributes = "") {
+    return object(id, cube_mesh(), attributes);
+}
+
+std::vector<Corners> read_corners(const TempDir& dir, const std::string& bytes) {
+    const MeshFile mesh = read_indexed(dir.write("a.3mf", bytes));
+    CHECK(mesh.warnings.empty());
+    return corners_of(mesh);
+}
+
+double volume(const std::vector<Corners>& triangles) {
+    return six_volumes(triangles) / 6;
+}
+
+TEST_CASE("a 3MF cube is read as it was written", "[input][3mf]") {
+    const TempDir dir;
+    const bool deflated = GENERATE(true, false);
+    std::vector<ZipPart> parts = {content_types(), relationships(), {"3D/3dmodel.model", model_text(cube(), item(1))}};
+    for (ZipPart& part : parts) {
+        part.deflated = deflated;
+    }
+    const MeshFile mesh = read_indexed(dir.write("a.3mf", zip(parts)));
+    CHECK(mesh.format == MeshFormat::three_mf);
+    CHECK(name_of(mesh.format) == "3MF");
+    CHECK(mesh.text);
+    CHECK(mesh.vertex_count == 8);
+    CHECK(mesh.states_unit);
+    CHECK(mesh.mm_per_unit == 1);
+    CHECK(mesh.warnings.empty());
+    const std::vector<Corners> triangles = corners_of(mesh);
+    REQUIRE(triangles.size() == 12);
+    for (std::size_t t = 0; t < 12; ++t) {
+        for (std::size_t i = 0; i < 9; ++i) {
+            CHECK(triangles[t][i / 3][i % 3] == static_cast<double>(cube_facets()[t][i]));
+        }
+    }
+}
+
+TEST_CASE("a cube slices to the same bytes from 3MF and from STL", "[input][3mf]") {
+    const TempDir dir;
+    const SliceOptions options = uniform(0.25);
+    Result<MeshFile> from_stl = read_mesh(dir.write("a.stl", binary_stl(cube_facets())));
+    REQUIRE(from_stl.ok());
+    const std::uint64_t expected = output_hash(sliced(from_stl->view(), options));
+    // The same cube through a component that is turned about z and an item that turns it back.
+    const std::string assembly = object(2, components({"objectid=\"1\" transform=\"0 1 0 -1 0 0 0 0 1 10 0 0\""}));
+    const std::string resources = cube() + assembly;
+    for (const std::string& build : {item(1), item(2, "transform=\"0 -1 0 1 0 0 0 0 1 0 10 0\"")}) {
+        const MeshFile mesh = read_indexed(dir.write("a.3mf", package(model_text(resources, build))));
+        CHECK(output_hash(sliced(mesh.view(), options)) == expected);
+    }
+}
+
+TEST_CASE("the unit of a 3MF file counts, whatever the caller asks for", "[input][3mf]") {
+    const TempDir dir;
+    const auto [name, mm] = GENERATE(table<std::string, double>(
+        {{"micron", 0.001}, {"millimeter", 1}, {"centimeter", 10}, {"inch", 25.4}, {"foot", 304.8}, {"meter", 1000}}));
+    ReadOptions options;
+    options.mm_per_unit = 7;
+    const auto path = dir.write("a.3mf", package(model_text(cube(), item(1), "unit=\"" + name + "\"")));
+    const Result<MeshFile> mesh = read_mesh(path, options);
+    REQUIRE(mesh.ok());
+    CHECK(mesh.value().states_unit);
+    CHECK(mesh.value().mm_per_unit == mm);
+    CHECK(box_of(corners_of(mesh.value()))[1] == std::array<double, 3>{10 * mm, 10 * mm, 10 * mm});
+}
+
+TEST_CASE("items and components are placed by their transforms", "[input][3mf]") {
+    const TempDir dir;
+    // Moved by (1, 2, 3), stretched by (2, 3, 4), and (x, y, z) -> (z, x, y): the last shows which way the matrix is read.
+    const auto [transform, box] = GENERATE(table<std::string, Box>({
+        {"1 0 0 0 1 0 0 0 1 1 2 3", Box{{{1, 2, 3}, {11, 12, 13}}}},
+        {"2 0 0 0 3 0 0 0 4 0 0 0", Box{{{0, 0, 0}, {20, 30, 40}}}},
+        {"\t0 2 0\r\n0 0 3 4 0 0 +5 -1e1 .5 ", Box{{{5, -10, 0.5}, {45, 10, 30.5}}}},
+    }));
+    const std::string attribute = "transform=\"" + transform + "\"";
+    const std::string assembly = object(2, components({"objectid=\"1\" " + attribute}));
+    for (const std::string& model : {model_text(cube(), item(1, attribute)), model_text(cube() + assembly, item(2))}) {
+        const std::vector<Corners> triangles = read_corners(dir, package(model));
+        CHECK(box_of(triangles) == box);
+        CHECK(volume(triangles) > 0);
+    }
+}
+
+TEST_CASE("the inner transform comes first", "[input][3mf]") {
+    const TempDir dir;
+    const std::string assembly = object(2, components({R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 1 0 0")"}));
+    const std::string twice = R"(transform="2 0 0 0 2 0 0 0 2 0 0 0")";
+    const std::vector<Corners> triangles = read_corners(dir, package(model_text(cube() + assembly, item(2, twice))));
+    CHECK(box_of(triangles) == Box{{{2, 0, 0}, {22, 20, 20}}});
+}
+
+TEST_CASE("all items are placed, and components nested in components", "[input][3mf]") {
+    const TempDir dir;
+    const std::string moved = R"( transform="1 0 0 0 1 0 0 0 1 20 0 0")";
+    const std::string pair = components({R"(objectid="1")", R"(objectid="1")" + moved});
+    // Objects may refer to what comes later.
+    const std::string pairs = components({R"(objectid="2")", R"(objectid="2" transform="1 0 0 0 1 0 0 0 1 0 20 0")"});
+    const std::string resources = object(3, pairs) + object(2, pair) + cube();
+    const std::string items = item(3) + item(3, R"(transform="1 0 0 0 1 0 0 0 1 0 0 20")") + item(1, moved);
+    const std::vector<Corners> triangles = read_corners(dir, package(model_text(resources, items)));
+    CHECK(triangles.size() == 9 * 12);
+    CHECK(volume(triangles) == Approx(9 * cube_volume));
+    CHECK(box_of(triangles) == Box{{{0, 0, 0}, {30, 30, 30}}});
+}
+
+TEST_CASE("what a transform mirrors is turned right side out again", "[input][3mf]") {
+    const TempDir dir;
+    const std::string mirror = R"( transform="-1 0 0 0 1 0 0 0 1 0 0 0")";
+    const std::string assembly = object(2, components({R"(objectid="1")" + mirror, R"(objectid="1")"}));
+    const std::vector<Corners> once = read_corners(dir, package(model_text(cube(), item(1, mirror))));
+    CHECK(volume(once) == Approx(cube_volume));
+    CHECK(box_of(once) == Box{{{-10, 0, 0}, {0, 10, 10}}});
+    // One of the two is mirrored twice, the other once.
+    const std::vector<Corners> both = read_corners(dir, package(model_text(cube() + assembly, item(2, mirror))));
+    CHECK(both.size() == 24);
+    CHECK(volume(both) == Approx(2 * cube_volume));
+    CHECK(box_of(both) == Box{{{-10, 0, 0}, {10, 10, 10}}});
+}
+
+TEST_CASE("many instances of meshes of several chunks", "[input][3mf]") {
+    const TempDir dir;
+    constexpr int vertices = 70000;  // more than a chunk holds
+    std::string mesh = "<mesh><vertices>";
+    for (int v = 0; v < vertices; ++v) {
+        mesh += "<vertex x=\"" + std::to_string(v) + "\" y=\"" + std::to_string(v % 7) + "\" z=\"1\"/>";
+    }
+    mesh += "</vertices><triangles>";
+    for (int v = 0; v + 2 < vertices; ++v) {
+        mesh += "<triangle v1=\"" + std::to_string(v) + "\" v2=\"" + std::to_string(v + 1) + "\" v3=\"" +
+                std::to_string(v + 2) + "\"/>";
+    }
+    mesh += "</triangles></mesh>";
+    const std::string items = item(1) + item(2) + item(1, R"(transform="1 0 0 0 1 0 0 0 -1 0 0 0")");
+    const MeshFile file = read_indexed(dir.write("a.3mf", package(model_text(object(1, mesh) + cube(2), items))));
+    const std::vector<Corners> triangles = corners_of(file);
+    REQUIRE(file.vertex_count == 2 * vertices + 8);
+    REQUIRE(triangles.size() == 2 * (vertices - 2) + 12);
+    bool right = true;
+    for (int v = 0; v + 2 < vertices; ++v) {
+        const auto corner = [](int at, double z) {
+            return std::array<double, 3>{static_cast<double>(at), static_cast<double>(at % 7), z};
+        };
+        const auto t = static_cast<std::size_t>(v);
+        right = right && triangles[t] == Corners{corner(v, 1), corner(v + 1, 1), corner(v + 2, 1)} &&
+                triangles[t + vertices - 2] == Corners{corner(v, -1), corner(v + 2, -1), corner(v + 1, -1)};
+    }
+    CHECK(right);
+}
+
+TEST_CASE("parts of the production extension are found by their paths", "[input][3mf]") {
+    const TempDir dir;
+    const std::string path = R"(p:path="/3D/Objects/cube 1.model" p:UUID="7")";
+    const std::string assembly = object(1, components({"objectid=\"1\" " + path, R"(objectid="2")"}));
+    const std::string inner = object(4, components({R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 40")"}));
+    const std::string items = item(1) + item(4, path + R"( transform="1 0 0 0 1 0 0 0 1 40 0 0")");
+    const std::string root = model_text(assembly + cube(2), items, R"(requiredextensions="p")");
+    // Ids count within their part; what another part builds does not count; names of parts are equal in any case.
+    const ZipPart other = {"3D/objects/Cube 1.model", model_text(cube(1) + inner, item(1) + item(4))};
+    const std::vector<Corners> triangles = read_corners(dir, package(root, {other}));
+    CHECK(triangles.size() == 3 * 12);
+    CHECK(volume(triangles) == Approx(3 * cube_volume));
+    CHECK(box_of(triangles) == Box{{{0, 0, 0}, {50, 10, 50}}});
+}
+
+TEST_CASE("extensions that say nothing of the shape are read past", "[input][3mf]") {
+    const TempDir dir;
+    const std::string material =
+        "xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\" "
+        "requiredextensions=\"m p\"";
+    const std::string colours =
+        "<m:colorgroup id=\"9\"><m:color color=\"#FF0000\"/></m:colorgroup>"
+        "<basematerials id=\"8\"><base name=\"PLA\" displaycolor=\"#0000FF\"/></basematerials>";
+    std::string mesh = cube_mesh();
+    mesh.replace(mesh.find("v1="), 0, "pid=\"9\" p1=\"0\" ");
+    const std::string metadata = "<metadatagroup><metadata name=\"a\">b &lt; &#65;</metadata></metadatagroup>";
+    const std::string model = model_text(colours + object(1, metadata + mesh), item(1), material);
+    CHECK(read_corners(dir, package(model)).size() == 12);
+}
+
+TEST_CASE("an optional extension that puts shapes into an object is warned of", "[input][3mf]") {
+    const TempDir dir;
+    std::string mesh = cube_mesh();
+    mesh.replace(mesh.find("</mesh>"), 0,
+                 "\n<b:beamlattice radius=\"1\"><b:beams><b:beam v1=\"0\"/></b:beams></b:beamlattice>");
+    const std::string model = model_text(object(1, mesh) + object(2, mesh), item(1), "xmlns:b=\"urn:lattice\"");
+    const auto path = dir.write("a.3mf", package(model));
+    const MeshFile file = read_indexed(path);
+    CHECK(file.triangle_count == 12);
+    REQUIRE(file.warnings.size() == 1);
+    CHECK(file.warnings[0] == path.string() +
+                                  ": part '3D/3dmodel.model', line 27: ignored 'beamlattice' in an object, of the "
+                                  "extension 'urn:lattice'");
+}
+
+TEST_CASE("supports and what is not to be printed are left out and warned of", "[input][3mf]") {
+    const TempDir dir;
+    const std::string resources = cube(1) + cube(2, "type=\"support\"") + cube(3, "type=\"solidsupport\"") +
+                                  cube(4, "type=\"other\"") + cube(5, "type=\"surface\"") +
+                                  object(6, components({R"(objectid="2")", R"(objectid="1")"}));
+    const std::string items =
+        item(6) + item(2) + item(3) + item(5) + item(1, "printable=\"0\"") + item(1, "printable=\"1\"");
+    const auto path = dir.write("a.3mf", package(model_text(resources, items)));
+    const MeshFile file = read_indexed(path);
+    CHECK(file.triangle_count == 4 * 12);
+    REQUIRE(file.warnings.size() == 2);
+    CHECK(file.warnings[0].find("ignored an item of the build that is marked as not printable") != std::string::npos);
+    CHECK(file.warnings[1] == path.string() + ": ignored object 2 of type 'support'");
+}
+
+TEST_CASE("a package that lacks its content types is read with a warning", "[input][3mf]") {
+    const TempDir dir;
+    const std::string model = model_text(cube(), item(1));
+    const MeshFile file =
+        read_indexed(dir.write("a.3mf", zip({{"3d/3DMODEL.model", model}, relationships("3D/3dmodel.model")})));
+    CHECK(file.triangle_count == 12);
+    REQUIRE(file.warnings.size() == 1);
+    CHECK(file.warnings[0].find("has no part '[Content_Types].xml'") != std::string::npos);
+}
+
+TEST_CASE("3MF by any name and in any encoding that XML must have", "[input][3mf]") {
+    const TempDir dir;
+    const std::string model = model_text(cube(), item(1));
+    const MeshFile misnamed = read_indexed(dir.write("a.stl", package(model)));
+    REQUIRE(misnamed.warnings.size() == 1);
+    CHECK(misnamed.warnings[0].find("is a file of format 3MF, not STL as its name says") != std::string::npos);
+    CHECK(read_corners(dir, package("\xEF\xBB\xBF" + model)).size() == 12);
+    std::string wide = "\xFF\xFE";
+    for (const char c : model.substr(model.find("<model"))) {
+        wide += c;
+        wide += '\0';
+    }
+    CHECK(read_corners(dir, package(wide)).size() == 12);
+    std::string prefixed = model;
+    for (const char* name :
+         {"model", "resources", "object", "mesh", "vertices", "vertex", "triangles", "triangle", "build", "item"}) {
+        for (const std::string& before : {std::string("<"), std::string("</")}) {
+            for (const std::string& after : {std::string(" "), std::string(">")}) {
+                const std::string tag = before + name + after;
+                for (std::size_t at = prefixed.find(tag); at != std::string::npos; at = prefixed.find(tag, at + 1)) {
+                    prefixed.replace(at, tag.size(), before + "c:" + name + after);
+                }
+            }
+        }
+    }
+    prefixed.replace(prefixed.find("xmlns="), 6, "xmlns:c=");
+    CHECK(read_corners(dir, package(prefixed)).size() == 12);
+}
+
+TEST_CASE("an archive may begin with other bytes and hold other parts", "[input][3mf]") {
+    const TempDir dir;
+    const std::string bytes = package(model_text(cube(), item(1)), {{"Metadata/", ""}, {"thumbnail.png", "\x89PNG"}});
+    CHECK(read_corners(dir, bytes).size() == 12);
+    CHECK(read_corners(dir, std::string("\x7f\0\1", 3) + bytes).size() == 12);
+}
+
+}  // namespace
+}  // namespace lamella

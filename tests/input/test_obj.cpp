@@ -1,0 +1,278 @@
+#include <functional>
+#include <limits>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "cube.hpp"
+#include "files.hpp"
+#include "read.hpp"
+
+namespace lamella::input_test {
+
+using Catch::Contains;
+
+namespace {
+
+std::string vertices_text(const std::string& tail = "") {
+    std::string text;
+    for (std::size_t v = 0; v < cube_corners.size(); ++v) {
+        text += "v " + cube_corner_text(v) + tail + "\n";
+    }
+    return text;
+}
+
+/// The cube's sides with each corner, from 0, written by `corner`.
+std::string sides_text(const std::function<std::string(std::uint32_t)>& corner) {
+    std::string text;
+    for (const auto& side : cube_sides) {
+        text += "f";
+        for (const std::uint32_t v : side) {
+            text += " " + corner(v);
+        }
+        text += "\n";
+    }
+    return text;
+}
+
+std::string plain(std::uint32_t v) {
+    return std::to_string(v + 1);
+}
+
+std::string cube() {
+    return vertices_text() + sides_text(plain);
+}
+
+/// A corner of the cube and a face; `face` is line 4.
+std::string with_face(const std::string& face) {
+    return "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + face + "\n";
+}
+
+}  // namespace
+
+TEST_CASE("an OBJ cube in every form slices like the same cube as STL", "[input][obj]") {
+    const TempDir dir;
+    const std::uint64_t expected = cube_hash(dir);
+    const std::string v = vertices_text();
+    const auto same = [&](const std::string& text) { return hash_of(dir.write("cube.obj", text)) == expected; };
+    CHECK(same(cube()));
+    CHECK(same(v + sides_text([](std::uint32_t c) { return plain(c) + "/7"; })));
+    CHECK(same(v + sides_text([](std::uint32_t c) { return plain(c) + "//12"; })));
+    CHECK(same(v + sides_text([](std::uint32_t c) { return plain(c) + "/-3/-4"; })));
+    CHECK(same(v + sides_text([](std::uint32_t c) { return plain(c) + "//"; })));
+    CHECK(same(v + sides_text([](std::uint32_t c) { return std::to_string(static_cast<int>(c) - 8); })));
+    CHECK(same(v + sides_text([](std::uint32_t c) { return plain(c) + " \\\n"; })));
+    CHECK(same(v + sides_text([](std::uint32_t c) { return plain(c) + "\\\r\n "; })));
+    CHECK(same(sides_text(plain) + v));  // faces before their vertices
+    CHECK(same(vertices_text(" 1.0") + sides_text(plain)));
+    CHECK(same(vertices_text(" 0.5 0.25 1 1") + sides_text(plain)));
+    CHECK(same(vertices_text(" \\\n 1 # f 1 2 3") + sides_text(plain)));
+    CHECK(same(replaced(cube(), "\n", "\r\n")));
+    CHECK(same(replaced(cube(), "\n", "\r")));
+    CHECK(same(replaced(cube(), "\n", " # 1 2 3 \\\n\n")));
+    CHECK(same(replaced(cube(), " ", " \t ")));
+    CHECK(same("  " + replaced(cube(), "\n", "\n\t")));
+    CHECK(same("\xEF\xBB\xBF# made by hand\n\n" + cube()));
+    CHECK(same(cube().substr(0, cube().size() - 1)));
+    CHECK(same(replaced(cube(), "f ", "vn 0 0 1\nvt 0.5 0.5\nvp 1\ns off\ng a b\no f\nusemtl red\nl 1 2\np 1\nf ")));
+    CHECK(same("mtllib f.mtl\n" + replaced(cube(), "f ", "curv 0 1 \\\nf 1 2 \\\r\nv 3\nf ")));
+}
+
+TEST_CASE("a relative OBJ reference counts back from its own line", "[input][obj]") {
+    const TempDir dir;
+    std::string text;
+    std::vector<std::array<double, 9>> expected;
+    for (int i = 0; i < 70'000; ++i) {  // 3 MB: several pieces
+        const std::string x = std::to_string(i);
+        text += "v " + x + " 0 0\nv " + x + " 1 0\nv " + x + " 0 1\nf -3 -2 -1\n";
+        const double d = i;
+        expected.push_back({d, 0, 0, d, 1, 0, d, 0, 1});
+    }
+    CHECK((read_triangles(dir.write("a.obj", text)) == expected));
+}
+
+TEST_CASE("concave OBJ faces are cut along diagonals within them", "[input][obj]") {
+    const TempDir dir;
+    const std::string arrow = "v 0 0 0\nv 4 4 0\nv 0 1 0\nv -4 4 0\n";
+    CHECK(read_triangles(dir.write("a.obj", arrow + "f 2 3 4 1\n")) ==
+          std::vector<std::array<double, 9>>{{0, 0, 0, 4, 4, 0, 0, 1, 0}, {-4, 4, 0, 0, 0, 0, 0, 1, 0}});
+    // An L, of which a fan from the second corner would cover what lies outside.
+    const auto triangles =
+        read_triangles(dir.write("b.obj", "v 0 0 0\nv 6 0 0\nv 6 6 0\nv 4 6 0\nv 4 2 0\nv 0 2 0\nf 2 3 4 5 6 1\nf 1 2 3\n"));
+    REQUIRE(triangles.size() == 5);
+    double area = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const auto& t = triangles[i];
+        const double twice = (t[3] - t[0]) * (t[7] - t[1]) - (t[4] - t[1]) * (t[6] - t[0]);
+        CHECK(twice > 0);
+        area += twice / 2;
+    }
+    CHECK(area == 20);
+}
+
+TEST_CASE("OBJ numbers are read as doubles", "[input][obj]") {
+    const TempDir dir;
+    const auto first = [&](const std::string& number) {
+        return read_triangles(dir.write("a.obj", "v " + number + " 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n")).at(0)[0];
+    };
+    CHECK(first("0.1") == 0.1);
+    CHECK(first("+123.456789012345678") == 123.456789012345678);
+    CHECK(first("-1E-3") == -1e-3);
+    CHECK(first("1e-400") == 0);
+    CHECK(first("1.5\\\n") == 1.5);
+    CHECK(first("1." + std::string(3000, '0') + "1") == 1);
+}
+
+TEST_CASE("malformed OBJ coordinates are refused with line and byte", "[input][obj]") {
+    const TempDir dir;
+    const std::string number = GENERATE(as<std::string>(), "nan", "inf", "-inf", "1e999", "1,5", "1.2.3", "--1", "+-1", "+",
+                                        "-", ".", "e5", "0x10", "abc", "1\\", "\\1", "1/2");
+    const Error error = read_error(dir.write("a.obj", "# x\nv 0 " + number + " 0\nv 1 1 1\nf 1 2 1\n"));
+    CHECK(error.code == Code::malformed_mesh);
+    CHECK(error.byte_offset == 8);
+    CHECK_THAT(error.message, Contains(": line 2, byte 8: ") && Contains("'" + number + "'"));
+}
+
+TEST_CASE("OBJ vertices of too few or too many numbers are refused", "[input][obj]") {
+    const TempDir dir;
+    CHECK_THAT(read_error(dir.write("a.obj", "v 1 2\nv 3 4 5\n")).message,
+               Contains("line 1, byte 5: expected a coordinate (a vertex has three), found the end of the line"));
+    CHECK_THAT(read_error(dir.write("b.obj", "v 1 2 3\nv")).message,
+               Contains("line 2, ") && Contains("the end of the file"));
+    CHECK_THAT(read_error(dir.write("c.obj", "v 1 2 3 4 5 6 7 8\n")).message,
+               Contains("byte 16: expected the end of the line, found '8'"));
+    CHECK_THAT(read_error(dir.write("d.obj", "v 1 2 3 red\n")).message, Contains("byte 8: ") && Contains("found 'red'"));
+}
+
+TEST_CASE("OBJ faces that cannot be are refused with line and byte", "[input][obj]") {
+    const TempDir dir;
+    const auto refused = [&](const std::string& face) {
+        const Error error = read_error(dir.write("a.obj", with_face(face)));
+        CHECK(error.code == Code::malformed_mesh);
+        CHECK_THAT(error.message, Contains(": line 4, byte "));
+        return error.message.substr(error.message.find("byte"));
+    };
+    CHECK(refused("f 1 2 0") == "byte 30: vertex number out of range: the file has 3 vertices, found '0'");
+    CHECK(refused("f 1 2 4") == "byte 30: vertex number out of range: the file has 3 vertices, found '4'");
+    CHECK(refused("f 1 2 3 4294967297") ==
+          "byte 32: vertex number out of range: the file has 3 vertices, found '4294967297'");
+    CHECK(refused("f 1 2 99999999999999999999999/1") ==
+          "byte 30: vertex number out of range: the file has 3 vertices, found '99999999999999999999999/1'");
+    CHECK(refused("f -1 -2 -4") == "byte 32: vertex number out of range: 3 vertices precede, found '-4'");
+    CHECK(refused("f 1 2 -0") == "byte 30: vertex number out of range: 3 vertices precede, found '-0'");
+    CHECK(refused("f 1 2") == "byte 24: a face has three corners or more, this one has 2");
+    CHECK(refused("f") == "byte 24: a face has three corners or more, this one has 0");
+    CHECK(refused("f 1 2 # 3") == "byte 24: a face has three corners or more, this one has 2");
+    for (const char* word : {"x", "1.0", "+1", "1/a", "1/2/3/4", "1/-", "1//-", "/1", "-", "--1", "1e0", "3#", "1\\2"}) {
+        CHECK(refused("f 1 2 " + std::string(word)) == "byte 30: malformed vertex number '" + std::string(word) + "'");
+    }
+}
+
+TEST_CASE("a relative OBJ reference does not reach what follows", "[input][obj]") {
+    const TempDir dir;
+    CHECK_THAT(read_error(dir.write("a.obj", "v 0 0 0\nv 1 0 0\nf -1 -2 -3\nv 0 1 0\n")).message,
+               Contains("line 3, byte 24: vertex number out of range: 2 vertices precede"));
+}
+
+TEST_CASE("the first error of an OBJ file is told, whatever the threads", "[input][obj]") {
+    const TempDir dir;
+    std::string text;
+    for (int i = 0; i < 200'000; ++i) {  // 4 MB
+        text += "v 0.25 0.5 0.125\n";
+    }
+    text += "f 1 2 3\n";
+    for (const std::size_t near : {3'300'000U, 2'200'000U}) {
+        text[text.find("0.5", near) + 1] = 'x';
+    }
+    const Error error = read_error(dir.write("a.obj", text));
+    CHECK(error.byte_offset == static_cast<std::int64_t>(text.find("0x5")));
+}
+
+TEST_CASE("an OBJ file cut anywhere is read or refused, never misread", "[input][obj]") {
+    const TempDir dir;
+    const std::string whole =
+        vertices_text(" 1 \\\n 0.5 0.5") + sides_text([](std::uint32_t c) { return plain(c) + "/1/2"; });
+    const std::size_t first_face = whole.find("f ");
+    for (std::size_t length = 1; length < whole.size(); ++length) {
+        const Result<MeshFile> mesh = read_mesh(dir.write("a.obj", whole.substr(0, length)));
+        if (length <= first_face) {
+            REQUIRE_FALSE(mesh.ok());
+        } else if (mesh) {
+            CHECK(mesh->vertex_count == 8);
+            CHECK(mesh->triangle_count <= 12);
+        } else {
+            CHECK(mesh.error().code == Code::malformed_mesh);
+        }
+    }
+}
+
+TEST_CASE("pieces of OBJ text end neither within a statement nor within a comment", "[input][obj]") {
+    const TempDir dir;
+    const std::string end = GENERATE(as<std::string>(), "\n", "\r\n", "\r");
+    std::string text = "v 0 0 0" + end + "v 1 0 0" + end + "v 0 1 0" + end + "f";
+    for (std::size_t i = 0; i < 500'000; ++i) {  // one face on half a million lines
+        text += " " + std::to_string(i % 3 + 1) + "\\" + end;
+    }
+    text += " 1" + end + "f 1 2 3" + end;
+    CHECK(read_triangles(dir.write("a.obj", text)).size() == 500'000);
+}
+
+TEST_CASE("OBJ text without faces is empty", "[input][obj]") {
+    const TempDir dir;
+    CHECK(read_error(dir.write("a.obj", vertices_text())).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("b.obj", "# nothing\n")).code == Code::empty_mesh);
+    CHECK_THAT(read_error(dir.write("c.obj", "o part\n")).message, Contains("holds no faces"));
+}
+
+TEST_CASE("an OBJ face that expands beyond the memory limit is refused before it does", "[input][obj]") {
+    const TempDir dir;
+    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+    for (int i = 0; i < 400'000; ++i) {
+        text += " 1";
+    }
+    const auto path = dir.write("a.obj", text);
+    ReadOptions options;
+    options.memory_limit_bytes = 4'000'000;
+    const Result<MeshFile> mesh = read_mesh(path, options);
+    REQUIRE_FALSE(mesh.ok());
+    CHECK(mesh.error().code == Code::out_of_memory);
+    CHECK_THAT(mesh.error().message, Contains("more than the 4000000 that reading it may take"));
+}
+
+TEST_CASE("hostile OBJ faces are refused with their line", "[input][obj]") {
+    const TempDir dir;
+    std::string face = "f";
+    for (std::uint32_t i = 0, random = 1; i < 30'000; ++i) {
+        random = random * 1'664'525 + 1'013'904'223;
+        face += " " + std::to_string((random >> 16) % 3 + 1);
+    }
+    const Error error = read_error(dir.write("a.obj", with_face("f 1 2 3\n" + face)));
+    CHECK_THAT(error.message, Contains("line 5, byte 32: this face is too entangled"));
+}
+
+TEST_CASE("an OBJ head states the patient frame", "[input][obj]") {
+    const TempDir dir;
+    const auto frame = [&](const std::string& head) {
+        return read_mesh(dir.write("a.obj", head + cube())).value().patient_frame;
+    };
+    CHECK(frame("# 3D Slicer output\n# SPACE=LPS\n") == PatientFrame::lps);
+    CHECK(frame("# SPACE=RAS\n\n") == PatientFrame::ras);
+    CHECK(frame("# SPACE\n") == PatientFrame::unstated);
+    CHECK(frame("o SPACE=RAS\n# SPACE=LPS\n") == PatientFrame::unstated);
+}
+
+TEST_CASE("OBJ is known by its first statement", "[input][obj]") {
+    const TempDir dir;
+    for (const char* head : {"", "# a\n", "mtllib a.mtl\n", "g part\n", "vn 0 0 1\n"}) {
+        const Result<MeshFile> mesh = read_mesh(dir.write("a", head + cube()));
+        REQUIRE(mesh.ok());
+        CHECK(mesh->format == MeshFormat::obj);
+        CHECK(mesh->text);
+    }
+    const Result<MeshFile> misnamed = read_mesh(dir.write("a.stl", cube()));
+    REQUIRE(misnamed.ok());
+    CHECK(misnamed->warnings.size() == 1);
+    CHECK_THAT(read_error(dir.write("b.obj", "vertex 1 2 3\n")).message, Contains("text that begins with 'vertex 1 2 3'"));
+}
+
+}  // namespace lamella::input_test

@@ -1,0 +1,183 @@
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "cube.hpp"
+#include "files.hpp"
+#include "read.hpp"
+
+namespace lamella::input_test {
+
+using Catch::Contains;
+
+namespace {
+
+std::string body(const std::string& vertex_tail = "", const std::string& face_tail = "") {
+    std::string text;
+    for (std::size_t v = 0; v < cube_corners.size(); ++v) {
+        text += cube_corner_text(v) + vertex_tail + "\n";
+    }
+    for (const auto& side : cube_sides) {
+        text += "4";
+        for (const std::uint32_t v : side) {
+            text += " " + std::to_string(v);
+        }
+        text += face_tail + "\n";
+    }
+    return text;
+}
+
+std::string cube() {
+    return "OFF\n8 6 12\n" + body();
+}
+
+/// Three vertices and a face; `face` is line 6.
+std::string with_face(const std::string& face) {
+    return "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n" + face + "\n";
+}
+
+}  // namespace
+
+TEST_CASE("an OFF cube in every form slices like the same cube as STL", "[input][off]") {
+    const TempDir dir;
+    const std::uint64_t expected = cube_hash(dir);
+    const auto same = [&](const std::string& text) { return hash_of(dir.write("cube.off", text)) == expected; };
+    CHECK(same(cube()));
+    CHECK(same("OFF 8 6 12\n" + body()));
+    CHECK(same("OFF 8 6\n" + body()));
+    CHECK(same("OFF # 1 2 3\n\n# 4\n 8 6 0 # 5\n\n" + body()));
+    CHECK(same("COFF\n8 6 0\n" + body(" 255 0 0 255")));
+    CHECK(same("NOFF\n8 6 0\n" + body(" 0 0 1")));
+    CHECK(same("CNOFF\n8 6 0\n" + body(" 0 0 1 0.5 0.5 0.5 1")));
+    CHECK(same("STCNOFF\n8 6 0\n" + body(" 0 0 1 0.5 0.5 0.5 1 0 0")));
+    CHECK(same("OFF\n8 6 0\n" + body("", " 255 128 0")));
+    CHECK(same("OFF\n8 6 0\n" + body(" # x", " 0.1 0.2 0.3 1 # 7")));
+    CHECK(same("OFF\n8 6 0\n" + body("\n\n# 1 2 3\n", "\t7")));
+    CHECK(same(replaced(cube(), "\n", "\r\n")));
+    CHECK(same(replaced(cube(), "\n", "\r")));
+    CHECK(same(replaced(cube(), " ", " \t ")));
+    CHECK(same("\xEF\xBB\xBF# head\n" + cube()));
+    CHECK(same(cube().substr(0, cube().size() - 1)));
+}
+
+TEST_CASE("OFF of several pieces gives every vertex and face in order", "[input][off]") {
+    const TempDir dir;
+    std::string text = "OFF\n150000 50001 0\n";
+    std::vector<std::array<double, 9>> expected;
+    for (int i = 0; i < 50'000; ++i) {
+        const std::string x = std::to_string(i);
+        text += x + " 0.000000 0.000000\n" + x + " 1.000000 0.000000\n" + x + " 0.000000 1.000000\n";
+        const double d = i;
+        expected.push_back({d, 0, 0, d, 1, 0, d, 0, 1});
+    }
+    text += "4 0 1 4 3\n";
+    expected.insert(expected.begin(), {{0, 0, 0, 0, 1, 0, 1, 1, 0}, {0, 0, 0, 1, 1, 0, 1, 0, 0}});
+    for (int i = 0; i < 150'000; i += 3) {
+        text += "3 " + std::to_string(i) + " " + std::to_string(i + 1) + " " + std::to_string(i + 2) + " 0.5 0.5 0.5\n";
+    }
+    CHECK((read_triangles(dir.write("a.off", text)) == expected));
+
+    const auto path = dir.write("b.off", text + "99999 1 2\nrest\n");
+    CHECK((read_triangles(path) == expected));
+    CHECK(read_mesh(path)->warnings ==
+          std::vector<std::string>{path.string() + ": ignored 2 lines after the last of 50001 faces"});
+
+    text.replace(text.find("3 149997 "), 2, "9 ");
+    CHECK_THAT(read_error(dir.write("c.off", text)).message, Contains("expected a vertex number, found '0.5'"));
+}
+
+TEST_CASE("OFF counts that do not fit the text are refused", "[input][off]") {
+    const TempDir dir;
+    const auto refused = [&](const std::string& counts) {
+        const Error error = read_error(dir.write("a.off", "OFF\n" + counts + "\n" + body()));
+        CHECK(error.code == Code::malformed_mesh);
+        return error.message.substr(error.message.find(": line") + 2);
+    };
+    CHECK_THAT(refused("9 6 0"), Contains("expected 9 vertices and 6 faces, found the end of the file") ||
+                                     Contains("expected the end of the line"));
+    CHECK_THAT(refused("8 7 0"), Contains("expected 8 vertices and 7 faces, found the end of the file"));
+    CHECK_THAT(refused("1000 6 0"), Contains("line 2, byte 4: counts 1000 vertices and 6 faces, more than the "));
+    CHECK_THAT(refused("8 4294967296 0"), Contains("line 2, byte 4: counts 8 vertices and 4294967296 faces"));
+    CHECK_THAT(refused("99999999999999999999999999 6 0"), Contains("line 2, byte 4: counts "));
+    CHECK_THAT(refused("18446744073709551615 18446744073709551615 0"), Contains("line 2, byte 4: counts "));
+    CHECK_THAT(refused("-8 6 0"), Contains("line 2, byte 4: expected the number of vertices, found '-8'"));
+    CHECK_THAT(refused("8"), Contains("line 2, byte 5: expected the number of faces, found the end of the line"));
+    CHECK_THAT(refused("8 6.0 0"), Contains("line 2, byte 6: expected the number of faces, found '6.0'"));
+    CHECK_THAT(refused("8 6 x"), Contains("line 2, byte 8: expected the number of edges, found 'x'"));
+    CHECK_THAT(refused("8 6 0 0"), Contains("line 2, byte 10: expected the end of the line, found '0'"));
+}
+
+TEST_CASE("OFF faces that cannot be are refused with line and byte", "[input][off]") {
+    const TempDir dir;
+    const auto refused = [&](const std::string& face) {
+        const Error error = read_error(dir.write("a.off", with_face(face)));
+        CHECK(error.code == Code::malformed_mesh);
+        CHECK_THAT(error.message, Contains(": line 6, byte "));
+        return error.message.substr(error.message.find("byte"));
+    };
+    CHECK(refused("3 0 1 3") == "byte 34: vertex number out of range: the file has 3 vertices, found '3'");
+    CHECK(refused("3 0 1 99999999999999999999") ==
+          "byte 34: vertex number out of range: the file has 3 vertices, found '99999999999999999999'");
+    CHECK(refused("3 0 -1 2") == "byte 32: expected a vertex number, found '-1'");
+    CHECK(refused("3 0 1 2.5") == "byte 34: expected a vertex number, found '2.5'");
+    CHECK(refused("3 0 1    ") == "byte 37: expected a vertex number, found the end of the line");
+    CHECK(refused("2 0 1   ") == "byte 28: a face has three corners or more, this one has 2");
+    CHECK(refused("0       ") == "byte 28: a face has three corners or more, this one has 0");
+    CHECK(refused("4294967298 0 1 2") == "byte 28: the face counts 4294967298 corners, more than its line holds");
+    CHECK(refused("99999999999999999999 0 1 2").find("more than its line holds") != std::string::npos);
+    CHECK(refused("three 0 1 2") == "byte 28: expected the number of a face's corners, found 'three'");
+    CHECK(refused("3 0 1 2 red") == "byte 36: expected a number or the end of the line, found 'red'");
+    CHECK(refused("3 0 1 2 1 1 1 1 1") == "byte 44: expected the end of the line, found '1'");
+}
+
+TEST_CASE("malformed OFF coordinates are refused with line and byte", "[input][off]") {
+    const TempDir dir;
+    const std::string number = GENERATE(as<std::string>(), "nan", "inf", "1e999", "1,5", "--1", ".", "0x1", "abc");
+    const Error error = read_error(dir.write("a.off", replaced(with_face("3 0 1 2"), "\n1 0 0", "\n1 " + number + " 0")));
+    CHECK_THAT(error.message, Contains(": line 4, byte 18: ") && Contains("'" + number + "'"));
+}
+
+TEST_CASE("an OFF file cut anywhere is refused, unless nothing is lost", "[input][off]") {
+    const TempDir dir;
+    const std::string whole = cube();
+    for (std::size_t length = 1; length + 1 < whole.size(); ++length) {
+        const Result<MeshFile> mesh = read_mesh(dir.write("a.off", whole.substr(0, length)));
+        INFO(length);
+        REQUIRE_FALSE(mesh.ok());
+        CHECK((mesh.error().code == Code::malformed_mesh));
+    }
+}
+
+TEST_CASE("forms of OFF that are not read say so", "[input][off]") {
+    const TempDir dir;
+    CHECK_THAT(read_error(dir.write("a.off", std::string("OFF BINARY\n\0\0\0\x08", 15))).message,
+               Contains("is a binary OFF file; only OFF as text is read"));
+    CHECK_THAT(read_error(dir.write("b.off", "4OFF\n1 1 0\n0 0 0 1\n")).message,
+               Contains("vertices of other than three coordinates are not read: '4OFF'"));
+    CHECK_THAT(read_error(dir.write("c.off", "nOFF 3\n1 1 0\n")).message, Contains("'nOFF'"));
+}
+
+TEST_CASE("OFF without faces is empty", "[input][off]") {
+    const TempDir dir;
+    CHECK(read_error(dir.write("a.off", "OFF\n0 0 0\n")).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("b.off", "OFF 1 0 0\n1 2 3\n")).code == Code::empty_mesh);
+}
+
+TEST_CASE("an OFF head states the patient frame", "[input][off]") {
+    const TempDir dir;
+    const auto frame = [&](const std::string& text) { return read_mesh(dir.write("a.off", text)).value().patient_frame; };
+    CHECK(frame("OFF\n# SPACE=LPS\n8 6 0\n" + body()) == PatientFrame::lps);
+    CHECK(frame("# SPACE=RAS\n" + cube()) == PatientFrame::ras);
+    CHECK(frame(cube() + "# SPACE=RAS\n") == PatientFrame::unstated);
+}
+
+TEST_CASE("OFF is known by its first word", "[input][off]") {
+    const TempDir dir;
+    const Result<MeshFile> mesh = read_mesh(dir.write("a", cube()));
+    REQUIRE(mesh.ok());
+    CHECK(mesh->format == MeshFormat::off);
+    CHECK(mesh->vertex_count == 8);
+    CHECK_THAT(read_error(dir.write("b.off", "OFFICE\n")).message, Contains("text that begins with 'OFFICE'"));
+}
+
+}  // namespace lamella::input_test

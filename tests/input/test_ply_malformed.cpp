@@ -1,0 +1,272 @@
+#include <limits>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "engine/shapes.hpp"
+#include "files.hpp"
+#include "ply_writer.hpp"
+#include "read.hpp"
+
+namespace lamella::input_test {
+
+using Catch::Contains;
+
+namespace {
+
+const std::vector<double> corners = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+const Faces tetrahedron = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+
+/// An ASCII header with four vertices and `faces` faces.
+std::string header_of(const std::string& format, const std::string& vertex_count, const std::string& face_count,
+                      const std::string& count_type = "uchar", const std::string& index_type = "int") {
+    return "ply\nformat " + format + " 1.0\nelement vertex " + vertex_count +
+           "\nproperty float x\nproperty float y\nproperty float z\nelement face " + face_count + "\nproperty list " +
+           count_type + " " + index_type + " vertex_indices\nend_header\n";
+}
+
+const std::string four_vertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+
+Error malformed(const TempDir& dir, const std::string& bytes) {
+    const Error error = read_error(dir.write("a.ply", bytes));
+    CHECK(error.code == Code::malformed_mesh);
+    CHECK(error.message.size() < 400);
+    return error;
+}
+
+/// `bytes` after the header of a binary file whose one face is `face`.
+std::string binary_tetrahedron(std::string_view encoding, std::string_view count_type, std::string_view index_type,
+                               double count, const std::vector<double>& face) {
+    PlyWriter out(encoding);
+    PlyVariant how;
+    how.count = count_type;
+    how.index = index_type;
+    detail::declare_vertices(out, how, 4);
+    detail::declare_faces(out, how, 1);
+    detail::write_vertices(out, how, corners);
+    out.number(count_type, count);
+    for (const double index : face) {
+        out.number(index_type, index);
+    }
+    return out.file();
+}
+
+}  // namespace
+
+TEST_CASE("a PLY file cut off anywhere is refused", "[input][ply]") {
+    const TempDir dir;
+    PlyVariant how;
+    how.encoding = GENERATE(from_range(ply_encodings));
+    how.faces_first = GENERATE(false, true);
+    how.extra_elements = GENERATE(false, true);
+    how.extra_lists = how.extra_elements;
+    const std::string bytes = ply(how, corners, tetrahedron);
+    const std::size_t needed = bytes.size() - (how.encoding == "ascii" ? 2 : 1);  // the last word may lose its line end
+    for (std::size_t length = 4; length <= needed; ++length) {
+        const std::string cut = bytes.substr(0, length);
+        if (how.encoding == "ascii" && length == needed && bytes[length - 1] != ' ') {
+            continue;  // what is left of the last number is a number, too
+        }
+        CAPTURE(length);
+        const Error error = malformed(dir, cut);
+        CHECK(error.byte_offset >= 0);
+        CHECK(error.byte_offset <= static_cast<std::int64_t>(length));
+    }
+}
+
+TEST_CASE("malformed PLY headers are refused with line and byte", "[input][ply]") {
+    const TempDir dir;
+    struct Case {
+        const char* from;
+        const char* to;
+        const char* message;
+    };
+    const auto [from, to, message] = GENERATE(values<Case>({
+        {"ply\n", "ply x\n", "line 1, byte 4: expected 'ply' alone on the first line, found 'x'"},
+        {"format ascii 1.0\n", "", "line 8, byte 126: expected a line 'format' before it, found 'end_header'"},
+        {"ascii", "utf8", "line 2, byte 11: expected 'ascii', 'binary_little_endian' or 'binary_big_endian', found 'utf8'"},
+        {"ascii", "ASCII", "found 'ASCII'"},
+        {"ascii 1.0", "ascii 2.0", "line 2, byte 17: expected version '1.0', found '2.0'"},
+        {"ascii 1.0", "ascii", "line 2, byte 16: expected version '1.0', found the end of the line"},
+        {"ascii 1.0", "ascii 1.0 x", "expected the end of the line, found 'x'"},
+        {"format", "format ascii 1.0\nformat", "line 3, byte 21: expected one format only"},
+        {"element vertex", "elements vertex",
+         "line 3, byte 21: expected 'element', 'property', 'comment' or 'end_header', "},
+        {"vertex 4", "vertex", "expected the number of elements 'vertex', found the end of the line"},
+        {"vertex 4", "vertex -4", "expected the number of elements 'vertex', found '-4'"},
+        {"vertex 4", "vertex 4.0", "found '4.0'"},
+        {"vertex 4", "vertex 99999999999999999999", "found '99999999999999999999'"},
+        {"vertex 4", "", "expected a name, found the end of the line"},
+        {"float x", "float", "line 4, byte 52: expected a name, found the end of the line"},
+        {"float x", "real x", "line 4, byte 47: expected a type of number, found 'real'"},
+        {"float x", "float w", "line 3, byte 21: element 'vertex' has no property 'x'"},
+        {"float y", "float x", "line 3, byte 21: property 'x' of element 'vertex' is declared twice"},
+        {"property float z\n", "", "element 'vertex' has no property 'z'"},
+        {"float z", "list uchar float z", "property 'z' of element 'vertex' is a list"},
+        {"vertex_indices", "vertices", "line 7, byte 89: element 'face' has no property 'vertex_indices'"},
+        {"list uchar int vertex", "int vertex", "property 'vertex_indices' of element 'face' is no list"},
+        {"uchar int", "uchar", "expected a type of number, found 'vertex_indices'"},
+        {"element face", "element vertex 1\nelement face", "element 'vertex' is declared twice"},
+        {"element vertex", "property int x\nelement vertex", "line 3, byte 21: expected an element before its properties"},
+        {"end_header\n", "", "expected 'element', 'property', 'comment' or 'end_header', found '0'"},
+        {"end_header", "end_header x", "expected the end of the line, found 'x'"},
+        {"element vertex 4", "element vertex 0", ": holds faces but no vertices"},
+    }));
+    std::string text = header_of("ascii", "4", "1") + four_vertices + "3 0 1 2\n";
+    text.replace(text.find(from), std::string(from).size(), to);
+    CHECK_THAT(malformed(dir, text).message, Contains(message));
+}
+
+TEST_CASE("a PLY header without end is refused", "[input][ply]") {
+    const TempDir dir;
+    const std::string header = header_of("binary_little_endian", "4", "1");
+    const Error error = malformed(dir, header.substr(0, header.find("end_header")));
+    CHECK_THAT(error.message, Contains("expected 'end_header', found the end of the file"));
+    std::string endless = "ply\nformat ascii 1.0\nelement vertex 1\n";
+    for (int i = 0; i < 5000; ++i) {
+        endless += "property float p" + std::to_string(i) + "\n";
+    }
+    CHECK_THAT(malformed(dir, endless).message, Contains("expected at most 4096 elements and properties"));
+}
+
+TEST_CASE("PLY without faces holds no mesh", "[input][ply]") {
+    const TempDir dir;
+    const std::string points = header_of("ascii", "4", "0") + four_vertices;
+    CHECK(read_error(dir.write("a.ply", points)).code == Code::empty_mesh);
+    const std::string no_face = "ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nend_header\n0\n";
+    CHECK(read_error(dir.write("a.ply", "ply\nformat ascii 1.0\nend_header\n")).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("a.ply", no_face)).code == Code::malformed_mesh);
+}
+
+TEST_CASE("PLY counts are held against the bytes that are left", "[input][ply]") {
+    const TempDir dir;
+    const std::string format = GENERATE(as<std::string>(), "ascii", "binary_little_endian", "binary_big_endian");
+    const std::string count = GENERATE(as<std::string>(), "5000", "4294967296", "1537228672809129302", "9223372036854775807",
+                                       "18446744073709551615");
+    const std::string body(100, '0');
+    const Error vertices = malformed(dir, header_of(format, count, "1") + body);
+    CHECK_THAT(vertices.message, Contains("the header counts " + count + " of element 'vertex', but 100 bytes are left"));
+    const Error faces = malformed(dir, header_of(format, "0", count) + body);
+    CHECK_THAT(faces.message, Contains("holds faces but no vertices"));
+    const std::string one_vertex = format == "ascii" ? "0 0 0\n" : std::string(12, '\0');
+    const Error many = malformed(dir, header_of(format, "1", count) + one_vertex + body);
+    CHECK_THAT(many.message, Contains("the header counts " + count + " of element 'face', but 10"));
+}
+
+TEST_CASE("PLY elements that take no bytes are passed, however many", "[input][ply]") {
+    const TempDir dir;
+    const std::string format = GENERATE(as<std::string>(), "ascii", "binary_little_endian", "binary_big_endian");
+    PlyVariant how;
+    how.encoding = format;
+    std::string bytes = ply(how, corners, tetrahedron);
+    bytes.insert(bytes.find("element face"), "element nothing 18446744073709551615\n");
+    const Result<MeshFile> mesh = read_mesh(dir.write("a.ply", bytes));
+    REQUIRE(mesh.ok());
+    CHECK(mesh.value().triangle_count == 4);
+}
+
+TEST_CASE("lists of PLY that lie about their length are refused", "[input][ply]") {
+    const TempDir dir;
+    const std::string_view encoding = GENERATE(from_range(ply_encodings));
+    const std::size_t header = binary_tetrahedron(encoding, "int", "int", 3, {0, 1, 2}).find("end_header\n") + 11;
+    const std::size_t face = header + (encoding == "ascii" ? four_vertices.size() : 48);
+    for (const double count : {4.0, 5.0, 100000.0, 2147483647.0}) {
+        const Error error = malformed(dir, binary_tetrahedron(encoding, "int", "int", count, {0, 1, 2}));
+        CHECK_THAT(error.message, Contains("property 'vertex_indices' of 'face' 0: "));
+        CHECK(error.byte_offset >= static_cast<std::int64_t>(face));
+    }
+    for (const double count : {-1.0, -3.0, -2147483648.0}) {
+        const Error error = malformed(dir, binary_tetrahedron(encoding, "int", "int", count, {0, 1, 2}));
+        CHECK_THAT(error.message, Contains("a list of " + std::to_string(static_cast<long>(count)) + " numbers"));
+        CHECK(error.byte_offset == static_cast<std::int64_t>(face));
+    }
+    const auto infinity = std::numeric_limits<double>::infinity();
+    const double bad = GENERATE_COPY(2.5, infinity, std::numeric_limits<double>::quiet_NaN(), 1e300);
+    if (encoding != "ascii") {
+        const Error error = malformed(dir, binary_tetrahedron(encoding, "double", "int", bad, {0, 1, 2}));
+        CHECK_THAT(error.message, Contains("expected the length of a list, found "));
+    }
+}
+
+TEST_CASE("PLY indices out of range are refused", "[input][ply]") {
+    const TempDir dir;
+    const std::string_view encoding = GENERATE(from_range(ply_encodings));
+    const std::size_t corner = GENERATE(range<std::size_t>(0, 4));
+    const bool quad = GENERATE(false, true);
+    const double index = GENERATE(4.0, -1.0, 2147483647.0, -2147483648.0);
+    if (corner == 3 && !quad) {
+        return;
+    }
+    std::vector<double> face = {0, 1, 3, 2};
+    face.resize(quad ? 4 : 3);
+    face[corner] = index;
+    const std::string bytes = binary_tetrahedron(encoding, "uchar", "int", static_cast<double>(face.size()), face);
+    const Error error = malformed(dir, bytes);
+    CHECK_THAT(error.message, Contains("property 'vertex_indices' of 'face' 0: index " +
+                                       std::to_string(static_cast<long>(index)) + ", but there are 4 vertices"));
+    const auto offset = static_cast<std::size_t>(error.byte_offset);
+    if (encoding == "ascii") {
+        CHECK_THAT(error.message, Contains(": line 14, byte " + std::to_string(offset)));
+        CHECK(bytes.compare(offset, 1, std::to_string(static_cast<long>(index)), 0, 1) == 0);
+    } else {
+        CHECK(offset == bytes.size() - 4 * (face.size() - corner));
+    }
+}
+
+TEST_CASE("malformed words of ASCII PLY are refused with line and byte", "[input][ply]") {
+    const TempDir dir;
+    const std::string word = GENERATE(as<std::string>(), "nan", "inf", "-inf", "1e400", "1,5", "1.5f", "--1", "+", ".",
+                                      "0x10", "abc", std::string(5000, '9'));
+    const std::string header = header_of("ascii", "4", "1");
+    const Error coordinate = malformed(dir, header + "0 0 0\n1 " + word + " 0\n0 1 0\n0 0 1\n3 0 1 2\n");
+    CHECK_THAT(coordinate.message,
+               Contains(": line 11, byte ") && Contains("property 'y' of 'vertex' 1: expected a finite "));
+    CHECK(coordinate.byte_offset == static_cast<std::int64_t>(header.size() + 8));
+    const Error index = malformed(dir, header + four_vertices + "3 0 1 " + word + "\n");
+    CHECK_THAT(index.message,
+               Contains(": line 14, byte ") && Contains("property 'vertex_indices' of 'face' 0: expected an "));
+    CHECK(index.byte_offset == static_cast<std::int64_t>(header.size() + four_vertices.size() + 6));
+    const Error count = malformed(dir, header + four_vertices + word + " 0 1 2\n");
+    CHECK_THAT(count.message, Contains("expected the length of a list, found '" + word.substr(0, 32)));
+    CHECK(count.byte_offset == static_cast<std::int64_t>(header.size() + four_vertices.size()));
+}
+
+TEST_CASE("the first error of an ASCII PLY file is told, whatever the threads", "[input][ply]") {
+    const TempDir dir;
+    const shapes::Indexed sphere = shapes::indexed(shapes::octasphere({1, 2, 3}, 20, 7));  // of several pieces
+    std::string text = ply({}, sphere);
+    for (const std::size_t from : {text.size() - 1000, text.size() / 5 * 4, text.size() / 2, text.size() / 5}) {
+        const std::size_t line = text.rfind('\n', from) + 1;
+        text[line] = 'x';
+        CHECK(malformed(dir, text).byte_offset == static_cast<std::int64_t>(line));
+    }
+}
+
+TEST_CASE("PLY that expands to more than reading may take is refused", "[input][ply]") {
+    const TempDir dir;
+    const std::string_view encoding = GENERATE(from_range(ply_encodings));
+    PlyVariant how;
+    how.encoding = encoding;
+    how.index = "uchar";
+    const std::string bytes = ply(how, corners, Faces(10, std::vector<double>(200, 1)));
+    ReadOptions options;
+    options.memory_limit_bytes = 20'000;
+    const auto path = dir.write("a.ply", bytes);
+    const Result<MeshFile> mesh = read_mesh(path, options);
+    REQUIRE_FALSE(mesh.ok());
+    CHECK(mesh.error().code == Code::out_of_memory);
+    CHECK_THAT(mesh.error().message,
+               Contains(path.string() + ": expands to ") && Contains("more than the 20000 that reading"));
+}
+
+TEST_CASE("PLY polygons with a corner that is nowhere are refused", "[input][ply]") {
+    const TempDir dir;
+    PlyVariant how;
+    how.encoding = GENERATE(as<std::string_view>(), "binary_little_endian", "binary_big_endian");
+    std::vector<double> xyz = corners;
+    xyz[7] = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
+    const Error error = malformed(dir, ply(how, xyz, {{0, 1, 3}, {0, 1, 2, 3}}));
+    CHECK_THAT(error.message, Contains("'face' 1: vertex 2 has a coordinate that is not finite"));
+}
+
+}  // namespace lamella::input_test

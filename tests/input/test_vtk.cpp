@@ -1,0 +1,369 @@
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "read.hpp"
+#include "vtk_files.hpp"
+
+namespace lamella::input_test {
+
+using Catch::Contains;
+
+namespace {
+
+struct Legacy {
+    bool text = true;
+    int version = 3;
+    std::string points = "float";
+    std::string integers = "vtktypeint64";  ///< of offsets and connectivity, from version 5 on
+    std::string extra{};                    ///< between points and cells
+
+    Encoding encoding() const { return {text, true}; }
+    std::string array(const std::string& type, const std::vector<double>& values) const {
+        std::string bytes;
+        for (const double value : values) {
+            bytes += encoding().as(type, value);
+        }
+        return bytes + "\n";
+    }
+    std::string header() const {
+        return "# vtk DataFile Version " + std::to_string(version) + (version == 5 ? ".1" : ".0") + "\na title\n" +
+               (text ? "ASCII" : "BINARY") + "\nDATASET POLYDATA\n";
+    }
+    std::string cells(const std::string& name, const Cells& cells) const {
+        if (cells.empty()) {
+            return "";
+        }
+        std::vector<double> counted;
+        std::vector<double> offsets{0};
+        std::vector<double> corners;
+        for (const auto& cell : cells) {
+            counted.push_back(static_cast<double>(cell.size()));
+            counted.insert(counted.end(), cell.begin(), cell.end());
+            corners.insert(corners.end(), cell.begin(), cell.end());
+            offsets.push_back(static_cast<double>(corners.size()));
+        }
+        if (version < 5) {
+            return name + " " + std::to_string(cells.size()) + " " + std::to_string(counted.size()) + "\n" +
+                   array("int", counted);
+        }
+        return name + " " + std::to_string(offsets.size()) + " " + std::to_string(corners.size()) + "\nOFFSETS " + integers +
+               "\n" + array(integers, offsets) + "CONNECTIVITY " + integers + "\n" + array(integers, corners);
+    }
+    std::string operator()(const PolyData& data) const {
+        std::vector<double> coordinates;
+        for (const auto& point : data.points) {
+            coordinates.insert(coordinates.end(), point.begin(), point.end());
+        }
+        return header() + "POINTS " + std::to_string(data.points.size()) + " " + points + "\n" + array(points, coordinates) +
+               extra + cells("POLYGONS", data.polygons) + cells("TRIANGLE_STRIPS", data.strips);
+    }
+};
+
+PolyData cube_with_strip() {
+    PolyData data = cube();
+    data.strips = {{0, 1, 2, 3, 4, 5}, {7, 6, 5}};
+    return data;
+}
+
+std::string upper(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; });
+    return text;
+}
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE("legacy VTK in every form gives the same triangles", "[input][vtk]") {
+    const TempDir dir;
+    const PolyData data = GENERATE(cube(), cube_with_strip(), sheet(200));
+    const bool text = GENERATE(false, true);
+    for (const int version : {1, 2, 3, 4, 5}) {
+        for (const char* integers : {"vtktypeint64", "vtktypeint32", "unsigned_int", "vtkIdType"}) {
+            const bool id = std::string(integers) == "vtkIdType";  // 32 bits in the file
+            Legacy legacy{text, version, "float", id ? "int" : integers, ""};
+            const std::string file = replaced(legacy(data), " int\n", id ? " vtkIdType\n" : " int\n");
+            CHECK(read_triangles(dir.write("a.vtk", file)) == triangles_of(data));
+            if (version < 5) {
+                break;
+            }
+        }
+    }
+    const MeshFile mesh = read_one(dir.write("b.vtk", Legacy{text}(data)));
+    CHECK(mesh.format == MeshFormat::vtk);
+    CHECK(mesh.text == text);
+    CHECK(mesh.vertex_count == data.points.size());
+    CHECK(mesh.warnings.empty());
+    CHECK_FALSE(mesh.states_unit);
+}
+
+TEST_CASE("legacy VTK takes points of every type", "[input][vtk]") {
+    const TempDir dir;
+    const PolyData data = cube_with_strip();
+    const bool text = GENERATE(false, true);
+    for (const char* type : {"float", "double", "char", "unsigned_char", "short", "unsigned_short", "int", "unsigned_int",
+                             "long", "unsigned_long", "vtktypeint64"}) {
+        CHECK(read_triangles(dir.write("a.vtk", Legacy{text, 4, type}(data))) == triangles_of(data));
+    }
+    PolyData fine = cube();
+    fine.points[0][0] = 1.0 / 3;  // no float
+    const MeshFile mesh = read_one(dir.write("b.vtk", Legacy{false, 4, "double"}(fine)));
+    CHECK(mesh.number == Number::f64);
+    double x = 0;
+    std::memcpy(&x, mesh.view().vertices, sizeof x);
+    CHECK(x == 1.0 / 3);
+}
+
+TEST_CASE("legacy VTK in every accepted spelling", "[input][vtk]") {
+    const TempDir dir;
+    const PolyData data = cube_with_strip();
+    const std::string plain = Legacy{}(data);
+    const auto reads = [&](const std::string& text) {
+        return read_triangles(dir.write("a.vtk", text)) == triangles_of(data);
+    };
+    CHECK(reads(replaced(plain, "\n", "\r\n")));
+    CHECK(reads(replaced(plain, "\n", "\r")));
+    CHECK(reads(Legacy{}.header() + replaced(plain.substr(Legacy{}.header().size()), " ", "\t ")));
+    CHECK(reads(upper(plain)));
+    CHECK(reads(lower(plain)));
+    CHECK(reads("\xEF\xBB\xBF" + plain));
+    CHECK(reads(replaced(plain, "a title", "")));
+    CHECK(reads(replaced(plain, "a title", std::string(5000, 'x'))));
+    CHECK(reads(plain.substr(0, plain.size() - 2)));
+    CHECK(reads(upper(Legacy{true, 5}(data))));
+    CHECK(reads(replaced(Legacy{false, 3}(data), "float\n", "float \r\n")));
+    CHECK(read_triangles(dir.write("a", plain)) == triangles_of(data));
+    const MeshFile misnamed = read_one(dir.write("a.stl", plain));
+    REQUIRE(misnamed.warnings.size() == 1);
+    CHECK_THAT(misnamed.warnings[0], Contains("is a file of format VTK, not STL as its name says"));
+}
+
+TEST_CASE("what is not surface is skipped in legacy VTK", "[input][vtk]") {
+    const TempDir dir;
+    const PolyData data = cube();
+    const bool text = GENERATE(false, true);
+    const int version = GENERATE(3, 5);
+    Legacy legacy{text, version};
+    const std::string strings = text ? "one%20two\n\nPOLYGONS%201\n" : std::string("\xC3") + "1\n2\xC0\x80\x03" + "abc\n";
+    const std::string bits = text ? "0 1 0 1 0 1 0 1 1\n" : "ab\n";
+    legacy.extra = "METADATA\nCOMPONENT_NAMES\nx\ny\nINFORMATION 1\nNAME POLYGONS LOCATION y\nDATA 1\n\n" +
+                   legacy.cells("VERTICES", {{0}, {1}}) + legacy.cells("LINES", {{0, 1, 2}}) + "FIELD FieldData 4\n" +
+                   "notes 1 3 string\n" + strings + "flags 3 3 bit\n" + bits + "METADATA\nINFORMATION 0\n\n" +
+                   "time 1 2 double\n" + legacy.array("double", {1, 2}) + "none 0 0 int\n\n";
+    const std::string file = legacy(data);
+    CHECK(read_triangles(dir.write("a.vtk", file)) == triangles_of(data));
+    for (const char* rest :
+         {"POINT_DATA 8\nSCALARS a float\nLOOKUP_TABLE default\nwhatever", "CELL_DATA 6\nPOLYGONS 1 1", "point_data 8"}) {
+        CHECK(read_triangles(dir.write("a.vtk", file + rest)) == triangles_of(data));
+    }
+}
+
+TEST_CASE("the title of legacy VTK may state the patient frame", "[input][vtk]") {
+    const TempDir dir;
+    const std::string plain = Legacy{GENERATE(false, true)}(cube());
+    const auto frame = [&](const std::string& title) {
+        return read_one(dir.write("a.vtk", replaced(plain, "a title", title))).patient_frame;
+    };
+    CHECK(frame("3D Slicer output. SPACE=LPS") == PatientFrame::lps);
+    CHECK(frame("3D Slicer output. SPACE=RAS") == PatientFrame::ras);
+    CHECK(frame("SPACE=") == PatientFrame::unstated);
+    CHECK(frame("a title") == PatientFrame::unstated);
+}
+
+TEST_CASE("a cube is sliced the same from STL and legacy VTK", "[input][vtk]") {
+    const TempDir dir;
+    const std::uint64_t expected = hash_of(dir.write("a.stl", binary_stl(triangles_of(cube()))));
+    for (const int version : {4, 5}) {
+        CHECK(hash_of(dir.write("a.vtk", Legacy{true, version}(cube()))) == expected);
+        CHECK(hash_of(dir.write("a.vtk", Legacy{false, version}(cube()))) == expected);
+    }
+}
+
+TEST_CASE("concave polygons of VTK are covered exactly", "[input][vtk]") {
+    const TempDir dir;
+    PolyData data;
+    data.points = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {3, 4, 0}, {3, 1, 0}, {0, 1, 0}};
+    data.polygons = {{5, 0, 1, 2, 3, 4}};
+    double area = 0;
+    for (const Facet& f : read_triangles(dir.write("a.vtk", Legacy{false, 5}(data)))) {
+        const auto part = static_cast<double>((f[3] - f[0]) * (f[7] - f[1]) - (f[6] - f[0]) * (f[4] - f[1])) / 2;
+        CHECK(part > 0);
+        area += part;
+    }
+    CHECK(area == 7);
+}
+
+TEST_CASE("cells of VTK without an area are ignored with a warning", "[input][vtk]") {
+    const TempDir dir;
+    PolyData data = cube();
+    data.polygons.insert(data.polygons.begin() + 2, {{0, 1}, {}, {3}});
+    for (const bool text : {false, true}) {
+        for (const int version : {3, 5}) {
+            const auto path = dir.write("a.vtk", Legacy{text, version}(data));
+            CHECK(read_triangles(path) == triangles_of(cube()));
+            const MeshFile mesh = read_one(path);
+            REQUIRE(mesh.warnings.size() == 1);
+            CHECK(mesh.warnings[0] ==
+                  path.string() + ": ignored 3 cells of POLYGONS with fewer than three corners, the first being cell 2");
+        }
+    }
+}
+
+TEST_CASE("legacy VTK without triangles", "[input][vtk]") {
+    const TempDir dir;
+    PolyData data = cube();
+    data.polygons.clear();
+    CHECK(read_error(dir.write("a.vtk", Legacy{}(data))).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("a.vtk", Legacy{true, 5}(data) + "POLYGONS 0 0\n")).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("a.vtk", Legacy{false}(data) + "POLYGONS 0 0\n")).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("a.vtk", Legacy{}({}))).code == Code::empty_mesh);
+}
+
+TEST_CASE("legacy VTK that ends anywhere too early is refused", "[input][vtk]") {
+    const TempDir dir;
+    const bool text = GENERATE(false, true);
+    const int version = GENERATE(3, 5);
+    Legacy legacy{text, version};
+    legacy.extra = "FIELD FieldData 2\nnote 1 1 string\n" +
+                   std::string(text ? "abc\n"
+                                    : "\xC3"
+                                      "abc\n") +
+                   "t 1 1 double\n" + legacy.array("double", {7});
+    PolyData data = cube();
+    data.polygons.push_back({0, 1, 7});
+    const std::string whole = legacy(data);
+    const std::size_t complete = whole.size() - (text ? 2 : 1);  // behind the last number
+    CHECK(read_triangles(dir.write("a.vtk", whole.substr(0, complete))) == triangles_of(data));
+    for (std::size_t length = 22; length < complete; ++length) {
+        INFO(length);
+        const Result<MeshFile> mesh = read_mesh(dir.write("a.vtk", whole.substr(0, length)));
+        REQUIRE_FALSE(mesh.ok());
+        // Where a section ends, nothing is wrong but what is missing.
+        CHECK((mesh.error().code == Code::malformed_mesh || mesh.error().code == Code::empty_mesh));
+    }
+}
+
+TEST_CASE("malformed legacy VTK is refused with the place", "[input][vtk]") {
+    const TempDir dir;
+    const auto complaint = [&](const std::string& file) { return read_error(dir.write("a.vtk", file)).message; };
+    const std::string plain = Legacy{}(cube());
+    const auto with = [&](const std::string& what, const std::string& by) { return complaint(replaced(plain, what, by)); };
+    CHECK_THAT(with("POLYDATA", "UNSTRUCTURED_GRID"),
+               Contains("line 4, byte 49: expected 'POLYDATA', the only kind of DATASET that is read, found "
+                        "'UNSTRUCTURED_GRID'"));
+    CHECK_THAT(with("Version 3.0", "Version 6.0"), Contains("expected a version from 1.0 to 5.x, found '6.0'"));
+    CHECK_THAT(with("Version 3.0", "Version x"), Contains("found 'x'"));
+    CHECK_THAT(with("Version 3.0", "Version -1"), Contains("found '-1'"));
+    CHECK_THAT(with("ASCII", "XML"), Contains("line 3, ") && Contains("expected 'ASCII' or 'BINARY', found 'XML'"));
+    CHECK_THAT(with("DATASET", "SET"), Contains("expected 'DATASET'"));
+    CHECK_THAT(with("POINTS 8", "POINTS -8"), Contains("line 5, ") && Contains("expected the number of POINTS, found '-8'"));
+    CHECK_THAT(with("POINTS 8", "POINTS 9"), Contains("malformed coordinate 'POLYGONS'"));
+    CHECK_THAT(with("POINTS 8", "POINTS 7"), Contains("expected POINTS, POLYGONS, TRIANGLE_STRIPS or another section"));
+    CHECK_THAT(with("POINTS 8", "POINTS 5000000000"), Contains("expected fewer than 2^32 POINTS"));
+    CHECK_THAT(with("POINTS 8", "POINTS 4000000000"), Contains("expected 12000000000 numbers of POINTS, found "));
+    CHECK_THAT(with("POINTS 8", "POINTS 99999999999999999999"), Contains("expected the number of POINTS"));
+    CHECK_THAT(with("float", "half"), Contains("expected a type of numbers, found 'half'"));
+    CHECK_THAT(with("10.000000 10.000000 10.000000 ", "10 ten 10 "), Contains("malformed coordinate 'ten'"));
+    CHECK_THAT(with("10.000000 10.000000 10.000000 ", "10 nan 10 "), Contains("coordinate is not a finite number: 'nan'"));
+    CHECK_THAT(with("10.000000 10.000000 10.000000 ", "10 1e39 10 "), Contains("is not a finite number: '1e39'"));
+    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 6 31"), Contains("expected 31 numbers of POLYGONS, found 30"));
+    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 5 30"), Contains("take 25 numbers, not the 30 counted"));
+    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 7 30"), Contains("cell 6 of POLYGONS does not lie within the 30 numbers"));
+    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 6 18446744073709551615"), Contains("found 30"));
+    CHECK_THAT(with("4 0 2 3 1", "4 0 2 8 1"),
+               Contains("line 8, ") && Contains("point 8 of POLYGONS does not exist: there are 8"));
+    CHECK_THAT(with("4 0 2 3 1", "4 0 -1 3 1"), Contains("expected an integer from 0 to 4294967295, found '-1'"));
+    CHECK_THAT(with("4 0 2 3 1", "4 0 2.5 3 1"), Contains("found '2.5'"));
+    CHECK_THAT(with("4 0 2 3 1", "4294967295 0 2 3 1"), Contains("cell 0 of POLYGONS does not lie within"));
+    CHECK_THAT(with("POLYGONS 6", "POLYGON 6"), Contains("found 'POLYGON'"));
+    CHECK_THAT(complaint(plain + Legacy{}.cells("POLYGONS", {{0, 1, 2}})), Contains("expected one section POLYGONS"));
+    CHECK_THAT(complaint(plain + "POINTS 1 float\n1 2 3\n"), Contains("expected one section POINTS"));
+    CHECK_THAT(complaint(Legacy{}.header() + Legacy{}.cells("POLYGONS", {{0, 1, 2}})),
+               Contains("expected POINTS, found the end"));
+    CHECK_THAT(complaint(plain + "FIELD f 1\na 4294967296 4294967295 int\n"), Contains("numbers of FIELD a"));
+    CHECK_THAT(complaint(plain + "FIELD f 1\na 4294967296 4294967297 int\n"), Contains("possible number of values"));
+    CHECK_THAT(complaint(plain + "FIELD f 1\na 1 18446744073709551615 string\nx"),
+               Contains("within the strings of FIELD a"));
+    CHECK_THAT(complaint(plain + "FIELD f 1\na 1 1 variant\nx"), Contains("found 'variant'"));
+}
+
+TEST_CASE("offsets of legacy VTK must ascend and end with the connectivity", "[input][vtk]") {
+    const TempDir dir;
+    const std::string plain = Legacy{true, 5}(cube());
+    const auto with = [&](const std::string& what, const std::string& by) {
+        return read_error(dir.write("a.vtk", replaced(plain, what, by))).message;
+    };
+    CHECK_THAT(with("0 4 8 ", "1 4 8 "), Contains("the offsets of POLYGONS do not begin with 0"));
+    CHECK_THAT(with("0 4 8 ", "0 9 8 "),
+               Contains("line 9, ") && Contains("cell 1 of POLYGONS ends at 8, which is not from 9 to 24"));
+    CHECK_THAT(with(" 20 24 ", " 20 23 "), Contains("have 23 corners, not the 24 of their connectivity"));
+    CHECK_THAT(with(" 20 24 ", " 20 25 "), Contains("ends at 25, which is not from 20 to 24"));
+    CHECK_THAT(with(" 20 24 ", " 20 18446744073709551615 "), Contains("ends at -1"));
+    CHECK_THAT(with("CONNECTIVITY", "CONNECTED"), Contains("expected 'CONNECTIVITY' of POLYGONS, found 'CONNECTED'"));
+    CHECK_THAT(with("OFFSETS vtktypeint64", "OFFSETS float"), Contains("expected a type of integers, found 'float'"));
+    CHECK_THAT(with("POLYGONS 7 24", "POLYGONS 6 24"), Contains("expected 'CONNECTIVITY' of POLYGONS, found '24'"));
+}
+
+TEST_CASE("malformed binary legacy VTK is refused with the byte", "[input][vtk]") {
+    const TempDir dir;
+    const int version = GENERATE(3, 5);
+    const PolyData data = sheet(120);
+    const std::string plain = Legacy{false, version}(data);
+    const auto last = read_error(dir.write("a.vtk", replaced(plain, "POINTS 14641", "POINTS 14640")));
+    CHECK_THAT(last.message, Contains(": byte " + std::to_string(last.byte_offset) + ": expected POINTS, POLYGONS"));
+    CHECK_THAT(read_error(dir.write("a.vtk", replaced(plain, "POINTS 14641", "POINTS 4294967295"))).message,
+               Contains("is truncated: expected 12884901885 numbers of POINTS at 4 bytes"));
+    CHECK_THAT(read_error(dir.write("a.vtk", replaced(plain, "float\n", "float\r"))).message,
+               Contains("expected the end of the line before the bytes of POINTS"));
+
+    PolyData bad = data;
+    for (const std::size_t cell : {std::size_t{5}, bad.polygons.size() / 3, bad.polygons.size() - 2}) {
+        bad.polygons[cell][2] = 14641;
+    }
+    const Error error = read_error(dir.write("a.vtk", Legacy{false, version}(bad)));
+    CHECK_THAT(error.message, Contains("point 14641 of POLYGONS does not exist: there are 14641"));
+    const std::size_t cells = plain.find(version == 5 ? "CONNECTIVITY vtktypeint64\n" : "POLYGONS ");
+    const std::size_t begin = plain.find('\n', cells) + 1;
+    CHECK(error.byte_offset == static_cast<std::int64_t>(begin + (version == 5 ? 8 * (5 * 3 + 2) : 4 * (5 * 4 + 3))));
+    bad = data;
+    bad.polygons.back()[1] = 0x80000000;
+    CHECK_THAT(read_error(dir.write("a.vtk", Legacy{false, version, "float", "int"}(bad))).message,
+               Contains("point -2147483648 of POLYGONS does not exist"));
+}
+
+TEST_CASE("a polygon of VTK with a corner that is not finite is refused", "[input][vtk]") {
+    const TempDir dir;
+    PolyData data = cube();
+    data.points[3][1] = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
+    const Error error = read_error(dir.write("a.vtk", Legacy{false, 5}(data)));
+    CHECK(error.code == Code::malformed_mesh);
+    CHECK_THAT(error.message, Contains("point 3 of POLYGONS has a coordinate that is not finite"));
+}
+
+TEST_CASE("what legacy VTK expands to is counted before it is allocated", "[input][vtk]") {
+    const TempDir dir;
+    PolyData data = sheet(100);
+    data.strips.emplace_back();
+    for (std::uint32_t i = 0; i < 20'000; ++i) {
+        data.strips[0].push_back(i % 10);
+    }
+    const auto path = dir.write("a.vtk", Legacy{GENERATE(false, true)}(data));
+    ReadOptions options;
+    options.memory_limit_bytes = 200'000;
+    const Result<MeshFile> mesh = read_mesh(path, options);
+    REQUIRE_FALSE(mesh.ok());
+    CHECK(mesh.error().code == Code::out_of_memory);
+    CHECK_THAT(mesh.error().message, Contains("expands to more than the 200000 bytes that reading it may take"));
+    options.memory_limit_bytes = 2'000'000;
+    CHECK(read_mesh(path, options).ok());
+}
+
+}  // namespace lamella::input_test

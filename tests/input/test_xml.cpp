@@ -1,0 +1,147 @@
+// The XML stream: the same events however the text is cut, and no way to make it take memory or time.
+#include <stdexcept>
+
+#include <catch2/catch.hpp>
+
+#include "1_input/xml.hpp"
+#include "engine/counting_memory.hpp"
+
+namespace lamella {
+namespace {
+
+/// Writes its events down, and fails, stops or throws at elements of that name.
+class Recorder : public XmlReader {
+public:
+    using XmlReader::XmlReader;
+
+    std::string events;
+
+private:
+    void begin_element(const XmlName& name, const XmlAttributes& attributes) override {
+        end_text();
+        events += "<" + std::string(name.space) + ":" + std::string(name.local);
+        for (const XmlName& known : {XmlName{"", "x"}, XmlName{"urn:p", "x"}}) {
+            if (const auto value = attributes.find(known)) {
+                events += " " + std::string(known.space) + ":x=" + std::string(*value);
+            }
+        }
+        events += " " + std::to_string(event_line()) + " " + std::to_string(event_offset()) + ".." +
+                  std::to_string(event_end()) + ">";
+        if (name.local == "fail") {
+            fail("failed");
+        } else if (name.local == "stop") {
+            stop();
+        } else if (name.local == "throw") {
+            throw std::runtime_error("thrown");
+        }
+    }
+    void end_element(const XmlName& name) override {
+        end_text();
+        events += "</" + std::string(name.local) + ">";
+    }
+    void text(std::string_view piece) override { text_ += piece; }
+    void declare_namespace(std::string_view prefix, std::string_view space) override {
+        end_text();
+        events += "(" + std::string(prefix) + "=" + std::string(space) + ")";
+    }
+    void end_text() {
+        events += text_;
+        text_.clear();
+    }
+
+    std::string text_;
+};
+
+/// The events of `text` fed in pieces of `piece` bytes.
+std::string events_of(const std::string& text, std::size_t piece) {
+    Recorder recorder;
+    bool wanted = true;
+    for (std::size_t at = 0; wanted && at < text.size(); at += piece) {
+        wanted = recorder.feed(std::string_view(text).substr(at, piece));
+    }
+    const bool whole = wanted && recorder.finish();
+    CHECK(whole != recorder.failure().has_value());
+    if (recorder.failure()) {
+        const XmlFailure& failure = *recorder.failure();
+        return recorder.events + "!" + std::to_string(failure.line) + " " + failure.what;
+    }
+    return recorder.events;
+}
+
+TEST_CASE("XML gives the same events however it is cut", "[input][xml]") {
+    const std::string text =
+        "<?xml version='1.0'?>\n<!-- a -->\r\n<a xmlns='urn:a' xmlns:p='urn:p' x=' 1\n&lt;' p:x='2'>t&amp;&#66;\r"
+        "<p:b/><![CDATA[<c>]]><d xmlns=''><e x=\"3\"/></d></a>\n";
+    for (std::size_t piece = 1; piece <= text.size(); ++piece) {
+        CHECK(events_of(text, piece) ==
+              "(=urn:a)(p=urn:p)<urn:a:a :x= 1 < urn:p:x=2 3 34..87>t&B\n<urn:p:b 5 99..105></b><c>(=)"
+              "<:d 5 120..132><:e :x=3 5 132..142></e></d></a>");
+    }
+}
+
+TEST_CASE("XML that is none is told by line", "[input][xml]") {
+    CHECK(events_of("", 1) == "!1 malformed XML: no element found");
+    CHECK(events_of("<a>\n</b>", 3) == "<:a 1 0..3>!2 malformed XML: mismatched tag");
+    CHECK(events_of("<a>\r\r\n", 1) == "<:a 1 0..3>!3 malformed XML: no element found");
+    CHECK(events_of("<a x='1' x='2'/>", 1) == "!1 malformed XML: duplicate attribute");
+    CHECK(events_of("<p:a/>", 1) == "!1 malformed XML: unbound prefix");
+    CHECK(events_of("<a>\n<fail/></a>", 1) == "<:a 1 0..3>\n<:fail 2 4..11>!2 failed");
+    CHECK(events_of("<!DOCTYPE a><a/>", 1) == "!1 a document type declaration, which is refused");
+    CHECK(events_of("<a>&b;</a>", 1) == "<:a 1 0..3>!1 malformed XML: undefined entity");
+}
+
+TEST_CASE("XML can be left before its end", "[input][xml]") {
+    Recorder recorder;
+    CHECK_FALSE(recorder.feed("<a><stop/>\x01 no XML at all"));
+    CHECK(recorder.events == "<:a 1 0..3><:stop 1 3..10>");
+    CHECK_FALSE(recorder.failure().has_value());
+    CHECK_FALSE(recorder.feed("<"));
+    CHECK_FALSE(recorder.finish());
+}
+
+TEST_CASE("what an event throws passes through the parser", "[input][xml]") {
+    Recorder recorder;
+    CHECK_THROWS_WITH(recorder.feed("<a><throw/><b/></a>"), "thrown");
+    CHECK(recorder.events == "<:a 1 0..3><:throw 1 3..11>");
+}
+
+TEST_CASE("XML takes no more memory than it may, whatever it holds", "[input][xml]") {
+    const auto events_at_start = [](const std::string& before, const std::string& repeated, int count, bool numbered) {
+        CountingMemory memory;
+        Recorder recorder(&memory);
+        bool wanted = recorder.feed(before);
+        for (int i = 0; wanted && i < count; ++i) {
+            wanted = recorder.feed(repeated + (numbered ? std::to_string(i) + "/>" : ""));
+            recorder.events.clear();
+        }
+        CHECK(memory.peak() <= XmlReader::parser_memory_limit);
+        return recorder.failure() ? recorder.failure()->what : "read";
+    };
+    const std::string refused = "elements too deep, names too many or a tag too long to be real";
+    CHECK(events_at_start("", "<a>", 200000, false) == refused);
+    CHECK(events_at_start("<a>", "<a", 200000, true) == refused);
+    CHECK(events_at_start("<a x='", std::string(100000, 'x'), 1000, false) == refused);
+    CHECK(events_at_start("<!--", std::string(100000, 'x'), 1000, false) == refused);
+    CHECK(events_at_start("<a>", std::string(100000, 'x'), 1000, false) == "read");
+    CHECK(events_at_start("<a>", "<b/>", 200000, false) == "read");
+}
+
+TEST_CASE("XML without memory throws, and leaves nothing behind", "[input][xml]") {
+    int failures = 0;
+    for (std::size_t limit = 0;; limit += 256) {
+        CountingMemory memory(limit);
+        try {
+            Recorder recorder(&memory);
+            const bool whole = recorder.feed("<a x='1'><b><c/></b></a>") && recorder.finish();
+            REQUIRE(whole);
+            break;
+        } catch (const std::bad_alloc&) {
+            ++failures;
+        }
+        REQUIRE(memory.held() == 0);
+    }
+    CHECK(failures > 3);
+}
+
+}  // namespace
+}  // namespace lamella

@@ -1,0 +1,200 @@
+// Polygonal data as the files of VTK hold them, written in every form that the readers know.
+#pragma once
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "files.hpp"
+#include "lamella/lamella.hpp"
+
+namespace lamella::input_test {
+
+using Cells = std::vector<std::vector<std::uint32_t>>;
+
+struct PolyData {
+    std::vector<std::array<double, 3>> points;
+    Cells polygons;
+    Cells strips;
+};
+
+/// From 0 to `edge` mm, six quads.
+inline PolyData cube(double edge = 10) {
+    PolyData data;
+    for (const double z : {0.0, edge}) {
+        for (const double y : {0.0, edge}) {
+            data.points.insert(data.points.end(), {{0, y, z}, {edge, y, z}});
+        }
+    }
+    data.polygons = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    return data;
+}
+
+/// Triangles and quads, enough of them for many tasks.
+inline PolyData sheet(std::uint32_t side) {
+    PolyData data;
+    for (std::uint32_t y = 0; y <= side; ++y) {
+        for (std::uint32_t x = 0; x <= side; ++x) {
+            data.points.push_back({static_cast<double>(x), static_cast<double>(y), (x * y) % 7 * 0.25});
+        }
+    }
+    for (std::uint32_t y = 0; y < side; ++y) {
+        for (std::uint32_t x = 0; x < side; ++x) {
+            const std::uint32_t at = y * (side + 1) + x;
+            if (y < side / 2) {  // blocks of triangles alone come first
+                data.polygons.push_back({at, at + 1, at + side + 1});
+            } else {
+                data.polygons.push_back({at, at + 1, at + side + 2, at + side + 1});
+            }
+        }
+    }
+    return data;
+}
+
+inline std::vector<Facet> triangles_of(const MeshFile& mesh) {
+    const MeshView view = mesh.view();
+    REQUIRE(view.indices != nullptr);
+    std::vector<Facet> facets(view.triangle_count);
+    for (std::size_t i = 0; i < 3 * facets.size(); ++i) {
+        const std::byte* const vertex = view.vertices + view.indices[i] * view.stride;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            double value = 0;
+            float single = 0;
+            if (view.number == Number::f64) {
+                std::memcpy(&value, vertex + axis * sizeof value, sizeof value);
+            } else {
+                std::memcpy(&single, vertex + axis * sizeof single, sizeof single);
+                value = static_cast<double>(single);
+            }
+            facets[i / 3][i % 3 * 3 + axis] = static_cast<float>(value);
+        }
+    }
+    return facets;
+}
+
+/// What must be read: convex polygons as fans, strips with every other triangle the other way round.
+inline std::vector<Facet> triangles_of(const PolyData& data) {
+    std::vector<Facet> facets;
+    const auto add = [&](std::array<std::uint32_t, 3> corners) {
+        Facet& facet = facets.emplace_back();
+        for (std::size_t i = 0; i < 9; ++i) {
+            facet[i] = static_cast<float>(data.points[corners[i / 3]][i % 3]);
+        }
+    };
+    for (const auto& cell : data.polygons) {
+        for (std::size_t i = 2; i < cell.size(); ++i) {
+            add({cell[0], cell[i - 1], cell[i]});
+        }
+    }
+    for (const auto& cell : data.strips) {
+        for (std::size_t i = 2; i < cell.size(); ++i) {
+            add(i % 2 == 0 ? std::array{cell[i - 2], cell[i - 1], cell[i]} : std::array{cell[i - 1], cell[i - 2], cell[i]});
+        }
+    }
+    return facets;
+}
+
+/// The triangles of a file that must be readable, the same read and mapped, by 1 and 3 threads.
+inline std::vector<Facet> read_triangles(const std::filesystem::path& path) {
+    std::vector<Facet> first;
+    for (const bool map : {false, true}) {
+        for (const int threads : {1, 3}) {
+            ReadOptions options;
+            options.threads = threads;
+            options.map_file = map;
+            const Result<MeshFile> mesh = read_mesh(path, options);
+            INFO((mesh ? "" : mesh.error().message));
+            REQUIRE(mesh.ok());
+            if (first.empty()) {
+                first = triangles_of(mesh.value());
+            }
+            CHECK(triangles_of(mesh.value()) == first);
+        }
+    }
+    return first;
+}
+
+inline MeshFile read_one(const std::filesystem::path& path) {
+    Result<MeshFile> mesh = read_mesh(path);
+    INFO((mesh ? "" : mesh.error().message));
+    REQUIRE(mesh.ok());
+    return std::move(mesh).value();
+}
+
+inline std::uint64_t hash_of(const std::filesystem::path& path) {
+    const MeshFile mesh = read_one(path);
+    SliceOptions options;
+    options.plan.spacing = UniformLayers{0.4};
+    const Result<SliceResult> result = slice(mesh.view(), options);
+    REQUIRE(result.ok());
+    return output_hash(result.value());
+}
+
+inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+        text.replace(at, what.size(), by);
+    }
+    return text;
+}
+
+/// Numbers as text or bytes, under one of VTK's names of types.
+struct Encoding {
+    bool text = true;
+    bool big_endian = true;
+
+    template <class Number>
+    std::string number(Number value) const {
+        if (text) {
+            std::string digits = std::to_string(value);
+            return digits + " ";
+        }
+        std::string bytes(sizeof value, '\0');
+        std::memcpy(bytes.data(), &value, sizeof value);
+        if (big_endian) {
+            std::reverse(bytes.begin(), bytes.end());
+        }
+        return bytes;
+    }
+
+    /// `type` as legacy files or XML files spell it.
+    template <class Number>
+    std::string as(const std::string& type, Number value) const {
+        if (type == "float" || type == "Float32") {
+            return number(static_cast<float>(value));
+        }
+        if (type == "double" || type == "Float64") {
+            return number(static_cast<double>(value));
+        }
+        if (type == "unsigned_char" || type == "UInt8") {
+            return number(static_cast<std::uint8_t>(value));
+        }
+        if (type == "char" || type == "Int8") {
+            return number(static_cast<std::int8_t>(value));
+        }
+        if (type == "unsigned_short" || type == "UInt16") {
+            return number(static_cast<std::uint16_t>(value));
+        }
+        if (type == "short" || type == "Int16") {
+            return number(static_cast<std::int16_t>(value));
+        }
+        if (type == "unsigned_int" || type == "UInt32") {
+            return number(static_cast<std::uint32_t>(value));
+        }
+        if (type == "int" || type == "Int32" || type == "vtktypeint32") {
+            return number(static_cast<std::int32_t>(value));
+        }
+        if (type == "unsigned_long" || type == "UInt64") {
+            return number(static_cast<std::uint64_t>(value));
+        }
+        return number(static_cast<std::int64_t>(value));
+    }
+};
+
+}  // namespace lamella::input_test

@@ -1,0 +1,135 @@
+// lamella check: what is wrong with a mesh, and where.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "check_words.hpp"
+#include "commands.hpp"
+#include "console.hpp"
+#include "failure.hpp"
+#include "lamella/check.hpp"
+#include "lamella/check_report.hpp"
+#include "lamella/mesh_file.hpp"
+#include "mesh_words.hpp"
+#include "numbers.hpp"
+#include "output_path.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+constexpr std::size_t most_marks =
+    1'000'000;  ///< of each kind, as of what is listed; also keeps vertex numbers within PLY's int
+
+struct CheckArguments {
+    std::string mesh;
+    std::string report;
+    std::string marks;
+    std::string unit = "mm";
+    double tolerance_mm = CheckOptions{}.tolerance_mm;
+    std::size_t places = CheckOptions{}.most_places;
+    int threads = 0;
+
+    bool report_to_stdout() const { return report == "-"; }
+};
+
+void require_outputs(const CheckArguments& arguments) {
+    if (!arguments.report.empty() && !arguments.report_to_stdout()) {
+        require_writable(arguments.report);
+        require_different(arguments.report, arguments.mesh, "--report", "the mesh");
+        require_different(arguments.report, arguments.marks, "--report", "--marks");
+    }
+    if (!arguments.marks.empty()) {
+        require_writable(arguments.marks);
+        require_different(arguments.marks, arguments.mesh, "--marks", "the mesh");
+    }
+}
+
+MeshCheck checked(const CheckArguments& arguments, const MeshFile& mesh) {
+    CheckOptions options;
+    options.threads = arguments.threads;
+    options.transform = mesh.to_mm();
+    options.tolerance_mm = arguments.tolerance_mm;
+    options.most_places = arguments.marks.empty() ? arguments.places : std::max(arguments.places, most_marks);
+    Result<MeshCheck> result = check(mesh.view(), options);
+    if (!result) {
+        const Failure failure = failure_of(result.error());
+        throw failure.status() == bad_input ? Failure(bad_input, arguments.mesh + ": " + failure.what()) : failure;
+    }
+    return std::move(result).value();
+}
+
+/// "--tolerance: ..." rather than the library's words, which name no option.
+void require_tolerance(const CheckArguments& arguments) {
+    if (!(std::isfinite(arguments.tolerance_mm) && arguments.tolerance_mm >= 0)) {
+        throw Failure(bad_usage, "--tolerance: not a number of mm, zero or more");
+    }
+}
+
+void require(const Status& status) {
+    if (!status) {
+        throw failure_of(status.error());
+    }
+}
+
+void run(const CheckArguments& arguments) {
+    require_tolerance(arguments);
+    require_outputs(arguments);
+    const Result<MeshFile> mesh =
+        read_mesh(arguments.mesh, {.threads = arguments.threads, .mm_per_unit = parse_unit(arguments.unit, "--unit")});
+    if (!mesh) {
+        throw failure_of(mesh.error());
+    }
+    for (const std::string& warning : mesh.value().warnings) {
+        warn(warning);
+    }
+    const MeshCheck found = checked(arguments, mesh.value());
+    if (!arguments.marks.empty()) {
+        require(write_marks(found, arguments.marks));
+    }
+    const std::string words = check_words(arguments.mesh, mesh.value(), found, arguments.places);
+    if (arguments.report.empty()) {
+        print(words);
+        return;
+    }
+    const Result<std::string> json =
+        check_json(found, {.mesh_file = arguments.mesh, .warnings = mesh.value().warnings}, arguments.places);
+    if (!json) {
+        throw failure_of(json.error());
+    }
+    if (arguments.report_to_stdout()) {
+        (void)std::fputs(words.c_str(), stderr);
+        print(json.value());
+        return;
+    }
+    require(write_text_file(arguments.report, json.value()));
+    print(words);
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app) {
+    CLI::App* const command = app.add_subcommand("check", "Say what is wrong with a mesh, and where");
+    const auto arguments = std::make_shared<CheckArguments>();
+    command->add_option("mesh", arguments->mesh, "Mesh file: " + mesh_formats())->required()->type_name("MESH");
+    command->add_option("--report", arguments->report, "JSON report; - for standard output, then without the words")
+        ->type_name("FILE|-");
+    command->add_option("--marks", arguments->marks, "PLY that marks every place with coloured points and edges")
+        ->type_name("FILE.ply");
+    command->add_option("--tolerance", arguments->tolerance_mm, "Up to which gaps are cracks and T-junctions (0.01)")
+        ->type_name("MM");
+    command->add_option("--places", arguments->places, "How many places of each kind to list (10)")
+        ->type_name("N")
+        ->check(CLI::Range(0, static_cast<int>(most_marks)));
+    command->add_option("--unit", arguments->unit, "What a mesh that states no unit is measured in (mm)")
+        ->type_name("mm|um|cm|m|in|ft|MM");
+    command->add_option("--threads", arguments->threads, "At most this many (0: all)")
+        ->type_name("N")
+        ->check(CLI::Range(0, most_threads));
+    command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace lamella::cli

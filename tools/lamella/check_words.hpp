@@ -1,0 +1,15 @@
+// What a diagnosis found, for people.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "lamella/check.hpp"
+#include "lamella/mesh_file.hpp"
+
+namespace lamella::cli {
+
+/// One line a kind with its count, below it at most `most` places; the last line is the verdict.
+std::string check_words(const std::string& path, const MeshFile& mesh, const MeshCheck& check, std::size_t most);
+
+}  // namespace lamella::cli

@@ -338,20 +338,29 @@ RingFacts examine_ring(const Point* ring, std::size_t count) noexcept {
     return facts_of(count, [ring](std::size_t i) { return ring[i]; });
 }
 
-const Kernels& portable_kernels() noexcept {
-    return portable;
+std::span<const Kernels> supported_kernels() noexcept {
+    static constexpr Kernels forms[] = {
+#ifdef LAMELLA_X86_KERNELS
+        avx512, avx2,
+#endif
+        portable};
+    std::size_t first = 0;
+#ifdef LAMELLA_X86_KERNELS
+    if (__builtin_cpu_supports("avx2") == 0) {
+        first = 2;
+    } else if (__builtin_cpu_supports("avx512f") == 0 || __builtin_cpu_supports("avx512vl") == 0) {
+        first = 1;
+    }
+#endif
+    return std::span(forms).subspan(first);
 }
 
 const Kernels& kernels_for_this_cpu() noexcept {
-#ifdef LAMELLA_X86_KERNELS
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl")) {
-        return avx512;
-    }
-    if (__builtin_cpu_supports("avx2")) {
-        return avx2;
-    }
-#endif
-    return portable;
+    return supported_kernels().front();
+}
+
+const Kernels& portable_kernels() noexcept {
+    return supported_kernels().back();
 }
 
 }  // namespace lamella

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "base/wide.hpp"
 #include "lamella/grid.hpp"
@@ -51,7 +52,9 @@ inline constexpr std::size_t select_padding = 16;
 /// The facts of a closed ring of count > 0 points as they lie.
 RingFacts examine_ring(const Point* ring, std::size_t count) noexcept;
 
-/// The kernels for the processor that this runs on.
+/// The forms that this processor runs, the widest first, the portable one last.
+std::span<const Kernels> supported_kernels() noexcept;
+/// The widest of them.
 const Kernels& kernels_for_this_cpu() noexcept;
 /// The portable ones, for comparison.
 const Kernels& portable_kernels() noexcept;

@@ -96,6 +96,9 @@ TEST_CASE("ranks decide who meets at a shared key", "[assemble]") {
     CHECK(assembled(squares(0, 3, 2, 1)).contours.size() == 1);
     // A turn of all ranks changes nothing.
     CHECK(assembled(squares(2, 3, 0, 1)).contours.size() == 2);
+    // At equal ranks what comes in lies before what goes out.
+    CHECK(assembled(squares(0, 0, 1, 1)).contours.size() == 1);
+    CHECK(assembled(squares(0, 1, 1, 0)).contours.size() == 2);
 }
 
 TEST_CASE("ends without partner make open polylines", "[assemble]") {

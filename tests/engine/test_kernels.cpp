@@ -1,4 +1,5 @@
-// The kernels chosen for this processor give what the portable ones give, to the bit.
+// Every form of the kernels that this processor runs gives what the portable one gives, to the bit.
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -6,43 +7,140 @@
 
 #include "base/kernels.hpp"
 
+using lamella::Kernels;
 using lamella::Point;
 
+namespace {
+
+/// A random ring of `count` points; with `repeats` one of them is as the one before it.
+void check_ring(const Kernels& form, std::size_t count, std::int32_t reach, bool repeats, std::mt19937& random) {
+    const Kernels& portable = lamella::portable_kernels();
+    std::uniform_int_distribution<std::int32_t> coordinate(-reach, reach);
+    const std::size_t room = count + 2 * lamella::padded_count;
+    std::vector<Point> points(room);
+    std::vector<std::uint32_t> slots(room, 0);
+    for (std::size_t i = 0; i < count; ++i) {
+        points[i] = {coordinate(random), coordinate(random)};
+        slots[i] = static_cast<std::uint32_t>((7 * i) % count);
+    }
+    if (repeats) {  // one repeat alone, wherever it lies
+        const std::size_t at = random() % count;
+        points[slots[(at + 1) % count]] = points[slots[at]];
+    }
+    std::vector<Point> ring(room);
+    std::vector<Point> expected_ring(room);
+    const lamella::RingFacts facts = form.trace(points.data(), slots.data(), count, ring.data());
+    const lamella::RingFacts expected = portable.trace(points.data(), slots.data(), count, expected_ring.data());
+    CHECK(facts.box_min == expected.box_min);
+    CHECK(facts.box_max == expected.box_max);
+    CHECK(lamella::to_wide(facts.twice_area) == lamella::to_wide(expected.twice_area));
+    CHECK(facts.has_repeats == expected.has_repeats);
+    CHECK((expected.has_repeats || !repeats));
+    ring.resize(count);
+    expected_ring.resize(count);
+    CHECK(ring == expected_ring);
+    ring.resize(room);
+    const std::int32_t x = ring[count / 2].x;
+    CHECK(form.find_x(ring.data(), 0, count, x) == portable.find_x(ring.data(), 0, count, x));
+}
+
+}  // namespace
+
 TEST_CASE("kernels agree with the portable ones", "[engine][kernels]") {
-    const lamella::Kernels& chosen = lamella::kernels_for_this_cpu();
-    const lamella::Kernels& portable = lamella::portable_kernels();
     std::mt19937 random(7);
-    for (const std::int32_t reach : {3, 1 << 20, lamella::grid_limit}) {
-        std::uniform_int_distribution<std::int32_t> coordinate(-reach, reach);
-        for (std::size_t count = 1; count < 70; ++count) {
-            const std::size_t room = count + 2 * lamella::padded_count;
-            std::vector<Point> points(room);
-            std::vector<std::uint32_t> slots(room, 0);
-            for (std::size_t i = 0; i < count; ++i) {
-                points[i] = {coordinate(random), coordinate(random)};
-                slots[i] = static_cast<std::uint32_t>((7 * i) % count);
+    for (const Kernels& form : lamella::supported_kernels()) {
+        for (const std::int32_t reach : {3, 1 << 20, lamella::grid_limit}) {
+            for (std::size_t count = 1; count < 70; ++count) {
+                check_ring(form, count, reach, false, random);
+                check_ring(form, count, reach, true, random);
             }
-            std::vector<Point> ring(room);
-            std::vector<Point> expected_ring(room);
-            const lamella::RingFacts facts = chosen.trace(points.data(), slots.data(), count, ring.data());
-            const lamella::RingFacts expected = portable.trace(points.data(), slots.data(), count, expected_ring.data());
-            CHECK(facts.box_min == expected.box_min);
-            CHECK(facts.box_max == expected.box_max);
-            CHECK(lamella::to_wide(facts.twice_area) == lamella::to_wide(expected.twice_area));
-            CHECK(facts.has_repeats == expected.has_repeats);
-            ring.resize(count);
-            expected_ring.resize(count);
-            CHECK(ring == expected_ring);
-            ring.resize(room);
-            const std::int32_t x = ring[count / 2].x;
-            CHECK(chosen.find_x(ring.data(), 0, count, x) == portable.find_x(ring.data(), 0, count, x));
+        }
+    }
+}
+
+TEST_CASE("boxes that only one axis makes too wide for vectors have exact areas", "[engine][kernels]") {
+    constexpr std::int32_t far = lamella::grid_limit;
+    std::vector<std::uint32_t> slots(40);
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+        slots[i] = static_cast<std::uint32_t>(i);
+    }
+    for (const bool along_x : {false, true}) {
+        std::vector<Point> points;
+        for (std::int32_t i = 0; i < 12; ++i) {  // to and fro between the ends of one axis, 2^31 apart
+            const Point point{i % 4 < 2 ? -far : far, i < 6 ? i : 7 * i};
+            points.push_back(along_x ? point : Point{point.y, point.x});
+        }
+        points.resize(40, points[0]);
+        lamella::Int128 expected = 0;
+        for (std::size_t i = 0; i < 12; ++i) {
+            const Point& a = points[i];
+            const Point& b = points[(i + 1) % 12];
+            expected += lamella::Int128{a.x} * b.y - lamella::Int128{b.x} * a.y;
+        }
+        for (const Kernels& form : lamella::supported_kernels()) {
+            std::vector<Point> ring(40);
+            CHECK(lamella::to_wide(form.trace(points.data(), slots.data(), 12, ring.data()).twice_area) ==
+                  lamella::to_wide(expected));
+        }
+    }
+}
+
+TEST_CASE("areas beyond 64 bits are exact in every form", "[engine][kernels]") {
+    constexpr std::int32_t far = lamella::grid_limit;
+    std::vector<Point> points;
+    for (int turn = 0; turn < 10; ++turn) {
+        points.insert(points.end(), {{-far, -far}, {far, -far}, {far, far}, {-far, far}});
+    }
+    std::vector<std::uint32_t> slots(points.size() + lamella::padded_count);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        slots[i] = static_cast<std::uint32_t>(i);
+    }
+    const lamella::Int128 expected = lamella::Int128{10} * 2 * (lamella::Int128{2} * far) * (lamella::Int128{2} * far);
+    REQUIRE(expected > INT64_MAX);
+    for (const Kernels& form : lamella::supported_kernels()) {
+        std::vector<Point> ring(slots.size());
+        const lamella::RingFacts facts = form.trace(points.data(), slots.data(), points.size(), ring.data());
+        CHECK(lamella::to_wide(facts.twice_area) == lamella::to_wide(expected));
+    }
+}
+
+TEST_CASE("edges pierce a plane where arithmetic says", "[engine][kernels]") {
+    std::mt19937 random(23);
+    std::uniform_int_distribution<std::int32_t> coordinate(-lamella::grid_limit / 4, lamella::grid_limit / 4);
+    std::uniform_real_distribution<double> slope(-1, 1);
+    for (std::size_t count = 1; count < 40; ++count) {
+        const std::size_t room = count + lamella::padded_count;
+        std::vector<std::int32_t> x(room);
+        std::vector<std::int32_t> y(room);
+        std::vector<std::int32_t> z(room);
+        std::vector<double> slope_x(room);
+        std::vector<double> slope_y(room);
+        for (std::size_t e = 0; e < count; ++e) {
+            x[e] = coordinate(random);
+            y[e] = coordinate(random);
+            z[e] = coordinate(random);
+            slope_x[e] = slope(random);
+            slope_y[e] = slope(random);
+        }
+        const std::int32_t plane = coordinate(random);
+        std::vector<Point> expected(count);
+        for (std::size_t e = 0; e < count; ++e) {
+            const double rise = static_cast<double>(plane) - z[e];
+            expected[e] = {static_cast<std::int32_t>(std::nearbyint(x[e] + slope_x[e] * rise)),
+                           static_cast<std::int32_t>(std::nearbyint(y[e] + slope_y[e] * rise))};
+        }
+        for (const Kernels& form : lamella::supported_kernels()) {
+            std::vector<Point> points(room);
+            form.pierce({x.data(), y.data(), z.data(), slope_x.data(), slope_y.data()}, plane, count, points.data());
+            points.resize(count);
+            CHECK(points == expected);
         }
     }
 }
 
 TEST_CASE("select_equal finds what a loop finds, and writes no further than it may", "[engine][kernels]") {
     std::mt19937 random(11);
-    for (const lamella::Kernels* kernels : {&lamella::kernels_for_this_cpu(), &lamella::portable_kernels()}) {
+    for (const Kernels& kernels : lamella::supported_kernels()) {
         for (std::size_t count = 0; count < 100; ++count) {
             for (const std::uint32_t kinds : {1U, 2U, 40U}) {
                 std::vector<std::uint32_t> values(count);
@@ -55,7 +153,7 @@ TEST_CASE("select_equal finds what a loop finds, and writes no further than it m
                 }
                 const std::uint32_t wanted = 0xFFFFFFF1U - (kinds == 1 ? 1 : 0);
                 std::vector<std::uint32_t> found(count + lamella::select_padding + 1, 77);
-                const std::size_t n = kernels->select_equal(values.data(), count, wanted, found.data());
+                const std::size_t n = kernels.select_equal(values.data(), count, wanted, found.data());
                 CHECK(found.back() == 77);
                 found.resize(n);
                 CHECK(found == expected);

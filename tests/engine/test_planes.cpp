@@ -97,6 +97,7 @@ TEST_CASE("explicit heights that are not ascending and distinct name the pair", 
     CHECK(equal.code == Code::bad_planes);
     CHECK(equal.plane == 2);
     CHECK_THAT(equal.message, Catch::Contains("1.75") && Catch::Contains("2.25"));
+    CHECK(failure_of(view_of(soup), at_heights({3, 1})).plane == 1);
     CHECK(failure_of(view_of(soup), at_heights({1, std::nan(""), 3})).code == Code::bad_planes);
 }
 

@@ -1,4 +1,5 @@
 // Meshes whose work lies badly: all in a few layers, all in tall facets, many contours in one layer.
+#include <array>
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -146,4 +147,28 @@ TEST_CASE("facets that share no edge, more than the edge map expects", "[engine]
     options.form = lamella::ContourForm::assembled;
     options.threads = 1;
     CHECK(output_hash(sliced(soup, options)) == output_hash(result));
+}
+
+TEST_CASE("an edge map that grows keeps what it holds", "[engine][scale]") {
+    // More edges than half the ends: facets alone, then pairs that share their short edge, their first faces before all of
+    // their second ones. The map grows between the two.
+    constexpr int count = 20'000;
+    const auto place = [](int i) { return std::array<double, 2>{4.0 * (i % 200), 4.0 * (i / 200)}; };
+    shapes::Soup soup;
+    const auto add = [&soup](const shapes::Soup& facet) { soup.insert(soup.end(), facet.begin(), facet.end()); };
+    for (int i = 0; i < count; ++i) {
+        const auto [x, y] = place(i);
+        add(shapes::triangle({x, y, 0}, {x + 1, y, 0}, {x, y + 1, 2}));
+    }
+    for (int i = count; i < 2 * count; ++i) {
+        const auto [x, y] = place(i);
+        add(shapes::triangle({x, y, 0}, {x + 1, y, 2}, {x, y + 1, 4}));
+    }
+    for (int i = count; i < 2 * count; ++i) {
+        const auto [x, y] = place(i);
+        add(shapes::triangle({x + 1, y, 2}, {x, y, 0}, {x + 2, y + 2, 3}));
+    }
+    const lamella::SliceResult result = sliced(soup, at_heights({1}));
+    CHECK(result.summary.segments == 3 * count);
+    CHECK(result.summary.open_contours == 2 * count);
 }

@@ -164,7 +164,7 @@ TEST_CASE("broken contours are found", "[result][validate]") {
         {"contour 0: closed with an area", [](SliceResult& r) { r.contours[0].sense = 0; }},
         {"contour 4: flat or open", [](SliceResult& r) { r.contours[4].sense = 1; }},
         {"contour 3: flat or open", [](SliceResult& r) { r.contours[3].parent = 0; }},
-        {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].flags = 4; }},
+        {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].flags = 8; }},
         {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].role = static_cast<Role>(4); }},
     });
 }

@@ -5,7 +5,7 @@ namespace lamella {
 void ActiveEdges::reserve(std::size_t slots) {
     if (slots > capacity()) {
         const std::size_t padded = (slots + padded_count - 1) / padded_count * padded_count;
-        for_each_array([padded](auto& array) { array.resize(padded); });
+        for_each_array([padded](auto& array) { resize_exactly(array, padded); });
     }
 }
 

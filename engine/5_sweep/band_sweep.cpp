@@ -20,7 +20,6 @@ BandSweep::BandSweep(std::pmr::memory_resource* memory)
       edges_(memory),
       layers_(memory),
       links_(memory),
-      link_records_(memory),
       pending_(memory),
       pending_plane_(memory),
       passing_(memory),
@@ -66,7 +65,7 @@ void BandSweep::begin(const Band& band, const Buckets& buckets) {
     // In a closed mesh a plane has as many edges as segments.
     const std::size_t edges = *std::max_element(buckets.segments.begin() + band.first, buckets.segments.begin() + band.last);
     graph_.clear();
-    graph_.reserve(edges + 16);
+    graph_.reserve(edges + 128);
     pending_count_ = 0;
     active_.clear();
 }
@@ -80,7 +79,6 @@ public:
         : attaching_(sweep.graph_.begin_attaching(attachments)),
           records_(sweep.buckets_->records.data()),
           links_(sweep.links_.data()),
-          link_records_(sweep.link_records_.data()),
           pending_(sweep.pending_.data()),
           pending_plane_(sweep.pending_plane_.data()),
           pending_count_(sweep.pending_count_),
@@ -95,7 +93,7 @@ public:
         // Nothing predicts where the middle vertex lies: `middle` or `last`, and below 0 or 1, without a branch.
         const PlaneIndex end = middle ^ ((middle ^ t.last) & (0U - above_middle));
         const PortRef short_end = attach(short_edge(t, above_middle != 0), end, 1 - long_port);
-        link(record, long_port, long_end, short_end);
+        link(long_port, long_end, short_end);
         pending_[pending_count_] = {record, long_end};
         pending_plane_[pending_count_] = middle;
         // No plane may lie between the middle vertex and the upper one.
@@ -106,7 +104,7 @@ public:
     void pass_middle(const Pending& pending) {
         const CrossedTriangle& t = records_[pending.record];
         const int long_port = t.long_edge_is_source() ? source_port : target_port;
-        link(pending.record, long_port, pending.long_end, attach(short_edge(t, true), t.last, 1 - long_port));
+        link(long_port, pending.long_end, attach(short_edge(t, true), t.last, 1 - long_port));
     }
 
     std::uint32_t link_count() const noexcept { return link_count_; }
@@ -119,19 +117,17 @@ private:
     }
 
     /// The long edge is source or target as the triangle says, the short one the other.
-    void link(std::uint32_t record, int long_port, PortRef long_end, PortRef short_end) {
+    void link(int long_port, PortRef long_end, PortRef short_end) {
         // Stored by index, as nothing predicts which is which. They are read one by one too: loading both at once would wait
         // for the stores.
         links_[link_count_].ends[long_port] = long_end;
         links_[link_count_].ends[1 - long_port] = short_end;
-        link_records_[link_count_] = record;
         ++link_count_;
     }
 
     LinkGraph::Attaching attaching_;
     const CrossedTriangle* records_;
     Link* links_;
-    std::uint32_t* link_records_;
     Pending* pending_;
     PlaneIndex* pending_plane_;
     std::uint32_t link_count_ = 0;
@@ -150,12 +146,14 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
     if (entering + passing.size() == 0) {
         return;
     }
-    reserve_events(entering + passing.size());
+    reserve_events(entering + passing.size(), most_middles(plane, seeds));
     Events events(*this, 2 * entering + passing.size());
     for (const Pending& pending : passing) {
         events.pass_middle(pending);
     }
     first_entering_ = events.link_count();
+    entering_seeds_ = seeds;
+    entering_list_ = list_begin;
     for (const std::uint32_t record : seeds) {
         events.enter(record, plane);
     }
@@ -170,11 +168,13 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
 /// Takes the triangles whose middle vertex lies below `plane` and not below the one before. Their records, read when they
 /// entered and maybe long ago, are sent for.
 std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
-    if (passing_.size() < pending_count_ + select_padding) {
-        passing_.resize(pending_plane_.size() + select_padding);
-        passing_at_.resize(passing_.size());
+    if (passing_at_.size() < pending_count_ + select_padding) {
+        resize_exactly(passing_at_, pending_plane_.size() + select_padding);
     }
     const std::size_t count = kernels_.select_equal(pending_plane_.data(), pending_count_, plane, passing_at_.data());
+    if (passing_.size() < count) {
+        passing_.resize(count);
+    }
     for (std::size_t i = 0; i < count; ++i) {
         passing_[i] = pending_[passing_at_[i]];
         const auto* record = reinterpret_cast<const char*>(&buckets_->records[passing_[i].record]);
@@ -189,15 +189,40 @@ std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
     return {passing_.data(), count};
 }
 
-void BandSweep::reserve_events(std::size_t links) {
+/// At most so many of the triangles that enter have a middle event. Where a whole band's active set enters at once, they are
+/// counted: facets as tall as the part have none, and room for all of them would be most of the memory of the sweep.
+std::size_t BandSweep::most_middles(PlaneIndex plane, std::span<const std::uint32_t> seeds) const {
+    const auto list = buckets_->records.span().subspan(buckets_->list_begin[plane],
+                                                       buckets_->list_begin[plane + 1] - buckets_->list_begin[plane]);
+    if (seeds.size() + list.size() < (std::size_t{1} << 14)) {
+        return seeds.size() + list.size();
+    }
+    const auto has_middle = [plane](const CrossedTriangle& t) {
+        return plane < t.middle_plane() && t.middle_plane() < t.last;
+    };
+    const auto of_seeds = std::count_if(seeds.begin(), seeds.end(),
+                                        [&](std::uint32_t record) { return has_middle(buckets_->records[record]); });
+    return static_cast<std::size_t>(of_seeds + std::count_if(list.begin(), list.end(), has_middle));
+}
+
+void BandSweep::reserve_events(std::size_t links, std::size_t middles) {
     if (links_.size() < links) {
-        links_.resize(links);
-        link_records_.resize(links);
+        resize_exactly(links_, links);
     }
-    if (pending_.size() < pending_count_ + links) {
-        pending_.resize(pending_count_ + links + links / 2);
-        pending_plane_.resize(pending_.size());
+    if (const std::size_t pending = pending_count_ + middles + 1; pending_.size() < pending) {
+        resize_exactly(pending_, pending + pending / 8);
+        resize_exactly(pending_plane_, pending_.size());
     }
+}
+
+/// The triangle whose link it is: those that pass come first, then seeds, then the plane's list.
+std::uint32_t BandSweep::record_of(std::uint32_t link) const noexcept {
+    if (link < first_entering_) {
+        return passing_[link].record;
+    }
+    const std::uint32_t entering = link - first_entering_;
+    const auto seeds = static_cast<std::uint32_t>(entering_seeds_.size());
+    return entering < seeds ? entering_seeds_[entering] : entering_list_ + (entering - seeds);
 }
 
 /// Assembled form: the links of the plane before are forgotten, ...
@@ -219,7 +244,8 @@ void BandSweep::gather_active(PlaneIndex plane, std::span<const std::uint32_t> s
 
 /// ... and every triangle in it enters anew.
 void BandSweep::enter_active(PlaneIndex plane) {
-    reserve_events(active_.size());
+    reserve_events(active_.size(), active_.size());
+    entering_seeds_ = active_;
     Events events(*this, 2 * active_.size());
     for (const std::uint32_t record : active_) {
         events.enter(record, plane);
@@ -248,7 +274,7 @@ void BandSweep::link_events() {
 void BandSweep::correct_pending() {
     std::uint32_t link = first_entering_;
     for (std::uint32_t p = first_new_pending_; p < pending_count_; ++p, ++link) {
-        while (link_records_[link] != pending_[p].record) {
+        while (record_of(link) != pending_[p].record) {
             ++link;
         }
         const CrossedTriangle& t = buckets_->records[pending_[p].record];
@@ -262,7 +288,7 @@ void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
     const GridVertex lower = graph_.edge(slot).lower();
     const GridVertex upper = graph_.edge(slot).upper();
     for (const MeetingEnd& end : ends) {
-        const CrossedTriangle& t = buckets_->records[link_records_[end.link]];
+        const CrossedTriangle& t = buckets_->records[record_of(end.link)];
         const bool has_lowest = t.lower == lower || t.lower == upper;
         const bool has_middle = t.middle == lower || t.middle == upper;
         faces_.push_back({!has_lowest ? t.lower : (has_middle ? t.upper : t.middle), t.triangle, end});
@@ -279,7 +305,7 @@ void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) 
         return;
     }
     if (points_.size() < edges_.capacity()) {
-        points_.resize(edges_.capacity());
+        resize_exactly(points_, edges_.capacity());
     }
     kernels_.pierce(edges_.arrays(), planes.z(plane), graph_.slot_end(), points_.data());
     layers_.build(graph_, points_.data(), out);

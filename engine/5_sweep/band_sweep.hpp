@@ -65,7 +65,9 @@ private:
     void enter_active(PlaneIndex plane);
     void take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds);
     std::span<const Pending> take_passing(PlaneIndex plane);
-    void reserve_events(std::size_t links);
+    std::size_t most_middles(PlaneIndex plane, std::span<const std::uint32_t> seeds) const;
+    void reserve_events(std::size_t links, std::size_t middles);
+    std::uint32_t record_of(std::uint32_t link) const noexcept;
     void link_events();
     void sort_meeting(Slot slot, std::span<MeetingEnd> ends);
     void correct_pending();
@@ -79,9 +81,10 @@ private:
     Band band_{};
     const Buckets* buckets_ = nullptr;
     std::pmr::vector<Link> links_;  // of the plane's events: triangles that pass their middle vertex, then ...
-    std::pmr::vector<std::uint32_t> link_records_;
     std::uint32_t link_count_ = 0;
     std::uint32_t first_entering_ = 0;  // ... from here on, triangles that enter
+    std::span<const std::uint32_t> entering_seeds_;
+    std::uint32_t entering_list_ = 0;
     std::pmr::vector<Pending> pending_;
     std::pmr::vector<PlaneIndex> pending_plane_;  // the first plane above each one's middle vertex
     std::uint32_t pending_count_ = 0;

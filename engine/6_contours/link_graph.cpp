@@ -47,14 +47,14 @@ void LinkGraph::reserve(std::size_t slots) {
     if (slots <= before) {
         return;
     }
-    edges_.resize(slots);
-    links_.resize(2 * slots);
-    ends_.resize(slots, no_plane);
-    flags_.resize(slots);
-    position_.resize(slots, no_position);
+    resize_exactly(edges_, slots);
+    resize_exactly(links_, 2 * slots);
+    resize_exactly(ends_, slots, no_plane);
+    resize_exactly(flags_, slots);
+    resize_exactly(position_, slots, no_position);
     // What was added goes beneath the stack. The slots that are being made lie above its top and come along.
     const std::size_t added = slots - before;
-    free_.resize(slots + select_padding);
+    resize_exactly(free_, slots + select_padding);
     std::copy_backward(free_.begin(), free_.begin() + static_cast<std::ptrdiff_t>(before),
                        free_.begin() + static_cast<std::ptrdiff_t>(slots));
     std::generate_n(free_.begin(), added, [slot = static_cast<Slot>(slots)]() mutable { return --slot; });
@@ -86,7 +86,7 @@ void LinkGraph::release_ended(PlaneIndex plane) {
         position_[slot] = no_position;
         ends_[slot] = no_plane;
         if (flags_[slot] != 0) {
-            const std::uint32_t flags = std::exchange(flags_[slot], 0U);
+            const std::uint16_t flags = std::exchange(flags_[slot], std::uint16_t{0});
             open_ -= (flags & open_end) != 0 ? 1 : 0;
             mixed_ -= (flags & mixed) != 0 ? 1 : 0;
         }
@@ -101,7 +101,7 @@ LinkGraph::Attaching LinkGraph::begin_attaching(std::size_t attachments) {
     // memory.
     const bool small = attachments < (std::size_t{1} << 16);
     const std::size_t edges = small ? attachments : attachments / 2 + 64;
-    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, 2 * edges));
+    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, small ? 2 * edges : edges + edges / 4));
     epoch_ += first_epoch;
     if (size > table_.size() || epoch_ == 0) {
         clear_table(std::max(size, table_.size()));
@@ -109,7 +109,9 @@ LinkGraph::Attaching LinkGraph::begin_attaching(std::size_t attachments) {
     table_mask_ = size - 1;
     table_shift_ = 64 - std::countr_zero(size);
     limit_ = static_cast<std::uint32_t>(edges);
-    reserve(live() + edges + 1);  // one is written before it is known to be new
+    if (const std::size_t needed = live() + edges + 1; needed > capacity()) {  // one is written before it is known to be new
+        reserve(needed + needed / 8);
+    }
     return Attaching(*this);
 }
 

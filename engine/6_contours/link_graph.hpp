@@ -54,6 +54,13 @@ struct WalkedContour {
     bool mixed;  ///< its segments do not all run the same way
 };
 
+/// A vector left to itself takes twice the memory to grow by one element; these are large, one each a thread.
+template <class T>
+void resize_exactly(std::pmr::vector<T>& array, std::size_t size, const T& value = {}) {
+    array.reserve(size);
+    array.resize(size, value);
+}
+
 /// array[i] = what was array[new_to_old[i]], by way of `scratch`.
 template <class T>
 void gather_slots(std::pmr::vector<T>& array, std::span<const Slot> new_to_old, std::pmr::vector<std::uint64_t>& scratch) {
@@ -128,7 +135,7 @@ private:
     static constexpr PlaneIndex no_plane = 0xFFFFFFFFU;
     static constexpr std::size_t slots_per_change = 3;  // with fewer, runs are too short to copy
 
-    enum Flag : std::uint32_t {
+    enum Flag : std::uint16_t {
         open_end = 1,
         mixed_target_is_source = 2,  // the end on port 0 leaves by it
         mixed_source_is_target = 4,  // the end on port 1 enters by it
@@ -178,7 +185,7 @@ private:
     std::pmr::vector<MeshEdge> edges_;
     std::pmr::vector<PortRef> links_;           // by port: what it is linked to
     std::pmr::vector<PlaneIndex> ends_;         // the plane at which the edge will have ended; no_plane: the slot is free
-    std::pmr::vector<std::uint32_t> flags_;     // 0 if free. A byte would alias all that the loops keep in registers
+    std::pmr::vector<std::uint16_t> flags_;     // 0 if free. A byte would alias all that the loops keep in registers
     std::pmr::vector<std::uint32_t> position_;  // in order_, from 1; no_position if free or new
     std::pmr::vector<Slot> free_;               // a stack; those never used are at its bottom, highest first
     std::pmr::vector<std::uint64_t> moving_;    // scratch: an array on its way to new slots

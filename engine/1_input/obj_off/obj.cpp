@@ -204,8 +204,13 @@ bool looks_like_obj(const FileSource& source) {
     }
     const char* const begin = text.data() + head.size();
     const char* const end = text.data() + text.size();
-    const std::string_view word(begin, static_cast<std::size_t>(skip_word(begin, end) - begin));
-    return word.empty() ? !head.empty() : std::find(statements.begin(), statements.end(), word) != statements.end();
+    if (begin == end) {
+        return !head.empty();  // nothing but comments
+    }
+    const char* const word_end = skip_word(begin, end);
+    const std::string_view word(begin, static_cast<std::size_t>(word_end - begin));
+    // A statement says something: other text may begin, or be cut off, with a single letter.
+    return word_end != end && std::find(statements.begin(), statements.end(), word) != statements.end();
 }
 
 Result<MeshFile> read_obj(FileSource& source) {

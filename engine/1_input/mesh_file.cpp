@@ -41,7 +41,7 @@ std::uint64_t memory_limit(const ReadOptions& options, std::uint64_t file_bytes)
 }
 
 /// The name's extension in lower case, ".gz" left out.
-std::string extension_of(std::filesystem::path path) {
+std::string extension_of(const std::filesystem::path& path) {
     const auto lower = [](std::string text) {
         std::transform(text.begin(), text.end(), text.begin(),
                        [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c; });
@@ -181,6 +181,7 @@ std::string_view name_of(MeshFormat format) noexcept {
 
 std::vector<std::string_view> format_names() {
     std::vector<std::string_view> names;
+    names.reserve(all_readers.size());
     for (const Reader& reader : all_readers) {
         names.push_back(reader.name);
     }

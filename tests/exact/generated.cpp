@@ -15,12 +15,7 @@ using lamella::models::Shape;
 
 namespace {
 
-/// A sanitizer makes CGAL's arithmetic thirty times slower.
-#ifdef LAMELLA_TESTS_SANITIZED
-constexpr std::uint64_t few_seeds = 2;
-#else
 constexpr std::uint64_t few_seeds = 6;
-#endif
 constexpr std::uint64_t many_seeds = 200;
 constexpr std::size_t few_planes = 6;
 constexpr std::size_t many_planes = 40;

@@ -9,11 +9,7 @@
 
 namespace {
 
-#ifdef LAMELLA_TESTS_SANITIZED
-constexpr std::size_t planes = 1;
-#else
 constexpr std::size_t planes = 6;
-#endif
 
 }  // namespace
 

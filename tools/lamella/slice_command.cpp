@@ -135,7 +135,6 @@ private:
     }
 
     void report(const SliceResult& result, const MeshFile& mesh) {
-        context_.file = &mesh;
         const std::string words = summary(result, mesh, context_);
         if (arguments_.report.empty()) {
             print(words);
@@ -145,9 +144,11 @@ private:
         if (!books) {
             throw failure_of(books.error());
         }
+        context_.file = &mesh;
         context_.ledger = &books.value();
         const Result<std::string> json = report_json(result, context_);
         context_.ledger = nullptr;
+        context_.file = nullptr;
         if (!json) {
             throw failure_of(json.error());
         }

@@ -103,7 +103,7 @@ void decode(const NumberArray& numbers, std::uint64_t first, std::uint64_t count
 void decode_integers(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::uint64_t* out) {
     use_integers(numbers, first, [&](auto values) {
         for (std::uint64_t i = 0; i < count; ++i) {
-            out[i] = static_cast<std::uint64_t>(values[i]);
+            out[i] = static_cast<std::uint64_t>(values[i]);  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
         }
     });
 }
@@ -115,11 +115,11 @@ std::uint64_t decode_indices(const NumberArray& numbers, std::uint64_t first, st
         Bits<Value> most = 0;  // in the type's own width, so that more of them are compared at a time
         for (std::uint64_t i = 0; i < count; ++i) {
             const Value value = values[i];
-            out[i] = static_cast<std::uint32_t>(value);
+            out[i] = static_cast<std::uint32_t>(value);  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
             most = std::max(most, static_cast<Bits<Value>>(value));
         }
         const auto signed_most = static_cast<Value>(most);
-        largest = static_cast<std::uint64_t>(signed_most);
+        largest = static_cast<std::uint64_t>(signed_most);  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
     });
     return largest;
 }

@@ -103,10 +103,8 @@ private:
     VtkFile& file_;
     VtpDocument document_;
     std::vector<Element> open_{Element::document};
-    VtpArray* array_ = nullptr;  ///< whose content has not ended
-    std::uint64_t content_ = 0;  ///< where it began
-    bool has_poly_data_ = false;
-    bool has_appended_ = false;
+    VtpArray* array_ = nullptr;     ///< whose content has not ended
+    std::uint64_t content_ = 0;     ///< where it began
     std::optional<Error> refusal_;  ///< that is not one of the XML
 };
 

@@ -82,7 +82,7 @@ TEST_CASE("two triangles that meet in one way or another", "[check]") {
 
 TEST_CASE("every pair is found", "[check]") {
     // Small and large triangles, coincidences of every kind.
-    const std::uint64_t seed = GENERATE(range(1, 5));
+    const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 5)));
     const Soup soup = joined({shapes::random_soup(seed, 60, 40), shapes::random_soup(seed + 100, 60, 3),
                               shapes::moved(shapes::random_soup(seed + 200, 100, 6), {15, 15, 15})});
     std::vector<ExactFace> faces;

@@ -27,7 +27,7 @@ bool has_corner(const Soup& soup, std::int64_t triangle, const Xyz& point) {
 }  // namespace
 
 TEST_CASE("the report is the same in any order", "[check]") {
-    const std::uint64_t seed = GENERATE(range(1, 13));
+    const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 13)));
     const Soup soup = faulty(seed);
     CheckOptions options;
     options.tolerance_mm = 1;
@@ -47,7 +47,7 @@ TEST_CASE("indexed meshes and soup give the same report", "[check]") {
 }
 
 TEST_CASE("counts agree with the census", "[check]") {
-    const std::uint64_t seed = GENERATE(range(1, 9));
+    const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 9)));
     const MeshCheck check = findings_of(faulty(seed));
     CHECK(check.of(Fault::boundary_edge).count == check.info.boundary_edges);
     CHECK(check.of(Fault::overfull_balanced).count + check.of(Fault::overfull_unbalanced).count ==

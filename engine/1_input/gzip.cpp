@@ -33,6 +33,9 @@ public:
     /// All in one piece; each chunk is given back once it is copied.
     Array<std::byte> joined() {
         Array<std::byte> whole(memory_);
+        if (size() == 0) {
+            return whole;  // without memory that bytes could be copied to
+        }
         whole.resize_discarding(size());
         std::byte* to = whole.data();
         for (std::size_t c = 0; c < chunks_.size(); ++c) {

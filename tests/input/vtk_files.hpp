@@ -174,23 +174,24 @@ struct Encoding {
         if (type == "double" || type == "Float64") {
             return number(static_cast<double>(value));
         }
+        const auto whole = static_cast<std::int64_t>(value);  // what the type does not hold wraps round
         if (type == "unsigned_char" || type == "UInt8") {
-            return number(static_cast<std::uint8_t>(value));
+            return number(static_cast<std::uint8_t>(whole));
         }
         if (type == "char" || type == "Int8") {
-            return number(static_cast<std::int8_t>(value));
+            return number(static_cast<std::int8_t>(whole));
         }
         if (type == "unsigned_short" || type == "UInt16") {
-            return number(static_cast<std::uint16_t>(value));
+            return number(static_cast<std::uint16_t>(whole));
         }
         if (type == "short" || type == "Int16") {
-            return number(static_cast<std::int16_t>(value));
+            return number(static_cast<std::int16_t>(whole));
         }
         if (type == "unsigned_int" || type == "UInt32") {
-            return number(static_cast<std::uint32_t>(value));
+            return number(static_cast<std::uint32_t>(whole));
         }
         if (type == "int" || type == "Int32" || type == "vtktypeint32") {
-            return number(static_cast<std::int32_t>(value));
+            return number(static_cast<std::int32_t>(whole));
         }
         if (type == "unsigned_long" || type == "UInt64") {
             return number(static_cast<std::uint64_t>(value));

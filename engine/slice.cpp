@@ -2,7 +2,6 @@
 #include "lamella/slice.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <new>
 #include <stdexcept>
@@ -25,8 +24,6 @@
 namespace lamella {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 std::uint64_t memory_limit(const SliceOptions& options) {
     if (options.memory_limit_bytes != 0) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -11,6 +10,7 @@
 #include "1_input/gzip.hpp"
 #include "1_input/reader.hpp"
 #include "1_input/text.hpp"
+#include "base/clock.hpp"
 
 namespace lamella {
 
@@ -28,12 +28,6 @@ constexpr std::array all_readers = {
 
 /// How much of the file decides what it is.
 constexpr std::size_t sample_bytes = std::size_t{64} << 10;
-
-using Clock = std::chrono::steady_clock;
-
-double ms_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 std::uint64_t memory_limit(const ReadOptions& options, std::uint64_t file_bytes) {
     constexpr std::uint64_t allowance = std::uint64_t{256} << 20;
@@ -137,7 +131,7 @@ Result<MeshFile> read_compressed(FileSource& packed, const InputFile& file, cons
     if (!unzipped.problem.empty()) {
         return file.error(unzipped.code, unzipped.problem);
     }
-    const double unzip_ms = ms_since(start);
+    const double unzip_ms = milliseconds_since(start);
     FileSource source(file, std::move(unzipped.contents), options, parallel);
     Result<MeshFile> mesh = read_source(source, path, options);
     if (mesh) {
@@ -167,7 +161,7 @@ Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& opti
                                                                     : read_source(source, path, options);
     if (mesh) {
         mesh->file_bytes = file.size();
-        mesh->read_ms = ms_since(start) - mesh->parse_ms;
+        mesh->read_ms = milliseconds_since(start) - mesh->parse_ms;
     }
     return mesh;
 }

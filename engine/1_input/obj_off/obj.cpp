@@ -1,7 +1,6 @@
 // Wavefront OBJ: vertices and faces; all other statements are read over.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstring>
 #include <string_view>
 #include <utility>
@@ -9,16 +8,11 @@
 #include "1_input/obj_off/faces.hpp"
 #include "1_input/obj_off/lines.hpp"
 #include "1_input/reader.hpp"
+#include "base/clock.hpp"
 
 namespace lamella {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double ms_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 constexpr bool is_digit(char c) {
     return c >= '0' && c <= '9';
@@ -235,7 +229,7 @@ Result<MeshFile> read_obj(FileSource& source) {
         [&](std::size_t i, std::size_t face) { return ObjParser(pieces[i].text).place_of_face(face); });
     if (mesh) {
         mesh->patient_frame = stated_frame(head_comments(text));
-        mesh->parse_ms = ms_since(start);
+        mesh->parse_ms = milliseconds_since(start);
     }
     return mesh;
 }

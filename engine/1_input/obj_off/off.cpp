@@ -5,7 +5,6 @@
 //     X Y Z ...                     for each vertex; normal, colour and texture are read over
 //     CORNERS V V V ... [COLOUR]    for each face, with vertices numbered from 0
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -16,16 +15,11 @@
 #include "1_input/obj_off/faces.hpp"
 #include "1_input/obj_off/lines.hpp"
 #include "1_input/reader.hpp"
+#include "base/clock.hpp"
 
 namespace lamella {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double ms_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 constexpr bool is_digit(char c) {
     return c >= '0' && c <= '9';
@@ -298,7 +292,7 @@ Result<MeshFile> read_off(FileSource& source) {
         });
     if (mesh) {
         mesh->patient_frame = stated_frame(text.substr(0, static_cast<std::size_t>(counts.at - text.data())));
-        mesh->parse_ms = ms_since(start);
+        mesh->parse_ms = milliseconds_since(start);
         if (lines > counts.lines()) {
             mesh->warnings.push_back(source.name() + ": ignored " + std::to_string(lines - counts.lines()) +
                                      " lines after the last of " + std::to_string(counts.faces) + " faces");

@@ -1,5 +1,4 @@
 // PLY, ASCII and binary, of either byte order.
-#include <chrono>
 #include <utility>
 
 #include "1_input/ply/ply_body.hpp"
@@ -64,7 +63,7 @@ Result<MeshFile> read_ply(FileSource& source) {
     if (!bytes) {
         return bytes.error();
     }
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     const std::string_view contents = as_text(bytes.value().span());
     PlyHeader header;
     PlyProblem problem;

@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <chrono>
 #include <string_view>
 #include <utility>
 
 #include "1_input/reader.hpp"
 #include "1_input/stl/facet_parser.hpp"
 #include "1_input/stl/stl_ascii.hpp"
+#include "base/clock.hpp"
 #include "base/parallel.hpp"
 
 namespace lamella {
@@ -23,12 +23,6 @@ constexpr std::size_t header_bytes = 84;
 constexpr std::size_t record_bytes = 50;
 constexpr std::size_t normal_bytes = 12;
 static_assert(std::endian::native == std::endian::little, "the file's numbers are used where they lie");
-
-using Clock = std::chrono::steady_clock;
-
-double ms_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 bool begins_with_solid(std::string_view text) {
     text = without_byte_order_mark(text);
@@ -117,7 +111,7 @@ Result<MeshFile> read_ascii(FileSource& file) {
     mesh.triangle_count = facets.count;
     mesh.text = true;
     mesh.patient_frame = stated_frame(text.substr(0, text.find_first_of("\r\n")));
-    mesh.parse_ms = ms_since(start);
+    mesh.parse_ms = milliseconds_since(start);
     return mesh;
 }
 

@@ -9,6 +9,7 @@
 #include "1_input/three_mf/three_mf_build.hpp"
 #include "1_input/three_mf/three_mf_model.hpp"
 #include "1_input/three_mf/zip_archive.hpp"
+#include "base/clock.hpp"
 
 namespace lamella {
 
@@ -26,7 +27,7 @@ Result<three_mf::Model> load(FileSource& file, std::chrono::steady_clock::time_p
     if (!bytes) {
         return bytes.error();
     }
-    start = std::chrono::steady_clock::now();
+    start = Clock::now();
     Result<ZipArchive> package = ZipArchive::open(file, bytes.value().span(), text_limit(file));
     return package ? three_mf::read_model(package.value(), file.memory_limit(), file.memory()) : package.error();
 }
@@ -68,7 +69,7 @@ Result<MeshFile> read_3mf(FileSource& source) {
     }
     Result<MeshFile> mesh = build(source, model.value());
     if (mesh) {
-        mesh->parse_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        mesh->parse_ms = milliseconds_since(start);
     }
     return mesh;
 }

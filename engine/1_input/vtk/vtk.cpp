@@ -2,7 +2,6 @@
 // skipped; nothing is read beyond the beginning of the attributes, which are last.
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <limits>
 #include <optional>
 #include <string>
@@ -16,12 +15,11 @@
 #include "1_input/vtk/vtk_cells.hpp"
 #include "1_input/vtk/vtk_file.hpp"
 #include "1_input/vtk/vtk_scanner.hpp"
+#include "base/clock.hpp"
 
 namespace lamella {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// From this major version on, cells are offsets and connectivity; before, corners behind their number.
 constexpr int offsets_version = 5;
@@ -378,7 +376,7 @@ Result<MeshFile> read_vtk(FileSource& source) {
     if (Status cut = cut_cells(file, vtk.cells(), mesh); !cut) {
         return cut.error();
     }
-    mesh.parse_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    mesh.parse_ms = milliseconds_since(start);
     return mesh;
 }
 

@@ -1,7 +1,6 @@
 // VTP, the XML files of VTK for polygonal data: all pieces, one behind the other. What comes with points and cells is
 // skipped.
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -13,12 +12,11 @@
 #include "1_input/vtk/vtk_cells.hpp"
 #include "1_input/vtk/vtp_data.hpp"
 #include "1_input/vtk/vtp_document.hpp"
+#include "base/clock.hpp"
 
 namespace lamella {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 class Vtp {
 public:
@@ -192,7 +190,7 @@ Result<MeshFile> read_vtp(FileSource& source) {
     if (Status given = vtp.give_triangles(mesh); !given) {
         return given.error();
     }
-    mesh.parse_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    mesh.parse_ms = milliseconds_since(start);
     return mesh;
 }
 

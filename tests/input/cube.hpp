@@ -38,31 +38,18 @@ inline std::string cube_corner_text(std::size_t v) {
 
 /// Nine coordinates a triangle, the same read and mapped, by 1 and 3 threads.
 inline std::vector<std::array<double, 9>> read_triangles(const std::filesystem::path& path) {
-    std::vector<std::array<double, 9>> first;
-    for (const bool map : {false, true}) {
-        for (const int threads : {1, 3}) {
-            ReadOptions options;
-            options.threads = threads;
-            options.map_file = map;
-            const Result<MeshFile> mesh = read_mesh(path, options);
-            INFO((mesh ? "" : mesh.error().message));
-            REQUIRE(mesh.ok());
-            const MeshView view = mesh.value().view();
-            REQUIRE(view.number == Number::f64);
-            REQUIRE(view.indices != nullptr);
-            const std::span<const std::uint32_t> indices(view.indices, 3 * view.triangle_count);
-            REQUIRE(std::all_of(indices.begin(), indices.end(), [&](std::uint32_t i) { return i < view.vertex_count; }));
-            std::vector<std::array<double, 9>> triangles(view.triangle_count);
-            for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
-                std::memcpy(&triangles[i / 3][3 * (i % 3)], view.vertices + indices[i] * view.stride, 3 * sizeof(double));
-            }
-            if (first.empty()) {
-                first = triangles;
-            }
-            CHECK((triangles == first));
+    return same_every_way(path, [](const MeshFile& mesh) {
+        const MeshView view = mesh.view();
+        REQUIRE(view.number == Number::f64);
+        REQUIRE(view.indices != nullptr);
+        const std::span<const std::uint32_t> indices(view.indices, 3 * view.triangle_count);
+        REQUIRE(std::all_of(indices.begin(), indices.end(), [&](std::uint32_t i) { return i < view.vertex_count; }));
+        std::vector<std::array<double, 9>> triangles(view.triangle_count);
+        for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
+            std::memcpy(&triangles[i / 3][3 * (i % 3)], view.vertices + indices[i] * view.stride, 3 * sizeof(double));
         }
-    }
-    return first;
+        return triangles;
+    });
 }
 
 /// Of the slices of any file.

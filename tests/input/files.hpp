@@ -11,6 +11,9 @@
 #include <vector>
 
 #include <stdlib.h>
+#include <zlib.h>
+
+#include <catch2/catch.hpp>
 
 namespace lamella::input_test {
 
@@ -95,6 +98,21 @@ inline std::string ascii_stl(const std::vector<Facet>& facets, const std::string
         text += ascii_facet(facet);
     }
     return text + "endsolid " + name + "\n";
+}
+
+/// `bytes` deflated; `window_bits` as zlib takes them: -MAX_WBITS for the bare data, 16 + MAX_WBITS for gzip.
+inline std::string deflated(const std::string& bytes, int window_bits = -MAX_WBITS) {
+    std::string packed(bytes.size() + bytes.size() / 100 + 1024, '\0');
+    z_stream stream{};
+    REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, window_bits, 8, Z_DEFAULT_STRATEGY) == Z_OK);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+    stream.avail_in = static_cast<uInt>(bytes.size());
+    stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+    stream.avail_out = static_cast<uInt>(packed.size());
+    REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
+    packed.resize(packed.size() - stream.avail_out);
+    deflateEnd(&stream);
+    return packed;
 }
 
 }  // namespace lamella::input_test

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstring>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -11,7 +13,35 @@
 
 namespace lamella::input_test {
 
-/// The facets of a file that must be readable, the same read and mapped, by 1 and 3 threads.
+/// Calls look(answer) with what reading a file gives: read and mapped, by 1 and 3 threads.
+template <class Look>
+void read_every_way(const std::filesystem::path& path, const Look& look) {
+    for (const bool map : {false, true}) {
+        for (const int threads : {1, 3}) {
+            ReadOptions options;
+            options.threads = threads;
+            options.map_file = map;
+            look(read_mesh(path, options));
+        }
+    }
+}
+
+/// What look(mesh) makes of a file that must be readable: the same, however it is read.
+template <class Look>
+auto same_every_way(const std::filesystem::path& path, const Look& look) {
+    std::optional<decltype(look(std::declval<const MeshFile&>()))> first;
+    read_every_way(path, [&](const Result<MeshFile>& mesh) {
+        INFO((mesh ? "" : mesh.error().message));
+        REQUIRE(mesh.ok());
+        auto found = look(mesh.value());
+        if (!first) {
+            first = found;
+        }
+        CHECK((found == *first));
+    });
+    return *std::move(first);
+}
+
 inline std::vector<Facet> facets_of(const MeshFile& mesh) {
     const MeshView view = mesh.view();
     std::vector<Facet> facets(view.triangle_count);
@@ -21,44 +51,26 @@ inline std::vector<Facet> facets_of(const MeshFile& mesh) {
     return facets;
 }
 
+/// The facets of a file that must be readable.
 inline std::vector<Facet> read_facets(const std::filesystem::path& path) {
-    std::vector<Facet> first;
-    for (const bool map : {false, true}) {
-        for (const int threads : {1, 3}) {
-            ReadOptions options;
-            options.threads = threads;
-            options.map_file = map;
-            const Result<MeshFile> mesh = read_mesh(path, options);
-            INFO((mesh ? "" : mesh.error().message));
-            REQUIRE(mesh.ok());
-            CHECK(mesh.value().file_bytes == std::filesystem::file_size(path));
-            if (first.empty()) {
-                first = facets_of(mesh.value());
-            }
-            CHECK(facets_of(mesh.value()) == first);
-        }
-    }
-    return first;
+    return same_every_way(path, [&path](const MeshFile& mesh) {
+        CHECK(mesh.file_bytes == std::filesystem::file_size(path));
+        return facets_of(mesh);
+    });
 }
 
 /// The error of a file that must be refused: the same read and mapped, one line that names the file.
 inline Error read_error(const std::filesystem::path& path) {
     Error first;
-    for (const bool map : {false, true}) {
-        for (const int threads : {1, 3}) {
-            ReadOptions options;
-            options.threads = threads;
-            options.map_file = map;
-            const Result<MeshFile> mesh = read_mesh(path, options);
-            REQUIRE_FALSE(mesh.ok());
-            if (first.message.empty()) {
-                first = mesh.error();
-            }
-            CHECK(mesh.error().message == first.message);
-            CHECK(mesh.error().code == first.code);
-            CHECK(mesh.error().byte_offset == first.byte_offset);
+    read_every_way(path, [&first](const Result<MeshFile>& mesh) {
+        REQUIRE_FALSE(mesh.ok());
+        if (first.message.empty()) {
+            first = mesh.error();
         }
-    }
+        CHECK(mesh.error().message == first.message);
+        CHECK(mesh.error().code == first.code);
+        CHECK(mesh.error().byte_offset == first.byte_offset);
+    });
     INFO(first.message);
     CHECK(first.message.find('\n') == std::string::npos);
     CHECK(first.message.find(path.string()) == 0);

@@ -1,6 +1,4 @@
 // What read_mesh() does for every format: it tells them apart, and unpacks gzip.
-#include <zlib.h>
-
 #include <catch2/catch.hpp>
 
 #include "files.hpp"
@@ -12,17 +10,7 @@ namespace {
 using namespace input_test;
 
 std::string gzipped(const std::string& bytes) {
-    std::string packed(bytes.size() + 1024, '\0');
-    z_stream stream{};
-    REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    stream.avail_in = static_cast<uInt>(bytes.size());
-    stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-    stream.avail_out = static_cast<uInt>(packed.size());
-    REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-    packed.resize(packed.size() - stream.avail_out);
-    deflateEnd(&stream);
-    return packed;
+    return deflated(bytes, 16 + MAX_WBITS);
 }
 
 MeshFile read_one(const std::filesystem::path& path) {

@@ -14,6 +14,7 @@
 
 #include "files.hpp"
 #include "lamella/lamella.hpp"
+#include "read.hpp"
 
 namespace lamella::vtk_test {
 
@@ -105,22 +106,7 @@ inline std::vector<Facet> triangles_of(const PolyData& data) {
 
 /// The triangles of a file that must be readable, the same read and mapped, by 1 and 3 threads.
 inline std::vector<Facet> read_triangles(const std::filesystem::path& path) {
-    std::vector<Facet> first;
-    for (const bool map : {false, true}) {
-        for (const int threads : {1, 3}) {
-            ReadOptions options;
-            options.threads = threads;
-            options.map_file = map;
-            const Result<MeshFile> mesh = read_mesh(path, options);
-            INFO((mesh ? "" : mesh.error().message));
-            REQUIRE(mesh.ok());
-            if (first.empty()) {
-                first = triangles_of(mesh.value());
-            }
-            CHECK(triangles_of(mesh.value()) == first);
-        }
-    }
-    return first;
+    return same_every_way(path, [](const MeshFile& mesh) { return triangles_of(mesh); });
 }
 
 inline MeshFile read_one(const std::filesystem::path& path) {

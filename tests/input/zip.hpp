@@ -29,20 +29,6 @@ inline std::string little_endian16(std::uint16_t value) {
     return little_endian(value).substr(0, 2);
 }
 
-inline std::string deflated(const std::string& bytes) {
-    std::string packed(bytes.size() + bytes.size() / 100 + 1024, '\0');
-    z_stream stream{};
-    REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    stream.avail_in = static_cast<uInt>(bytes.size());
-    stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-    stream.avail_out = static_cast<uInt>(packed.size());
-    REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-    packed.resize(packed.size() - stream.avail_out);
-    deflateEnd(&stream);
-    return packed;
-}
-
 /// What the local header and the directory have in common, from the version on.
 inline std::string zip_fields(const ZipPart& part, std::size_t packed_bytes) {
     const auto crc = static_cast<std::uint32_t>(

@@ -13,8 +13,7 @@
 #include "lamella/check.hpp"
 #include "lamella/check_report.hpp"
 #include "lamella/mesh_file.hpp"
-#include "mesh_words.hpp"
-#include "numbers.hpp"
+#include "mesh_input.hpp"
 #include "output_path.hpp"
 
 namespace lamella::cli {
@@ -24,14 +23,11 @@ namespace {
 constexpr std::size_t most_marks =
     1'000'000;  ///< of each kind, as of what is listed; also keeps vertex numbers within PLY's int
 
-struct CheckArguments {
-    std::string mesh;
+struct CheckArguments : MeshArguments {
     std::string report;
     std::string marks;
-    std::string unit = "mm";
     double tolerance_mm = CheckOptions{}.tolerance_mm;
     std::size_t places = CheckOptions{}.most_places;
-    int threads = 0;
 
     bool report_to_stdout() const { return report == "-"; }
 };
@@ -78,25 +74,18 @@ void require(const Status& status) {
 void run(const CheckArguments& arguments) {
     require_tolerance(arguments);
     require_outputs(arguments);
-    const Result<MeshFile> mesh =
-        read_mesh(arguments.mesh, {.threads = arguments.threads, .mm_per_unit = parse_unit(arguments.unit, "--unit")});
-    if (!mesh) {
-        throw failure_of(mesh.error());
-    }
-    for (const std::string& warning : mesh.value().warnings) {
-        warn(warning);
-    }
-    const MeshCheck found = checked(arguments, mesh.value());
+    const MeshFile mesh = read_mesh_and_warn(arguments);
+    const MeshCheck found = checked(arguments, mesh);
     if (!arguments.marks.empty()) {
         require(write_marks(found, arguments.marks));
     }
-    const std::string words = check_words(arguments.mesh, mesh.value(), found, arguments.places);
+    const std::string words = check_words(arguments.mesh, mesh, found, arguments.places);
     if (arguments.report.empty()) {
         print(words);
         return;
     }
     const Result<std::string> json =
-        check_json(found, {.mesh_file = arguments.mesh, .warnings = mesh.value().warnings}, arguments.places);
+        check_json(found, {.mesh_file = arguments.mesh, .warnings = mesh.warnings}, arguments.places);
     if (!json) {
         throw failure_of(json.error());
     }
@@ -114,7 +103,7 @@ void run(const CheckArguments& arguments) {
 void add_check_command(CLI::App& app) {
     CLI::App* const command = app.add_subcommand("check", "Say what is wrong with a mesh, and where");
     const auto arguments = std::make_shared<CheckArguments>();
-    command->add_option("mesh", arguments->mesh, "Mesh file: " + mesh_formats())->required()->type_name("MESH");
+    declare_mesh(*command, *arguments);
     command->add_option("--report", arguments->report, "JSON report; - for standard output, then without the words")
         ->type_name("FILE|-");
     command->add_option("--marks", arguments->marks, "PLY that marks every place with coloured points and edges")
@@ -124,11 +113,6 @@ void add_check_command(CLI::App& app) {
     command->add_option("--places", arguments->places, "How many places of each kind to list (10)")
         ->type_name("N")
         ->check(CLI::Range(0, static_cast<int>(most_marks)));
-    command->add_option("--unit", arguments->unit, "What a mesh that states no unit is measured in (mm)")
-        ->type_name("mm|um|cm|m|in|ft|MM");
-    command->add_option("--threads", arguments->threads, "At most this many (0: all)")
-        ->type_name("N")
-        ->check(CLI::Range(0, most_threads));
     command->callback([arguments] { run(*arguments); });
 }
 

@@ -4,7 +4,7 @@
 
 #include "console.hpp"
 #include "lamella/check_report.hpp"
-#include "mesh_words.hpp"
+#include "mesh_input.hpp"
 
 namespace lamella::cli {
 

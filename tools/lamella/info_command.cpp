@@ -7,18 +7,11 @@
 #include "failure.hpp"
 #include "lamella/inspect.hpp"
 #include "lamella/mesh_file.hpp"
-#include "mesh_words.hpp"
-#include "numbers.hpp"
+#include "mesh_input.hpp"
 
 namespace lamella::cli {
 
 namespace {
-
-struct InfoArguments {
-    std::string mesh;
-    std::string unit = "mm";
-    int threads = 0;
-};
 
 std::string box(const MeshInfo& info) {
     std::string text;
@@ -39,34 +32,22 @@ std::string words(const std::string& path, const MeshFile& mesh, const MeshInfo&
            "\ngrid            " + exact_text(info.unit_mm) + " mm\nclosed          " + (info.closed ? "yes" : "no") + "\n";
 }
 
-void run(const InfoArguments& arguments) {
-    const Result<MeshFile> mesh =
-        read_mesh(arguments.mesh, {.threads = arguments.threads, .mm_per_unit = parse_unit(arguments.unit, "--unit")});
-    if (!mesh) {
-        throw failure_of(mesh.error());
-    }
-    for (const std::string& warning : mesh.value().warnings) {
-        warn(warning);
-    }
+void run(const MeshArguments& arguments) {
+    const MeshFile mesh = read_mesh_and_warn(arguments);
     const Result<MeshInfo> info =
-        inspect(mesh.value().view(), {.unit_mm = 0, .threads = arguments.threads, .transform = mesh.value().to_mm()});
+        inspect(mesh.view(), {.unit_mm = 0, .threads = arguments.threads, .transform = mesh.to_mm()});
     if (!info) {
         throw Failure(failure_of(info.error()).status(), arguments.mesh + ": " + info.error().message);
     }
-    print(words(arguments.mesh, mesh.value(), info.value()));
+    print(words(arguments.mesh, mesh, info.value()));
 }
 
 }  // namespace
 
 void add_info_command(CLI::App& app) {
     CLI::App* const command = app.add_subcommand("info", "Say what a mesh is and whether it is closed");
-    const auto arguments = std::make_shared<InfoArguments>();
-    command->add_option("mesh", arguments->mesh, "Mesh file: " + mesh_formats())->required()->type_name("MESH");
-    command->add_option("--unit", arguments->unit, "What a mesh that states no unit is measured in (mm)")
-        ->type_name("mm|um|cm|m|in|ft|MM");
-    command->add_option("--threads", arguments->threads, "At most this many (0: all)")
-        ->type_name("N")
-        ->check(CLI::Range(0, most_threads));
+    const auto arguments = std::make_shared<MeshArguments>();
+    declare_mesh(*command, *arguments);
     command->callback([arguments] { run(*arguments); });
 }
 

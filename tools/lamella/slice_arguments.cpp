@@ -10,7 +10,6 @@
 
 #include "console.hpp"
 #include "failure.hpp"
-#include "mesh_words.hpp"
 #include "numbers.hpp"
 
 namespace lamella::cli {
@@ -149,12 +148,10 @@ void declare_planes(CLI::App& command, SliceArguments& arguments) {
 }  // namespace
 
 void declare(CLI::App& command, SliceArguments& arguments) {
-    command.add_option("mesh", arguments.mesh, "Mesh file: " + mesh_formats())->required()->type_name("MESH");
+    declare_mesh(command, arguments);
     command.add_option("-o,--output", arguments.output, "Layered SVG to write")->type_name("OUT.svg");
     declare_planes(command, arguments);
     command.add_option("--grid", arguments.grid_mm, "Grid unit (2^-20 mm, or what the mesh needs)")->type_name("MM");
-    command.add_option("--unit", arguments.unit, "What a mesh that states no unit is measured in (mm)")
-        ->type_name("mm|um|cm|m|in|ft|MM");
     command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart, nearest first (off)")->type_name("MM");
     command.add_option("--close-gaps", arguments.close_gaps_mm, "Join ends of open polylines at most MM apart (off)")
         ->type_name("MM");
@@ -169,9 +166,6 @@ void declare(CLI::App& command, SliceArguments& arguments) {
         command.add_option("--transform", arguments.transform, "3x4 matrix, row by row, applied to the mesh first");
     normal->type_name("X,Y,Z")->excludes(transform);
     transform->type_name("FILE");
-    command.add_option("--threads", arguments.threads, "At most this many (0: all)")
-        ->type_name("N")
-        ->check(CLI::Range(0, most_threads));
     command.add_option("--band", arguments.band_planes, "Planes per band (0: by the work in them)")
         ->type_name("N")
         ->check(CLI::Range(0, std::numeric_limits<int>::max()));

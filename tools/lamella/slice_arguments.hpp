@@ -11,11 +11,11 @@
 
 #include "console.hpp"
 #include "lamella/slice.hpp"
+#include "mesh_input.hpp"
 
 namespace lamella::cli {
 
-struct SliceArguments {
-    std::string mesh;
+struct SliceArguments : MeshArguments {
     std::string output;
     std::string report;
     std::optional<double> layer_height_mm;
@@ -26,16 +26,13 @@ struct SliceArguments {
     Datum datum = Datum::mesh_min;
     Side side = Side::below;
     std::optional<double> grid_mm;
-    std::string unit = "mm";
     std::optional<double> weld_mm;
     std::optional<double> close_gaps_mm;
     FillRule fill_rule = FillRule::contours;
     std::string normal;
     std::string transform;
-    int threads = 0;
     int band_planes = 0;
     ContourForm form = ContourForm::swept;
-    bool map_file = false;
     ProgressBar::When progress = ProgressBar::When::automatic;
 
     bool report_to_stdout() const noexcept { return report == "-"; }

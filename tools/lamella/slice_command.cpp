@@ -9,7 +9,7 @@
 #include "console.hpp"
 #include "failure.hpp"
 #include "lamella/lamella.hpp"
-#include "numbers.hpp"
+#include "mesh_input.hpp"
 #include "output_path.hpp"
 #include "slice_arguments.hpp"
 #include "slice_summary.hpp"
@@ -60,20 +60,14 @@ private:
 
     MeshFile read() {
         bar_.show("reading", 0);
-        Result<MeshFile> mesh = read_mesh(arguments_.mesh, {.threads = arguments_.threads,
-                                                            .memory = nullptr,
-                                                            .map_file = arguments_.map_file,
-                                                            .mm_per_unit = parse_unit(arguments_.unit, "--unit")});
-        if (!mesh) {
-            throw failure_of(mesh.error());
-        }
-        for (const std::string& warning : mesh->warnings) {
+        MeshFile mesh = read_mesh_of(arguments_);
+        for (const std::string& warning : mesh.warnings) {
             note(warning);
         }
         context_.mesh_file = arguments_.mesh;
-        context_.read_ms = mesh->read_ms;
-        context_.parse_ms = mesh->parse_ms;
-        return std::move(mesh).value();
+        context_.read_ms = mesh.read_ms;
+        context_.parse_ms = mesh.parse_ms;
+        return mesh;
     }
 
     SliceResult slice_mesh(const MeshFile& mesh, SliceRequest& request) {

@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "console.hpp"
-#include "mesh_words.hpp"
+#include "mesh_input.hpp"
 
 namespace lamella::cli {
 

@@ -1,0 +1,64 @@
+#include "mesh_input.hpp"
+
+#include <utility>
+
+#include "console.hpp"
+#include "failure.hpp"
+#include "numbers.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+/// "STL, OBJ, ...": what can be read.
+std::string mesh_formats() {
+    std::string names;
+    for (const std::string_view name : format_names()) {
+        names += (names.empty() ? "" : ", ") + std::string(name);
+    }
+    return names + "; gzip of any";
+}
+
+}  // namespace
+
+void declare_mesh(CLI::App& command, MeshArguments& arguments) {
+    command.add_option("mesh", arguments.mesh, "Mesh file: " + mesh_formats())->required()->type_name("MESH");
+    command.add_option("--unit", arguments.unit, "What a mesh that states no unit is measured in (mm)")
+        ->type_name("mm|um|cm|m|in|ft|MM");
+    command.add_option("--threads", arguments.threads, "At most this many (0: all)")
+        ->type_name("N")
+        ->check(CLI::Range(0, most_threads));
+}
+
+MeshFile read_mesh_of(const MeshArguments& arguments) {
+    Result<MeshFile> mesh = read_mesh(arguments.mesh, {.threads = arguments.threads,
+                                                       .memory = nullptr,
+                                                       .map_file = arguments.map_file,
+                                                       .mm_per_unit = parse_unit(arguments.unit, "--unit")});
+    if (!mesh) {
+        throw failure_of(mesh.error());
+    }
+    return std::move(mesh).value();
+}
+
+MeshFile read_mesh_and_warn(const MeshArguments& arguments) {
+    MeshFile mesh = read_mesh_of(arguments);
+    for (const std::string& warning : mesh.warnings) {
+        warn(warning);
+    }
+    return mesh;
+}
+
+std::string description(const MeshFile& mesh) {
+    std::string text = std::string(mesh.text ? "text" : "binary") + " " + std::string(name_of(mesh.format)) + ", " +
+                       file_size_text(mesh.file_bytes) + (mesh.compressed ? " of gzip" : "");
+    if (mesh.mm_per_unit != 1) {
+        text += ", in units of " + exact_text(mesh.mm_per_unit) + " mm";
+    }
+    if (mesh.patient_frame != PatientFrame::unstated) {
+        text += ", patient frame " + std::string(name_of(mesh.patient_frame));
+    }
+    return text;
+}
+
+}  // namespace lamella::cli

@@ -1,0 +1,31 @@
+// The mesh that a command works on: the flags that say how to read it, and the file in words.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "lamella/mesh_file.hpp"
+
+namespace lamella::cli {
+
+struct MeshArguments {
+    std::string mesh;
+    std::string unit = "mm";
+    int threads = 0;
+    bool map_file = false;
+};
+
+/// Declares the mesh, --unit and --threads on `command`, to be stored in `arguments`.
+void declare_mesh(CLI::App& command, MeshArguments& arguments);
+
+/// Reads the mesh; its warnings are the caller's to tell. Throws Failure.
+MeshFile read_mesh_of(const MeshArguments& arguments);
+
+/// The same for a command that has nothing on the screen that warnings could run into.
+MeshFile read_mesh_and_warn(const MeshArguments& arguments);
+
+/// "binary STL, 1.9 MB", with what else is known of the file.
+std::string description(const MeshFile& mesh);
+
+}  // namespace lamella::cli

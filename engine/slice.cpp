@@ -202,7 +202,7 @@ void Slicing::sweep_band(std::size_t band, int worker) {
         BandOutput* output = placement.acquire(band);
         if (output != nullptr && sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes,
                                             options_.form, options_.stop, *output)) {
-            placement.submit(band, output);
+            placement.submit(band);
         } else {
             placement.abort();
         }
@@ -216,9 +216,9 @@ void Slicing::sweep_wide(std::size_t band) {
     WidePlane wide(kept_.memory, parallel_, rules());
     BandOutput* output = kept_.placement.acquire(band);
     if (wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, *output)) {
-        kept_.placement.submit(band, output);
+        kept_.placement.submit(band);
     } else {
-        kept_.placement.give_back(output);
+        kept_.placement.give_back(band);
         sweep_band(band, 0);
     }
 }

@@ -14,7 +14,7 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t grain = (1 << 14) / block_triangles;  // blocks per task
+constexpr std::size_t grain = (1 << 12) / block_triangles;  // blocks per task
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A box that grows, and whether something in it was not finite.

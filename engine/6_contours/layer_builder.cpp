@@ -58,7 +58,7 @@ void append_points(const NestItem& item, Point* to) {
 
 }  // namespace
 
-void BandOutput::move_to_larger_buffer(std::size_t count) {
+void BandOutput::move_to_buffer(std::size_t count) {
     if (buffer.capacity() < point_count + count) {
         Array<Point> larger(buffer.resource());
         larger.resize_discarding(std::max(point_count + count, buffer.capacity() + buffer.capacity() / 2));

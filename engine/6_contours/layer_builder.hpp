@@ -50,13 +50,12 @@ struct BandOutput {
     /// Makes room for `count` more points. Throws std::bad_alloc.
     Point* reserve_points(std::size_t count) {
         if (point_count + count > capacity) {
-            move_to_larger_buffer(count);
+            move_to_buffer(count);
         }
         return points + point_count;
     }
-
-private:
-    void move_to_larger_buffer(std::size_t count);
+    /// With room for `count` more. Throws std::bad_alloc.
+    void move_to_buffer(std::size_t count);
 };
 
 /// What is done to a plane's contours beyond walking them.

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "base/memory.hpp"
 
@@ -18,6 +19,8 @@ void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t se
     segments_ = segments;
     segments_placed_ = 0;
     lead_ = 2 * static_cast<std::size_t>(threads);
+    shared_ = threads > 1;
+    outgrown_ = false;
     head_ = 0;
     point_count_ = 0;
     contour_count_ = 0;
@@ -45,8 +48,9 @@ BandOutput* Placement::acquire(std::size_t band) {
     }
     BandOutput* output = idle_.back();
     idle_.pop_back();
-    if (band == head_ && point_count_ <= points_.size()) {
-        output->begin(points_.subspan(point_count_));
+    placed_[band].output = output;
+    if (const auto room = placed_[band].room = find_room(band); room) {
+        output->begin(points_.subspan(room->begin, room->end - room->begin));
         return output;
     }
     lock.unlock();
@@ -57,45 +61,105 @@ BandOutput* Placement::acquire(std::size_t band) {
     return output;
 }
 
-void Placement::give_back(BandOutput* output) {
-    const std::lock_guard lock(mutex_);
-    idle_.push_back(output);
+/// None if another band's points may come to lie in it.
+std::optional<Placement::Room> Placement::find_room(std::size_t band) {
+    if (outgrown_ && band != head_) {
+        return {};
+    }
+    Room room{point_count_, 0};
+    for (std::size_t b = head_; b < band; ++b) {
+        room.begin += bands_[b].segments;
+    }
+    // The only band in the result may have more points than segments.
+    room.end = shared_ && !outgrown_ ? room.begin + bands_[band].segments : points_.size();
+    if (room.begin > room.end || room.end > points_.size()) {
+        return {};
+    }
+    for (const Placed& other : begun()) {
+        if (other.room && other.room->begin < room.end && room.begin < other.room->end) {
+            return {};
+        }
+    }
+    return room;
 }
 
-void Placement::submit(std::size_t band, BandOutput* output) {
+/// The head, and all beyond it that may have been begun.
+std::span<Placement::Placed> Placement::begun() {
+    return std::span(placed_).subspan(head_, std::min(lead_ + 1, placed_.size() - head_));
+}
+
+void Placement::give_back(std::size_t band) {
+    const std::lock_guard lock(mutex_);
+    placed_[band].room.reset();
+    idle_.push_back(std::exchange(placed_[band].output, nullptr));
+}
+
+void Placement::submit(std::size_t band) {
     std::unique_lock lock(mutex_);
-    placed_[band].waiting = output;
-    if (band != head_) {
-        return;
+    Placed& own = placed_[band];
+    own.done = true;
+    outgrown_ = outgrown_ || own.output->point_count > bands_[band].segments;
+    if (own.output->in_buffer()) {
+        own.room.reset();
     }
     // Fix the places of all that are ready under the lock, copy outside it; the next head may be placed meanwhile.
     const std::size_t begin = head_;
-    while (head_ < placed_.size() && placed_[head_].waiting != nullptr) {
-        Placed& placed = placed_[head_];
-        placed.first_point = point_count_;
-        placed.first_contour = contour_count_;
-        placed.contours.swap(placed.waiting->contours);
-        placed.layer_contours.swap(placed.waiting->layer_contours);
-        placed.closed_gaps.swap(placed.waiting->closed_gaps);
-        point_count_ += placed.waiting->point_count;
-        contour_count_ += placed.contours.size();
-        segments_placed_ += bands_[head_].segments;
-        ++head_;
+    while (head_ < placed_.size() && placed_[head_].done && clear_rooms(point_count_ + placed_[head_].output->point_count)) {
+        place_head();
     }
     const std::size_t end = head_;
+    if (begin == end) {
+        return;
+    }
     if (*progress_) {
         (*progress_)(segments_ == 0 ? 1.0 : static_cast<double>(segments_placed_) / static_cast<double>(segments_));
     }
     lock.unlock();
     head_moved_.notify_all();
     for (std::size_t b = begin; b < end; ++b) {
-        copy_points(placed_[b], *placed_[b].waiting);
+        copy_points(placed_[b]);
         const std::lock_guard relock(mutex_);
-        idle_.push_back(placed_[b].waiting);
+        idle_.push_back(std::exchange(placed_[b].output, nullptr));
     }
 }
 
-void Placement::copy_points(const Placed& placed, const BandOutput& output) const {
+/// Moves what lies below `end` of bands beyond the head, which has outgrown its room, to buffers. False if one of them is
+/// still being swept: its thread will try again.
+bool Placement::clear_rooms(std::uint64_t end) {
+    for (Placed& other : begun().subspan(1)) {
+        if (other.room && other.room->begin < end) {
+            assert(outgrown_);
+            if (!other.done) {
+                return false;
+            }
+            other.output->move_to_buffer(0);
+            other.room.reset();
+        }
+    }
+    return true;
+}
+
+void Placement::place_head() {
+    Placed& placed = placed_[head_];
+    placed.first_point = point_count_;
+    placed.first_contour = contour_count_;
+    placed.contours.swap(placed.output->contours);
+    placed.layer_contours.swap(placed.output->layer_contours);
+    placed.closed_gaps.swap(placed.output->closed_gaps);
+    if (placed.room && placed.room->begin != point_count_) {
+        assert(placed.room->begin > point_count_);
+        std::memmove(points_.data() + point_count_, placed.output->points, placed.output->point_count * sizeof(Point));
+    }
+    placed.room.reset();
+    point_count_ += placed.output->point_count;
+    contour_count_ += placed.contours.size();
+    segments_placed_ += bands_[head_].segments;
+    ++head_;
+}
+
+/// From a buffer to the band's place.
+void Placement::copy_points(const Placed& placed) const {
+    const BandOutput& output = *placed.output;
     const bool fits = placed.first_point + output.point_count <= points_.size();
     if (fits && output.in_buffer() && output.point_count > 0) {
         std::memcpy(points_.data() + placed.first_point, output.points, output.point_count * sizeof(Point));

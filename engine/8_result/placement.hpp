@@ -1,10 +1,12 @@
-// Stage 8: bands finish in any order and are placed in theirs. Only then is it known where a band's points go, since equal
-// consecutive points are stored once and open polylines have one more than segments; a band that finishes early waits in
-// its buffer, and no thread runs further ahead than a few bands a thread.
+// Stage 8: bands finish in any order and are placed in theirs. How many points a band has is known only when it is done,
+// since equal consecutive points are stored once and open polylines have one more than segments. But nearly every band has
+// one for each segment, so a band is swept straight to where its points will lie if the unfinished ones before it have:
 //
-//     band        0       1        2         3
-//                done    done    swept     done         2 is the head: its thread places 2, then 3
-//     points   [  0  |   1   |
+//     band        0       1          2           3
+//               placed  placed   swept, head    done
+//     points  [  0   |   1    |   2 ...       |  3        ]     2 has lost a point: 3 is moved down by one
+//
+// Where that room might be another band's, a band is swept into a buffer. No thread runs further ahead than a few bands.
 #pragma once
 
 #include <condition_variable>
@@ -12,6 +14,8 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "5_sweep/bands.hpp"
@@ -29,14 +33,13 @@ public:
     void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
                const std::function<void(double)>& progress);
 
-    /// Where `band` puts its output: in place if it is the head, else in a buffer; waits while it is too far ahead of the
-    /// head. Null after abort(). Bands must be asked for in ascending order, each by a thread that goes on to submit it or
-    /// to abort().
+    /// Where `band` puts its output; waits while it is too far ahead of the head. Null after abort(). Bands must be asked
+    /// for in ascending order, each by a thread that goes on to submit it or to abort().
     BandOutput* acquire(std::size_t band);
     /// Takes back what acquire() gave, unused.
-    void give_back(BandOutput* output);
-    /// Places `output`, and any that waited for it.
-    void submit(std::size_t band, BandOutput* output);
+    void give_back(std::size_t band);
+    /// The band is done: places it, and any that waited for it.
+    void submit(std::size_t band);
     /// The run has failed: wakes all that wait.
     void abort();
 
@@ -52,6 +55,11 @@ public:
     void write_closed_gaps(std::span<ClosedGap> gaps) const;
 
 private:
+    /// Points [begin, end) of the result.
+    struct Room {
+        std::uint64_t begin;
+        std::uint64_t end;
+    };
     struct Placed {
         explicit Placed(std::pmr::memory_resource* memory) : contours(memory), layer_contours(memory), closed_gaps(memory) {}
 
@@ -60,10 +68,16 @@ private:
         std::pmr::vector<Contour> contours;
         std::pmr::vector<std::uint32_t> layer_contours;
         std::pmr::vector<ClosedGap> closed_gaps;
-        BandOutput* waiting = nullptr;
+        BandOutput* output = nullptr;  // from acquire() until the band is placed
+        bool done = false;
+        std::optional<Room> room;  // until the band is placed, or leaves it for a buffer
     };
 
-    void copy_points(const Placed& placed, const BandOutput& output) const;
+    std::optional<Room> find_room(std::size_t band);
+    std::span<Placed> begun();
+    bool clear_rooms(std::uint64_t end);
+    void place_head();
+    void copy_points(const Placed& placed) const;
 
     std::pmr::memory_resource* memory_;
     std::span<const Band> bands_;
@@ -76,6 +90,9 @@ private:
     std::vector<Placed> placed_;
     std::size_t head_ = 0;
     std::size_t lead_ = 0;  // how many bands beyond the head may be begun
+    bool shared_ = false;   // by several threads
+    /// Some band had more points than segments, as open polylines make it: places can no longer be told ahead.
+    bool outgrown_ = false;
     std::uint64_t point_count_ = 0;
     std::uint64_t contour_count_ = 0;
     std::uint64_t segments_ = 0;

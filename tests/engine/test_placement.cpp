@@ -1,5 +1,8 @@
 // Where bands put what they yield, whichever of them is done first.
+#include <algorithm>
 #include <functional>
+#include <random>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -41,7 +44,7 @@ TEST_CASE("bands are placed in order, in whatever order they are done", "[engine
             fill(*outputs.back(), static_cast<std::int32_t>(band), static_cast<std::uint32_t>(band + 2));
         }
         for (const std::size_t band : done) {
-            placement.submit(band, outputs[band]);
+            placement.submit(band);
         }
         CHECK(points == std::vector<Point>{{0, 0}, {0, 1}, {1, 0}, {1, 1}, {1, 2}, {2, 0}, {2, 1}, {2, 2}, {2, 3}});
 
@@ -66,4 +69,72 @@ TEST_CASE("bands are placed in order, in whatever order they are done", "[engine
             CHECK(gaps[g].from == Point{static_cast<std::int32_t>(g), 0});
         }
     }
+}
+
+TEST_CASE("bands with more or fewer points than segments are placed in order", "[engine][placement]") {
+    // Mostly as many points as segments, else one fewer (repeats) or some more (open polylines, a fill rule's points).
+    const auto seed = GENERATE(range(1U, 400U));
+    std::mt19937 random(seed);
+    const auto draw = [&](std::uint32_t below) { return static_cast<std::uint32_t>(random() % below); };
+    const bool outgrow = draw(2) == 0;
+    std::vector<lamella::Band> bands;
+    std::vector<std::uint32_t> counts;
+    std::vector<Point> expected;
+    std::uint64_t segments = 0;
+    for (std::uint32_t b = 0; b < 24; ++b) {
+        bands.push_back({b, b + 1, 1 + draw(6), false});
+        segments += bands[b].segments;
+        const auto usual = static_cast<std::uint32_t>(bands[b].segments);
+        const std::uint32_t kind = draw(8);
+        counts.push_back(kind == 0 ? usual - 1 : (kind == 1 && outgrow ? usual + 1 + draw(5) : usual));
+        for (std::uint32_t c = 0; c < counts[b]; ++c) {
+            expected.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(c)});
+        }
+    }
+    std::vector<Point> points(std::max<std::size_t>(expected.size(), segments));
+    const std::function<void(double)> no_progress;
+    lamella::Placement placement(nullptr);
+    constexpr int threads = 3;
+    placement.begin(bands, threads, segments, points, no_progress);
+
+    // What `threads` threads could do: begin the next band, find room for a point, write it, be done.
+    struct Begun {
+        std::size_t band;
+        BandOutput* output;
+        std::uint32_t written = 0;
+        Point* room = nullptr;
+    };
+    std::vector<Begun> begun;
+    std::size_t next = 0;
+    std::size_t first_unfinished = 0;
+    std::vector<bool> done(bands.size(), false);
+    while (first_unfinished < bands.size()) {
+        const bool may_begin = next < bands.size() && begun.size() < threads && next <= first_unfinished + 2;
+        if (begun.empty() || (may_begin && draw(3) == 0)) {
+            begun.push_back({next, placement.acquire(next)});
+            ++next;
+            continue;
+        }
+        const std::size_t chosen = draw(static_cast<std::uint32_t>(begun.size()));
+        Begun& band = begun[chosen];
+        if (band.written < counts[band.band]) {
+            if (band.room == nullptr) {
+                band.room = band.output->reserve_points(1);
+                continue;
+            }
+            *std::exchange(band.room, nullptr) = {static_cast<std::int32_t>(band.band),
+                                                  static_cast<std::int32_t>(band.written++)};
+            ++band.output->point_count;
+            continue;
+        }
+        placement.submit(band.band);
+        done[band.band] = true;
+        begun.erase(begun.begin() + static_cast<std::ptrdiff_t>(chosen));
+        while (first_unfinished < bands.size() && done[first_unfinished]) {
+            ++first_unfinished;
+        }
+    }
+    REQUIRE(placement.point_count() == expected.size());
+    points.resize(expected.size());
+    CHECK(points == expected);
 }

@@ -24,7 +24,9 @@ LinkGraph::LinkGraph(std::pmr::memory_resource* memory)
       order_next_(memory),
       breaks_(memory),
       contours_(memory),
-      old_starts_(memory),
+      old_contours_(memory),
+      pieces_(memory),
+      lanes_(memory),
       leave_by_(memory) {
     clear();
 }
@@ -97,15 +99,12 @@ void LinkGraph::release_ended(PlaneIndex plane) {
 }
 
 LinkGraph::Attaching LinkGraph::begin_attaching(std::size_t attachments) {
-    // Two ends share an edge as a rule. Small tables are a quarter full then; large ones, of a band's first plane, take
-    // memory.
+    // Two ends share an edge as a rule. Small tables are an eighth full then: an edge that finds its place taken is what the
+    // processor does not foresee. Large ones, of a band's first plane, take memory.
     const bool small = attachments < (std::size_t{1} << 16);
     const std::size_t edges = small ? attachments : attachments / 2 + 64;
-    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, small ? 2 * edges : edges + edges / 4));
-    epoch_ += first_epoch;
-    if (size > table_.size() || epoch_ == 0) {
-        clear_table(std::max(size, table_.size()));
-    }
+    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, small ? 4 * edges : 2 * edges));
+    clear_table(size);
     table_mask_ = size - 1;
     table_shift_ = 64 - std::countr_zero(size);
     limit_ = static_cast<std::uint32_t>(edges);
@@ -116,8 +115,10 @@ LinkGraph::Attaching LinkGraph::begin_attaching(std::size_t attachments) {
 }
 
 void LinkGraph::clear_table(std::size_t size) {
-    table_.assign(size, 0);
-    epoch_ = first_epoch;
+    if (table_.size() < size) {
+        resize_exactly(table_, size);
+    }
+    std::fill_n(table_.begin(), size, no_slot);
 }
 
 /// Fewer ends shared an edge than is the rule: the `made` edges so far go to a table of twice the size.
@@ -131,10 +132,10 @@ void LinkGraph::grow(std::uint32_t made) {
     for (std::uint32_t i = 1; i <= made; ++i) {
         const Slot slot = free_[free_count_ - i];
         std::size_t place = edges_[slot].hash() >> table_shift_;
-        while ((table_[place] ^ epoch_) < first_epoch) {
+        while (table_[place] != no_slot) {
             place = (place + 1) & table_mask_;
         }
-        table_[place] = epoch_ | slot;
+        table_[place] = slot;
     }
 }
 

@@ -8,9 +8,9 @@
 //       -----------> 0 [slot] 1 ----------->          links[2 * slot + port] = the port at the segment's other end
 //
 // All faces of an edge reach the sweep at the same plane, the first above the edge's lower end. An edge is therefore looked
-// up at that plane only, and the map holds the edges that start at one plane: it is emptied by moving to the next epoch,
-// stays within the cache, and never erases. Links are written when a triangle enters and when the sweep passes its middle
-// vertex, and stay as they are from plane to plane; so does the order of the walk, which is patched where a link changed.
+// up at that plane only, and the map holds the edges that start at one plane: it is cleared for each, stays within the
+// cache, and never erases. Links are written when a triangle enters and when the sweep passes its middle vertex, and stay as
+// they are from plane to plane; so does the order of the walk, which is patched where a link changed.
 //
 // New edges take the slots of those that ended last; where a plane has far fewer edges than one before it, slots are closed
 // up.
@@ -92,7 +92,7 @@ public:
     void release_ended(PlaneIndex plane);
 
     class Attaching;
-    /// Opens a new epoch of the map, sized for at most `attachments` ends.
+    /// Empties the map, which is sized for at most `attachments` ends.
     Attaching begin_attaching(std::size_t attachments);
 
     /// All ends are attached, which are `attachments`; fresh() are the slots made for them.
@@ -143,9 +143,17 @@ private:
         crowded = 8,  // more than two ends meet, or two of one sense
     };
 
-    /// Epoch in the high half, slot in the low.
-    using Entry = std::uint64_t;
-    static constexpr Entry first_epoch = Entry{1} << 32;
+    /// A stretch of a contour, from `head` to the next piece's; see link_pieces.cpp.
+    struct Piece {
+        Slot head;
+        PortRef cut;  ///< whose link led to it
+        Slot* slots;
+        std::uint32_t count;  ///< 0 once it is part of a contour
+        std::uint32_t next;   ///< the piece that follows
+    };
+    static constexpr PortRef first_mark = 0xF0000000U;  // of links: no port, but the piece of this number less the mark
+
+    static constexpr Slot no_slot = 0xFFFFFFFFU;
 
     void clear_table(std::size_t size);
     void grow(std::uint32_t made);
@@ -173,6 +181,10 @@ private:
     bool follow_runs(Slot start);
     bool follow_links(Slot start);
     void walk_rest();
+    void walk_pieces();
+    void add_piece(std::uint32_t begin, std::uint32_t end);
+    void walk_four_at_once();
+    void join_pieces();
     void add_contour(std::uint32_t begin, bool closed, bool is_mixed);
 
     void walk_any_sense();
@@ -196,11 +208,10 @@ private:
     std::size_t mixed_ = 0;  // slots that join two ends of the same sense
 
     // map
-    std::pmr::vector<Entry> table_;
+    std::pmr::vector<Slot> table_;  // no_slot: nothing is there
     std::size_t table_mask_ = 0;
     std::uint32_t limit_ = 0;  // new edges that there is room for
     int table_shift_ = 63;
-    Entry epoch_ = 0;  // in the high half
 
     // meetings of more than two
     struct Crowded {
@@ -217,8 +228,10 @@ private:
     std::pmr::vector<Slot> order_next_;
     std::pmr::vector<std::uint64_t> breaks_;  // bit p: the walk does not go on from position p to p + 1
     std::pmr::vector<WalkedContour> contours_;
-    std::pmr::vector<std::uint32_t> old_starts_;  // positions at which the last plane's contours began
-    std::pmr::vector<std::uint8_t> leave_by_;     // of a walk in any sense: the port by which each slot was left
+    std::pmr::vector<WalkedContour> old_contours_;  // the last plane's
+    std::pmr::vector<Piece> pieces_;
+    std::pmr::vector<Slot> lanes_;             // what pieces are walked into
+    std::pmr::vector<std::uint8_t> leave_by_;  // of a walk in any sense: the port by which each slot was left
     std::uint32_t ordered_ = 0;
     std::uint32_t filled_ = 0;  // of order_next_
     std::size_t changes_ = 0;   // links written, slots made and freed since the last walk
@@ -248,13 +261,12 @@ public:
         links_[2 * spare + target_port] = no_link;
         links_[2 * spare + source_port] = no_link;
         for (std::size_t i = edge.hash() >> shift_;; i = (i + 1) & mask_) {
-            const Entry difference = table_[i] ^ epoch_;
-            // 1 if the entry is of another epoch. Reckoned, as compilers turn a comparison back into a branch.
-            const auto is_new = static_cast<std::uint32_t>(((difference >> 32) + 0xFFFFFFFFU) >> 32);
-            const auto found = static_cast<Slot>(difference);
+            const Slot found = table_[i];
+            // 1 if nothing is there. Reckoned, as compilers turn a comparison back into a branch.
+            const auto is_new = static_cast<std::uint32_t>((std::uint64_t{found} + 1) >> 32);
             const Slot slot = found ^ ((found ^ spare) & (0U - is_new));
             if (edges_[slot] == edge) {
-                table_[i] = epoch_ | slot;
+                table_[i] = slot;
                 made_ += is_new;
                 return slot;
             }
@@ -285,7 +297,6 @@ private:
         table_ = graph_.table_.data();
         mask_ = graph_.table_mask_;
         shift_ = graph_.table_shift_;
-        epoch_ = graph_.epoch_;
         limit_ = graph_.limit_;
     }
 
@@ -294,10 +305,9 @@ private:
     MeshEdge* edges_ = nullptr;
     PlaneIndex* ends_ = nullptr;
     PortRef* links_ = nullptr;
-    Entry* table_ = nullptr;
+    Slot* table_ = nullptr;
     std::size_t mask_ = 0;
     int shift_ = 0;
-    Entry epoch_ = 0;
     std::uint32_t made_ = 0;
     std::uint32_t limit_ = 0;
 };

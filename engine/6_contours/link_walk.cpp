@@ -3,37 +3,10 @@
 #include <bit>
 #include <cstring>
 
+#include "6_contours/copy_run.hpp"
 #include "6_contours/link_graph.hpp"
 
 namespace lamella {
-
-namespace {
-
-/// Room beyond the order's end that copy_run() may write and read.
-constexpr std::size_t run_padding = 16;
-
-/// Most runs are short, and a copy whose length the processor need not guess is the fastest: 64 bytes a step, overshooting.
-inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {
-    for (std::uint32_t i = 0; i < length; i += run_padding) {
-        std::memcpy(to + i, run + i, run_padding * sizeof(Slot));
-    }
-}
-
-/// positions[run[i]] = first + i.
-inline void number_run(const Slot* run, std::uint32_t length, std::uint32_t first, std::uint32_t* positions) {
-    std::uint32_t i = 0;
-    for (; i + 4 <= length; i += 4) {
-        positions[run[i]] = first + i;
-        positions[run[i + 1]] = first + i + 1;
-        positions[run[i + 2]] = first + i + 2;
-        positions[run[i + 3]] = first + i + 3;
-    }
-    for (; i < length; ++i) {
-        positions[run[i]] = first + i;
-    }
-}
-
-}  // namespace
 
 // --- Walking along the segments' sense
 //
@@ -59,7 +32,11 @@ void LinkGraph::walk() {
     if (open_ > 0) {
         walk_sources();
     }
-    walk_old_starts();
+    if (chase_ && order_known_ && open_ == 0 && capacity() < first_mark / 2) {
+        walk_pieces();
+    } else {
+        walk_old_starts();
+    }
     if (!chase_) {
         walk_old_runs();
     }
@@ -74,10 +51,7 @@ void LinkGraph::begin_order() {
         order_next_.resize(std::max(live() + live() / 32 + 1 + run_padding, order_next_.size()));
     }
     filled_ = 0;
-    old_starts_.clear();
-    for (const WalkedContour& contour : contours_) {
-        old_starts_.push_back(contour.begin + 1);
-    }
+    old_contours_.swap(contours_);
     contours_.clear();
 }
 
@@ -125,7 +99,8 @@ void LinkGraph::walk_old_runs() {
 }
 
 void LinkGraph::walk_old_starts() {
-    for (const std::uint32_t position : old_starts_) {
+    for (const WalkedContour& contour : old_contours_) {
+        const std::uint32_t position = contour.begin + 1;
         const Slot slot = order_[position];
         if (chase_ ? !is_free(slot) && !walked(slot) : position_[slot] == position && !walked(slot)) {
             walk_from(slot);
@@ -135,10 +110,10 @@ void LinkGraph::walk_old_starts() {
 
 /// What began at this plane, and after a walk along links what split off.
 void LinkGraph::walk_rest() {
-    if (filled_ == live()) {
-        return;
-    }
     for (const Slot slot : fresh()) {
+        if (filled_ == live()) {
+            return;
+        }
         if (!walked(slot)) {
             walk_from(slot);
         }

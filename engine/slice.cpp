@@ -272,12 +272,11 @@ void Slicing::summarise() {
     summary.segments = kept_.buckets.segment_count;
     summary.bands = kept_.bands.bands.size();
     summary.threads = parallel_.threads();
-    for (const Contour& contour : result_.contours) {
-        summary.holes += contour.role == Role::hole ? 1 : 0;
-        summary.open_contours += contour.role == Role::open ? 1 : 0;
-        summary.flat_contours += contour.role == Role::flat ? 1 : 0;
-        summary.overruled_contours += (contour.flags & sense_overruled) != 0 ? 1 : 0;
-    }
+    const ContourCounts& counts = kept_.placement.contour_counts();
+    summary.holes = counts.of(Role::hole);
+    summary.open_contours = counts.of(Role::open);
+    summary.flat_contours = counts.of(Role::flat);
+    summary.overruled_contours = counts.overruled;
 }
 
 Status slice_or_throw(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) {

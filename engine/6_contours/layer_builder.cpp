@@ -357,6 +357,7 @@ void LayerBuilder::append(BandOutput& out) const {
         contour.role = item.role;
         contour.sense = item.sense;
         contour.flags = item.flags;
+        out.counts.add(contour);
         out.point_count += item.count;
     }
     out.layer_contours.push_back(static_cast<std::uint32_t>(placed_.size()));

@@ -18,6 +18,24 @@
 
 namespace lamella {
 
+/// For the summary.
+struct ContourCounts {
+    std::uint64_t by_role[4] = {};  ///< index: Role
+    std::uint64_t overruled = 0;
+
+    void add(const Contour& contour) noexcept {
+        ++by_role[static_cast<std::size_t>(contour.role)];
+        overruled += (contour.flags & sense_overruled) != 0 ? 1 : 0;
+    }
+    void add(const ContourCounts& other) noexcept {
+        for (std::size_t role = 0; role < 4; ++role) {
+            by_role[role] += other.by_role[role];
+        }
+        overruled += other.overruled;
+    }
+    std::uint64_t of(Role role) const noexcept { return by_role[static_cast<std::size_t>(role)]; }
+};
+
 /// What a band of planes yields, kept by its thread until the bands below have been placed. Indices are relative to the
 /// band.
 struct BandOutput {
@@ -33,6 +51,7 @@ struct BandOutput {
     std::size_t capacity = 0;
     Array<Point> buffer;
     std::pmr::vector<Contour> contours;
+    ContourCounts counts;
     std::pmr::vector<std::uint32_t> layer_contours;  ///< contours of each plane
     std::pmr::vector<ClosedGap> closed_gaps;
 
@@ -42,6 +61,7 @@ struct BandOutput {
         capacity = room.size();
         point_count = 0;
         contours.clear();
+        counts = {};
         layer_contours.clear();
         closed_gaps.clear();
     }

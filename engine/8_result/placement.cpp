@@ -24,6 +24,7 @@ void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t se
     head_ = 0;
     point_count_ = 0;
     contour_count_ = 0;
+    counts_ = {};
     aborted_ = false;
     placed_.clear();
     placed_.reserve(bands.size());
@@ -153,6 +154,7 @@ void Placement::place_head() {
     placed.room.reset();
     point_count_ += placed.output->point_count;
     contour_count_ += placed.contours.size();
+    counts_.add(placed.output->counts);
     segments_placed_ += bands_[head_].segments;
     ++head_;
 }

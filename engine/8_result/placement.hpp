@@ -47,6 +47,7 @@ public:
     /// with room.
     std::uint64_t point_count() const noexcept { return point_count_; }
     std::uint64_t contour_count() const noexcept { return contour_count_; }
+    const ContourCounts& contour_counts() const noexcept { return counts_; }
     std::uint64_t closed_gap_count() const noexcept;
 
     /// Writes contours and the layers' contour ranges, after all bands were submitted. layers[i] is plane i's.
@@ -95,6 +96,7 @@ private:
     bool outgrown_ = false;
     std::uint64_t point_count_ = 0;
     std::uint64_t contour_count_ = 0;
+    ContourCounts counts_;
     std::uint64_t segments_ = 0;
     std::uint64_t segments_placed_ = 0;
     bool aborted_ = false;

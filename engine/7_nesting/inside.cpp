@@ -160,7 +160,7 @@ void ManyInside::test(const Point* points, std::uint32_t count, std::pmr::vector
     if (queries_.empty()) {
         return;
     }
-    const Steps steps = sort_by_step();
+    const QuerySteps steps = sort_by_step();
     const Point closing[] = {points[count - 1], points[0]};
     add_edges(steps, points, count - 1);
     add_edges(steps, closing, 1);
@@ -172,7 +172,7 @@ void ManyInside::test(const Point* points, std::uint32_t count, std::pmr::vector
 }
 
 /// by_y_ becomes the queries in the order of y: there are several times as many steps, so that most hold one or none.
-ManyInside::Steps ManyInside::sort_by_step() {
+QuerySteps ManyInside::sort_by_step() {
     constexpr std::size_t fewest_steps = 64;
     constexpr std::size_t most_steps = std::size_t{1} << 14;
     std::int32_t low = grid_limit;
@@ -184,9 +184,9 @@ ManyInside::Steps ManyInside::sort_by_step() {
     const std::size_t count = std::clamp(std::bit_ceil(8 * queries_.size()), fewest_steps, most_steps);
     const auto range = static_cast<std::uint32_t>(high) - static_cast<std::uint32_t>(low);
     const int shift = std::max(0, static_cast<int>(std::bit_width(range)) - std::countr_zero(count));
-    const Steps steps{low - (1 << shift), high + (1 << shift), shift};  // a 64th of the range beyond: far within 32 bits
-
     ends_.assign(count + 3, 0);
+    // A 64th of the range beyond it: far within 32 bits.
+    const QuerySteps steps{low - (1 << shift), high + (1 << shift), shift, ends_.data()};
     std::uint32_t longest = 0;
     for (const Query& query : queries_) {
         longest = std::max(longest, ++ends_[steps.of(query.winding.query().y) + 1]);
@@ -215,32 +215,15 @@ void ManyInside::sort_long_steps() {
     }
 }
 
-/// Shows every query the edges from points[0] to points[count] that reach its step. A run at a time is sifted without a
-/// branch first.
-void ManyInside::add_edges(const Steps& steps, const Point* points, std::uint32_t count) {
-    struct Reach {
-        std::uint32_t edge, begin, end;  // of by_y_
-    };
-    constexpr std::uint32_t run = 128;
-    Reach reaches[run];
-    const std::uint32_t* ends = ends_.data();
-    std::uint32_t begin = ends[steps.of(points[0].y)];
-    std::uint32_t end = ends[steps.of(points[0].y) + 1];
-    for (std::uint32_t first = 0; first < count; first += run) {
-        std::size_t reaching = 0;
-        for (std::uint32_t edge = first; edge < std::min(first + run, count); ++edge) {
-            const std::uint32_t step = steps.of(points[edge + 1].y);
-            const std::uint32_t next_begin = ends[step];
-            const std::uint32_t next_end = ends[step + 1];
-            Reach& reach = reaches[reaching];
-            reach = {edge, begin < next_begin ? begin : next_begin, end < next_end ? next_end : end};
-            reaching += reach.begin < reach.end ? 1 : 0;
-            begin = next_begin;
-            end = next_end;
-        }
+/// Shows every query the edges from points[0] to points[count] that reach its step. A run at a time is sifted first.
+void ManyInside::add_edges(const QuerySteps& steps, const Point* points, std::uint32_t count) {
+    Reaches reaches;
+    for (std::uint32_t first = 0; first < count; first += Reaches::most) {
+        const Point* run = points + first;
+        const std::size_t reaching = sift_edges_(steps, run, std::min(count - first, Reaches::most), reaches);
         for (std::size_t i = 0; i < reaching; ++i) {
-            const Reach& reach = reaches[i];
-            add_edge(points[reach.edge], points[reach.edge + 1], reach.begin, reach.end);
+            const Point* edge = run + reaches.edge[i];
+            add_edge(edge[0], edge[1], reaches.begin[i], reaches.end[i]);
         }
     }
 }

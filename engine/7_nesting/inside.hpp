@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "7_nesting/query_steps.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella::nesting {
@@ -69,7 +70,8 @@ inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32
 /// y. O(points log points + edges log points), and what is to be done where a point and an edge share a y.
 class ManyInside {
 public:
-    explicit ManyInside(std::pmr::memory_resource* memory) : queries_(memory), by_y_(memory), ends_(memory) {}
+    explicit ManyInside(std::pmr::memory_resource* memory)
+        : sift_edges_(supported_sift_edges().front()), queries_(memory), by_y_(memory), ends_(memory) {}
 
     void clear() noexcept { queries_.clear(); }
     /// Throws std::bad_alloc.
@@ -84,22 +86,14 @@ private:
         std::uint32_t number = 0;
     };
     static bool lower(const Query& a, const Query& b) noexcept { return a.winding.query().y < b.winding.query().y; }
-    /// The range of the queries' y in steps; the first and the last are empty, and hold what lies below and above.
-    struct Steps {
-        std::int32_t low, high;
-        int shift;
-        std::uint32_t of(std::int32_t y) const noexcept {
-            const std::int32_t within = y < low ? low : (y < high ? y : high);
-            return (static_cast<std::uint32_t>(within) - static_cast<std::uint32_t>(low)) >> shift;
-        }
-    };
-    Steps sort_by_step();
+    QuerySteps sort_by_step();
     void sort_long_steps();
-    void add_edges(const Steps& steps, const Point* points, std::uint32_t count);
+    void add_edges(const QuerySteps& steps, const Point* points, std::uint32_t count);
     void add_edge(Point a, Point b, std::uint32_t begin, std::uint32_t end);
 
+    SiftEdges sift_edges_;
     std::pmr::vector<Query> queries_, by_y_;
-    std::pmr::vector<std::uint32_t> ends_;  // step s holds by_y_[ends_[s]] to by_y_[ends_[s + 1]]
+    std::pmr::vector<std::uint32_t> ends_;  // of by_y_; see QuerySteps
 };
 
 }  // namespace lamella::nesting

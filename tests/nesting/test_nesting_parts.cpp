@@ -1,5 +1,6 @@
 // What nesting is made of: sorting by keys, starts within boxes, points within contours, each against the obvious way.
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <random>
 
@@ -209,6 +210,53 @@ TEST_CASE("all forms of the edge test agree", "[nesting]") {
         for (std::size_t form = 0; form < forms.size(); ++form) {
             CAPTURE(round, form);
             REQUIRE(strictly_inside(forms[form], points.data(), count, query) == expected);
+        }
+    }
+}
+
+TEST_CASE("all forms of sifting find the same edges", "[nesting]") {
+    using lamella::nesting::QuerySteps;
+    using lamella::nesting::Reaches;
+    std::mt19937 random(10);
+    const std::span<const lamella::nesting::SiftEdges> forms = lamella::nesting::supported_sift_edges();
+    for (int round = 0; round < 4000; ++round) {
+        constexpr std::int32_t far = lamella::grid_limit;
+        const bool wide = round % 2 == 0;
+        const auto draw_y = [&] {
+            return wide ? static_cast<std::int32_t>(random() % (2U * far)) - far : below(random, 99);
+        };
+        std::vector<Point> points(2 + static_cast<std::size_t>(below(random, Reaches::most)));
+        for (Point& point : points) {
+            point = {below(random, 9), draw_y()};
+        }
+        // Steps of which few hold a point; the first and the last hold none.
+        const int shift = wide ? 24 + below(random, 3) : below(random, 4);
+        const std::int32_t low = draw_y() / 2;
+        const std::int32_t high = low + (1 << shift) * (2 + below(random, 20));
+        std::vector<std::uint32_t> ends(static_cast<std::size_t>((high - low) >> shift) + 2, 0);
+        for (std::size_t step = 2; step < ends.size(); ++step) {
+            const bool last = step + 1 == ends.size();
+            ends[step] =
+                ends[step - 1] + (!last && below(random, 4) == 0 ? 1 + static_cast<std::uint32_t>(below(random, 3)) : 0);
+        }
+        const QuerySteps steps{low, high, shift, ends.data()};
+        const auto count = static_cast<std::uint32_t>(points.size()) - 1;
+
+        std::vector<std::array<std::uint32_t, 3>> expected;
+        for (std::uint32_t edge = 0; edge < count; ++edge) {
+            const auto [first, last] = std::minmax({steps.of(points[edge].y), steps.of(points[edge + 1].y)});
+            if (ends[first] < ends[last + 1]) {
+                expected.push_back({edge, ends[first], ends[last + 1]});
+            }
+        }
+        for (std::size_t form = 0; form < forms.size(); ++form) {
+            CAPTURE(round, form);
+            Reaches reaches;
+            const std::size_t found = forms[form](steps, points.data(), count, reaches);
+            REQUIRE(found == expected.size());
+            for (std::size_t i = 0; i < found; ++i) {
+                REQUIRE(std::array{reaches.edge[i], reaches.begin[i], reaches.end[i]} == expected[i]);
+            }
         }
     }
 }

@@ -187,13 +187,12 @@ LayerBuilder::Found LayerBuilder::examine_open(const LinkGraph& graph, const Wal
 /// The smallest (x, y, edge key); where a contour passes through one edge twice, the smaller of the two rotations.
 std::uint32_t LayerBuilder::pick_start(std::uint32_t count, const Point* ring, const RingFacts& facts,
                                        FunctionRef<EndKey(std::uint32_t)> key_at) const {
-    auto best = static_cast<std::uint32_t>(kernels_.find_x(ring, 0, count, facts.box_min.x));
-    for (std::size_t i = kernels_.find_x(ring, best + 1, count, facts.box_min.x); i < count;
-         i = kernels_.find_x(ring, i + 1, count, facts.box_min.x)) {
-        const auto other = static_cast<std::uint32_t>(i);
-        if (ring[other].y != ring[best].y) {
-            best = ring[other].y < ring[best].y ? other : best;
-        } else if (key_at(other) != key_at(best)) {
+    auto best = static_cast<std::uint32_t>(facts.smallest);
+    for (std::uint32_t other = best + 1; facts.many_smallest && other < count; ++other) {
+        if (ring[other] != ring[facts.smallest]) {
+            continue;
+        }
+        if (key_at(other) != key_at(best)) {
             best = key_at(other) < key_at(best) ? other : best;
         } else if (rotation_before(ring, count, other, best)) {
             best = other;

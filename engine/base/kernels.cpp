@@ -42,7 +42,8 @@ private:
 template <class PointAt>
 RingFacts facts_of(std::size_t count, const PointAt& point) {
     const Point first = point(0);
-    RingFacts facts{first, first, 0, false};
+    RingFacts facts{first, first, 0, 0, false, false};
+    Point smallest = first;
     ProductSum sum;
     Point before = point(count - 1);
     Point here = first;
@@ -51,6 +52,13 @@ RingFacts facts_of(std::size_t count, const PointAt& point) {
         facts.box_min = {std::min(facts.box_min.x, here.x), std::min(facts.box_min.y, here.y)};
         facts.box_max = {std::max(facts.box_max.x, here.x), std::max(facts.box_max.y, here.y)};
         facts.has_repeats = facts.has_repeats || here == next;
+        if (here < smallest) {
+            smallest = here;
+            facts.smallest = i;
+            facts.many_smallest = false;
+        } else if (i > 0 && here == smallest) {
+            facts.many_smallest = true;
+        }
         sum.add((std::int64_t{here.x} - first.x) * (std::int64_t{next.y} - before.y));
         before = here;
         here = next;
@@ -63,12 +71,6 @@ RingFacts trace_portable(const Point* points, const std::uint32_t* slots, std::s
     return facts_of(count, [=](std::size_t i) { return ring[i] = points[slots[i]]; });
 }
 
-std::size_t find_x_portable(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
-    for (; from < count && ring[from].x != x; ++from) {
-    }
-    return from;
-}
-
 std::size_t select_equal_portable(const std::uint32_t* values, std::size_t count, std::uint32_t value,
                                   std::uint32_t* indices) {
     std::size_t found = 0;
@@ -79,7 +81,7 @@ std::size_t select_equal_portable(const std::uint32_t* values, std::size_t count
     return found;
 }
 
-constexpr Kernels portable{pierce_portable, trace_portable, find_x_portable, select_equal_portable};
+constexpr Kernels portable{pierce_portable, trace_portable, select_equal_portable};
 
 #ifdef LAMELLA_X86_KERNELS
 
@@ -138,6 +140,32 @@ LAMELLA_AVX2 __m256i gather_four(const Point* points, const std::uint32_t* slots
     return _mm256_i32gather_epi64(reinterpret_cast<const long long*>(points), at, sizeof(Point));
 }
 
+/// The first point with the given x, from `from` on, or count.
+LAMELLA_AVX2 std::size_t find_x(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
+    const __m256i wanted = _mm256_set1_epi64x(static_cast<std::uint32_t>(x));
+    for (; from + 4 <= count; from += 4) {
+        const __m256i same = _mm256_cmpeq_epi32(load_points(ring + from), wanted);
+        const int bits = _mm256_movemask_ps(_mm256_castsi256_ps(same)) & 0x55;  // the x halves
+        if (bits != 0) {
+            return from + static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(bits))) / 2;
+        }
+    }
+    for (; from < count && ring[from].x != x; ++from) {
+    }
+    return from;
+}
+
+LAMELLA_AVX2 void find_smallest(const Point* ring, std::size_t count, RingFacts& facts) {
+    const std::int32_t x = facts.box_min.x;
+    facts.smallest = find_x(ring, 0, count, x);
+    for (std::size_t i = find_x(ring, facts.smallest + 1, count, x); i < count; i = find_x(ring, i + 1, count, x)) {
+        if (ring[i].y <= ring[facts.smallest].y) {
+            facts.many_smallest = ring[i].y == ring[facts.smallest].y;
+            facts.smallest = facts.many_smallest ? facts.smallest : i;
+        }
+    }
+}
+
 /// Four points a step, as in trace_avx512, for rings that fill a vector; what is left over is looked at one by one. AVX2
 /// shifts no signs: products are biased by 2^63 to be unsigned, and the bias is taken off at the end.
 LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
@@ -187,19 +215,8 @@ LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slot
         facts.twice_area += Int128{std::int64_t{point.x} - first.x} * (std::int64_t{next.y} - last.y);
         last = point;
     }
+    find_smallest(ring, count, facts);
     return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
-}
-
-LAMELLA_AVX2 std::size_t find_x_avx2(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
-    const __m256i wanted = _mm256_set1_epi64x(static_cast<std::uint32_t>(x));
-    for (; from + 4 <= count; from += 4) {
-        const __m256i same = _mm256_cmpeq_epi32(load_points(ring + from), wanted);
-        const int bits = _mm256_movemask_ps(_mm256_castsi256_ps(same)) & 0x55;  // the x halves
-        if (bits != 0) {
-            return from + static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(bits))) / 2;
-        }
-    }
-    return find_x_portable(ring, from, count, x);
 }
 
 LAMELLA_AVX2 std::size_t select_equal_avx2(const std::uint32_t* values, std::size_t count, std::uint32_t value,
@@ -220,7 +237,7 @@ LAMELLA_AVX2 std::size_t select_equal_avx2(const std::uint32_t* values, std::siz
     return found;
 }
 
-constexpr Kernels avx2{pierce_avx2, trace_avx2, find_x_avx2, select_equal_avx2};
+constexpr Kernels avx2{pierce_avx2, trace_avx2, select_equal_avx2};
 
 // --- AVX-512: eight edges, eight points a step
 
@@ -255,6 +272,39 @@ LAMELLA_AVX512 __m256i upper_half(__m512i v) {
     return _mm512_maskz_extracti64x4_epi64(0xF, v, 1);
 }
 
+/// The smallest of eight streams of points: as numbers of 64 bits with x above y, they compare as points do.
+struct SmallestOfEight {
+    __m512i point;
+    __m512i index;
+    __mmask8 many = 0;  // lanes that met theirs more than once
+
+    LAMELLA_AVX512 void add(__m512i points, std::size_t first, __mmask8 lanes) {
+        const __m512i y_sign = _mm512_set1_epi64(0x80000000);  // the half below compares without a sign
+        const __m512i key = _mm512_xor_si512(_mm512_maskz_rol_epi64(0xFF, points, 32), y_sign);
+        const __mmask8 smaller = _mm512_mask_cmplt_epi64_mask(lanes, key, point);
+        const __mmask8 equal = _mm512_mask_cmpeq_epi64_mask(lanes, key, point);
+        many = static_cast<__mmask8>((many & ~smaller) | equal);
+        point = _mm512_mask_mov_epi64(point, smaller, key);
+        index = _mm512_mask_mov_epi64(index, smaller, _mm512_set1_epi64(static_cast<std::int64_t>(first)));
+    }
+
+    LAMELLA_AVX512 void finish(RingFacts& facts) const {
+        const __m256i four = _mm256_min_epi64(lower_half(point), upper_half(point));
+        const __m256i two = _mm256_min_epi64(four, _mm256_permute4x64_epi64(four, 0x4E));
+        const __m256i one = _mm256_min_epi64(two, _mm256_shuffle_epi32(two, 0x4E));
+        const unsigned lanes =
+            _mm512_cmpeq_epi64_mask(point, _mm512_maskz_broadcastq_epi64(0xFF, _mm256_castsi256_si128(one)));
+        alignas(64) std::int64_t steps[8];
+        _mm512_store_si512(steps, index);
+        facts.smallest = SIZE_MAX;
+        for (unsigned left = lanes; left != 0; left &= left - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+            facts.smallest = std::min(facts.smallest, static_cast<std::size_t>(steps[lane]) + lane);
+        }
+        facts.many_smallest = (many & lanes) != 0 || std::popcount(lanes) > 1;
+    }
+};
+
 /// Eight points a step. Neighbours come from shifting the vectors before and behind into this one, not from loading them
 /// back from the ring, which would wait for the stores; x lies in the low half of each 64-bit lane and y in the high one:
 ///
@@ -269,6 +319,7 @@ LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* 
     __m512i low_sum = _mm512_setzero_si512();
     __m512i high_sum = _mm512_setzero_si512();
     unsigned repeats = 0;
+    SmallestOfEight smallest{_mm512_set1_epi64(INT64_MAX), _mm512_setzero_si512()};
     __m512i before = _mm512_set1_epi64(std::bit_cast<std::int64_t>(points[slots[count - 1]]));
     __m512i here = gather_eight(points, slots);
     for (std::size_t i = 0; i < count; i += 8) {
@@ -277,6 +328,7 @@ LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* 
         const __m512i next = left > 8 ? gather_eight(points, slots + i + 8) : first;
         here = _mm512_mask_blend_epi64(lanes, first, here);  // what lies behind the last point is the first
         _mm512_storeu_si512(ring + i, here);
+        smallest.add(here, i, lanes);
         const __m512i previous = _mm512_maskz_alignr_epi64(0xFF, here, before, 7);
         const __m512i after = _mm512_maskz_alignr_epi64(0xFF, next, here, 1);
         low = _mm512_maskz_min_epi32(0xFFFF, low, here);
@@ -295,20 +347,8 @@ LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* 
                  _mm256_max_epi32(lower_half(high), upper_half(high)),
                  _mm256_add_epi64(lower_half(low_sum), upper_half(low_sum)),
                  _mm256_add_epi64(lower_half(high_sum), upper_half(high_sum)));
+    smallest.finish(facts);
     return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
-}
-
-LAMELLA_AVX512 std::size_t find_x_avx512(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
-    const __m512i wanted = _mm512_set1_epi32(x);
-    for (; from < count; from += 8) {
-        const std::size_t left = count - from;
-        const auto lanes = static_cast<__mmask16>(left >= 8 ? 0x5555 : 0x5555 & ((1U << (2 * left)) - 1));  // the x halves
-        const unsigned same = _mm512_mask_cmpeq_epi32_mask(lanes, _mm512_maskz_loadu_epi32(lanes, ring + from), wanted);
-        if (same != 0) {
-            return from + static_cast<std::size_t>(std::countr_zero(same)) / 2;
-        }
-    }
-    return count;
 }
 
 LAMELLA_AVX512 std::size_t select_equal_avx512(const std::uint32_t* values, std::size_t count, std::uint32_t value,
@@ -328,7 +368,7 @@ LAMELLA_AVX512 std::size_t select_equal_avx512(const std::uint32_t* values, std:
     return found;
 }
 
-constexpr Kernels avx512{pierce_avx512, trace_avx512, find_x_avx512, select_equal_avx512};
+constexpr Kernels avx512{pierce_avx512, trace_avx512, select_equal_avx512};
 
 #endif
 

@@ -26,8 +26,10 @@ struct EdgeArrays {
 struct RingFacts {
     Point box_min;
     Point box_max;
-    Int128 twice_area;  ///< of what lies left of it, exactly
-    bool has_repeats;   ///< two consecutive points are equal
+    Int128 twice_area;     ///< of what lies left of it, exactly
+    std::size_t smallest;  ///< the first point that no other is smaller than, x before y
+    bool many_smallest;    ///< others are equal to it
+    bool has_repeats;      ///< two consecutive points are equal
 };
 
 struct Kernels {
@@ -37,8 +39,6 @@ struct Kernels {
     /// ring[i] = points[slots[i]] for i in [0, count), count > 0, and the facts of the closed ring that this makes. `slots`
     /// is readable, with numbers below the number of points, and `ring` writable up to the next multiple of padded_count.
     RingFacts (*trace)(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring);
-    /// Index of the first point with the given x, from `from` on, or count.
-    std::size_t (*find_x)(const Point* ring, std::size_t from, std::size_t count, std::int32_t x);
     /// Writes to `indices` the i in [0, count), in ascending order, with values[i] == value; returns how many. `indices` is
     /// writable up to count + select_padding.
     std::size_t (*select_equal)(const std::uint32_t* values, std::size_t count, std::uint32_t value, std::uint32_t* indices);

@@ -262,12 +262,12 @@ public:
         links_[2 * spare + source_port] = no_link;
         for (std::size_t i = edge.hash() >> shift_;; i = (i + 1) & mask_) {
             const Slot found = table_[i];
-            // 1 if nothing is there. Reckoned, as compilers turn a comparison back into a branch.
-            const auto is_new = static_cast<std::uint32_t>((std::uint64_t{found} + 1) >> 32);
-            const Slot slot = found ^ ((found ^ spare) & (0U - is_new));
+            // All ones if nothing is there: slots have 31 bits. Reckoned, as compilers turn a comparison into a branch.
+            const Slot is_new = static_cast<Slot>(static_cast<std::int32_t>(found) >> 31);
+            const Slot slot = found ^ ((found ^ spare) & is_new);
             if (edges_[slot] == edge) {
                 table_[i] = slot;
-                made_ += is_new;
+                made_ -= is_new;
                 return slot;
             }
         }

@@ -129,7 +129,10 @@ Status Slicing::choose_grid_and_planes() {
 Status Slicing::bucket_triangles() {
     Buckets& buckets = kept_.buckets;
     count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
-    const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + kept_.planes.size() * sizeof(Layer);
+    const auto cutting =
+        std::count_if(buckets.segments.begin(), buckets.segments.end(), [](auto count) { return count > 0; });
+    const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + kept_.planes.size() * sizeof(Layer) +
+                                static_cast<std::uint64_t>(cutting) * sizeof(Contour);
     if (bytes > memory_limit(options_)) {
         return Error{Code::result_too_large, std::to_string(kept_.planes.size()) + " layers with " +
                                                  std::to_string(buckets.segment_count) + " segments need " +

@@ -54,7 +54,13 @@ private:
 /// Slices `mesh` at the planes of `options.plan`.
 ///
 /// n triangles, k planes, m crossings, q points in a layer: O(n + k + m) for uniform planes, O(n log k + k + m) otherwise,
-/// and O(q log q) per layer for ordering and nesting. Memory: O(n + k + m), allocated from `options.memory`. Errors:
+/// and O(q log q) per layer for ordering and nesting. Memory: O(n + k + m), allocated from `options.memory`.
+///
+/// A result is refused as too large by what is known before anything is linked: 64 bytes a layer, a point of 8 bytes a
+/// crossing, and a contour of 48 in each layer that has crossings. How many contours more there are is known only once they
+/// are walked. A closed contour that has an area has three points or more, so that such a result is at most three times as
+/// large as that; one of open polylines of a single segment each, eight times. What the host's memory does not hold then is
+/// out_of_memory. Errors:
 /// invalid_argument, empty_mesh, bad_coordinate (with the triangle), bad_planes (with the plane), result_too_large,
 /// out_of_memory, cancelled.
 Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options) noexcept;

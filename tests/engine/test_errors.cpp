@@ -64,6 +64,13 @@ TEST_CASE("results known to be too large are refused before they are allocated",
     options.plan.spacing = lamella::UniformLayers{0.001};
     options.memory_limit_bytes = 11'000'000;
     CHECK(failure_of(view_of(soup), options).code == Code::result_too_large);
+    // Layers and points fit, but not with a contour in each layer.
+    const std::uint64_t layers = 100'000;
+    const std::uint64_t bytes = layers * (sizeof(lamella::Layer) + 8 * sizeof(lamella::Point) + sizeof(lamella::Contour));
+    options.memory_limit_bytes = bytes - 1;
+    CHECK(failure_of(view_of(soup), options).code == Code::result_too_large);
+    options.memory_limit_bytes = bytes;
+    CHECK(sliced(soup, options).contours.size() == layers);
 }
 
 TEST_CASE("the default limit is half of physical memory", "[engine][errors]") {

@@ -58,6 +58,18 @@ Status PlaneSet::build(const LayerPlan& plan, const Bounds& bounds, double unit_
     return build_random(std::get<RandomLayers>(plan.spacing), bounds, memory_limit);
 }
 
+void PlaneSet::build(const Array<Layer>& layers) {
+    count_ = static_cast<PlaneIndex>(layers.size());
+    inverse_step_ = 0;
+    padded_.resize_discarding(layers.size() + 2);
+    padded_[0] = below_all;
+    for (PlaneIndex i = 0; i < count_; ++i) {
+        padded_[i + 1] = layers[i].plane.z();
+    }
+    padded_[count_ + 1] = above_all;
+    make_table();
+}
+
 std::int32_t PlaneSet::round_height(double mm) const noexcept {
     const double as_vertex = number_ == Number::f32 ? static_cast<double>(static_cast<float>(mm)) : mm;
     return to_even_grid(as_vertex, unit_mm_) + (plan_.side == Side::below ? -1 : 1);

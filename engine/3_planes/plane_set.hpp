@@ -14,6 +14,8 @@
 
 namespace lamella {
 
+struct Layer;
+
 /// Index of a plane, or one past the last. Plans with more than 2^31 planes are refused, so 32 bits hold it.
 using PlaneIndex = std::uint32_t;
 
@@ -70,6 +72,8 @@ public:
     /// Makes the planes of `plan` for a mesh within `bounds`. `number`: the type in which a vertex of a plane's height would
     /// have been written. O(k). Errors: invalid_argument, bad_planes, result_too_large (k layers alone exceed the limit).
     Status build(const LayerPlan& plan, const Bounds& bounds, double unit_mm, Number number, std::uint64_t memory_limit);
+    /// The planes that a result was cut by, for heights on the grid alone. Precondition: they ascend. O(k).
+    void build(const Array<Layer>& layers);
 
 private:
     Status build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);

@@ -1,13 +1,91 @@
 // Every triangle is in the ledger once, and what no plane meets is told.
+#include <array>
+#include <map>
+#include <numeric>
+#include <vector>
+
 #include <catch2/catch.hpp>
 
 #include "engine/shapes.hpp"
 #include "engine/slicing.hpp"
+#include "oracle/oracle.hpp"
 
 using lamella::Ledger;
+using lamella::Piece;
+using lamella::PieceKind;
 using lamella::SliceResult;
 
 namespace {
+
+/// Sets of numbers, by the book.
+class Sets {
+public:
+    std::size_t add() {
+        parents_.push_back(parents_.size());
+        return parents_.size() - 1;
+    }
+    std::size_t find(std::size_t i) const { return parents_[i] == i ? i : find(parents_[i]); }
+    void unite(std::size_t a, std::size_t b) { parents_[find(a)] = find(b); }
+    std::size_t size() const { return parents_.size(); }
+
+private:
+    std::vector<std::size_t> parents_;
+};
+
+/// Shells, peaks and pits by the definition: each triangle is cut at the planes, and its parts are joined to those of other
+/// triangles in the same slab that share a vertex there, or a stretch of an edge.
+std::array<std::size_t, 3> pieces_of(const shapes::Soup& soup, const SliceResult& result) {
+    struct Part {
+        std::size_t set;
+        bool meets_below;
+        bool meets_above;
+    };
+    const auto slab_of = [&](std::int32_t z) {
+        std::size_t slab = 0;
+        while (slab < result.layers.size() && result.layers[slab].plane.z() < z) {
+            ++slab;
+        }
+        return slab;
+    };
+    Sets sets;
+    std::vector<Part> parts;
+    std::map<std::pair<std::size_t, std::pair<lamella::GridVertex, lamella::GridVertex>>, std::size_t> shared;
+    for (const oracle::Triangle& t : oracle::quantise(soup, result.unit_mm)) {
+        const std::array<std::size_t, 3> slabs = {slab_of(t[0].z), slab_of(t[1].z), slab_of(t[2].z)};
+        const auto [low, high] = std::minmax({slabs[0], slabs[1], slabs[2]});
+        for (std::size_t slab = low; slab <= high; ++slab) {
+            const std::size_t set = sets.add();
+            parts.push_back({set, slab > low, slab < high});
+            for (std::size_t i = 0; i < 3; ++i) {
+                const std::size_t next = (i + 1) % 3;
+                const auto [first, last] = std::minmax(slabs[i], slabs[next]);
+                if (slabs[i] == slab) {
+                    sets.unite(set, shared.try_emplace({slab, {t[i], t[i]}}, set).first->second);
+                }
+                if (first <= slab && slab <= last) {
+                    sets.unite(set, shared.try_emplace({slab, std::minmax(t[i], t[next])}, set).first->second);
+                }
+            }
+        }
+    }
+    std::vector<int> meets(sets.size(), 0);
+    for (const Part& part : parts) {
+        meets[sets.find(part.set)] |= (part.meets_below ? 1 : 0) | (part.meets_above ? 2 : 0);
+    }
+    std::array<std::size_t, 3> counts{};
+    for (std::size_t set = 0; set < sets.size(); ++set) {
+        if (sets.find(set) == set && meets[set] != 3) {
+            ++counts[static_cast<std::size_t>(meets[set])];
+        }
+    }
+    return counts;
+}
+
+bool same(const Ledger& a, const Ledger& b) {
+    return a.cut == b.cut && a.between == b.between && a.degenerate == b.degenerate && a.horizontal == b.horizontal &&
+           a.flat_up_mm2 == b.flat_up_mm2 && a.flat_down_mm2 == b.flat_down_mm2 && a.pieces == b.pieces &&
+           a.slabs == b.slabs && a.gaps == b.gaps;
+}
 
 Ledger booked(const shapes::Soup& soup, const SliceResult& result) {
     const lamella::Result<Ledger> ledger = lamella::ledger(view_of(soup), result);
@@ -17,12 +95,20 @@ Ledger booked(const shapes::Soup& soup, const SliceResult& result) {
     CHECK(books.cut + books.between + books.degenerate == books.triangles);
     CHECK(books.cut == result.summary.crossed);
     CHECK(books.degenerate == result.summary.degenerate);
-    std::uint64_t in_slabs = 0;
+    lamella::Slab all;
     for (const lamella::Slab& slab : books.slabs) {
-        in_slabs += slab.triangles;
-        CHECK(slab.triangles > 0);
+        all.triangles += slab.triangles;
+        all.shells += slab.shells;
+        all.peaks += slab.peaks;
+        all.pits += slab.pits;
+        CHECK(slab.triangles + slab.shells + slab.peaks + slab.pits > 0);
     }
-    CHECK(in_slabs == books.between);
+    CHECK(all.triangles == books.between);
+    CHECK(all.shells == books.shells.count);
+    CHECK(all.peaks == books.peaks.count);
+    CHECK(all.pits == books.pits.count);
+    CHECK(books.shells.triangles + books.peaks.triangles + books.pits.triangles <= books.between);
+    CHECK(books.pieces.size() == all.shells + all.peaks + all.pits);
     return books;
 }
 
@@ -69,4 +155,72 @@ TEST_CASE("ledger: degenerate triangles, meshes in any order, turned ones and re
     const SliceResult result = sliced(soup, uniform(1));
     const shapes::Soup other = shapes::box({0, 0, 0}, {1, 1, 1});
     CHECK(lamella::ledger(view_of(other), result).error().code == lamella::Code::invalid_argument);
+}
+
+TEST_CASE("ledger: shells, peaks and pits are told with their places", "[engine][ledger]") {
+    const shapes::Soup soup = shapes::joined({
+        shapes::box({0, 0, 0}, {10, 10, 10}),   // bottom below all planes, top between those at 9 and 12
+        shapes::octasphere({20, 0, 10}, 1, 0),  // wholly between these
+        shapes::octasphere({30, 0, 8}, 3, 0),   // cut at 6 and 9; its top ends there
+        shapes::octasphere({40, 0, 12}, 2, 0),  // its bottom hangs down there
+    });
+    const SliceResult result = sliced(soup, at_heights({3, 6, 9, 12}));
+    const Ledger books = booked(soup, result);
+    CHECK(books.shells == lamella::PieceCount{1, 8});
+    CHECK(books.peaks == lamella::PieceCount{3, 6});
+    CHECK(books.pits == lamella::PieceCount{3, 2});
+    REQUIRE(books.pieces.size() == 7);
+    CHECK(books.pieces[0] == Piece{PieceKind::pit, 0, {0, 0, 0}, 2.5, 2});
+    CHECK(books.pieces[1] == Piece{PieceKind::pit, 1, {30, 0, 5}, 0.5, 0});
+    CHECK(books.pieces[2] == Piece{PieceKind::shell, 3, {20, 0, 9}, 2, 8});
+    CHECK(books.pieces[3] == Piece{PieceKind::peak, 3, {0, 0, 10}, 1.5, 2});
+    CHECK(books.pieces[4] == Piece{PieceKind::peak, 3, {30, 0, 11}, 2.5, 0});
+    CHECK(books.pieces[5] == Piece{PieceKind::pit, 3, {40, 0, 10}, 1.5, 0});
+    CHECK(books.pieces[6] == Piece{PieceKind::peak, 4, {40, 0, 14}, 2.5, 4});
+    REQUIRE(books.slabs.size() == 4);
+    CHECK(books.slabs[2] == lamella::Slab{3, 10, 100, 0, 1, 2, 1});
+    CHECK(name_of(PieceKind::shell) == "shell");
+    CHECK(name_of(PieceKind::pit) == "pit");
+}
+
+TEST_CASE("ledger: a bump on what goes on is no piece, one that ends is", "[engine][ledger]") {
+    // Two towers from one base: the low one ends between the planes at 5 and 8, the high one goes on.
+    const shapes::Soup towers = shapes::joined({shapes::box({0, 0, 0}, {4, 4, 7}), shapes::box({4, 0, 0}, {8, 4, 20})});
+    const Ledger apart = booked(towers, sliced(towers, at_heights({5, 8})));
+    // They share vertices below the planes only.
+    CHECK(apart.pits.count == 1);
+    CHECK(apart.peaks.count == 2);
+    // A plane fewer, and the low tower's roof joins nothing else either.
+    CHECK(booked(towers, sliced(towers, at_heights({5, 12}))).peaks.count == 2);
+    // Without planes everything is one shell.
+    const Ledger whole = booked(towers, sliced(towers, at_heights({})));
+    CHECK(whole.shells == lamella::PieceCount{1, 24});
+}
+
+TEST_CASE("ledger: pieces are those of the definition", "[engine][ledger]") {
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        const int count = 1 + static_cast<int>(seed % 25);
+        const shapes::Soup soup =
+            seed % 2 == 0 ? shapes::random_soup(seed, 2 * count, 12) : shapes::random_tetrahedra(seed, count, 9 + seed % 8);
+        for (const auto& heights : {std::vector<double>{2, 3, 4, 7, 8}, {5}, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}}) {
+            INFO("seed " << seed);
+            const SliceResult result = sliced(soup, at_heights(heights));
+            const Ledger books = booked(soup, result);
+            CHECK(pieces_of(soup, result) ==
+                  std::array<std::size_t, 3>{books.shells.count, books.peaks.count, books.pits.count});
+        }
+    }
+}
+
+TEST_CASE("ledger: the same on any number of threads, and in another order", "[engine][ledger]") {
+    // Enough for several parts.
+    const shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 0}, 10, 6), shapes::octasphere({3, 4, 5}, 10, 6)});
+    const SliceResult result = sliced(soup, uniform(0.05));
+    const Ledger one = lamella::ledger(view_of(soup), result, 1).value();
+    CHECK(one.pieces.size() >= 4);
+    for (const int threads : {2, 3, 0}) {
+        CHECK(same(one, lamella::ledger(view_of(soup), result, threads).value()));
+    }
+    CHECK(same(one, lamella::ledger(view_of(shapes::shuffled(soup, 5)), result, 2).value()));
+    CHECK(lamella::ledger(view_of(soup), result, -1).error().code == lamella::Code::invalid_argument);
 }

@@ -4,6 +4,7 @@
 #include "lamella/assemble.hpp"
 #include "lamella/check.hpp"
 #include "lamella/check_report.hpp"
+#include "lamella/crossings.hpp"
 #include "lamella/inspect.hpp"
 #include "lamella/ledger.hpp"
 #include "lamella/mesh.hpp"

@@ -1,0 +1,283 @@
+// Crossings of contours, on paths made by hand and at random, against all pairs of edges and corners.
+#include <algorithm>
+#include <array>
+#include <random>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+
+using lamella::Crossings;
+using lamella::Point;
+using lamella::Role;
+using lamella::SliceResult;
+using Points = std::vector<Point>;
+
+namespace {
+
+struct Path {
+    Points points;
+    bool closed = true;
+};
+using Layer = std::vector<Path>;
+
+template <class T>
+void fill(lamella::Array<T>& array, const std::vector<T>& values) {
+    array.resize_discarding(values.size());
+    std::copy(values.begin(), values.end(), array.begin());
+}
+
+SliceResult result_of(const std::vector<Layer>& layers) {
+    std::vector<lamella::Layer> planes;
+    std::vector<lamella::Contour> contours;
+    Points points;
+    for (const Layer& layer : layers) {
+        lamella::Layer plane;
+        plane.plane = lamella::PlaneHeight(2 * static_cast<std::int32_t>(planes.size()) + 1);
+        plane.first_contour = contours.size();
+        plane.contour_count = layer.size();
+        planes.push_back(plane);
+        for (const Path& path : layer) {
+            lamella::Contour contour;
+            contour.first_point = points.size();
+            contour.point_count = static_cast<std::uint32_t>(path.points.size());
+            contour.role = path.closed ? Role::outer : Role::open;
+            contours.push_back(contour);
+            points.insert(points.end(), path.points.begin(), path.points.end());
+        }
+    }
+    SliceResult result;
+    fill(result.layers, planes);
+    fill(result.contours, contours);
+    fill(result.points, points);
+    return result;
+}
+
+Crossings found(const SliceResult& result, int threads = 1) {
+    const lamella::Result<Crossings> crossings = find_crossings(result, threads);
+    REQUIRE(crossings.ok());
+    return crossings.value();
+}
+
+std::uint64_t count_in(const Layer& layer) {
+    return found(result_of({layer})).count;
+}
+
+Path square(std::int32_t x, std::int32_t y, std::int32_t side) {
+    return {{{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}}};
+}
+
+std::int64_t turn(Point a, Point b, Point c) {
+    return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{c.x} - a.x);
+}
+
+bool opposite(std::int64_t a, std::int64_t b) {
+    return (a > 0 && b < 0) || (a < 0 && b > 0);
+}
+
+struct Edge {
+    Point from;
+    Point to;
+};
+struct Corner {
+    Point before;
+    Point at;
+    Point after;
+};
+
+/// By angle from the positive x axis.
+bool comes_round_before(Point a, Point b) {
+    const auto half = [](Point p) { return p.y < 0 || (p.y == 0 && p.x < 0); };
+    return half(a) != half(b) ? half(b) : std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x > 0;
+}
+
+/// Whether four arms, all in directions of their own, come round the corner by turns.
+bool alternate(const Corner& a, const Corner& b) {
+    struct Arm {
+        Point to;
+        int owner;
+    };
+    const auto arm = [](Point o, Point p, int owner) { return Arm{{p.x - o.x, p.y - o.y}, owner}; };
+    std::array<Arm, 4> arms = {arm(a.at, a.before, 0), arm(a.at, a.after, 0), arm(b.at, b.before, 1), arm(b.at, b.after, 1)};
+    std::sort(arms.begin(), arms.end(), [](const Arm& x, const Arm& y) { return comes_round_before(x.to, y.to); });
+    for (std::size_t i = 0; i < 4; ++i) {
+        const Arm& next = arms[(i + 1) % 4];
+        const bool same = !comes_round_before(arms[i].to, next.to) && !comes_round_before(next.to, arms[i].to);
+        if (same || arms[i].owner == next.owner) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool passes(const Corner& corner, const Edge& edge) {
+    const bool inside = turn(edge.from, edge.to, corner.at) == 0 && corner.at != edge.from && corner.at != edge.to &&
+                        std::min(edge.from.x, edge.to.x) <= corner.at.x && corner.at.x <= std::max(edge.from.x, edge.to.x) &&
+                        std::min(edge.from.y, edge.to.y) <= corner.at.y && corner.at.y <= std::max(edge.from.y, edge.to.y);
+    return inside && opposite(turn(edge.from, edge.to, corner.before), turn(edge.from, edge.to, corner.after));
+}
+
+/// Every pair.
+std::uint64_t counted(const Layer& layer) {
+    std::vector<Edge> edges;
+    std::vector<Corner> corners;
+    for (const Path& path : layer) {
+        const std::size_t n = path.points.size();
+        for (std::size_t i = 0; i < n; ++i) {
+            const Point next = path.points[(i + 1) % n];
+            if (path.closed || i + 1 < n) {
+                edges.push_back({path.points[i], next});
+            }
+            if (path.closed || (i > 0 && i + 1 < n)) {
+                corners.push_back({path.points[(i + n - 1) % n], path.points[i], next});
+            }
+        }
+    }
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            const Edge& a = edges[i];
+            const Edge& b = edges[j];
+            count += opposite(turn(a.from, a.to, b.from), turn(a.from, a.to, b.to)) &&
+                     opposite(turn(b.from, b.to, a.from), turn(b.from, b.to, a.to));
+        }
+    }
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        for (const Edge& edge : edges) {
+            count += passes(corners[i], edge);
+        }
+        for (std::size_t j = 0; j < i; ++j) {
+            count += corners[i].at == corners[j].at && alternate(corners[i], corners[j]);
+        }
+    }
+    return count;
+}
+
+Layer random_layer(std::mt19937& random, int range) {
+    const auto below = [&](int n) { return static_cast<std::int32_t>(random() % static_cast<unsigned>(n)); };
+    Layer layer(static_cast<std::size_t>(1 + below(4)));
+    for (Path& path : layer) {
+        path.closed = below(4) > 0;
+        const int points = 2 + below(12);
+        while (static_cast<int>(path.points.size()) < points) {
+            const Point next{below(range), below(range)};
+            if (path.points.empty() || (next != path.points.back() && next != path.points.front())) {
+                path.points.push_back(next);
+            }
+        }
+    }
+    return layer;
+}
+
+}  // namespace
+
+TEST_CASE("crossings: outlines that overlap, touch, nest or stand apart", "[engine][crossings]") {
+    CHECK(count_in({}) == 0);
+    CHECK(count_in({square(0, 0, 10)}) == 0);
+    CHECK(count_in({square(0, 0, 10), square(20, 0, 10)}) == 0);
+    CHECK(count_in({square(0, 0, 10), square(2, 2, 3)}) == 0);
+    CHECK(count_in({square(0, 0, 10), square(5, 5, 10)}) == 2);
+    CHECK(count_in({square(0, 0, 10), square(10, 10, 10)}) == 0);                    // in a corner
+    CHECK(count_in({square(0, 0, 10), square(10, 0, 10)}) == 0);                     // along a side
+    CHECK(count_in({square(0, 0, 10), square(0, 0, 10)}) == 0);                      // everywhere
+    CHECK(count_in({square(0, 0, 10), {{{10, 5}, {20, 0}, {20, 10}}}}) == 0);        // with a tip
+    CHECK(count_in({square(0, 0, 10), {{{5, 5}, {20, 0}, {20, 10}}}}) == 2);         // with a tip inside
+    CHECK(count_in({{{{0, 0}, {10, 10}, {10, 0}, {0, 10}}}}) == 1);                  // itself
+    CHECK(count_in({{{{0, 0}, {5, 5}, {10, 10}, {10, 0}, {5, 5}, {0, 10}}}}) == 1);  // itself, in a corner
+    CHECK(count_in({{{{0, 0}, {5, 5}, {0, 10}, {10, 10}, {5, 5}, {10, 0}}}}) == 0);  // only touches itself there
+}
+
+TEST_CASE("crossings: corners are passed through or touched", "[engine][crossings]") {
+    const Path line{{{0, 0}, {10, 0}}, false};
+    const Path bent{{{0, 0}, {5, 0}, {10, 0}}, false};
+    CHECK(count_in({line, {{{5, 5}, {5, 0}, {5, -5}}, false}}) == 1);
+    CHECK(count_in({line, {{{5, 5}, {5, 0}, {6, 5}}, false}}) == 0);
+    CHECK(count_in({bent, {{{5, 5}, {5, 0}, {5, -5}}, false}}) == 1);
+    CHECK(count_in({bent, {{{5, 5}, {5, 0}, {6, 5}}, false}}) == 0);
+    CHECK(count_in({bent, {{{5, 5}, {5, -5}}, false}}) == 1);
+    CHECK(count_in({line, {{{5, 5}, {5, 0}}, false}}) == 0);                   // an end
+    CHECK(count_in({line, {{{0, 5}, {0, -5}}, false}}) == 0);                  // the other's end
+    CHECK(count_in({line, {{{3, 5}, {3, 0}, {7, 0}, {7, -5}}, false}}) == 0);  // runs along it
+}
+
+TEST_CASE("crossings: the first is the leftmost, and its contours are named", "[engine][crossings]") {
+    const SliceResult result = result_of({{square(0, 0, 10)},
+                                          {square(50, 0, 3), square(5, 5, 10), square(0, 0, 10), square(7, -2, 4)},
+                                          {},
+                                          {{{{0, 0}, {7, 7}, {7, 0}, {0, 7}}}}});
+    const Crossings crossings = found(result);
+    CHECK(crossings.count == 5);
+    CHECK_FALSE(crossings.at_least);
+    REQUIRE(crossings.layers.size() == 2);
+    CHECK(crossings.layers[0].layer == 1);
+    CHECK(crossings.layers[0].count == 4);
+    CHECK(crossings.layers[0].first == Point{5, 10});
+    CHECK(crossings.layers[0].contours == std::array<std::uint64_t, 2>{2, 3});
+    CHECK(crossings.layers[1].layer == 3);
+    CHECK(crossings.layers[1].first == Point{4, 4});  // 3.5 is rounded away from zero
+    CHECK(crossings.layers[1].contours == std::array<std::uint64_t, 2>{5, 5});
+}
+
+TEST_CASE("crossings: as all pairs of edges and corners say", "[engine][crossings]") {
+    std::mt19937 random(7);
+    for (int round = 0; round < 20'000; ++round) {
+        const Layer layer = random_layer(random, round % 2 == 0 ? 5 : 40);
+        INFO("round " << round);
+        REQUIRE(count_in(layer) == counted(layer));
+    }
+}
+
+TEST_CASE("crossings: coordinates as large as there are", "[engine][crossings]") {
+    constexpr std::int32_t far = lamella::grid_limit;
+    CHECK(count_in({{{{-far, -far}, {far, far}}, false}, {{{-far, far}, {far, -far}}, false}}) == 1);
+    CHECK(count_in({{{{-far, -far}, {far, far - 1}}, false}, {{{-far, -far + 1}, {far, far}}, false}}) == 0);
+    CHECK(count_in({square(-far, -far, far), square(-1, -1, far)}) == 2);
+}
+
+TEST_CASE("crossings: the same on any number of threads, for shells that run through each other", "[engine][crossings]") {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
+    const SliceResult apart = sliced(ball, uniform(0.05));
+    CHECK(found(apart, 2).count == 0);
+    const SliceResult result = sliced(shapes::joined({ball, shapes::moved(ball, {3, 4, 5})}), uniform(0.05));
+    const Crossings one = found(result);
+    CHECK(one.count >= 2 * one.layers.size());
+    CHECK(one.layers.size() > 200);
+    for (const int threads : {2, 3, 0}) {
+        const Crossings other = found(result, threads);
+        CHECK(other.count == one.count);
+        REQUIRE(other.layers.size() == one.layers.size());
+        for (std::size_t i = 0; i < one.layers.size(); ++i) {
+            CHECK(other.layers[i].layer == one.layers[i].layer);
+            CHECK(other.layers[i].count == one.layers[i].count);
+            CHECK(other.layers[i].first == one.layers[i].first);
+        }
+    }
+}
+
+TEST_CASE("crossings: a search that would not end is cut short, and says so", "[engine][crossings]") {
+    // Slanting teeth side by side: each one's box meets all the others'.
+    Path comb;
+    constexpr std::int32_t teeth = 6000;
+    for (std::int32_t i = 0; i < teeth; ++i) {
+        comb.points.push_back({4 * i, 0});
+        comb.points.push_back({1'000'000 + 4 * i, 1'000'000});
+        comb.points.push_back({1'000'001 + 4 * i, 1'000'000});
+        comb.points.push_back({1 + 4 * i, 0});
+    }
+    comb.points.push_back({4 * teeth, -10});
+    comb.points.push_back({-1, -10});
+    const Crossings crossings = found(result_of({{comb}}));
+    CHECK(crossings.at_least);
+    REQUIRE(crossings.layers.size() == 1);
+    CHECK(crossings.layers[0].at_least);
+    CHECK(crossings.count == 0);
+}
+
+TEST_CASE("crossings: what cannot be gone through is an error", "[engine][crossings]") {
+    SliceResult result = result_of({{square(0, 0, 10)}});
+    CHECK(find_crossings(result, -1).error().code == lamella::Code::invalid_argument);
+    result.contours[0].point_count = 5;
+    CHECK(find_crossings(result).error().code == lamella::Code::invalid_argument);
+    CHECK(found(SliceResult()).count == 0);
+}

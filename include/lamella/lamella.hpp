@@ -13,5 +13,6 @@
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/status.hpp"
+#include "lamella/volume.hpp"
 #include "lamella/weld.hpp"
 #include "lamella/write.hpp"

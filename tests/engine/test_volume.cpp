@@ -149,10 +149,16 @@ TEST_CASE("the volumes of slabs sum to the mesh's and agree with the contours", 
         const std::vector<oracle::Triangle> triangles = oracle::quantise(mesh, result.unit_mm);
         const std::vector<Slab> slabs = slabs_of(triangles, result);
         const long double volume = static_cast<long double>(six_volumes(triangles)) / 6;
+        const long double cube_mm3 = static_cast<long double>(result.unit_mm) * result.unit_mm * result.unit_mm;
+        const auto certificate = certify_volume(view_of(mesh), result);
+        REQUIRE(certificate.ok());
+        CHECK(certificate.value().verdict == lamella::VolumeVerdict::holds);
+        REQUIRE(certificate.value().slab_mm3.size() == slabs.size());
         long double sum = 0;
         for (std::size_t i = 0; i < slabs.size(); ++i) {
             INFO(name << ", slab " << i);
             sum += slabs[i].by_walls;
+            REQUIRE(std::abs(slabs[i].by_walls * cube_mm3 - certificate.value().slab_mm3[i]) <= 1e-12L * volume * cube_mm3);
             // Below the first plane heights count from the plane itself, so that its contours add nothing.
             const bool inner = i > 0 && i < result.layers.size();
             const long double rise =

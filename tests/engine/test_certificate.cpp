@@ -1,0 +1,222 @@
+// The certificate of volumes: it holds of whatever the engine makes of a closed mesh, says so where it does not apply, and
+// is refused of a result that was damaged.
+#include <algorithm>
+#include <functional>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+
+using lamella::Contour;
+using lamella::Layer;
+using lamella::SliceResult;
+using lamella::VolumeCertificate;
+using lamella::VolumeVerdict;
+
+namespace {
+
+VolumeCertificate certified(const shapes::Soup& soup, const SliceResult& result, int threads = 1) {
+    const lamella::Result<VolumeCertificate> certificate = certify_volume(view_of(soup), result, threads);
+    INFO((certificate ? std::string() : certificate.error().message));
+    REQUIRE(certificate.ok());
+    return certificate.value();
+}
+
+/// Octaspheres have one vertex at the top.
+shapes::Soup with_top_moved(shapes::Soup soup, double by) {
+    double top = soup[2];
+    for (std::size_t i = 2; i < soup.size(); i += 3) {
+        top = std::max(top, soup[i]);
+    }
+    for (std::size_t i = 2; i < soup.size(); i += 3) {
+        soup[i] += soup[i] == top ? by : 0;
+    }
+    return soup;
+}
+
+bool same(const VolumeCertificate& a, const VolumeCertificate& b) {
+    return a.verdict == b.verdict && a.mesh_mm3 == b.mesh_mm3 && a.slabs_mm3 == b.slabs_mm3 && a.slab_mm3 == b.slab_mm3 &&
+           a.worst_layer == b.worst_layer && a.worst_difference_mm2 == b.worst_difference_mm2 &&
+           a.worst_allowed_mm2 == b.worst_allowed_mm2;
+}
+
+/// A ball with another inside it, cut into many layers.
+shapes::Soup hollow() {
+    return shapes::joined({shapes::octasphere({0, 0, 0}, 10, 3), shapes::flipped(shapes::octasphere({1, 2, 1}, 5, 2))});
+}
+
+}  // namespace
+
+TEST_CASE("certificate: a box's volume and slabs are exact", "[engine][certificate]") {
+    const shapes::Soup box = shapes::box({-3, 1, 0}, {7, 21, 10});
+    const VolumeCertificate certificate = certified(box, sliced(box, at_heights({3, 5})));
+    CHECK(certificate.verdict == VolumeVerdict::holds);
+    CHECK(certificate.mesh_mm3 == 2000);
+    CHECK(certificate.slabs_mm3 == 2000);
+    CHECK(certificate.slab_mm3 == std::vector<double>{500, 400, 1100});
+    CHECK(certificate.worst_difference_mm2 == 0);
+    CHECK(name_of(certificate.verdict) == "holds");
+}
+
+TEST_CASE("certificate: without planes, or with planes beside the mesh, slabs hold it all", "[engine][certificate]") {
+    const shapes::Soup cone = shapes::joined({shapes::octasphere({5, 5, 5}, 4, 0)});
+    const VolumeCertificate none = certified(cone, sliced(cone, at_heights({})));
+    CHECK(none.verdict == VolumeVerdict::holds);
+    REQUIRE(none.slab_mm3.size() == 1);
+    CHECK(none.slab_mm3[0] == Approx(256.0 / 3).epsilon(1e-12));
+    const VolumeCertificate beside = certified(cone, sliced(cone, at_heights({-90000, -4, 20, 1e8})));
+    CHECK(beside.verdict == VolumeVerdict::holds);
+    CHECK(beside.slab_mm3 == std::vector<double>{0, 0, beside.slabs_mm3, 0, 0});
+}
+
+TEST_CASE("certificate: it holds of shells that overlap, cancel, run inside out or touch", "[engine][certificate]") {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 2);
+    const shapes::Soup box = shapes::box({1, 1, 1}, {4, 4, 4});
+    const shapes::Soup meshes[] = {
+        hollow(),
+        shapes::joined({ball, shapes::moved(ball, {3, 4, 5})}),
+        shapes::flipped(ball),
+        shapes::joined({ball, shapes::flipped(ball)}),
+        shapes::joined({ball, shapes::flipped(shapes::moved(ball, {7, 0, 0.1}))}),
+        shapes::joined({box, shapes::box({4, 4, 1}, {8, 8, 4}), box}),
+        shapes::scaled(ball, {100, 100, 0.001}),
+        shapes::scaled(ball, {0.0001, 0.0001, 100}),
+        shapes::moved(ball, {1000, -1000, 1000}),
+        shapes::scaled(ball, {90000, 90000, 90000}),
+    };
+    for (const shapes::Soup& mesh : meshes) {
+        double low = mesh[2];
+        double high = mesh[2];
+        for (std::size_t i = 2; i < mesh.size(); i += 3) {
+            low = std::min(low, mesh[i]);
+            high = std::max(high, mesh[i]);
+        }
+        for (const double layers : {7.3, 150.0}) {
+            const SliceResult result = sliced(mesh, uniform((high - low) / layers));
+            const VolumeCertificate certificate = certified(mesh, result);
+            INFO(&mesh - meshes << ", " << layers << " layers: " << certificate.mesh_mm3 << " " << certificate.slabs_mm3);
+            CHECK(certificate.verdict == VolumeVerdict::holds);
+            // Where shells nearly cancel, all of what is left may be rounding.
+            CHECK((&mesh == &meshes[4] ||
+                   std::abs(certificate.slabs_mm3 - certificate.mesh_mm3) <= 1e-12 * std::abs(certificate.mesh_mm3)));
+        }
+    }
+}
+
+TEST_CASE("certificate: never a wrong verdict on soups in which everything coincides", "[engine][certificate]") {
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        INFO("seed " << seed);
+        const shapes::Soup closed = shapes::random_tetrahedra(seed, 1 + static_cast<int>(seed % 30), 3 + seed % 6);
+        CHECK(certified(closed, sliced(closed, at_heights({1, 2, 3, 4, 5, 6, 7}))).verdict == VolumeVerdict::holds);
+        CHECK(certified(closed, sliced(closed, uniform(0.37))).verdict == VolumeVerdict::holds);
+        const shapes::Soup open = shapes::random_soup(seed, 1 + static_cast<int>(seed % 30), 3 + seed % 6);
+        const auto info = lamella::inspect(view_of(open), {.unit_mm = coarse_unit_mm, .threads = 1, .transform = {}});
+        const VolumeVerdict verdict = certified(open, sliced(open, at_heights({1, 2, 3, 4}))).verdict;
+        CHECK((verdict == VolumeVerdict::open_mesh) == !info.value().closed);
+    }
+}
+
+TEST_CASE("certificate: the same on any number of threads, turned or in another order", "[engine][certificate]") {
+    const shapes::Soup mesh = hollow();
+    lamella::SliceOptions options = uniform(0.1);
+    options.transform = lamella::Transform::from_normal(1, 2, 3);
+    const SliceResult result = sliced(mesh, options);
+    const VolumeCertificate one = certified(mesh, result, 1);
+    CHECK(one.verdict == VolumeVerdict::holds);
+    for (const int threads : {2, 3, 0}) {
+        CHECK(same(one, certified(mesh, result, threads)));
+    }
+    CHECK(same(one, certified(shapes::shuffled(mesh, 3), result, 2)));
+}
+
+TEST_CASE("certificate: open meshes, fill rules and closed gaps are beyond it", "[engine][certificate]") {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 2);
+    const shapes::Soup open(ball.begin() + 9, ball.end());
+    const VolumeCertificate certificate = certified(open, sliced(open, uniform(0.5)));
+    CHECK(certificate.verdict == VolumeVerdict::open_mesh);
+    CHECK_FALSE(certificate.applies());
+    CHECK(certificate.mesh_mm3 == 0);
+    // Turned round, a face is missing one way and double the other.
+    shapes::Soup turned = ball;
+    std::swap_ranges(turned.begin(), turned.begin() + 3, turned.begin() + 3);
+    CHECK(certified(turned, sliced(turned, uniform(0.5))).verdict == VolumeVerdict::open_mesh);
+    lamella::SliceOptions options = uniform(0.5);
+    options.fill_rule = lamella::FillRule::non_zero;
+    CHECK(certified(ball, sliced(ball, options)).verdict == VolumeVerdict::not_as_walked);
+}
+
+TEST_CASE("certificate: a damaged result is refused, and the layer is named", "[engine][certificate]") {
+    const shapes::Soup mesh = hollow();
+    struct Damage {
+        const char* what;
+        std::uint64_t layer;
+        std::function<void(SliceResult&)> apply;
+    };
+    const Damage damages[] = {
+        {"a contour dropped", 50, [](SliceResult& r) { --r.layers[50].contour_count; }},
+        {"a contour too many", 49, [](SliceResult& r) { ++r.layers[49].contour_count; }},
+        {"layers swapped", 30,
+         [](SliceResult& r) {
+             std::swap(r.layers[30].first_contour, r.layers[31].first_contour);
+             std::swap(r.layers[30].contour_count, r.layers[31].contour_count);
+         }},
+        {"a layer's plane moved", 20,
+         [](SliceResult& r) { r.layers[20].plane = lamella::PlaneHeight(r.layers[20].plane.z() + 2000); }},
+        {"a point left out", 60, [](SliceResult& r) { --r.contours[r.layers[60].first_contour].point_count; }},
+        {"a point moved", 12,
+         [](SliceResult& r) { r.points[r.contours[r.layers[12].first_contour].first_point + 2].x += 1000; }},
+        {"a hole for an outer", 50,
+         [](SliceResult& r) { r.contours[r.layers[50].first_contour].role = lamella::Role::hole; }},
+    };
+    for (const Damage& damage : damages) {
+        SliceResult result = sliced(mesh, uniform(0.2));
+        REQUIRE(certified(mesh, result).verdict == VolumeVerdict::holds);
+        REQUIRE(result.layers[50].contour_count == 2);
+        damage.apply(result);
+        const VolumeCertificate certificate = certified(mesh, result);
+        INFO(damage.what);
+        CHECK(certificate.verdict == VolumeVerdict::areas_differ);
+        CHECK((certificate.worst_layer == damage.layer || certificate.worst_layer == damage.layer + 1));
+        CHECK(certificate.worst_difference_mm2 > certificate.worst_allowed_mm2);
+        CHECK(certificate.slabs_mm3 == Approx(certificate.mesh_mm3).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("certificate: a result of another mesh is refused", "[engine][certificate]") {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 3);
+    const SliceResult result = sliced(ball, uniform(0.2));
+    const VolumeCertificate moved = certified(with_top_moved(ball, 0.01), result);
+    CHECK(moved.verdict == VolumeVerdict::areas_differ);
+    CHECK(moved.worst_layer > 90);
+    // A triangle less: not even as many.
+    const shapes::Soup fewer(ball.begin() + 9, ball.end());
+    CHECK(certify_volume(view_of(fewer), result).error().code == lamella::Code::invalid_argument);
+    // As many, but twice the same.
+    shapes::Soup doubled = ball;
+    std::copy_n(doubled.begin() + 9, 9, doubled.begin());
+    CHECK(certified(doubled, result).verdict == VolumeVerdict::open_mesh);
+}
+
+TEST_CASE("certificate: what cannot be gone through is an error", "[engine][certificate]") {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 1);
+    const std::function<void(SliceResult&)> damages[] = {
+        [](SliceResult& r) { std::swap(r.layers[3].plane, r.layers[4].plane); },
+        [](SliceResult& r) { r.layers[3].contour_count = ~std::uint64_t{0}; },
+        [](SliceResult& r) { r.layers[3].first_contour = ~std::uint64_t{0}; },
+        [](SliceResult& r) { r.contours[3].point_count = ~std::uint32_t{0}; },
+        [](SliceResult& r) { r.contours[3].first_point = ~std::uint64_t{0}; },
+        [](SliceResult& r) { r.unit_mm = 1e-12; },
+    };
+    for (const auto& damage : damages) {
+        SliceResult result = sliced(ball, uniform(0.5));
+        damage(result);
+        CHECK(certify_volume(view_of(ball), result, 1).error().code == lamella::Code::invalid_argument);
+        CHECK(ledger(view_of(ball), result, 1).error().code == lamella::Code::invalid_argument);
+    }
+    const SliceResult result = sliced(ball, uniform(0.5));
+    CHECK(certify_volume(view_of(ball), result, -1).error().code == lamella::Code::invalid_argument);
+    shapes::Indexed lying = shapes::indexed(ball);
+    lying.indices[7] = 1000;
+    CHECK(certify_volume(lying.view(), result).error().code == lamella::Code::invalid_argument);
+}

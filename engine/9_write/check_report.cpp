@@ -1,16 +1,13 @@
 // The diagnosis of a mesh as JSON.
 #include <algorithm>
-#include <new>
 
-#include <nlohmann/json.hpp>
-
+#include "9_write/file_json.hpp"
+#include "9_write/json.hpp"
 #include "lamella/check_report.hpp"
 
 namespace lamella {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// What Place::number and Place::measure are called, or null where the kind has none.
 struct Fields {
@@ -42,74 +39,73 @@ Fields fields_of(Fault fault) {
     }
 }
 
-Json place_json(Fault fault, const Place& place) {
-    Json points = Json::array();
-    for (std::size_t i = 0; i < static_cast<std::size_t>(place.point_count); ++i) {
-        points.push_back(place.points_mm[i]);
-    }
-    Json triangles = Json::array();
-    for (const std::int64_t triangle : place.triangles) {
-        if (triangle >= 0) {
-            triangles.push_back(triangle);
+void write_place(JsonText& json, Fault fault, const Place& place) {
+    json.object([&] {
+        json.list("points_mm", place.points_mm, static_cast<std::size_t>(place.point_count),
+                  [&](const auto& point) { json.value(point); });
+        const auto triangles = std::count_if(place.triangles.begin(), place.triangles.end(), [](auto t) { return t >= 0; });
+        json.list("triangles", place.triangles, static_cast<std::size_t>(triangles),
+                  [&](std::int64_t triangle) { json.value(triangle); });
+        const Fields fields = fields_of(fault);
+        if (fields.number != nullptr) {
+            json.member(fields.number, place.number);
         }
-    }
-    Json json = {{"points_mm", std::move(points)}, {"triangles", std::move(triangles)}};
-    const Fields fields = fields_of(fault);
-    if (fields.number != nullptr) {
-        json[fields.number] = place.number;
-    }
-    if (fields.measure != nullptr) {
-        json[fields.measure] = place.measure;
-    }
-    if (fault == Fault::boundary_loop) {
-        json["closed"] = place.closed;
-    }
-    return json;
+        if (fields.measure != nullptr) {
+            json.member(fields.measure, place.measure);
+        }
+        if (fault == Fault::boundary_loop) {
+            json.member("closed", place.closed);
+        }
+    });
 }
 
-Json finding_json(Fault fault, const Finding& finding, std::size_t most_places) {
-    Json places = Json::array();
-    for (std::size_t i = 0; i < std::min(most_places, finding.places.size()); ++i) {
-        places.push_back(place_json(fault, finding.places[i]));
-    }
-    return {{"count", finding.count}, {"at_least", finding.at_least}, {"places", std::move(places)}};
+void write_finding(JsonText& json, Fault fault, const Finding& finding, std::size_t most_places) {
+    json.object(key_of(fault), [&] {
+        json.member("count", finding.count);
+        json.member("at_least", finding.at_least);
+        json.list("places", finding.places, most_places, [&](const Place& place) { write_place(json, fault, place); });
+    });
 }
 
-Json shells_json(const MeshCheck& check, std::size_t most_places) {
-    Json shells = Json::array();
-    for (std::size_t i = 0; i < std::min(most_places, check.shells.size()); ++i) {
-        const Shell& shell = check.shells[i];
-        shells.push_back({{"first_mm", shell.first_mm},
-                          {"triangle", shell.triangle},
-                          {"triangles", shell.triangles},
-                          {"closed", shell.closed},
-                          {"volume_mm3", shell.closed ? Json(shell.volume_mm3) : Json(nullptr)},
-                          {"sense", shell.sense},
-                          {"depth", shell.depth},
-                          {"parent", shell.parent < 0 ? Json(nullptr) : Json(shell.parent)}});
-    }
-    return {{"count", check.shells.size()}, {"nesting_complete", check.nesting_complete}, {"first", std::move(shells)}};
+void write_shell(JsonText& json, const Shell& shell) {
+    json.object([&] {
+        json.member("first_mm", shell.first_mm);
+        json.member("triangle", shell.triangle);
+        json.member("triangles", shell.triangles);
+        json.member("closed", shell.closed);
+        json.member_if(shell.closed, "volume_mm3", shell.volume_mm3);
+        json.member("sense", shell.sense);
+        json.member("depth", shell.depth);
+        json.member_if(shell.parent >= 0, "parent", shell.parent);
+    });
 }
 
-Json report(const MeshCheck& check, const ReportContext& context, std::size_t most_places) {
+void write_report(JsonText& json, const MeshCheck& check, const ReportContext& context, std::size_t most_places) {
     const MeshInfo& info = check.info;
-    Json json = {{"mesh", context.mesh_file},
-                 {"triangles", info.triangles},
-                 {"edges", info.edges},
-                 {"grid_mm", info.unit_mm},
-                 {"tolerance_mm", check.tolerance_mm},
-                 {"sliver_ratio", check.sliver_ratio},
-                 {"box_mm", {{"min", info.min_mm}, {"max", info.max_mm}}},
-                 {"closed", info.closed},
-                 {"clean", check.clean()},
-                 {"verdict", verdict(check)}};
-    for (std::size_t i = 0; i < fault_count; ++i) {
-        const Fault fault = static_cast<Fault>(i);
-        json["findings"][std::string(key_of(fault))] = finding_json(fault, check.findings[i], most_places);
+    json.member("mesh", context.mesh_file);
+    if (context.file != nullptr) {
+        write_file(json, *context.file);
     }
-    json["shells"] = shells_json(check, most_places);
-    json["warnings"] = context.warnings;
-    return json;
+    json.member("triangles", info.triangles);
+    json.member("edges", info.edges);
+    json.member("grid_mm", info.unit_mm);
+    json.member("tolerance_mm", check.tolerance_mm);
+    json.member("sliver_ratio", check.sliver_ratio);
+    write_box(json, info.min_mm, info.max_mm);
+    json.member("closed", info.closed);
+    json.member("clean", check.clean());
+    json.member("verdict", verdict(check));
+    json.object("findings", [&] {
+        for (std::size_t i = 0; i < fault_count; ++i) {
+            write_finding(json, static_cast<Fault>(i), check.findings[i], most_places);
+        }
+    });
+    json.object("shells", [&] {
+        json.member("count", check.shells.size());
+        json.member("nesting_complete", check.nesting_complete);
+        json.list("first", check.shells, most_places, [&](const Shell& shell) { write_shell(json, shell); });
+    });
+    json.list("warnings", context.warnings);
 }
 
 bool is_sliver(Fault fault) {
@@ -136,9 +132,10 @@ std::string verdict(const MeshCheck& check) {
 
 Result<std::string> check_json(const MeshCheck& check, const ReportContext& context, std::size_t most_places) noexcept {
     try {
-        // File names need not be UTF-8 and JSON must be: bytes that are not become U+FFFD.
-        return report(check, context, most_places).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-    } catch (const std::bad_alloc&) {
+        JsonText json;
+        json.object([&] { write_report(json, check, context, most_places); });
+        return std::move(json).take();
+    } catch (...) {  // bad_alloc, or length_error where a text cannot be that long
         return Error{.code = Code::out_of_memory, .message = "out of memory"};
     }
 }

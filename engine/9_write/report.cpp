@@ -6,9 +6,9 @@
 #include <new>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "9_write/describe.hpp"
+#include "9_write/file_json.hpp"
+#include "9_write/json.hpp"
 #include "9_write/output_file.hpp"
 #include "lamella/write.hpp"
 
@@ -16,35 +16,35 @@ namespace lamella {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// So many places of a kind are listed; the counts are of all.
 constexpr std::size_t most_places = 100;
 
-Json spacing_json(const UniformLayers& layers) {
-    return {{"kind", "uniform"},
-            {"layer_height_mm", layers.layer_height_mm},
-            {"first_height_mm", layers.first_height_mm ? Json(*layers.first_height_mm) : Json(nullptr)},
-            {"datum", name_of(layers.datum)}};
+void write_spacing(JsonText& json, const UniformLayers& layers) {
+    json.member("kind", "uniform");
+    json.member("layer_height_mm", layers.layer_height_mm);
+    json.member_if(layers.first_height_mm.has_value(), "first_height_mm", layers.first_height_mm.value_or(0));
+    json.member("datum", name_of(layers.datum));
 }
 
-Json spacing_json(const ExplicitPlanes& planes) {
-    return {{"kind", "explicit"}, {"heights", planes.heights_mm.size()}};
+void write_spacing(JsonText& json, const ExplicitPlanes& planes) {
+    json.member("kind", "explicit");
+    json.member("heights", planes.heights_mm.size());
 }
 
-Json spacing_json(const RandomLayers& layers) {
-    return {{"kind", "random"},
-            {"min_height_mm", layers.min_height_mm},
-            {"max_height_mm", layers.max_height_mm},
-            {"seed", layers.seed},
-            {"datum", name_of(Datum::mesh_min)}};
+void write_spacing(JsonText& json, const RandomLayers& layers) {
+    json.member("kind", "random");
+    json.member("min_height_mm", layers.min_height_mm);
+    json.member("max_height_mm", layers.max_height_mm);
+    json.member("seed", layers.seed);
+    json.member("datum", name_of(Datum::mesh_min));
 }
 
-Json plan_json(const LayerPlan& plan) {
-    Json json = std::visit([](const auto& spacing) { return spacing_json(spacing); }, plan.spacing);
-    json["side"] = name_of(plan.side);
-    json["rule"] = describe(plan);
-    return json;
+void write_plan(JsonText& json, const LayerPlan& plan) {
+    json.object("plan", [&] {
+        std::visit([&](const auto& spacing) { write_spacing(json, spacing); }, plan.spacing);
+        json.member("side", name_of(plan.side));
+        json.member("rule", describe(plan));
+    });
 }
 
 double solid_volume_mm3(const SliceResult& result) {
@@ -63,153 +63,224 @@ std::string hex(std::uint64_t value) {
     return std::string(digits.size() - text.size(), '0') + text;
 }
 
-Json counts_json(const SliceResult& result) {
+void write_counts(JsonText& json, const SliceResult& result) {
     const SliceSummary& summary = result.summary;
-    return {{"triangles", summary.triangles},
-            {"degenerate", summary.degenerate},
-            {"crossed", summary.crossed},
-            {"planes", result.layers.size()},
-            {"segments", summary.segments},
-            {"points", result.points.size()},
-            {"contours", result.contours.size()},
-            {"open_contours", summary.open_contours},
-            {"holes", summary.holes},
-            {"flat_contours", summary.flat_contours},
-            {"overruled_contours", summary.overruled_contours}};
+    json.member("triangles", summary.triangles);
+    json.member("degenerate", summary.degenerate);
+    json.member("crossed", summary.crossed);
+    json.member("planes", result.layers.size());
+    json.member("segments", summary.segments);
+    json.member("points", result.points.size());
+    json.member("contours", result.contours.size());
+    json.member("open_contours", summary.open_contours);
+    json.member("holes", summary.holes);
+    json.member("flat_contours", summary.flat_contours);
+    json.member("overruled_contours", summary.overruled_contours);
 }
 
-Json times_json(const StageTimes& stages, const ReportContext& context) {
-    return {{"read", context.read_ms},   {"parse", context.parse_ms},   {"bucket", stages.bucket},
-            {"sweep", stages.sweep},     {"contours", stages.contours}, {"nesting", stages.nesting},
-            {"write", context.write_ms}, {"total", context.total_ms}};
-}
-
-Json file_json(const MeshFile& file) {
-    return {
-        {"format", name_of(file.format)},
-        {"text", file.text},
-        {"compressed", file.compressed},
-        {"bytes", file.file_bytes},
-        {"mm_per_unit", file.mm_per_unit},
-        {"states_unit", file.states_unit},
-        {"patient_frame", file.patient_frame == PatientFrame::unstated ? Json(nullptr) : Json(name_of(file.patient_frame))}};
+void write_times(JsonText& json, const StageTimes& stages, const ReportContext& context) {
+    json.object("ms", [&] {
+        json.member("read", context.read_ms);
+        json.member("parse", context.parse_ms);
+        json.member("bucket", stages.bucket);
+        json.member("sweep", stages.sweep);
+        json.member("contours", stages.contours);
+        json.member("nesting", stages.nesting);
+        json.member("write", context.write_ms);
+        json.member("total", context.total_ms);
+    });
 }
 
 /// A place in a layer, mm.
-Json place_json(const SliceResult& result, const Point& point) {
+std::array<double, 2> place_mm(const SliceResult& result, const Point& point) {
     return {point.x * result.unit_mm, point.y * result.unit_mm};
 }
 
-Json gaps_json(const SliceResult& result) {
+/// Which layer, and the height asked for.
+void write_layer(JsonText& json, const SliceResult& result, std::size_t layer) {
+    json.member("layer", layer);
+    json.member("plane_mm", result.layers[layer].plane_mm);
+}
+
+void write_gaps(JsonText& json, const SliceResult& result) {
     double longest = 0;
-    Json first = Json::array();
     for (const ClosedGap& gap : result.closed_gaps) {
-        const double length = result.length_mm(gap);
-        longest = std::max(longest, length);
-        if (first.size() < most_places) {
-            first.push_back({{"layer", gap.layer},
-                             {"plane_mm", result.layers[gap.layer].plane_mm},
-                             {"from_mm", place_json(result, gap.from)},
-                             {"to_mm", place_json(result, gap.to)},
-                             {"length_mm", length}});
-        }
+        longest = std::max(longest, result.length_mm(gap));
     }
-    return {{"reach_mm", result.close_gaps_mm},
-            {"closed", result.closed_gaps.size()},
-            {"longest_mm", longest},
-            {"first", first}};
+    json.object("gaps", [&] {
+        json.member("reach_mm", result.close_gaps_mm);
+        json.member("closed", result.closed_gaps.size());
+        json.member("longest_mm", longest);
+        json.list("first", result.closed_gaps, most_places, [&](const ClosedGap& gap) {
+            json.object([&] {
+                write_layer(json, result, gap.layer);
+                json.member("from_mm", place_mm(result, gap.from));
+                json.member("to_mm", place_mm(result, gap.to));
+                json.member("length_mm", result.length_mm(gap));
+            });
+        });
+    });
 }
 
 /// The first open polylines: where each ends and where it starts, between which the mesh lacks faces.
-Json open_json(const SliceResult& result) {
-    Json first = Json::array();
-    for (std::size_t l = 0; l < result.layers.size() && first.size() < most_places; ++l) {
+void write_open(JsonText& json, const SliceResult& result) {
+    std::vector<ClosedGap> gaps;
+    for (std::size_t l = 0; l < result.layers.size() && gaps.size() < most_places; ++l) {
         for (const Contour& contour : result.contours_of(result.layers[l])) {
-            if (contour.role != Role::open || first.size() >= most_places) {
-                continue;
+            if (contour.role == Role::open) {
+                const std::span<const Point> points = result.points_of(contour);
+                gaps.push_back({l, points.back(), points.front()});
             }
-            const std::span<const Point> points = result.points_of(contour);
-            first.push_back({{"layer", l},
-                             {"plane_mm", result.layers[l].plane_mm},
-                             {"from_mm", place_json(result, points.back())},
-                             {"to_mm", place_json(result, points.front())},
-                             {"gap_mm", result.length_mm({l, points.back(), points.front()})}});
         }
     }
-    return first;
+    json.list("first_open", gaps, most_places, [&](const ClosedGap& gap) {
+        json.object([&] {
+            write_layer(json, result, gap.layer);
+            json.member("from_mm", place_mm(result, gap.from));
+            json.member("to_mm", place_mm(result, gap.to));
+            json.member("gap_mm", result.length_mm(gap));
+        });
+    });
 }
 
-Json ledger_json(const Ledger& ledger) {
-    Json slabs = Json::array();
-    for (std::size_t i = 0; i < std::min(ledger.slabs.size(), most_places); ++i) {
-        const Slab& slab = ledger.slabs[i];
-        slabs.push_back({{"below_layer", slab.layer},
-                         {"triangles", slab.triangles},
-                         {"flat_up_mm2", slab.flat_up_mm2},
-                         {"flat_down_mm2", slab.flat_down_mm2}});
-    }
-    Json gaps = Json::array();
-    for (std::size_t i = 0; i < std::min(ledger.gaps.size(), most_places); ++i) {
-        gaps.push_back(ledger.gaps[i]);
-    }
-    return {{"triangles", ledger.triangles},
-            {"cut", ledger.cut},
-            {"between_planes", ledger.between},
-            {"degenerate", ledger.degenerate},
-            {"horizontal", ledger.horizontal},
-            {"flat_up_mm2", ledger.flat_up_mm2},
-            {"flat_down_mm2", ledger.flat_down_mm2},
-            {"slabs", ledger.slabs.size()},
-            {"first_slabs", slabs},
-            {"empty_layers_inside", ledger.gaps.size()},
-            {"first_empty_layers", gaps}};
+void write_pieces(JsonText& json, std::string_view name, const PieceCount& pieces) {
+    json.object(name, [&] {
+        json.member("count", pieces.count);
+        json.member("triangles", pieces.triangles);
+    });
 }
 
-Json weld_json(const ReportContext& context) {
-    return {{"tolerance_mm", context.weld_mm},
-            {"vertices", context.welded->vertices},
-            {"joined", context.welded->joined},
-            {"largest_move_mm", context.welded->largest_move}};
+void write_slab(JsonText& json, const Slab& slab) {
+    json.object([&] {
+        json.member("below_layer", slab.layer);
+        json.member("triangles", slab.triangles);
+        json.member("flat_up_mm2", slab.flat_up_mm2);
+        json.member("flat_down_mm2", slab.flat_down_mm2);
+        json.member("shells", slab.shells);
+        json.member("peaks", slab.peaks);
+        json.member("pits", slab.pits);
+    });
 }
 
-Json report(const SliceResult& result, const ReportContext& context) {
-    const SliceSummary& summary = result.summary;
-    Json json = {{"mesh", context.mesh_file},
-                 {"output", context.output_file.empty() ? Json(nullptr) : Json(context.output_file)}};
-    if (context.file != nullptr) {
-        json["file"] = file_json(*context.file);
-    }
-    json.update(counts_json(result));
-    json["first_open"] = open_json(result);
-    json["fill_rule"] = name_of(result.fill_rule);
-    json["gaps"] = gaps_json(result);
+void write_piece(JsonText& json, const Piece& piece) {
+    json.object([&] {
+        json.member("kind", name_of(piece.kind));
+        json.member("below_layer", piece.layer);
+        json.member("at_mm", piece.at_mm);
+        json.member("height_mm", piece.height_mm);
+        json.member("triangles", piece.triangles);
+    });
+}
+
+void write_ledger(JsonText& json, const Ledger& ledger) {
+    json.object("ledger", [&] {
+        json.member("triangles", ledger.triangles);
+        json.member("cut", ledger.cut);
+        json.member("between_planes", ledger.between);
+        json.member("degenerate", ledger.degenerate);
+        json.member("horizontal", ledger.horizontal);
+        json.member("flat_up_mm2", ledger.flat_up_mm2);
+        json.member("flat_down_mm2", ledger.flat_down_mm2);
+        write_pieces(json, "shells", ledger.shells);
+        write_pieces(json, "peaks", ledger.peaks);
+        write_pieces(json, "pits", ledger.pits);
+        json.list("first_pieces", ledger.pieces, most_places, [&](const Piece& piece) { write_piece(json, piece); });
+        json.member("slabs", ledger.slabs.size());
+        json.list("first_slabs", ledger.slabs, most_places, [&](const Slab& slab) { write_slab(json, slab); });
+        json.member("empty_layers_inside", ledger.gaps.size());
+        json.list("first_empty_layers", ledger.gaps, most_places, [&](std::uint64_t layer) { json.value(layer); });
+    });
+}
+
+void write_volume(JsonText& json, const VolumeCertificate& volume) {
+    const bool closed = volume.verdict != VolumeVerdict::open_mesh;
+    const bool compared = volume.applies() && !volume.slab_mm3.empty();
+    json.object("volume", [&] {
+        json.member("verdict", name_of(volume.verdict));
+        json.member_if(closed, "mesh_mm3", volume.mesh_mm3);
+        json.member_if(closed, "slabs_mm3", volume.slabs_mm3);
+        json.member_if(compared, "worst_layer", volume.worst_layer);
+        json.member_if(compared, "worst_difference_mm2", volume.worst_difference_mm2);
+        json.member_if(compared, "worst_allowed_mm2", volume.worst_allowed_mm2);
+    });
+}
+
+void write_crossings(JsonText& json, const SliceResult& result, const Crossings& crossings) {
+    json.object("crossings", [&] {
+        json.member("count", crossings.count);
+        json.member("at_least", crossings.at_least);
+        json.list("layers", crossings.layers, crossings.layers.size(), [&](const LayerCrossings& layer) {
+            json.object([&] {
+                const std::uint64_t first = result.layers[layer.layer].first_contour;
+                write_layer(json, result, layer.layer);
+                json.member("count", layer.count);
+                json.member("at_least", layer.at_least);
+                json.member_if(layer.count > 0, "first_mm", place_mm(result, layer.first));
+                json.member_if(layer.count > 0, "contours",
+                               std::array{layer.contours[0] - first, layer.contours[1] - first});
+            });
+        });
+    });
+}
+
+void write_weld(JsonText& json, const ReportContext& context) {
+    json.object("weld", [&] {
+        json.member("tolerance_mm", context.weld_mm);
+        json.member("vertices", context.welded->vertices);
+        json.member("joined", context.welded->joined);
+        json.member("largest_move_mm", context.welded->largest_move);
+    });
+}
+
+/// What was found out about the result, where it was looked for.
+void write_findings(JsonText& json, const SliceResult& result, const ReportContext& context) {
+    write_open(json, result);
+    json.member("fill_rule", name_of(result.fill_rule));
+    write_gaps(json, result);
     if (context.ledger != nullptr) {
-        json["ledger"] = ledger_json(*context.ledger);
+        write_ledger(json, *context.ledger);
+    }
+    if (context.volume != nullptr) {
+        write_volume(json, *context.volume);
+    }
+    if (context.crossings != nullptr) {
+        write_crossings(json, result, *context.crossings);
     }
     if (context.welded != nullptr) {
-        json["weld"] = weld_json(context);
+        write_weld(json, context);
     }
-    json["grid_mm"] = result.unit_mm;
-    json["plan"] = plan_json(result.plan);
-    json["frame"] = result.frame.m;
-    json["box_mm"] = {{"min", summary.min_mm}, {"max", summary.max_mm}};
-    json["solid_volume_mm3"] = solid_volume_mm3(result);
-    json["threads"] = summary.threads;
-    json["bands"] = summary.bands;
-    json["ms"] = times_json(summary.ms, context);
-    json["peak_rss_bytes"] = context.peak_rss_bytes;
-    json["output_hash"] = hex(output_hash(result));
-    json["warnings"] = context.warnings;
-    return json;
+}
+
+void write_report(JsonText& json, const SliceResult& result, const ReportContext& context) {
+    const SliceSummary& summary = result.summary;
+    json.member("mesh", context.mesh_file);
+    json.member_if(!context.output_file.empty(), "output", context.output_file);
+    if (context.file != nullptr) {
+        write_file(json, *context.file);
+    }
+    write_counts(json, result);
+    write_findings(json, result, context);
+    json.member("grid_mm", result.unit_mm);
+    write_plan(json, result.plan);
+    json.member("frame", result.frame.m);
+    write_box(json, summary.min_mm, summary.max_mm);
+    json.member("solid_volume_mm3", solid_volume_mm3(result));
+    json.member("threads", summary.threads);
+    json.member("bands", summary.bands);
+    write_times(json, summary.ms, context);
+    json.member("peak_rss_bytes", context.peak_rss_bytes);
+    json.member("output_hash", hex(output_hash(result)));
+    json.list("warnings", context.warnings);
 }
 
 }  // namespace
 
 Result<std::string> report_json(const SliceResult& result, const ReportContext& context) noexcept {
     try {
-        // File names need not be UTF-8 and JSON must be: bytes that are not become U+FFFD.
-        return report(result, context).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-    } catch (const std::bad_alloc&) {
+        JsonText json;
+        json.object([&] { write_report(json, result, context); });
+        return std::move(json).take();
+    } catch (...) {  // bad_alloc, or length_error where a text cannot be that long
         return Error{.code = Code::out_of_memory, .message = "out of memory"};
     }
 }

@@ -16,7 +16,7 @@ namespace lamella {
 std::string verdict(const MeshCheck& check);
 
 /// The report as JSON text (indented, with a final newline), with at most so many places of each kind and so many shells. Of
-/// the context mesh_file and warnings are used. Errors: out_of_memory.
+/// the context mesh_file, file and warnings are used. Errors: out_of_memory.
 Result<std::string> check_json(const MeshCheck& check, const ReportContext& context, std::size_t most_places = 10) noexcept;
 
 /// All places kept, as an ASCII PLY of coloured points and edges in mm; a comment in the file tells the colour of each kind.

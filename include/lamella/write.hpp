@@ -8,10 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "lamella/crossings.hpp"
 #include "lamella/ledger.hpp"
 #include "lamella/mesh_file.hpp"
 #include "lamella/result.hpp"
 #include "lamella/status.hpp"
+#include "lamella/volume.hpp"
 #include "lamella/weld.hpp"
 
 namespace lamella {
@@ -26,8 +28,10 @@ Status write_svg(const SliceResult& result, const std::filesystem::path& path, c
 /// What the engine cannot know: where the mesh came from and what it cost to read and write.
 struct ReportContext {
     std::string mesh_file{};
-    const MeshFile* file = nullptr;      ///< as it was read, if it came from a file
-    const Ledger* ledger = nullptr;      ///< if it was drawn up
+    const MeshFile* file = nullptr;  ///< as it was read, if it came from a file
+    const Ledger* ledger = nullptr;  ///< if it was drawn up
+    const VolumeCertificate* volume = nullptr;
+    const Crossings* crossings = nullptr;
     const WeldedMesh* welded = nullptr;  ///< if it was
     double weld_mm = 0;                  ///< the tolerance asked for
     std::string output_file{};

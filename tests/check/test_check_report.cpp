@@ -41,6 +41,9 @@ TEST_CASE("the report holds every kind, its count and its first places", "[check
     CHECK(loop["points_mm"] == nlohmann::json({{0.0, 0.0, 2.0}}));
     CHECK(json["shells"]["count"] == 1);
     CHECK(json["shells"]["first"][0]["volume_mm3"].is_null());
+    CHECK_FALSE(json.contains("file"));
+    const MeshFile file;
+    CHECK(nlohmann::json::parse(check_json(check, {.file = &file}).value())["file"]["mm_per_unit"] == 1.0);
 }
 
 TEST_CASE("a finding cut short is said to be at least so many", "[check]") {

@@ -214,9 +214,13 @@ test_summary() {
     expect 0 slice ball.stl --layer-height 0.5 -o ball.svg --report ball.json
     [[ ! -s .stderr ]] || fail "stderr is not silent"
     local word
-    for word in mesh planes rounding segments contours time memory wrote report; do
+    for word in mesh planes rounding segments contours unseen volume time memory wrote report; do
         grep -q "^$word " .stdout || fail "no line '$word'"
     done
+    grep -q '^unseen .* shells 0, peaks 1, pits 1,' .stdout || fail "not one top and one bottom"
+    grep -q '^volume .* mm3, certified' .stdout || fail "the volume is not certified"
+    expect_json ball.json holds volume verdict
+    expect_json ball.json 0 crossings count
     expect_files ball.json ball.stl ball.svg
     [[ $(grep -c '<g id="layer' ball.svg) == 40 ]] || fail "not 40 layers"
     [[ $(grep -c 'slic3r:type="contour"' ball.svg) == 40 ]] || fail "not 40 contours"
@@ -351,6 +355,17 @@ test_mending() {
     expect_json report.json 1 contours
     grep -q 'rule non-zero' .stdout || fail "the summary does not say the rule"
     expect_failure 2 "--fill-rule" slice both.stl --fill-rule odd
+    expect_json report.json "contours not as walked" volume verdict
+
+    sed -E 's/^vertex ([0-9]+) 0 /vertex \1 5 /; s/^vertex ([0-9]+) 10 /vertex \1 15 /' right.stl > shifted.stl
+    cat left.stl shifted.stl > through.stl
+    expect 0 slice through.stl --planes 5 --report through.json
+    expect_json through.json 2 crossings count
+    expect_json through.json 5.0 crossings layers 0 first_mm 0
+    expect_json through.json 10.0 crossings layers 0 first_mm 1
+    expect_json through.json 2000.0 volume mesh_mm3
+    expect_json through.json holds volume verdict
+    grep -q '^crossings 2 of contours, in layers 1' .stdout || fail "the summary does not say what crosses"
 
     cube open.stl 0 5
     expect 0 slice open.stl --planes 5 --report open.json
@@ -360,6 +375,8 @@ test_mending() {
     expect_json open.json 6 ledger cut
     expect_json open.json 4 ledger between_planes
     expect_json open.json 100.0 ledger flat_up_mm2
+    expect_json open.json "open mesh" volume verdict
+    grep -q '^volume *not certified: open mesh' .stdout || fail "an open mesh has a volume"
     expect 0 slice open.stl --planes 5 --close-gaps 9.5 --report report.json
     expect_json report.json 1 open_contours
     expect_json report.json 0 gaps closed
@@ -430,6 +447,7 @@ test_check() {
     expect_json open.json 3 findings boundary_edges count
     expect_json open.json 3 findings boundary_loops places 0 edges
     expect_json open.json OFF clean
+    expect_json open.json STL file format
     grep -q '^element vertex 7$' open.ply || fail "marks: not seven points"
     grep -q '^element edge 3$' open.ply || fail "marks: not three edges"
     cp .stdout words

@@ -212,7 +212,6 @@ TEST_CASE("operator new fails: reading", "[faults]") {
     }
 }
 
-// Not report_json(): the JSON library neither frees all that it took nor destroys a tree without taking more.
 TEST_CASE("operator new fails: writing leaves nothing half-written", "[faults]") {
     const TempDir folder;
     const lamella::SliceResult result = sliced(everything(), uniform(0.4));
@@ -229,4 +228,44 @@ TEST_CASE("operator new fails: writing leaves nothing half-written", "[faults]")
     fail_everywhere([&] { return left_alone(lamella::write_text_file(path, "text")); });
     CHECK(tidy);
     fail_everywhere([&] { return code_of(validate(result)); });
+}
+
+TEST_CASE("operator new fails: going through a result", "[faults]") {
+    const shapes::Soup soup = everything();
+    const lamella::MeshView mesh = view_of(soup);
+    const lamella::SliceResult result = sliced(soup, uniform(0.4));
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 5, 2);
+    const lamella::SliceResult closed = sliced(ball, uniform(0.4));
+    const int threads = GENERATE(1, 3);
+    fail_everywhere([&] { return code_of(ledger(mesh, result, threads)); });
+    fail_everywhere([&] { return code_of(certify_volume(mesh, result, threads)); });
+    fail_everywhere([&] { return code_of(certify_volume(view_of(ball), closed, threads)); });
+    fail_everywhere([&] { return code_of(find_crossings(result, threads)); });
+}
+
+TEST_CASE("operator new fails: reports", "[faults]") {
+    const TempDir folder;
+    const shapes::Soup soup = everything();
+    const lamella::MeshView mesh = view_of(soup);
+    lamella::SliceOptions options = uniform(0.4);
+    options.close_gaps_mm = 2;
+    const lamella::SliceResult result = sliced(soup, options);
+    const auto file =
+        lamella::read_mesh(folder.write("a.stl", lamella::input_test::binary_stl(lamella::input_test::numbered_facets(5))));
+    const auto welded = lamella::weld(mesh, 0.01);
+    const auto books = ledger(mesh, result);
+    const auto volume = certify_volume(mesh, result);
+    const auto crossings = find_crossings(result);
+    const lamella::ReportContext context = {.mesh_file = "a \xff name that is longer than a short string is",
+                                            .file = &file.value(),
+                                            .ledger = &books.value(),
+                                            .volume = &volume.value(),
+                                            .crossings = &crossings.value(),
+                                            .welded = &welded.value(),
+                                            .weld_mm = 0.01,
+                                            .output_file = "out.svg",
+                                            .warnings = {"a warning that is longer than a short string is"}};
+    fail_everywhere([&] { return code_of(report_json(result, context)); });
+    const auto check = lamella::check(mesh);
+    fail_everywhere([&] { return code_of(check_json(check.value(), context)); });
 }

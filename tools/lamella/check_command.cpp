@@ -85,7 +85,7 @@ void run(const CheckArguments& arguments) {
         return;
     }
     const Result<std::string> json =
-        check_json(found, {.mesh_file = arguments.mesh, .warnings = mesh.warnings}, arguments.places);
+        check_json(found, {.mesh_file = arguments.mesh, .file = &mesh, .warnings = mesh.warnings}, arguments.places);
     if (!json) {
         throw failure_of(json.error());
     }

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.hpp"
@@ -129,29 +130,37 @@ private:
     }
 
     void report(const SliceResult& result, const MeshFile& mesh) {
-        const std::string words = summary(result, mesh, context_);
         if (arguments_.report.empty()) {
-            print(words);
+            print(summary(result, mesh, context_));
             return;
         }
-        const Result<Ledger> books = ledger(welded_ ? welded_->view() : mesh.view(), result);
-        if (!books) {
-            throw failure_of(books.error());
+        const MeshView sliced = welded_ ? welded_->view() : mesh.view();
+        const auto books = found(ledger(sliced, result, arguments_.threads));
+        const auto volume = found(certify_volume(sliced, result, arguments_.threads));
+        const auto crossings = found(find_crossings(result, arguments_.threads));
+        ReportContext context = context_;
+        context.file = &mesh;
+        context.ledger = &books;
+        context.volume = &volume;
+        context.crossings = &crossings;
+        write_report(summary(result, mesh, context), found(report_json(result, context)));
+    }
+
+    template <class T>
+    static T found(Result<T> result) {
+        if (!result) {
+            throw failure_of(result.error());
         }
-        context_.file = &mesh;
-        context_.ledger = &books.value();
-        const Result<std::string> json = report_json(result, context_);
-        context_.ledger = nullptr;
-        context_.file = nullptr;
-        if (!json) {
-            throw failure_of(json.error());
-        }
+        return std::move(result).value();
+    }
+
+    void write_report(const std::string& words, const std::string& json) const {
         if (arguments_.report_to_stdout()) {
             (void)std::fputs(words.c_str(), stderr);
-            print(json.value());
+            print(json);
             return;
         }
-        const Status status = write_text_file(arguments_.report, json.value());
+        const Status status = write_text_file(arguments_.report, json);
         if (!status) {
             throw failure_of(status.error());
         }

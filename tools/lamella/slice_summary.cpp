@@ -94,13 +94,49 @@ std::string contour_counts(const SliceResult& result) {
     return text;
 }
 
+std::string volume_line(const VolumeCertificate& volume) {
+    if (!volume.applies()) {
+        return "volume    not certified: " + std::string(name_of(volume.verdict)) + "\n";
+    }
+    std::string text = "volume    " + rounded(volume.mesh_mm3, 3) + " mm3, ";
+    if (volume.verdict == VolumeVerdict::volumes_differ) {
+        text += "but the slabs between planes sum to " + rounded(volume.slabs_mm3, 3) + " mm3";
+    } else {
+        text += volume.verdict == VolumeVerdict::holds ? "certified" : "but areas differ";
+    }
+    if (volume.worst_allowed_mm2 > 0) {
+        text += "; areas differ most in layer " + std::to_string(volume.worst_layer) + ", by " +
+                rounded(100 * volume.worst_difference_mm2 / volume.worst_allowed_mm2, 0) + " % of what rounding may do";
+    }
+    return text + "\n";
+}
+
+/// What was found out for the report, if there is one.
+std::string findings(const ReportContext& context) {
+    std::string text;
+    if (context.ledger != nullptr) {
+        const Ledger& books = *context.ledger;
+        text += "unseen    between planes: shells " + grouped(books.shells.count) + ", peaks " + grouped(books.peaks.count) +
+                ", pits " + grouped(books.pits.count) + ", triangles " + grouped(books.between) + "\n";
+    }
+    if (context.volume != nullptr) {
+        text += volume_line(*context.volume);
+    }
+    if (context.crossings != nullptr && context.crossings->count > 0) {
+        text += "crossings " + std::string(context.crossings->at_least ? "at least " : "") +
+                grouped(context.crossings->count) + " of contours, in layers " + grouped(context.crossings->layers.size()) +
+                "\n";
+    }
+    return text;
+}
+
 }  // namespace
 
 std::string summary(const SliceResult& result, const MeshFile& mesh, const ReportContext& context) {
     std::string text = mesh_line(result.summary, mesh, context) + planes_line(result) + mending(result, context) +
                        "segments  " + grouped(result.summary.segments) + "\ncontours  " + contour_counts(result) + "\n" +
-                       times(result.summary, context) + "memory    " + file_size_text(context.peak_rss_bytes) +
-                       " at the peak\n";
+                       findings(context) + times(result.summary, context) + "memory    " +
+                       file_size_text(context.peak_rss_bytes) + " at the peak\n";
     if (!context.output_file.empty()) {
         std::error_code unknown;
         const std::uintmax_t bytes = std::filesystem::file_size(context.output_file, unknown);

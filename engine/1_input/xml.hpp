@@ -20,6 +20,9 @@ struct XmlName {
     friend bool operator==(const XmlName&, const XmlName&) = default;
 };
 
+/// Whether `text` is text in an XML document whatever stands around it: ASCII without markup, and not even a part of some.
+bool is_plain_xml_text(std::string_view text) noexcept;
+
 /// The attributes of an element, as long as its event lasts.
 class XmlAttributes {
 public:
@@ -35,7 +38,7 @@ private:
 
 /// Where parsing ended before the document did, and why.
 struct XmlFailure {
-    std::uint64_t line = 0;    ///< from 1
+    std::uint64_t line = 0;    ///< from 1, lines that were skipped left out
     std::uint64_t offset = 0;  ///< in bytes
     std::string what;
 };
@@ -51,6 +54,9 @@ public:
 
     /// Parses what comes next. False: no more is wanted, because of a failure() or of a stop(). Throws what an event throws.
     bool feed(std::string_view bytes);
+    /// Goes over what comes next without parsing it. Offsets count it, lines do not. Precondition: it is plain text behind a
+    /// tag that has been fed, so that parsing it could only succeed.
+    void skip(std::string_view plain) noexcept { skipped_bytes_ += plain.size(); }
     /// Says that the document ends here. False: a failure() or a stop().
     bool finish();
 
@@ -88,6 +94,7 @@ private:
 
     std::unique_ptr<Memory> memory_;
     void* parser_ = nullptr;  // an XML_Parser; expat.h stays out of the other readers
+    std::uint64_t skipped_bytes_ = 0;
     bool stopped_ = false;
     std::optional<XmlFailure> failure_;
     std::exception_ptr thrown_;  // by an event: exceptions must not pass through expat, which is C

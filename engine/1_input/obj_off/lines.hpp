@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -73,14 +74,16 @@ protected:
 
     /// Behind the word at p_.
     void skip_word() {
+        const char* p = p_;
         do {
-            while (p_ != end_ && !is_space(*p_) && *p_ != '\\') {
-                ++p_;
+            while (p != end_ && !is_space(*p) && *p != '\\') {
+                ++p;
             }
-        } while (!word_ends(p_) && ++p_);
+        } while (!word_ends(p) && ++p);
+        p_ = p;
     }
 
-    /// The words of the line from p_ on, read over.
+    /// The words of the line from p_ on, which is not within one, read over.
     std::size_t count_words();
 
     /// To the end of the line, the lines that continue it included. Comments are not continued.
@@ -97,6 +100,7 @@ protected:
     const char* end_;
 
 private:
+    std::optional<std::size_t> count_plain_words();
     bool coordinate(double& value);
     NumberText number(double& value);
 

@@ -14,10 +14,6 @@ namespace lamella {
 
 namespace {
 
-constexpr bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-
 struct Piece {
     std::string_view text;
     std::size_t first_vertex = 0;
@@ -130,9 +126,7 @@ bool ObjParser::corner(FaceWriter& faces) {
     p_ += static_cast<int>(from_here);
     const char* const digits = p_;
     std::uint64_t number = 0;
-    for (; p_ != end_ && is_digit(*p_); ++p_) {
-        number = std::min<std::uint64_t>(10 * number + static_cast<std::uint64_t>(*p_ - '0'), polygon_mark);
-    }
+    p_ = read_digits(digits, end_, number);
     if (p_ == digits || !references() || !word_ends(p_)) {
         p_ = begin;
         return fail("malformed vertex number " + found());
@@ -147,19 +141,20 @@ bool ObjParser::corner(FaceWriter& faces) {
 
 /// The numbers of a corner's texture vertex and normal, which may be left out.
 bool ObjParser::references() {
-    for (int i = 0; i < 2 && p_ != end_ && *p_ == '/'; ++i) {
-        ++p_;
-        const bool from_here = p_ != end_ && *p_ == '-';
-        p_ += static_cast<int>(from_here);
-        const char* const digits = p_;
-        while (p_ != end_ && is_digit(*p_)) {
-            ++p_;
+    const char* p = p_;
+    bool good = true;
+    for (int i = 0; i < 2 && good && p != end_ && *p == '/'; ++i) {
+        ++p;
+        const bool from_here = p != end_ && *p == '-';
+        p += static_cast<int>(from_here);
+        const char* const digits = p;
+        while (p != end_ && is_digit(*p)) {
+            ++p;
         }
-        if (from_here && p_ == digits) {
-            return false;
-        }
+        good = !from_here || p != digits;
     }
-    return true;
+    p_ = p;
+    return good;
 }
 
 bool ObjParser::out_of_range(bool from_here) {

@@ -21,10 +21,6 @@ namespace lamella {
 
 namespace {
 
-constexpr bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-
 /// The header's word, or nothing.
 std::string_view header_word(std::string_view text) {
     const char* const begin = text.data() + head_comments(text).size();
@@ -75,7 +71,7 @@ public:
 private:
     bool next_line();
     bool whole_number(std::size_t& number, const char* what);
-    std::size_t corners_of_line();
+    std::size_t corners_of_line(const char* line_end) const;
     bool face(std::size_t vertex_count, FaceWriter& faces);
     bool corner(std::size_t vertex_count, FaceWriter& faces);
 };
@@ -96,9 +92,8 @@ bool OffParser::whole_number(std::size_t& number, const char* what) {
         return fail(std::string("expected ") + what + ", found " + found());
     }
     const char* const begin = p_;
-    for (number = 0; p_ != end_ && is_digit(*p_); ++p_) {
-        number = std::min(10 * number + static_cast<std::size_t>(*p_ - '0'), limit);
-    }
+    p_ = read_digits(begin, end_, number);
+    number = std::min(number, limit);
     if (p_ == begin || !word_ends(p_)) {
         p_ = begin;
         return fail(std::string("expected ") + what + ", found " + found());
@@ -123,27 +118,22 @@ bool OffParser::header(Counts& counts) {
 }
 
 /// What a face's line begins with, where the line is long enough for so many corners.
-std::size_t OffParser::corners_of_line() {
-    const char* const line_end = skip_line(p_, end_);
-    std::size_t corners = 0;
-    for (const char* p = p_; p != line_end && is_digit(*p); ++p) {
-        corners = 10 * corners + static_cast<std::size_t>(*p - '0');
-        if (corners > static_cast<std::size_t>(line_end - p_) / 2) {
-            return 0;  // parse() will say so
-        }
-    }
-    return corners;
+std::size_t OffParser::corners_of_line(const char* line_end) const {
+    std::uint64_t corners = 0;
+    read_digits(p_, line_end, corners);
+    return corners > static_cast<std::size_t>(line_end - p_) / 2 ? 0 : corners;  // parse() will say so
 }
 
 std::size_t OffParser::count(FaceRange& faces, std::size_t vertices, std::size_t most) {
     std::size_t lines = 0;
     for (; lines < most && next_line(); ++lines) {
+        const char* const line_end = skip_line(p_, end_);
         if (lines >= vertices) {
-            const std::size_t corners = corners_of_line();
+            const std::size_t corners = corners_of_line(line_end);
             faces.triangles += triangles_in(corners);
             faces.most_corners = std::max(faces.most_corners, corners);
         }
-        p_ = skip_line(p_, end_);
+        p_ = line_end;
     }
     return lines;
 }
@@ -177,7 +167,7 @@ const char* OffParser::place_of_line(std::size_t number) {
 bool OffParser::face(std::size_t vertex_count, FaceWriter& faces) {
     constexpr int colour = 4;
     const char* const begin = p_;
-    const std::size_t held = corners_of_line();
+    const std::size_t held = corners_of_line(skip_line(p_, end_));
     std::size_t corners = 0;
     if (!whole_number(corners, "the number of a face's corners")) {
         return false;

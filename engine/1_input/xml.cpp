@@ -248,7 +248,7 @@ void XmlReader::stop() {
 }
 
 std::uint64_t XmlReader::event_line() const noexcept {
-    return XML_GetCurrentLineNumber(as_parser(parser_));
+    return skipped_lines_ + XML_GetCurrentLineNumber(as_parser(parser_));
 }
 
 std::uint64_t XmlReader::event_offset() const noexcept {

@@ -38,7 +38,7 @@ private:
 
 /// Where parsing ended before the document did, and why.
 struct XmlFailure {
-    std::uint64_t line = 0;    ///< from 1, lines that were skipped left out
+    std::uint64_t line = 0;    ///< from 1
     std::uint64_t offset = 0;  ///< in bytes
     std::string what;
 };
@@ -54,9 +54,12 @@ public:
 
     /// Parses what comes next. False: no more is wanted, because of a failure() or of a stop(). Throws what an event throws.
     bool feed(std::string_view bytes);
-    /// Goes over what comes next without parsing it. Offsets count it, lines do not. Precondition: it is plain text behind a
-    /// tag that has been fed, so that parsing it could only succeed.
-    void skip(std::string_view plain) noexcept { skipped_bytes_ += plain.size(); }
+    /// Goes over what comes next without parsing it. Its bytes count for offsets, and `lines` for lines. Precondition: all
+    /// before it has been parsed, and parsing it too could only succeed and would change nothing that is open.
+    void skip(std::string_view plain, std::uint64_t lines = 0) noexcept {
+        skipped_bytes_ += plain.size();
+        skipped_lines_ += lines;
+    }
     /// Says that the document ends here. False: a failure() or a stop().
     bool finish();
 
@@ -95,6 +98,7 @@ private:
     std::unique_ptr<Memory> memory_;
     void* parser_ = nullptr;  // an XML_Parser; expat.h stays out of the other readers
     std::uint64_t skipped_bytes_ = 0;
+    std::uint64_t skipped_lines_ = 0;
     bool stopped_ = false;
     std::optional<XmlFailure> failure_;
     std::exception_ptr thrown_;  // by an event: exceptions must not pass through expat, which is C

@@ -203,6 +203,7 @@ bool BodyReader<Numbers>::affordable() {
                                 triangles_ * 3 * sizeof(std::uint32_t) + longest * sizeof(std::uint32_t) +
                                 PolygonTriangulator::scratch_bytes(longest);
     if (bytes <= input_.memory_limit) {
+        list_.reserve(longest);  // growing would take more than what was counted
         return true;
     }
     return fail(input_.file.data(),

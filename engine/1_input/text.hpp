@@ -107,6 +107,9 @@ std::size_t line_of(std::string_view text, std::size_t offset);
 
 enum class NumberText { read, malformed, not_finite };
 
+/// What messages say of a coordinate that is `found` instead of a finite number of the type.
+std::string coordinate_problem(NumberText got, const std::string& type, const std::string& found);
+
 /// Reads the finite number that is the word at `p`, and moves `p` behind it. A leading + is allowed; what is too small for
 /// the type is 0. Precondition: p != end and no space is at `p`.
 template <class Value>

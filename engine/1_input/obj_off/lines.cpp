@@ -4,6 +4,7 @@
 #include <atomic>
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 namespace lamella {
 
@@ -34,16 +35,24 @@ std::string_view head_comments(std::string_view text) {
     return text.substr(0, static_cast<std::size_t>(p - text.data()));
 }
 
-std::vector<std::string_view> cut_at_lines(std::string_view text) {
-    std::vector<std::string_view> pieces;
+std::vector<TextPiece> cut_at_lines(std::string_view text) {
+    std::vector<TextPiece> pieces;
     const char* const end = text.data() + text.size();
     for (const char* begin = text.data(); begin != end;) {
         const auto left = static_cast<std::size_t>(end - begin);
         const char* const cut = left > piece_bytes ? next_cut(begin + piece_bytes, end) : end;
-        pieces.emplace_back(begin, static_cast<std::size_t>(cut - begin));
+        pieces.push_back({.text = {begin, static_cast<std::size_t>(cut - begin)}});
         begin = cut;
     }
     return pieces;
+}
+
+std::size_t number_pieces(std::vector<TextPiece>& pieces) {
+    std::size_t all = 0;
+    for (TextPiece& piece : pieces) {
+        piece.first = std::exchange(all, all + piece.count);
+    }
+    return all;
 }
 
 TextFailure parse_pieces(std::size_t count, const Parallel& parallel,
@@ -118,15 +127,8 @@ bool LineParser::coordinate(double& value) {
     if (!to_word()) {
         return fail("expected a coordinate (a vertex has three), found " + found());
     }
-    switch (number(value)) {
-        case NumberText::read:
-            return true;
-        case NumberText::malformed:
-            return fail("malformed coordinate " + found());
-        case NumberText::not_finite:
-            break;
-    }
-    return fail("coordinate is not a finite double: " + found());
+    const NumberText got = number(value);
+    return got == NumberText::read || fail(coordinate_problem(got, "double", found()));
 }
 
 bool LineParser::other_numbers(int most) {

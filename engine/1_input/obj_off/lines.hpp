@@ -35,9 +35,21 @@ inline const char* skip_blank(const char* p, const char* end) {
 /// The comments and empty lines that `text` begins with.
 std::string_view head_comments(std::string_view text);
 
+/// A piece of text, and which of the file's vertices (of an OBJ file) or lines (of an OFF file) are in it.
+struct TextPiece {
+    std::string_view text;
+    std::size_t first = 0;
+    std::size_t count = 0;
+
+    std::size_t end() const noexcept { return first + count; }
+};
+
 /// The pieces of `text`, about 1 MB each. Every one ends behind a line end that no backslash precedes, or with the text.
 /// They depend on the text alone, so that errors do not depend on threads.
-std::vector<std::string_view> cut_at_lines(std::string_view text);
+std::vector<TextPiece> cut_at_lines(std::string_view text);
+
+/// Numbers what the pieces have counted. Returns how many there are in all.
+std::size_t number_pieces(std::vector<TextPiece>& pieces);
 
 struct TextFailure {
     const char* at = nullptr;  ///< null: none

@@ -224,17 +224,11 @@ bool PartReader::coordinate(const XmlAttributes& attributes, std::string_view na
         fail("a vertex without " + in_quotes(name));
         return false;
     }
-    switch (number_in(*text, value)) {
-        case NumberText::read:
-            return true;
-        case NumberText::malformed:
-            fail("malformed coordinate " + in_quotes(*text));
-            return false;
-        case NumberText::not_finite:
-            break;
+    const NumberText got = number_in(*text, value);
+    if (got != NumberText::read) {
+        fail(coordinate_problem(got, "number", in_quotes(*text)));
     }
-    fail("coordinate is not a finite number: " + in_quotes(*text));
-    return false;
+    return got == NumberText::read;
 }
 
 bool PartReader::vertex_index(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value) {

@@ -4,8 +4,6 @@
 #include <charconv>
 #include <type_traits>
 
-#include "1_input/text.hpp"
-
 namespace lamella {
 
 namespace {
@@ -58,9 +56,8 @@ std::vector<WordRun::Piece> cut_window(const char* p, const char* end, const Par
 }
 
 bool read_word(const char*& p, const char* end, std::floating_point auto& value, BadWord& bad) {
-    const NumberText got = read_number(p, end, value);
-    bad.not_finite = got == NumberText::not_finite;
-    return got == NumberText::read;
+    bad.why = read_number(p, end, value);
+    return bad.why == NumberText::read;
 }
 
 template <std::unsigned_integral Value>

@@ -64,6 +64,7 @@ void add_stages(const Options& options, const Case& wanted);
 void add_contours(const Options& options, const Case& wanted);
 void add_copies(const Options& options);
 void add_nesting_series(const Options& options);
+void add_reads(const Options& options);
 
 /// Machine, compiler, flags, threads, pinning, huge pages: into the results' context.
 void describe_context(const Options& options);

@@ -102,6 +102,18 @@ def scaling_bars(results):
     return bars
 
 
+def reading_bars(results):
+    bars = []
+    for case, variant in dict.fromkeys((run.case, run.variant) for run in results.runs if run.what == "read"):
+        if variant == "text":
+            rate = ratio(results.counter("bytes/s", case, 2, variant, "read"), 1e6)
+            bars.append(Bar(f"read {case}, 2 threads", rate, 500, None, False, "MB/s"))
+        if variant == "binary":
+            share = results.counter("share_of_pread", case, 2, variant, "read")
+            bars.append(Bar(f"read {case}, share of pread, 2 threads", share, 0.5, None, False))
+    return bars
+
+
 def memory_bars(results):
     bars = []
     for peak in results.peaks:
@@ -114,7 +126,7 @@ def memory_bars(results):
 
 def all_bars(results):
     return (throughput_bars(results) + time_bars(results) + ratio_bars(results) + scaling_bars(results)
-            + memory_bars(results))
+            + reading_bars(results) + memory_bars(results))
 
 
 def bars_table(results):

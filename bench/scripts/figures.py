@@ -40,6 +40,18 @@ def times(results, what):
     return markdown_table(heads, [[case, variant] + across(results, what, case, variant, counts) for case, variant in seen])
 
 
+def reading(results):
+    counts = results.thread_counts()
+    rows = []
+    for case, variant in dict.fromkeys((run.case, run.variant) for run in results.runs if run.what == "read"):
+        def rates(counter):
+            return [number(ratio(results.counter(counter, case, threads, variant, "read"), 1e6), "") for threads in counts]
+        share = results.counter("share_of_pread", case, counts[-1], variant, "read")
+        rows.append([case, variant] + rates("bytes/s") + rates("unpacked_bytes/s") + [number(share, "")])
+    heads = ["format", "as"] + [f"{what}, {threads} thr." for what in ("MB/s", "unpacked") for threads in counts]
+    return markdown_table(heads + ["share of pread"], rows)
+
+
 def nesting(results):
     rows = []
     for case in results.cases("nesting"):
@@ -64,6 +76,7 @@ def text(results):
         "### Bars", bars_table(results),
         "### End to end, in memory and from a file", times(results, "end_to_end"),
         "### Stages", times(results, "stage"),
+        "### Reading, by format", reading(results),
         "### assemble() on a case's largest layer", times(results, "assemble"),
         "### Nesting on a case's layer of most contours, and on lattices of rings; 1 thread", nesting(results),
         "### Speed-up allowed by the partition: computed, not measured", allowed(results),

@@ -18,6 +18,11 @@ std::string word_at(const char* p, const char* end) {
     return quoted;
 }
 
+std::string coordinate_problem(NumberText got, const std::string& type, const std::string& found) {
+    return got == NumberText::malformed ? "malformed coordinate " + found
+                                        : "coordinate is not a finite " + type + ": " + found;
+}
+
 std::size_t line_of(std::string_view text, std::size_t offset) {
     std::size_t lines = 1;
     for (std::size_t i = 0; i < offset; ++i) {

@@ -1,8 +1,12 @@
 // Words and numbers in text files, for all readers of such.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -34,10 +38,63 @@ inline const char* skip_word(const char* p, const char* end) {
     return p;
 }
 
+constexpr bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+// Characters by the eight: words and lines are short, and where they end is what a processor guesses wrong.
+static_assert(std::endian::native == std::endian::little, "the first character is the lowest byte");
+
+inline std::uint64_t load_eight(const char* p) {
+    std::uint64_t eight = 0;
+    std::memcpy(&eight, p, sizeof eight);
+    return eight;
+}
+
+constexpr std::uint64_t eight_of(char c) {
+    return 0x0101010101010101U * static_cast<unsigned char>(c);
+}
+
+/// The highest bit of each byte of `eight` that is `c`, exact up to the first one.
+constexpr std::uint64_t bits_where(std::uint64_t eight, char c) {
+    const std::uint64_t difference = eight ^ eight_of(c);
+    return (difference - eight_of(1)) & ~difference & eight_of('\x80');
+}
+
 /// To the end of the line that `p` is in.
 inline const char* skip_line(const char* p, const char* end) {
+    for (; end - p >= 8; p += 8) {
+        const std::uint64_t eight = load_eight(p);
+        const std::uint64_t ends = bits_where(eight, '\n') | bits_where(eight, '\r');
+        if (ends != 0) {
+            return p + std::countr_zero(ends) / 8;
+        }
+    }
     while (p != end && !ends_line(*p)) {
         ++p;
+    }
+    return p;
+}
+
+/// Reads the decimal digits at `p` and returns what is behind them. What is beyond 10^18 is 10^18 or more.
+inline const char* read_digits(const char* p, const char* end, std::uint64_t& number) {
+    number = 0;
+    if (end - p >= 8) {
+        const std::uint64_t values = load_eight(p) ^ eight_of('0');
+        const std::uint64_t others = ((values + eight_of('\x76')) | values) & eight_of('\x80');  // more than 9
+        const int bits = std::countr_zero(others) & ~7;
+        if (bits < 64) {
+            // Zeros in front, then pairs of digits to numbers below 100, of these to below 10,000, and so on.
+            std::uint64_t parts = bits == 0 ? 0 : values << (64 - bits);
+            parts = (parts * 10 + (parts >> 8)) & 0x00FF00FF00FF00FF;
+            parts = (parts * 100 + (parts >> 16)) & 0x0000FFFF0000FFFF;
+            number = (parts * 10'000 + (parts >> 32)) & 0xFFFFFFFF;
+            return p + bits / 8;
+        }
+    }
+    constexpr std::uint64_t limit = 1'000'000'000'000'000'000;
+    for (; p != end && is_digit(*p); ++p) {
+        number = std::min(limit, 10 * number + static_cast<std::uint64_t>(*p - '0'));
     }
     return p;
 }
@@ -49,6 +106,9 @@ std::string word_at(const char* p, const char* end);
 std::size_t line_of(std::string_view text, std::size_t offset);
 
 enum class NumberText { read, malformed, not_finite };
+
+/// What messages say of a coordinate that is `found` instead of a finite number of the type.
+std::string coordinate_problem(NumberText got, const std::string& type, const std::string& found);
 
 /// Reads the finite number that is the word at `p`, and moves `p` behind it. A leading + is allowed; what is too small for
 /// the type is 0. Precondition: p != end and no space is at `p`.

@@ -20,6 +20,9 @@ struct XmlName {
     friend bool operator==(const XmlName&, const XmlName&) = default;
 };
 
+/// Whether `text` is text in an XML document whatever stands around it: ASCII without markup, and not even a part of some.
+bool is_plain_xml_text(std::string_view text) noexcept;
+
 /// The attributes of an element, as long as its event lasts.
 class XmlAttributes {
 public:
@@ -51,6 +54,12 @@ public:
 
     /// Parses what comes next. False: no more is wanted, because of a failure() or of a stop(). Throws what an event throws.
     bool feed(std::string_view bytes);
+    /// Goes over what comes next without parsing it. Its bytes count for offsets, and `lines` for lines. Precondition: all
+    /// before it has been parsed, and parsing it too could only succeed and would change nothing that is open.
+    void skip(std::string_view plain, std::uint64_t lines = 0) noexcept {
+        skipped_bytes_ += plain.size();
+        skipped_lines_ += lines;
+    }
     /// Says that the document ends here. False: a failure() or a stop().
     bool finish();
 
@@ -88,6 +97,8 @@ private:
 
     std::unique_ptr<Memory> memory_;
     void* parser_ = nullptr;  // an XML_Parser; expat.h stays out of the other readers
+    std::uint64_t skipped_bytes_ = 0;
+    std::uint64_t skipped_lines_ = 0;
     bool stopped_ = false;
     std::optional<XmlFailure> failure_;
     std::exception_ptr thrown_;  // by an event: exceptions must not pass through expat, which is C

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
+#include <cstdint>
+#include <utility>
 
 namespace lamella {
 
@@ -32,16 +35,24 @@ std::string_view head_comments(std::string_view text) {
     return text.substr(0, static_cast<std::size_t>(p - text.data()));
 }
 
-std::vector<std::string_view> cut_at_lines(std::string_view text) {
-    std::vector<std::string_view> pieces;
+std::vector<TextPiece> cut_at_lines(std::string_view text) {
+    std::vector<TextPiece> pieces;
     const char* const end = text.data() + text.size();
     for (const char* begin = text.data(); begin != end;) {
         const auto left = static_cast<std::size_t>(end - begin);
         const char* const cut = left > piece_bytes ? next_cut(begin + piece_bytes, end) : end;
-        pieces.emplace_back(begin, static_cast<std::size_t>(cut - begin));
+        pieces.push_back({.text = {begin, static_cast<std::size_t>(cut - begin)}});
         begin = cut;
     }
     return pieces;
+}
+
+std::size_t number_pieces(std::vector<TextPiece>& pieces) {
+    std::size_t all = 0;
+    for (TextPiece& piece : pieces) {
+        piece.first = std::exchange(all, all + piece.count);
+    }
+    return all;
 }
 
 TextFailure parse_pieces(std::size_t count, const Parallel& parallel,
@@ -63,7 +74,34 @@ TextFailure parse_pieces(std::size_t count, const Parallel& parallel,
     return first == failures.end() ? TextFailure() : *first;
 }
 
+/// Of a line of words and single blanks, eight characters at a time; nothing where there is more to it than that.
+std::optional<std::size_t> LineParser::count_plain_words() {
+    std::size_t words = 0;
+    std::uint64_t before = 0;  // whether the last character was part of a word
+    for (const char* p = p_; end_ - p >= 8; p += 8) {
+        const std::uint64_t eight = load_eight(p);
+        const std::uint64_t low_bits = eight & ~eight_of('\x80');
+        const std::uint64_t control = ~((low_bits + eight_of('\x60')) | eight) & eight_of('\x80');
+        const std::uint64_t stops = control | bits_where(eight, '#') | bits_where(eight, '\\');
+        const int stop = std::countr_zero(stops) & ~7;
+        std::uint64_t letters = ((low_bits + eight_of('\x5F')) | eight) & eight_of('\x80');
+        letters &= stops != 0 ? (std::uint64_t{1} << stop) - 1 : ~std::uint64_t{0};
+        const std::uint64_t begins = letters & ~(letters << 8 | before);
+        words += begins / 0x80 * eight_of(1) >> 56;
+        before = letters >> 56;
+        if (stops != 0) {
+            p += stop / 8;
+            p_ = ends_line(*p) ? p : p_;
+            return ends_line(*p) ? std::optional(words) : std::nullopt;
+        }
+    }
+    return std::nullopt;
+}
+
 std::size_t LineParser::count_words() {
+    if (const std::optional<std::size_t> plain = count_plain_words()) {
+        return *plain;
+    }
     std::size_t words = 0;
     for (; to_word(); skip_word()) {
         ++words;
@@ -89,15 +127,8 @@ bool LineParser::coordinate(double& value) {
     if (!to_word()) {
         return fail("expected a coordinate (a vertex has three), found " + found());
     }
-    switch (number(value)) {
-        case NumberText::read:
-            return true;
-        case NumberText::malformed:
-            return fail("malformed coordinate " + found());
-        case NumberText::not_finite:
-            break;
-    }
-    return fail("coordinate is not a finite double: " + found());
+    const NumberText got = number(value);
+    return got == NumberText::read || fail(coordinate_problem(got, "double", found()));
 }
 
 bool LineParser::other_numbers(int most) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,9 +35,21 @@ inline const char* skip_blank(const char* p, const char* end) {
 /// The comments and empty lines that `text` begins with.
 std::string_view head_comments(std::string_view text);
 
+/// A piece of text, and which of the file's vertices (of an OBJ file) or lines (of an OFF file) are in it.
+struct TextPiece {
+    std::string_view text;
+    std::size_t first = 0;
+    std::size_t count = 0;
+
+    std::size_t end() const noexcept { return first + count; }
+};
+
 /// The pieces of `text`, about 1 MB each. Every one ends behind a line end that no backslash precedes, or with the text.
 /// They depend on the text alone, so that errors do not depend on threads.
-std::vector<std::string_view> cut_at_lines(std::string_view text);
+std::vector<TextPiece> cut_at_lines(std::string_view text);
+
+/// Numbers what the pieces have counted. Returns how many there are in all.
+std::size_t number_pieces(std::vector<TextPiece>& pieces);
 
 struct TextFailure {
     const char* at = nullptr;  ///< null: none
@@ -73,14 +86,16 @@ protected:
 
     /// Behind the word at p_.
     void skip_word() {
+        const char* p = p_;
         do {
-            while (p_ != end_ && !is_space(*p_) && *p_ != '\\') {
-                ++p_;
+            while (p != end_ && !is_space(*p) && *p != '\\') {
+                ++p;
             }
-        } while (!word_ends(p_) && ++p_);
+        } while (!word_ends(p) && ++p);
+        p_ = p;
     }
 
-    /// The words of the line from p_ on, read over.
+    /// The words of the line from p_ on, which is not within one, read over.
     std::size_t count_words();
 
     /// To the end of the line, the lines that continue it included. Comments are not continued.
@@ -97,6 +112,7 @@ protected:
     const char* end_;
 
 private:
+    std::optional<std::size_t> count_plain_words();
     bool coordinate(double& value);
     NumberText number(double& value);
 

@@ -14,16 +14,6 @@ namespace lamella {
 
 namespace {
 
-constexpr bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-
-struct Piece {
-    std::string_view text;
-    std::size_t first_vertex = 0;
-    std::size_t vertices = 0;
-};
-
 /// Reads the statements of one piece, twice: what it counts first is what it writes then.
 ///
 ///     v X Y Z [W | R G B [A]]
@@ -32,10 +22,10 @@ class ObjParser : private LineParser {
 public:
     explicit ObjParser(std::string_view piece) : LineParser(piece.data(), piece.data() + piece.size(), true) {}
 
-    void count(Piece& piece, FaceRange& faces);
+    void count(TextPiece& piece, FaceRange& faces);
 
     /// `vertex_count` is the whole file's, as faces may refer to vertices behind them.
-    bool parse(const Piece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces);
+    bool parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces);
 
     /// Where the piece's face of this number begins. Precondition: it has so many.
     const char* place_of_face(std::size_t number);
@@ -68,23 +58,23 @@ ObjParser::Statement ObjParser::next() {
     return *p_++ == 'v' ? Statement::vertex : Statement::face;
 }
 
-void ObjParser::count(Piece& piece, FaceRange& faces) {
+void ObjParser::count(TextPiece& piece, FaceRange& faces) {
     for (Statement statement = next(); statement != Statement::none; statement = next()) {
         if (statement == Statement::face) {
             const std::size_t corners = count_words();
             faces.triangles += triangles_in(corners);
             faces.most_corners = std::max(faces.most_corners, corners);
         } else {
-            piece.vertices += static_cast<std::size_t>(statement == Statement::vertex);
+            piece.count += static_cast<std::size_t>(statement == Statement::vertex);
         }
         skip_rest();
     }
 }
 
-bool ObjParser::parse(const Piece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces) {
+bool ObjParser::parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces) {
     constexpr int weight_or_colour = 4;
     vertex_count_ = vertex_count;
-    seen_ = piece.first_vertex;
+    seen_ = piece.first;
     for (Statement statement = next(); statement != Statement::none; statement = next()) {
         if (statement == Statement::vertex) {
             double xyz[3];
@@ -130,9 +120,7 @@ bool ObjParser::corner(FaceWriter& faces) {
     p_ += static_cast<int>(from_here);
     const char* const digits = p_;
     std::uint64_t number = 0;
-    for (; p_ != end_ && is_digit(*p_); ++p_) {
-        number = std::min<std::uint64_t>(10 * number + static_cast<std::uint64_t>(*p_ - '0'), polygon_mark);
-    }
+    p_ = read_digits(digits, end_, number);
     if (p_ == digits || !references() || !word_ends(p_)) {
         p_ = begin;
         return fail("malformed vertex number " + found());
@@ -147,19 +135,20 @@ bool ObjParser::corner(FaceWriter& faces) {
 
 /// The numbers of a corner's texture vertex and normal, which may be left out.
 bool ObjParser::references() {
-    for (int i = 0; i < 2 && p_ != end_ && *p_ == '/'; ++i) {
-        ++p_;
-        const bool from_here = p_ != end_ && *p_ == '-';
-        p_ += static_cast<int>(from_here);
-        const char* const digits = p_;
-        while (p_ != end_ && is_digit(*p_)) {
-            ++p_;
+    const char* p = p_;
+    bool good = true;
+    for (int i = 0; i < 2 && good && p != end_ && *p == '/'; ++i) {
+        ++p;
+        const bool from_here = p != end_ && *p == '-';
+        p += static_cast<int>(from_here);
+        const char* const digits = p;
+        while (p != end_ && is_digit(*p)) {
+            ++p;
         }
-        if (from_here && p_ == digits) {
-            return false;
-        }
+        good = !from_here || p != digits;
     }
-    return true;
+    p_ = p;
+    return good;
 }
 
 bool ObjParser::out_of_range(bool from_here) {
@@ -167,22 +156,6 @@ bool ObjParser::out_of_range(bool from_here) {
                 (from_here ? std::to_string(seen_) + " vertices precede, found "
                            : "the file has " + std::to_string(vertex_count_) + " vertices, found ") +
                 found());
-}
-
-std::vector<Piece> in_pieces(std::string_view text) {
-    std::vector<Piece> pieces;
-    for (const std::string_view piece : cut_at_lines(text)) {
-        pieces.push_back({.text = piece});
-    }
-    return pieces;
-}
-
-std::size_t place_vertices(std::vector<Piece>& pieces) {
-    std::size_t vertices = 0;
-    for (Piece& piece : pieces) {
-        piece.first_vertex = std::exchange(vertices, vertices + piece.vertices);
-    }
-    return vertices;
 }
 
 }  // namespace
@@ -215,10 +188,10 @@ Result<MeshFile> read_obj(FileSource& source) {
     const Clock::time_point start = Clock::now();
     const std::string_view whole = as_text(bytes.value().span());
     const std::string_view text = without_byte_order_mark(whole);
-    std::vector<Piece> pieces = in_pieces(text);
+    std::vector<TextPiece> pieces = cut_at_lines(text);
     std::vector<FaceRange> faces(pieces.size());
     source.parallel().run(pieces.size(), [&](std::size_t i, int) { ObjParser(pieces[i].text).count(pieces[i], faces[i]); });
-    const std::size_t vertices = place_vertices(pieces);
+    const std::size_t vertices = number_pieces(pieces);
     Result<MeshFile> mesh = read_faces(
         source, whole, vertices, faces,
         [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {

@@ -21,10 +21,6 @@ namespace lamella {
 
 namespace {
 
-constexpr bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-
 /// The header's word, or nothing.
 std::string_view header_word(std::string_view text) {
     const char* const begin = text.data() + head_comments(text).size();
@@ -44,13 +40,6 @@ struct Counts {
     std::string words() const { return std::to_string(vertices) + " vertices and " + std::to_string(faces) + " faces"; }
 };
 
-/// The lines of a piece: vertices, then faces, then what is too much.
-struct Piece {
-    std::string_view text;
-    std::size_t first_line = 0;
-    std::size_t lines = 0;
-};
-
 /// Reads the lines of a piece, twice: what it counts first is what it writes then. Without a comment or nothing alone, each
 /// line is a vertex or a face.
 class OffParser : private LineParser {
@@ -65,7 +54,7 @@ public:
     std::size_t count(FaceRange& faces, std::size_t vertices = 0,
                       std::size_t most = std::numeric_limits<std::size_t>::max());
 
-    bool parse(const Piece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces);
+    bool parse(const TextPiece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces);
 
     /// Where the piece's line of this number begins. Precondition: it has so many.
     const char* place_of_line(std::size_t number);
@@ -75,7 +64,7 @@ public:
 private:
     bool next_line();
     bool whole_number(std::size_t& number, const char* what);
-    std::size_t corners_of_line();
+    std::size_t corners_of_line(const char* line_end) const;
     bool face(std::size_t vertex_count, FaceWriter& faces);
     bool corner(std::size_t vertex_count, FaceWriter& faces);
 };
@@ -96,9 +85,8 @@ bool OffParser::whole_number(std::size_t& number, const char* what) {
         return fail(std::string("expected ") + what + ", found " + found());
     }
     const char* const begin = p_;
-    for (number = 0; p_ != end_ && is_digit(*p_); ++p_) {
-        number = std::min(10 * number + static_cast<std::size_t>(*p_ - '0'), limit);
-    }
+    p_ = read_digits(begin, end_, number);
+    number = std::min(number, limit);
     if (p_ == begin || !word_ends(p_)) {
         p_ = begin;
         return fail(std::string("expected ") + what + ", found " + found());
@@ -123,35 +111,30 @@ bool OffParser::header(Counts& counts) {
 }
 
 /// What a face's line begins with, where the line is long enough for so many corners.
-std::size_t OffParser::corners_of_line() {
-    const char* const line_end = skip_line(p_, end_);
-    std::size_t corners = 0;
-    for (const char* p = p_; p != line_end && is_digit(*p); ++p) {
-        corners = 10 * corners + static_cast<std::size_t>(*p - '0');
-        if (corners > static_cast<std::size_t>(line_end - p_) / 2) {
-            return 0;  // parse() will say so
-        }
-    }
-    return corners;
+std::size_t OffParser::corners_of_line(const char* line_end) const {
+    std::uint64_t corners = 0;
+    read_digits(p_, line_end, corners);
+    return corners > static_cast<std::size_t>(line_end - p_) / 2 ? 0 : corners;  // parse() will say so
 }
 
 std::size_t OffParser::count(FaceRange& faces, std::size_t vertices, std::size_t most) {
     std::size_t lines = 0;
     for (; lines < most && next_line(); ++lines) {
+        const char* const line_end = skip_line(p_, end_);
         if (lines >= vertices) {
-            const std::size_t corners = corners_of_line();
+            const std::size_t corners = corners_of_line(line_end);
             faces.triangles += triangles_in(corners);
             faces.most_corners = std::max(faces.most_corners, corners);
         }
-        p_ = skip_line(p_, end_);
+        p_ = line_end;
     }
     return lines;
 }
 
-bool OffParser::parse(const Piece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces) {
+bool OffParser::parse(const TextPiece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces) {
     constexpr int normal_colour_and_texture = 3 + 4 + 2;
-    const std::size_t last = std::min(piece.first_line + piece.lines, counts.lines());
-    for (std::size_t line = piece.first_line; line < last; ++line) {
+    const std::size_t last = std::min(piece.end(), counts.lines());
+    for (std::size_t line = piece.first; line < last; ++line) {
         next_line();
         if (line < counts.vertices) {
             double xyz[3];
@@ -177,7 +160,7 @@ const char* OffParser::place_of_line(std::size_t number) {
 bool OffParser::face(std::size_t vertex_count, FaceWriter& faces) {
     constexpr int colour = 4;
     const char* const begin = p_;
-    const std::size_t held = corners_of_line();
+    const std::size_t held = corners_of_line(skip_line(p_, end_));
     std::size_t corners = 0;
     if (!whole_number(corners, "the number of a face's corners")) {
         return false;
@@ -215,26 +198,17 @@ bool OffParser::corner(std::size_t vertex_count, FaceWriter& faces) {
     return true;
 }
 
-std::vector<Piece> in_pieces(std::string_view text) {
-    std::vector<Piece> pieces;
-    for (const std::string_view piece : cut_at_lines(text)) {
-        pieces.push_back({.text = piece});
-    }
-    return pieces;
-}
-
 /// Counts what the pieces hold, each vertex and face on a line of its own.
-std::vector<FaceRange> count_faces(std::vector<Piece>& pieces, const Counts& counts, const Parallel& parallel) {
+std::vector<FaceRange> count_faces(std::vector<TextPiece>& pieces, const Counts& counts, const Parallel& parallel) {
     std::vector<FaceRange> faces(pieces.size());
-    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].lines = OffParser(pieces[i].text).count(faces[i]); });
-    std::size_t line = 0;
+    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = OffParser(pieces[i].text).count(faces[i]); });
+    number_pieces(pieces);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-        pieces[i].first_line = std::exchange(line, line + pieces[i].lines);
-        if (pieces[i].first_line < counts.vertices || line > counts.lines()) {  // not all of them are faces
+        if (pieces[i].first < counts.vertices || pieces[i].end() > counts.lines()) {  // not all of them are faces
             faces[i] = {};
-            if (line > counts.vertices && pieces[i].first_line < counts.lines()) {
-                const std::size_t vertices = counts.vertices - std::min(counts.vertices, pieces[i].first_line);
-                OffParser(pieces[i].text).count(faces[i], vertices, counts.lines() - pieces[i].first_line);
+            if (pieces[i].end() > counts.vertices && pieces[i].first < counts.lines()) {
+                const std::size_t vertices = counts.vertices - std::min(counts.vertices, pieces[i].first);
+                OffParser(pieces[i].text).count(faces[i], vertices, counts.lines() - pieces[i].first);
             }
         }
     }
@@ -273,9 +247,9 @@ Result<MeshFile> read_off(FileSource& source) {
         return failed({counts.at, "counts " + counts.words() + ", more than the " + std::to_string(body.size()) +
                                       " bytes that follow can hold"});
     }
-    std::vector<Piece> pieces = in_pieces(body);
+    std::vector<TextPiece> pieces = cut_at_lines(body);
     std::vector<FaceRange> faces = count_faces(pieces, counts, source.parallel());
-    const std::size_t lines = pieces.empty() ? 0 : pieces.back().first_line + pieces.back().lines;
+    const std::size_t lines = pieces.empty() ? 0 : pieces.back().end();
     Result<MeshFile> mesh = read_faces(
         source, whole, std::min(counts.vertices, lines), faces,
         [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {
@@ -287,8 +261,8 @@ Result<MeshFile> read_off(FileSource& source) {
             return parser.failure();
         },
         [&](std::size_t i, std::size_t face) {
-            const std::size_t first = std::max(pieces[i].first_line, counts.vertices);
-            return OffParser(pieces[i].text).place_of_line(first - pieces[i].first_line + face);
+            const std::size_t first = std::max(pieces[i].first, counts.vertices);
+            return OffParser(pieces[i].text).place_of_line(first - pieces[i].first + face);
         });
     if (mesh) {
         mesh->patient_frame = stated_frame(text.substr(0, static_cast<std::size_t>(counts.at - text.data())));

@@ -1,6 +1,7 @@
 // PLY, ASCII and binary, of either byte order.
 #include <utility>
 
+#include "1_input/ply/ply_binary.hpp"
 #include "1_input/ply/ply_body.hpp"
 #include "1_input/reader.hpp"
 #include "1_input/text.hpp"
@@ -38,13 +39,16 @@ std::vector<std::string> warnings_of(const FileSource& file, std::string_view co
     return warnings;
 }
 
-MeshFile mesh_of(PlyMesh body, Array<std::byte> bytes, const PlyHeader& header) {
+MeshFile mesh_of(PlyMesh body, Array<std::byte> bytes, const PlyHeader& header, const Parallel& parallel) {
     MeshFile mesh;
     mesh.bytes = std::move(body.coordinates.empty() ? bytes : body.coordinates);
     mesh.first_offset = body.first_offset;
     mesh.stride = body.stride;
     mesh.number = body.number;
     mesh.vertex_count = body.vertex_count;
+    if (body.swapped) {
+        swap_vertices(mesh.bytes.data() + mesh.first_offset, mesh.stride, mesh.number, mesh.vertex_count, parallel);
+    }
     mesh.triangle_count = body.indices.size() / 3;
     mesh.indices = std::move(body.indices);
     mesh.text = header.encoding == PlyEncoding::ascii;
@@ -85,7 +89,7 @@ Result<MeshFile> read_ply(FileSource& source) {
         return source.error(Code::empty_mesh, "holds no triangles");
     }
     std::vector<std::string> warnings = warnings_of(source, contents, header, body);
-    MeshFile mesh = mesh_of(std::move(body), std::move(bytes).value(), header);
+    MeshFile mesh = mesh_of(std::move(body), std::move(bytes).value(), header, source.parallel());
     mesh.warnings = std::move(warnings);
     mesh.parse_ms = milliseconds_since(start);
     return mesh;

@@ -15,6 +15,7 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t grain = std::size_t{1} << 14;  // rows
+constexpr std::size_t rows_in_cache = 512;
 static_assert(std::endian::native == std::endian::little, "the numbers of little-endian files are used where they lie");
 
 bool is_swapped(const PlyHeader& header) {
@@ -37,6 +38,18 @@ std::size_t fixed_row_bytes(const PlyElement& element) {
     return element.least_row_bytes(PlyEncoding::little_endian);
 }
 
+/// Three numbers a row, of the size of Bits.
+template <class Bits>
+void swap_rows(std::byte* row, std::size_t stride, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i, row += stride) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            std::byte* const at = row + axis * sizeof(Bits);
+            const Bits swapped = load_number<Bits>(reinterpret_cast<const char*>(at), true);
+            std::memcpy(at, &swapped, sizeof swapped);
+        }
+    }
+}
+
 /// One coordinate of `count` vertices.
 template <class Value>
 void copy_axis(const PlyProperty& axis, bool swapped, const char* from, std::size_t stride, std::size_t count,
@@ -53,20 +66,39 @@ void copy_axis(const PlyProperty& axis, bool swapped, const char* from, std::siz
 template <class Index>
 bool copy_indices(const char* from, std::size_t stride, std::size_t count, bool swapped, std::uint64_t vertex_count,
                   std::uint32_t* to) {
-    std::uint64_t largest = 0;
-    for (std::size_t i = 0; i < count; ++i) {
+    std::array<std::uint32_t, 3> largest{};  // by corner, as each would otherwise wait for the one before
+    for (std::size_t i = 0; i < count; ++i, from += stride, to += 3) {
         for (std::size_t corner = 0; corner < 3; ++corner) {
-            const auto index = load_number<Index>(from + i * stride + corner * sizeof(Index), swapped);
-            largest = std::max(largest, static_cast<std::uint64_t>(static_cast<std::int64_t>(index)));
-            to[3 * i + corner] = static_cast<std::uint32_t>(index);  // NOLINT(bugprone-signed-char-misuse): a number
+            const auto index = load_number<Index>(from + corner * sizeof(Index), swapped);
+            to[corner] = static_cast<std::uint32_t>(index);  // NOLINT(bugprone-signed-char-misuse): a number
+            largest[corner] = std::max(largest[corner], to[corner]);
         }
     }
-    return largest < vertex_count;
+    return *std::max_element(largest.begin(), largest.end()) < vertex_count;
+}
+
+/// The indices of `count` rows whose lists begin at `lists`. False: one has not three, or one that is out of range.
+bool copy_rows(const PlyProperty& list, bool swapped, const char* lists, std::size_t stride, std::size_t count,
+               std::uint64_t vertex_count, std::uint32_t* to) {
+    bool three = true;
+    with_type(list.count_type, [&](auto sample) {
+        using Count = decltype(sample);
+        for (std::size_t i = 0; i < count; ++i) {
+            three &= load_number<Count>(lists + i * stride, swapped) == Count{3};
+        }
+    });
+    return three && with_type(list.type, [&](auto sample) {
+               if constexpr (std::is_integral_v<decltype(sample)>) {
+                   return copy_indices<decltype(sample)>(lists + size_of(list.count_type), stride, count, swapped,
+                                                         vertex_count, to);
+               }
+               return false;
+           });
 }
 
 }  // namespace
 
-std::optional<std::size_t> vertices_in_place(const PlyHeader& header, const PlyElement& vertices, std::size_t offset) {
+std::optional<std::size_t> vertices_in_place(const PlyElement& vertices, std::size_t offset) {
     const Number number = number_for(vertices);
     const PlyType type = number == Number::f64 ? PlyType::float64 : PlyType::float32;
     const std::size_t x = offset_in_row(vertices, PlyUse::x);
@@ -74,10 +106,20 @@ std::optional<std::size_t> vertices_in_place(const PlyHeader& header, const PlyE
                         offset_in_row(vertices, PlyUse::z) == x + 2 * size_of(type);
     const bool of_type = std::all_of(vertices.properties.begin(), vertices.properties.end(),
                                      [type](const PlyProperty& p) { return p.use == PlyUse::nothing || p.type == type; });
-    if (is_swapped(header) || vertices.has_lists() || !packed || !of_type) {
+    if (vertices.has_lists() || !packed || !of_type) {
         return std::nullopt;
     }
     return offset + x;
+}
+
+void swap_vertices(std::byte* first, std::size_t stride, Number number, std::size_t count, const Parallel& parallel) {
+    parallel.run_ranges(count, grain, [&](std::size_t begin, std::size_t end, int) {
+        if (number == Number::f64) {
+            swap_rows<std::uint64_t>(first + begin * stride, stride, end - begin);
+        } else {
+            swap_rows<std::uint32_t>(first + begin * stride, stride, end - begin);
+        }
+    });
 }
 
 void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char* rows, const PlyMesh& mesh) {
@@ -99,48 +141,32 @@ void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char
     });
 }
 
-std::optional<TriangleRows> as_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* begin) {
+std::optional<std::uint64_t> copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows,
+                                                std::uint64_t vertex_count, Array<std::uint32_t>& indices) {
     const auto lists = std::count_if(faces.properties.begin(), faces.properties.end(),
                                      [](const PlyProperty& property) { return property.is_list; });
     const PlyProperty& list = faces.used(PlyUse::indices);
-    const auto left = static_cast<std::uint64_t>(input.file.data() + input.file.size() - begin);
-    const TriangleRows rows = {begin, fixed_row_bytes(faces) + 3 * size_of(list.type),
-                               offset_in_row(faces, PlyUse::indices)};
-    if (lists != 1 || list.type >= PlyType::float32 || faces.count > left / rows.stride) {
+    const auto left = static_cast<std::uint64_t>(input.file.data() + input.file.size() - rows);
+    const std::size_t stride = fixed_row_bytes(faces) + 3 * size_of(list.type);
+    constexpr std::size_t triangle_bytes = 3 * sizeof(std::uint32_t);
+    constexpr std::uint64_t most_vertices = std::uint64_t{1} << 31;  // beyond, what is negative could be a vertex
+    if (lists != 1 || list.type >= PlyType::float32 || faces.count > left / stride || vertex_count > most_vertices ||
+        faces.count > input.memory_limit / triangle_bytes) {
         return std::nullopt;
     }
-    std::atomic<bool> uniform{true};
-    with_type(list.count_type, [&](auto sample) {
-        using Count = decltype(sample);
-        input.parallel.run_ranges(faces.count, grain, [&](std::size_t first, std::size_t last, int) {
-            bool all = true;
-            for (std::size_t i = first; i < last; ++i) {
-                all &= load_number<Count>(begin + i * rows.stride + rows.list, is_swapped(input.header)) == Count{3};
+    indices.resize_discarding(3 * faces.count);
+    const char* const first_count = rows + offset_in_row(faces, PlyUse::indices);
+    std::atomic<bool> good{true};
+    input.parallel.run_ranges(faces.count, grain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t row = begin; row < end && good.load(std::memory_order_relaxed); row += rows_in_cache) {
+            const std::size_t count = std::min(rows_in_cache, end - row);
+            if (!copy_rows(list, is_swapped(input.header), first_count + row * stride, stride, count, vertex_count,
+                           indices.data() + 3 * row)) {
+                good.store(false, std::memory_order_relaxed);
             }
-            if (!all) {
-                uniform.store(false, std::memory_order_relaxed);
-            }
-        });
-    });
-    return uniform ? std::optional(rows) : std::nullopt;
-}
-
-bool copy_triangles(const PlyInput& input, const PlyElement& faces, const TriangleRows& rows, std::uint64_t vertex_count,
-                    std::uint32_t* indices) {
-    const PlyProperty& list = faces.used(PlyUse::indices);
-    const char* const first_index = rows.begin + rows.list + size_of(list.count_type);
-    std::atomic<bool> in_range{true};
-    with_type(list.type, [&](auto sample) {
-        if constexpr (std::is_integral_v<decltype(sample)>) {
-            input.parallel.run_ranges(faces.count, grain, [&](std::size_t begin, std::size_t end, int) {
-                if (!copy_indices<decltype(sample)>(first_index + begin * rows.stride, rows.stride, end - begin,
-                                                    is_swapped(input.header), vertex_count, indices + 3 * begin)) {
-                    in_range.store(false, std::memory_order_relaxed);
-                }
-            });
         }
     });
-    return in_range;
+    return good ? std::optional(faces.count * stride) : std::nullopt;
 }
 
 }  // namespace lamella

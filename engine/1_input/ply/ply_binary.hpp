@@ -9,24 +9,19 @@
 
 namespace lamella {
 
-/// Where the vertices begin in the file, if their coordinates can be used where they lie.
-std::optional<std::size_t> vertices_in_place(const PlyHeader& header, const PlyElement& vertices, std::size_t offset);
+/// Where the vertices begin in the file, if their coordinates can be used where they lie, swapped or not.
+std::optional<std::size_t> vertices_in_place(const PlyElement& vertices, std::size_t offset);
+
+/// Turns the bytes of each of `count` vertices' coordinates round, where they lie.
+void swap_vertices(std::byte* first, std::size_t stride, Number number, std::size_t count, const Parallel& parallel);
 
 /// Copies the coordinates of vertices without lists, which begin at `rows`, into those of `mesh`.
 void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char* rows, const PlyMesh& mesh);
 
-/// Rows that all have the same size, because their only list has three whole numbers.
-struct TriangleRows {
-    const char* begin = nullptr;
-    std::size_t stride = 0;
-    std::size_t list = 0;  ///< where it lies in a row
-};
-
-/// Whether faces that begin at `begin` are such rows.
-std::optional<TriangleRows> as_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* begin);
-
-/// Copies their indices to `indices`. False: some are not below `vertex_count`.
-bool copy_triangles(const PlyInput& input, const PlyElement& faces, const TriangleRows& rows, std::uint64_t vertex_count,
-                    std::uint32_t* indices);
+/// Copies the indices of the faces at `rows` to `indices`, if every one is a triangle: rows of one size, whose only list has
+/// three whole numbers. Returns the bytes of all rows. Nothing: they are no such rows, some index is not below
+/// `vertex_count`, or there is no memory for them.
+std::optional<std::uint64_t> copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows,
+                                                std::uint64_t vertex_count, Array<std::uint32_t>& indices);
 
 }  // namespace lamella

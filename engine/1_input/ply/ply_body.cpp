@@ -38,7 +38,7 @@ private:
         const PlyElement& element;
         Numbers begin;
         PlyLists lists;
-        std::optional<TriangleRows> triangle_rows;
+        bool copied = false;  ///< its indices have been, to the beginning of the mesh's
     };
 
     bool read_all(const Numbers& numbers);
@@ -46,9 +46,11 @@ private:
     bool locate(Numbers numbers);
     bool fits(const PlyElement& element, const Numbers& numbers);
     bool read_over(Place& place, Numbers& numbers);
+    std::optional<std::uint64_t> copy_triangles(const PlyElement& element, const Numbers& numbers);
     bool read_over_rows(Place& place, Numbers& numbers);
     bool check_row(PlyRows<Numbers>& rows, const PlyElement& element);
     bool affordable();
+    bool needs_coordinates() const;
     bool read_vertices(const Place& place);
     template <class Value>
     bool read_vertex_rows(const Place& place);
@@ -71,7 +73,9 @@ bool BodyReader<Numbers>::read_all(const Numbers& numbers) {
     if (!locate(numbers) || !affordable() || !read_vertices(*place_of(PlyRole::vertices))) {
         return false;
     }
-    mesh_.indices.resize_discarding(3 * triangles_);
+    if (needs_coordinates()) {
+        mesh_.indices.resize_discarding(3 * triangles_);
+    }
     const std::byte* const first =
         mesh_.coordinates.empty() ? reinterpret_cast<const std::byte*>(input_.file.data()) : mesh_.coordinates.data();
     PlyTriangles triangles({first + mesh_.first_offset, mesh_.stride, mesh_.number}, mesh_.indices.span());
@@ -101,7 +105,7 @@ template <class Numbers>
 bool BodyReader<Numbers>::locate(Numbers numbers) {
     places_.reserve(input_.header.elements.size());
     for (const PlyElement& element : input_.header.elements) {
-        Place& place = places_.emplace_back(Place{element, numbers, {}, {}});
+        Place& place = places_.emplace_back(Place{element, numbers, {}});
         if (!fits(element, numbers) || !read_over(place, numbers)) {
             return false;
         }
@@ -134,15 +138,23 @@ bool BodyReader<Numbers>::read_over(Place& place, Numbers& numbers) {
         if (!element.has_lists()) {
             return numbers.skip(PlyType::uint8, element.count * element.least_row_bytes(input_.header.encoding));
         }
-        if (element.role == PlyRole::faces && !strict_) {
-            place.triangle_rows = as_triangle_rows(input_, element, numbers.at());
-        }
-        if (place.triangle_rows) {
+        if (const std::optional<std::uint64_t> bytes = copy_triangles(element, numbers)) {
+            place.copied = true;
             place.lists = {element.count, 3};
-            return numbers.skip(PlyType::uint8, element.count * place.triangle_rows->stride);
+            return numbers.skip(PlyType::uint8, *bytes);
         }
     }
     return read_over_rows(place, numbers);
+}
+
+/// Nearly all files hold nothing but triangles, which are copied while this is found out. Returns the bytes that they take.
+template <class Numbers>
+std::optional<std::uint64_t> BodyReader<Numbers>::copy_triangles(const PlyElement& element, const Numbers& numbers) {
+    const PlyHeader& header = input_.header;
+    if (strict_ || element.role != PlyRole::faces || header.element_of(PlyRole::strips) != nullptr) {
+        return std::nullopt;
+    }
+    return copy_triangle_rows(input_, element, numbers.at(), header.element_of(PlyRole::vertices)->count, mesh_.indices);
 }
 
 template <class Numbers>
@@ -191,6 +203,7 @@ bool BodyReader<Numbers>::affordable() {
                                 triangles_ * 3 * sizeof(std::uint32_t) + longest * sizeof(std::uint32_t) +
                                 PolygonTriangulator::scratch_bytes(longest);
     if (bytes <= input_.memory_limit) {
+        list_.reserve(longest);  // growing would take more than what was counted
         return true;
     }
     return fail(input_.file.data(),
@@ -199,10 +212,20 @@ bool BodyReader<Numbers>::affordable() {
                 Code::out_of_memory);
 }
 
+/// Whether there may be polygons to be cut.
+template <class Numbers>
+bool BodyReader<Numbers>::needs_coordinates() const {
+    const Place* const faces = place_of(PlyRole::faces);
+    return faces == nullptr || !faces->copied;
+}
+
 template <class Numbers>
 bool BodyReader<Numbers>::read_vertices(const Place& place) {
     if constexpr (binary) {
-        if (const auto offset = vertices_in_place(input_.header, place.element, offset_of(place.begin.at()))) {
+        const bool swapped = input_.header.encoding == PlyEncoding::big_endian;
+        const auto offset = vertices_in_place(place.element, offset_of(place.begin.at()));
+        if (offset && (!swapped || !needs_coordinates())) {
+            mesh_.swapped = swapped;
             mesh_.first_offset = *offset;
             mesh_.stride = place.element.least_row_bytes(input_.header.encoding);
             mesh_.number = number_for(place.element);
@@ -237,13 +260,9 @@ bool BodyReader<Numbers>::read_vertex_rows(const Place& place) {
 template <class Numbers>
 bool BodyReader<Numbers>::read_lists(const Place& place, PlyTriangles& triangles) {
     const PlyElement& element = place.element;
-    if constexpr (binary) {
-        // Before all others, so that they go to the beginning. An index out of range is found again below, and told.
-        if (place.triangle_rows &&
-            copy_triangles(input_, element, *place.triangle_rows, mesh_.vertex_count, mesh_.indices.data())) {
-            triangles.use(3 * element.count);
-            return true;
-        }
+    if (place.copied) {
+        triangles.use(3 * element.count);
+        return true;
     }
     PlyRows<Numbers> rows(place.begin, element);
     for (std::uint64_t row = 0; row < element.count; ++row) {

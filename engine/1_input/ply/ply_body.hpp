@@ -26,6 +26,7 @@ struct PlyMesh {
     std::size_t first_offset = 0;  ///< in `coordinates` or the file
     std::size_t stride = 0;
     Number number = Number::f32;
+    bool swapped = false;  ///< the file's byte order is not the machine's, and the coordinates are still the file's
     std::uint64_t vertex_count = 0;
     Array<std::uint32_t> indices;
     std::uint64_t small_faces = 0;  ///< left out: of fewer than three vertices

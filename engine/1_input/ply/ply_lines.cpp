@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t piece_bytes = std::size_t{1} << 20;
 
-/// Longer lists are left to the other reader, so that no thread needs much scratch memory.
-constexpr std::size_t most_corners = 4096;
+/// Longer lines are left to the other reader, so that no thread needs much memory for a list.
+constexpr std::ptrdiff_t longest_line = std::ptrdiff_t{16} << 10;
 
 /// Whole lines.
 struct Piece {
@@ -214,7 +214,7 @@ bool read_lines(const Piece& piece, const char* line, std::uint64_t begin, std::
     for (std::uint64_t row = begin; row < end; ++row) {
         const char* const stop = line_end(line, piece.end);
         PlyRows<AsciiNumbers> parser(AsciiNumbers(line, stop), element, row);
-        if (!read(parser) || !AsciiNumbers(parser.numbers()).at_end()) {
+        if (stop - line > longest_line || !read(parser) || !AsciiNumbers(parser.numbers()).at_end()) {
             return false;
         }
         line = stop != piece.end ? stop + 1 : stop;
@@ -244,7 +244,7 @@ bool LineReader::read_faces(const RowRange& rows) {
         PlyTriangles triangles(vertices, mesh_.indices.span().subspan(3 * piece.first_triangle, 3 * piece.capacity));
         std::vector<std::uint32_t> list;
         const bool good = read_lines(piece, line, begin, end, *rows.element, [&](PlyRows<AsciiNumbers>& parser) {
-            return parser.indices(mesh_.vertex_count, list) && list.size() <= most_corners && triangles.add_face(list);
+            return parser.indices(mesh_.vertex_count, list) && triangles.add_face(list);
         });
         piece.triangles = triangles.index_count() / 3;
         piece.small_faces = triangles.small_faces();

@@ -144,15 +144,12 @@ public:
         constexpr std::ptrdiff_t most_digits = 18;
         const bool negative = *p_ == '-';
         const char* const digits = p_ + (negative ? 1 : 0);
-        const char* p = digits;
-        std::int64_t magnitude = 0;
-        for (; p != end_ && *p >= '0' && *p <= '9' && p - digits < most_digits; ++p) {
-            magnitude = 10 * magnitude + (*p - '0');
-        }
-        if (p == digits || (p != end_ && !is_space(*p))) {
+        std::uint64_t magnitude = 0;
+        const char* const p = read_digits(digits, end_, magnitude);
+        if (p == digits || p - digits > most_digits || (p != end_ && !is_space(*p))) {
             return unusual_integer(value);
         }
-        value = negative ? -magnitude : magnitude;
+        value = negative ? -static_cast<std::int64_t>(magnitude) : static_cast<std::int64_t>(magnitude);
         p_ = p;
         return true;
     }

@@ -83,15 +83,8 @@ bool FacetParser::number(float& value) {
     if (p_ == end_) {
         return fail("expected a coordinate, found the end of the file");
     }
-    switch (read_number(p_, end_, value)) {
-        case NumberText::read:
-            return true;
-        case NumberText::malformed:
-            return fail("malformed coordinate " + found());
-        case NumberText::not_finite:
-            break;
-    }
-    return fail("coordinate is not a finite float: " + found());
+    const NumberText got = read_number(p_, end_, value);
+    return got == NumberText::read || fail(coordinate_problem(got, "float", found()));
 }
 
 }  // namespace lamella

@@ -43,10 +43,11 @@ private:
     std::string root_;
 };
 
-/// Streams a part through `reader`, which may fail without this being an error of the archive: a damaged part can fail as
-/// XML before its checksum is known, and that it is damaged says more.
-Status stream(ZipArchive& package, const std::string& part, XmlReader& reader) {
-    Status read = package.read(part, [&reader](std::string_view piece) { return reader.feed(piece); });
+/// Streams a part through `reader` by feed(piece), which may fail without this being an error of the archive: a damaged part
+/// can fail as XML before its checksum is known, and that it is damaged says more.
+Status stream(ZipArchive& package, const std::string& part, XmlReader& reader,
+              FunctionRef<bool(std::string_view piece)> feed) {
+    Status read = package.read(part, feed);
     if (read) {
         reader.finish();
     }
@@ -60,7 +61,9 @@ Error failure_of(const ZipArchive& package, const std::string& part, const XmlRe
 Result<std::string> find_root(ZipArchive& package, std::pmr::memory_resource* memory) {
     RelationshipReader relationships(memory);
     const std::string part(package_relationships);
-    if (Status read = stream(package, part, relationships); !read) {
+    if (Status read =
+            stream(package, part, relationships, [&](std::string_view piece) { return relationships.feed(piece); });
+        !read) {
         return read.error();
     }
     if (relationships.failure()) {
@@ -75,7 +78,8 @@ Result<std::string> find_root(ZipArchive& package, std::pmr::memory_resource* me
 Status read_part(ZipArchive& package, Model& model, Part part, Budget& budget, std::pmr::memory_resource* memory) {
     PartReader reader(model, part, budget, memory);
     const std::string name = model.parts[part];
-    if (Status read = stream(package, name, reader); !read) {
+    if (Status read = stream(package, name, reader, [&](std::string_view piece) { return reader.feed_part(piece); });
+        !read) {
         return read;
     }
     if (reader.failure()) {

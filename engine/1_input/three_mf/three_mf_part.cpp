@@ -7,6 +7,7 @@
 
 #include "1_input/input_file.hpp"
 #include "1_input/text.hpp"
+#include "1_input/three_mf/three_mf_numbers.hpp"
 
 namespace lamella::three_mf {
 
@@ -36,23 +37,6 @@ constexpr std::array<std::string_view, 5> type_names = {"model", "solidsupport",
 std::string in_quotes(std::string_view text) {
     constexpr std::size_t longest = 64;
     return "'" + printable(std::string(text.substr(0, longest))) + (text.size() > longest ? "...'" : "'");
-}
-
-/// The number that `text` is, with white space around it or none.
-NumberText number_in(std::string_view text, double& value) {
-    const char* const end = text.data() + text.size();
-    const char* p = skip_space(text.data(), end);
-    if (p == end) {
-        return NumberText::malformed;
-    }
-    const NumberText answer = read_number(p, end, value);
-    return answer != NumberText::read || skip_space(p, end) == end ? answer : NumberText::malformed;
-}
-
-bool integer_in(std::string_view text, std::uint32_t& value) {
-    const char* const end = text.data() + text.size();
-    const std::from_chars_result got = std::from_chars(skip_space(text.data(), end), end, value);
-    return got.ec == std::errc() && skip_space(got.ptr, end) == end;
 }
 
 double determinant(const std::array<double, 12>& m) {
@@ -87,9 +71,9 @@ const PartReader::Element PartReader::elements[] = {
     {State::model, State::resources, "resources", &PartReader::begin_nothing},
     {State::resources, State::object, "object", &PartReader::begin_object},
     {State::object, State::mesh, "mesh", &PartReader::begin_mesh},
-    {State::mesh, State::vertices, "vertices", &PartReader::begin_nothing},
+    {State::mesh, State::vertices, "vertices", &PartReader::begin_list},
     {State::vertices, State::vertex, "vertex", &PartReader::begin_vertex},
-    {State::mesh, State::triangles, "triangles", &PartReader::begin_nothing},
+    {State::mesh, State::triangles, "triangles", &PartReader::begin_list},
     {State::triangles, State::triangle, "triangle", &PartReader::begin_triangle},
     {State::object, State::components, "components", &PartReader::begin_nothing},
     {State::components, State::component, "component", &PartReader::begin_component},
@@ -122,6 +106,9 @@ void PartReader::end_element(const XmlName&) {
         return;
     }
     state_ = elements[static_cast<std::size_t>(state_) - 1].parent;
+    if (in_list()) {
+        parsed_ = event_end();
+    }
 }
 
 /// An element that is not read. Extensions put shapes of their own into objects, which is worth a warning.
@@ -237,17 +224,11 @@ bool PartReader::coordinate(const XmlAttributes& attributes, std::string_view na
         fail("a vertex without " + in_quotes(name));
         return false;
     }
-    switch (number_in(*text, value)) {
-        case NumberText::read:
-            return true;
-        case NumberText::malformed:
-            fail("malformed coordinate " + in_quotes(*text));
-            return false;
-        case NumberText::not_finite:
-            break;
+    const NumberText got = number_in(*text, value);
+    if (got != NumberText::read) {
+        fail(coordinate_problem(got, "number", in_quotes(*text)));
     }
-    fail("coordinate is not a finite number: " + in_quotes(*text));
-    return false;
+    return got == NumberText::read;
 }
 
 bool PartReader::vertex_index(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value) {

@@ -1,6 +1,7 @@
 // One model part of a 3MF package as it streams by.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,6 +19,9 @@ class Budget {
 public:
     explicit Budget(std::uint64_t limit_bytes) noexcept : limit_bytes_(limit_bytes) {}
     std::uint64_t limit_bytes() const noexcept { return limit_bytes_; }
+    bool has(std::uint64_t bytes) const noexcept {
+        return used_bytes_ <= limit_bytes_ && bytes <= limit_bytes_ - used_bytes_;
+    }
     bool take(std::uint64_t bytes) noexcept {
         used_bytes_ += bytes;
         return used_bytes_ <= limit_bytes_;
@@ -35,6 +39,9 @@ std::optional<std::string> part_name(std::string_view path);
 class PartReader : public XmlReader {
 public:
     PartReader(Model& model, Part part, Budget& budget, std::pmr::memory_resource* memory);
+
+    /// feed() for the part, which goes over vertices and triangles of the usual form without parsing them as XML.
+    bool feed_part(std::string_view piece);
 
     /// What a failure() amounts to.
     Code failure_code() const noexcept { return code_; }
@@ -73,7 +80,14 @@ private:
     void begin_triangle(const XmlAttributes& attributes);
     void begin_component(const XmlAttributes& attributes);
     void begin_item(const XmlAttributes& attributes);
+    void begin_list(const XmlAttributes&) { parsed_ = event_end(); }
     void begin_nothing(const XmlAttributes&) {}
+
+    bool in_list() const noexcept { return passed_over_ == 0 && (state_ == State::vertices || state_ == State::triangles); }
+    std::size_t feed_length(std::string_view piece) const noexcept;
+    std::size_t read_plain_elements(std::string_view piece, std::uint64_t& lines);
+    bool add_plain_vertex(const std::array<std::string_view, 3>& values);
+    bool add_plain_triangle(const std::array<std::string_view, 3>& values);
 
     void check_required(std::string_view prefixes);
     void set_unit(std::string_view unit);
@@ -95,6 +109,9 @@ private:
     std::pmr::memory_resource* memory_;
     State state_ = State::document;
     std::uint64_t passed_over_ = 0;  // depth within an element that is
+    bool plain_list_ = false;        // in a list whose elements so far were of the usual form
+    std::uint64_t fed_ = 0;          // bytes, those gone over included
+    std::uint64_t parsed_ = 0;       // behind the last tag after which an element of a list may come
     double mm_per_unit_ = 1;
     Code code_ = Code::malformed_mesh;
     std::unordered_map<std::string, std::string> namespaces_;  // by prefix, as the model element declares them

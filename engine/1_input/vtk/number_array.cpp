@@ -1,6 +1,7 @@
 #include "1_input/vtk/number_array.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cstring>
@@ -112,13 +113,23 @@ std::uint64_t decode_indices(const NumberArray& numbers, std::uint64_t first, st
     std::uint64_t largest = 0;
     use_integers(numbers, first, [&](auto values) {
         using Value = decltype(values[0]);
-        Bits<Value> most = 0;  // in the type's own width, so that more of them are compared at a time
-        for (std::uint64_t i = 0; i < count; ++i) {
+        // In the type's own width, so that more of them are compared at a time, and four, so that none waits for another.
+        std::array<Bits<Value>, 4> most{};
+        const auto decode_one = [&](std::uint64_t i, std::size_t lane) {
             const Value value = values[i];
             out[i] = static_cast<std::uint32_t>(value);  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
-            most = std::max(most, static_cast<Bits<Value>>(value));
+            most[lane] = std::max(most[lane], static_cast<Bits<Value>>(value));
+        };
+        std::uint64_t i = 0;
+        for (; i + most.size() <= count; i += most.size()) {
+            for (std::size_t lane = 0; lane < most.size(); ++lane) {
+                decode_one(i + lane, lane);
+            }
         }
-        const auto signed_most = static_cast<Value>(most);
+        for (; i < count; ++i) {
+            decode_one(i, 0);
+        }
+        const auto signed_most = static_cast<Value>(*std::max_element(most.begin(), most.end()));
         largest = static_cast<std::uint64_t>(signed_most);  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
     });
     return largest;

@@ -4,8 +4,6 @@
 #include <charconv>
 #include <type_traits>
 
-#include "1_input/text.hpp"
-
 namespace lamella {
 
 namespace {
@@ -58,14 +56,23 @@ std::vector<WordRun::Piece> cut_window(const char* p, const char* end, const Par
 }
 
 bool read_word(const char*& p, const char* end, std::floating_point auto& value, BadWord& bad) {
-    const NumberText got = read_number(p, end, value);
-    bad.not_finite = got == NumberText::not_finite;
-    return got == NumberText::read;
+    bad.why = read_number(p, end, value);
+    return bad.why == NumberText::read;
 }
 
-bool read_word(const char*& p, const char* end, std::unsigned_integral auto& value, BadWord& /*bad*/) {
-    const auto [word_end, error] = std::from_chars(p, end, value);
-    if (error != std::errc() || (word_end != end && !is_space(*word_end))) {
+template <std::unsigned_integral Value>
+bool read_word(const char*& p, const char* end, Value& value, BadWord& /*bad*/) {
+    constexpr std::ptrdiff_t surely_exact = 9;  // digits, of any type
+    std::uint64_t number = 0;
+    const char* word_end = read_digits(p, end, number);
+    value = static_cast<Value>(number);
+    if (word_end - p > surely_exact) {
+        const std::from_chars_result got = std::from_chars(p, end, value);
+        if (got.ec != std::errc()) {
+            return false;
+        }
+    }
+    if (word_end == p || (word_end != end && !is_space(*word_end))) {
         return false;
     }
     p = word_end;

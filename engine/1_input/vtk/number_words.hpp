@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "1_input/text.hpp"
 #include "base/parallel.hpp"
 
 namespace lamella {
@@ -32,7 +33,7 @@ const char* find_word(const char* p, const char* end, std::uint64_t index);
 /// The first word that is no number of the wanted type; null where all are.
 struct BadWord {
     const char* at = nullptr;
-    bool not_finite = false;
+    NumberText why = NumberText::malformed;
 };
 
 /// Integers must not be negative.

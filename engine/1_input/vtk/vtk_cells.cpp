@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "1_input/polygon.hpp"
+#include "1_input/vtk/vtk_triangles.hpp"
 
 namespace lamella {
 
@@ -24,7 +25,6 @@ struct Block {
     std::uint64_t first_number = 0;  ///< in the corners
     std::uint64_t numbers = 0;
     std::uint64_t first_triangle = 0;
-    bool only_triangles = true;
 };
 
 std::uint64_t triangles_of(std::uint64_t corners) {
@@ -47,7 +47,6 @@ struct Plan {
         Block& block = blocks.back();
         ++block.cells;
         block.numbers += corners + (array->counted ? 1 : 0);
-        block.only_triangles &= corners == 3;
         triangles += triangles_of(corners);
         most_corners = std::max(most_corners, corners);
         if (corners < 3 && without_area++ == 0) {
@@ -132,24 +131,16 @@ public:
     Failure cut(const CellArray& array, const Block& block, std::uint32_t* out) {
         array_ = &array;
         failure_ = {};
-        if (!block.only_triangles) {
-            cut_cells(block, out);
-        } else if (array.counted) {
-            copy_counted(block, out);
-        } else {
-            copy(block, out);
-        }
+        cut_cells(block, out);
         return failure_;
     }
 
 private:
-    void copy(const Block& block, std::uint32_t* out);
-    void copy_counted(const Block& block, std::uint32_t* out);
     void cut_cells(const Block& block, std::uint32_t* out);
     std::size_t cut_cell(std::span<const std::uint32_t> corners, std::uint64_t first_number, std::uint32_t* out);
 
     /// The first of `count` numbers that is no point. Precondition: there is one.
-    void fail_without_point(std::uint64_t first, std::uint64_t count, std::uint64_t per_cell);
+    void fail_without_point(std::uint64_t first, std::uint64_t count);
 
     const VertexCoordinates& vertices_;
     const CellArray* array_ = nullptr;
@@ -158,11 +149,11 @@ private:
     PolygonTriangulator triangulator_;
 };
 
-void Cutter::fail_without_point(std::uint64_t first, std::uint64_t count, std::uint64_t per_cell) {
+void Cutter::fail_without_point(std::uint64_t first, std::uint64_t count) {
     for (std::uint64_t i = 0; i < count; ++i) {
         std::uint64_t point = 0;
         decode_integers(array_->corners, first + i, 1, &point);
-        if (point >= array_->point_count && (per_cell == 0 || i % per_cell != 0)) {
+        if (point >= array_->point_count) {
             failure_ = {Failure::Kind::no_point, first + i};
             return;
         }
@@ -170,36 +161,6 @@ void Cutter::fail_without_point(std::uint64_t first, std::uint64_t count, std::u
     assert(false && "all are points");
 }
 
-void Cutter::copy(const Block& block, std::uint32_t* out) {
-    if (decode_indices(array_->corners, block.first_number, block.numbers, out) >= array_->point_count) {
-        return fail_without_point(block.first_number, block.numbers, 0);
-    }
-    if (array_->first_point != 0) {
-        std::for_each(out, out + block.numbers, [this](std::uint32_t& point) { point += array_->first_point; });
-    }
-}
-
-void Cutter::copy_counted(const Block& block, std::uint32_t* out) {
-    constexpr std::uint64_t cell_numbers = 4;
-    std::array<std::uint32_t, cell_numbers * 256> cells;
-    for (std::uint64_t first = 0; first < block.numbers; first += cells.size()) {
-        const std::uint64_t count = std::min<std::uint64_t>(cells.size(), block.numbers - first);
-        decode_indices(array_->corners, block.first_number + first, count, cells.data());
-        std::uint32_t largest = 0;
-        for (std::uint64_t i = 0; i < count; i += cell_numbers, out += 3) {
-            for (std::uint64_t corner = 0; corner < 3; ++corner) {
-                const std::uint32_t point = cells[i + 1 + corner];
-                largest = std::max(largest, point);
-                out[corner] = point + array_->first_point;
-            }
-        }
-        if (largest >= array_->point_count) {
-            return fail_without_point(block.first_number + first, count, cell_numbers);
-        }
-    }
-}
-
-/// Cells of any number of corners.
 void Cutter::cut_cells(const Block& block, std::uint32_t* out) {
     std::uint64_t at = block.first_number;
     for (std::uint64_t cell = block.first_cell; cell < block.first_cell + block.cells; ++cell) {
@@ -212,7 +173,7 @@ void Cutter::cut_cells(const Block& block, std::uint32_t* out) {
         }
         corners_.resize(count);
         if (decode_indices(array_->corners, at, count, corners_.data()) >= array_->point_count && count > 0) {
-            return fail_without_point(at, count, 0);
+            return fail_without_point(at, count);
         }
         std::for_each(corners_.begin(), corners_.end(), [this](std::uint32_t& point) { point += array_->first_point; });
         out += 3 * (count >= 3 ? cut_cell(corners_, at, out) : 0);
@@ -305,6 +266,9 @@ Status cut_plan(const VtkFile& file, const Plan& plan, std::vector<Cutter>& cutt
 }  // namespace
 
 Status cut_cells(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh) {
+    if (copy_triangles(file, arrays, mesh)) {
+        return {};
+    }
     std::vector<Plan> plans;
     if (Status planned = make_plans(file, arrays, plans, mesh); !planned) {
         return planned;

@@ -26,7 +26,7 @@ template <class Value>
 std::string complaint(const BadWord& bad, const char* end) {
     const std::string found = word_at(bad.at, end);
     if constexpr (std::floating_point<Value>) {
-        return bad.not_finite ? "coordinate is not a finite number: " + found : "malformed coordinate " + found;
+        return coordinate_problem(bad.why, "number", found);
     } else {
         return "expected an integer from 0 to " + std::to_string(std::numeric_limits<Value>::max()) + ", found " + found;
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <limits>
 #include <new>
 #include <optional>
@@ -83,10 +84,8 @@ public:
     ArrayReader(VtkFile& file, const VtpForm& form, const VtpArray& array, ByteStream stream)
         : file_(file), form_(form), array_(array), stream_(stream) {}
 
-    /// Its `total` bytes, which lie where they are or in `storage`.
-    Result<const std::byte*> read(std::uint64_t total, Array<std::byte>& storage) {
-        return form_.compressor.empty() ? read_plain(total, storage) : read_compressed(total, storage);
-    }
+    /// Its `count` numbers, which lie where they are or in `storage`.
+    Result<NumberArray> read(std::uint64_t count, Array<std::byte>& storage);
 
     Error error(const std::string& what) const {
         return file_.error_at(file_.text.data() + array_.element, std::string(array_.name) + " " + what);
@@ -95,6 +94,8 @@ public:
 private:
     Result<const std::byte*> read_plain(std::uint64_t total, Array<std::byte>& storage);
     Result<const std::byte*> read_compressed(std::uint64_t total, Array<std::byte>& storage);
+    bool inflate_narrow(const Blocks& blocks, const std::byte* packed, Array<std::byte>& storage);
+    int inflate_block(const Blocks& blocks, std::size_t block, const std::byte* packed, std::byte* out) const;
     Status read_header(std::span<std::uint64_t> numbers);
     Status read_blocks(Blocks& blocks);
     Status read_stored(std::uint64_t count, Array<std::byte>& storage);
@@ -106,7 +107,25 @@ private:
     const VtpForm& form_;
     const VtpArray& array_;
     ByteStream stream_;
+    bool narrow_ = false;  // its integers of 64 bits became such of 32
 };
+
+Result<NumberArray> ArrayReader::read(std::uint64_t count, Array<std::byte>& storage) {
+    const std::uint64_t total = count * bytes_of(array_.type);
+    const Result<const std::byte*> bytes =
+        form_.compressor.empty() ? read_plain(total, storage) : read_compressed(total, storage);
+    if (!bytes) {
+        return bytes.error();
+    }
+    if (narrow_) {
+        return NumberArray{bytes.value(), count, NumberType::uint32, false, {NumberPlace::Form::encoded, array_.element}};
+    }
+    NumberArray numbers{bytes.value(), count, array_.type, form_.big_endian, {NumberPlace::Form::encoded, array_.element}};
+    if (storage.empty()) {
+        numbers.place = {NumberPlace::Form::bytes, file_.offset_of(reinterpret_cast<const char*>(bytes.value()))};
+    }
+    return numbers;
+}
 
 Status ArrayReader::read_header(std::span<std::uint64_t> numbers) {
     std::array<std::byte, 8> bytes{};
@@ -196,29 +215,67 @@ Result<const std::byte*> ArrayReader::read_compressed(std::uint64_t total, Array
             return read.error();
         }
     }
-    if (Status room = file_.budget.take(total, 1); !room) {
-        return room.error();
-    }
-    storage.resize_discarding(total);
-    if (Status done = inflate(blocks, stream_.is_raw() ? stream_.take(packed_bytes).data() : packed.data(), storage);
-        !done) {
-        return done.error();
+    const std::byte* const from = stream_.is_raw() ? stream_.take(packed_bytes).data() : packed.data();
+    narrow_ = inflate_narrow(blocks, from, storage);
+    if (!narrow_) {
+        if (Status room = file_.budget.take(total, 1); !room) {
+            return room.error();
+        }
+        storage.resize_discarding(total);
+        if (Status done = inflate(blocks, from, storage); !done) {
+            return done.error();
+        }
     }
     file_.budget.give_back(packed.size());
     return storage.data();
 }
 
+int ArrayReader::inflate_block(const Blocks& blocks, std::size_t block, const std::byte* packed, std::byte* out) const {
+    const std::uint64_t begin = block == 0 ? 0 : blocks.ends[block - 1];
+    const std::uint64_t wanted = block + 1 == blocks.ends.size() ? blocks.last_bytes : blocks.bytes;
+    uLongf got = wanted;
+    const int answer = uncompress(reinterpret_cast<Bytef*>(out), &got, reinterpret_cast<const Bytef*>(packed + begin),
+                                  blocks.ends[block] - begin);
+    return answer == Z_OK && got != wanted ? Z_DATA_ERROR : answer;
+}
+
+/// Integers of 64 bits that fit into 32 are held so, as nearly all do: they compress so well that files which are not large
+/// would take more memory than they may. False: they do not, or are damaged; nothing is then held.
+bool ArrayReader::inflate_narrow(const Blocks& blocks, const std::byte* packed, Array<std::byte>& storage) {
+    constexpr std::uint64_t wide = sizeof(std::uint64_t);
+    constexpr std::uint64_t most_bytes = std::uint64_t{1} << 20;  // of a block, which each thread holds one of
+    const std::uint64_t count = ((blocks.ends.size() - 1) * blocks.bytes + blocks.last_bytes) / wide;
+    if (!is_integer(array_.type) || bytes_of(array_.type) != wide || blocks.bytes % wide != 0 ||
+        blocks.last_bytes % wide != 0 || std::max(blocks.bytes, blocks.last_bytes) > most_bytes ||
+        !file_.budget.take(count, sizeof(std::uint32_t))) {
+        return false;
+    }
+    storage.resize_discarding(count * sizeof(std::uint32_t));
+    auto* const out = reinterpret_cast<std::uint32_t*>(storage.data());
+    const Parallel& parallel = file_.source.parallel();
+    std::vector<std::vector<std::byte>> rooms(static_cast<std::size_t>(parallel.threads()));
+    std::atomic<bool> good{true};
+    parallel.run(blocks.ends.size(), [&](std::size_t i, int worker) {
+        std::vector<std::byte>& room = rooms[static_cast<std::size_t>(worker)];
+        room.resize(std::max(blocks.bytes, blocks.last_bytes));
+        const std::uint64_t numbers = (i + 1 == blocks.ends.size() ? blocks.last_bytes : blocks.bytes) / wide;
+        const NumberArray block{room.data(), numbers, array_.type, form_.big_endian, {}};
+        if (!good.load(std::memory_order_relaxed) || inflate_block(blocks, i, packed, room.data()) != Z_OK ||
+            decode_indices(block, 0, numbers, out + i * blocks.bytes / wide) > std::numeric_limits<std::uint32_t>::max()) {
+            good.store(false, std::memory_order_relaxed);
+        }
+    });
+    if (!good) {
+        storage = Array<std::byte>(file_.source.memory());
+        file_.budget.give_back(count * sizeof(std::uint32_t));
+    }
+    return good;
+}
+
 Status ArrayReader::inflate(const Blocks& blocks, const std::byte* packed, Array<std::byte>& storage) const {
     std::vector<int> answers(blocks.ends.size(), Z_OK);
     file_.source.parallel().run(blocks.ends.size(), [&](std::size_t i, int) {
-        const std::uint64_t begin = i == 0 ? 0 : blocks.ends[i - 1];
-        const std::uint64_t wanted = i + 1 == blocks.ends.size() ? blocks.last_bytes : blocks.bytes;
-        uLongf got = wanted;
-        answers[i] = uncompress(reinterpret_cast<Bytef*>(storage.data() + i * blocks.bytes), &got,
-                                reinterpret_cast<const Bytef*>(packed + begin), blocks.ends[i] - begin);
-        if (answers[i] == Z_OK && got != wanted) {
-            answers[i] = Z_DATA_ERROR;
-        }
+        answers[i] = inflate_block(blocks, i, packed, storage.data() + i * blocks.bytes);
     });
     const auto failed = std::find_if(answers.begin(), answers.end(), [](int answer) { return answer != Z_OK; });
     if (failed == answers.end()) {
@@ -274,15 +331,7 @@ Result<NumberArray> VtpData::load_bytes(const VtpArray& array, std::uint64_t cou
     if (count > std::numeric_limits<std::uint64_t>::max() / sizeof(double)) {
         return reader.error("should have " + std::to_string(count) + " numbers, which no file has");
     }
-    const Result<const std::byte*> bytes = reader.read(count * bytes_of(array.type), storage_.back());
-    if (!bytes) {
-        return bytes.error();
-    }
-    NumberArray numbers{bytes.value(), count, array.type, form_.big_endian, {NumberPlace::Form::encoded, array.element}};
-    if (storage_.back().empty()) {
-        numbers.place = {NumberPlace::Form::bytes, file_.offset_of(reinterpret_cast<const char*>(bytes.value()))};
-    }
-    return numbers;
+    return reader.read(count, storage_.back());
 }
 
 }  // namespace lamella

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <charconv>
 #include <string>
 #include <utility>
@@ -86,6 +87,9 @@ private:
     void end_element(const XmlName& name) override;
     void text(std::string_view /*piece*/) override {}  // that of arrays is found by its place
 
+    bool feed_all();
+    std::size_t skippable(std::string_view rest) const;
+
     void begin_file(const XmlAttributes& attributes);
     void begin_piece(const XmlAttributes& attributes);
     void begin_array(Element parent, const XmlAttributes& attributes);
@@ -103,13 +107,14 @@ private:
     VtkFile& file_;
     VtpDocument document_;
     std::vector<Element> open_{Element::document};
+    std::uint64_t tag_end_ = 0;     ///< of the last element that began
     VtpArray* array_ = nullptr;     ///< whose content has not ended
     std::uint64_t content_ = 0;     ///< where it began
     std::optional<Error> refusal_;  ///< that is not one of the XML
 };
 
 Result<VtpDocument> Parser::read() {
-    if (feed(file_.text)) {
+    if (feed_all()) {
         finish();
     }
     if (failure()) {
@@ -121,8 +126,47 @@ Result<VtpDocument> Parser::read() {
     return std::move(document_);
 }
 
+/// Feeds everything but the numbers of arrays: the parser takes longer to find that they are text than they take to be read.
+bool Parser::feed_all() {
+    constexpr std::size_t window = std::size_t{64} << 10;  // appended data, which end parsing, are not searched for tags
+    std::string_view rest = file_.text;
+    while (!rest.empty()) {
+        const std::string_view ahead = rest.substr(0, window);
+        const std::size_t tag_end = ahead.find('>', ahead.find("<DataArray"));
+        const std::string_view head = ahead.substr(0, tag_end == std::string_view::npos ? tag_end : tag_end + 1);
+        if (!feed(head)) {
+            return false;
+        }
+        rest.remove_prefix(head.size());
+        const std::string_view numbers = rest.substr(0, skippable(rest));
+        skip(numbers);
+        rest.remove_prefix(numbers.size());
+    }
+    return true;
+}
+
+/// How much of `rest` is the text of the element that has just begun, and text alone.
+std::size_t Parser::skippable(std::string_view rest) const {
+    constexpr std::size_t grain = std::size_t{256} << 10;
+    if (file_.offset_of(rest.data()) != tag_end_) {
+        return 0;
+    }
+    const std::size_t length = rest.find('<');
+    if (length == std::string_view::npos) {
+        return 0;
+    }
+    std::atomic<bool> plain{true};
+    file_.source.parallel().run_ranges(length, grain, [&](std::size_t begin, std::size_t end, int) {
+        if (!is_plain_xml_text(rest.substr(begin, end - begin))) {
+            plain.store(false, std::memory_order_relaxed);
+        }
+    });
+    return plain ? length : 0;
+}
+
 void Parser::begin_element(const XmlName& name, const XmlAttributes& attributes) {
     end_content();
+    tag_end_ = event_end();
     const Element parent = open_.back();
     const Element element = element_in(parent, name.space.empty() ? name.local : std::string_view());
     open_.push_back(element);

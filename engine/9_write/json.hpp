@@ -1,5 +1,5 @@
-// JSON as text, written as it goes. A library's tree of values takes memory to be moved and destroyed, which ends the
-// process where there is none left; this fails like any string, by std::bad_alloc.
+// JSON as text, written as it goes: numbers and strings by the library, one at a time. Its tree of values takes memory to be
+// destroyed, which ends the process where there is none left; this fails by std::bad_alloc.
 #pragma once
 
 #include <array>
@@ -98,7 +98,6 @@ private:
     void break_line() { text_.append(1, '\n').append(2 * depth_, ' '); }
     void key(std::string_view name);
     void put(std::string_view word);
-    void quote(std::string_view text);
 
     std::string text_;
     std::size_t depth_ = 0;

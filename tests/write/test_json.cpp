@@ -57,7 +57,7 @@ TEST_CASE("json: text is escaped, and always UTF-8", "[write][json]") {
     }
     const std::string instead = "\xEF\xBF\xBD";
     // Cut short, a stray byte, too long a form, a surrogate, beyond the last, no lead at all.
-    CHECK(json::parse(text_of("a\xe2\x82")) == "a" + instead + instead);
+    CHECK(json::parse(text_of("a\xe2\x82")) == "a" + instead);
     CHECK(json::parse(text_of("\xc3(")) == instead + "(");
     CHECK(json::parse(text_of("\x80z")) == instead + "z");
     CHECK(json::parse(text_of("\xc0\xaf")) == instead + instead);

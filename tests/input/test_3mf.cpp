@@ -237,6 +237,48 @@ TEST_CASE("a package that lacks its content types is read with a warning", "[inp
     CHECK(file.warnings[0].find("has no part '[Content_Types].xml'") != std::string::npos);
 }
 
+TEST_CASE("vertices and triangles are read alike in all the ways to write them", "[input][3mf]") {
+    const TempDir dir;
+    const std::string model = model_text(cube(), item(1));
+    const std::vector<Corners> expected = read_corners(dir, package(model));
+    const auto with = [&model](const std::string& from, const std::string& to) {
+        std::string text = model;
+        for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+            text.replace(at, from.size(), to);
+        }
+        REQUIRE(text != model);
+        return text;
+    };
+    const std::string fourth = R"(<vertex x="0" y="10" z="0"/>)";
+    const std::string fifth = R"(<triangle v1="0" v2="1" v3="5"/>)";
+    const std::string same[] = {
+        with("\n", "\r\n"),
+        with("\n", "\r"),
+        with("\n", ""),
+        with("\"/>\n", "\" />\n"),
+        with("/>\n<", "/>\t <"),
+        with(fourth, R"(<vertex y="10" x="0" z="0"/>)"),
+        with(fourth, "<vertex x='0' y='10' z='0'/>"),
+        with(fourth, R"(<vertex x=" 0" y="10 " z="&#48;"/>)"),
+        with(fourth, R"(<vertex x="0" y="1&#x30;" z="0"></vertex>)"),
+        with(fourth, "<!-- <vertices> -->" + fourth + "<?a <triangles>?>"),
+        with(fourth, R"(<other xmlns="urn:other"><vertices><vertex x="1" y="1" z="1"/></vertices></other>)" + fourth),
+        with(fifth, R"(<triangle v1="0" v2="1" v3="5" pid="7"/>)"),
+        with(fifth, R"(<triangle v1="0" v2="1" v3="5"><extra/></triangle>)"),
+        with("<vertices>", "<vertices >"),
+        with("<triangles>", R"(<triangles a="&lt;vertices>">)"),
+    };
+    for (const std::string& text : same) {
+        INFO(text);
+        CHECK(read_corners(dir, package(text)) == expected);
+    }
+    // Names without a prefix in a list with one are of another namespace.
+    std::string prefixed = with("<vertices>", "<c:vertices xmlns:c=\"" + core_space + "\" xmlns=\"urn:other\">");
+    prefixed.replace(prefixed.find("</vertices>"), 11, "</c:vertices>");
+    CHECK_THAT(read_mesh(dir.write("a.3mf", package(prefixed))).error().message,
+               Catch::Contains("vertex index 0 of a mesh with 0 vertices"));
+}
+
 TEST_CASE("3MF by any name and in any encoding that XML must have", "[input][3mf]") {
     const TempDir dir;
     const std::string model = model_text(cube(), item(1));

@@ -428,4 +428,43 @@ TEST_CASE("VTP that expands enormously is refused before it is unpacked", "[inpu
     CHECK(read_mesh(many, options).error().code == Code::out_of_memory);
 }
 
+TEST_CASE("compressed integers of 64 bits are held in 32, unless they are larger", "[input][vtp]") {
+    const TempDir dir;
+    const PolyData data = sheet(200);
+    const Xml xml{"raw", true, GENERATE(false, true), true, "Float32", "Int64", 32768};
+    const auto path = dir.write("a.vtp", Xml{xml}({data}));
+    ReadOptions options;
+    options.memory_limit_bytes = 2'300'000;  // 1.9 MB are needed so, and 2.6 otherwise
+    const Result<MeshFile> mesh = read_mesh(path, options);
+    REQUIRE(mesh.ok());
+    CHECK(triangles_of(mesh.value()) == triangles_of(read_one(dir.write("b.vtp", Xml{}({data})))));
+    PolyData large = cube();
+    large.polygons[5][3] = 0xFFFFFFFF;
+    Xml larger{xml};
+    larger.integers = "Int64";
+    CHECK_THAT(read_error(dir.write("a.vtp", larger({large}))).message,
+               Contains("point 4294967295 of Polys does not exist: there are 8"));
+}
+
+TEST_CASE("text of VTP arrays that is not plain is parsed as XML", "[input][vtp]") {
+    const TempDir dir;
+    const std::string whole = Xml{}({cube()});
+    const std::size_t numbers = whole.find('>', whole.find("connectivity", whole.find("<Polys"))) + 1;
+    const auto with = [&](const std::string& more) {
+        std::string file = whole;
+        file.insert(file.find('<', numbers), more);
+        return file;
+    };
+    CHECK(read_one(dir.write("a.vtp", with(" \t\r\n "))).triangle_count == 12);
+    CHECK_THAT(read_error(dir.write("a.vtp", with("<!-- <DataArray> -->"))).message, Contains("found '<!--'"));
+    const std::size_t lines = static_cast<std::size_t>(
+        std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.find('<', numbers)), '\n'));
+    const std::string line = "line " + std::to_string(lines + 1) + ",";
+    for (const char* const more : {"&", "]]>", "&unknown;", "\x01", "\xFF"}) {
+        const std::string message = read_error(dir.write("a.vtp", with(more))).message;
+        CHECK_THAT(message, Contains("malformed XML") && Contains(line));
+    }
+    CHECK_THAT(read_error(dir.write("a.vtp", with("+"))).message, Contains("found '+"));
+}
+
 }  // namespace lamella::vtk_test

@@ -143,5 +143,37 @@ TEST_CASE("XML without memory throws, and leaves nothing behind", "[input][xml]"
     CHECK(failures > 3);
 }
 
+TEST_CASE("text is plain where nothing in it could be markup or more than one byte", "[input][xml]") {
+    for (int code = 0; code < 256; ++code) {
+        const char c = static_cast<char>(code);
+        const bool white = c == '\t' || c == '\n' || c == '\r';
+        const bool plain = white || (code >= ' ' && code <= '~' && c != '<' && c != '&' && c != ']');
+        for (const std::size_t at : {0U, 7U, 40U}) {
+            std::string text(41, '1');
+            text[at] = c;
+            INFO(code << " at " << at);
+            CHECK(is_plain_xml_text(text) == plain);
+        }
+    }
+}
+
+TEST_CASE("what comes behind skipped text has its place in the whole document", "[input][xml]") {
+    const std::string before = "<a>\n<b>";
+    const std::string plain = "\n1 2 3\n4\n";
+    const std::string after = "</b>\n<c x=\"1\"/><fail/></a>";
+    Recorder whole;
+    CHECK_FALSE(whole.feed(before + plain + after));
+    Recorder parts;
+    CHECK(parts.feed(before));
+    parts.skip(plain, 3);
+    CHECK_FALSE(parts.feed(after));
+    std::string expected = whole.events;
+    expected.erase(expected.find(plain), plain.size());
+    CHECK(parts.events == expected);
+    REQUIRE(parts.failure());
+    CHECK(parts.failure()->line == whole.failure()->line);
+    CHECK(parts.failure()->offset == whole.failure()->offset);
+}
+
 }  // namespace
 }  // namespace lamella

@@ -135,25 +135,8 @@ public:
         --sums_.planes[above[2]].cut;
         sums_.planes[above[1]].step += covered;
         sums_.planes[above[1]].lever += Int128{covered} * z[1];
-        if (covered != 0 && above[0] != above[2]) {
-            sums_.reach += Int128{std::abs(covered)} * (std::int64_t{z[2]} - z[0]);
-        }
-        const double share = static_cast<double>(covered) / (static_cast<double>(z[2]) - z[0]);
-        if (covered != 0 && z[0] != z[1]) {
-            Corner corner = corner_of(share, z[0], z[1]);
-            for (PlaneIndex plane = above[0]; plane < above[1]; ++plane) {
-                add_stretch(corner, plane, planes_.z(plane));
-                add_area(corner, plane);
-            }
-            add_stretch(corner, above[1], z[1]);
-        }
-        if (covered != 0 && z[1] != z[2]) {
-            Corner corner = corner_of(-share, z[2], z[1]);
-            for (PlaneIndex plane = above[2]; plane-- > above[1];) {
-                add_stretch(corner, plane + 1, planes_.z(plane));
-                add_area(corner, plane);
-            }
-            add_stretch(corner, above[1], z[1]);
+        if (covered != 0 && z[0] != z[2]) {
+            add_corners(covered, z, above);
         }
     }
 
@@ -166,6 +149,29 @@ private:
         double t = 0;
         double square = 0;
     };
+
+    /// Of a face that is neither upright nor level, by height.
+    void add_corners(std::int64_t covered, const std::array<std::int32_t, 3>& z, const std::array<PlaneIndex, 3>& above) {
+        const std::int64_t height = std::int64_t{z[2]} - z[0];
+        const double share = static_cast<double>(covered) / static_cast<double>(height);
+        sums_.reach += Int128{std::abs(covered)} * height;
+        if (z[0] != z[1]) {
+            Corner corner = corner_of(share, z[0], z[1]);
+            for (PlaneIndex plane = above[0]; plane < above[1]; ++plane) {
+                add_stretch(corner, plane, planes_.z(plane));
+                add_area(corner, plane);
+            }
+            add_stretch(corner, above[1], z[1]);
+        }
+        if (z[1] != z[2]) {
+            Corner corner = corner_of(-share, z[2], z[1]);
+            for (PlaneIndex plane = above[2]; plane-- > above[1];) {
+                add_stretch(corner, plane + 1, planes_.z(plane));
+                add_area(corner, plane);
+            }
+            add_stretch(corner, above[1], z[1]);
+        }
+    }
 
     Corner corner_of(double share, std::int32_t apex, std::int32_t base) const noexcept {
         const double bend = share / std::abs(static_cast<double>(base) - apex);

@@ -84,7 +84,7 @@ bool pass_through(Point o, Point a, Point b, Point c, Point d) noexcept {
     return in_turn(o, a, b, c) != in_turn(o, a, b, d);
 }
 
-/// Searches one layer after another; its memory is kept, since fresh pages would cost as much as the search.
+/// Searches one layer after another; its memory is kept.
 class LayerSearch {
 public:
     explicit LayerSearch(const SliceResult& result) : result_(result) {}

@@ -12,8 +12,8 @@
 //
 // Corners are rounded once, to a fraction of a unit that is the same for all; everything else is whole numbers. So the sums
 // are the same in any order, and what cancels does so to the last bit. A running sum of the corners' coefficients would
-// visit a face three times only, but needs 256 bits for its squares of heights to cancel; a face of these meshes crosses ten
-// planes.
+// visit a face three times only, whatever planes it crosses, but its squares of heights need 256 bits to cancel; it was not
+// tried.
 #include "lamella/volume.hpp"
 
 #include <algorithm>

@@ -319,6 +319,13 @@ TEST_CASE("malformed VTP is refused with the place", "[input][vtp]") {
     CHECK_THAT(with("4 8 12 ", "4 3 12 "), Contains("cell 1 of Polys ends at 3, which is not from 4 to 24"));
     CHECK_THAT(with("4 8 12 ", "4 25 12 "), Contains("cell 1 of Polys ends at 25"));
     CHECK_THAT(with("20 24 ", "20 23 "), Contains("expected the end of the 23 numbers of connectivity of Polys"));
+    // Decimals are expected, and the element has no text at all.
+    const std::size_t offsets = plain.find("Name=\"offsets\" format=\"ascii\"", plain.find("<Polys>"));
+    REQUIRE(offsets != std::string::npos);
+    const std::size_t text = plain.find('>', offsets);
+    const std::size_t closing = plain.find("</DataArray>", text);
+    CHECK_THAT(complaint(plain.substr(0, text) + "/>" + plain.substr(closing + 12)),
+               Contains("line ") && Contains("expected 6 numbers of offsets of Polys, found 0"));
     CHECK(read_error(dir.write("a.vtp", Xml{}({}))).code == Code::empty_mesh);
     CHECK_THAT(with("NumberOfPolys=\"6\"", "NumberOfPolys=\"0\""), Contains("holds no triangles"));
 }

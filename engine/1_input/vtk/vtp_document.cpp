@@ -288,6 +288,7 @@ void Parser::begin_array(Element parent, const XmlAttributes& attributes) {
     if (is_integer(array.type) || parent == Element::points) {
         array_ = &array;
         content_ = event_end();
+        array_->content = file_.text.substr(content_, 0);
     } else {
         fail("expected integers, found numbers of type " + quoted(attributes.find("type").value_or("")));
     }

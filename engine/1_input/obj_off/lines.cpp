@@ -110,6 +110,9 @@ std::size_t LineParser::count_words() {
 }
 
 void LineParser::skip_rest() {
+    if (p_ != end_ && ends_line(*p_)) {
+        return;
+    }
     const char* const line_end = skip_line(p_, end_);
     if (continued_ && line_end != p_ && line_end[-1] == '\\') {
         count_words();  // leaves a comment, if that is where the backslash is

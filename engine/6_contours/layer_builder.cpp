@@ -112,12 +112,14 @@ void LayerBuilder::finish(BandOutput& out) {
         close_gaps(out);
     }
     sort_by_start();
-    if (rules.fill != FillRule::contours) {
+    const std::uint64_t before = timed ? ticks() : 0;
+    if (rules.fill == FillRule::contours) {
+        nester_.nest(items_);
+    } else {
         fill_regions();
         sort_by_start();
+        nest_region();
     }
-    const std::uint64_t before = timed ? ticks() : 0;
-    nester_.nest(items_);
     nesting_ticks += timed ? ticks() - before : 0;
     put_holes_behind_outers();
     append(out);
@@ -273,31 +275,6 @@ void LayerBuilder::join(std::uint32_t polyline) {
     found_.push_back(found);
 }
 
-/// found_ becomes the region that the closed contours bound by the rule, and the polylines as they were.
-void LayerBuilder::fill_regions() {
-    fill_.clear();
-    for (const NestItem& item : items_) {
-        if (item.closed) {
-            fill_.add({item.points + item.start, item.count - item.start}, {item.points, item.start});
-        }
-    }
-    std::erase_if(found_, [](const Found& found) { return found.item.closed; });
-    const std::size_t polylines = found_.size();
-    filled_.clear();
-    fill_.fill(rules.fill, [this](std::span<const Point> contour) {
-        Found& found = found_.emplace_back();
-        found.segments = static_cast<std::uint32_t>(contour.size());
-        filled_.insert(filled_.end(), contour.begin(), contour.end());
-    });
-    Point* ring = filled_.data();
-    for (std::size_t c = polylines; c < found_.size(); ++c) {
-        const std::uint32_t count = found_[c].segments;
-        found_[c] =
-            describe({0, count, true, false}, ring, examine_ring(ring, count), [](std::uint32_t) { return EndKey{}; });
-        ring += count;
-    }
-}
-
 // --- Canonical order
 
 /// items_ becomes what was found, by start: (x, y, edge key). Contours that start on the same edge are told apart by what
@@ -321,7 +298,8 @@ void LayerBuilder::sort_by_start() {
 }
 
 /// placed_ becomes the canonical order: by start, each outer followed by its holes. A hole's leader is the nearest outer
-/// around it, which starts before the hole since it lies around it. Items are counted by leader, then placed.
+/// around it, which starts before the hole, or at the same point where they touch there. Items are counted by leader, then
+/// placed, leaders first.
 void LayerBuilder::put_holes_behind_outers() {
     const std::size_t count = items_.size();
     next_place_.assign(count, 0);
@@ -329,15 +307,20 @@ void LayerBuilder::put_holes_behind_outers() {
     place_of_.resize(count);  // at first: the leader
     for (std::uint32_t i = 0; i < count; ++i) {
         const NestItem& item = items_[i];
-        assert((item.role != Role::hole || (item.parent >= 0 && item.parent < static_cast<std::int64_t>(i))) &&
-               "a hole lies in something that starts before it");
-        place_of_[i] = item.role == Role::hole ? place_of_[static_cast<std::size_t>(item.parent)] : i;
+        assert((item.role != Role::hole || item.parent >= 0) && "a hole lies in something");
+        const auto around = static_cast<std::uint32_t>(item.parent);
+        assert(item.role != Role::hole || around < i || items_[around].role == Role::outer);
+        place_of_[i] = item.role != Role::hole ? i : (around < i ? place_of_[around] : around);
         ++next_place_[place_of_[i]];
     }
     std::exclusive_scan(next_place_.begin(), next_place_.end(), next_place_.begin(), 0U);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        place_of_[i] = next_place_[place_of_[i]]++;
-        placed_[place_of_[i]] = i;
+    for (const bool holes : {false, true}) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+            if ((items_[i].role == Role::hole) == holes) {
+                place_of_[i] = next_place_[place_of_[i]]++;
+                placed_[place_of_[i]] = i;
+            }
+        }
     }
 }
 

@@ -113,6 +113,8 @@ private:
         NestItem item;
         EndKey start_key;
         std::uint32_t segments;
+        std::int64_t around = -1;  ///< of a region that a rule fills: what it lies directly in, an index of found_
+        bool hole = false;         ///< of such a region
     };
 
     void gather(const LinkGraph& graph, const Point* points);
@@ -126,6 +128,8 @@ private:
     void close_gaps(BandOutput& out);
     void join(std::uint32_t polyline);
     void fill_regions();
+    void add_to_fill();
+    void nest_region();
     void sort_by_start();
     void put_holes_behind_outers();
     void append(BandOutput& out) const;

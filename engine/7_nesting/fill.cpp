@@ -28,21 +28,31 @@ void Fill::add(std::span<const Point> before, std::span<const Point> after) {
     }
 }
 
-void Fill::fill(FillRule rule, FunctionRef<void(std::span<const Point>)> take) {
+void Fill::fill(FillRule rule, FunctionRef<void(std::span<const Point>, std::int64_t)> take) {
     // Points on straight lines are kept: a contour that nothing touches comes out as it went in.
     ClipperLib::Clipper clipper(ClipperLib::ioPreserveCollinear);
     clipper.AddPaths(clipping_->contours, ClipperLib::ptSubject, true);
     const ClipperLib::PolyFillType type = rule == FillRule::even_odd   ? ClipperLib::pftEvenOdd
                                           : rule == FillRule::non_zero ? ClipperLib::pftNonZero
                                                                        : ClipperLib::pftPositive;
-    ClipperLib::Paths region;
+    ClipperLib::PolyTree region;
     clipper.Execute(ClipperLib::ctUnion, region, type, type);
-    for (const ClipperLib::Path& path : region) {
+    struct Taken {
+        const ClipperLib::PolyNode* node;
+        std::int64_t number;
+    };
+    std::vector<Taken> around{{&region, -1}};  // the way down the tree to the contour before
+    std::int64_t number = 0;
+    for (const ClipperLib::PolyNode* node = region.GetFirst(); node != nullptr; node = node->GetNext()) {
+        while (around.back().node != node->Parent) {
+            around.pop_back();
+        }
         clipping_->points.clear();
-        for (const ClipperLib::IntPoint& point : path) {
+        for (const ClipperLib::IntPoint& point : node->Contour) {
             clipping_->points.push_back({static_cast<std::int32_t>(point.X), static_cast<std::int32_t>(point.Y)});
         }
-        take(clipping_->points);
+        take(clipping_->points, around.back().number);
+        around.push_back({node, number++});
     }
 }
 

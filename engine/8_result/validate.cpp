@@ -195,6 +195,9 @@ private:
 
     Complaint parents() const {
         Complaint complaint;
+        if (result_.fill_rule != FillRule::contours) {
+            return complaint;  // the contours of a region touch: a start may lie on what is around it
+        }
         for_each_enclosure(result_, layer_, [&](std::size_t c, std::span<const std::size_t> around) {
             if (complaint.empty() && !is_parent(c, around)) {
                 complaint = at(c) + "the parent is not the smallest contour around its start";
@@ -221,6 +224,9 @@ private:
 
     /// Parents start strictly left of their children, so in the order of starts they come first.
     Complaint roles() const {
+        if (result_.fill_rule != FillRule::contours) {
+            return roles_of_region();
+        }
         std::vector<std::size_t> by_start(contours_.size());
         std::iota(by_start.begin(), by_start.end(), std::size_t{0});
         std::sort(by_start.begin(), by_start.end(), [&](std::size_t a, std::size_t b) { return start(a) < start(b); });
@@ -237,6 +243,21 @@ private:
             standing[c].facets_stand = standing[c].facets_stand && standing[c].winding >= 0;
             if (!suits(contours_[c], standing[c])) {
                 return at(c) + "the role or its overruled mark does not follow from what lies around";
+            }
+        }
+        return {};
+    }
+
+    /// Of a region that a rule fills: outers lie in nothing or in holes, holes in outers.
+    Complaint roles_of_region() const {
+        for (std::size_t c = 0; c < contours_.size(); ++c) {
+            if (!has_area(contours_[c])) {
+                continue;
+            }
+            const bool hole = contours_[c].role == Role::hole;
+            const bool stands = parent(c) == none ? !hole : contours_[parent(c)].role == (hole ? Role::outer : Role::hole);
+            if (!stands || (contours_[c].flags & sense_overruled) != 0) {
+                return at(c) + "the role does not follow from what lies around";
             }
         }
         return {};

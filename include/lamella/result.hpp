@@ -31,7 +31,8 @@ enum class Role : std::uint8_t {
 };
 
 /// What is inside where contours overlap, nest the same way or run backwards. All rules but the first take the union by a
-/// clipping library: points where contours cross are rounded to the grid.
+/// clipping library: points where contours cross are rounded to the grid. Of more than two contours that share a stretch of
+/// an edge the library is known to lose parts at times.
 enum class FillRule : std::uint8_t {
     contours,  ///< as walked: nothing is joined or cut
     even_odd,  ///< within an odd number of contours
@@ -74,8 +75,8 @@ struct Wide {
 struct Contour {
     std::uint64_t first_point = 0;  ///< index into SliceResult::points
     Wide twice_area;                ///< square grid units; positive for outer, negative for hole, 0 for flat and open
-    std::int64_t parent =
-        -1;  ///< index into SliceResult::contours: the smallest closed contour strictly around the start point; -1 if none
+    std::int64_t parent = -1;  ///< index into SliceResult::contours: the smallest closed contour strictly around the start
+                               ///< point, of a region that a fill rule made the one that it lies directly in; -1 if none
     std::uint32_t point_count = 0;
     std::uint32_t segments = 0;
     Role role = Role::outer;

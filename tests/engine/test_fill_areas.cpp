@@ -1,0 +1,165 @@
+// What fill rules fill, against counting cells: boxes with whole corners, some of them inside out, have an area that any
+// winding number decides cell by cell.
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
+
+using lamella::FillRule;
+using lamella::SliceResult;
+
+namespace {
+
+constexpr int size = 12;
+
+struct Box {
+    int x0, y0, x1, y1;
+    bool inside_out;
+};
+
+int draw(std::mt19937& random, int low, int high) {
+    return low + static_cast<int>(random() % static_cast<unsigned>(high - low));
+}
+
+Box random_box(std::mt19937& random) {
+    const int x0 = draw(random, 0, size - 1);
+    const int y0 = draw(random, 0, size - 1);
+    const int x1 = draw(random, x0 + 1, size);
+    const int y1 = draw(random, y0 + 1, size);
+    return {x0, y0, x1, y1, draw(random, 0, 3) == 0};
+}
+
+/// None of which has a side in line with another's.
+std::vector<Box> boxes_apart(std::mt19937& random, std::size_t count) {
+    std::vector<int> xs(size);
+    std::iota(xs.begin(), xs.end(), 0);
+    std::vector<int> ys = xs;
+    std::shuffle(xs.begin(), xs.end(), random);
+    std::shuffle(ys.begin(), ys.end(), random);
+    std::vector<Box> boxes;
+    for (std::size_t i = 0; i < 2 * count; i += 2) {
+        const auto [x0, x1] = std::minmax(xs[i], xs[i + 1]);
+        const auto [y0, y1] = std::minmax(ys[i], ys[i + 1]);
+        boxes.push_back({x0, y0, x1, y1, draw(random, 0, 3) == 0});
+    }
+    return boxes;
+}
+
+shapes::Soup solid(const Box& box) {
+    const shapes::Soup soup = shapes::box({double(box.x0), double(box.y0), 0}, {double(box.x1), double(box.y1), 10});
+    return box.inside_out ? shapes::flipped(soup) : soup;
+}
+
+/// Over a convex polygon, counter-clockwise.
+shapes::Soup prism(const std::vector<std::array<double, 2>>& corners, double height) {
+    shapes::Soup soup;
+    const auto add = [&](std::size_t a, double za, std::size_t b, double zb, std::size_t c, double zc) {
+        const shapes::Soup one = shapes::triangle({corners[a][0], corners[a][1], za}, {corners[b][0], corners[b][1], zb},
+                                                  {corners[c][0], corners[c][1], zc});
+        soup.insert(soup.end(), one.begin(), one.end());
+    };
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const std::size_t next = (i + 1) % corners.size();
+        add(i, 0, next, 0, next, height);
+        add(i, 0, next, height, i, height);
+        if (i > 0 && next > 0) {
+            add(0, 0, next, 0, i, 0);
+            add(0, height, i, height, next, height);
+        }
+    }
+    return soup;
+}
+
+bool fills(FillRule rule, int winding) {
+    switch (rule) {
+        case FillRule::even_odd:
+            return winding % 2 != 0;
+        case FillRule::non_zero:
+            return winding != 0;
+        default:
+            return winding > 0;
+    }
+}
+
+int cells_filled(const std::vector<Box>& boxes, FillRule rule) {
+    int cells = 0;
+    for (int x = 0; x < size; ++x) {
+        for (int y = 0; y < size; ++y) {
+            int winding = 0;
+            for (const Box& box : boxes) {
+                const bool inside = box.x0 <= x && x < box.x1 && box.y0 <= y && y < box.y1;
+                winding += inside ? (box.inside_out ? -1 : 1) : 0;
+            }
+            cells += fills(rule, winding) ? 1 : 0;
+        }
+    }
+    return cells;
+}
+
+double filled_area(const shapes::Soup& soup, FillRule rule) {
+    lamella::SliceOptions options = at_heights({5});
+    options.fill_rule = rule;
+    const SliceResult result = sliced(soup, options);
+    CHECK(result.summary.overruled_contours == 0);
+    return result.area_mm2(result.layers[0]);
+}
+
+constexpr std::array rules{FillRule::even_odd, FillRule::non_zero, FillRule::positive};
+
+}  // namespace
+
+TEST_CASE("fill rules fill the cells that windings say", "[engine][fill]") {
+    std::mt19937 random(GENERATE(range(1U, 201U)));
+    // The clipping library does not always cope with three contours that share a stretch of an edge; see fill.hpp.
+    const bool apart = GENERATE(true, false);
+    const std::vector<Box> boxes =
+        apart ? boxes_apart(random, 2 + random() % 5) : std::vector<Box>{random_box(random), random_box(random)};
+    shapes::Soup soup;
+    for (const Box& box : boxes) {
+        const shapes::Soup one = solid(box);
+        soup.insert(soup.end(), one.begin(), one.end());
+    }
+    for (const FillRule rule : rules) {
+        CAPTURE(static_cast<int>(rule));
+        CHECK(filled_area(soup, rule) == Approx(cells_filled(boxes, rule)).margin(1e-9));
+    }
+}
+
+TEST_CASE("fill rules: an insert that touches its surroundings at its leftmost point", "[engine][fill]") {
+    const shapes::Soup around = shapes::box({0, 0, 0}, {30, 30, 10});
+    const shapes::Soup diamond = prism({{15, 5}, {25, 15}, {15, 25}, {0, 15}}, 10);
+    for (const auto& [insert, expected] :
+         {std::pair{diamond, std::array{650.0, 900.0, 900.0}}, {shapes::flipped(diamond), {650.0, 650.0, 650.0}}}) {
+        const shapes::Soup soup = shapes::joined({around, insert});
+        for (std::size_t r = 0; r < rules.size(); ++r) {
+            CHECK(filled_area(soup, rules[r]) == Approx(expected[r]));
+        }
+    }
+}
+
+TEST_CASE("fill rules: a body and its inverse fill nothing", "[engine][fill]") {
+    const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
+    for (const FillRule rule : rules) {
+        CHECK(filled_area(shapes::joined({cube, shapes::flipped(cube)}), rule) == 0);
+    }
+}
+
+TEST_CASE("fill rules: a body exported a thousand times", "[engine][fill]") {
+    const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
+    const shapes::Soup other = shapes::box({5, 5, 0}, {15, 15, 10});
+    for (const std::size_t times : {1000U, 1001U}) {
+        shapes::Soup soup = other;
+        for (std::size_t copy = 0; copy < times; ++copy) {
+            soup.insert(soup.end(), cube.begin(), cube.end());
+        }
+        CHECK(filled_area(soup, FillRule::even_odd) == Approx(times % 2 == 0 ? 100 : 150));
+        CHECK(filled_area(soup, FillRule::non_zero) == Approx(175));
+        CHECK(filled_area(soup, FillRule::positive) == Approx(175));
+    }
+}

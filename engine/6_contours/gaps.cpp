@@ -1,50 +1,65 @@
 #include "6_contours/gaps.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <limits>
 #include <tuple>
 
 namespace lamella {
 
-std::span<const Gap> GapCloser::close(std::span<const Ends> polylines, double reach) {
-    find_candidates(polylines, reach);
-    std::sort(candidates_.begin(), candidates_.end(), [polylines](const Candidate& a, const Candidate& b) {
-        const auto key = [polylines](const Candidate& c) {
-            return std::tuple(c.squared, polylines[c.gap.from].last, polylines[c.gap.to].first, c.gap.from, c.gap.to);
-        };
-        return key(a) < key(b);
-    });
+/// An end and a start that are each other's nearest are a pair, whatever else is joined first: whatever would take one of
+/// them lies farther off. So the pairs need not be found from the nearest on, which would take a list of all.
+std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, double reach) {
+    const double reach_squared = std::min(reach * reach, std::numeric_limits<double>::max());
+    ends_.assign(polylines, &PolylineEnds::last);
+    starts_.assign(polylines, &PolylineEnds::first);
     next_.assign(polylines.size(), -1);
     taken_.assign(polylines.size(), 0);
     gaps_.clear();
-    for (const auto& [squared, gap] : candidates_) {
-        if (next_[gap.from] < 0 && taken_[gap.to] == 0) {
-            next_[gap.from] = gap.to;
-            taken_[gap.to] = 1;
-            gaps_.push_back(gap);
+    for (std::uint32_t end = 0; end < ends_.site_count(); ++end) {
+        while (ends_.holds(end)) {
+            follow_chain(end, reach_squared);
         }
     }
+    std::sort(gaps_.begin(), gaps_.end(), [polylines](const Gap& a, const Gap& b) {
+        const auto key = [polylines](const Gap& gap) {
+            const Point end = polylines[gap.from].last;
+            const Point start = polylines[gap.to].first;
+            return std::tuple(squared_distance(end, start), end, start, gap.from, gap.to);
+        };
+        return key(a) < key(b);
+    });
     return gaps_;
 }
 
-/// Every end with the starts within reach: those whose x is come from a list by x.
-void GapCloser::find_candidates(std::span<const Ends> polylines, double reach) {
-    by_x_.resize(polylines.size());
-    std::iota(by_x_.begin(), by_x_.end(), 0U);
-    std::sort(by_x_.begin(), by_x_.end(),
-              [polylines](std::uint32_t a, std::uint32_t b) { return polylines[a].first.x < polylines[b].first.x; });
-    candidates_.clear();
-    for (std::uint32_t from = 0; from < polylines.size(); ++from) {
-        const Point end = polylines[from].last;
-        auto start = std::lower_bound(by_x_.begin(), by_x_.end(), end.x - reach,
-                                      [polylines](std::uint32_t p, double x) { return polylines[p].first.x < x; });
-        for (; start != by_x_.end() && polylines[*start].first.x <= end.x + reach; ++start) {
-            const double dx = static_cast<double>(polylines[*start].first.x) - end.x;
-            const double dy = static_cast<double>(polylines[*start].first.y) - end.y;
-            if (dx * dx + dy * dy <= reach * reach) {
-                candidates_.push_back({dx * dx + dy * dy, {from, *start}});
-            }
+/// From `end` to the start nearest to it, the end nearest to that, and so on: ever less far, until two are each other's
+/// nearest. They are joined and the chain goes on from the site before them, so that no search is done in vain. Returns
+/// with `end` joined, or taken where nothing is within reach of it.
+void GapCloser::follow_chain(std::uint32_t end, double reach_squared) {
+    chain_.assign(1, end);
+    while (!chain_.empty()) {
+        const bool at_end = chain_.size() % 2 == 1;
+        const std::uint32_t site = chain_.back();
+        const EndTree& others = at_end ? starts_ : ends_;
+        const std::uint32_t nearest = others.nearest((at_end ? ends_ : starts_).at(site), reach_squared);
+        if (nearest == EndTree::none) {
+            ends_.take_all(site);  // the first of the chain: all others are within reach of the one before them
+            chain_.pop_back();
+        } else if (chain_.size() > 1 && nearest == chain_.end()[-2]) {
+            join(at_end ? site : nearest, at_end ? nearest : site);
+            chain_.resize(chain_.size() - 2);
+        } else {
+            chain_.push_back(nearest);
         }
+    }
+}
+
+/// As many as both sites hold: they are equally far from each other, and so come by number.
+void GapCloser::join(std::uint32_t end, std::uint32_t start) {
+    while (ends_.holds(end) && starts_.holds(start)) {
+        const Gap gap{ends_.take(end), starts_.take(start)};
+        next_[gap.from] = gap.to;
+        taken_[gap.to] = 1;
+        gaps_.push_back(gap);
     }
 }
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "lamella/grid.hpp"
+#include "6_contours/end_tree.hpp"
 
 namespace lamella {
 
@@ -21,17 +21,12 @@ struct Gap {
 class GapCloser {
 public:
     explicit GapCloser(std::pmr::memory_resource* memory)
-        : by_x_(memory), candidates_(memory), next_(memory), taken_(memory), gaps_(memory) {}
-
-    struct Ends {
-        Point first;
-        Point last;
-    };
+        : ends_(memory), starts_(memory), chain_(memory), next_(memory), taken_(memory), gaps_(memory) {}
 
     /// Which of `polylines` follow each other over gaps of at most `reach` grid units: each pair of an end and a start, from
-    /// the nearest on, while neither has been taken; at equal distances by coordinates. O(o log o) for o polylines, and a
-    /// step for each end and start that lie within `reach` of each other in x.
-    std::span<const Gap> close(std::span<const Ends> polylines, double reach);
+    /// the nearest on, while neither has been taken; at equal distances by coordinates. At most about three searches in a
+    /// k-d tree for each polyline: O(o log o) for o polylines unless they lie so that these are slow. O(o) memory.
+    std::span<const Gap> close(std::span<const PolylineEnds> polylines, double reach);
 
     /// After close(): the polyline that follows `polyline`, or -1.
     std::int64_t next(std::uint32_t polyline) const noexcept { return next_[polyline]; }
@@ -39,15 +34,11 @@ public:
     bool follows(std::uint32_t polyline) const noexcept { return taken_[polyline] != 0; }
 
 private:
-    struct Candidate {
-        double squared;
-        Gap gap;
-    };
+    void follow_chain(std::uint32_t end, double reach_squared);
+    void join(std::uint32_t end, std::uint32_t start);
 
-    void find_candidates(std::span<const Ends> polylines, double reach);
-
-    std::pmr::vector<std::uint32_t> by_x_;  // polylines by where they start
-    std::pmr::vector<Candidate> candidates_;
+    EndTree ends_, starts_;                  // of the polylines, while they are free
+    std::pmr::vector<std::uint32_t> chain_;  // sites of ends_ and starts_ in turn, each the nearest to the one before it
     std::pmr::vector<std::int64_t> next_;
     std::pmr::vector<std::uint8_t> taken_;
     std::pmr::vector<Gap> gaps_;

@@ -141,7 +141,7 @@ private:
     std::pmr::vector<Point> rings_;  // the plane's points in walking order, contour by contour
     std::pmr::vector<Found> found_;
     std::pmr::vector<Found> open_;                              // of them, in canonical order, while gaps are closed
-    std::pmr::vector<GapCloser::Ends> ends_;                    // of open_
+    std::pmr::vector<PolylineEnds> ends_;                       // of open_
     std::pmr::vector<Point> joined_;                            // points of polylines that were joined
     std::pmr::vector<Point> filled_;                            // points of contours that a fill rule made
     std::pmr::vector<nesting::SortKey> by_start_, spare_keys_;  // of found_

@@ -18,6 +18,7 @@ namespace {
 
 /// So many places of a kind are listed; the counts are of all.
 constexpr std::size_t most_places = 100;
+constexpr std::size_t most_open_in_layer = 10;
 
 void write_spacing(JsonText& json, const UniformLayers& layers) {
     json.member("kind", "uniform");
@@ -102,44 +103,60 @@ void write_layer(JsonText& json, const SliceResult& result, std::size_t layer) {
     json.member("plane_mm", result.layers[layer].plane_mm);
 }
 
+/// Its ends, and how far apart they are by that name.
+void write_gap(JsonText& json, const SliceResult& result, const ClosedGap& gap, std::string_view length) {
+    json.member("from_mm", place_mm(result, gap.from));
+    json.member("to_mm", place_mm(result, gap.to));
+    json.member(length, result.length_mm(gap));
+}
+
+/// All of them: nothing is closed unsaid.
 void write_gaps(JsonText& json, const SliceResult& result) {
     double longest = 0;
+    double total = 0;
     for (const ClosedGap& gap : result.closed_gaps) {
         longest = std::max(longest, result.length_mm(gap));
+        total += result.length_mm(gap);
     }
     json.object("gaps", [&] {
         json.member("reach_mm", result.close_gaps_mm);
         json.member("closed", result.closed_gaps.size());
         json.member("longest_mm", longest);
-        json.list("first", result.closed_gaps, most_places, [&](const ClosedGap& gap) {
+        json.member("total_mm", total);
+        json.list("closings", result.closed_gaps, result.closed_gaps.size(), [&](const ClosedGap& gap) {
             json.object([&] {
                 write_layer(json, result, gap.layer);
-                json.member("from_mm", place_mm(result, gap.from));
-                json.member("to_mm", place_mm(result, gap.to));
-                json.member("length_mm", result.length_mm(gap));
+                write_gap(json, result, gap, "length_mm");
             });
         });
     });
 }
 
-/// The first open polylines: where each ends and where it starts, between which the mesh lacks faces.
+/// A layer's open polylines: where each ends and where it starts, between which the mesh lacks faces.
+void write_open_layer(JsonText& json, const SliceResult& result, const std::vector<ClosedGap>& gaps) {
+    json.object([&] {
+        write_layer(json, result, gaps.front().layer);
+        json.member("count", gaps.size());
+        json.list("first", gaps, most_open_in_layer,
+                  [&](const ClosedGap& gap) { json.object([&] { write_gap(json, result, gap, "gap_mm"); }); });
+        json.member("not_listed", gaps.size() - std::min(gaps.size(), most_open_in_layer));
+    });
+}
+
+/// Every layer that has open polylines.
 void write_open(JsonText& json, const SliceResult& result) {
-    std::vector<ClosedGap> gaps;
-    for (std::size_t l = 0; l < result.layers.size() && gaps.size() < most_places; ++l) {
-        for (const Contour& contour : result.contours_of(result.layers[l])) {
+    std::vector<ClosedGap> gaps;  // of one layer
+    json.list("open_layers", result.layers, result.layers.size(), [&](const Layer& layer) {
+        gaps.clear();
+        for (const Contour& contour : result.contours_of(layer)) {
             if (contour.role == Role::open) {
                 const std::span<const Point> points = result.points_of(contour);
-                gaps.push_back({l, points.back(), points.front()});
+                gaps.push_back({static_cast<std::uint64_t>(&layer - result.layers.data()), points.back(), points.front()});
             }
         }
-    }
-    json.list("first_open", gaps, most_places, [&](const ClosedGap& gap) {
-        json.object([&] {
-            write_layer(json, result, gap.layer);
-            json.member("from_mm", place_mm(result, gap.from));
-            json.member("to_mm", place_mm(result, gap.to));
-            json.member("gap_mm", result.length_mm(gap));
-        });
+        if (!gaps.empty()) {
+            write_open_layer(json, result, gaps);
+        }
     });
 }
 

@@ -370,7 +370,10 @@ test_mending() {
     cube open.stl 0 5
     expect 0 slice open.stl --planes 5 --report open.json
     expect_json open.json 1 open_contours
-    expect_json open.json 10.0 first_open 0 gap_mm
+    expect_json open.json 5.0 open_layers 0 plane_mm
+    expect_json open.json 1 open_layers 0 count
+    expect_json open.json 10.0 open_layers 0 first 0 gap_mm
+    expect_json open.json 0 open_layers 0 not_listed
     expect_json open.json 10 ledger triangles
     expect_json open.json 6 ledger cut
     expect_json open.json 4 ledger between_planes
@@ -383,7 +386,8 @@ test_mending() {
     expect 0 slice open.stl --planes 5 --close-gaps 10 --report report.json
     expect_json report.json 0 open_contours
     expect_json report.json 1 gaps closed
-    expect_json report.json 10.0 gaps first 0 length_mm
+    expect_json report.json 10.0 gaps total_mm
+    expect_json report.json 10.0 gaps closings 0 length_mm
     grep -q '^gaps *1 closed' .stdout || fail "the summary does not say what was closed"
     expect_failure 2 "--close-gaps" slice open.stl --close-gaps -1
 

@@ -108,6 +108,54 @@ TEST_CASE("report: every kind of plan says what it was", "[write]") {
     }
 }
 
+TEST_CASE("report: every layer with open polylines is listed, with the first ten gaps of each", "[write]") {
+    using write_test::Ring;
+    std::vector<Ring> many;
+    for (std::int32_t i = 0; i < 13; ++i) {
+        many.push_back({Role::open, {{0, 10 * i}, {4, 10 * i + 1}, {6, 10 * i + 8}}});
+    }
+    const std::vector<Ring> square{{Role::outer, {{0, 0}, {10, 0}, {10, 10}, {0, 10}}}};
+    std::vector<Ring> one = square;
+    one.push_back({Role::open, {{20, 0}, {20, 3}}});
+    std::vector<std::vector<Ring>> layers{many, square, {}, one};
+    layers.insert(layers.end(), 150, {{Role::open, {{0, 0}, {2, 0}}}});
+    const json open = report_of(write_test::result_of(layers, 0.5)).at("open_layers");
+
+    REQUIRE(open.size() == 2 + 150);
+    CHECK(open[0].at("layer") == 0);
+    CHECK(open[0].at("count") == 13);
+    CHECK(open[0].at("not_listed") == 3);
+    REQUIRE(open[0].at("first").size() == 10);
+    CHECK(open[0].at("first")[9] == json({{"from_mm", {3, 49}}, {"to_mm", {0, 45}}, {"gap_mm", 5}}));
+    CHECK(open[1] == json({{"layer", 3},
+                           {"plane_mm", 1.75},
+                           {"count", 1},
+                           {"first", {{{"from_mm", {10, 1.5}}, {"to_mm", {10, 0}}, {"gap_mm", 1.5}}}},
+                           {"not_listed", 0}}));
+    CHECK(open.back().at("layer") == 153);
+    CHECK(report_of(write_test::result_of({square}, 0.5)).at("open_layers").empty());
+}
+
+TEST_CASE("report: every closed gap is listed, however many", "[write]") {
+    SliceResult result = write_test::square_with_hole();
+    CHECK(report_of(result).at("gaps").at("closings").empty());
+    result.close_gaps_mm = 7;
+    result.closed_gaps.resize_discarding(500);
+    for (std::int32_t i = 0; i < 500; ++i) {
+        result.closed_gaps[static_cast<std::size_t>(i)] = {
+            static_cast<std::uint64_t>(i / 250), {i, 0}, {i, i == 123 ? 12 : 1}};
+    }
+    const json gaps = report_of(result).at("gaps");
+    CHECK(gaps.at("reach_mm") == 7);
+    CHECK(gaps.at("closed") == 500);
+    CHECK(gaps.at("longest_mm") == 6);
+    CHECK(gaps.at("total_mm") == 499 * 0.5 + 6);
+    REQUIRE(gaps.at("closings").size() == 500);
+    CHECK(gaps.at("closings")[123] ==
+          json({{"layer", 0}, {"plane_mm", 0.25}, {"from_mm", {61.5, 0}}, {"to_mm", {61.5, 6}}, {"length_mm", 6}}));
+    CHECK(gaps.at("closings")[499].at("layer") == 1);
+}
+
 TEST_CASE("report: a file name that is not UTF-8 or holds quotes still gives JSON", "[write]") {
     const json report = report_of(write_test::square_with_hole(), {.mesh_file = "a\xff\"b\n.stl"});
     CHECK(report.at("mesh") == "a\xef\xbf\xbd\"b\n.stl");

@@ -20,6 +20,7 @@
 #include "base/clock.hpp"
 #include "base/memory.hpp"
 #include "base/parallel.hpp"
+#include "base/words.hpp"
 
 namespace lamella {
 
@@ -134,8 +135,8 @@ Status Slicing::bucket_triangles() {
     const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + kept_.planes.size() * sizeof(Layer) +
                                 static_cast<std::uint64_t>(cutting) * sizeof(Contour);
     if (bytes > memory_limit(options_)) {
-        return Error{Code::result_too_large, std::to_string(kept_.planes.size()) + " layers with " +
-                                                 std::to_string(buckets.segment_count) + " segments need " +
+        return Error{Code::result_too_large, counted(kept_.planes.size(), "layer") + " with " +
+                                                 counted(buckets.segment_count, "segment") + " need " +
                                                  std::to_string(bytes) + " bytes, more than the memory limit of " +
                                                  std::to_string(memory_limit(options_))};
     }

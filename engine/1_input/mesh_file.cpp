@@ -11,6 +11,7 @@
 #include "1_input/reader.hpp"
 #include "1_input/text.hpp"
 #include "base/clock.hpp"
+#include "base/words.hpp"
 
 namespace lamella {
 
@@ -138,8 +139,8 @@ Result<MeshFile> read_compressed(FileSource& packed, const InputFile& file, cons
         mesh->compressed = true;
         mesh->parse_ms += unzip_ms;
         if (unzipped.ignored_bytes > 0) {
-            mesh->warnings.push_back(file.name() + ": ignored " + std::to_string(unzipped.ignored_bytes) +
-                                     " bytes after the gzip data");
+            mesh->warnings.push_back(file.name() + ": ignored " + counted(unzipped.ignored_bytes, "byte") +
+                                     " after the gzip data");
         }
     }
     return mesh;

@@ -8,6 +8,7 @@
 
 #include "2_grid/quantise.hpp"
 #include "2_grid/soup_box.hpp"
+#include "base/words.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {
@@ -183,8 +184,8 @@ Result<double> choose_unit(const Bounds& bounds, double asked_mm) {
     }
     // Rounding moves a vertex by up to a unit; the limit keeps two of room.
     if (largest / asked_mm > grid_limit - 2) {
-        return Error{Code::bad_coordinate, "the mesh reaches " + std::to_string(largest) + " mm, which a grid unit of " +
-                                               std::to_string(asked_mm) + " mm cannot hold in 32 bits"};
+        return Error{Code::bad_coordinate, "the mesh reaches " + exact_text(largest) + " mm, which a grid unit of " +
+                                               exact_text(asked_mm) + " mm cannot hold in 32 bits"};
     }
     return asked_mm;
 }

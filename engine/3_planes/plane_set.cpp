@@ -7,6 +7,7 @@
 #include <string>
 
 #include "2_grid/quantise.hpp"
+#include "base/words.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -19,8 +20,7 @@ constexpr double most_planes = 2147483648.0 - 4;
 constexpr std::size_t most_listed = std::size_t{1} << 27;  // as many as find room beyond either end of the grid
 
 std::string mm_text(double mm) {
-    std::string text = std::to_string(mm);
-    return text + " mm";
+    return exact_text(mm) + " mm";
 }
 
 /// SplitMix64: a generator small enough to write out, so that a seed means the same planes on every platform.
@@ -80,8 +80,8 @@ Status PlaneSet::check_count(double planes, std::uint64_t memory_limit) const {
         return Error{Code::bad_planes, "more than 2^31 planes"};
     }
     if (planes * static_cast<double>(sizeof(Layer) + 4 * sizeof(std::int32_t)) > static_cast<double>(memory_limit)) {
-        return Error{Code::result_too_large, std::to_string(static_cast<std::uint64_t>(planes)) +
-                                                 " layers alone exceed the memory limit of " + std::to_string(memory_limit) +
+        return Error{Code::result_too_large, counted(static_cast<std::uint64_t>(planes), "layer") +
+                                                 " alone exceed the memory limit of " + std::to_string(memory_limit) +
                                                  " bytes"};
     }
     return {};

@@ -1,8 +1,5 @@
 #include "9_write/describe.hpp"
 
-#include <array>
-#include <charconv>
-
 namespace lamella {
 
 namespace {
@@ -18,7 +15,8 @@ std::string words(const UniformLayers& layers) {
 }
 
 std::string words(const ExplicitPlanes& planes) {
-    return std::to_string(planes.heights_mm.size()) + " planes at given absolute heights";
+    return counted(planes.heights_mm.size(), "plane") + " at " +
+           (planes.heights_mm.size() == 1 ? "a given absolute height" : "given absolute heights");
 }
 
 std::string words(const RandomLayers& layers) {
@@ -36,16 +34,15 @@ const char* name_of(Datum datum) noexcept {
     return datum == Datum::mesh_min ? "mesh-min" : "zero";
 }
 
-std::string exact_text(double value) {
-    std::array<char, 32> text{};
-    const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
-    return error == std::errc() ? std::string(text.data(), end) : std::string("?");
-}
-
 std::string describe(const LayerPlan& plan) {
     return std::visit([](const auto& spacing) { return words(spacing); }, plan.spacing) +
            "; each height rounded as a vertex of that height would be, then one grid unit " +
            (plan.side == Side::below ? "down" : "up") + " (side " + name_of(plan.side) + ")";
+}
+
+std::string describe_weld(const WeldedMesh& welded, double tolerance_mm) {
+    return "Vertices at most " + exact_text(tolerance_mm) + " mm apart welded before: " + std::to_string(welded.joined) +
+           " moved";
 }
 
 std::string describe_rules(const SliceResult& result) {

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -11,19 +12,24 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "lamella/write.hpp"
+
 namespace lamella {
 
 namespace {
 
 constexpr int create_attempts = 100;
 
-/// Beside the target, so that the rename stays within one file system; hidden, and short enough for any name limit.
-std::filesystem::path aside_name(const std::filesystem::path& destination, int attempt) {
+/// What the names of this process's files aside of `destination` begin with: hidden, and short enough for any name limit.
+std::string aside_prefix(const std::filesystem::path& destination) {
     constexpr std::size_t longest_stem = 180;
+    return "." + destination.filename().string().substr(0, longest_stem) + "." + std::to_string(::getpid()) + "-";
+}
+
+/// Beside the target, so that the rename stays within one file system.
+std::filesystem::path aside_name(const std::filesystem::path& destination, int attempt) {
     const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
-    const std::string name = "." + destination.filename().string().substr(0, longest_stem) + "." +
-                             std::to_string(::getpid()) + "-" + std::to_string(now + attempt) + ".part";
-    return destination.parent_path() / name;
+    return destination.parent_path() / (aside_prefix(destination) + std::to_string(now + attempt) + ".part");
 }
 
 }  // namespace
@@ -31,6 +37,23 @@ std::filesystem::path aside_name(const std::filesystem::path& destination, int a
 Error unwritable(const std::filesystem::path& path, int error_number) {
     return {.code = Code::unwritable_file,
             .message = "cannot write '" + path.string() + "': " + std::generic_category().message(error_number)};
+}
+
+void remove_unfinished(const std::filesystem::path& path) noexcept {
+    try {
+        std::error_code ignored;
+        const std::filesystem::path real = std::filesystem::canonical(path, ignored);
+        const std::filesystem::path& destination = ignored ? path : real;
+        const std::filesystem::path folder = destination.has_parent_path() ? destination.parent_path() : ".";
+        const std::string prefix = aside_prefix(destination);
+        std::filesystem::directory_iterator entry(folder, ignored);
+        for (; entry != std::filesystem::directory_iterator(); entry.increment(ignored)) {
+            if (entry->path().filename().string().starts_with(prefix)) {
+                std::filesystem::remove(entry->path(), ignored);
+            }
+        }
+    } catch (const std::bad_alloc&) {  // NOLINT(bugprone-empty-catch): without memory the file stays, and the end goes on
+    }
 }
 
 Result<OutputFile> OutputFile::create(const std::filesystem::path& target) {

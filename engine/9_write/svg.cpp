@@ -16,6 +16,7 @@
 
 #include "9_write/describe.hpp"
 #include "9_write/output_file.hpp"
+#include "base/words.hpp"
 #include "lamella/write.hpp"
 
 namespace lamella {
@@ -92,8 +93,8 @@ Frame2d frame_of(const SliceResult& result) {
 
 class SvgWriter {
 public:
-    SvgWriter(const SliceResult& result, OutputFile& out)
-        : result_(result), out_(out), format_(result.unit_mm), frame_(frame_of(result)) {}
+    SvgWriter(const SliceResult& result, const ReportContext& context, OutputFile& out)
+        : result_(result), context_(context), out_(out), format_(result.unit_mm), frame_(frame_of(result)) {}
 
     void head() {
         const std::string width = mm(frame_.width);
@@ -106,8 +107,7 @@ public:
             "xmlns:slic3r=\"http://slic3r.org/namespaces/slic3r\" width=\"" +
             width + "mm\" height=\"" + height + "mm\" viewBox=\"" + left + " " + top + " " + width + " " + height +
             "\" fill-rule=\"nonzero\">\n");
-        out_.append("<title>" + std::to_string(result_.layers.size()) + " layers</title>\n<desc>" + description() +
-                    "</desc>\n");
+        out_.append("<title>" + counted(result_.layers.size(), "layer") + "</title>\n<desc>" + description() + "</desc>\n");
         out_.append("<rect x=\"" + left + "\" y=\"" + top + "\" width=\"" + width + "\" height=\"" + height +
                     "\" fill=\"white\"/>\n");
     }
@@ -145,8 +145,9 @@ public:
 
 private:
     std::string description() const {
-        std::string text = "Coordinates in mm. Grid unit " + exact_text(result_.unit_mm) +
-                           " mm. Planes: " + describe(result_.plan) + ". " + describe_rules(result_) +
+        std::string text = "Coordinates in mm. Grid unit " + exact_text(result_.unit_mm) + " mm. " +
+                           (context_.welded != nullptr ? describe_weld(*context_.welded, context_.weld_mm) + ". " : "") +
+                           "Planes: " + describe(result_.plan) + ". " + describe_rules(result_) +
                            ". Frame (rows of a 3x4 matrix from mesh to layers):";
         for (const double entry : result_.frame.m) {
             text += " " + exact_text(entry);
@@ -215,17 +216,19 @@ private:
     }
 
     const SliceResult& result_;
+    const ReportContext& context_;
     OutputFile& out_;
     MmFormat format_;
     Frame2d frame_;
 };
 
-Status write_svg_throwing(const SliceResult& result, const std::filesystem::path& path, const std::stop_token& stop) {
+Status write_svg_throwing(const SliceResult& result, const std::filesystem::path& path, const std::stop_token& stop,
+                          const ReportContext& context) {
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();
     }
-    SvgWriter writer(result, *file);
+    SvgWriter writer(result, context, *file);
     writer.head();
     for (std::size_t index = 0; index < result.layers.size(); ++index) {
         if (stop.stop_requested()) {
@@ -240,9 +243,10 @@ Status write_svg_throwing(const SliceResult& result, const std::filesystem::path
 
 }  // namespace
 
-Status write_svg(const SliceResult& result, const std::filesystem::path& path, const std::stop_token& stop) noexcept {
+Status write_svg(const SliceResult& result, const std::filesystem::path& path, const std::stop_token& stop,
+                 const ReportContext& context) noexcept {
     try {
-        return write_svg_throwing(result, path, stop);
+        return write_svg_throwing(result, path, stop, context);
     } catch (const std::bad_alloc&) {
         return Error{.code = Code::out_of_memory, .message = "out of memory"};
     }

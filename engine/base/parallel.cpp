@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <new>
 
 #ifdef LAMELLA_PARALLEL_STD
 #include <thread>
@@ -97,7 +98,12 @@ void Parallel::run(std::size_t count, FunctionRef<void(std::size_t, int)> task) 
     if (workers <= 1) {
         dispenser.work(0);
     } else {
-        arena_->execute(workers, [&](int worker) { dispenser.work(worker); });
+        try {
+            arena_->execute(workers, [&](int worker) { dispenser.work(worker); });
+        } catch (const std::exception&) {
+            // What tasks throw, the dispenser keeps: this is a thread that the system would not start.
+            throw std::bad_alloc();
+        }
     }
     if (dispenser.failure) {
         std::rethrow_exception(dispenser.failure);

@@ -34,6 +34,19 @@ test_usage() {
     expect_failure 2 "--band" "${slice[@]}" --band -1
     expect_failure 2 "--progress" "${slice[@]}" --progress sometimes
     expect_failure 2 "" "${slice[@]}" --layer-height 1e-7
+    local option
+    for option in -o --report --planes --transform --normal --random-heights; do
+        expect_failure 2 "is empty" "${slice[@]}" "$option" ""
+    done
+    for option in --report --marks; do
+        expect_failure 2 "is empty" check ball.stl "$option" ""
+    done
+    expect_failure 2 "is empty" make sphere --triangles 1000 -o ""
+    local command
+    for command in slice info check; do
+        expect_failure 2 "mesh: is empty" "$command" ""
+    done
+    expect_failure 3 "a grid unit of 1e-12 mm" "${slice[@]}" --grid 1e-12
     expect_failure 2 "the mesh itself" "${slice[@]}" -o ball.stl
     expect_failure 2 "the mesh itself" "${slice[@]}" --report ./ball.stl
     expect_failure 2 "--output itself" "${slice[@]}" -o a --report a
@@ -229,6 +242,23 @@ test_summary() {
     fi
 }
 
+test_plurals() {
+    { echo solid; facet $'vertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\n'; echo endsolid; } > one.stl
+    expect 0 slice one.stl --planes 0.5 -o out.svg
+    grep -q '^mesh .* 1 triangle, ' .stdout || fail "not 1 triangle"
+    grep -q '<title>1 layer</title>' out.svg || fail "not 1 layer"
+    grep -q 'Planes: 1 plane at ' out.svg || fail "not 1 plane"
+    expect 0 check one.stl
+    grep -q ', 1 triangle, triangle 0$' .stdout || fail "check: not 1 triangle"
+    printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 2
+property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 0 1\n3 0 1 2\n2 0 1\n#' > one.ply
+    expect 0 info one.ply
+    grep -q 'left out 1 face of' .stderr || fail "not 1 face"
+    grep -q 'ignored 1 byte after' .stderr || fail "not 1 byte"
+    printf '7' > one.txt
+    expect_failure 3 "one.txt: 1 number where" slice one.stl --transform one.txt
+}
+
 test_progress() {
     sphere ball.stl
     expect 0 slice ball.stl --progress always
@@ -268,6 +298,9 @@ test_planes_file() {
     expect_failure 3 "bad.txt:3: 'three'" slice ball.stl --planes bad.txt
     printf '1\n\n3 2\n' > order.txt
     expect_failure 3 "order.txt:3" slice ball.stl --planes order.txt
+    printf '1\n\0a\x1b%050d\n' 0 > binary.txt
+    expect_failure 3 "binary.txt:2: '?a?$(printf %037d 0)...' is not a number" slice ball.stl --planes binary.txt
+    expect_failure 3 "binary.txt:2: '?a?$(printf %037d 0)...' is not a number" slice ball.stl --transform binary.txt
     printf '1\n1.0000000001\n' > close.txt
     expect_failure 3 "close.txt:2" slice ball.stl --planes close.txt
     : > none.txt
@@ -398,7 +431,16 @@ test_mending() {
     expect_json report.json 0 open_contours
     expect_json report.json 1 weld joined
     expect_json report.json 8 weld vertices
-    grep -q '^welded *1 vertices' .stdout || fail "the summary does not say what was welded"
+    grep -q '^welded *1 vertex onto' .stdout || fail "the summary does not say what was welded"
+    expect 0 slice cracked.stl --planes 5 --weld 0.01 -o out.svg
+    grep -q 'Vertices at most 0.01 mm apart welded before: 1 moved' out.svg || fail "the SVG does not say what was welded"
+    expect 0 slice left.stl --planes 5 --weld 0 -o out.svg
+    grep -q 'Vertices at most 0 mm apart welded before: 0 moved' out.svg || fail "the SVG does not say that nothing moved"
+    expect 0 slice left.stl --planes 5 -o out.svg
+    grep -q 'weld' out.svg && fail "the SVG speaks of welding"
+    expect 0 slice left.stl --planes 5 --weld 20
+    [[ $(cat .stderr) == "lamella: warning: welding at 20 mm leaves no triangle of 12, so nothing is cut" ]] ||
+        fail "not the reason why nothing is cut"
     expect_failure 2 "--weld" slice cracked.stl --weld nan
 }
 

@@ -43,6 +43,24 @@ TEST_CASE("output: until it is committed the old file stands, and an abandoned o
     CHECK(text_of(folder.path() / "a") == "old");
 }
 
+TEST_CASE("output: what is unfinished of one file can be removed, and nothing else", "[write]") {
+    const Folder folder;
+    REQUIRE(write_text_file(folder.path() / "a", "old").ok());
+    REQUIRE(write_text_file(folder.path() / ".a.1-2.part", "another process's").ok());
+    std::filesystem::create_symlink("a", folder.path() / "link");
+    const Result<OutputFile> through_link = OutputFile::create(folder.path() / "link");
+    const Result<OutputFile> other = OutputFile::create(folder.path() / "b");
+    REQUIRE((through_link.ok() && other.ok()));
+    REQUIRE(folder.names().size() == 5);
+    remove_unfinished(folder.path() / "link");
+    CHECK(folder.names().size() == 4);
+    remove_unfinished(folder.path() / "b");
+    remove_unfinished(folder.path() / "none" / "c");
+    remove_unfinished("");
+    CHECK(folder.names() == std::vector<std::string>{".a.1-2.part", "a", "link"});
+    CHECK(text_of(folder.path() / "a") == "old");
+}
+
 TEST_CASE("output: two writers of one file do not meet", "[write]") {
     const Folder folder;
     Result<OutputFile> one = OutputFile::create(folder.path() / "a");

@@ -71,9 +71,10 @@ void require(const Status& status) {
     }
 }
 
-void run(const CheckArguments& arguments) {
+void run(const CheckArguments& arguments, Interrupt& interrupt) {
     require_tolerance(arguments);
     require_outputs(arguments);
+    interrupt.tidy({arguments.report, arguments.marks});
     const MeshFile mesh = read_mesh_and_warn(arguments);
     const MeshCheck found = checked(arguments, mesh);
     if (!arguments.marks.empty()) {
@@ -100,20 +101,22 @@ void run(const CheckArguments& arguments) {
 
 }  // namespace
 
-void add_check_command(CLI::App& app) {
+void add_check_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("check", "Say what is wrong with a mesh, and where");
     const auto arguments = std::make_shared<CheckArguments>();
     declare_mesh(*command, *arguments);
     command->add_option("--report", arguments->report, "JSON report; - for standard output, then without the words")
-        ->type_name("FILE|-");
+        ->type_name("FILE|-")
+        ->check(given);
     command->add_option("--marks", arguments->marks, "PLY that marks every place with coloured points and edges")
-        ->type_name("FILE.ply");
+        ->type_name("FILE.ply")
+        ->check(given);
     command->add_option("--tolerance", arguments->tolerance_mm, "Up to which gaps are cracks and T-junctions (0.01)")
         ->type_name("MM");
     command->add_option("--places", arguments->places, "How many places of each kind to list (10)")
         ->type_name("N")
         ->check(CLI::Range(0, static_cast<int>(most_marks)));
-    command->callback([arguments] { run(*arguments); });
+    command->callback([arguments, &interrupt] { run(*arguments, interrupt); });
 }
 
 }  // namespace lamella::cli

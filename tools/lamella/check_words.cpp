@@ -26,12 +26,12 @@ std::string detail(Fault fault, const Place& place) {
     switch (fault) {
         case Fault::overfull_balanced:
         case Fault::overfull_unbalanced:
-            return ", " + grouped(place.number) + " faces";
+            return ", " + counted(place.number, "face");
         case Fault::boundary_loop:
-            return ", " + grouped(place.number) + " edges, " + rounded(place.measure, 3) + " mm" +
+            return ", " + counted(place.number, "edge") + ", " + rounded(place.measure, 3) + " mm" +
                    (place.closed ? "" : ", not closed");
         case Fault::split_vertex:
-            return ", " + grouped(place.number) + " fans";
+            return ", " + counted(place.number, "fan");
         case Fault::needle_face:
         case Fault::cap_face:
             return ", " + rounded(place.measure, 0) + " : 1";
@@ -78,7 +78,7 @@ std::string words(const Shell& shell) {
                              : shell.sense < 0 ? "cavity"
                                                : "no volume";
     return "  " + point(shell.first_mm) + ", " + kind + ", depth " + std::to_string(shell.depth) + ", " +
-           grouped(shell.triangles) + " triangles" + (shell.closed ? ", " + rounded(shell.volume_mm3, 3) + " mm3" : "") +
+           counted(shell.triangles, "triangle") + (shell.closed ? ", " + rounded(shell.volume_mm3, 3) + " mm3" : "") +
            ", triangle " + std::to_string(shell.triangle) + "\n";
 }
 

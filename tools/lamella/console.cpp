@@ -16,13 +16,19 @@
 
 namespace lamella::cli {
 
+std::string printable(std::string_view text) {
+    std::string line(text);
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; }, '?');
+    return line;
+}
+
+std::string complaint(std::string_view text) {
+    return "lamella: " + printable(text) + "\n";
+}
+
 void complain(std::string_view text) {
-    std::string line = "lamella: ";
-    for (const char c : text) {
-        line += std::iscntrl(static_cast<unsigned char>(c)) != 0 ? '?' : c;
-    }
-    line += '\n';
-    (void)std::fputs(line.c_str(), stderr);
+    (void)std::fputs(complaint(text).c_str(), stderr);
 }
 
 void warn(std::string_view text) {
@@ -39,6 +45,11 @@ std::string grouped(std::uint64_t count) {
         text += digits[i];
     }
     return text;
+}
+
+std::string counted(std::uint64_t count, std::string_view noun, std::string_view plural) {
+    const bool irregular = count != 1 && !plural.empty();
+    return grouped(count) + " " + std::string(irregular ? plural : noun) + (count == 1 || irregular ? "" : "s");
 }
 
 std::string rounded(double value, int decimals) {

@@ -10,12 +10,21 @@ namespace lamella::cli {
 
 inline constexpr int most_threads = 4096;  ///< that --threads takes
 
-/// "lamella: TEXT" on stderr as exactly one line: control characters, as file names may hold, become '?'.
+/// Control characters, as file names may hold, become '?'.
+std::string printable(std::string_view text);
+
+/// "lamella: TEXT", printable and as exactly one line.
+std::string complaint(std::string_view text);
+
+/// The same on stderr.
 void complain(std::string_view text);
 void warn(std::string_view text);
 
 /// 1234567 as "1,234,567".
 std::string grouped(std::uint64_t count);
+
+/// "1 triangle", "1,234 triangles"; `plural` where an s does not make it.
+std::string counted(std::uint64_t count, std::string_view noun, std::string_view plural = {});
 
 /// With so many decimals.
 std::string rounded(double value, int decimals);

@@ -1,8 +1,13 @@
 #include "interrupt.hpp"
 
+#include <system_error>
+#include <utility>
+
 #include <pthread.h>
 
 #include "console.hpp"
+#include "failure.hpp"
+#include "lamella/write.hpp"
 
 namespace lamella::cli {
 
@@ -14,17 +19,6 @@ constexpr int wake_up = SIGUSR1;  ///< sent by the destructor to its own thread
 bool ignored(int signal_number) noexcept {
     struct sigaction action {};
     return ::sigaction(signal_number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
-}
-
-/// As if the signal had never been handled: shells and schedulers see its number in the exit status.
-void die_by(int signal_number) noexcept {
-    complain("interrupted");
-    sigset_t only;
-    sigemptyset(&only);
-    sigaddset(&only, signal_number);
-    (void)std::signal(signal_number, SIG_DFL);
-    pthread_sigmask(SIG_UNBLOCK, &only, nullptr);
-    (void)::raise(signal_number);
 }
 
 }  // namespace
@@ -41,13 +35,23 @@ Interrupt::Interrupt() {
     // A closed pipe and a file size limit become errors of write(), reported like a full disk.
     (void)std::signal(SIGPIPE, SIG_IGN);
     (void)std::signal(SIGXFSZ, SIG_IGN);
-    waiter_ = std::thread([this] { wait_for_signals(); });
+    try {
+        waiter_ = std::thread([this] { wait_for_signals(); });
+    } catch (const std::system_error& refused) {
+        throw Failure(bad_input,
+                      "cannot start a thread, as there are too many or too little memory: " + refused.code().message());
+    }
 }
 
 Interrupt::~Interrupt() {
     finished_ = true;
     pthread_kill(waiter_.native_handle(), wake_up);
     waiter_.join();
+}
+
+void Interrupt::tidy(std::vector<std::filesystem::path> outputs) {
+    const std::lock_guard lock(mutex_);
+    outputs_ = std::move(outputs);
 }
 
 std::stop_token Interrupt::defer() noexcept {
@@ -61,7 +65,7 @@ void Interrupt::wait_for_signals() {
         if (signal_number == wake_up) {
             continue;
         }
-        if (!deferring_) {
+        if (!deferring_ || signal_ != 0) {
             die_by(signal_number);
         }
         signal_ = signal_number;
@@ -69,7 +73,22 @@ void Interrupt::wait_for_signals() {
     }
 }
 
-void Interrupt::die_if_interrupted() const noexcept {
+/// As if the signal had never been handled: shells and schedulers see its number in the exit status.
+void Interrupt::die_by(int signal_number) noexcept {
+    const std::lock_guard lock(mutex_);
+    for (const std::filesystem::path& output : outputs_) {
+        remove_unfinished(output);
+    }
+    complain("interrupted");
+    sigset_t only;
+    sigemptyset(&only);
+    sigaddset(&only, signal_number);
+    (void)std::signal(signal_number, SIG_DFL);
+    pthread_sigmask(SIG_UNBLOCK, &only, nullptr);
+    (void)::raise(signal_number);
+}
+
+void Interrupt::die_if_interrupted() noexcept {
     if (const int signal_number = signal_; signal_number != 0) {
         die_by(signal_number);
     }

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
+#include <mutex>
 #include <stop_token>
 #include <thread>
+#include <vector>
 
 #include <csignal>
 
@@ -13,25 +16,31 @@ namespace lamella::cli {
 /// inherit the blocked signals.
 class Interrupt {
 public:
-    Interrupt();
+    Interrupt();  ///< throws Failure
     ~Interrupt();
     Interrupt(const Interrupt&) = delete;
     Interrupt& operator=(const Interrupt&) = delete;
 
-    /// From here on a signal becomes a stop request; until here, while there is nothing to tidy up, it ends the process.
+    /// The files that will be written: what is unfinished of them goes with the process.
+    void tidy(std::vector<std::filesystem::path> outputs);
+
+    /// From here on a signal becomes a stop request; until here it ends the process, and so does always the second one.
     std::stop_token defer() noexcept;
 
     /// Ends the process as the deferred signal would have, if one came.
-    void die_if_interrupted() const noexcept;
+    void die_if_interrupted() noexcept;
 
 private:
     void wait_for_signals();
+    void die_by(int signal_number) noexcept;
 
     std::stop_source source_;
     std::atomic<bool> deferring_ = false;
     std::atomic<bool> finished_ = false;
     std::atomic<int> signal_ = 0;
     sigset_t signals_{};
+    std::mutex mutex_;  ///< of the outputs
+    std::vector<std::filesystem::path> outputs_;
     std::thread waiter_;
 };
 

@@ -2,7 +2,10 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 
@@ -34,7 +37,7 @@ int run(int count, char** words) {
     app.require_subcommand(1);
     add_slice_command(app, interrupt);
     add_info_command(app);
-    add_check_command(app);
+    add_check_command(app, interrupt);
     add_make_command(app, interrupt);
     try {
         app.parse(count, words);
@@ -48,10 +51,22 @@ int run(int count, char** words) {
         interrupt.die_if_interrupted();
         complain(failure.what());
         return failure.status();
-    } catch (const std::bad_alloc&) {
-        complain("out of memory");
-        return bad_input;
     }
+}
+
+constexpr std::string_view out_of_memory = "out of memory";
+
+/// Where there is no memory at all the runtime has none to throw with either, and would abort.
+[[noreturn]] void end_without_memory() noexcept {
+    for (const std::string_view part : {std::string_view("lamella: "), out_of_memory, std::string_view("\n")}) {
+        (void)!::write(STDERR_FILENO, part.data(), part.size());
+    }
+    ::_exit(bad_input);
+}
+
+/// Ahead of the constructors of static objects, the first to allocate.
+[[gnu::constructor(101)]] void expect_no_memory() noexcept {
+    std::set_new_handler(end_without_memory);
 }
 
 }  // namespace
@@ -59,8 +74,15 @@ int run(int count, char** words) {
 }  // namespace lamella::cli
 
 int main(int count, char** words) {
+    std::set_new_handler(nullptr);
     try {
         return lamella::cli::run(count, words);
+    } catch (const lamella::cli::Failure& failure) {
+        lamella::cli::complain(failure.what());
+        return failure.status();
+    } catch (const std::bad_alloc&) {
+        lamella::cli::complain(lamella::cli::out_of_memory);
+        return lamella::cli::bad_input;
     } catch (const std::exception& unforeseen) {
         lamella::cli::complain(unforeseen.what());
         return lamella::cli::bad_input;

@@ -6,6 +6,7 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "failure.hpp"
+#include "mesh_input.hpp"
 #include "models/models.hpp"
 #include "output_path.hpp"
 
@@ -37,6 +38,7 @@ void run(MakeArguments& arguments, Interrupt& interrupt) {
         throw Failure(bad_usage, "--order: '" + arguments.order + "' is not one of z|random");
     }
     require_writable(arguments.output);
+    interrupt.tidy({arguments.output});
     arguments.recipe.shape = *shape;
     arguments.recipe.order = arguments.order == "z" ? models::Order::z : models::Order::random;
     const Stopwatch watch;
@@ -45,7 +47,7 @@ void run(MakeArguments& arguments, Interrupt& interrupt) {
     if (!triangles) {
         throw failure_of(triangles.error());
     }
-    print(arguments.output + ": " + arguments.shape + ", " + grouped(triangles.value()) + " triangles, " +
+    print(arguments.output + ": " + arguments.shape + ", " + counted(triangles.value(), "triangle") + ", " +
           rounded(watch.ms() / 1000, 2) + " s\n");
 }
 
@@ -66,7 +68,10 @@ void add_make_command(CLI::App& app, Interrupt& interrupt) {
     layer_height->needs(segments);
     command->add_option("--order", arguments->order, "Of the triangles in the file (z)")->type_name("z|random");
     command->add_option("--seed", recipe.seed, "Varies the shape, draws the random order (1)")->type_name("N");
-    command->add_option("-o,--output", arguments->output, "STL file to write")->required()->type_name("FILE.stl");
+    command->add_option("-o,--output", arguments->output, "STL file to write")
+        ->required()
+        ->type_name("FILE.stl")
+        ->check(given);
     command->callback([arguments, &interrupt] { run(*arguments, interrupt); });
 }
 

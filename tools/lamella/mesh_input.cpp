@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "bus_error.hpp"
 #include "console.hpp"
 #include "failure.hpp"
 #include "numbers.hpp"
@@ -21,8 +22,12 @@ std::string mesh_formats() {
 
 }  // namespace
 
+std::string given(const std::string& text) {
+    return text.empty() ? "is empty" : "";
+}
+
 void declare_mesh(CLI::App& command, MeshArguments& arguments) {
-    command.add_option("mesh", arguments.mesh, "Mesh file: " + mesh_formats())->required()->type_name("MESH");
+    command.add_option("mesh", arguments.mesh, "Mesh file: " + mesh_formats())->required()->type_name("MESH")->check(given);
     command.add_option("--unit", arguments.unit, "What a mesh that states no unit is measured in (mm)")
         ->type_name("mm|um|cm|m|in|ft|MM");
     command.add_option("--threads", arguments.threads, "At most this many (0: all)")
@@ -31,12 +36,19 @@ void declare_mesh(CLI::App& command, MeshArguments& arguments) {
 }
 
 MeshFile read_mesh_of(const MeshArguments& arguments) {
+    if (arguments.map_file) {
+        explain_bus_errors(arguments.mesh);
+    }
     Result<MeshFile> mesh = read_mesh(arguments.mesh, {.threads = arguments.threads,
                                                        .memory = nullptr,
                                                        .map_file = arguments.map_file,
                                                        .mm_per_unit = parse_unit(arguments.unit, "--unit")});
     if (!mesh) {
-        throw failure_of(mesh.error());
+        const Failure failure = failure_of(mesh.error());
+        // Where memory ran out there was none left to say in which file.
+        throw mesh.error().code == Code::out_of_memory && std::string_view(failure.what()) == "out of memory"
+            ? Failure(failure.status(), arguments.mesh + ": " + failure.what())
+            : failure;
     }
     return std::move(mesh).value();
 }

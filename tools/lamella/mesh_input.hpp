@@ -16,6 +16,9 @@ struct MeshArguments {
     bool map_file = false;
 };
 
+/// A check for options whose value may not be empty: what is wrong with it, if anything.
+std::string given(const std::string& text);
+
 /// Declares the mesh, --unit and --threads on `command`, to be stored in `arguments`.
 void declare_mesh(CLI::App& command, MeshArguments& arguments);
 

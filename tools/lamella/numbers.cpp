@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "console.hpp"
 #include "failure.hpp"
 
 namespace lamella::cli {
@@ -15,12 +16,17 @@ namespace lamella::cli {
 namespace {
 
 constexpr std::string_view blanks = " \t\r\v\f";
-constexpr std::size_t longest_quote = 40;
 
 std::string_view trimmed(std::string_view text) {
     const std::size_t first = text.find_first_not_of(blanks);
     return first == std::string_view::npos ? std::string_view{}
                                            : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+/// For messages: shortened, and fit to print, as what is no number may be of a binary file.
+std::string quoted(std::string_view word) {
+    constexpr std::size_t longest = 40;
+    return "'" + printable(word.substr(0, longest)) + (word.size() > longest ? "...'" : "'");
 }
 
 void read_line(std::string_view line, std::size_t number, const std::filesystem::path& path, NumberFile& into) {
@@ -31,8 +37,8 @@ void read_line(std::string_view line, std::size_t number, const std::filesystem:
         const std::string_view word = line.substr(begin, end - begin);
         const std::optional<double> value = parse_number(word);
         if (!value) {
-            throw Failure(bad_input, path.string() + ":" + std::to_string(number) + ": '" +
-                                         std::string(word.substr(0, longest_quote)) + "' is not a number");
+            throw Failure(bad_input,
+                          path.string() + ":" + std::to_string(number) + ": " + quoted(word) + " is not a number");
         }
         into.values.push_back(*value);
         into.lines.push_back(number);

@@ -82,8 +82,7 @@ Transform transform_from_file(const std::string& path) {
     const std::size_t count = file.values.size();
     Transform transform;
     if (count != transform.m.size() && count != 16) {
-        throw Failure(bad_input,
-                      path + ": " + std::to_string(count) + " numbers where a 3x4 matrix has 12 and a 4x4 one 16");
+        throw Failure(bad_input, path + ": " + counted(count, "number") + " where a 3x4 matrix has 12 and a 4x4 one 16");
     }
     if (count == 16 && (file.values[12] != 0 || file.values[13] != 0 || file.values[14] != 0 || file.values[15] != 1)) {
         throw Failure(bad_input, path + ":" + std::to_string(file.lines[12]) + ": the last row is not 0 0 0 1");
@@ -137,8 +136,8 @@ void declare_planes(CLI::App& command, SliceArguments& arguments) {
         declare_choice<Datum>(command, "--datum", arguments.datum, {{"mesh-min", Datum::mesh_min}, {"zero", Datum::zero}},
                               "Where heights count from (mesh-min)");
     layers->type_name("MM")->excludes(planes)->excludes(random);
-    planes->type_name("FILE|Z,Z,...")->excludes(random)->excludes(first)->excludes(datum);
-    random->type_name("MIN:MAX")->excludes(first)->excludes(datum);
+    planes->type_name("FILE|Z,Z,...")->check(given)->excludes(random)->excludes(first)->excludes(datum);
+    random->type_name("MIN:MAX")->check(given)->excludes(first)->excludes(datum);
     first->type_name("MM");
     command.add_option("--seed", arguments.seed, "Of the random heights (1)")->type_name("N")->needs(random);
     declare_choice<Side>(command, "--side", arguments.side, {{"below", Side::below}, {"above", Side::above}},
@@ -149,7 +148,7 @@ void declare_planes(CLI::App& command, SliceArguments& arguments) {
 
 void declare(CLI::App& command, SliceArguments& arguments) {
     declare_mesh(command, arguments);
-    command.add_option("-o,--output", arguments.output, "Layered SVG to write")->type_name("OUT.svg");
+    command.add_option("-o,--output", arguments.output, "Layered SVG to write")->type_name("OUT.svg")->check(given);
     declare_planes(command, arguments);
     command.add_option("--grid", arguments.grid_mm, "Grid unit (2^-20 mm, or what the mesh needs)")->type_name("MM");
     command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart, nearest first (off)")->type_name("MM");
@@ -164,8 +163,8 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     CLI::Option* const normal = command.add_option("--normal", arguments.normal, "Cut perpendicular to this direction");
     CLI::Option* const transform =
         command.add_option("--transform", arguments.transform, "3x4 matrix, row by row, applied to the mesh first");
-    normal->type_name("X,Y,Z")->excludes(transform);
-    transform->type_name("FILE");
+    normal->type_name("X,Y,Z")->check(given)->excludes(transform);
+    transform->type_name("FILE")->check(given);
     command.add_option("--band", arguments.band_planes, "Planes per band (0: by the work in them)")
         ->type_name("N")
         ->check(CLI::Range(0, std::numeric_limits<int>::max()));
@@ -173,7 +172,9 @@ void declare(CLI::App& command, SliceArguments& arguments) {
                                 {{"swept", ContourForm::swept}, {"assembled", ContourForm::assembled}},
                                 "Contour construction (swept); results are identical");
     command.add_flag("--map", arguments.map_file, "Map the mesh file instead of reading it");
-    command.add_option("--report", arguments.report, "JSON report to write; - is standard output")->type_name("FILE|-");
+    command.add_option("--report", arguments.report, "JSON report to write; - is standard output")
+        ->type_name("FILE|-")
+        ->check(given);
     declare_choice<ProgressBar::When>(
         command, "--progress", arguments.progress,
         {{"auto", ProgressBar::When::automatic}, {"always", ProgressBar::When::always}, {"never", ProgressBar::When::never}},

@@ -26,12 +26,12 @@ public:
 
     void run() {
         require_outputs();
+        interrupt_.tidy({arguments_.output, arguments_.report});
         SliceRequest request = request_of(arguments_);
         const MeshFile mesh = read();
         const SliceResult result = slice_mesh(mesh, request);
         if (result.summary.segments == 0) {
-            note("no plane meets the mesh, which reaches from " + exact_text(result.summary.min_mm[2]) + " to " +
-                 exact_text(result.summary.max_mm[2]) + " mm along the slicing direction");
+            note(why_nothing_is_cut(result.summary));
         }
         write(result);
         context_.total_ms = total_.ms();
@@ -51,6 +51,15 @@ private:
             require_different(arguments_.report, arguments_.mesh, "--report", "the mesh");
             require_different(arguments_.report, arguments_.output, "--report", "--output");
         }
+    }
+
+    std::string why_nothing_is_cut(const SliceSummary& found) const {
+        if (welded_ && welded_->joined > 0 && found.degenerate == found.triangles) {
+            return "welding at " + exact_text(*arguments_.weld_mm) + " mm leaves no triangle of " +
+                   grouped(found.triangles) + ", so nothing is cut";
+        }
+        return "no plane meets the mesh, which reaches from " + exact_text(found.min_mm[2]) + " to " +
+               exact_text(found.max_mm[2]) + " mm along the slicing direction";
     }
 
     void note(const std::string& warning) {
@@ -119,7 +128,7 @@ private:
         }
         bar_.show("writing", 0);
         const Stopwatch watch;
-        const Status status = write_svg(result, arguments_.output, interrupt_.defer());
+        const Status status = write_svg(result, arguments_.output, interrupt_.defer(), context_);
         bar_.wipe();
         interrupt_.die_if_interrupted();
         if (!status) {
@@ -138,6 +147,7 @@ private:
         const auto books = found(ledger(sliced, result, arguments_.threads));
         const auto volume = found(certify_volume(sliced, result, arguments_.threads));
         const auto crossings = found(find_crossings(result, arguments_.threads));
+        interrupt_.die_if_interrupted();
         ReportContext context = context_;
         context.file = &mesh;
         context.ledger = &books;

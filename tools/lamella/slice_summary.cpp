@@ -31,7 +31,7 @@ std::string words(const RandomLayers& layers) {
 
 std::string mesh_line(const SliceSummary& counts, const MeshFile& mesh, const ReportContext& context) {
     std::string text =
-        "mesh      " + context.mesh_file + ", " + grouped(counts.triangles) + " triangles, " + description(mesh);
+        "mesh      " + context.mesh_file + ", " + counted(counts.triangles, "triangle") + ", " + description(mesh);
     if (counts.degenerate > 0) {
         text += "; " + grouped(counts.degenerate) + " degenerate, dropped";
     }
@@ -49,7 +49,7 @@ std::string planes_line(const SliceResult& result) {
 std::string mending(const SliceResult& result, const ReportContext& context) {
     std::string text;
     if (context.welded != nullptr) {
-        text += "welded    " + grouped(context.welded->joined) + " vertices onto others at most " +
+        text += "welded    " + counted(context.welded->joined, "vertex", "vertices") + " onto others at most " +
                 exact_text(context.weld_mm) + " mm away, the farthest " + rounded(context.welded->largest_move, 6) + " mm\n";
     }
     if (result.close_gaps_mm > 0) {
@@ -76,9 +76,8 @@ std::string times(const SliceSummary& summary, const ReportContext& context) {
     if (context.write_ms > 0) {
         text += ", write " + rounded(context.write_ms, 1);
     }
-    return text + " (" + grouped(static_cast<std::uint64_t>(summary.threads)) +
-           (summary.threads == 1 ? " thread, " : " threads, ") + grouped(summary.bands) +
-           (summary.bands == 1 ? " band)\n" : " bands)\n");
+    return text + " (" + counted(static_cast<std::uint64_t>(summary.threads), "thread") + ", " +
+           counted(summary.bands, "band") + ")\n";
 }
 
 std::string contour_counts(const SliceResult& result) {

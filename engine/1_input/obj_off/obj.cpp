@@ -9,6 +9,7 @@
 #include "1_input/obj_off/lines.hpp"
 #include "1_input/reader.hpp"
 #include "base/clock.hpp"
+#include "base/words.hpp"
 
 namespace lamella {
 
@@ -154,7 +155,7 @@ bool ObjParser::references() {
 bool ObjParser::out_of_range(bool from_here) {
     return fail("vertex number out of range: " +
                 (from_here ? std::to_string(seen_) + " vertices precede, found "
-                           : "the file has " + std::to_string(vertex_count_) + " vertices, found ") +
+                           : "the file has " + counted(vertex_count_, "vertex", "vertices") + ", found ") +
                 found());
 }
 

@@ -16,6 +16,7 @@
 #include "1_input/obj_off/lines.hpp"
 #include "1_input/reader.hpp"
 #include "base/clock.hpp"
+#include "base/words.hpp"
 
 namespace lamella {
 
@@ -37,7 +38,7 @@ struct Counts {
     const char* at = nullptr;
 
     std::size_t lines() const { return vertices + faces; }
-    std::string words() const { return std::to_string(vertices) + " vertices and " + std::to_string(faces) + " faces"; }
+    std::string words() const { return counted(vertices, "vertex", "vertices") + " and " + counted(faces, "face"); }
 };
 
 /// Reads the lines of a piece, twice: what it counts first is what it writes then. Without a comment or nothing alone, each
@@ -191,7 +192,7 @@ bool OffParser::corner(std::size_t vertex_count, FaceWriter& faces) {
     }
     if (vertex >= vertex_count) {
         p_ = begin;
-        return fail("vertex number out of range: the file has " + std::to_string(vertex_count) + " vertices, found " +
+        return fail("vertex number out of range: the file has " + counted(vertex_count, "vertex", "vertices") + ", found " +
                     found());
     }
     faces.add_corner(static_cast<std::uint32_t>(vertex));
@@ -268,8 +269,8 @@ Result<MeshFile> read_off(FileSource& source) {
         mesh->patient_frame = stated_frame(text.substr(0, static_cast<std::size_t>(counts.at - text.data())));
         mesh->parse_ms = milliseconds_since(start);
         if (lines > counts.lines()) {
-            mesh->warnings.push_back(source.name() + ": ignored " + std::to_string(lines - counts.lines()) +
-                                     " lines after the last of " + std::to_string(counts.faces) + " faces");
+            mesh->warnings.push_back(source.name() + ": ignored " + counted(lines - counts.lines(), "line") +
+                                     " after the last of " + counted(counts.faces, "face"));
         }
     }
     return mesh;

@@ -6,6 +6,7 @@
 #include "1_input/reader.hpp"
 #include "1_input/text.hpp"
 #include "base/clock.hpp"
+#include "base/words.hpp"
 
 namespace lamella {
 
@@ -27,14 +28,15 @@ std::vector<std::string> warnings_of(const FileSource& file, std::string_view co
                                      const PlyMesh& body) {
     std::vector<std::string> warnings;
     if (body.small_faces > 0) {
-        warnings.push_back(file.name() + ": left out " + std::to_string(body.small_faces) +
-                           " faces of fewer than three vertices");
+        warnings.push_back(file.name() + ": left out " + counted(body.small_faces, "face") +
+                           " of fewer than three vertices");
     }
     const char* rest = contents.data() + body.end;
     const char* const end = contents.data() + contents.size();
     rest = header.encoding == PlyEncoding::ascii ? skip_space(rest, end) : rest;
     if (rest != end) {
-        warnings.push_back(file.name() + ": ignored " + std::to_string(end - rest) + " bytes after the last element");
+        warnings.push_back(file.name() + ": ignored " + counted(static_cast<std::uint64_t>(end - rest), "byte") +
+                           " after the last element");
     }
     return warnings;
 }

@@ -10,6 +10,7 @@
 #include "1_input/stl/stl_ascii.hpp"
 #include "base/clock.hpp"
 #include "base/parallel.hpp"
+#include "base/words.hpp"
 
 namespace lamella {
 
@@ -45,7 +46,7 @@ std::uint32_t counted_triangles(std::string_view sample) {
 Result<std::uint64_t> check_binary(const FileSource& file) {
     if (file.size() < header_bytes) {
         return file.error(Code::malformed_mesh,
-                          "is no STL file: " + std::to_string(file.size()) + " bytes, and a binary header alone has 84", 0);
+                          "is no STL file: " + counted(file.size(), "byte") + ", and a binary header alone has 84", 0);
     }
     const std::uint64_t count = counted_triangles(file.sample());
     const std::uint64_t needed = header_bytes + record_bytes * count;
@@ -54,13 +55,14 @@ Result<std::uint64_t> check_binary(const FileSource& file) {
     }
     if (count == 0) {
         return file.error(Code::malformed_mesh,
-                          "counts 0 triangles at byte 80, but " + std::to_string(file.size() - needed) + " bytes follow",
+                          "counts 0 triangles at byte 80, but " + counted(file.size() - needed, "byte") +
+                              (file.size() - needed == 1 ? " follows" : " follow"),
                           80);
     }
     if (needed > file.size()) {
         return file.error(Code::malformed_mesh,
-                          "is truncated or no STL file: counts " + std::to_string(count) +
-                              " triangles at byte 80, which take " + std::to_string(needed) + " bytes, but has " +
+                          "is truncated or no STL file: counts " + counted(count, "triangle") + " at byte 80, which " +
+                              (count == 1 ? "takes " : "take ") + std::to_string(needed) + " bytes, but has " +
                               std::to_string(file.size()),
                           80);
     }
@@ -84,8 +86,8 @@ Result<MeshFile> read_binary(FileSource& file) {
     mesh.triangle_count = count.value();
     mesh.patient_frame = stated_frame(file.sample().substr(0, 80));
     if (file.size() > needed) {
-        mesh.warnings.push_back(file.name() + ": ignored " + std::to_string(file.size() - needed) +
-                                " bytes after the last of " + std::to_string(count.value()) + " triangles");
+        mesh.warnings.push_back(file.name() + ": ignored " + counted(file.size() - needed, "byte") + " after the last of " +
+                                counted(count.value(), "triangle"));
     }
     return mesh;
 }

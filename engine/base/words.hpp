@@ -1,0 +1,24 @@
+// Numbers in messages: "1 triangle", "2 triangles", "0.032".
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace lamella {
+
+/// `count` with the noun in its number; `plural` where an s does not make it.
+inline std::string counted(std::uint64_t count, std::string_view noun, std::string_view plural = {}) {
+    const bool irregular = count != 1 && !plural.empty();
+    return std::to_string(count) + " " + std::string(irregular ? plural : noun) + (count == 1 || irregular ? "" : "s");
+}
+
+/// Shortest decimal text that reads back as the same number.
+inline std::string exact_text(double value) {
+    std::array<char, 32> text{};  // The longest has 24 characters.
+    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+}  // namespace lamella

@@ -20,7 +20,7 @@ namespace {
 constexpr std::array all_readers = {
     Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, read_stl},
     Reader{MeshFormat::obj, "OBJ", ".obj", looks_like_obj, read_obj},
-    Reader{MeshFormat::off, "OFF", ".off", looks_like_off, read_off},
+    Reader{MeshFormat::off, "OFF", ".off", looks_like_off, read_off, looks_like_headless_off},
     Reader{MeshFormat::ply, "PLY", ".ply", looks_like_ply, read_ply},
     Reader{MeshFormat::vtk, "VTK", ".vtk", looks_like_vtk, read_vtk},
     Reader{MeshFormat::vtp, "VTP", ".vtp", looks_like_vtp, read_vtp},
@@ -90,6 +90,9 @@ const Reader* choose_reader(const FileSource& source, const std::filesystem::pat
     const auto* const found = std::find_if(all_readers.begin(), all_readers.end(),
                                            [&](const Reader& reader) { return reader.recognises(source); });
     if (found == all_readers.end()) {
+        if (by_name != nullptr && by_name->recognises_by_name != nullptr && by_name->recognises_by_name(source)) {
+            return by_name;
+        }
         // What is not text may be a damaged file of the format in its name, whose reader will say what is wrong.
         return is_text(source.sample()) ? nullptr : by_name;
     }

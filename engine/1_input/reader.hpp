@@ -60,6 +60,8 @@ struct Reader {
     std::string_view extensions;                   ///< ".abc.def"
     bool (*recognises)(const FileSource& source);  ///< by its size and how it begins
     Result<MeshFile> (*read)(FileSource& source);  ///< everything but what read_mesh() fills in for all
+    /// Where no reader recognises the file and its name is one of this format. Null: never.
+    bool (*recognises_by_name)(const FileSource& source) = nullptr;
 };
 
 // The readers, each in its file.
@@ -68,6 +70,7 @@ Result<MeshFile> read_stl(FileSource& source);
 bool looks_like_obj(const FileSource& source);
 Result<MeshFile> read_obj(FileSource& source);
 bool looks_like_off(const FileSource& source);
+bool looks_like_headless_off(const FileSource& source);
 Result<MeshFile> read_off(FileSource& source);
 bool looks_like_ply(const FileSource& source);
 Result<MeshFile> read_ply(FileSource& source);

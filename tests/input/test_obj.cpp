@@ -65,6 +65,7 @@ TEST_CASE("an OBJ cube in every form slices like the same cube as STL", "[input]
     CHECK(same(v + sides_text([](std::uint32_t c) { return plain(c) + "\\\r\n "; })));
     CHECK(same(sides_text(plain) + v));  // faces before their vertices
     CHECK(same(vertices_text(" 1.0") + sides_text(plain)));
+    CHECK(same(replaced(cube(), "f ", "fo ")));
     CHECK(same(vertices_text(" 0.5 0.25 1 1") + sides_text(plain)));
     CHECK(same(vertices_text(" \\\n 1 # f 1 2 3") + sides_text(plain)));
     CHECK(same(replaced(cube(), "\n", "\r\n")));
@@ -160,12 +161,48 @@ TEST_CASE("OBJ faces that cannot be are refused with line and byte", "[input][ob
           "byte 30: vertex number out of range: the file has 3 vertices, found '99999999999999999999999/1'");
     CHECK(refused("f -1 -2 -4") == "byte 32: vertex number out of range: 3 vertices precede, found '-4'");
     CHECK(refused("f 1 2 -0") == "byte 30: vertex number out of range: 3 vertices precede, found '-0'");
-    CHECK(refused("f 1 2") == "byte 24: a face has three corners or more, this one has 2");
-    CHECK(refused("f") == "byte 24: a face has three corners or more, this one has 0");
-    CHECK(refused("f 1 2 # 3") == "byte 24: a face has three corners or more, this one has 2");
+    CHECK(refused("f 1 4") == "byte 28: vertex number out of range: the file has 3 vertices, found '4'");
+    CHECK(refused("fo 1 2 4") == "byte 31: vertex number out of range: the file has 3 vertices, found '4'");
     for (const char* word : {"x", "1.0", "+1", "1/a", "1/2/3/4", "1/-", "1//-", "/1", "-", "--1", "1e0", "3#", "1\\2"}) {
         CHECK(refused("f 1 2 " + std::string(word)) == "byte 30: malformed vertex number '" + std::string(word) + "'");
     }
+}
+
+TEST_CASE("OBJ faces of fewer than three corners are left out and warned of", "[input][obj]") {
+    const TempDir dir;
+    const auto path = dir.write("a.obj", with_face("f 1 2\nf 1 2 3\nf\nfo 1 # 2 3\nf 3 2 1"));
+    CHECK((read_triangles(path) ==
+           std::vector<std::array<double, 9>>{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 0, 1, 0, 0, 0, 0, 0}}));
+    CHECK(read_mesh(path)->warnings ==
+          std::vector<std::string>{path.string() + ": left out 3 faces of fewer than three corners, the first in line 4"});
+    const Error error = read_error(dir.write("b.obj", with_face("f 1 2")));
+    CHECK(error.code == Code::empty_mesh);
+    CHECK_THAT(error.message, Contains("holds no face of three corners or more"));
+}
+
+TEST_CASE("OBJ statements that may hold a shape and are not read are warned of once", "[input][obj]") {
+    const TempDir dir;
+    const auto warnings = [&](const std::string& statements) {
+        const auto path = dir.write("a.obj", cube() + statements);
+        return same_every_way(path, [](const MeshFile& mesh) {
+            CHECK(mesh.triangle_count == 12);
+            return mesh.warnings;
+        });
+    };
+    const auto ignored = [&](const std::string& what) {
+        return std::vector<std::string>{(dir / "a.obj").string() + ": ignored " + what};
+    };
+    CHECK(warnings("g a\no b\ns 1\nusemtl c\nvn 0 0 1\nvt 0 0\nvp 1\nl 1 2\np 1\n# surf\nlod 3\nmtllib surf\n").empty());
+    CHECK(warnings("surf 0 1 0 1 1 2\n") == ignored("1 statements that are not read, the first in line 15: 'surf'"));
+    CHECK(warnings("vn 0 0 1\ncstype bezier\ncurv2 1 2\nend\ncurv 0 1 \\\n surf\ncall x.obj\n") ==
+          ignored("3 statements that are not read, the first in line 17: 'curv2'"));
+    CHECK(warnings("F 1 2 3\n") == ignored("1 statements that are not read, the first in line 15: 'F'"));
+    std::string far;  // several pieces
+    for (int i = 0; i < 300'000; ++i) {
+        far += "vn 0 0 1\n";
+    }
+    CHECK(warnings(far + "what\n" + far + "what") ==
+          ignored("2 statements that are not read, the first in line 300015: 'what'"));
 }
 
 TEST_CASE("a relative OBJ reference does not reach what follows", "[input][obj]") {
@@ -248,6 +285,8 @@ TEST_CASE("hostile OBJ faces are refused with their line", "[input][obj]") {
     }
     const Error error = read_error(dir.write("a.obj", with_face("f 1 2 3\n" + face)));
     CHECK_THAT(error.message, Contains("line 5, byte 32: this face is too entangled"));
+    const Error after_small = read_error(dir.write("b.obj", with_face("f 1 2\nf 1 2 3\nf 2 \\\n 3\n" + face)));
+    CHECK_THAT(after_small.message, Contains("line 8, byte 47: this face is too entangled"));
 }
 
 TEST_CASE("an OBJ head states the patient frame", "[input][obj]") {

@@ -121,13 +121,48 @@ TEST_CASE("OFF faces that cannot be are refused with line and byte", "[input][of
     CHECK(refused("3 0 -1 2") == "byte 32: expected a vertex number, found '-1'");
     CHECK(refused("3 0 1 2.5") == "byte 34: expected a vertex number, found '2.5'");
     CHECK(refused("3 0 1    ") == "byte 37: expected a vertex number, found the end of the line");
-    CHECK(refused("2 0 1   ") == "byte 28: a face has three corners or more, this one has 2");
-    CHECK(refused("0       ") == "byte 28: a face has three corners or more, this one has 0");
+    CHECK(refused("2 0 3   ") == "byte 32: vertex number out of range: the file has 3 vertices, found '3'");
+    CHECK(refused("2") == "byte 28: the face counts 2 corners, more than its line holds");
     CHECK(refused("4294967298 0 1 2") == "byte 28: the face counts 4294967298 corners, more than its line holds");
     CHECK(refused("99999999999999999999 0 1 2").find("more than its line holds") != std::string::npos);
     CHECK(refused("three 0 1 2") == "byte 28: expected the number of a face's corners, found 'three'");
     CHECK(refused("3 0 1 2 red") == "byte 36: expected a number or the end of the line, found 'red'");
     CHECK(refused("3 0 1 2 1 1 1 1 1") == "byte 44: expected the end of the line, found '1'");
+}
+
+TEST_CASE("OFF faces of fewer than three corners are left out and warned of", "[input][off]") {
+    const TempDir dir;
+    const std::string head = "OFF\n3 5 0\n0 0 0\n1 0 0\n0 1 0\n";
+    const auto path = dir.write("a.off", head + "3 0 1 2\n0\n2 0 1 255 0 0\n3 2 1 0\n1 0\n");
+    CHECK((read_triangles(path) ==
+           std::vector<std::array<double, 9>>{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 0, 1, 0, 0, 0, 0, 0}}));
+    CHECK(read_mesh(path)->warnings ==
+          std::vector<std::string>{path.string() + ": left out 3 faces of fewer than three corners, the first in line 7"});
+    const Error error = read_error(dir.write("b.off", with_face("2 0 1")));
+    CHECK(error.code == Code::empty_mesh);
+    CHECK_THAT(error.message, Contains("holds no face of three corners or more"));
+
+    std::string face = "30000";
+    for (std::uint32_t i = 0, random = 1; i < 30'000; ++i) {
+        random = random * 1'664'525 + 1'013'904'223;
+        face += " " + std::to_string((random >> 16) % 3);
+    }
+    const Error hostile = read_error(dir.write("c.off", head + "2 0 1\n3 0 1 2\n0\n" + face + "\n3 0 1 2\n"));
+    CHECK_THAT(hostile.message, Contains("line 9, byte 44: this face is too entangled"));
+}
+
+TEST_CASE("OFF may lack its first word where the file's name says what it is", "[input][off]") {
+    const TempDir dir;
+    for (const char* head : {"8 6 0\n", "8 6\n", "# made by hand\n\n 8 6 12 # counts\n",
+                             "\xEF\xBB\xBF"
+                             "8 6 0\r\n"}) {
+        CHECK(hash_of(dir.write("cube.off", head + body())) == cube_hash(dir));
+        CHECK(read_mesh(dir / "cube.off")->warnings.empty());
+    }
+    CHECK_THAT(read_error(dir.write("cube.txt", "8 6 0\n" + body())).message, Contains("text that begins with '8 6 0'"));
+    CHECK_THAT(read_error(dir.write("a.off", "8 six\n" + body())).message, Contains("text that begins with '8 six'"));
+    CHECK_THAT(read_error(dir.write("b.off", "9 6 0\n" + body())).message, Contains(": line "));
+    CHECK(read_mesh(dir.write("stl.off", ascii_stl(numbered_facets(1))))->format == MeshFormat::stl);
 }
 
 TEST_CASE("malformed OFF coordinates are refused with line and byte", "[input][off]") {

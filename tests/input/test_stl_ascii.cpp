@@ -210,4 +210,53 @@ TEST_CASE("ASCII without triangles", "[input]") {
     CHECK(read_error(dir.write("b.stl", "solid")).code == Code::empty_mesh);
 }
 
+TEST_CASE("ASCII that ends without 'endsolid' is read with a warning that names the line", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(2);
+    const std::string whole = ascii_stl(facets, "part");
+    const auto warnings = [&](const std::string& text) {
+        return same_every_way(dir.write("a.stl", text), [&](const MeshFile& mesh) {
+            CHECK(facets_of(mesh) == facets);
+            return mesh.warnings;
+        });
+    };
+    const auto after_line = [&](int line) {
+        return std::vector<std::string>{(dir / "a.stl").string() + ": ends without 'endsolid' after line " +
+                                        std::to_string(line) + ": what follows may have been cut off"};
+    };
+    const std::string cut = whole.substr(0, whole.find("endsolid"));
+    CHECK(warnings(whole).empty());
+    CHECK(warnings(whole.substr(0, whole.find("endsolid") + 8)).empty());
+    CHECK(warnings(replaced(cut, "\n", "\r\n") + "\r\n\r\nENDSOLID").empty());
+    CHECK(warnings(ascii_stl({facets[0]}) + replaced(ascii_stl({facets[1]}), "solid part\n", "")).empty());
+    CHECK(warnings(cut) == after_line(15));
+    CHECK(warnings(replaced(cut, "\n", "\r") + "\r \r") == after_line(15));
+    CHECK(warnings(whole + "solid next\n") == after_line(17));
+}
+
+TEST_CASE("ASCII all on one line is read: a name ends where a facet begins", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(3);
+    const auto reads = [&](const std::string& text) {
+        return same_every_way(dir.write("a.stl", replaced(text, "\n", " ")), [&](const MeshFile& mesh) {
+            CHECK(mesh.warnings.empty());
+            return facets_of(mesh) == facets;
+        });
+    };
+    CHECK(reads(ascii_stl(facets, "")));
+    CHECK(reads(ascii_stl(facets, "x")));
+    CHECK(reads(ascii_stl(facets, "a facet normal to 1 2 3 facet")));
+    CHECK(reads(upper(ascii_stl(facets))));
+    CHECK(reads(ascii_stl({facets[0]}, "one") + ascii_stl({facets[1], facets[2]}, "two")));
+    const Error error = read_error(dir.write("b.stl", replaced(replaced(ascii_stl(facets), "\n", " "), "endloop", "end")));
+    CHECK_THAT(error.message, Contains("line 1, ") && Contains("expected 'endloop'"));
+    CHECK(read_error(dir.write("c.stl", "solid x facet normal 0 0 1 endsolid")).code == Code::empty_mesh);
+}
+
+TEST_CASE("one line longer than the pieces of text gives every facet", "[input]") {
+    const TempDir dir;
+    const std::vector<Facet> facets = numbered_facets(12'000);  // 2 MB
+    CHECK(read_facets(dir.write("a.stl", replaced(ascii_stl(facets), "\n", " "))) == facets);
+}
+
 }  // namespace lamella::input_test

@@ -114,8 +114,18 @@ Result<MeshFile> read_faces(const FileSource& source, std::string_view text, std
     if (failure.at != nullptr) {
         return source.error_in_text(text, static_cast<std::size_t>(failure.at - text.data()), failure.what);
     }
+    LeftOut small;
+    for (const FaceRange& piece : pieces) {
+        small.add(piece.small);
+    }
     if (triangles == 0) {
-        return source.error(Code::empty_mesh, "holds no faces");
+        return source.error(Code::empty_mesh,
+                            small.count == 0 ? "holds no faces" : "holds no face of three corners or more");
+    }
+    if (small.count > 0) {
+        mesh.warnings.push_back(source.name() + ": left out " + std::to_string(small.count) +
+                                " faces of fewer than three corners, the first in line " +
+                                std::to_string(line_of(text, static_cast<std::size_t>(small.first - text.data()))));
     }
     return mesh;
 }

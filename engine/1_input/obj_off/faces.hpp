@@ -5,6 +5,7 @@
 //     n corners    | mark | n | a | b | c | d | ...        n + 2 of the 3 (n - 2) indices, and n >= 4
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -43,6 +44,9 @@ public:
     /// Of the face that is being written.
     std::size_t corners() const { return corners_; }
 
+    /// Leaves the face out that is being written. Precondition: corners() < 3.
+    void drop_face() { corners_ = 0; }
+
     /// Precondition: 3 <= corners() < polygon_mark.
     void end_face() {
         if (corners_ == 3) {
@@ -66,13 +70,23 @@ struct FaceRange {
     std::size_t first_triangle = 0;  ///< filled in by read_faces()
     std::size_t triangles = 0;       ///< as counted
     std::size_t most_corners = 0;    ///< of a face
+    LeftOut small;                   ///< faces of fewer than three corners, which have no area
+
+    /// Counts the face at `at`.
+    void add(std::size_t corners, const char* at) {
+        triangles += triangles_in(corners);
+        most_corners = std::max(most_corners, corners);
+        if (corners < 3) {
+            small.add(at);
+        }
+    }
 };
 
 /// What all formats have in common whose text lists vertices and then faces that refer to them: makes room for as many as
 /// were counted, within the limit on memory; calls parse(piece, coordinates, faces) for every piece, where `coordinates`
 /// are those of vertex 0, three doubles each; and cuts the faces. Doubles, because decimals as they are written seldom are
 /// floats, and reading and slicing take them as fast. Failures are told with their place in `text`; place(piece, face) finds
-/// a face that cannot be cut.
+/// a face that cannot be cut, of those that are not left out.
 Result<MeshFile> read_faces(const FileSource& source, std::string_view text, std::size_t vertices,
                             std::span<FaceRange> pieces,
                             FunctionRef<TextFailure(std::size_t piece, std::byte* coordinates, FaceWriter& faces)> parse,

@@ -51,6 +51,19 @@ std::vector<TextPiece> cut_at_lines(std::string_view text);
 /// Numbers what the pieces have counted. Returns how many there are in all.
 std::size_t number_pieces(std::vector<TextPiece>& pieces);
 
+/// What a reader leaves out of a piece or of the whole text.
+struct LeftOut {
+    std::size_t count = 0;
+    const char* first = nullptr;
+
+    void add(const char* at) { add({1, at}); }
+    /// Precondition: what `next` counts comes behind what was counted.
+    void add(const LeftOut& next) {
+        first = first != nullptr ? first : next.first;
+        count += next.count;
+    }
+};
+
 struct TextFailure {
     const char* at = nullptr;  ///< null: none
     std::string what;

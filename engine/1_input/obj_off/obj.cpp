@@ -1,4 +1,4 @@
-// Wavefront OBJ: vertices and faces; all other statements are read over.
+// Wavefront OBJ: vertices and faces; all other statements are read over, with a warning where they may hold a shape.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -18,17 +18,18 @@ namespace {
 /// Reads the statements of one piece, twice: what it counts first is what it writes then.
 ///
 ///     v X Y Z [W | R G B [A]]
-///     f CORNER CORNER CORNER ...          with CORNER = V[/[VT][/[VN]]]
+///     f CORNER CORNER CORNER ...          with CORNER = V[/[VT][/[VN]]]; also fo, of old
 class ObjParser : private LineParser {
 public:
     explicit ObjParser(std::string_view piece) : LineParser(piece.data(), piece.data() + piece.size(), true) {}
 
-    void count(TextPiece& piece, FaceRange& faces);
+    /// Statements that may hold a shape and are not read go to `skipped`.
+    void count(TextPiece& piece, FaceRange& faces, LeftOut& skipped);
 
     /// `vertex_count` is the whole file's, as faces may refer to vertices behind them.
     bool parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces);
 
-    /// Where the piece's face of this number begins. Precondition: it has so many.
+    /// Where the piece's face of this number begins, of those with three corners or more. Precondition: it has so many.
     const char* place_of_face(std::size_t number);
 
     using LineParser::failure;
@@ -38,13 +39,15 @@ private:
 
     /// To the next statement and, of those that are read, behind its first word.
     Statement next();
+    bool skips_silently();
     bool face(FaceWriter& faces);
     bool corner(FaceWriter& faces);
     bool references();
     bool out_of_range(bool from_here);
 
     std::size_t vertex_count_ = 0;
-    std::size_t seen_ = 0;  // vertices before this statement, in the whole file
+    std::size_t seen_ = 0;             // vertices before this statement, in the whole file
+    const char* statement_ = nullptr;  // where it begins
 };
 
 ObjParser::Statement ObjParser::next() {
@@ -53,20 +56,38 @@ ObjParser::Statement ObjParser::next() {
             return Statement::none;
         }
     }
-    if (!word_ends(p_ + 1) || (*p_ != 'v' && *p_ != 'f')) {
-        return Statement::other;
+    statement_ = p_;
+    if (word_ends(p_ + 1) && (*p_ == 'v' || *p_ == 'f')) {
+        return *p_++ == 'v' ? Statement::vertex : Statement::face;
     }
-    return *p_++ == 'v' ? Statement::vertex : Statement::face;
+    if (*p_ == 'f' && p_[1] == 'o' && word_ends(p_ + 2)) {
+        p_ += 2;
+        return Statement::face;
+    }
+    return Statement::other;
 }
 
-void ObjParser::count(TextPiece& piece, FaceRange& faces) {
+/// Whether the statement, which is not read, is known to hold no shape, or is part of one that is warned of. Goes over its
+/// first word.
+bool ObjParser::skips_silently() {
+    constexpr std::array<std::string_view, 34> known = {
+        "vt",        "vn",     "vp",     "l",      "p",     "g",        "o",        "s",    "mg",
+        "usemtl",    "mtllib", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod",  "shadow_obj",
+        "trace_obj", "ctech",  "stech",  "cstype", "deg",   "bmat",     "step",     "parm", "trim",
+        "hole",      "scrv",   "sp",     "end",    "con",   "res",      "csh"};
+    skip_word();
+    const std::string_view word(statement_, static_cast<std::size_t>(p_ - statement_));
+    return std::find(known.begin(), known.end(), word) != known.end();
+}
+
+void ObjParser::count(TextPiece& piece, FaceRange& faces, LeftOut& skipped) {
     for (Statement statement = next(); statement != Statement::none; statement = next()) {
         if (statement == Statement::face) {
-            const std::size_t corners = count_words();
-            faces.triangles += triangles_in(corners);
-            faces.most_corners = std::max(faces.most_corners, corners);
-        } else {
-            piece.count += static_cast<std::size_t>(statement == Statement::vertex);
+            faces.add(count_words(), statement_);
+        } else if (statement == Statement::vertex) {
+            ++piece.count;
+        } else if (!skips_silently()) {
+            skipped.add(statement_);
         }
         skip_rest();
     }
@@ -93,25 +114,29 @@ bool ObjParser::parse(const TextPiece& piece, std::size_t vertex_count, std::byt
 }
 
 const char* ObjParser::place_of_face(std::size_t number) {
-    for (Statement statement = next(); statement != Statement::face || number-- > 0; statement = next()) {
+    for (Statement statement = next();; statement = next()) {
+        if (statement == Statement::face && count_words() >= 3 && number-- == 0) {
+            return statement_;
+        }
         skip_rest();
     }
-    return p_ - 1;
 }
 
 bool ObjParser::face(FaceWriter& faces) {
-    const char* const begin = p_ - 1;
     while (to_word()) {
         if (!corner(faces)) {
             return false;
         }
     }
-    if (faces.corners() < 3 || faces.corners() >= polygon_mark) {
-        const std::string corners = std::to_string(faces.corners());
-        p_ = begin;
-        return fail("a face has three corners or more, this one has " + corners);
+    if (faces.corners() >= polygon_mark) {
+        p_ = statement_;
+        return fail("the face has " + std::to_string(faces.corners()) + " corners, too many to be cut into triangles");
     }
-    faces.end_face();
+    if (faces.corners() < 3) {
+        faces.drop_face();
+    } else {
+        faces.end_face();
+    }
     return true;
 }
 
@@ -159,12 +184,26 @@ bool ObjParser::out_of_range(bool from_here) {
                 found());
 }
 
+void warn_of_skipped(const FileSource& source, std::string_view text, std::span<const LeftOut> pieces, MeshFile& mesh) {
+    LeftOut skipped;
+    for (const LeftOut& piece : pieces) {
+        skipped.add(piece);
+    }
+    if (skipped.count > 0) {
+        const auto offset = static_cast<std::size_t>(skipped.first - text.data());
+        mesh.warnings.push_back(source.name() + ": ignored " + std::to_string(skipped.count) +
+                                " statements that are not read, the first in line " + std::to_string(line_of(text, offset)) +
+                                ": " + word_at(skipped.first, text.data() + text.size()));
+    }
+}
+
 }  // namespace
 
 /// By its first statement, as nothing marks the format.
 bool looks_like_obj(const FileSource& source) {
-    constexpr std::array<std::string_view, 17> statements = {
-        "v", "vt", "vn", "vp", "f", "l", "p", "g", "o", "s", "mg", "mtllib", "usemtl", "usemap", "cstype", "maplib", "deg"};
+    constexpr std::array<std::string_view, 18> statements = {"v",      "vt",     "vn",     "vp",     "f",      "fo",
+                                                             "l",      "p",      "g",      "o",      "s",      "mg",
+                                                             "mtllib", "usemtl", "usemap", "cstype", "maplib", "deg"};
     const std::string_view text = without_byte_order_mark(source.sample());
     const std::string_view head = head_comments(text);
     if (!is_text(text) || head.find("# vtk") != std::string_view::npos) {
@@ -191,7 +230,9 @@ Result<MeshFile> read_obj(FileSource& source) {
     const std::string_view text = without_byte_order_mark(whole);
     std::vector<TextPiece> pieces = cut_at_lines(text);
     std::vector<FaceRange> faces(pieces.size());
-    source.parallel().run(pieces.size(), [&](std::size_t i, int) { ObjParser(pieces[i].text).count(pieces[i], faces[i]); });
+    std::vector<LeftOut> skipped(pieces.size());
+    source.parallel().run(pieces.size(),
+                          [&](std::size_t i, int) { ObjParser(pieces[i].text).count(pieces[i], faces[i], skipped[i]); });
     const std::size_t vertices = number_pieces(pieces);
     Result<MeshFile> mesh = read_faces(
         source, whole, vertices, faces,
@@ -203,6 +244,7 @@ Result<MeshFile> read_obj(FileSource& source) {
         [&](std::size_t i, std::size_t face) { return ObjParser(pieces[i].text).place_of_face(face); });
     if (mesh) {
         mesh->patient_frame = stated_frame(head_comments(text));
+        warn_of_skipped(source, whole, skipped, mesh.value());
         mesh->parse_ms = milliseconds_since(start);
     }
     return mesh;

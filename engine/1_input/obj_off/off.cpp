@@ -1,6 +1,6 @@
 // OFF, as text: a header, two counts, then a line for each vertex and for each face.
 //
-//     [ST][C][N]OFF
+//     [ST][C][N]OFF                 may be left out where the file's name says what it is
 //     VERTICES FACES [EDGES]        on a line of its own or on the header's
 //     X Y Z ...                     for each vertex; normal, colour and texture are read over
 //     CORNERS V V V ... [COLOUR]    for each face, with vertices numbered from 0
@@ -57,8 +57,9 @@ public:
 
     bool parse(const TextPiece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces);
 
-    /// Where the piece's line of this number begins. Precondition: it has so many.
-    const char* place_of_line(std::size_t number);
+    /// Where the face of this number begins, of those with three corners or more, behind `vertices` lines. Precondition:
+    /// the piece has so many.
+    const char* place_of_face(std::size_t vertices, std::size_t number);
 
     using LineParser::failure;
 
@@ -97,7 +98,7 @@ bool OffParser::whole_number(std::size_t& number, const char* what) {
 
 bool OffParser::header(Counts& counts) {
     const std::string_view word = header_word({p_, static_cast<std::size_t>(end_ - p_)});
-    p_ = word.data();
+    p_ = word.empty() ? p_ : word.data();
     if (word.find_first_of("4n") != std::string_view::npos) {
         return fail("vertices of other than three coordinates are not read: " + found());
     }
@@ -123,9 +124,7 @@ std::size_t OffParser::count(FaceRange& faces, std::size_t vertices, std::size_t
     for (; lines < most && next_line(); ++lines) {
         const char* const line_end = skip_line(p_, end_);
         if (lines >= vertices) {
-            const std::size_t corners = corners_of_line(line_end);
-            faces.triangles += triangles_in(corners);
-            faces.most_corners = std::max(faces.most_corners, corners);
+            faces.add(corners_of_line(line_end), p_);
         }
         p_ = line_end;
     }
@@ -151,11 +150,15 @@ bool OffParser::parse(const TextPiece& piece, const Counts& counts, std::byte* c
     return true;
 }
 
-const char* OffParser::place_of_line(std::size_t number) {
-    while (next_line() && number-- > 0) {
-        p_ = skip_line(p_, end_);
+const char* OffParser::place_of_face(std::size_t vertices, std::size_t number) {
+    for (;; p_ = skip_line(p_, end_)) {
+        next_line();
+        if (vertices > 0) {
+            --vertices;
+        } else if (corners_of_line(skip_line(p_, end_)) >= 3 && number-- == 0) {
+            return p_;
+        }
     }
-    return p_;
 }
 
 bool OffParser::face(std::size_t vertex_count, FaceWriter& faces) {
@@ -166,10 +169,6 @@ bool OffParser::face(std::size_t vertex_count, FaceWriter& faces) {
     if (!whole_number(corners, "the number of a face's corners")) {
         return false;
     }
-    if (corners < 3) {
-        p_ = begin;
-        return fail("a face has three corners or more, this one has " + std::to_string(corners));
-    }
     if (corners != held) {
         p_ = begin;
         return fail("the face counts " + std::to_string(corners) + " corners, more than its line holds");
@@ -179,7 +178,11 @@ bool OffParser::face(std::size_t vertex_count, FaceWriter& faces) {
             return false;
         }
     }
-    faces.end_face();
+    if (corners < 3) {
+        faces.drop_face();
+    } else {
+        faces.end_face();
+    }
     return other_numbers(colour);
 }
 
@@ -223,6 +226,12 @@ bool looks_like_off(const FileSource& source) {
     return !header_word(without_byte_order_mark(source.sample())).empty();
 }
 
+/// By its counts, which the format allows to come first.
+bool looks_like_headless_off(const FileSource& source) {
+    Counts counts;
+    return is_text(source.sample()) && OffParser(without_byte_order_mark(source.sample())).header(counts);
+}
+
 Result<MeshFile> read_off(FileSource& source) {
     if (!is_text(source.sample())) {
         return source.error(Code::malformed_mesh, "is a binary OFF file; only OFF as text is read", 0);
@@ -243,8 +252,8 @@ Result<MeshFile> read_off(FileSource& source) {
         return failed(head.failure());
     }
     const std::string_view body = text.substr(static_cast<std::size_t>(head.rest() - text.data()));
-    // The shortest lines are "0 0 0" and "3 0 0 0"; the last may lack its end.
-    if (6 * counts.vertices + 8 * counts.faces > body.size() + 1) {
+    // The shortest lines are "0 0 0" and, of a face without corners, "0"; the last may lack its end.
+    if (6 * counts.vertices + 2 * counts.faces > body.size() + 1) {
         return failed({counts.at, "counts " + counts.words() + ", more than the " + std::to_string(body.size()) +
                                       " bytes that follow can hold"});
     }
@@ -263,7 +272,7 @@ Result<MeshFile> read_off(FileSource& source) {
         },
         [&](std::size_t i, std::size_t face) {
             const std::size_t first = std::max(pieces[i].first, counts.vertices);
-            return OffParser(pieces[i].text).place_of_line(first - pieces[i].first + face);
+            return OffParser(pieces[i].text).place_of_face(first - pieces[i].first, face);
         });
     if (mesh) {
         mesh->patient_frame = stated_frame(text.substr(0, static_cast<std::size_t>(counts.at - text.data())));

@@ -23,6 +23,21 @@ bool passes_for_number(std::string_view word) {
            lower.find(".#") != std::string::npos;
 }
 
+/// Whether `facet normal N N N outer` begins at `p`: `facet normal` alone may be words of a name.
+bool begins_facet(const char* p, const char* end) {
+    if (!is_word<"facet">(p, end)) {
+        return false;
+    }
+    p = skip_space(skip_word(p, end), end);
+    if (!is_word<"normal">(p, end)) {
+        return false;
+    }
+    for (int word = 0; word < 4; ++word) {
+        p = skip_space(skip_word(p, end), end);
+    }
+    return is_word<"outer">(p, end);
+}
+
 }  // namespace
 
 bool FacetParser::fail(const std::string& what) {
@@ -42,15 +57,30 @@ inline bool FacetParser::word(const char* place) {
 
 bool FacetParser::next_facet(const char* stop, float* nine) {
     for (p_ = skip_space(p_, end_); p_ < stop; p_ = skip_space(p_, end_)) {
+        solid_ended_ = is_word<"endsolid">(p_, end_);
         if (is_word<"facet">(p_, end_)) {
-            return facet(nine);
+            const bool read = facet(nine);
+            last_end_ = p_;
+            return read;
         }
-        if (!is_word<"solid">(p_, end_) && !is_word<"endsolid">(p_, end_)) {
+        if (!solid_ended_ && !is_word<"solid">(p_, end_)) {
             return fail("expected 'facet', 'solid' or 'endsolid', found " + found());
         }
-        p_ = skip_line(p_, end_);
+        p_ = last_end_ = name_end();
     }
     return false;
+}
+
+/// Of the name behind `solid` or `endsolid`: the line's end, or where a facet begins on the same line.
+const char* FacetParser::name_end() const {
+    const char* p = skip_word(p_, end_);
+    while (p != end_ && !ends_line(*p)) {
+        if (begins_facet(p, end_)) {
+            return p;
+        }
+        p = is_space(*p) ? p + 1 : skip_word(p, end_);
+    }
+    return p;
 }
 
 bool FacetParser::facet(float* nine) {

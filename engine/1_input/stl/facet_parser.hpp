@@ -57,7 +57,12 @@ public:
 
     const Failure& failure() const { return failure_; }
 
+    /// Whether the last statement was `endsolid`, and where the last one ended.
+    bool solid_ended() const { return solid_ended_; }
+    const char* last_end() const { return last_end_; }
+
 private:
+    const char* name_end() const;
     bool facet(float* nine);
     bool normal();
     bool vertex(float* xyz);
@@ -69,6 +74,8 @@ private:
 
     const char* p_;
     const char* end_;
+    const char* last_end_ = nullptr;
+    bool solid_ended_ = false;
     Failure failure_;
 };
 

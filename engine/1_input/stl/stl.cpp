@@ -8,6 +8,7 @@
 #include "1_input/reader.hpp"
 #include "1_input/stl/facet_parser.hpp"
 #include "1_input/stl/stl_ascii.hpp"
+#include "1_input/text.hpp"
 #include "base/clock.hpp"
 #include "base/parallel.hpp"
 #include "base/words.hpp"
@@ -113,6 +114,10 @@ Result<MeshFile> read_ascii(FileSource& file) {
     mesh.triangle_count = facets.count;
     mesh.text = true;
     mesh.patient_frame = stated_frame(text.substr(0, text.find_first_of("\r\n")));
+    if (facets.open_end) {
+        mesh.warnings.push_back(file.name() + ": ends without 'endsolid' after line " +
+                                std::to_string(line_of(text, *facets.open_end)) + ": what follows may have been cut off");
+    }
     mesh.parse_ms = milliseconds_since(start);
     return mesh;
 }

@@ -26,6 +26,7 @@ struct Piece {
     std::size_t first = 0;     ///< where its facets go, with room for `capacity`
     std::size_t capacity = 0;  ///< at least as many as the piece holds
     std::size_t count = 0;
+    const char* open_end = nullptr;  ///< behind its last statement, if that is not `endsolid`
     FacetParser::Failure failure;
 };
 
@@ -96,6 +97,7 @@ void parse(Piece& piece, const char* end, std::byte* coordinates) {
         assert(piece.count < piece.capacity);
         std::memcpy(out + piece.count++ * facet_bytes, facet, facet_bytes);
     }
+    piece.open_end = parser.solid_ended() ? nullptr : parser.last_end();
     piece.failure = parser.failure();
 }
 
@@ -130,7 +132,7 @@ void parse_all(std::vector<Piece>& pieces, const char* end, std::byte* coordinat
 }  // namespace
 
 AsciiFacets parse_ascii_stl(std::string_view text, std::pmr::memory_resource* memory, const Parallel& parallel) {
-    AsciiFacets facets{Array<std::byte>(memory), 0, std::nullopt};
+    AsciiFacets facets{Array<std::byte>(memory), 0, std::nullopt, std::nullopt};
     std::vector<Piece> pieces = cut(text);
     parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].capacity = most_facets(pieces[i]); });
     std::size_t room = 0;
@@ -146,6 +148,9 @@ AsciiFacets parse_ascii_stl(std::string_view text, std::pmr::memory_resource* me
         const auto offset = static_cast<std::size_t>(failed->failure.at - text.data());
         facets.error = AsciiError{offset, failed->failure.what};
         return facets;
+    }
+    if (!pieces.empty() && pieces.back().open_end != nullptr) {
+        facets.open_end = static_cast<std::size_t>(pieces.back().open_end - text.data());
     }
     facets.count = close_gaps(pieces, facets.coordinates.data());
     facets.coordinates.set_size(facets.count * facet_bytes);

@@ -20,14 +20,16 @@ struct AsciiError {
 struct AsciiFacets {
     Array<std::byte> coordinates;  ///< nine floats a facet
     std::size_t count = 0;
-    std::optional<AsciiError> error;  ///< the first in the text, whatever the number of threads
+    std::optional<std::size_t> open_end;  ///< byte of `text` behind the last statement, if that is not `endsolid`
+    std::optional<AsciiError> error;      ///< the first in the text, whatever the number of threads
 };
 
 /// Grammar: any number of `solid NAME-TO-END-OF-LINE`, `endsolid NAME-TO-END-OF-LINE` and
 ///
 ///     facet normal N N N  outer loop  vertex X Y Z  vertex X Y Z  vertex X Y Z  endloop  endfacet
 ///
-/// in any case and with any white space between words. Normals are read over. O(text). Allocates at most 36 bytes for each
+/// in any case and with any white space between words. A name ends before its line does where a facet begins. Normals are
+/// read over. O(text). Allocates at most 36 bytes for each
 /// 85 of text.
 AsciiFacets parse_ascii_stl(std::string_view text, std::pmr::memory_resource* memory, const Parallel& parallel);
 

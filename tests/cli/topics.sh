@@ -44,7 +44,7 @@ test_usage() {
     expect_failure 2 "is empty" make sphere --triangles 1000 -o ""
     local command
     for command in slice info check; do
-        expect_failure 2 "mesh: is empty" "$command" ""
+        expect_failure 2 "mesh: the path is empty" "$command" ""
     done
     expect_failure 3 "a grid unit of 1e-12 mm" "${slice[@]}" --grid 1e-12
     expect_failure 2 "the mesh itself" "${slice[@]}" -o ball.stl

@@ -107,10 +107,10 @@ void add_check_command(CLI::App& app, Interrupt& interrupt) {
     declare_mesh(*command, *arguments);
     command->add_option("--report", arguments->report, "JSON report; - for standard output, then without the words")
         ->type_name("FILE|-")
-        ->check(given);
+        ->check(given_path);
     command->add_option("--marks", arguments->marks, "PLY that marks every place with coloured points and edges")
         ->type_name("FILE.ply")
-        ->check(given);
+        ->check(given_path);
     command->add_option("--tolerance", arguments->tolerance_mm, "Up to which gaps are cracks and T-junctions (0.01)")
         ->type_name("MM");
     command->add_option("--places", arguments->places, "How many places of each kind to list (10)")

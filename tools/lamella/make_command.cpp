@@ -71,7 +71,7 @@ void add_make_command(CLI::App& app, Interrupt& interrupt) {
     command->add_option("-o,--output", arguments->output, "STL file to write")
         ->required()
         ->type_name("FILE.stl")
-        ->check(given);
+        ->check(given_path);
     command->callback([arguments, &interrupt] { run(*arguments, interrupt); });
 }
 

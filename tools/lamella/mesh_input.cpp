@@ -26,8 +26,15 @@ std::string given(const std::string& text) {
     return text.empty() ? "is empty" : "";
 }
 
+std::string given_path(const std::string& path) {
+    return path.empty() ? "the path is empty" : "";
+}
+
 void declare_mesh(CLI::App& command, MeshArguments& arguments) {
-    command.add_option("mesh", arguments.mesh, "Mesh file: " + mesh_formats())->required()->type_name("MESH")->check(given);
+    command.add_option("mesh", arguments.mesh, "Mesh file: " + mesh_formats())
+        ->required()
+        ->type_name("MESH")
+        ->check(given_path);
     command.add_option("--unit", arguments.unit, "What a mesh that states no unit is measured in (mm)")
         ->type_name("mm|um|cm|m|in|ft|MM");
     command.add_option("--threads", arguments.threads, "At most this many (0: all)")

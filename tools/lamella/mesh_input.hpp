@@ -18,6 +18,7 @@ struct MeshArguments {
 
 /// A check for options whose value may not be empty: what is wrong with it, if anything.
 std::string given(const std::string& text);
+std::string given_path(const std::string& path);
 
 /// Declares the mesh, --unit and --threads on `command`, to be stored in `arguments`.
 void declare_mesh(CLI::App& command, MeshArguments& arguments);

@@ -148,7 +148,7 @@ void declare_planes(CLI::App& command, SliceArguments& arguments) {
 
 void declare(CLI::App& command, SliceArguments& arguments) {
     declare_mesh(command, arguments);
-    command.add_option("-o,--output", arguments.output, "Layered SVG to write")->type_name("OUT.svg")->check(given);
+    command.add_option("-o,--output", arguments.output, "Layered SVG to write")->type_name("OUT.svg")->check(given_path);
     declare_planes(command, arguments);
     command.add_option("--grid", arguments.grid_mm, "Grid unit (2^-20 mm, or what the mesh needs)")->type_name("MM");
     command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart, nearest first (off)")->type_name("MM");
@@ -164,7 +164,7 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     CLI::Option* const transform =
         command.add_option("--transform", arguments.transform, "3x4 matrix, row by row, applied to the mesh first");
     normal->type_name("X,Y,Z")->check(given)->excludes(transform);
-    transform->type_name("FILE")->check(given);
+    transform->type_name("FILE")->check(given_path);
     command.add_option("--band", arguments.band_planes, "Planes per band (0: by the work in them)")
         ->type_name("N")
         ->check(CLI::Range(0, std::numeric_limits<int>::max()));
@@ -174,7 +174,7 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     command.add_flag("--map", arguments.map_file, "Map the mesh file instead of reading it");
     command.add_option("--report", arguments.report, "JSON report to write; - is standard output")
         ->type_name("FILE|-")
-        ->check(given);
+        ->check(given_path);
     declare_choice<ProgressBar::When>(
         command, "--progress", arguments.progress,
         {{"auto", ProgressBar::When::automatic}, {"always", ProgressBar::When::always}, {"never", ProgressBar::When::never}},

@@ -35,15 +35,20 @@ std::uint64_t memory_limit(const ReadOptions& options, std::uint64_t file_bytes)
     return options.memory_limit_bytes != 0 ? options.memory_limit_bytes : 3 * file_bytes + allowance;
 }
 
+std::string lower_case_extension(const std::filesystem::path& path) {
+    std::string text = path.extension().string();
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c; });
+    return text;
+}
+
+bool is_named_gz(const std::filesystem::path& path) {
+    return lower_case_extension(path) == ".gz";
+}
+
 /// The name's extension in lower case, ".gz" left out.
 std::string extension_of(const std::filesystem::path& path) {
-    const auto lower = [](std::string text) {
-        std::transform(text.begin(), text.end(), text.begin(),
-                       [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c; });
-        return text;
-    };
-    std::string extension = lower(path.extension().string());
-    return extension == ".gz" ? lower(path.stem().extension().string()) : extension;
+    return lower_case_extension(is_named_gz(path) ? path.stem() : path);
 }
 
 const Reader* reader_for_extension(std::string_view extension) {
@@ -135,6 +140,9 @@ Result<MeshFile> read_compressed(FileSource& packed, const InputFile& file, cons
     if (!unzipped.problem.empty()) {
         return file.error(unzipped.code, unzipped.problem);
     }
+    if (as_text(unzipped.contents.span()).starts_with(gzip_magic)) {
+        return file.error(Code::malformed_mesh, "is compressed twice: its gzip data are gzip data again");
+    }
     const double unzip_ms = milliseconds_since(start);
     FileSource source(file, std::move(unzipped.contents), options, parallel);
     Result<MeshFile> mesh = read_source(source, path, options);
@@ -164,6 +172,11 @@ Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& opti
     Result<MeshFile> mesh = source.sample().starts_with(gzip_magic) ? read_compressed(source, file, path, options, parallel)
                                                                     : read_source(source, path, options);
     if (mesh) {
+        if (mesh->compressed != is_named_gz(path)) {
+            mesh->warnings.insert(mesh->warnings.begin(),
+                                  file.name() + (mesh->compressed ? ": is compressed by gzip, which its name does not say"
+                                                                  : ": is not compressed by gzip, as its name says"));
+        }
         mesh->file_bytes = file.size();
         mesh->read_ms = milliseconds_since(start) - mesh->parse_ms;
     }
@@ -189,18 +202,6 @@ std::vector<std::string_view> format_names() {
 std::string_view name_of(PatientFrame frame) noexcept {
     constexpr std::array<std::string_view, 3> names = {"", "LPS", "RAS"};
     return names[static_cast<std::size_t>(frame)];
-}
-
-PatientFrame stated_frame(std::string_view header) noexcept {
-    constexpr std::string_view word = "SPACE=";
-    for (const PatientFrame frame : {PatientFrame::lps, PatientFrame::ras}) {
-        for (std::size_t at = header.find(word); at != std::string_view::npos; at = header.find(word, at + 1)) {
-            if (header.substr(at + word.size(), 3) == name_of(frame)) {
-                return frame;
-            }
-        }
-    }
-    return PatientFrame::unstated;
 }
 
 bool is_text(std::string_view sample) noexcept {

@@ -90,9 +90,6 @@ inline std::string_view without_byte_order_mark(std::string_view text) noexcept 
     return text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
 }
 
-/// What "SPACE=LPS" or "SPACE=RAS" in a header or comment, as 3D Slicer writes it, says.
-PatientFrame stated_frame(std::string_view header) noexcept;
-
 /// No control characters but white space: every binary mesh has some in its first 64 KiB.
 bool is_text(std::string_view sample) noexcept;
 

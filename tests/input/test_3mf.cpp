@@ -227,6 +227,25 @@ TEST_CASE("supports and what is not to be printed are left out and warned of", "
     CHECK(file.warnings[1] == path.string() + ": ignored object 2 of type 'support'");
 }
 
+TEST_CASE("bytes around the zip archive of a 3MF file are warned of", "[input][3mf]") {
+    const TempDir dir;
+    const std::string whole = package(model_text(cube(), item(1)));
+    const auto warnings = [&](const std::string& bytes) {
+        const MeshFile mesh = read_indexed(dir.write("a.3mf", bytes));
+        CHECK(mesh.triangle_count == 12);
+        return mesh.warnings;
+    };
+    const std::string name = (dir / "a.3mf").string();
+    CHECK(warnings(whole + std::string(5, '\0')) ==
+          std::vector<std::string>{name + ": ignored 5 bytes after the zip archive"});
+    CHECK(warnings(std::string(7, '\x01') + whole + "tail") ==
+          std::vector<std::string>{name + ": ignored 7 bytes before the zip archive",
+                                   name + ": ignored 4 bytes after the zip archive"});
+    std::string with_comment = whole + "a comment";
+    with_comment[whole.size() - 2] = 9;
+    CHECK(warnings(with_comment).empty());
+}
+
 TEST_CASE("a package that lacks its content types is read with a warning", "[input][3mf]") {
     const TempDir dir;
     const std::string model = model_text(cube(), item(1));
@@ -312,7 +331,7 @@ TEST_CASE("an archive may begin with other bytes and hold other parts", "[input]
     const TempDir dir;
     const std::string bytes = package(model_text(cube(), item(1)), {{"Metadata/", ""}, {"thumbnail.png", "\x89PNG"}});
     CHECK(read_corners(dir, bytes).size() == 12);
-    CHECK(read_corners(dir, std::string("\x7f\0\1", 3) + bytes).size() == 12);
+    CHECK(corners_of(read_indexed(dir.write("b.3mf", std::string("\x7f\0\1", 3) + bytes))).size() == 12);
 }
 
 }  // namespace

@@ -131,6 +131,7 @@ TEST_CASE("entities and whatever else a document type may hold are refused", "[i
 
 TEST_CASE("every malformed field of a 3MF model is told with its line", "[input][3mf]") {
     const TempDir dir;
+    const std::string compatibility_space = "http://schemas.openxmlformats.org/markup-compatibility/2006";
     using Row = std::tuple<std::string, std::string, std::size_t, std::string>;
     const std::vector<Row> rows = {
         {core_space, "urn:other", 2, "expected a 'model' of the namespace " + core_space + ", found 'model' of 'urn:other'"},
@@ -142,6 +143,10 @@ TEST_CASE("every malformed field of a 3MF model is told with its line", "[input]
         {" >", " requiredextensions=\"p q\">", 2, "requires the extension 'q', a prefix that it does not declare"},
         {" >", " xmlns:s=\"urn:s\" requiredextensions=\" p\ts\">", 2,
          "requires the extension 's', 'urn:s', which is not supported"},
+        {" >", " xmlns:s=\"urn:s\" xmlns:c=\"" + compatibility_space + "\" c:MustUnderstand=\"p s\">", 2,
+         "requires the extension 's', 'urn:s', which is not supported"},
+        {" >", " xmlns:c=\"" + compatibility_space + "\" c:MustUnderstand=\"q\">", 2,
+         "requires the extension 'q', a prefix that it does not declare"},
         {"id=\"1\"", "", 4, "expected an 'id'"},
         {"id=\"1\"", "id=\"0\"", 4, "malformed id '0'"},
         {"id=\"1\"", "id=\"2147483648\"", 4, "malformed id '2147483648'"},
@@ -195,6 +200,9 @@ TEST_CASE("a build of nothing is an empty mesh", "[input][3mf]") {
         object(1, "<mesh><vertices/><triangles/></mesh>") + object(2, "") + object(3, cube_mesh(), "type=\"support\"");
     CHECK(refusal(dir, package(model_text(empty, "")), Code::empty_mesh) ==
           "part '3D/3dmodel.model' has nothing in its build");
+    const std::string unprintable = model_text(object(1, cube_mesh()), item(1, "printable=\"0\""));
+    CHECK(refusal(dir, package(unprintable), Code::empty_mesh) ==
+          "part '3D/3dmodel.model' has nothing in its build but items marked as not printable");
     CHECK(refusal(dir, package(model_text(empty, item(1) + item(2) + item(3))), Code::empty_mesh) == "holds no triangles");
     CHECK(refusal(dir, package("<model xmlns=\"" + core_space + "\"/>"), Code::empty_mesh).find("nothing") !=
           std::string::npos);

@@ -73,7 +73,27 @@ TEST_CASE("what is in gzip data is judged like any file", "[input][gzip]") {
     const TempDir dir;
     CHECK(read_error(dir.write("a.stl.gz", gzipped(""))).message.find("is empty") != std::string::npos);
     CHECK(read_error(dir.write("a.stl.gz", gzipped("<html>"))).message.find("'<html>'") != std::string::npos);
-    CHECK(read_error(dir.write("a.stl.gz", gzipped(gzipped("solid")))).code == Code::malformed_mesh);
+    const Error twice = read_error(dir.write("a.stl.gz", gzipped(gzipped(binary_stl(numbered_facets(1))))));
+    CHECK(twice.code == Code::malformed_mesh);
+    CHECK(twice.message.find("is compressed twice") != std::string::npos);
+}
+
+TEST_CASE("a name that says otherwise than the file whether it is gzip is warned of", "[input][gzip]") {
+    const TempDir dir;
+    const std::string plain = binary_stl(numbered_facets(3));
+    const auto warnings = [&](const std::string& name, const std::string& bytes) {
+        return read_one(dir.write(name, bytes)).warnings;
+    };
+    const auto one = [&](const std::string& name, const std::string& what) {
+        return std::vector<std::string>{(dir / name).string() + ": " + what};
+    };
+    CHECK(warnings("a.stl", plain).empty());
+    CHECK(warnings("a.stl.GZ", gzipped(plain)).empty());
+    CHECK(warnings("a.gz", gzipped(plain)).empty());
+    CHECK(warnings("a.stl.gz", plain) == one("a.stl.gz", "is not compressed by gzip, as its name says"));
+    CHECK(warnings("a.stl", gzipped(plain)) == one("a.stl", "is compressed by gzip, which its name does not say"));
+    CHECK(warnings("a", gzipped(plain)) == one("a", "is compressed by gzip, which its name does not say"));
+    CHECK(warnings("a.obj", gzipped(plain)).size() == 2);
 }
 
 TEST_CASE("an STL file may have any name", "[input]") {

@@ -238,7 +238,7 @@ TEST_CASE("an OBJ file cut anywhere is read or refused, never misread", "[input]
             CHECK(mesh->vertex_count == 8);
             CHECK(mesh->triangle_count <= 12);
         } else {
-            CHECK(mesh.error().code == Code::malformed_mesh);
+            CHECK((mesh.error().code == Code::malformed_mesh || mesh.error().code == Code::empty_mesh));
         }
     }
 }

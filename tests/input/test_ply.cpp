@@ -273,7 +273,8 @@ TEST_CASE("PLY comments may state the patient frame", "[input][ply]") {
     CHECK(frame_of("obj_info SPACE=LPS") == PatientFrame::lps);
     CHECK(frame_of("comment SPACE=XYZ") == PatientFrame::unstated);
     CHECK(frame_of("comment end_header\ncomment\ncomment element vertex 3") == PatientFrame::unstated);
-    CHECK(frame_of("obj_info SPACE=RAS\ncomment SPACE=LPS") == PatientFrame::ras);
+    CHECK(frame_of("obj_info SPACE=RAS\ncomment SPACE=RAS") == PatientFrame::ras);
+    CHECK(frame_of("obj_info SPACE=RAS\ncomment SPACE=LPS") == PatientFrame::unstated);
 }
 
 TEST_CASE("PLY headers with other ends of lines and white space", "[input][ply]") {

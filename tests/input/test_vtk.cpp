@@ -178,6 +178,31 @@ TEST_CASE("the title of legacy VTK may state the patient frame", "[input][vtk]")
     CHECK(frame("a title") == PatientFrame::unstated);
 }
 
+TEST_CASE("a FIELD of legacy VTK may state the patient frame", "[input][vtk]") {
+    const TempDir dir;
+    const bool text = GENERATE(false, true);
+    const auto read = [&](const std::string& head, const std::vector<std::string>& values,
+                          const std::string& title = "a title") {
+        Legacy legacy{text, 5};
+        legacy.extra = "FIELD FieldData 2\n" + head + " string\n";
+        for (const std::string& value : values) {
+            legacy.extra += text ? value + "\n" : static_cast<char>(0xC0 + value.size()) + value;
+        }
+        legacy.extra += "\ntime 1 1 double\n" + legacy.array("double", {1});
+        return read_one(dir.write("a.vtk", replaced(legacy(cube()), "a title", title)));
+    };
+    CHECK(read("SPACE 1 1", {"LPS"}).patient_frame == PatientFrame::lps);
+    CHECK(read("SPACE 1 1", {"RAS"}).patient_frame == PatientFrame::ras);
+    CHECK(read("SPACE 1 1", {"RAS"}, "SPACE=RAS").patient_frame == PatientFrame::ras);
+    CHECK(read("SPACE 1 1", {"RASP"}).patient_frame == PatientFrame::unstated);
+    CHECK(read("SPACE 1 2", {"LPS", "RAS"}).patient_frame == PatientFrame::unstated);
+    CHECK(read("OTHER 1 1", {"LPS"}).patient_frame == PatientFrame::unstated);
+    const MeshFile contradiction = read("SPACE 1 1", {"RAS"}, "3D Slicer output. SPACE=LPS");
+    CHECK(contradiction.patient_frame == PatientFrame::unstated);
+    CHECK(contradiction.warnings == std::vector<std::string>{(dir / "a.vtk").string() + ": states the patient frame 'LPS' " +
+                                                             "and then 'RAS', so that neither is taken"});
+}
+
 TEST_CASE("a cube is sliced the same from STL and legacy VTK", "[input][vtk]") {
     const TempDir dir;
     const std::uint64_t expected = hash_of(dir.write("a.stl", binary_stl(triangles_of(cube()))));

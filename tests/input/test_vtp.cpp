@@ -222,12 +222,12 @@ TEST_CASE("a cube is sliced the same from STL and VTP", "[input][vtp]") {
 TEST_CASE("field data of VTP may state the patient frame", "[input][vtp]") {
     const TempDir dir;
     const std::string format = GENERATE(as<std::string>(), "ascii", "binary");
-    const auto frame = [&](const std::string& name, const std::string& value) {
+    const auto frame = [&](const std::string& name, const std::string& value, bool ended = true) {
         Xml xml{format};
-        std::string codes = value + '\0';
+        std::string codes = ended ? value + '\0' : value;
         if (xml.text()) {
             codes.clear();
-            for (const char c : value + '\0') {
+            for (const char c : std::string(ended ? value + '\0' : value)) {
                 codes += std::to_string(int{c}) + " ";
             }
         }
@@ -237,6 +237,7 @@ TEST_CASE("field data of VTP may state the patient frame", "[input][vtp]") {
     };
     CHECK(frame("SPACE", "LPS") == PatientFrame::lps);
     CHECK(frame("SPACE", "RAS") == PatientFrame::ras);
+    CHECK(frame("SPACE", "LPSX", false) == PatientFrame::unstated);
     CHECK(frame("SPACE", "lps") == PatientFrame::unstated);
     CHECK(frame("SPACE", "left-posterior-superior") == PatientFrame::unstated);
     CHECK(frame("OTHER", "LPS") == PatientFrame::unstated);

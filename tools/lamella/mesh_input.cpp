@@ -49,13 +49,17 @@ MeshFile read_mesh_of(const MeshArguments& arguments) {
     Result<MeshFile> mesh = read_mesh(arguments.mesh, {.threads = arguments.threads,
                                                        .memory = nullptr,
                                                        .map_file = arguments.map_file,
-                                                       .mm_per_unit = parse_unit(arguments.unit, "--unit")});
+                                                       .mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit")});
     if (!mesh) {
         const Failure failure = failure_of(mesh.error());
         // Where memory ran out there was none left to say in which file.
         throw mesh.error().code == Code::out_of_memory && std::string_view(failure.what()) == "out of memory"
             ? Failure(failure.status(), arguments.mesh + ": " + failure.what())
             : failure;
+    }
+    if (arguments.unit && mesh->states_unit) {
+        mesh->warnings.push_back(arguments.mesh + ": states that its unit is " + exact_text(mesh->mm_per_unit) +
+                                 " mm, which holds instead of --unit");
     }
     return std::move(mesh).value();
 }

@@ -1,6 +1,7 @@
 // The mesh that a command works on: the flags that say how to read it, and the file in words.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -11,7 +12,7 @@ namespace lamella::cli {
 
 struct MeshArguments {
     std::string mesh;
-    std::string unit = "mm";
+    std::optional<std::string> unit;
     int threads = 0;
     bool map_file = false;
 };

@@ -8,6 +8,7 @@
 #include "1_input/obj_off/faces.hpp"
 #include "1_input/obj_off/lines.hpp"
 #include "1_input/reader.hpp"
+#include "1_input/stated_frame.hpp"
 #include "base/clock.hpp"
 #include "base/words.hpp"
 
@@ -243,7 +244,7 @@ Result<MeshFile> read_obj(FileSource& source) {
         },
         [&](std::size_t i, std::size_t face) { return ObjParser(pieces[i].text).place_of_face(face); });
     if (mesh) {
-        mesh->patient_frame = stated_frame(head_comments(text));
+        give_stated_frame(head_comments(text), source, mesh.value());
         warn_of_skipped(source, whole, skipped, mesh.value());
         mesh->parse_ms = milliseconds_since(start);
     }

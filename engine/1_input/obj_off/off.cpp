@@ -15,6 +15,7 @@
 #include "1_input/obj_off/faces.hpp"
 #include "1_input/obj_off/lines.hpp"
 #include "1_input/reader.hpp"
+#include "1_input/stated_frame.hpp"
 #include "base/clock.hpp"
 #include "base/words.hpp"
 
@@ -275,7 +276,7 @@ Result<MeshFile> read_off(FileSource& source) {
             return OffParser(pieces[i].text).place_of_face(first - pieces[i].first, face);
         });
     if (mesh) {
-        mesh->patient_frame = stated_frame(text.substr(0, static_cast<std::size_t>(counts.at - text.data())));
+        give_stated_frame(text.substr(0, static_cast<std::size_t>(counts.at - text.data())), source, mesh.value());
         mesh->parse_ms = milliseconds_since(start);
         if (lines > counts.lines()) {
             mesh->warnings.push_back(source.name() + ": ignored " + counted(lines - counts.lines(), "line") +

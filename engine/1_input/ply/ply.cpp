@@ -54,7 +54,6 @@ MeshFile mesh_of(PlyMesh body, Array<std::byte> bytes, const PlyHeader& header, 
     mesh.triangle_count = body.indices.size() / 3;
     mesh.indices = std::move(body.indices);
     mesh.text = header.encoding == PlyEncoding::ascii;
-    mesh.patient_frame = header.patient_frame;
     return mesh;
 }
 
@@ -93,6 +92,7 @@ Result<MeshFile> read_ply(FileSource& source) {
     std::vector<std::string> warnings = warnings_of(source, contents, header, body);
     MeshFile mesh = mesh_of(std::move(body), std::move(bytes).value(), header, source.parallel());
     mesh.warnings = std::move(warnings);
+    header.patient_frame.give(source, mesh);
     mesh.parse_ms = milliseconds_since(start);
     return mesh;
 }

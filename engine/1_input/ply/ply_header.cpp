@@ -103,9 +103,7 @@ bool HeaderParser::next_line() {
 bool HeaderParser::line(bool& ended) {
     const std::string_view keyword = word();
     if (keyword == "comment" || keyword == "obj_info") {
-        if (header_.patient_frame == PatientFrame::unstated) {
-            header_.patient_frame = stated_frame({p_, static_cast<std::size_t>(end_ - p_)});
-        }
+        header_.patient_frame.read_header({p_, static_cast<std::size_t>(end_ - p_)});
         return true;
     }
     if (keyword == "format") {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "1_input/stated_frame.hpp"
 #include "lamella/mesh_file.hpp"
 
 namespace lamella {
@@ -59,7 +60,7 @@ struct PlyHeader {
     PlyEncoding encoding = PlyEncoding::ascii;
     std::vector<PlyElement> elements;
     std::size_t body = 0;  ///< where the first element begins
-    PatientFrame patient_frame = PatientFrame::unstated;
+    StatedFrame patient_frame;
 
     /// One with a count above 0; null where there is none.
     const PlyElement* element_of(PlyRole role) const noexcept;

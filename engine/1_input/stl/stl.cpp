@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "1_input/reader.hpp"
+#include "1_input/stated_frame.hpp"
 #include "1_input/stl/facet_parser.hpp"
 #include "1_input/stl/stl_ascii.hpp"
 #include "1_input/text.hpp"
@@ -85,7 +86,7 @@ Result<MeshFile> read_binary(FileSource& file) {
     mesh.first_offset = header_bytes + normal_bytes;
     mesh.stride = record_bytes;
     mesh.triangle_count = count.value();
-    mesh.patient_frame = stated_frame(file.sample().substr(0, 80));
+    give_stated_frame(file.sample().substr(0, 80), file, mesh);
     if (file.size() > needed) {
         mesh.warnings.push_back(file.name() + ": ignored " + counted(file.size() - needed, "byte") + " after the last of " +
                                 counted(count.value(), "triangle"));
@@ -113,7 +114,7 @@ Result<MeshFile> read_ascii(FileSource& file) {
     mesh.stride = 9 * sizeof(float);
     mesh.triangle_count = facets.count;
     mesh.text = true;
-    mesh.patient_frame = stated_frame(text.substr(0, text.find_first_of("\r\n")));
+    give_stated_frame(text.substr(0, text.find_first_of("\r\n")), file, mesh);
     if (facets.open_end) {
         mesh.warnings.push_back(file.name() + ": ends without 'endsolid' after line " +
                                 std::to_string(line_of(text, *facets.open_end)) + ": what follows may have been cut off");

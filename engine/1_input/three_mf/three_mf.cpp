@@ -22,6 +22,15 @@ std::uint64_t text_limit(const FileSource& file) {
     return file.memory_limit() + largest_ratio * std::min(file.size(), std::numeric_limits<std::uint64_t>::max() / 128);
 }
 
+void warn_of_other_bytes(const OtherBytes& other, three_mf::Model& model) {
+    if (other.before > 0) {
+        model.warnings.push_back("ignored " + std::to_string(other.before) + " bytes before the zip archive");
+    }
+    if (other.after > 0) {
+        model.warnings.push_back("ignored " + std::to_string(other.after) + " bytes after the zip archive");
+    }
+}
+
 Result<three_mf::Model> load(FileSource& file, std::chrono::steady_clock::time_point& start) {
     const Result<Array<std::byte>> bytes = file.take(file.size());
     if (!bytes) {
@@ -29,12 +38,21 @@ Result<three_mf::Model> load(FileSource& file, std::chrono::steady_clock::time_p
     }
     start = Clock::now();
     Result<ZipArchive> package = ZipArchive::open(file, bytes.value().span(), text_limit(file));
-    return package ? three_mf::read_model(package.value(), file.memory_limit(), file.memory()) : package.error();
+    if (!package) {
+        return package.error();
+    }
+    Result<three_mf::Model> model = three_mf::read_model(package.value(), file.memory_limit(), file.memory());
+    if (model) {
+        warn_of_other_bytes(other_bytes(as_text(bytes.value().span())), model.value());
+    }
+    return model;
 }
 
 Result<MeshFile> build(const FileSource& file, three_mf::Model& model) {
     if (model.items.empty()) {
-        return error_in_part(file, Code::empty_mesh, model.parts.front(), 0, "has nothing in its build");
+        return error_in_part(file, Code::empty_mesh, model.parts.front(), 0,
+                             model.unprintable_items == 0 ? "has nothing in its build"
+                                                          : "has nothing in its build but items marked as not printable");
     }
     std::vector<three_mf::Instance> instances;
     if (const std::optional<three_mf::BuildProblem> problem =

@@ -55,6 +55,7 @@ struct Model {
     std::vector<Object> objects;
     std::unordered_map<std::uint64_t, std::uint32_t> object_index;  ///< into `objects`, by key()
     std::vector<Reference> items;                                   ///< of the build
+    std::size_t unprintable_items = 0;                              ///< that it has beside these
     std::vector<std::string> warnings;                              ///< without the file's name
 
     /// The number of the part of that name, which is added if it is new.

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::string_view core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 constexpr std::string_view production = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
+constexpr std::string_view compatibility = "http://schemas.openxmlformats.org/markup-compatibility/2006";
 
 /// What a file may require of its readers: that which is read here, and that which says nothing of the geometry.
 constexpr std::array supported_extensions = {
@@ -138,6 +139,7 @@ void PartReader::declare_namespace(std::string_view prefix, std::string_view spa
 
 void PartReader::begin_model(const XmlAttributes& attributes) {
     check_required(attributes.find("requiredextensions").value_or(""));
+    check_required(attributes.find(XmlName{compatibility, "MustUnderstand"}).value_or(""));
     set_unit(attributes.find("unit").value_or("millimeter"));
 }
 
@@ -280,6 +282,7 @@ void PartReader::begin_item(const XmlAttributes& attributes) {
     // Not of the standard, but how a slicer says that an item stands beside the build plate.
     if (attributes.find("printable") == "0") {
         warn("ignored an item of the build that is marked as not printable");
+        ++model_.unprintable_items;
         return;
     }
     model_.items.push_back(*item);

@@ -24,7 +24,39 @@ std::string lower_case(std::string_view name) {
     return lower;
 }
 
+template <class Value>
+std::uint64_t number_at(std::string_view file, std::size_t at) {
+    Value number = 0;
+    std::memcpy(&number, file.data() + at, sizeof number);
+    return number;
+}
+
+/// Bytes before an archive whose directory's end record is at `end`, by where the archive says that something of it lies.
+///
+///     ... | directory | [record of zip64 (56) | where that is (20)] | end record
+std::uint64_t bytes_before_archive(std::string_view file, std::size_t end) {
+    constexpr std::size_t record_bytes = 56;
+    constexpr std::size_t locator_bytes = 20;
+    if (end >= record_bytes + locator_bytes && file.substr(end - locator_bytes).starts_with("PK\x06\x07")) {
+        const std::size_t record = end - locator_bytes - record_bytes;
+        const std::uint64_t stated = number_at<std::uint64_t>(file, end - locator_bytes + 8);
+        return file.substr(record).starts_with("PK\x06\x06") && stated <= record ? record - stated : 0;
+    }
+    const std::uint64_t stated = number_at<std::uint32_t>(file, end + 12) + number_at<std::uint32_t>(file, end + 16);
+    return stated <= end ? end - stated : 0;
+}
+
 }  // namespace
+
+OtherBytes other_bytes(std::string_view file) {
+    constexpr std::size_t end_record_bytes = 22;
+    const std::size_t end = file.rfind("PK\x05\x06");  // as minizip finds it
+    if (end == std::string_view::npos || file.size() - end < end_record_bytes) {
+        return {};
+    }
+    const std::uint64_t archive_end = end + end_record_bytes + number_at<std::uint16_t>(file, end + 20);
+    return {bytes_before_archive(file, end), file.size() - std::min<std::uint64_t>(archive_end, file.size())};
+}
 
 Error error_in_part(const FileSource& file, Code code, std::string_view part, std::uint64_t line, const std::string& what) {
     const std::string place = "part '" + printable(std::string(part)) + "'";

@@ -21,6 +21,15 @@ inline constexpr std::string_view zip_magic = "PK\x03\x04";
 /// An error in a part of a zip archive, at `line` of it if that is not 0.
 Error error_in_part(const FileSource& file, Code code, std::string_view part, std::uint64_t line, const std::string& what);
 
+/// What lies in a file around a zip archive.
+struct OtherBytes {
+    std::uint64_t before = 0;
+    std::uint64_t after = 0;
+};
+
+/// Of a file that opens as a ZipArchive.
+OtherBytes other_bytes(std::string_view file);
+
 /// Names of parts are equal in any case, as the Open Packaging Conventions have it.
 class ZipArchive {
 public:

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "1_input/reader.hpp"
+#include "1_input/stated_frame.hpp"
 #include "1_input/text.hpp"
 #include "1_input/vtk/number_words.hpp"
 #include "1_input/vtk/vtk_cells.hpp"
@@ -50,7 +51,7 @@ public:
 
     const std::vector<CellArray>& cells() const noexcept { return cells_; }
     bool binary() const noexcept { return scanner_.binary(); }
-    std::string_view title() const noexcept { return title_; }
+    const StatedFrame& patient_frame() const noexcept { return patient_frame_; }
 
 private:
     Status header();
@@ -70,7 +71,7 @@ private:
     VtkFile& file_;
     VtkScanner scanner_;
     int version_ = 0;
-    std::string_view title_;
+    StatedFrame patient_frame_;  ///< of the title and a FIELD
     std::optional<NumberArray> points_;
     Array<std::byte> point_storage_;  ///< of points that were text
     std::vector<CellArray> cells_;
@@ -98,7 +99,7 @@ Status LegacyVtk::header() {
     if (Status read = version(); !read) {
         return read;
     }
-    title_ = scanner_.line();
+    patient_frame_.read_header(scanner_.line());
     const bool binary = scanner_.accept("BINARY");
     if (!binary && !scanner_.accept("ASCII")) {
         return scanner_.expected("'ASCII' or 'BINARY'");
@@ -305,7 +306,12 @@ Status LegacyVtk::field_array() {
         return scanner_.skip_bits(values, name);
     }
     if (scanner_.accept("STRING") || scanner_.accept("UTF8_STRING")) {
-        return scanner_.skip_strings(values, name);
+        std::string_view last;
+        const Status read = scanner_.strings(values, name, last);
+        if (read && values == 1 && name == "FIELD SPACE") {
+            patient_frame_.read_space(last);
+        }
+        return read;
     }
     NumberType type{};
     if (Status read = scanner_.type(type); !read) {
@@ -369,7 +375,7 @@ Result<MeshFile> read_vtk(FileSource& source) {
     }
     MeshFile mesh;
     mesh.text = !vtk.binary();
-    mesh.patient_frame = stated_frame(vtk.title());
+    vtk.patient_frame().give(source, mesh);
     if (Status given = vtk.give_points(bytes.value(), mesh); !given) {
         return given.error();
     }

@@ -148,23 +148,23 @@ Status VtkScanner::skip_bits(std::uint64_t count, std::string_view name) {
 }
 
 /// Each on a line of its own, or behind its length.
-Status VtkScanner::skip_strings(std::uint64_t count, std::string_view name) {
+Status VtkScanner::strings(std::uint64_t count, std::string_view name, std::string_view& last) {
     line();
     for (; count > 0; --count) {
         if (p_ == end_) {
             return truncated_strings(name);
         }
         if (!binary_) {
-            line();
-        } else if (Status skipped = skip_binary_string(name); !skipped) {
-            return skipped;
+            last = line();
+        } else if (Status read = binary_string(name, last); !read) {
+            return read;
         }
     }
     return {};
 }
 
 /// The first two bits tell how many bytes the length has, of which they are part: 8, 4, 2 or 1.
-Status VtkScanner::skip_binary_string(std::string_view name) {
+Status VtkScanner::binary_string(std::string_view name, std::string_view& string) {
     const auto left = [this] { return static_cast<std::uint64_t>(end_ - p_); };
     assert(left() > 0);
     const std::uint64_t length_bytes = std::uint64_t{8} >> (static_cast<unsigned char>(*p_) >> 6);
@@ -178,6 +178,7 @@ Status VtkScanner::skip_binary_string(std::string_view name) {
     if (left() < length) {
         return truncated_strings(name);
     }
+    string = {p_, length};
     p_ += length;
     return {};
 }

@@ -40,7 +40,8 @@ public:
     }
     Status skip_numbers(std::uint64_t count, NumberType type, std::string_view name);
     Status skip_bits(std::uint64_t count, std::string_view name);
-    Status skip_strings(std::uint64_t count, std::string_view name);
+    /// Goes over strings, of which it gives the last.
+    Status strings(std::uint64_t count, std::string_view name, std::string_view& last);
 
     /// The memory of the numbers that were read last, if they were text.
     Array<std::byte>& last_storage() noexcept { return storage_.back(); }
@@ -54,7 +55,7 @@ private:
     Status begin_bytes(std::uint64_t count, std::size_t bytes_each, std::string_view name);
     Result<NumberArray> bytes(std::uint64_t count, NumberType type, std::string_view name);
     Error truncated_strings(std::string_view name) const;
-    Status skip_binary_string(std::string_view name);
+    Status binary_string(std::string_view name, std::string_view& string);
 
     VtkFile& file_;
     const char* p_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "1_input/reader.hpp"
+#include "1_input/stated_frame.hpp"
 #include "1_input/text.hpp"
 #include "1_input/vtk/vtk_cells.hpp"
 #include "1_input/vtk/vtp_data.hpp"
@@ -26,7 +27,7 @@ public:
     Status give_points(Array<std::byte>& bytes, MeshFile& mesh);
     /// Gives it the triangles; the points are there.
     Status give_triangles(MeshFile& mesh);
-    PatientFrame patient_frame();
+    StatedFrame patient_frame();
 
 private:
     Status load_points(VtpData& data, std::vector<NumberArray>& points, std::uint64_t& count);
@@ -142,23 +143,24 @@ Status Vtp::give_triangles(MeshFile& mesh) {
 }
 
 /// What the string SPACE says. One of another length says nothing that is known.
-PatientFrame Vtp::patient_frame() {
-    constexpr std::size_t characters = 4;  // the last one ends it
+StatedFrame Vtp::patient_frame() {
+    constexpr std::size_t letters = 3;  // and a 0, which ends the string
+    StatedFrame frame;
     if (!document_.space) {
-        return PatientFrame::unstated;
+        return frame;
     }
     VtpData data(file_, document_.form);
-    const Result<NumberArray> codes = data.load<std::uint32_t>(*document_.space, characters);
+    const Result<NumberArray> codes = data.load<std::uint32_t>(*document_.space, letters + 1);
     if (!codes) {
-        return PatientFrame::unstated;
+        return frame;
     }
-    std::string header = "SPACE=";
-    for (std::size_t i = 0; i < characters; ++i) {
-        std::uint64_t code = 0;
-        decode_integers(codes.value(), i, 1, &code);
-        header += static_cast<char>(code);
+    std::uint64_t code[letters + 1] = {};
+    decode_integers(codes.value(), 0, letters + 1, code);
+    const bool is_ascii = std::all_of(code, code + letters, [](std::uint64_t c) { return c > ' ' && c <= '~'; });
+    if (is_ascii && code[letters] == 0) {
+        frame.read_space(std::string(code, code + letters));
     }
-    return stated_frame(header);
+    return frame;
 }
 
 }  // namespace
@@ -183,7 +185,7 @@ Result<MeshFile> read_vtp(FileSource& source) {
     }
     Vtp vtp(file, std::move(document).value());
     MeshFile mesh;
-    mesh.patient_frame = vtp.patient_frame();
+    vtp.patient_frame().give(source, mesh);
     if (Status given = vtp.give_points(bytes.value(), mesh); !given) {
         return given.error();
     }

@@ -59,7 +59,8 @@ TEST_CASE("bytes after the last counted record are ignored with a warning", "[in
     CHECK(read_facets(path) == facets);
     const Result<MeshFile> mesh = read_mesh(path);
     REQUIRE(mesh.value().warnings.size() == 1);
-    CHECK_THAT(mesh.value().warnings[0], Contains(std::to_string(extra) + " bytes") && Contains(path.string()));
+    CHECK_THAT(mesh.value().warnings[0],
+               Contains(std::to_string(extra) + (extra == 1 ? " byte " : " bytes ")) && Contains(path.string()));
 }
 
 TEST_CASE("a count that the file does not hold is refused", "[input]") {

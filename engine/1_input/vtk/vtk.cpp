@@ -307,7 +307,7 @@ Status LegacyVtk::field_array() {
     }
     if (scanner_.accept("STRING") || scanner_.accept("UTF8_STRING")) {
         std::string_view last;
-        const Status read = scanner_.strings(values, name, last);
+        Status read = scanner_.strings(values, name, last);
         if (read && values == 1 && name == "FIELD SPACE") {
             patient_frame_.read_space(last);
         }

@@ -1,5 +1,6 @@
 #include "bus_error.hpp"
 
+#include <atomic>
 #include <csignal>
 
 #include <unistd.h>
@@ -17,7 +18,12 @@ std::string& prepared_line() {
     return line;
 }
 
+/// Several threads may read the file: one says so, the others wait for the end.
 extern "C" void end_with_prepared_line(int /*signal_number*/) {
+    static std::atomic_flag taken;
+    while (taken.test_and_set()) {
+        ::pause();
+    }
     const std::string& line = prepared_line();
     (void)!::write(STDERR_FILENO, line.data(), line.size());
     ::_exit(bad_input);

@@ -37,8 +37,8 @@ bool holds_less(const NestItem& a, std::uint32_t segments_a, const NestItem& b, 
         return a.closed != b.closed ? a.closed : (a.count != b.count ? a.count < b.count : segments_a < segments_b);
     }
     for (std::uint32_t i = 0; i < a.count; ++i) {
-        const Point& point_a = a.points[(a.start + i) % a.count];
-        const Point& point_b = b.points[(b.start + i) % b.count];
+        const Point& point_a = a.from_start(i);
+        const Point& point_b = b.from_start(i);
         if (point_a != point_b) {
             return point_a < point_b;
         }

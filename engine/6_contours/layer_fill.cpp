@@ -34,9 +34,8 @@ void LayerBuilder::fill_regions() {
 /// for many.
 void LayerBuilder::add_to_fill() {
     const auto same = [](const NestItem& a, const NestItem& b) {
-        const auto point = [](const NestItem& item, std::uint32_t i) { return item.points[(item.start + i) % item.count]; };
         std::uint32_t i = 0;
-        while (a.closed == b.closed && a.count == b.count && i < a.count && point(a, i) == point(b, i)) {
+        while (a.closed == b.closed && a.count == b.count && i < a.count && a.from_start(i) == b.from_start(i)) {
             ++i;
         }
         return a.closed == b.closed && i == a.count && i == b.count;
@@ -67,10 +66,8 @@ void LayerBuilder::nest_region() {
     for (std::uint32_t i = 0; i < items_.size(); ++i) {
         NestItem& item = items_[i];
         const Found& found = found_[by_start_[i].index];
-        const Int128 area = item.closed ? from_wide(item.twice_area) : 0;
-        item.sense = static_cast<std::int8_t>((area > 0) - (area < 0));
+        item.reset();
         if (item.sense == 0) {
-            item.role = item.closed ? Role::flat : Role::open;
             continue;
         }
         item.role = found.hole ? Role::hole : Role::outer;

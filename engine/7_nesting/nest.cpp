@@ -74,6 +74,13 @@ void fetch([[maybe_unused]] const void* address) noexcept {
 
 }  // namespace
 
+void NestItem::reset() noexcept {
+    parent = -1;
+    reverse = false;
+    sense = static_cast<std::int8_t>(closed ? sign_of(twice_area) : 0);
+    role = closed ? Role::flat : Role::open;
+}
+
 Nester::Nester(std::pmr::memory_resource* memory)
     : memory_(memory != nullptr ? memory : std::pmr::new_delete_resource()),
       add_edges_(nesting::supported_add_edges().front()),
@@ -101,10 +108,7 @@ void Nester::collect(std::span<NestItem> items) {
     keys_.clear();
     for (std::size_t i = 0; i < items.size(); ++i) {
         NestItem& item = items[i];
-        item.parent = -1;
-        item.reverse = false;
-        item.sense = static_cast<std::int8_t>(item.closed ? sign_of(item.twice_area) : 0);
-        item.role = item.closed ? Role::flat : Role::open;
+        item.reset();
         if (item.sense != 0) {
             assert(item.start < item.count && item.points[item.start].x == item.box_min.x);
             const Point start = item.points[item.start];

@@ -45,6 +45,11 @@ struct NestItem {
     Role role = Role::open;    ///< out
     std::uint16_t flags = 0;   ///< out: sense_overruled is added to what is there
     std::int32_t parent = -1;  ///< out: index of an item, -1 for none
+
+    /// The i-th point from the start on, as walked.
+    const Point& from_start(std::uint32_t i) const noexcept { return points[(start + i) % count]; }
+    /// Nothing is known of it but what it is by itself: flat if closed, and its sense.
+    void reset() noexcept;
 };
 
 }  // namespace lamella

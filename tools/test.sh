@@ -14,7 +14,14 @@ configure() {
     local folder=$1 generator=()
     shift
     [[ -e "$folder/CMakeCache.txt" ]] || generator=(-G Ninja)
-    cmake -S . -B "$folder" "${generator[@]}" -DLAMELLA_WERROR=ON "$@" > /dev/null
+    cmake -S . -B "$folder" "${generator[@]}" "$@" > /dev/null
+}
+
+# Debug, so that assertions hold the invariants to account; optimised a little, and ten sources compiled as one, so that it
+# ends today.
+configure_sanitizer() {
+    configure "$@" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=10 \
+        -DLAMELLA_BUILD_BENCH=OFF
 }
 
 # quietly LOG COMMAND...: only a failure shows what the command had to say.
@@ -42,30 +49,30 @@ stage "format"
 find engine include tests bench tools -name '*.[ch]pp' -print0 | xargs -0 clang-format --dry-run -Werror
 
 stage "release build"
-configure build -DCMAKE_BUILD_TYPE=Release -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+configure build -DCMAKE_BUILD_TYPE=Release -DLAMELLA_WERROR=ON
 build build
+
+stage "Clang build, address and undefined-behaviour sanitizers"
+configure_sanitizer build/asan -DCMAKE_CXX_COMPILER=clang++ -DLAMELLA_SANITIZE=address -DLAMELLA_WERROR=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+build build/asan
 
 # Every source of the engine, the tools and the oracle with the headers that they include; not the other tests, nor bench/.
 stage "clang-tidy"
 # The static analyser among its checks takes as long as all others: TIDY_CHECKS= (empty) runs it too.
-run-clang-tidy -quiet -j "$jobs" -checks="${TIDY_CHECKS--clang-analyzer-*}" -p build "^$PWD/(engine|tools|tests/oracle)/" > build/tidy.log 2>&1 || {
+run-clang-tidy -quiet -j "$jobs" -checks="${TIDY_CHECKS--clang-analyzer-*}" -p build/asan "/(engine|tools|lamella_test_support[.]dir)/" > build/tidy.log 2>&1 || {
     grep -A 5 -E '(error|warning):' build/tidy.log || cat build/tidy.log
     exit 1
 }
 
-# Debug, so that assertions hold the invariants to account; optimised a little, so that it ends today.
-stage "Clang, address and undefined-behaviour sanitizers"
-configure build/asan -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DCMAKE_CXX_COMPILER=clang++ -DLAMELLA_SANITIZE=address \
-    -DLAMELLA_BUILD_BENCH=OFF
-build build/asan
+stage "tests under the address and undefined-behaviour sanitizers"
 UBSAN_OPTIONS=print_stacktrace=1 quietly build/asan/tests.log run_tests build/asan
 summary build/asan/tests.log
 
 # std::thread for oneTBB, whose Debian build the sanitizer cannot see into. Real meshes take it minutes and no other path.
 stage "GCC, thread sanitizer"
-configure build/tsan -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std \
-    -DLAMELLA_BUILD_BENCH=OFF
+configure_sanitizer build/tsan -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std
 build build/tsan
+stage "tests under the thread sanitizer"
 TSAN_OPTIONS=halt_on_error=1 quietly build/tsan/tests.log run_tests build/tsan --exclude-regex shared_models
 summary build/tsan/tests.log
 

@@ -6,18 +6,13 @@
 #include <limits>
 
 #include "base/prefetch.hpp"
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#define LAMELLA_X86_KERNELS
-#include <immintrin.h>
-#define LAMELLA_AVX512 __attribute__((target("avx512f,avx512vl,avx512dq,avx2")))
-#endif
+#include "base/x86_forms.hpp"
 
 namespace lamella {
 
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float float_infinity = std::numeric_limits<float>::infinity();
 
 TriangleBlock block_of(const SoupBox& box, bool near) {
     return {static_cast<double>(box.low[2]), static_cast<double>(box.high[2]), near};
@@ -41,8 +36,8 @@ struct SseBox {
 
     SseBox() noexcept {
         for (int v = 0; v < 3; ++v) {
-            low[v] = _mm_set1_ps(infinity);
-            high[v] = _mm_set1_ps(-infinity);
+            low[v] = _mm_set1_ps(float_infinity);
+            high[v] = _mm_set1_ps(-float_infinity);
         }
     }
     void add(int v, __m128 least, __m128 greatest) noexcept {
@@ -106,7 +101,8 @@ SoupBox measure_portable(const FloatSoup& soup, std::size_t begin, std::size_t e
 #else
 
 SoupBox measure_portable(const FloatSoup& soup, std::size_t begin, std::size_t end, TriangleBlock* blocks) {
-    const SoupBox empty{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}, false};
+    const SoupBox empty{
+        {float_infinity, float_infinity, float_infinity}, {-float_infinity, -float_infinity, -float_infinity}, false};
     SoupBox all = empty;
     for (std::size_t block = begin; block < end; ++block) {
         const std::size_t last = std::min(soup.triangle_count, (block + 1) * block_triangles);
@@ -137,18 +133,15 @@ SoupBox measure_portable(const FloatSoup& soup, std::size_t begin, std::size_t e
 
 #endif
 
-#ifdef LAMELLA_X86_KERNELS
+#ifdef LAMELLA_X86_FORMS
 
 // --- AVX-512: sixteen triangles at a time, a vector for each of their nine numbers
 
-constexpr std::size_t group_size = 16;
-constexpr __mmask16 every = 0xFFFF;
-
 LAMELLA_AVX512 __m512 least(__m512 a, __m512 b) {
-    return _mm512_maskz_min_ps(every, a, b);
+    return _mm512_maskz_min_ps(all_lanes, a, b);
 }
 LAMELLA_AVX512 __m512 greatest(__m512 a, __m512 b) {
-    return _mm512_maskz_max_ps(every, a, b);
+    return _mm512_maskz_max_ps(all_lanes, a, b);
 }
 
 LAMELLA_AVX512 __m256 lower_half(__m512 v) {
@@ -189,9 +182,9 @@ LAMELLA_AVX512 __mmask16 within(__mmask16 lanes, __m512 a, __m512 b, __m512 reac
 
 /// Few edges run along y and z, so x mostly tells.
 LAMELLA_AVX512 bool any_near(const __m512* v, __m512 reach) {
-    const __mmask16 x01 = within(every, v[0], v[3], reach);
-    const __mmask16 x12 = within(every, v[3], v[6], reach);
-    const __mmask16 x20 = within(every, v[6], v[0], reach);
+    const __mmask16 x01 = within(all_lanes, v[0], v[3], reach);
+    const __mmask16 x12 = within(all_lanes, v[3], v[6], reach);
+    const __mmask16 x20 = within(all_lanes, v[6], v[0], reach);
     if ((x01 | x12 | x20) == 0) {
         return false;
     }
@@ -213,8 +206,8 @@ LAMELLA_AVX512 SoupBox measure_avx512(const FloatSoup& soup, std::size_t begin, 
     const __m512 reach = _mm512_set1_ps(soup.near_mm);
     const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     const __m512i stride = _mm512_set1_epi32(static_cast<std::int32_t>(soup.stride));
-    const __m512 lowest = _mm512_set1_ps(-infinity);
-    const __m512 highest = _mm512_set1_ps(infinity);
+    const __m512 lowest = _mm512_set1_ps(-float_infinity);
+    const __m512 highest = _mm512_set1_ps(float_infinity);
     AxisBox all{{highest, highest, highest}, {lowest, lowest, lowest}};
     unsigned nan = 0;
     for (std::size_t block = begin; block < end; ++block) {
@@ -224,17 +217,17 @@ LAMELLA_AVX512 SoupBox measure_avx512(const FloatSoup& soup, std::size_t begin, 
         all.low[2] = highest;
         all.high[2] = lowest;
         bool near = false;
-        for (std::size_t t = block * block_triangles; t < last; t += group_size) {
+        for (std::size_t t = block * block_triangles; t < last; t += lanes_of_512) {
             // Past the last triangle come copies of it.
-            const auto count = static_cast<std::int32_t>(std::min(group_size, last - t));
-            const __m512i lane = _mm512_maskz_min_epi32(every, lanes, _mm512_set1_epi32(count - 1));
+            const auto count = static_cast<std::int32_t>(std::min(lanes_of_512, last - t));
+            const __m512i lane = _mm512_maskz_min_epi32(all_lanes, lanes, _mm512_set1_epi32(count - 1));
             const __m512i offsets = _mm512_mullo_epi32(lane, stride);
             const std::byte* at = soup.vertices + t * soup.stride;
-            prefetch_ahead(at, group_size * soup.stride);
+            prefetch_ahead(at, lanes_of_512 * soup.stride);
             __m512 v[9];
             for (std::size_t i = 0; i < 9; ++i) {
                 const auto* number = reinterpret_cast<const float*>(at + i * sizeof(float));
-                v[i] = _mm512_mask_i32gather_ps(_mm512_setzero_ps(), every, offsets, number, 1);
+                v[i] = _mm512_mask_i32gather_ps(_mm512_setzero_ps(), all_lanes, offsets, number, 1);
             }
             add(all, v);
             near |= any_near(v, reach);
@@ -258,8 +251,8 @@ LAMELLA_AVX512 SoupBox measure_avx512(const FloatSoup& soup, std::size_t begin, 
 }  // namespace
 
 MeasureSoup measure_soup_for_this_cpu() noexcept {
-#ifdef LAMELLA_X86_KERNELS
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) {
+#ifdef LAMELLA_X86_FORMS
+    if (has_avx512()) {
         return measure_avx512;
     }
 #endif

@@ -4,16 +4,11 @@
 #include <cmath>
 
 #include "base/prefetch.hpp"
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#define LAMELLA_X86_KERNELS
-#include <immintrin.h>
-#define LAMELLA_AVX512 __attribute__((target("avx512f,avx512vl,avx512dq,avx2")))
-#endif
+#include "base/x86_forms.hpp"
 
 namespace lamella {
 
-#ifdef LAMELLA_X86_KERNELS
+#ifdef LAMELLA_X86_FORMS
 
 namespace {
 
@@ -21,11 +16,9 @@ namespace {
 /// 24 bits, then to the grid) moves none by much of a step.
 constexpr PlaneIndex most_by_arithmetic = 1 << 19;
 constexpr double least_step_units = 1024;
-constexpr PlaneIndex most_planes = 1 << 28;  // indices of gathers are signed, and the table has two cells a plane
-constexpr int table_steps = 4;               // planes of a cell looked at before the rest of it is searched
-constexpr std::size_t group_size = 16;
-constexpr __mmask16 every = 0xFFFF;
-constexpr __mmask16 nine = 0x1FF;  // numbers of a triangle
+constexpr PlaneIndex most_scanned_planes = 1 << 28;  // indices of gathers are signed, and the table has two cells a plane
+constexpr int table_steps = 4;                       // planes of a cell looked at before the rest of it is searched
+constexpr __mmask16 nine = 0x1FF;                    // numbers of a triangle
 
 }  // namespace
 
@@ -35,10 +28,9 @@ SoupScan::SoupScan(const MeshView& mesh, const Transform& transform, double unit
       scale_(static_cast<float>(1 / (2 * unit_mm))),
       planes_(planes) {
     int exponent = 0;
-    usable_ = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-              __builtin_cpu_supports("avx512dq") && mesh.number == Number::f32 && mesh.indices == nullptr &&
-              mesh.stride < (1U << 20) && transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 &&
-              planes.size() > 0 && planes.size() <= most_planes;
+    usable_ = has_avx512() && mesh.number == Number::f32 && mesh.indices == nullptr && mesh.stride < (1U << 20) &&
+              transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 && planes.size() > 0 &&
+              planes.size() <= most_scanned_planes;
     if (planes.uniform() && planes.size() <= most_by_arithmetic && planes.planes_per_unit() * least_step_units <= 1) {
         planes_per_unit_ = static_cast<float>(planes.planes_per_unit());
     }
@@ -50,15 +42,15 @@ struct SoupKernel {
         __m512i z[3];
     };
 
-    /// Numbers at `at` and every stride from there on.
+    /// Numbers at `at` and all_lanes stride from there on.
     LAMELLA_AVX512 static __m512i gather_grid(const SoupScan& scan, const std::byte* at, __m512i offsets) {
         const __m512 mm =
-            _mm512_mask_i32gather_ps(_mm512_setzero_ps(), every, offsets, reinterpret_cast<const float*>(at), 1);
+            _mm512_mask_i32gather_ps(_mm512_setzero_ps(), all_lanes, offsets, reinterpret_cast<const float*>(at), 1);
         return round_even(mm, _mm512_set1_ps(scan.scale_));
     }
 
     LAMELLA_AVX512 static __m512i round_even(__m512 mm, __m512 scale) {
-        const __m512i half = _mm512_maskz_cvtps_epi32(every, _mm512_mul_ps(mm, scale));
+        const __m512i half = _mm512_maskz_cvtps_epi32(all_lanes, _mm512_mul_ps(mm, scale));
         return _mm512_add_epi32(half, half);
     }
 
@@ -68,16 +60,16 @@ struct SoupKernel {
         const __m512i offsets = _mm512_mullo_epi32(lanes, _mm512_set1_epi32(scan.stride_));
         const auto stride = static_cast<std::size_t>(scan.stride_);
         const std::byte* at = scan.vertices_ + begin * stride + 2 * sizeof(float);
-        prefetch_ahead(at, group_size * stride);
+        prefetch_ahead(at, lanes_of_512 * stride);
         return {{gather_grid(scan, at, offsets), gather_grid(scan, at + 3 * sizeof(float), offsets),
                  gather_grid(scan, at + 6 * sizeof(float), offsets)}};
     }
 
-    LAMELLA_AVX512 static __m512i least(__m512i a, __m512i b) { return _mm512_maskz_min_epi32(every, a, b); }
-    LAMELLA_AVX512 static __m512i greatest(__m512i a, __m512i b) { return _mm512_maskz_max_epi32(every, a, b); }
+    LAMELLA_AVX512 static __m512i least(__m512i a, __m512i b) { return _mm512_maskz_min_epi32(all_lanes, a, b); }
+    LAMELLA_AVX512 static __m512i greatest(__m512i a, __m512i b) { return _mm512_maskz_max_epi32(all_lanes, a, b); }
 
     LAMELLA_AVX512 static __m512i gather(const void* table, __m512i index) {
-        return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), every, index, table, 4);
+        return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), all_lanes, index, table, 4);
     }
 
     /// The first plane above each height.
@@ -88,9 +80,9 @@ struct SoupKernel {
     /// Counted from plane 0, x steps up: with a quarter for all that is inexact, it is plane floor(x - 1/4) + 1 or the next.
     LAMELLA_AVX512 static __m512i by_arithmetic(const SoupScan& scan, __m512i z) {
         const std::int32_t* planes = scan.planes_.heights();
-        const __m512 rise = _mm512_maskz_cvtepi32_ps(every, _mm512_sub_epi32(z, _mm512_set1_epi32(planes[0])));
+        const __m512 rise = _mm512_maskz_cvtepi32_ps(all_lanes, _mm512_sub_epi32(z, _mm512_set1_epi32(planes[0])));
         const __m512 steps = _mm512_mul_ps(rise, _mm512_set1_ps(scan.planes_per_unit_));
-        const __m512i guess = _mm512_maskz_cvt_roundps_epi32(every, _mm512_add_ps(steps, _mm512_set1_ps(0.75F)),
+        const __m512i guess = _mm512_maskz_cvt_roundps_epi32(all_lanes, _mm512_add_ps(steps, _mm512_set1_ps(0.75F)),
                                                              _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
         const __m512i end = _mm512_set1_epi32(static_cast<std::int32_t>(scan.planes_.size()));
         const __m512i first = greatest(_mm512_setzero_si512(), least(end, guess));
@@ -103,9 +95,9 @@ struct SoupKernel {
         const __m512i lowest = _mm512_set1_epi32(table.lowest);
         const __m512i clamped = least(_mm512_set1_epi32(table.highest), greatest(lowest, z));
         const __m512i cell =
-            _mm512_maskz_srl_epi32(every, _mm512_sub_epi32(clamped, lowest), _mm_cvtsi32_si128(table.shift));
+            _mm512_maskz_srl_epi32(all_lanes, _mm512_sub_epi32(clamped, lowest), _mm_cvtsi32_si128(table.shift));
         __m512i first = gather(table.first.data(), cell);
-        __mmask16 below = every;
+        __mmask16 below = all_lanes;
         for (int step = 0; step < table_steps && below != 0; ++step) {
             below = _mm512_cmpgt_epi32_mask(z, gather(scan.planes_.heights(), first));
             first = _mm512_mask_add_epi32(first, below, first, _mm512_set1_epi32(1));
@@ -116,8 +108,8 @@ struct SoupKernel {
     /// Where planes crowd.
     LAMELLA_AVX512 __attribute__((noinline)) static __m512i search(const SoupScan& scan, __m512i z, __m512i first,
                                                                    unsigned lanes) {
-        alignas(64) std::int32_t heights[group_size];
-        alignas(64) PlaneIndex found[group_size];
+        alignas(64) std::int32_t heights[lanes_of_512];
+        alignas(64) PlaneIndex found[lanes_of_512];
         _mm512_store_si512(heights, z);
         _mm512_store_si512(found, first);
         for (; lanes != 0; lanes &= lanes - 1) {
@@ -129,7 +121,7 @@ struct SoupKernel {
 
     LAMELLA_AVX512 static std::uint64_t ranges(const SoupScan& scan, std::size_t begin, SoupScan::Ranges& ranges) {
         std::uint64_t crossed = 0;
-        for (std::size_t group = 0; group < block_triangles; group += group_size) {
+        for (std::size_t group = 0; group < block_triangles; group += lanes_of_512) {
             const auto [z] = heights(scan, begin + group);
             const __m512i first = first_above(scan, least(z[0], least(z[1], z[2])));
             const __m512i last = first_above(scan, greatest(z[0], greatest(z[1], z[2])));
@@ -164,8 +156,8 @@ struct SoupKernel {
 
     /// What is known of sixteen triangles before their records are written.
     struct alignas(64) Group {
-        std::uint32_t order[group_size];
-        std::uint32_t middle_and_sense[group_size];
+        std::uint32_t order[lanes_of_512];
+        std::uint32_t middle_and_sense[lanes_of_512];
     };
 
     LAMELLA_AVX512 static unsigned order_group(const SoupScan& scan, std::size_t begin, const PlaneIndex* reach_end,
@@ -183,7 +175,7 @@ struct SoupKernel {
         // The sense is bit `order` of the even orders.
         constexpr auto even = static_cast<std::int32_t>(even_orders());
         const __m512i sense =
-            _mm512_maskz_slli_epi32(every, _mm512_maskz_srlv_epi32(every, _mm512_set1_epi32(even), order), 31);
+            _mm512_maskz_slli_epi32(all_lanes, _mm512_maskz_srlv_epi32(all_lanes, _mm512_set1_epi32(even), order), 31);
         _mm512_store_si512(group.order, order);
         _mm512_store_si512(group.middle_and_sense, _mm512_or_epi32(middle, sense));
         _mm512_storeu_si512(first_out, first);
@@ -197,7 +189,7 @@ struct SoupKernel {
         static constexpr Lanes lanes = make_lanes();
         const __m512 scale = _mm512_set1_ps(scan.scale_);
         std::uint64_t reaching = 0;
-        for (std::size_t base = 0; base < block_triangles; base += group_size) {
+        for (std::size_t base = 0; base < block_triangles; base += lanes_of_512) {
             auto bits = static_cast<unsigned>(crossed >> base) & 0xFFFFU;
             if (bits == 0) {
                 continue;
@@ -215,7 +207,8 @@ struct SoupKernel {
                 const std::uint32_t at = list_end[first[lane]]++;
                 CrossedTriangle& record = records[at];
                 __builtin_prefetch(&record + 2, 1);  // of the same list, and mostly the next to be written
-                _mm512_mask_storeu_epi32(&record, nine, _mm512_maskz_permutexvar_epi32(every, order, round_even(mm, scale)));
+                _mm512_mask_storeu_epi32(&record, nine,
+                                         _mm512_maskz_permutexvar_epi32(all_lanes, order, round_even(mm, scale)));
                 record.triangle = static_cast<std::uint32_t>(t);
                 record.middle_and_sense = group.middle_and_sense[lane];
                 record.last = last[lane];

@@ -4,13 +4,7 @@
 #include <bit>
 #include <numeric>
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#define LAMELLA_X86_FORMS
-#define LAMELLA_AVX2_INLINE __attribute__((target("avx2"), always_inline)) inline
-#define LAMELLA_AVX512 __attribute__((target("avx512f,avx512vl")))
-#define LAMELLA_AVX512_INLINE __attribute__((target("avx512f,avx512vl"), always_inline)) inline
-#include <immintrin.h>
-#endif
+#include "base/x86_forms.hpp"
 
 namespace lamella::nesting {
 
@@ -138,15 +132,8 @@ std::span<const AddEdges> supported_add_edges() noexcept {
         add_edges_avx512, add_edges_avx2,
 #endif
         add_edges_portable};
-    std::size_t first = 0;
-#ifdef LAMELLA_X86_FORMS
-    if (__builtin_cpu_supports("avx2") == 0) {
-        first = 2;
-    } else if (__builtin_cpu_supports("avx512f") == 0 || __builtin_cpu_supports("avx512vl") == 0) {
-        first = 1;
-    }
-#endif
-    return std::span(forms).subspan(first);
+    const std::size_t unsupported = (has_avx2() ? 0U : 1U) + (has_avx512() ? 0U : 1U);
+    return std::span(forms).subspan(std::min(unsupported, std::size(forms) - 1));
 }
 
 namespace {

@@ -3,12 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#define LAMELLA_X86_FORMS
-#define LAMELLA_AVX512 __attribute__((target("avx512f,popcnt")))
-#define LAMELLA_AVX512_INLINE __attribute__((target("avx512f,popcnt"), always_inline)) inline
-#include <immintrin.h>
-#endif
+#include "base/x86_forms.hpp"
 
 namespace lamella::nesting {
 
@@ -98,11 +93,7 @@ std::span<const SiftEdges> supported_sift_edges() noexcept {
         sift_avx512,
 #endif
         sift_portable};
-    std::size_t first = 0;
-#ifdef LAMELLA_X86_FORMS
-    first = __builtin_cpu_supports("avx512f") != 0 ? 0 : 1;
-#endif
-    return std::span(forms).subspan(first);
+    return has_avx512() ? std::span(forms) : std::span(forms).last(1);
 }
 
 }  // namespace lamella::nesting

@@ -4,20 +4,12 @@
 #include <bit>
 #include <tuple>
 
+#include "2_grid/vertex_hash.hpp"
 #include "8_result/exact.hpp"
 
 namespace lamella {
 
 namespace {
-
-/// SplitMix64's finaliser.
-std::uint64_t hash_of(const GridVertex& v) noexcept {
-    std::uint64_t word = (std::uint64_t{static_cast<std::uint32_t>(v.x)} << 32 | static_cast<std::uint32_t>(v.y)) ^
-                         static_cast<std::uint32_t>(v.z) * 0x9E3779B97F4A7C15U;
-    word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9U;
-    word = (word ^ (word >> 27)) * 0x94D049BB133111EBU;
-    return word ^ (word >> 31);
-}
 
 bool is_lower(const GridVertex& a, const GridVertex& b) noexcept {
     return std::tie(a.z, a.x, a.y) < std::tie(b.z, b.x, b.y);

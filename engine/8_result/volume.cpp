@@ -23,6 +23,7 @@
 
 #include "1_input/check/grid_vector.hpp"
 #include "2_grid/quantise.hpp"
+#include "2_grid/vertex_hash.hpp"
 #include "3_planes/plane_set.hpp"
 #include "8_result/exact.hpp"
 #include "8_result/pair.hpp"
@@ -31,7 +32,7 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t grain = 4096;
+constexpr std::size_t certified_grain = 4096;
 constexpr double relative_tolerance = 1e-12;
 
 /// Towards zero, so that opposite faces cancel. Precondition: below 2^126.
@@ -86,18 +87,6 @@ struct Sums {
         edges += other.edges;
     }
 };
-
-/// SplitMix64's finaliser.
-std::uint64_t mixed(std::uint64_t word) noexcept {
-    word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9U;
-    word = (word ^ (word >> 27)) * 0x94D049BB133111EBU;
-    return word ^ (word >> 31);
-}
-
-std::uint64_t hash_of(const GridVertex& v) noexcept {
-    const std::uint64_t xy = std::uint64_t{static_cast<std::uint32_t>(v.x)} << 32 | static_cast<std::uint32_t>(v.y);
-    return mixed(mixed(xy + 0x9E3779B97F4A7C15U) + static_cast<std::uint32_t>(v.z));
-}
 
 /// Of the edge from one to the other; that of its opposite is the negative.
 std::uint64_t directed(std::uint64_t from, std::uint64_t to) noexcept {
@@ -204,7 +193,7 @@ Sums sum_faces(const MeshView& mesh, const SliceResult& result, const PlaneSet& 
         sums.planes.resize(result.layers.size() + 1);
     }
     with_reader(mesh, result.frame, result.unit_mm, [&](const auto& read) {
-        parallel.run_ranges(mesh.triangle_count, grain, [&](std::size_t begin, std::size_t end, int worker) {
+        parallel.run_ranges(mesh.triangle_count, certified_grain, [&](std::size_t begin, std::size_t end, int worker) {
             FaceSummer summer(planes, scale, workers[static_cast<std::size_t>(worker)]);
             for (std::size_t t = begin; t < end; ++t) {
                 summer.add(read(t));
@@ -214,7 +203,7 @@ Sums sum_faces(const MeshView& mesh, const SliceResult& result, const PlaneSet& 
     Sums all = std::move(workers[0]);
     for (std::size_t w = 1; w < workers.size(); ++w) {
         all.add(workers[w]);
-        parallel.run_ranges(all.planes.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+        parallel.run_ranges(all.planes.size(), certified_grain, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; ++i) {
                 all.planes[i].add(workers[w].planes[i]);
             }

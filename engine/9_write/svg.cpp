@@ -23,9 +23,9 @@ namespace lamella {
 
 namespace {
 
-using Colour = std::array<int, 3>;
-constexpr Colour lowest_colour{16, 32, 51};
-constexpr Colour highest_colour{112, 160, 198};
+using Shade = std::array<int, 3>;
+constexpr Shade lowest_colour{16, 32, 51};
+constexpr Shade highest_colour{112, 160, 198};
 constexpr std::string_view warning_colour = "#d9302c";
 
 constexpr double margin = 0.02;           ///< around the mesh, of its larger extent

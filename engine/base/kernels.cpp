@@ -4,11 +4,7 @@
 #include <bit>
 
 #include "base/rounding.hpp"
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#define LAMELLA_X86_KERNELS
-#include <immintrin.h>
-#endif
+#include "base/x86_forms.hpp"
 
 namespace lamella {
 
@@ -83,10 +79,7 @@ std::size_t select_equal_portable(const std::uint32_t* values, std::size_t count
 
 constexpr Kernels portable{pierce_portable, trace_portable, select_equal_portable};
 
-#ifdef LAMELLA_X86_KERNELS
-
-#define LAMELLA_AVX2 __attribute__((target("avx2")))
-#define LAMELLA_AVX512 __attribute__((target("avx512f,avx512vl,avx2,popcnt")))
+#ifdef LAMELLA_X86_FORMS
 
 // --- AVX2: four edges, four points a step
 
@@ -380,19 +373,12 @@ RingFacts examine_ring(const Point* ring, std::size_t count) noexcept {
 
 std::span<const Kernels> supported_kernels() noexcept {
     static constexpr Kernels forms[] = {
-#ifdef LAMELLA_X86_KERNELS
+#ifdef LAMELLA_X86_FORMS
         avx512, avx2,
 #endif
         portable};
-    std::size_t first = 0;
-#ifdef LAMELLA_X86_KERNELS
-    if (__builtin_cpu_supports("avx2") == 0) {
-        first = 2;
-    } else if (__builtin_cpu_supports("avx512f") == 0 || __builtin_cpu_supports("avx512vl") == 0) {
-        first = 1;
-    }
-#endif
-    return std::span(forms).subspan(first);
+    const std::size_t unsupported = (has_avx2() ? 0U : 1U) + (has_avx512() ? 0U : 1U);
+    return std::span(forms).subspan(std::min(unsupported, std::size(forms) - 1));
 }
 
 const Kernels& kernels_for_this_cpu() noexcept {

@@ -62,12 +62,6 @@ struct Legacy {
     }
 };
 
-PolyData cube_with_strip() {
-    PolyData data = cube();
-    data.strips = {{0, 1, 2, 3, 4, 5}, {7, 6, 5}};
-    return data;
-}
-
 std::string upper(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(),
                    [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; });

@@ -139,12 +139,6 @@ struct Xml {
     }
 };
 
-PolyData cube_with_strip() {
-    PolyData data = cube();
-    data.strips = {{0, 1, 2, 3, 4, 5}, {7, 6, 5}};
-    return data;
-}
-
 }  // namespace
 
 TEST_CASE("VTP gives the same triangles however its arrays are stored", "[input][vtp]") {

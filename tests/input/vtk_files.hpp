@@ -40,6 +40,12 @@ inline PolyData cube(double edge = 10) {
     return data;
 }
 
+inline PolyData cube_with_strip() {
+    PolyData data = cube();
+    data.strips = {{0, 1, 2, 3, 4, 5}, {7, 6, 5}};
+    return data;
+}
+
 /// Triangles and quads, enough of them for many tasks.
 inline PolyData sheet(std::uint32_t side) {
     PolyData data;

@@ -6,10 +6,9 @@
 #include <catch2/catch.hpp>
 
 #include "lamella/lamella.hpp"
+#include "models_shared/real_meshes.hpp"
 
 namespace {
-
-const std::filesystem::path folder = LAMELLA_SHARED_MODELS;
 
 struct Known {
     const char* file;

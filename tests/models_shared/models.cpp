@@ -5,12 +5,11 @@
 #include <catch2/catch.hpp>
 
 #include "lamella/lamella.hpp"
+#include "models_shared/real_meshes.hpp"
 
 using lamella::SliceResult;
 
 namespace {
-
-const std::filesystem::path folder = LAMELLA_SHARED_MODELS;
 
 lamella::MeshFile mesh_of(const std::filesystem::path& file) {
     lamella::Result<lamella::MeshFile> mesh = lamella::read_mesh(file);

@@ -11,10 +11,12 @@
 #include "engine/shapes.hpp"
 #include "lamella/mesh_file.hpp"
 
+inline const std::filesystem::path folder = LAMELLA_SHARED_MODELS;
+
 /// Every mesh in the folder and in those below it, in order of names.
 inline std::vector<std::filesystem::path> real_meshes() {
     std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(LAMELLA_SHARED_MODELS)) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
         if (entry.path().extension() == ".stl") {
             files.push_back(entry.path());
         }

@@ -12,7 +12,7 @@ namespace lamella {
 namespace {
 
 constexpr int key_bits = 21;  ///< an axis: three fit 64
-constexpr std::size_t grain = 8192;
+constexpr std::size_t box_grain = 8192;
 
 struct Keyed {
     std::uint64_t key;
@@ -85,7 +85,7 @@ BoxTree::BoxTree(std::span<const Box> boxes, const Parallel& parallel) {
     Array<Keyed> keyed;
     keyed.resize_discarding(boxes.size());
     const MortonKey key(boxes.empty() ? Box{} : all);
-    parallel.run_ranges(boxes.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+    parallel.run_ranges(boxes.size(), box_grain, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i != end; ++i) {
             keyed[i] = {key(boxes[i]), static_cast<std::uint32_t>(i)};
         }

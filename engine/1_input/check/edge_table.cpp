@@ -8,7 +8,7 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t grain = 8192;
+constexpr std::size_t vertex_grain = 8192;
 
 /// The upper vertex in the high half, the side in the low: sorting brings the sides of an edge together, ascending.
 using Entry = std::uint64_t;
@@ -17,11 +17,11 @@ std::uint32_t upper_of(Entry entry) {
     return static_cast<std::uint32_t>(entry >> 32);
 }
 
-struct Side {
+struct FaceSide {
     std::uint32_t lower;
     Entry entry;
 
-    Side(const Face& face, std::size_t number) {
+    FaceSide(const Face& face, std::size_t number) {
         const auto [low, high] = std::minmax({face.corners[number % 3], face.corners[(number % 3 + 1) % 3]});
         lower = low;
         entry = Entry{high} << 32 | static_cast<std::uint32_t>(number);
@@ -34,7 +34,7 @@ EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel) : mesh_(mes
     const std::size_t count = 3 * mesh.faces.size();
     std::vector<std::uint32_t> firsts(mesh.vertices.size() + 2, 0);  // of the entries of a vertex, shifted by one to scatter
     for (std::size_t side = 0; side < count; ++side) {
-        ++firsts[Side(mesh.faces[side / 3], side).lower + 2];
+        ++firsts[FaceSide(mesh.faces[side / 3], side).lower + 2];
     }
     for (std::size_t vertex = 2; vertex < firsts.size(); ++vertex) {
         firsts[vertex] += firsts[vertex - 1];
@@ -42,10 +42,10 @@ EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel) : mesh_(mes
     Array<Entry> entries;
     entries.resize_discarding(count);
     for (std::size_t side = 0; side < count; ++side) {
-        const Side at(mesh.faces[side / 3], side);
+        const FaceSide at(mesh.faces[side / 3], side);
         entries[firsts[at.lower + 1]++] = at.entry;
     }
-    parallel.run_ranges(mesh.vertices.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+    parallel.run_ranges(mesh.vertices.size(), vertex_grain, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t vertex = begin; vertex != end; ++vertex) {
             std::sort(entries.begin() + firsts[vertex], entries.begin() + firsts[vertex + 1]);
         }

@@ -12,7 +12,7 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t grain = 8192;
+constexpr std::size_t triangle_grain = 8192;
 
 struct Corner {
     GridVertex vertex;
@@ -27,7 +27,7 @@ Array<Corner> sorted_corners(const MeshView& mesh, const Transform& transform, d
     Array<Corner> corners;
     corners.resize_discarding(3 * mesh.triangle_count);
     with_reader(mesh, transform, unit_mm, [&](const auto& read) {
-        parallel.run_ranges(mesh.triangle_count, grain, [&](std::size_t begin, std::size_t end, int) {
+        parallel.run_ranges(mesh.triangle_count, triangle_grain, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t t = begin; t != end; ++t) {
                 const GridTriangle triangle = read(t);
                 for (std::size_t i = 0; i < 3; ++i) {

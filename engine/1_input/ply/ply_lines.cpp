@@ -14,7 +14,7 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{1} << 20;
+constexpr std::size_t lines_bytes = std::size_t{1} << 20;
 
 /// Longer lines are left to the other reader, so that no thread needs much memory for a list.
 constexpr std::ptrdiff_t longest_line = std::ptrdiff_t{16} << 10;
@@ -54,7 +54,7 @@ std::vector<Piece> cut(std::string_view text) {
         Piece& piece = pieces.emplace_back();
         piece.begin = begin;
         const auto left = static_cast<std::size_t>(end - begin);
-        piece.end = left > piece_bytes ? line_end(begin + piece_bytes, end) : end;
+        piece.end = left > lines_bytes ? line_end(begin + lines_bytes, end) : end;
         piece.end += piece.end != end ? 1 : 0;
         begin = piece.end;
     }

@@ -13,7 +13,7 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{1} << 20;
+constexpr std::size_t facets_bytes = std::size_t{1} << 20;
 constexpr std::size_t facet_floats = 9;
 constexpr std::size_t facet_bytes = facet_floats * sizeof(float);
 constexpr std::size_t shortest_facet =
@@ -71,7 +71,7 @@ std::vector<Piece> cut(std::string_view text) {
         Piece& piece = pieces.emplace_back();
         piece.begin = begin;
         const auto left = static_cast<std::size_t>(end - begin);
-        piece.end = left > piece_bytes ? next_facet(begin, begin + piece_bytes, end) : end;
+        piece.end = left > facets_bytes ? next_facet(begin, begin + facets_bytes, end) : end;
         begin = piece.end;
     }
     return pieces;

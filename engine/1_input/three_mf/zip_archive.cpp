@@ -13,7 +13,7 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{256} << 10;
+constexpr std::size_t inflated_bytes = std::size_t{256} << 10;
 constexpr std::size_t longest_name = 0xFFFF;
 constexpr unsigned encrypted_flag = 1;
 
@@ -69,7 +69,7 @@ struct ZipArchive::Stream {
     std::uint64_t at = 0;
     bool fell_short = false;  // the last read: without this, minizip takes what lies behind the end for zeros
     unzFile zip = nullptr;
-    std::array<char, piece_bytes> piece;
+    std::array<char, inflated_bytes> piece;
 
     explicit Stream(std::span<const std::byte> archive) : bytes(archive) {}
     ~Stream() {
@@ -179,7 +179,7 @@ Status ZipArchive::read(std::string_view part, FunctionRef<bool(std::string_view
     std::uint64_t bytes = 0;
     bool wanted = true;
     for (;;) {
-        std::array<char, piece_bytes>& piece = stream_->piece;
+        std::array<char, inflated_bytes>& piece = stream_->piece;
         const int got = unzReadCurrentFile(stream_->zip, piece.data(), static_cast<unsigned>(piece.size()));
         if (got < 0) {
             unzCloseCurrentFile(stream_->zip);

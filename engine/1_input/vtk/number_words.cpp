@@ -8,7 +8,7 @@ namespace lamella {
 
 namespace {
 
-constexpr std::ptrdiff_t piece_bytes = std::ptrdiff_t{256} << 10;
+constexpr std::ptrdiff_t words_bytes = std::ptrdiff_t{256} << 10;
 
 /// Most numbers with the space behind them are no longer; what is counted in vain beyond the run is no more than that.
 constexpr std::uint64_t usual_word_bytes = 12;
@@ -47,7 +47,7 @@ std::vector<WordRun::Piece> cut_window(const char* p, const char* end, const Par
     std::vector<WordRun::Piece> pieces;
     while (p != end) {
         pieces.push_back({p, 0, 0});
-        p = end - p > piece_bytes ? skip_word(p + piece_bytes, end) : end;
+        p = end - p > words_bytes ? skip_word(p + words_bytes, end) : end;
     }
     parallel.run(pieces.size(), [&](std::size_t i, int) {
         pieces[i].count = count_words(pieces[i].begin, i + 1 < pieces.size() ? pieces[i + 1].begin : end);

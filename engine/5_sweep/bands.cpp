@@ -27,6 +27,26 @@ std::uint64_t work_of(const Buckets& buckets, PlaneIndex plane) noexcept {
     return buckets.segments[plane] + segments_per_entry * (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
 }
 
+/// Triangles that the plane cuts and that are in the list of a plane below: seeds of a band that begins with it.
+std::uint64_t reaching_into(const Buckets& buckets, PlaneIndex plane) noexcept {
+    return buckets.segments[plane] - (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
+}
+
+/// Bands of the planes asked for, or of 2, 4, ... times as many: until all their seeds are at most the triangles, or few.
+std::size_t planes_a_band(const Buckets& buckets, PlaneIndex planes, std::size_t asked) {
+    constexpr std::uint64_t few_seeds = 1 << 21;
+    const std::uint64_t most_seeds = std::max<std::uint64_t>(buckets.list_begin[planes], few_seeds);
+    for (;; asked *= 2) {
+        std::uint64_t seeds = 0;
+        for (std::size_t plane = asked; plane < planes; plane += asked) {
+            seeds += reaching_into(buckets, static_cast<PlaneIndex>(plane));
+        }
+        if (seeds <= most_seeds) {
+            return asked;
+        }
+    }
+}
+
 /// Arrays that only very many bands or tall triangles make large are not kept.
 template <class T>
 void give_back_many(Array<T>& array) {
@@ -40,6 +60,7 @@ void give_back_many(Array<T>& array) {
 
 void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads) {
     bands.clear();
+    const std::size_t fixed = asked_planes > 0 ? planes_a_band(buckets, planes, static_cast<std::size_t>(asked_planes)) : 0;
     std::uint64_t all_work = 0;
     for (PlaneIndex plane = 0; plane < planes; ++plane) {
         all_work += work_of(buckets, plane);
@@ -51,7 +72,7 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
     for (PlaneIndex plane = 0; plane < planes; ++plane) {
         const std::uint64_t enough = std::clamp(work_per_seed * buckets.segments[plane], std::min(share, least_segments),
                                                 std::max(share, least_segments));
-        const bool full = asked_planes > 0 ? plane - band.first >= static_cast<PlaneIndex>(asked_planes) : work >= enough;
+        const bool full = fixed > 0 ? plane - band.first >= fixed : work >= enough;
         const bool wide = is_wide(buckets, plane);
         if ((full || wide || band.wide) && plane > band.first) {
             bands.push_back(band);
@@ -74,9 +95,7 @@ void BandPlan::make_room(const Buckets& buckets, PlaneIndex planes) {
     std::size_t most_reaching = 0;
     for (const Band& band : bands) {
         std::fill(band_end.begin() + band.first, band_end.begin() + band.last, band.last);
-        // What a band's first plane cuts and does not start there comes from below.
-        most_reaching +=
-            buckets.segments[band.first] - (buckets.list_begin[band.first + 1] - buckets.list_begin[band.first]);
+        most_reaching += reaching_into(buckets, band.first);
     }
     reaching.resize_discarding(std::min<std::size_t>(most_reaching, buckets.list_begin[planes]));
 }

@@ -24,7 +24,7 @@ struct SliceOptions {
     double unit_mm = 0;  ///< grid unit; 0 chooses the default (see grid.hpp)
     Transform transform;
     int threads = 0;      ///< at most this many; 0: all that the host's task arena allows
-    int band_planes = 0;  ///< planes per z-band; 0 sizes bands by the work in them
+    int band_planes = 0;  ///< planes per z-band, more where triangles would be in too many; 0: by the work in them
     ContourForm form = ContourForm::swept;
     FillRule fill_rule = FillRule::contours;
     double close_gaps_mm = 0;              ///< join ends of open polylines at most so far apart; 0 joins none

@@ -45,7 +45,18 @@ struct Workspace::Impl {
     explicit Impl(std::pmr::memory_resource* memory)
         : memory(memory), blocks(memory), planes(memory), buckets(memory), bands(memory), placement(memory) {}
 
+    /// For `threads` as in SliceOptions. Threads that have left an arena a moment ago are sooner back in it than in a new
+    /// one.
+    const Parallel& parallel_for(int threads) {
+        const int wanted = Parallel::count_for(threads);
+        if (parallel == nullptr || parallel->threads() != wanted) {
+            parallel = std::make_unique<Parallel>(wanted);
+        }
+        return *parallel;
+    }
+
     std::pmr::memory_resource* memory;
+    std::unique_ptr<Parallel> parallel;
     BlockTable blocks;
     PlaneSet planes;
     Buckets buckets;
@@ -65,7 +76,7 @@ namespace {
 class Slicing {
 public:
     Slicing(const MeshView& mesh, const SliceOptions& options, Workspace::Impl& kept, SliceResult& result)
-        : mesh_(mesh), options_(options), kept_(kept), result_(result), parallel_(options.threads) {}
+        : mesh_(mesh), options_(options), kept_(kept), result_(result), parallel_(kept.parallel_for(options.threads)) {}
 
     Status run() {
         const auto start = Clock::now();
@@ -100,7 +111,7 @@ private:
     const SliceOptions& options_;
     Workspace::Impl& kept_;
     SliceResult& result_;
-    Parallel parallel_;
+    const Parallel& parallel_;
 };
 
 /// Stages 2 and 3.
@@ -259,7 +270,7 @@ void Slicing::finish_result() {
 
 void Slicing::fill_layers() {
     const PlaneSet& planes = kept_.planes;
-    parallel_.run_ranges(planes.size(), 1 << 12, [&](std::size_t begin, std::size_t end, int) {
+    parallel_.run_ranges(planes.size(), 1 << 10, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
             const auto plane = static_cast<PlaneIndex>(i);
             result_.layers[i] = {planes.bottom_mm(plane),   planes.height_mm(plane),     planes.top_mm(plane), 0, 0,

@@ -59,7 +59,8 @@ build build/asan
 # Every source of the engine, the tools and the oracle with the headers that they include; not the other tests, nor bench/.
 stage "clang-tidy"
 # The static analyser among its checks takes as long as all others: TIDY_CHECKS= (empty) runs it too.
-run-clang-tidy -quiet -j "$jobs" -checks="${TIDY_CHECKS--clang-analyzer-*}" -p build/asan "/(engine|tools|lamella_test_support[.]dir)/" > build/tidy.log 2>&1 || {
+run-clang-tidy -quiet -j "$jobs" -checks="${TIDY_CHECKS--clang-analyzer-*}" -p build/asan \
+    "^$PWD/(build/asan/)?(engine|tools|tests/oracle|tests/CMakeFiles/lamella_test_support[.]dir)/" > build/tidy.log 2>&1 || {
     grep -A 5 -E '(error|warning):' build/tidy.log || cat build/tidy.log
     exit 1
 }

@@ -50,7 +50,6 @@ struct Dispenser {
 #ifdef LAMELLA_PARALLEL_STD
 
 struct Parallel::Arena {
-    static int default_threads() { return static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
     template <class Work>
     static void execute(int workers, const Work& work) {
         std::vector<std::jthread> threads;
@@ -61,7 +60,11 @@ struct Parallel::Arena {
     }
 };
 
-Parallel::Parallel(int threads) : threads_(threads > 0 ? threads : Arena::default_threads()) {}
+int Parallel::count_for(int threads) {
+    return threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
+Parallel::Parallel(int threads) : threads_(count_for(threads)) {}
 
 #else
 
@@ -84,7 +87,11 @@ struct Parallel::Arena {
     }
 };
 
-Parallel::Parallel(int threads) : threads_(threads > 0 ? threads : tbb::this_task_arena::max_concurrency()) {
+int Parallel::count_for(int threads) {
+    return threads > 0 ? threads : tbb::this_task_arena::max_concurrency();
+}
+
+Parallel::Parallel(int threads) : threads_(count_for(threads)) {
     arena_ = std::make_unique<Arena>(threads_);
 }
 

@@ -35,7 +35,8 @@ private:
 /// Runs tasks on at most `threads()` threads. Holds no threads of its own.
 class Parallel {
 public:
-    /// `threads` 0: as many as the calling thread's task arena has.
+    /// 0 stands for as many as the calling thread's task arena has.
+    static int count_for(int threads);
     explicit Parallel(int threads = 0);
     ~Parallel();
     Parallel(const Parallel&) = delete;

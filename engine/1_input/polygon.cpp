@@ -18,10 +18,12 @@ using Vector = std::array<double, 3>;
 constexpr std::uint32_t no_leaf = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t leaf_corners = 8;
 
-/// Steps through the tree, for each corner and for each polygon, after which one is refused. Outlines that mean something
-/// take a hundred for each corner.
-constexpr std::uint64_t most_steps_a_corner = 512;
-constexpr std::uint64_t free_steps = std::uint64_t{1} << 18;
+/// Steps through the tree, of some ten nanoseconds, for each corner and for each polygon, after which one is refused.
+/// Outlines that mean something take a hundred for each corner, those of a hundred thousand random spikes 140.
+constexpr std::uint64_t most_steps_a_corner = 192;
+constexpr std::uint64_t free_steps = std::uint64_t{1} << 17;
+/// What it costs to look at both neighbours of a corner.
+constexpr std::uint64_t neighbour_steps = 3;
 
 Vector minus(const Vector& a, const Vector& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -305,15 +307,17 @@ bool PolygonTriangulator::blocked(std::uint32_t corner, Rule rule) {
         const Node& node = nodes_[open_.back()];
         open_.pop_back();
         ++steps_;
-        if (node.alive == 0 || misses(node, a, b, c)) {
-            continue;
+        const bool one_place = node.low_x == node.high_x && node.low_y == node.high_y;
+        const Corner place{node.low_x, node.low_y};
+        if (node.alive == 0 || misses(node, a, b, c) || (one_place && (same_place(place, a) || same_place(place, c)))) {
+            continue;  // nothing blocks the ends of a diagonal: outlines that come back to one again and again pile up there
         }
         if (node.children != 0) {
             open_.push_back(node.children);
             open_.push_back(node.children + 1);
             continue;
         }
-        steps_ += node.alive;
+        steps_ += (one_place && same_place(place, b) ? neighbour_steps : 1) * node.alive;
         for (std::uint32_t i = node.begin; i < node.end; ++i) {
             if (leaf_of_[blockers_[i]] != no_leaf && blocks(blockers_[i], corner, rule)) {
                 return true;

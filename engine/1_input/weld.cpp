@@ -52,6 +52,9 @@ public:
     /// The nearest kept vertex within the tolerance, the first kept of those as near; or `none`.
     std::uint32_t nearest(const double* at) {
         nearest_ = none;
+        if (tolerance_ == 0) {
+            return none;  // an equal one is not asked for
+        }
         nearest_squared_ = tolerance_ * tolerance_;
         Cell low;
         Cell high;
@@ -69,6 +72,7 @@ public:
         return nearest_;
     }
 
+    /// `at` in ascending order of x.
     void keep(const double* at) {
         const auto vertex = static_cast<std::uint32_t>(next_.size());
         const auto [place, is_new] = head_.try_emplace(Cell{{cell_of(at[0]), cell_of(at[1]), cell_of(at[2])}}, vertex);
@@ -89,14 +93,16 @@ public:
     const std::vector<double>& coordinates() const noexcept { return coordinates_; }
 
 private:
-    /// With a tolerance of zero only equal vertices meet, and one cell for all coordinates of a value does.
+    /// With a tolerance of zero any cell does.
     std::int64_t cell_of(double at) const noexcept {
         return static_cast<std::int64_t>(std::floor(tolerance_ > 0 ? at / tolerance_ * cells_per_tolerance : at));
     }
 
+    /// From the last vertex of the cell on, which has the largest x, down to where x is out of reach.
     void search(const Cell& cell, const double* at) {
         const auto found = head_.find(cell);
-        for (std::uint32_t v = found == head_.end() ? none : found->second; v != none; v = next_[v]) {
+        for (std::uint32_t v = found == head_.end() ? none : found->second;
+             v != none && at[0] - coordinates_[3 * std::size_t{v}] <= tolerance_; v = next_[v]) {
             const double squared = squared_distance(v, at);
             if (squared < nearest_squared_ || (squared == nearest_squared_ && v < nearest_)) {
                 nearest_ = v;

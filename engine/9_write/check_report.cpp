@@ -127,7 +127,7 @@ std::string verdict(const MeshCheck& check) {
             before = ", ";
         }
     }
-    return text;
+    return text + (check.complete() ? "" : ", as far as was searched");
 }
 
 Result<std::string> check_json(const MeshCheck& check, const ReportContext& context, std::size_t most_places) noexcept {

@@ -34,11 +34,12 @@ enum class Fault : std::uint8_t {
     zero_area_face,     ///< three distinct vertices on a line; not tested against other faces
     needle_face,        ///< a sliver whose shortest side is under a tenth of the longest
     cap_face,           ///< any other sliver: one angle is nearly half a turn
-    wrong_sense_shell,  ///< a closed shell that is a cavity by its sense and a solid by its depth, or the reverse
+    wrong_sense_shell,  ///< a closed shell that is a cavity by its sense and a solid by its depth, or the reverse; deeper
+                        ///< than 0 only where neither it nor a shell around it meets another
     crossing_faces,     ///< two faces whose insides cross
     overlapping_faces,  ///< two faces of one plane whose insides overlap (duplicates are counted as such)
     touching_faces,     ///< two faces that meet elsewhere than in a common edge or vertex, and neither cross nor overlap
-    t_junction,         ///< a vertex of the boundary, within the tolerance of the inside of a boundary edge
+    t_junction,         ///< a vertex of the boundary, within the tolerance of the inside of another face's boundary edge
     crack,              ///< two vertices of the boundary within the tolerance of one another, not joined by an edge
 };
 inline constexpr std::size_t fault_count = 20;
@@ -87,7 +88,9 @@ struct MeshCheck {
     double sliver_ratio = 0;
 
     const Finding& of(Fault fault) const noexcept { return findings[static_cast<std::size_t>(fault)]; }
-    /// No fault but slivers, which slicing does not mind.
+    /// No search was cut short.
+    bool complete() const noexcept;
+    /// No fault was found but slivers, which slicing does not mind.
     bool clean() const noexcept;
 };
 
@@ -101,9 +104,10 @@ struct CheckOptions {
 };
 
 /// O(n log n) for meshes whose triangles are spread out; about 150 bytes a triangle beside the mesh. Where triangles pile up
-/// the search for pairs stops after 1,024 box comparisons a triangle on average (and 65,536 for any one), and says so:
-/// Finding::at_least. Shells are nested exactly where they do not cross; one that touches another wherever it was probed
-/// counts as outside. Errors: those of inspect(), and result_too_large from 2^32 / 3 triangles on.
+/// the search for pairs stops after some eight million exact tests and sixteen for each triangle, which take a second or
+/// two, and says so: Finding::at_least. Of faces on the same vertices one is tested. Shells are nested exactly where they do
+/// not cross; one that touches another wherever it was probed counts as outside. Errors: those of inspect(), and
+/// result_too_large from 2^32 / 3 triangles on.
 Result<MeshCheck> check(const MeshView& mesh, const CheckOptions& options = {}) noexcept;
 
 }  // namespace lamella

@@ -12,6 +12,7 @@
 namespace lamella {
 
 /// One line: "closed and clean", with slivers named where there are any, or "not clean: 3 boundary edges, 1 boundary loop".
+/// Where a search was cut short it ends in "as far as was searched".
 /// Throws std::bad_alloc.
 std::string verdict(const MeshCheck& check);
 

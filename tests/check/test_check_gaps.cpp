@@ -55,6 +55,13 @@ TEST_CASE("the ends of a short edge are no crack", "[check]") {
     CHECK(check.of(Fault::t_junction).count == 0);
 }
 
+TEST_CASE("a corner near a side of its own triangle makes that flat, and no T-junction", "[check]") {
+    const MeshCheck flat = findings_of(triangle({9, 0, 0}, {10, 0, 0}, {12, 0, 0}));
+    CHECK(counts(flat) == Counts{{"boundary_edges", 3}, {"boundary_loops", 1}, {"zero_area_faces", 1}});
+    const MeshCheck cap = findings_of(triangle({0, 0, 0}, {2, 0, 0}, {1, 1.0 / 256, 0}));
+    CHECK(counts(cap) == Counts{{"boundary_edges", 3}, {"boundary_loops", 1}, {"cap_faces", 1}});
+}
+
 TEST_CASE("a tolerance larger than everything is no trouble", "[check]") {
     CheckOptions options;
     options.tolerance_mm = 1e300;

@@ -1,10 +1,13 @@
 // Faces that cross, overlap or touch.
+#include <set>
+
 #include "1_input/check/meeting.hpp"
 #include "check/findings.hpp"
 
 namespace lamella::check_test {
 
 using shapes::box;
+using shapes::flipped;
 using shapes::joined;
 using shapes::triangle;
 
@@ -86,6 +89,7 @@ TEST_CASE("every pair is found", "[check]") {
     const Soup soup = joined({shapes::random_soup(seed, 60, 40), shapes::random_soup(seed + 100, 60, 3),
                               shapes::moved(shapes::random_soup(seed + 200, 100, 6), {15, 15, 15})});
     std::vector<ExactFace> faces;
+    std::set<std::set<std::uint32_t>> known;  // those on the same vertices are tested once
     for (std::size_t at = 0; at < soup.size(); at += 9) {
         std::array<GridVertex, 3> corners;
         std::array<std::uint32_t, 3> ids{};
@@ -94,7 +98,8 @@ TEST_CASE("every pair is found", "[check]") {
             corners[i] = {grid(0), grid(1), grid(2)};
             ids[i] = static_cast<std::uint32_t>(corners[i].x + 1000 * (corners[i].y + 1000 * corners[i].z));
         }
-        if (const ExactFace face(ids, corners); face.has_area()) {
+        const bool is_new = known.insert({ids.begin(), ids.end()}).second;
+        if (const ExactFace face(ids, corners); is_new && face.has_area()) {
             faces.push_back(face);
         }
     }
@@ -141,16 +146,35 @@ TEST_CASE("closed models give no finding", "[check]") {
 
 TEST_CASE("piled up triangles are searched only so far, and it is said", "[check]") {
     Soup soup;
-    for (int i = 0; i < 3500; ++i) {  // all boxes meet, and no two triangles
-        const Soup next = triangle({0, 0, 1.0 * i}, {1, 0, 4000.0 + i}, {0, 1, 4000.0 + i});
+    for (int i = 0; i < 6000; ++i) {  // all boxes meet, and no two triangles
+        const Soup next = triangle({0, 0, 1.0 * i}, {1, 0, 9000.0 + i}, {0, 1, 9000.0 + i});
         soup.insert(soup.end(), next.begin(), next.end());
     }
-    CHECK_FALSE(findings_of(only(soup, 0, 1000)).of(Fault::crossing_faces).at_least);
-    const MeshCheck check = findings_of(soup);
+    CheckOptions options;
+    options.tolerance_mm = 0;
+    const MeshCheck fewer = findings_of(only(soup, 0, 1000), options);
+    CHECK(fewer.complete());
+    CHECK(verdict(fewer).find("as far as") == std::string::npos);
+    const MeshCheck check = findings_of(soup, options);
     CHECK(check.of(Fault::crossing_faces).at_least);
     CHECK(check.of(Fault::touching_faces).at_least);
     CHECK(check.of(Fault::crossing_faces).count == 0);
     CHECK_FALSE(check.of(Fault::boundary_edge).at_least);
+    CHECK_FALSE(check.complete());
+    CHECK(verdict(check) == "not clean: 18000 boundary edges, 6000 boundary loops, as far as was searched");
+}
+
+TEST_CASE("a body exported a thousand times meets another as often as if exported once", "[check]") {
+    const Soup large = tetrahedron({0, 0, 0}, {30, 0, 0}, {0, 30, 0}, {0, 0, 30});
+    const Soup spike = tetrahedron({4, 4, -4}, {6, 4, -4}, {4, 6, -4}, {5, 5, 4});
+    Soup soup = spike;
+    for (int i = 0; i < 1000; ++i) {
+        soup.insert(soup.end(), large.begin(), large.end());
+    }
+    const MeshCheck check = findings_of(joined({soup, flipped(large)}));
+    CHECK(check.complete());
+    CHECK(check.of(Fault::crossing_faces).count == 3);
+    CHECK(check.of(Fault::duplicate_face).count == 3996);
 }
 
 }  // namespace lamella::check_test

@@ -6,6 +6,7 @@ namespace lamella::check_test {
 using shapes::box;
 using shapes::flipped;
 using shapes::joined;
+using shapes::moved;
 
 namespace {
 
@@ -85,6 +86,28 @@ TEST_CASE("rays through edges and vertices of the shell around count once", "[ch
             CHECK(below.shells.at(0).depth + below.shells.at(1).depth == 0);
         }
     }
+}
+
+TEST_CASE("solids that interpenetrate have no wrong sense, wherever they are probed", "[check]") {
+    // The spike's first vertex lies within the box, its last one outside; so do the corner's and the edge's.
+    const Soup cube = box({0, 0, 0}, {9, 9, 9});
+    for (const Xyz& low : {Xyz{3, 3, 3}, Xyz{3, 3, 0}, Xyz{3, 0, 0}}) {
+        const Soup other = box(low, {12, low[1] + 4, low[2] + 4});
+        const MeshCheck check = findings_of(joined({cube, other}));
+        CHECK(check.of(Fault::crossing_faces).count + check.of(Fault::touching_faces).count > 0);
+        CHECK(check.of(Fault::wrong_sense_shell).count == 0);
+        CHECK(findings_of(joined({cube, flipped(moved(other, {-12, 0, 0}))})).of(Fault::wrong_sense_shell).count == 1);
+    }
+}
+
+TEST_CASE("a cavity within two solids that interpenetrate has no wrong sense", "[check]") {
+    const Soup solids = joined({box({0, 0, 0}, {9, 9, 9}), box({2, 2, 2}, {20, 8, 8})});
+    const MeshCheck check = findings_of(joined({solids, flipped(box({4, 4, 4}, {5, 5, 5}))}));
+    CHECK(depths(check) == std::vector{0, 1, 2});
+    CHECK(check.of(Fault::wrong_sense_shell).count == 0);
+    // Apart from these it has one.
+    const Soup elsewhere = joined({box({0, 0, 40}, {9, 9, 49}), box({3, 3, 43}, {6, 6, 46})});
+    CHECK(findings_of(joined({solids, elsewhere})).of(Fault::wrong_sense_shell).count == 1);
 }
 
 TEST_CASE("only closed shells are around others", "[check]") {

@@ -324,6 +324,25 @@ TEST_CASE("polygons that cross themselves, and such without area, keep their bou
     CHECK(has_boundary(triangles_of(triangulator, counted(40), coordinates(one_place)), 40));
 }
 
+/// A quarter of a disc with holes, each reached by a bridge from the centre.
+Outline pierced(std::int64_t holes) {
+    constexpr std::int64_t radius = 1'000'000'000;
+    Outline outline{{0, 0}, {radius, 0}, {radius, radius}, {0, radius}};
+    for (std::int64_t hole = holes; hole-- > 0;) {
+        const std::int64_t y = (hole * 2 + 1) * (radius / 2 / holes);
+        constexpr std::int64_t x = radius / 2;
+        outline.insert(outline.end(), {{0, 0}, {x, y}, {x + 9, y + 99'000}, {x + 99'000, y + 9}, {x, y}});
+    }
+    return outline;
+}
+
+TEST_CASE("two thousand holes with bridges to one corner are covered exactly", "[polygon]") {
+    PolygonTriangulator triangulator;
+    const Outline outline = pierced(2000);
+    const auto xyz = standing<double>(outline, 2, 0);
+    CHECK(covers(triangles_of(triangulator, counted(outline.size()), coordinates(xyz)), outline));
+}
+
 TEST_CASE("polygons of ten thousand corners are covered exactly, hostile ones refused", "[polygon]") {
     PolygonTriangulator triangulator;
     std::mt19937 random(5);

@@ -129,6 +129,17 @@ TEST_CASE("the nearest vertex wins, across cells of the search too", "[input][we
     }
 }
 
+TEST_CASE("vertices by the hundred thousand in one cell are no trouble", "[input][weld]") {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> place(0, 1);
+    shapes::Soup soup(std::size_t{9} * 130'000);
+    for (double& coordinate : soup) {
+        coordinate = place(random);
+    }
+    CHECK(welded(soup, 0).vertices == 390'000);
+    CHECK(welded(soup, 0.01).vertices < 390'000);
+}
+
 TEST_CASE("what cannot be welded is an error", "[input][weld]") {
     shapes::Soup soup = shapes::octasphere({0, 0, 0}, 1, 1);
     for (const double tolerance : {-1.0, 1e-10, std::nan(""), std::numeric_limits<double>::infinity()}) {

@@ -41,31 +41,35 @@ public:
     std::uint32_t item_at(std::size_t position) const noexcept { return items_[position]; }
     const Box& box_at(std::size_t position) const noexcept { return levels_[0][position]; }
 
-    /// Calls visit(item) for each box at position `from` or later that meets the query, until `limit` boxes have been
-    /// compared; returns how many were.
+    /// What visit() costs in comparisons of boxes: an exact test of two triangles takes as long.
+    static constexpr std::size_t visit_cost = 64;
+
+    /// Calls visit(item) for each box at position `from` or later that meets the query, until that has cost `limit`;
+    /// returns what it cost.
     template <class Visit>
     std::size_t search(const Box& query, std::size_t from, std::size_t limit, Visit visit) const {
         std::array<Node, deepest * fan> stack;
         std::size_t depth = 0;
-        std::size_t compared = 0;
+        std::size_t cost = 0;
         stack[depth++] = {levels_.size() - 1, 0};
-        while (depth > 0 && compared < limit) {
+        while (depth > 0 && cost < limit) {
             const auto [level, group] = stack[--depth];
             const Array<Box>& boxes = levels_[level];
             const std::size_t end = std::min(boxes.size(), (group + 1) * fan);
-            compared += end - group * fan;
+            cost += end - group * fan;
             for (std::size_t i = group * fan; i != end; ++i) {
                 if (!query.meets(boxes[i]) || last_position(level, i) < from) {
                     continue;
                 }
                 if (level == 0) {
                     visit(items_[i]);
+                    cost += visit_cost;
                 } else {
                     stack[depth++] = {level - 1, i};
                 }
             }
         }
-        return compared;
+        return cost;
     }
 
 private:

@@ -1,8 +1,10 @@
 #include "lamella/check.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "1_input/check/finders.hpp"
 
@@ -90,8 +92,10 @@ Result<MeshCheck> check_or_throw(const MeshView& view, const CheckOptions& optio
         find_edge_faults, find_loops, find_split_vertices, find_flipped_faces};  // each notes faults of its own kinds
     parallel.run(independent.size(), [&](std::size_t i, int) { independent[i](mesh, edges, notes); });
     find_face_faults(mesh, options.sliver_ratio, notes);
-    find_shells(mesh, edges, notes, check, parallel);
-    find_meeting_faces(mesh, notes, parallel);
+    const std::vector<std::uint32_t> shell_of = find_shells(mesh, edges, notes, check, parallel);
+    const std::vector<std::uint8_t> meets_other = find_meeting_faces(mesh, shell_of, check.shells, notes, parallel);
+    const bool all_known = check.nesting_complete && !check.of(Fault::crossing_faces).at_least;
+    find_wrong_senses(check.shells, meets_other, all_known, notes);
     find_gaps(mesh, edges, options.tolerance_mm, notes, parallel);
     assert_census(check);
     return check;
@@ -105,6 +109,11 @@ std::string_view key_of(Fault fault) noexcept {
 
 std::string_view words_for(Fault fault, std::uint64_t count) noexcept {
     return count == 1 ? names_of(fault).one : names_of(fault).many;
+}
+
+bool MeshCheck::complete() const noexcept {
+    return nesting_complete &&
+           std::none_of(findings.begin(), findings.end(), [](const Finding& finding) { return finding.at_least; });
 }
 
 bool MeshCheck::clean() const noexcept {

@@ -1,6 +1,9 @@
 // The parts of the diagnosis, each finding faults of some kinds.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "1_input/check/edge_table.hpp"
 #include "1_input/check/notes.hpp"
 #include "base/parallel.hpp"
@@ -23,11 +26,18 @@ void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& not
 /// Faces that are bad by themselves, and faces on the same three vertices. O(n).
 void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes);
 
-/// Shells, their senses and nesting, and what of it does not fit.
-void find_shells(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, MeshCheck& check, const Parallel& parallel);
+/// Shells, their senses and nesting; the shell of each face.
+std::vector<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const Notes& notes, MeshCheck& check,
+                                       const Parallel& parallel);
 
-/// Pairs of faces that cross, overlap or touch.
-void find_meeting_faces(const GridMesh& mesh, Notes& notes, const Parallel& parallel);
+/// Pairs of faces that cross, overlap or touch; which closed shells do so with another closed one, 1 or 0
+/// each.
+std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of,
+                                             const std::vector<Shell>& shells, Notes& notes, const Parallel& parallel);
+
+/// Shells whose sense contradicts their depth, of those of which the depth says something.
+void find_wrong_senses(const std::vector<Shell>& shells, const std::vector<std::uint8_t>& meets_other, bool all_known,
+                       Notes& notes);
 
 /// T-junctions and cracks.
 void find_gaps(const GridMesh& mesh, const EdgeTable& edges, double tolerance_mm, Notes& notes, const Parallel& parallel);

@@ -133,13 +133,16 @@ private:
         }
     }
 
-    /// Near the ends of the edge the vertex makes a crack with them instead.
+    /// Near the ends of the edge the vertex makes a crack with them instead. A face's own corner near its side makes it a
+    /// cap, or leaves it without area.
     bool is_t_junction(std::uint32_t vertex, std::uint32_t edge) const {
         const auto [lower, upper, first_side] = edges_[edge];
         double share = 0;
         const double distance = distance_to_inside(at(vertex), at(lower), at(upper), share);
-        return vertex != lower && vertex != upper && distance >= 0 && distance <= half_reach_ &&
-               length(at(vertex) - at(lower)) > half_reach_ && length(at(vertex) - at(upper)) > half_reach_;
+        const Face& face = mesh_.faces[EdgeTable::face_of(edges_.sides(edge)[0])];
+        const bool own = std::find(face.corners.begin(), face.corners.end(), vertex) != face.corners.end();
+        return !own && distance >= 0 && distance <= half_reach_ && length(at(vertex) - at(lower)) > half_reach_ &&
+               length(at(vertex) - at(upper)) > half_reach_;
     }
 
     /// The vertex, and the point of the edge next to it.

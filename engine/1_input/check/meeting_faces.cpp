@@ -1,5 +1,7 @@
-// Faces that cross, overlap or touch: every pair whose boxes meet is tested exactly.
+// Faces that cross, overlap or touch: every pair whose boxes meet is tested exactly. Of faces on the same vertices, which
+// meet others alike, one is tested: a body exported a thousand times costs no more than once.
 #include <array>
+#include <atomic>
 #include <vector>
 
 #include "1_input/check/box_tree.hpp"
@@ -24,13 +26,18 @@ ExactFace exact(const GridMesh& mesh, std::uint32_t face) {
 
 class MeetingSearch {
 public:
-    MeetingSearch(const GridMesh& mesh, std::size_t most, const Parallel& parallel)
+    MeetingSearch(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of, const std::vector<Shell>& shells,
+                  std::size_t most, const Parallel& parallel)
         : mesh_(mesh),
+          shell_of_(shell_of),
+          shells_(shells),
           parallel_(parallel),
           tallies_(static_cast<std::size_t>(parallel.threads()),
-                   {Tally<FacePair>(most), Tally<FacePair>(most), Tally<FacePair>(most)}) {
+                   {Tally<FacePair>(most), Tally<FacePair>(most), Tally<FacePair>(most)}),
+          meets_other_(shells.size()) {
         for (std::uint32_t face = 0; face < mesh.faces.size(); ++face) {
-            if (exact(mesh, face).has_area()) {
+            const bool again = face > 0 && vertex_set(mesh.faces[face]) == vertex_set(mesh.faces[face - 1]);
+            if (!again && exact(mesh, face).has_area()) {
                 faces_.push_back(face);
             }
         }
@@ -62,6 +69,8 @@ public:
         return tallies_[0][kind];
     }
 
+    std::vector<std::uint8_t> meets_other() const { return {meets_other_.begin(), meets_other_.end()}; }
+
 private:
     void note(Meeting meeting, std::uint32_t face, std::uint32_t other, int worker) {
         for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
@@ -69,12 +78,21 @@ private:
                 tallies_[static_cast<std::size_t>(worker)][kind].add({std::min(face, other), std::max(face, other)});
             }
         }
+        const std::uint32_t shell = shell_of_[face];
+        const std::uint32_t other_shell = shell_of_[other];
+        if (shell != other_shell && shells_[shell].closed && shells_[other_shell].closed) {
+            meets_other_[shell].store(1, std::memory_order_relaxed);
+            meets_other_[other_shell].store(1, std::memory_order_relaxed);
+        }
     }
 
     const GridMesh& mesh_;
+    const std::vector<std::uint32_t>& shell_of_;
+    const std::vector<Shell>& shells_;
     const Parallel& parallel_;
-    std::vector<std::uint32_t> faces_;  ///< those with area
+    std::vector<std::uint32_t> faces_;  ///< those with area, of several on the same vertices the first
     std::vector<std::array<Tally<FacePair>, kinds.size()>> tallies_;
+    std::vector<std::atomic<std::uint8_t>> meets_other_;  ///< by shell
 };
 
 /// Of a crossing, the segment in which the faces meet; else the middle of what their boxes share.
@@ -103,8 +121,9 @@ Place place_of(const GridMesh& mesh, const FacePair& pair, Meeting meeting) {
 
 }  // namespace
 
-void find_meeting_faces(const GridMesh& mesh, Notes& notes, const Parallel& parallel) {
-    MeetingSearch search(mesh, notes.most(), parallel);
+std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of,
+                                             const std::vector<Shell>& shells, Notes& notes, const Parallel& parallel) {
+    MeetingSearch search(mesh, shell_of, shells, notes.most(), parallel);
     const bool complete = search.run();
     for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
         const auto& [meeting, fault] = kinds[kind];
@@ -116,6 +135,7 @@ void find_meeting_faces(const GridMesh& mesh, Notes& notes, const Parallel& para
             finding.places.push_back(place_of(mesh, pair, meeting));
         }
     }
+    return search.meets_other();
 }
 
 }  // namespace lamella

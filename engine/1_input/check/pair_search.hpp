@@ -51,37 +51,39 @@ private:
     std::vector<Item> items_;
 };
 
-/// What a search may cost, in boxes compared: so many a query on average, and for any one.
-struct SearchBudget {
-    static constexpr std::size_t average = 1024;
-    static constexpr std::size_t for_one = 65536;
-};
+/// What a search may cost in all, in boxes compared: a second or so, and what meshes that mean something take.
+constexpr std::size_t search_budget(std::size_t items) {
+    return (std::size_t{1} << 29) + 1024 * items;
+}
 
-/// Calls search(query, limit, worker) for each query in [0, count); it returns how many boxes it compared, and stops at the
-/// limit. Whole batches are begun while the budget lasts, so that where it ends depends on the queries alone. Returns
-/// whether every query was searched to its end.
+/// Calls search(query, limit, worker) for each query in [0, count); it returns what it cost, and stops at the limit, which
+/// is an equal share, within a batch, of what is left of the budget: where the search ends depends on the queries alone.
+/// Returns whether every query was searched to its end.
 template <class Search>
 bool search_within_budget(std::size_t count, const Parallel& parallel, Search search) {
-    constexpr std::size_t chunk = 64;
+    constexpr std::size_t chunk = 16;
     constexpr std::size_t batch = 16 * chunk;
     std::atomic<bool> complete = true;
-    std::atomic<std::size_t> compared = 0;
+    std::size_t left = search_budget(count);
     for (std::size_t first = 0; first < count; first += batch) {
-        if (compared > SearchBudget::average * count) {
+        const std::size_t limit = left / batch;
+        if (limit == 0) {
             return false;
         }
         const std::size_t last = std::min(count, first + batch);
+        std::atomic<std::size_t> spent = 0;
         parallel.run((last - first + chunk - 1) / chunk, [&](std::size_t i, int worker) {
             std::size_t own = 0;
             for (std::size_t query = first + i * chunk; query < std::min(last, first + (i + 1) * chunk); ++query) {
-                const std::size_t now = search(query, SearchBudget::for_one, worker);
-                if (now >= SearchBudget::for_one) {
+                const std::size_t cost = search(query, limit, worker);
+                if (cost >= limit) {
                     complete = false;
                 }
-                own += now;
+                own += cost;
             }
-            compared += own;
+            spent += own;
         });
+        left -= std::min<std::size_t>(left, spent);
     }
     return complete;
 }

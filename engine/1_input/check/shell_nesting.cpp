@@ -6,6 +6,7 @@
 
 #include "1_input/check/box_tree.hpp"
 #include "1_input/check/meeting.hpp"
+#include "1_input/check/pair_search.hpp"
 
 namespace lamella {
 
@@ -66,7 +67,6 @@ public:
 
 private:
     static constexpr std::size_t most_samples = 8;
-    static constexpr std::size_t comparisons_per_face = 128;
     static constexpr std::size_t containers_per_face = 16;
 
     std::vector<Box> boxes_of_closed() {
@@ -138,8 +138,7 @@ private:
         const auto on_grid = [](std::int64_t value) { return static_cast<std::int32_t>(2 * value); };
         const Box ray{{on_grid(p.x), on_grid(p.y), on_grid(p.z)}, {on_grid(p.x), on_grid(p.y), grid_limit}};
         hits_.clear();
-        const std::size_t limit = comparisons_per_face * mesh_.faces.size() + 1;
-        compared_ += tree_.search(ray, 0, limit, [&](std::uint32_t item) {
+        spent_ += tree_.search(ray, 0, budget_ - spent_, [&](std::uint32_t item) {
             const std::uint32_t number = closed_faces_[item];
             const ExactFace face(mesh_.faces[number].corners, mesh_.corners(mesh_.faces[number]));
             if (shell_of_[number] == shell || !face.has_area()) {
@@ -152,7 +151,7 @@ private:
             }
         });
         std::sort(hits_.begin(), hits_.end());
-        return compared_ < limit;
+        return spent_ < budget_;
     }
 
     /// The deepest of the shells around; of several equally deep ones, which then cross, the first.
@@ -179,7 +178,8 @@ private:
         std::vector<std::uint32_t> shells;      ///< those around it
     } around_;
     std::vector<Hit> hits_;
-    std::size_t compared_ = 0;
+    std::size_t budget_ = search_budget(mesh_.faces.size());
+    std::size_t spent_ = 0;
 };
 
 }  // namespace

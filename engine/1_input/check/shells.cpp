@@ -36,7 +36,7 @@ Int128 six_volumes(const GridMesh& mesh, const Face& face, const Vector& origin)
 }
 
 void measure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std::uint32_t>& shell_of,
-             std::vector<Shell>& shells, Notes& notes) {
+             std::vector<Shell>& shells, const Notes& notes) {
     std::vector<Int128> volumes(shells.size(), 0);
     std::vector<Vector> origins(shells.size());
     for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
@@ -64,16 +64,34 @@ void measure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std
     }
 }
 
+/// A solid that another one pierces or touches lies within it only in part, and joins it: no depth makes that wrong. Nor
+/// does a depth say anything where the shells around meet others.
+bool lies_apart(const std::vector<Shell>& shells, const std::vector<std::uint8_t>& meets_other, std::size_t shell) {
+    while (meets_other[shell] == 0 && shells[shell].parent >= 0) {
+        shell = static_cast<std::size_t>(shells[shell].parent);
+    }
+    return meets_other[shell] == 0;
+}
+
 }  // namespace
 
-void find_shells(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, MeshCheck& check, const Parallel& parallel) {
+std::vector<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const Notes& notes, MeshCheck& check,
+                                       const Parallel& parallel) {
     std::uint32_t count = 0;
-    const std::vector<std::uint32_t> shell_of = number_shells(mesh, edges, count);
+    std::vector<std::uint32_t> shell_of = number_shells(mesh, edges, count);
     check.shells.resize(count);
     measure(mesh, edges, shell_of, check.shells, notes);
     check.nesting_complete = nest_shells(mesh, shell_of, check.shells, parallel);
-    for (const Shell& shell : check.shells) {
-        if (shell.sense != 0 && shell.sense != (shell.depth % 2 == 0 ? 1 : -1)) {
+    return shell_of;
+}
+
+void find_wrong_senses(const std::vector<Shell>& shells, const std::vector<std::uint8_t>& meets_other, bool all_known,
+                       Notes& notes) {
+    notes.of(Fault::wrong_sense_shell).at_least = !all_known;
+    for (std::size_t i = 0; all_known && i < shells.size(); ++i) {
+        const Shell& shell = shells[i];
+        const bool fits = shell.sense == 0 || shell.sense == (shell.depth % 2 == 0 ? 1 : -1);
+        if (!fits && (shell.depth == 0 || lies_apart(shells, meets_other, i))) {
             notes.add(Fault::wrong_sense_shell, [&] {
                 Place place;
                 place.points_mm[0] = shell.first_mm;

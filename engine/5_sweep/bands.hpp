@@ -42,8 +42,8 @@ struct BandPlan {
     }
 
     /// Cuts the planes into bands: every `asked_planes` of them, or of twice, four times ... as many while the bands would
-    /// have more than 2^21 seeds and more than there are triangles; when `asked_planes` is 0 by the work in the planes. Makes
-    /// `band_end`, and `reaching` large enough. O(k).
+    /// have more than 2^21 seeds and more than there are triangles; when `asked_planes` is 0 by the work in the planes.
+    /// Makes `band_end`, and `reaching` large enough. O(k).
     void cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads);
 
     /// Finds every band's seeds in the first `reaching_count` of `reaching`. O(k + reaching_count + seeds), and a seed has

@@ -1,10 +1,10 @@
 // Soups with corners on small integers, where everything coincides, sliced in every way that must not matter: both forms,
 // other bands and threads, shuffled triangles. All must be valid and the same.
-#include <algorithm>
 #include <array>
 
 #include "bytes.hpp"
 #include "lamella/lamella.hpp"
+#include "soup.hpp"
 
 using lamella::ContourForm;
 using lamella::MeshView;
@@ -12,9 +12,6 @@ using lamella::SliceOptions;
 using lamella::SliceResult;
 
 namespace {
-
-using Corner = std::array<double, 3>;
-using Triangle = std::array<Corner, 3>;
 
 constexpr std::size_t most_triangles = 60;
 
@@ -26,29 +23,11 @@ struct Scale {
 constexpr std::array<Scale, 4> scales = {{{1, 0.5}, {1, 0.125}, {256, 0}, {0.37, 0}}};
 
 struct Case {
-    std::vector<Triangle> triangles;
+    std::vector<fuzz::Triangle> triangles;
     SliceOptions options;
     std::uint32_t seed = 0;
     bool floats = false;
 };
-
-Corner corner(fuzz::Bytes& bytes, double step_mm) {
-    const unsigned xy = bytes.next();
-    const auto at = [step_mm](unsigned integer) { return step_mm * (static_cast<double>(integer) - 4); };
-    return {at(xy % 9), at(xy / 16 % 9), at(bytes.below(9))};
-}
-
-/// A triangle, or the four of a tetrahedron: alone the first leave hardly anything closed.
-void add_shape(fuzz::Bytes& bytes, bool solid, double step_mm, std::vector<Triangle>& triangles) {
-    const Corner a = corner(bytes, step_mm);
-    const Corner b = corner(bytes, step_mm);
-    const Corner c = corner(bytes, step_mm);
-    triangles.push_back({a, b, c});
-    if (solid) {
-        const Corner d = corner(bytes, step_mm);
-        triangles.insert(triangles.end(), {{a, c, d}, {c, b, d}, {b, a, d}});
-    }
-}
 
 /// Heights on the integers, which corners have, and between them.
 lamella::LayerPlan plan(fuzz::Bytes& bytes, double step_mm) {
@@ -88,20 +67,14 @@ Case drawn(fuzz::Bytes& bytes) {
     }
     drawn.options.plan = plan(bytes, scale.step_mm);
     while (!bytes.empty() && drawn.triangles.size() < most_triangles) {
-        add_shape(bytes, form / 2 % 2 != 0, scale.step_mm, drawn.triangles);
+        fuzz::add_shape(bytes, form / 2 % 2 != 0, scale.step_mm, drawn.triangles);
     }
     return drawn;
 }
 
 template <class Number>
 lamella::Result<SliceResult> sliced_as(const Case& drawn) {
-    std::vector<Number> soup;
-    for (const Triangle& triangle : drawn.triangles) {
-        for (const Corner& corner : triangle) {
-            soup.insert(soup.end(),
-                        {static_cast<Number>(corner[0]), static_cast<Number>(corner[1]), static_cast<Number>(corner[2])});
-        }
-    }
+    const std::vector<Number> soup = fuzz::soup_of<Number>(drawn.triangles);
     return slice(MeshView::soup(std::span<const Number>(soup)), drawn.options);
 }
 
@@ -126,11 +99,7 @@ void check_ways(Case drawn) {
     drawn.options.band_planes = 3 - drawn.options.band_planes;
     drawn.options.threads = 4 - drawn.options.threads;
     fuzz::require(outcome(drawn) == expected, "neither bands nor threads matter");
-    fuzz::shuffle(drawn.triangles, drawn.seed);
-    for (std::size_t t = 0; t < drawn.triangles.size(); ++t) {
-        Triangle& corners = drawn.triangles[t];
-        std::rotate(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(t % 3), corners.end());
-    }
+    fuzz::shuffle_soup(drawn.triangles, drawn.seed);
     fuzz::require(outcome(drawn) == expected, "the order of triangles and corners does not matter");
 }
 

@@ -1,0 +1,111 @@
+// Soups with corners on small integers, diagnosed: what check() counts must agree with inspect(), and depend on neither
+// threads nor the order of triangles and corners.
+#include <algorithm>
+
+#include "bytes.hpp"
+#include "lamella/lamella.hpp"
+#include "soup.hpp"
+
+using lamella::CheckOptions;
+using lamella::Fault;
+using lamella::MeshCheck;
+
+namespace {
+
+constexpr std::size_t most_triangles = 120;
+
+CheckOptions drawn_options(fuzz::Bytes& bytes) {
+    const unsigned choice = bytes.next();
+    CheckOptions options;
+    options.unit_mm = choice % 2 == 0 ? 0 : 1;  // on the coarse grid half of the corners coincide
+    options.tolerance_mm = choice / 2 % 4 * 0.7;
+    options.sliver_ratio = 2 + choice / 8 % 8;
+    options.most_places = choice / 64 * 5;
+    return options;
+}
+
+void check_places(const MeshCheck& found, const CheckOptions& options, std::size_t triangles) {
+    for (const lamella::Finding& finding : found.findings) {
+        fuzz::require(finding.places.size() == std::min<std::uint64_t>(finding.count, options.most_places),
+                      "as many places as were asked for");
+        for (const lamella::Place& place : finding.places) {
+            fuzz::require(place.point_count >= 1 && place.point_count <= 3, "a place has points");
+            for (const std::int64_t triangle : place.triangles) {
+                fuzz::require(triangle >= -1 && triangle < static_cast<std::int64_t>(triangles), "triangles of the input");
+            }
+        }
+    }
+}
+
+void check_shells(const MeshCheck& found) {
+    std::uint64_t triangles = found.of(Fault::collapsed_face).count;
+    for (const lamella::Shell& shell : found.shells) {
+        triangles += shell.triangles;
+        fuzz::require((shell.depth == 0) == (shell.parent < 0), "what lies within shells has one next to it");
+        fuzz::require(shell.parent < 0 || found.shells[static_cast<std::size_t>(shell.parent)].closed,
+                      "only closed shells are around others");
+        fuzz::require(shell.closed || (shell.sense == 0 && shell.volume_mm3 == 0), "only closed shells have a sense");
+    }
+    fuzz::require(triangles == found.info.triangles, "every triangle belongs to one shell, or is collapsed");
+}
+
+/// What inspect() counts another way.
+void check_census(const MeshCheck& found) {
+    const lamella::MeshInfo& info = found.info;
+    const auto count = [&found](Fault fault) { return found.of(fault).count; };
+    fuzz::require(count(Fault::boundary_edge) == info.boundary_edges, "boundary edges are counted");
+    fuzz::require(count(Fault::overfull_balanced) + count(Fault::overfull_unbalanced) == info.overfull_edges,
+                  "over-full edges are counted");
+    fuzz::require(count(Fault::mismatched_edge) == info.mismatched_edges, "mismatched edges are counted");
+    fuzz::require(count(Fault::collapsed_face) == info.degenerate, "collapsed faces are counted");
+    fuzz::require(found.shells.size() == info.shells, "shells are counted");
+    fuzz::require(!found.clean() || info.closed, "what is clean is closed");
+    fuzz::require((count(Fault::boundary_edge) == 0) == (count(Fault::boundary_loop) == 0), "boundary edges form loops");
+    fuzz::require(found.complete(), "so few triangles are searched to the end");
+}
+
+MeshCheck found_in(const std::vector<fuzz::Triangle>& triangles, CheckOptions options, int threads) {
+    options.threads = threads;
+    const std::vector<double> soup = fuzz::soup_of<double>(triangles);
+    lamella::Result<MeshCheck> found = check(lamella::MeshView::soup(std::span<const double>(soup)), options);
+    fuzz::require(found.ok(), found.ok() ? "" : found.error().message);
+    return std::move(found).value();
+}
+
+std::string text_of(const MeshCheck& found) {
+    return lamella::check_json(found, {}, 1000).value();
+}
+
+/// Which triangle stands for a place may depend on the order of the input; nothing else may.
+MeshCheck without_triangles(MeshCheck found) {
+    for (lamella::Finding& finding : found.findings) {
+        for (lamella::Place& place : finding.places) {
+            place.triangles = {-1, -1};
+        }
+    }
+    for (lamella::Shell& shell : found.shells) {
+        shell.triangle = -1;
+    }
+    return found;
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::Bytes bytes(data, size);
+    const std::uint32_t seed = bytes.next();
+    const CheckOptions options = drawn_options(bytes);
+    std::vector<fuzz::Triangle> triangles;
+    do {
+        fuzz::add_shape(bytes, seed % 2 != 0, 1, triangles);
+    } while (!bytes.empty() && triangles.size() < most_triangles);
+    const MeshCheck found = found_in(triangles, options, 1);
+    check_places(found, options, triangles.size());
+    check_shells(found);
+    check_census(found);
+    fuzz::require(text_of(found_in(triangles, options, 3)) == text_of(found), "threads do not matter");
+    fuzz::shuffle_soup(triangles, seed);
+    fuzz::require(text_of(without_triangles(found_in(triangles, options, 1))) == text_of(without_triangles(found)),
+                  "the order of triangles and corners does not matter");
+    return 0;
+}

@@ -236,7 +236,7 @@ TEST_CASE("PLY triangle strips alternate and begin again after -1", "[input][ply
     const std::vector<double> xyz = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0};
     PlyWriter out(encoding);
     const auto strips = [&] {
-        out.list("int", "int", {0, 1, 2, 3, 4, -1, 2, 1, 0, -1, -1, 0, 1, -1}).end_row();
+        out.list("int", "int", {0, 1, 2, 3, 4, -1, 2, 1, 0, -1, -1, 0, 1, 4, -1, 0, 1, -1}).end_row();
         out.list("int", "int", {0, 1, 1, 2, 3}).end_row();
     };
     const auto declare_strips = [&] { out.header("element tristrips 2").header("property list int int vertex_indices"); };
@@ -257,7 +257,7 @@ TEST_CASE("PLY triangle strips alternate and begin again after -1", "[input][ply
     }
     const MeshFile mesh = read_ply_file(dir.write("a.ply", out.file()), false, 1);
     const std::vector<std::uint32_t> indices(mesh.indices.begin(), mesh.indices.end());
-    CHECK(indices == std::vector<std::uint32_t>{0, 1, 2, 2, 1, 3, 2, 3, 4, 2, 1, 0, 1, 2, 3});
+    CHECK(indices == std::vector<std::uint32_t>{0, 1, 2, 2, 1, 3, 2, 3, 4, 2, 1, 0, 0, 1, 4, 1, 2, 3});
 }
 
 TEST_CASE("PLY comments may state the patient frame", "[input][ply]") {

@@ -179,7 +179,9 @@ TEST_CASE("VTP takes arrays of every type", "[input][vtp]") {
 
 TEST_CASE("the pieces of VTP are appended", "[input][vtp]") {
     const TempDir dir;
-    const std::vector<PolyData> pieces = {cube(3), {}, cube_with_strip(), sheet(90)};
+    // The second are triangles alone, which are read another way.
+    const std::vector<PolyData> pieces = GENERATE(std::vector<PolyData>{cube(3), {}, cube_with_strip(), sheet(90)},
+                                                  std::vector<PolyData>{cube_of_triangles(3), {}, cube_of_triangles(5)});
     std::vector<Facet> expected;
     for (const PolyData& piece : pieces) {
         const std::vector<Facet> facets = triangles_of(piece);

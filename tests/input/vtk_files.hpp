@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -37,6 +38,16 @@ inline PolyData cube(double edge = 10) {
         }
     }
     data.polygons = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    return data;
+}
+
+inline PolyData cube_of_triangles(double edge) {
+    PolyData data = cube(edge);
+    const auto quads = std::exchange(data.polygons, {});
+    for (const auto& quad : quads) {
+        data.polygons.push_back({quad[0], quad[1], quad[2]});
+        data.polygons.push_back({quad[0], quad[2], quad[3]});
+    }
     return data;
 }
 

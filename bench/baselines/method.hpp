@@ -34,7 +34,7 @@ struct Problem {
     std::span<const float> soup;       ///< mm, nine numbers a triangle
     double unit_mm = default_unit_mm;  ///< of the grid
     std::vector<std::int32_t> planes;  ///< grid units, odd, ascending
-    bool uniform = false;              ///< each plane is within a unit of first + index * step:
+    bool uniform = false;              ///< plane i lies within a quarter of a step of first + i * step:
     double first = 0;                  ///< grid units
     double step = 0;                   ///< grid units
 

@@ -45,10 +45,11 @@ public:
     void sample(const Segment& segment, Samples& samples) const {
         const auto [low, high] = std::minmax(segment.from, segment.to, [](Point a, Point b) { return a.y < b.y; });
         const std::uint32_t end = first_at_or_above(high.y);
+        const double slope =
+            static_cast<double>(std::int64_t{high.x} - low.x) / static_cast<double>(std::int64_t{high.y} - low.y);
         for (std::uint32_t ray = first_at_or_above(low.y); ray < end; ++ray) {
-            const double part = static_cast<double>(y(ray) - std::int64_t{low.y}) / (std::int64_t{high.y} - low.y);
-            const double x = low.x + part * static_cast<double>(std::int64_t{high.x} - low.x);
-            samples.push_back({ray, round_to_int(x), segment.from.y < segment.to.y});
+            const auto rise = static_cast<double>(std::int64_t{y(ray)} - low.y);
+            samples.push_back({ray, round_to_int(low.x + slope * rise), segment.from.y < segment.to.y});
         }
     }
 

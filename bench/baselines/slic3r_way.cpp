@@ -208,9 +208,11 @@ private:
     };
 
     std::uint32_t line_after(std::uint32_t line) const {
-        for (const Start& next : std::ranges::equal_range(by_edge_a_, lines_[line].edge_b, {}, &Start::edge_a)) {
-            if (!is_used_[next.line]) {
-                return next.line;
+        const std::uint32_t edge = lines_[line].edge_b;
+        auto next = std::lower_bound(by_edge_a_.begin(), by_edge_a_.end(), Start{edge, 0});
+        for (; next != by_edge_a_.end() && next->edge_a == edge; ++next) {
+            if (!is_used_[next->line]) {
+                return next->line;
             }
         }
         return no_line;
@@ -224,7 +226,8 @@ private:
 
 WholeOutcome run(const Problem& problem) {
     const auto start = std::chrono::steady_clock::now();
-    std::vector<Lines> lines = MeshSlicer(quantised(problem)).slice(problem.planes);
+    const MeshSlicer slicer(quantised(problem));
+    std::vector<Lines> lines = slicer.slice(problem.planes);
     WholeOutcome outcome;
     outcome.slicing_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     outcome.contours.resize(lines.size());

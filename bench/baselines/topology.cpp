@@ -137,6 +137,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_round_edge(const Share
     }
     sort_round_edge(lower, upper, faces);
     std::vector<MeetingEnd> ends;
+    ends.reserve(faces.size());
     for (const FaceAtEdge& face : faces) {
         ends.push_back(face.end);
     }

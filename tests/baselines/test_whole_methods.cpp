@@ -11,7 +11,6 @@
 #include "slic3r_way.hpp"
 #include "topological.hpp"
 
-using namespace lamella::baselines;
 using lamella::Contour;
 using lamella::Layer;
 using lamella::LayerPlan;
@@ -19,6 +18,15 @@ using lamella::MeshView;
 using lamella::Point;
 using lamella::SliceResult;
 using lamella::UniformLayers;
+using lamella::baselines::ldni;
+using lamella::baselines::ldni_resolution_mm;
+using lamella::baselines::mcmains;
+using lamella::baselines::Polyline;
+using lamella::baselines::Problem;
+using lamella::baselines::slic3r_way;
+using lamella::baselines::topological;
+using lamella::baselines::WholeMethod;
+using lamella::baselines::WholeOutcome;
 
 namespace {
 

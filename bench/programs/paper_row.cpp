@@ -1,11 +1,11 @@
 // Runs one method on one mesh and prints a row of the paper's tables as JSON: times of every run, and whether the answer is
 // the engine's. A process of its own, so that a method can be stopped, and its memory is its own.
 //
-//     lamella_paper_row --mesh=FILE (--layer-height=MM | --random-heights=MIN:MAX) --method=NAME[+NAME] [--threads=N]
-//                       [--limit=S]
+//     lamella_paper_row --mesh=FILE (--layer-height=MM | --random-heights=MIN:MAX) --method=NAME[+NAME[+rays]]
+//                       [--threads=N] [--limit=S]
 //
-// NAME is "engine", a whole method, or a slicing method, to which "+" joins a contour method. Exit status 75: over the
-// limit.
+// NAME is "engine", a whole method, or a slicing method, to which "+" joins a contour method, and to that the sense of its
+// contours by rays. Exit status 75: over the limit; 78: not a method for this mesh.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -27,6 +27,8 @@
 #include "lamella/lamella.hpp"
 #include "mesh.hpp"
 #include "methods.hpp"
+#include "sense_by_rays.hpp"
+#include "slice_incremental.hpp"
 
 namespace {
 
@@ -57,7 +59,8 @@ struct Request {
 struct Run {
     double slicing_s = 0;
     double contours_s = 0;
-    double sum() const noexcept { return slicing_s + contours_s; }
+    double sense_s = 0;
+    double sum() const noexcept { return slicing_s + contours_s + sense_s; }
 };
 
 double seconds_since(Clock::time_point start) {
@@ -116,7 +119,8 @@ public:
 struct Row {
     std::vector<Run> runs;
     std::string source;
-    bool joins = true;             ///< false: the lists of segments were all that it made
+    bool joins = true;  ///< false: the lists of segments were all that it made
+    bool tells_sense = false;
     std::optional<Answer> answer;  ///< null: nothing to compare
 };
 
@@ -134,7 +138,9 @@ Row run_engine(const Mesh& mesh, const Request& request) {
         return Run{all - contours, contours};
     };
     run_once();  // warm memory, as all that is measured elsewhere
-    Row row{repeated(run_once), "this engine", true, {}};
+    Row row;
+    row.runs = repeated(run_once);
+    row.source = "this engine";
     row.answer = answer_of(result);
     return row;
 }
@@ -153,8 +159,9 @@ Row run_whole(const baselines::WholeMethod& method, const baselines::Problem& pr
     return row;
 }
 
-Row run_pair(const baselines::SlicingMethod& slicing, const baselines::ContourMethod* contours,
-             const baselines::Problem& problem) {
+/// Without a contour method: the lists of segments alone.
+Row run_steps(const baselines::SlicingMethod& slicing, const baselines::ContourMethod* contours, bool tells_sense,
+              const baselines::Problem& problem) {
     baselines::SegmentLists lists;
     baselines::Contours joined;
     Row row;
@@ -163,13 +170,21 @@ Row run_pair(const baselines::SlicingMethod& slicing, const baselines::ContourMe
         joined = {};
         const auto start = Clock::now();
         lists = slicing.slice(problem);
-        const double slicing_s = seconds_since(start);
+        Run run{seconds_since(start)};
         if (contours != nullptr) {
             joined = contours->join(lists);
+            run.contours_s = seconds_since(start) - run.slicing_s;
         }
-        return Run{slicing_s, seconds_since(start) - slicing_s};
+        if (tells_sense) {
+            lists = {};
+            const auto turn = Clock::now();
+            sense_by_rays(joined);
+            run.sense_s = seconds_since(turn);
+        }
+        return run;
     });
     row.joins = contours != nullptr;
+    row.tells_sense = tells_sense;
     row.source = std::string(slicing.source) + (row.joins ? "; " + std::string(contours->source) : "");
     row.answer = row.joins ? answer_of(joined) : answer_of(lists);
     return row;
@@ -188,23 +203,26 @@ Row run_method(const Mesh& mesh, const Request& request, const baselines::Proble
     if (const auto* whole = find(baselines::whole_methods(), request.method)) {
         return run_whole(*whole, problem);
     }
-    const std::size_t plus = request.method.find('+');
-    const auto* slicing = find(baselines::slicing_methods(), request.method.substr(0, plus));
-    const auto* contours =
-        plus == std::string::npos ? nullptr : find(baselines::contour_methods(), request.method.substr(plus + 1));
-    if (slicing == nullptr || (plus != std::string::npos && contours == nullptr)) {
+    const std::vector<std::string> steps = CLI::detail::split(request.method, '+');
+    const auto* slicing = find(baselines::slicing_methods(), steps[0]);
+    const auto* contours = steps.size() > 1 ? find(baselines::contour_methods(), steps[1]) : nullptr;
+    const bool tells_sense = steps.size() == 3 && steps[2] == "rays";
+    if (slicing == nullptr || steps.size() > 3 || (steps.size() > 1 && contours == nullptr) ||
+        (steps.size() == 3 && !tells_sense)) {
         throw std::runtime_error("no method is called " + request.method);
     }
-    return run_pair(*slicing, contours, problem);
+    return run_steps(*slicing, contours, tells_sense, problem);
 }
 
 nlohmann::ordered_json to_json(const Request& request, const Mesh& mesh, const Reference& reference, const Row& row) {
     const Difference apart = difference(reference.answer, *row.answer);
     nlohmann::ordered_json slicing = nlohmann::ordered_json::array();
     nlohmann::ordered_json contours = nlohmann::ordered_json::array();
+    nlohmann::ordered_json sense = nlohmann::ordered_json::array();
     for (const Run& run : row.runs) {
         slicing.push_back(run.slicing_s);
         contours.push_back(run.contours_s);
+        sense.push_back(run.sense_s);
     }
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -219,6 +237,7 @@ nlohmann::ordered_json to_json(const Request& request, const Mesh& mesh, const R
             {"open", reference.summary.open_contours},
             {"slicing_s", slicing},
             {"contours_s", row.joins ? contours : nlohmann::ordered_json()},
+            {"sense_s", row.tells_sense ? sense : nlohmann::ordered_json()},
             {"planes_apart", apart.planes},
             {"contours_apart", row.joins ? nlohmann::ordered_json(apart.contours) : nlohmann::ordered_json()},
             {"peak_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024}};
@@ -229,8 +248,26 @@ extern "C" void end_at_limit(int) {
     _exit(over_limit);
 }
 
+/// What the merge of Algorithm 2 asks for.
+bool ascends(const Mesh& mesh) {
+    const auto low = [&](std::size_t t) {
+        return std::min({mesh.soup[9 * t + 2], mesh.soup[9 * t + 5], mesh.soup[9 * t + 8]});
+    };
+    for (std::size_t t = 1; t < mesh.triangles(); ++t) {
+        if (low(t) < low(t - 1)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 int run(const Request& request) {
     const Mesh mesh = checked(load_mesh(request.mesh));
+    if (request.method == baselines::presorted_slicing.name && !ascends(mesh)) {
+        std::cerr << "its triangles do not ascend\n";
+        constexpr int not_for_this_mesh = 78;
+        return not_for_this_mesh;
+    }
     const Reference reference(mesh, request);
     std::signal(SIGALRM, end_at_limit);
     alarm(request.limit_s);

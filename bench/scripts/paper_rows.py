@@ -8,7 +8,7 @@ from typing import NamedTuple, Optional
 
 from paper_models import ALIKE, LAYER_MM, RANDOM_MM
 
-OVER_LIMIT, NOT_INSTALLED = 75, 77  # exit statuses of the programs
+OVER_LIMIT, NOT_INSTALLED, NOT_FOR_THIS_MESH = 75, 77, 78  # exit statuses of the programs
 
 
 class Method(NamedTuple):
@@ -112,6 +112,8 @@ class Bench:
             row = Row(model.name, spacing, method, threads, None, f"> {limit} s")
         elif done.returncode == NOT_INSTALLED:
             row = Row(model.name, spacing, method, threads, None, "not installed")
+        elif done.returncode == NOT_FOR_THIS_MESH:
+            row = Row(model.name, spacing, method, threads, None, "n/a")
         else:
             said = done.stderr.strip().splitlines()
             row = Row(model.name, spacing, method, threads, None,
@@ -145,6 +147,7 @@ def measure(bench, models, threads, say):
             rows += engines
             if engines[0].figures is None:
                 raise SystemExit(f"{model.name}: the engine {engines[0].missing}")
+            engines[0].figures["stand_in"] = stand_in
             if stand_in and spacing == "uniform" and unlike(model, engines[0]):
                 raise SystemExit(f"{model.name}: the stand-in differs from the paper's model in " +
                                  ", ".join(unlike(model, engines[0])))

@@ -34,7 +34,7 @@ METHODS = [
     Method("topological", adaptive=True, takes_open=False),
     Method("LDNI, 0.1 mm", exact=False, takes_open=False),
 ]
-PEERS = ["cgal", "vtk", "slic3r", "prusa-slicer", "cura-engine"]
+PEERS = ["cgal", "vtk", "slic3r", "prusa-slicer", "CuraEngine"]
 
 
 class Row(NamedTuple):
@@ -93,9 +93,12 @@ class Bench:
 
     def peer_command(self, mesh, peer, threads):
         if peer in ("cgal", "vtk"):
-            program = [os.path.join(self.build, "bench/peers/peer_" + peer)]
+            program = [os.path.join(self.build, "bench/peers/lamella_peer_" + peer)]
+            if not os.path.exists(program[0]):
+                program = ["sh", "-c", f"exit {NOT_INSTALLED}"]
         else:
-            program = [sys.executable, "bench/peers/" + peer.replace("-", "_") + ".py"]
+            program = [sys.executable, "bench/peers/slicers.py", peer, "--lamella",
+                       os.path.join(self.build, "tools/lamella")]
         return [*program, "--mesh", mesh, "--layer-height", str(LAYER_MM), "--threads", str(threads), "--limit",
                 str(self.limit)]
 

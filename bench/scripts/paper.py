@@ -9,7 +9,7 @@ import time
 
 from paper_figures import figure_9, figure_11, figure_12
 from paper_models import MODELS, QUICK
-from paper_rows import PEERS, Bench, measure
+from paper_rows import PEERS, Bench, failures, measure
 from paper_tables import Rows, bars, exponents, peers, table_1, table_2, table_3, table_4
 from results import markdown_table
 
@@ -104,13 +104,16 @@ def main():
 
     bench = Bench(told.build, told.files, told.keep, told.limit)
     os.makedirs(told.results, exist_ok=True)
-    rows = Rows(measure(bench, told.models, told.threads, say), told.threads)
+    measured = measure(bench, told.models, told.threads, say)
+    rows = Rows(measured, told.threads)
     say("tables and figures")
     figures = [draw(rows, told.results) for draw in (figure_9, figure_11, figure_12)]
     pictures = draw_pictures(bench, told.results, told.models)
     with open(os.path.join(told.results, "paper.md"), "w", encoding="utf-8") as file:
         file.write(document(rows, told, figures, pictures, lower_bound(told.build)))
     say("written to " + os.path.join(told.results, "paper.md"))
+    if failures(measured):
+        raise SystemExit("\n".join(failures(measured)))
 
 
 if __name__ == "__main__":

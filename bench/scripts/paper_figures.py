@@ -7,7 +7,7 @@ import matplotlib
 matplotlib.use("svg")
 import matplotlib.pyplot as plot  # noqa: E402  (the backend must be chosen first)
 
-from paper_tables import PRINTED  # noqa: E402
+from paper_tables import PRINTED, SWEEP_LINE  # noqa: E402
 from results import ratio  # noqa: E402
 
 
@@ -48,7 +48,7 @@ def figure_9(rows, folder):
 
 def figure_11(rows, folder):
     figure, axes = plot.subplots(figsize=(6, 4.5))
-    draw(axes, rows, [("Huang+trivial", "trivial"), ("Huang+sweep-line", "Park (sweep line)"), ("Slic3r", "Slic3r"),
+    draw(axes, rows, [("Huang+trivial", "trivial"), (SWEEP_LINE, "Park (sweep line)"), ("Slic3r", "Slic3r"),
                       (PRINTED, "hashed, as printed"), ("engine", "engine, 1 thread")], "contours_s", "uniform",
          lambda f: f["m"])
     axes.set(title="contours", xlabel="m")

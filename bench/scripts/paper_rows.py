@@ -28,7 +28,7 @@ METHODS = [
     Method("Huang"),
     Method("sort-first", adaptive=True),
     Method("Huang+trivial"),
-    Method("Huang+sweep-line"),
+    Method("Huang+sweep-line+rays"),  # which leaves a contour's direction to chance
     Method("Slic3r", adaptive=True),
     Method("McMains", adaptive=True, takes_open=False),
     Method("topological", adaptive=True, takes_open=False),
@@ -132,6 +132,14 @@ def unlike(model, engine):
     wrong = [name for name, most in ALIKE.items()
              if abs(engine.figures[name] / getattr(model, name) - 1) > most]
     return wrong + (["k"] if engine.figures["k"] != model.k else [])
+
+
+def failures(rows):
+    """What must not be: a method that failed, or did not find the engine's segments on a closed mesh."""
+    said = [f"{row.model}, {row.spacing}, {row.method}: {row.missing}" for row in rows if row.missing.startswith("failed")]
+    exact = {method.name for method in METHODS if method.exact} | {"engine"}
+    return said + [f"{row.model}, {row.spacing}, {row.method}: not the engine's segments" for row in rows
+                   if row.method in exact and row.figures and row.figures["open"] == 0 and row.figures["planes_apart"] > 0]
 
 
 def measure(bench, models, threads, say):

@@ -6,6 +6,7 @@ from paper_models import MODELS
 from results import fitted_exponent, markdown_table, ratio
 
 PRINTED = "incremental+hashed+rays"
+SWEEP_LINE = "Huang+sweep-line+rays"
 BY_NAME = {model.name: model for model in MODELS}
 
 
@@ -35,7 +36,7 @@ class Rows:
 
     def park_total(self, model):
         slicing = self.seconds(model, "trivial", "slicing_s")
-        contours = self.seconds(model, "Huang+sweep-line", "contours_s")
+        contours = self.seconds(model, SWEEP_LINE, "contours_s")
         return None if slicing is None or contours is None else slicing + contours
 
 
@@ -89,7 +90,7 @@ def table_2(rows, spacing):
 
 
 def table_3(rows):
-    methods = ["Huang+trivial", "Huang+sweep-line", "Slic3r", PRINTED]
+    methods = ["Huang+trivial", SWEEP_LINE, "Slic3r", PRINTED]
     heads = (["model", "trivial, paper", "Park, paper", "Slic3r, paper", "proposed, paper", "trivial", "sweep line (Park)",
               "Slic3r", "hashed, as printed", "sense by rays"] + [f"engine, {count} thr." for count in rows.threads])
     lines = [[name_of(rows, model)] + [shown(s) for s in model.contours] +

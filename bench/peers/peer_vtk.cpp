@@ -53,7 +53,6 @@ vtkSmartPointer<vtkPolyData> mesh_of(const Problem& problem) {
         heights->SetValue(p, static_cast<float>(mesh->GetPoint(p)[2]));
     }
     mesh->GetPointData()->SetScalars(heights);
-    mesh->BuildCells();
     return mesh;
 }
 
@@ -62,11 +61,12 @@ struct Lines {
     vtkSmartPointer<vtkCellArray> polylines;
 };
 
-/// A pipeline with a tree of its own: neither filters nor trees may be shared between threads.
+/// A pipeline with a mesh and a tree of its own: on a mesh that two threads share, contours come out now and then in pieces.
 class Pipeline {
 public:
     explicit Pipeline(vtkPolyData* mesh) {
-        mesh_->ShallowCopy(mesh);
+        mesh_->DeepCopy(mesh);
+        mesh_->BuildCells();
         tree_->SetDataSet(mesh_);
         tree_->SetScalars(mesh_->GetPointData()->GetScalars());
         tree_->BuildTree();

@@ -86,6 +86,7 @@ class PrusaSlicer:
         height = str(request.layer_height)
         return ["--export-gcode", "--loglevel", "3", "--datadir", "settings", "--output", self.output,
                 "--layer-height", height, "--first-layer-height", height,
+                "--nozzle-diameter", str(max(0.4, request.layer_height)),  # it refuses higher layers
                 "--bed-shape", "0x0,2000x0,2000x2000,0x2000", "--max-print-height", "1200",
                 "--slice-closing-radius", "0", "--elefant-foot-compensation", "0", "--resolution", "0",
                 "--perimeters", "1", "--perimeter-generator", "classic", "--fill-density", "0",
@@ -202,7 +203,10 @@ def engine_answer(request, folder):
     """The engine's report, and its contours by layer."""
     svg = os.path.join(folder, "engine.svg")
     words = [request.lamella, "slice", request.mesh, "--layer-height", str(request.layer_height), "-o", svg, "--report", "-"]
-    report = json.loads(subprocess.run(words, capture_output=True, check=True).stdout)
+    sliced = subprocess.run(words, capture_output=True, text=True, check=False)
+    if sliced.returncode != 0:
+        sys.exit(sliced.stderr.strip())
+    report = json.loads(sliced.stdout)
     counts = contours_by_layer(svg)
     os.remove(svg)
     return report, counts
@@ -248,6 +252,8 @@ def main():
     parser.add_argument("--definitions", default=CURA_DEFINITIONS, type=os.path.abspath, metavar="FOLDER",
                         help="where Cura's fdmprinter.def.json is")
     request = parser.parse_args()
+    if not os.path.exists(request.lamella):
+        parser.error(f"there is no {request.lamella}: build it, or say --lamella PROGRAM")
     try:
         with tempfile.TemporaryDirectory(prefix="lamella-peer-") as folder:
             print(json.dumps(measure(PEERS[request.peer], request, folder)))

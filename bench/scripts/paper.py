@@ -27,6 +27,7 @@ def arguments():
     parser.add_argument("--threads", help="comma list of thread counts of the engine (1 and all cores)")
     parser.add_argument("--limit", type=int, default=60, help="seconds after which a method is stopped (60)")
     parser.add_argument("--files", default="../shared/models", help="folder of meshes: NAME.stl there is taken before a stand-in")
+    parser.add_argument("--cura-definitions", help="folder of Cura's definitions (where Debian's cura puts them)")
     parser.add_argument("--build", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--keep", default="build/paper", help="folder of meshes and of finished rows")
     parser.add_argument("--results", default="bench/results", help="folder of the tables and figures")
@@ -102,7 +103,8 @@ def main():
     def say(what):
         print(f"[{time.monotonic() - start:6.0f} s] {what}", flush=True)
 
-    bench = Bench(told.build, told.files, told.keep, told.limit)
+    peer_options = {"CuraEngine": ["--definitions", told.cura_definitions]} if told.cura_definitions else {}
+    bench = Bench(told.build, told.files, told.keep, told.limit, peer_options)
     os.makedirs(told.results, exist_ok=True)
     measured = measure(bench, told.models, told.threads, say)
     rows = Rows(measured, told.threads)

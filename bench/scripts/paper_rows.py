@@ -60,8 +60,8 @@ class Row(NamedTuple):
 class Bench:
     """Where programs, meshes and rows lie, and how long a method may take."""
 
-    def __init__(self, build, files, folder, limit):
-        self.build, self.files, self.folder, self.limit = build, files, folder, limit
+    def __init__(self, build, files, folder, limit, peer_options):
+        self.build, self.files, self.folder, self.limit, self.peer_options = build, files, folder, limit, peer_options
         self.meshes, self.kept = os.path.join(folder, "meshes"), os.path.join(folder, "rows")
         for path in (self.meshes, self.kept):
             os.makedirs(path, exist_ok=True)
@@ -98,7 +98,7 @@ class Bench:
                 program = ["sh", "-c", f"exit {NOT_INSTALLED}"]
         else:
             program = [sys.executable, "bench/peers/slicers.py", peer, "--lamella",
-                       os.path.join(self.build, "tools/lamella")]
+                       os.path.join(self.build, "tools/lamella"), *self.peer_options.get(peer, [])]
         return [*program, "--mesh", mesh, "--layer-height", str(LAYER_MM), "--threads", str(threads), "--limit",
                 str(self.limit)]
 

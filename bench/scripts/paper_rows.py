@@ -172,8 +172,7 @@ def measure(bench, models, threads, say):
                 rows.append(Row(model.name, "uniform", "peer " + peer, 1, None, beaten["peer", peer]))
                 continue
             say(f"{model.name}: {peer}")
-            rows.append(bench.run(model, "uniform", "peer " + peer, threads[-1],
-                                  bench.peer_command(mesh, peer, threads[-1]), bench.limit))
+            rows.append(bench.run(model, "uniform", "peer " + peer, 1, bench.peer_command(mesh, peer, 1), bench.limit))
             if rows[-1].missing.startswith(">"):
                 beaten["peer", peer] = f"not run: {rows[-1].missing} on {model.name}"
         if stand_in:

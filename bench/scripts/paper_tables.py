@@ -120,7 +120,7 @@ def peers(rows, names):
     for model in rows.models:
         cells = []
         for peer in names:
-            row = rows.get(model, "peer " + peer, threads=rows.threads[-1]) or rows.get(model, "peer " + peer)
+            row = rows.get(model, "peer " + peer)
             cells.append("-" if row is None else row.missing or peer_cell(row.figures))
         lines.append([name_of(rows, model)] +
                      [rows.cell(model, "engine", "total_s", threads=count) for count in (1, rows.threads[-1])] + cells)
@@ -178,7 +178,7 @@ def bars(rows):
     hold("Slic3r's way / engine", lambda m: 15 if m.name in small else 8, over_engine("Slic3r"))
     for peer in ("cgal", "vtk"):
         def peer_over_engine(model, peer=peer):
-            row = rows.get(model, "peer " + peer, threads=rows.threads[-1]) or rows.get(model, "peer " + peer)
+            row = rows.get(model, "peer " + peer)
             return None if row is None or row.figures is None else ratio(peer_time(row.figures),
                                                                         rows.seconds(model, "engine", "total_s"))
         hold(f"{peer} / engine", lambda m: 50 if m.name in small else 15, peer_over_engine)

@@ -39,8 +39,8 @@ build() { quietly "$1/build.log" cmake --build "$1" --parallel "$jobs"; }
 # summary LOG: what ctest ends with, the skipped tests among it.
 summary() { sed -n '/tests passed/,$p' "$1"; }
 
-# All but those labelled "long".
-run_tests() { ctest --test-dir "$1" --label-exclude long --parallel "$jobs" --output-on-failure "${@:2}"; }
+# All but those labelled "long" and "paper".
+run_tests() { ctest --test-dir "$1" --label-exclude 'long|paper' --parallel "$jobs" --output-on-failure "${@:2}"; }
 
 stage "packages"
 install_missing "${build_packages[@]}" "${check_packages[@]}" "${picture_packages[@]}"

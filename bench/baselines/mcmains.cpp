@@ -1,0 +1,257 @@
+#include "mcmains.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <utility>
+
+#include "geometry.hpp"
+#include "topology.hpp"
+
+namespace lamella::baselines {
+
+namespace {
+
+constexpr std::uint32_t none = 0xFFFFFFFF;
+
+/// The corners of every vertex: those of v are at [first[v], first[v + 1]), as half-edges that begin at it.
+struct Fans {
+    std::vector<std::uint32_t> first;
+    std::vector<std::uint32_t> half_edges;
+};
+
+Fans make_fans(const SharedVertices& mesh) {
+    const auto half_edges = static_cast<std::uint32_t>(3 * mesh.facets.size());
+    Fans fans{std::vector<std::uint32_t>(mesh.vertices.size() + 2), std::vector<std::uint32_t>(half_edges)};
+    for (std::uint32_t h = 0; h < half_edges; ++h) {
+        ++fans.first[mesh.from(h) + 2];
+    }
+    std::partial_sum(fans.first.begin(), fans.first.end(), fans.first.begin());
+    for (std::uint32_t h = 0; h < half_edges; ++h) {
+        fans.half_edges[fans.first[mesh.from(h) + 1]++] = h;
+    }
+    return fans;
+}
+
+/// The contours in which the sweeping plane meets the mesh: rings of edges, each edge by its half-edge that runs down, by
+/// which the contour enters a facet.
+class Rings {
+public:
+    explicit Rings(std::size_t half_edges) : next_(half_edges, none), ring_of_(half_edges, none) {}
+
+    std::uint32_t next(std::uint32_t edge) const noexcept { return next_[edge]; }
+    void link(std::uint32_t edge, std::uint32_t next) noexcept { next_[edge] = next; }
+    std::uint32_t ring_of(std::uint32_t edge) const noexcept { return ring_of_[edge]; }
+
+    /// One edge of each ring.
+    const std::vector<std::uint32_t>& all() const noexcept { return edge_in_; }
+
+    /// The edges from `first` to `last` have come into a ring.
+    void put(std::uint32_t first, std::uint32_t last, std::uint32_t ring) noexcept {
+        for (std::uint32_t edge = first;; edge = next_[edge]) {
+            ring_of_[edge] = ring;
+            if (edge == last) {
+                break;
+            }
+        }
+        edge_in_[place_[ring]] = first;  // the edge that stood for the ring may have ended
+    }
+
+    /// Makes a ring of the edges that are linked to this one.
+    void begin(std::uint32_t edge) {
+        std::uint32_t ring = static_cast<std::uint32_t>(place_.size());
+        if (free_.empty()) {
+            place_.push_back(none);
+        } else {
+            ring = free_.back();
+            free_.pop_back();
+        }
+        place_[ring] = static_cast<std::uint32_t>(edge_in_.size());
+        edge_in_.push_back(edge);
+        ring_at_.push_back(ring);
+        std::uint32_t walked = edge;
+        do {
+            ring_of_[walked] = ring;
+            walked = next_[walked];
+        } while (walked != edge);
+    }
+
+    void end(std::uint32_t ring) {
+        const std::uint32_t place = place_[ring];
+        if (place == none) {
+            return;  // by another of its edges
+        }
+        edge_in_[place] = edge_in_.back();
+        ring_at_[place] = ring_at_.back();
+        place_[ring_at_[place]] = place;
+        edge_in_.pop_back();
+        ring_at_.pop_back();
+        place_[ring] = none;
+        free_.push_back(ring);
+    }
+
+private:
+    std::vector<std::uint32_t> next_;     // by edge: where the contour goes after crossing its facet
+    std::vector<std::uint32_t> ring_of_;  // by edge
+    std::vector<std::uint32_t> edge_in_;  // by place: those of rings that are there, without gaps
+    std::vector<std::uint32_t> ring_at_;  // by place
+    std::vector<std::uint32_t> place_;    // by ring
+    std::vector<std::uint32_t> free_;
+};
+
+class Sweep {
+public:
+    Sweep(const Problem& problem, SharedVertices mesh, std::vector<std::uint32_t> twins)
+        : planes_(problem.planes),
+          mesh_(std::move(mesh)),
+          twins_(std::move(twins)),
+          fans_(make_fans(mesh_)),
+          rings_(twins_.size()) {
+        order_vertices();
+    }
+
+    WholeOutcome run() {
+        WholeOutcome outcome;
+        outcome.contours.resize(planes_.size());
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < planes_.size(); ++i) {
+            for (; at < order_.size() && mesh_.vertices[order_[at]].z < planes_[i]; ++at) {
+                pass(order_[at]);
+            }
+            for (const std::uint32_t edge : rings_.all()) {
+                outcome.contours[i].push_back(contour_of(edge, planes_[i]));
+                outcome.segments += outcome.contours[i].back().points.size();
+            }
+        }
+        return outcome;
+    }
+
+private:
+    void order_vertices() {
+        order_.resize(mesh_.vertices.size());
+        std::iota(order_.begin(), order_.end(), 0U);
+        std::ranges::sort(order_, {}, [&](std::uint32_t v) { return std::pair(mesh_.vertices[v].z, v); });
+        rank_.resize(order_.size());
+        for (std::uint32_t i = 0; i < order_.size(); ++i) {
+            rank_[order_[i]] = i;
+        }
+    }
+
+    bool is_below(std::uint32_t a, std::uint32_t b) const noexcept { return rank_[a] < rank_[b]; }
+
+    /// The event of a vertex. Of each facet there, `out` leads from the vertex to corner a and `in` from corner b to it:
+    ///
+    ///      b ----- a          a                b
+    ///       \     /           |\              /|
+    ///     in \   / out   long | \ out      in/ | long
+    ///         \ /             |  v          v  |
+    ///          v              | /in       out\ |
+    ///                         |/              \|
+    ///                         b                a
+    ///     it begins       begins a run     ends a run       contours run from left to right, seen from outside
+    void pass(std::uint32_t vertex) {
+        ended_.clear();
+        begun_.clear();
+        run_ = {};
+        for (std::uint32_t i = fans_.first[vertex]; i < fans_.first[vertex + 1]; ++i) {
+            const std::uint32_t out = fans_.half_edges[i];
+            const std::uint32_t in = previous_in_facet(out);
+            const std::uint32_t opposite = next_in_facet(out);
+            const bool a_is_above = is_below(vertex, mesh_.to(out));
+            const bool b_is_above = is_below(vertex, mesh_.from(in));
+            // Every edge at the vertex is `out` of one facet, and `in` of its neighbour.
+            if (a_is_above) {
+                begun_.push_back(twins_[out]);
+                rings_.link(b_is_above ? in : opposite, twins_[out]);
+            } else {
+                ended_.push_back(rings_.ring_of(out));
+                if (b_is_above) {
+                    rings_.link(in, twins_[opposite]);
+                }
+            }
+            if (a_is_above && !b_is_above) {
+                run_.first = twins_[out];
+                ++run_.count;
+            } else if (!a_is_above && b_is_above) {
+                run_.last = in;
+            }
+        }
+        update_rings();
+    }
+
+    void update_rings() {
+        if (is_one_run_for_one()) {
+            rings_.put(run_.first, run_.last, ended_.front());
+            return;
+        }
+        for (const std::uint32_t ring : ended_) {
+            rings_.end(ring);
+        }
+        for (const std::uint32_t edge : begun_) {
+            if (rings_.ring_of(edge) == none) {
+                rings_.begin(edge);
+            }
+        }
+    }
+
+    /// Whether the ring stays one and the same. Where the mesh meets itself in the vertex, rings may begin or end beside it.
+    bool is_one_run_for_one() const {
+        if (run_.count != 1 || std::ranges::adjacent_find(ended_, std::not_equal_to()) != ended_.end()) {
+            return false;
+        }
+        std::size_t length = 1;
+        for (std::uint32_t edge = run_.first; edge != run_.last; edge = rings_.next(edge)) {
+            ++length;
+        }
+        return length == begun_.size();
+    }
+
+    Polyline contour_of(std::uint32_t start, std::int32_t plane) const {
+        Polyline contour{.points = {}, .closed = true};
+        std::uint32_t edge = start;
+        do {
+            contour.points.push_back(crossing(mesh_.vertices[mesh_.from(edge)], mesh_.vertices[mesh_.to(edge)], plane));
+            edge = rings_.next(edge);
+        } while (edge != start);
+        return contour;
+    }
+
+    const std::vector<std::int32_t>& planes_;
+    SharedVertices mesh_;
+    std::vector<std::uint32_t> twins_;
+    Fans fans_;
+    Rings rings_;
+    std::vector<std::uint32_t> order_;  // vertices from the lowest up
+    std::vector<std::uint32_t> rank_;   // by vertex: its place in that order
+    // at the vertex that is passed:
+    std::vector<std::uint32_t> ended_;  // rings of the edges that end there
+    std::vector<std::uint32_t> begun_;  // edges
+    struct {
+        std::uint32_t first = none;
+        std::uint32_t last = none;
+        int count = 0;
+    } run_;  // of edges that begin, between two that pass the vertex by
+};
+
+WholeOutcome run(const Problem& problem) {
+    SharedVertices mesh = share_vertices_by_tree(quantised(problem));
+    std::vector<std::uint32_t> twins = find_twins(mesh);
+    if (twins.empty()) {
+        WholeOutcome no_contours;
+        no_contours.contours.resize(problem.planes.size());
+        return no_contours;
+    }
+    return Sweep(problem, std::move(mesh), std::move(twins)).run();
+}
+
+}  // namespace
+
+const WholeMethod mcmains{
+    .name = "McMains",
+    .source = "McMains and Sequin 1999; topology by Bechet, Cuilliere and Trochu 2002",
+    .uniform_only = false,
+    .takes_open_meshes = false,
+    .run = run,
+};
+
+}  // namespace lamella::baselines

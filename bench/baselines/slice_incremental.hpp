@@ -1,0 +1,86 @@
+// Incremental-Slicing as the paper prints it: Algorithms 1 to 3, serial, on linked lists. Indices count from 0 here.
+//
+// Mended, as it would be wrong:
+// - Algorithm 2, uniform planes, adds 1 where the list after that is meant: a triangle above P[1] would meet P[1].
+// - Its merge reads T[j] before it looks whether there is a T[j].
+// - Planes are multiples of the spacing only before they are rounded to the grid: see FirstPlaneAbove.
+// Kept: triangles that no plane cuts enter the active set and leave it at once; in the merge those above all planes are in
+// no list, elsewhere in one that nothing reads.
+#pragma once
+
+#include <forward_list>
+#include <functional>
+
+#include "facet_heights.hpp"
+#include "geometry.hpp"
+#include "method.hpp"
+
+namespace lamella::baselines {
+
+/// Uniform planes by division, others by binary search: O(n + k + m) and O(n log k + k + m).
+extern const SlicingMethod incremental_slicing;
+
+/// The same with srt = true: O(n + k + m) for any planes. Precondition, for the caller to know: the triangles ascend by
+/// z_min.
+extern const SlicingMethod presorted_slicing;
+
+using TriangleList = std::forward_list<const Facet*>;
+using TriangleLists = std::vector<TriangleList>;  ///< one for each plane, of the triangles that begin below it but not below
+                                                  ///< the one before it, and one of those above all planes
+
+/// Algorithm 3: the first plane above z_min, or the number of planes. `less` compares two heights.
+template <class Less = std::less<>>
+std::size_t binary_search(const std::vector<std::int32_t>& planes, std::int32_t z_min, Less less = {}) {
+    if (planes.empty() || less(planes.back(), z_min)) {
+        return planes.size();
+    }
+    std::size_t l = 0;  // counted from 1, as P[0] lies below everything
+    std::size_t r = planes.size();
+    while (r - l > 1) {
+        const std::size_t m = (l + r) / 2;
+        if (less(planes[m - 1], z_min)) {
+            l = m;
+        } else {
+            r = m;
+        }
+    }
+    return r - 1;
+}
+
+/// Algorithm 2, general case.
+template <class Less = std::less<>>
+TriangleLists lists_by_search(const std::vector<Facet>& facets, const Problem& problem, Less less = {}) {
+    TriangleLists lists(problem.planes.size() + 1);
+    for (const Facet& facet : facets) {
+        lists[binary_search(problem.planes, z_min(facet), less)].push_front(&facet);
+    }
+    return lists;
+}
+
+/// Algorithm 2, uniform planes.
+TriangleLists lists_by_division(const std::vector<Facet>& facets, const Problem& problem);
+
+/// Algorithm 2, triangles that ascend by z_min.
+TriangleLists lists_by_merge(const std::vector<Facet>& facets, const Problem& problem);
+
+/// Algorithm 1 from step 4 on. Takes the lists apart.
+template <class Less = std::less<>>
+SegmentLists plane_sweep(TriangleLists lists, const Problem& problem, Less less = {}) {
+    TriangleList active;
+    SegmentLists segments(problem.planes.size());
+    for (std::size_t i = 0; i < problem.planes.size(); ++i) {
+        active.splice_after(active.before_begin(), lists[i]);
+        auto before = active.before_begin();
+        for (auto t = active.begin(); t != active.end();) {
+            if (less(z_max(**t), problem.planes[i])) {
+                t = active.erase_after(before);
+            } else {
+                segments[i].push_back(cut(**t, problem.planes[i]));
+                before = t++;
+            }
+        }
+    }
+    return segments;
+}
+
+}  // namespace lamella::baselines

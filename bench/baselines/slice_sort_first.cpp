@@ -1,0 +1,20 @@
+// The triangles are sorted by z_min, O(n log n), and are then the sorted case of Algorithm 2, O(n + k); Algorithm 1 follows.
+// Mended and kept are what slice_incremental.hpp says.
+#include "slice_sort_first.hpp"
+
+#include "slice_incremental.hpp"
+
+namespace lamella::baselines {
+
+namespace {
+
+SegmentLists slice(const Problem& problem) {
+    const std::vector<Facet> facets = sorted_by(quantised(problem), z_min);
+    return plane_sweep(lists_by_merge(facets, problem), problem);
+}
+
+}  // namespace
+
+const SlicingMethod sort_first_slicing{.name = "sort-first", .source = "Minetto et al. 2017, section 3.4", .slice = slice};
+
+}  // namespace lamella::baselines

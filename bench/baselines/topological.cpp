@@ -1,0 +1,160 @@
+#include "topological.hpp"
+
+#include <utility>
+
+#include "base/rounding.hpp"
+#include "first_plane.hpp"
+#include "geometry.hpp"
+#include "topology.hpp"
+
+namespace lamella::baselines {
+
+namespace {
+
+/// An edge that planes cut, on its way from the first of them to the last. It stands for the half-edge that runs down, by
+/// which contours enter its facet.
+struct CutEdge {
+    std::int32_t x;  ///< of the lower vertex
+    std::int32_t y;
+    std::int32_t z;
+    std::int32_t top;  ///< z of the upper one
+    double slope_x;
+    double slope_y;
+    std::uint32_t half_edge;
+    std::uint32_t next;    ///< where the contour crossed the facet's other side the last time
+    std::uint32_t met_at;  ///< the plane whose contours last went through here, counted from 1
+
+    Point at(std::int32_t plane) const noexcept {
+        const auto rise = static_cast<double>(std::int64_t{plane} - z);
+        return {round_to_int(x + slope_x * rise), round_to_int(y + slope_y * rise)};
+    }
+};
+
+class Tracer {
+public:
+    Tracer(const Problem& problem, SharedVertices mesh, std::vector<std::uint32_t> twins)
+        : planes_(problem.planes), mesh_(std::move(mesh)), twins_(std::move(twins)) {
+        list_edges(problem);
+    }
+
+    WholeOutcome run() {
+        WholeOutcome outcome;
+        outcome.contours.resize(planes_.size());
+        std::vector<std::uint32_t> active;
+        for (std::uint32_t i = 0; i < planes_.size(); ++i) {
+            std::erase_if(active, [&](std::uint32_t e) { return edges_[e].top < planes_[i]; });
+            for (std::uint32_t e = starts_[i]; e < starts_[i + 1]; ++e) {
+                active.push_back(e);
+            }
+            for (const std::uint32_t e : active) {
+                if (edges_[e].met_at != i + 1) {
+                    outcome.contours[i].push_back(trace(e, i));
+                }
+            }
+            outcome.segments += active.size();
+        }
+        return outcome;
+    }
+
+private:
+    /// The edges that planes cut, in the order of the first plane that does.
+    void list_edges(const Problem& problem) {
+        const FirstPlaneAbove first_plane(problem);
+        const auto half_edges = static_cast<std::uint32_t>(twins_.size());
+        std::vector<std::uint32_t> first(half_edges, no_plane);
+        starts_.assign(planes_.size() + 2, 0);
+        for (std::uint32_t h = 0; h < half_edges; ++h) {
+            const GridVertex& upper = mesh_.vertices[mesh_.from(h)];
+            const GridVertex& lower = mesh_.vertices[mesh_.to(h)];
+            if (lower.z < upper.z) {
+                const std::uint32_t plane = first_plane(lower.z);
+                if (plane < planes_.size() && planes_[plane] < upper.z) {
+                    first[h] = plane;
+                    ++starts_[plane + 2];
+                }
+            }
+        }
+        for (std::size_t i = 2; i < starts_.size(); ++i) {
+            starts_[i] += starts_[i - 1];
+        }
+        edges_.resize(starts_.back());
+        edge_of_.assign(half_edges, no_edge);
+        for (std::uint32_t h = 0; h < half_edges; ++h) {
+            if (first[h] != no_plane) {
+                edge_of_[h] = starts_[first[h] + 1]++;
+                edges_[edge_of_[h]] = cut_edge(h);
+            }
+        }
+    }
+
+    CutEdge cut_edge(std::uint32_t half_edge) const {
+        const GridVertex& upper = mesh_.vertices[mesh_.from(half_edge)];
+        const GridVertex& lower = mesh_.vertices[mesh_.to(half_edge)];
+        const double height = static_cast<double>(std::int64_t{upper.z} - lower.z);
+        return {.x = lower.x,
+                .y = lower.y,
+                .z = lower.z,
+                .top = upper.z,
+                .slope_x = static_cast<double>(std::int64_t{upper.x} - lower.x) / height,
+                .slope_y = static_cast<double>(std::int64_t{upper.y} - lower.y) / height,
+                .half_edge = half_edge,
+                .next = no_edge,
+                .met_at = 0};
+    }
+
+    Polyline trace(std::uint32_t start, std::uint32_t plane_index) {
+        const std::int32_t plane = planes_[plane_index];
+        Polyline contour{.points = {}, .closed = true};
+        for (std::uint32_t e = start; edges_[e].met_at != plane_index + 1;) {
+            CutEdge& edge = edges_[e];
+            edge.met_at = plane_index + 1;
+            contour.points.push_back(edge.at(plane));
+            // Of a facet only the edge that ends first can cease to be the next one: that it is still cut is enough.
+            if (edge.next == no_edge || edges_[edge.next].top < plane) {
+                edge.next = find_next(edge.half_edge, plane);
+            }
+            e = edge.next;
+        }
+        return contour;
+    }
+
+    /// The facet's half-edge that runs up through the plane, or rather its twin, which runs down on the next facet.
+    std::uint32_t find_next(std::uint32_t half_edge, std::int32_t plane) const {
+        const std::uint32_t after = next_in_facet(half_edge);
+        const std::int32_t apex = mesh_.vertices[mesh_.to(after)].z;
+        return edge_of_[twins_[apex > plane ? after : next_in_facet(after)]];
+    }
+
+    static constexpr std::uint32_t no_plane = 0xFFFFFFFF;
+    static constexpr std::uint32_t no_edge = 0xFFFFFFFF;
+
+    const std::vector<std::int32_t>& planes_;
+    SharedVertices mesh_;
+    std::vector<std::uint32_t> twins_;
+    std::vector<CutEdge> edges_;
+    std::vector<std::uint32_t> starts_;   // edges whose first plane is i: [starts_[i], starts_[i + 1])
+    std::vector<std::uint32_t> edge_of_;  // by half-edge
+};
+
+WholeOutcome run(const Problem& problem) {
+    SharedVertices mesh = share_vertices_by_hash(quantised(problem));
+    std::vector<std::uint32_t> twins = find_twins(mesh);
+    if (twins.empty()) {
+        WholeOutcome none;
+        none.contours.resize(problem.planes.size());
+        return none;
+    }
+    return Tracer(problem, std::move(mesh), std::move(twins)).run();
+}
+
+}  // namespace
+
+const WholeMethod topological{
+    .name = "topological",
+    .source = "da Silva, Ramalho, Minetto, Volpato and Stolfi 2024 (TSlicer)",
+    .uniform_only = false,
+    .takes_open_meshes = false,
+    .run = run,
+};
+
+}  // namespace lamella::baselines

@@ -1,0 +1,62 @@
+// What the programs that time another library's slicing have in common: the command line, the engine's answer to hold theirs
+// against, and one line of JSON.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace lamella::peers {
+
+struct Problem {
+    std::span<const float> soup;    ///< mm, nine numbers a triangle
+    std::vector<double> planes_mm;  ///< ascending; where the engine really cuts, so that both cut at the same heights
+    int threads = 1;
+
+    std::size_t triangles() const noexcept { return soup.size() / 9; }
+};
+
+/// What was found, counted after the clock has stopped.
+struct Found {
+    std::vector<std::uint64_t> contours;  ///< by plane, closed and open ones
+    std::uint64_t segments = 0;
+};
+
+struct Times {
+    double build_s = 0;  ///< from the soup to the library's own mesh and search tree
+    double slice_s = 0;  ///< from there to the contours of all planes, in memory and linked
+    double sum() const noexcept { return build_s + slice_s; }
+};
+
+struct Peer {
+    std::string name;
+    std::string version;
+    std::string way;  ///< which of the library's ways of slicing is taken
+    Times (*run)(const Problem&, Found&) = nullptr;
+};
+
+/// main() of a peer's program. Exit status: 0 done, 75 over the limit, 1 failed.
+int run_program(const Peer& peer, int count, char** words) noexcept;
+
+/// Calls work(worker, item) for every item below `count`, each worker on a thread of its own; the calling thread is the
+/// first.
+template <class Work>
+void share_out(std::size_t count, int threads, const Work& work) {
+    std::atomic<std::size_t> next = 0;
+    const auto take_items = [&](std::size_t worker) {
+        for (std::size_t item = next++; item < count; item = next++) {
+            work(worker, item);
+        }
+    };
+    std::vector<std::jthread> others;
+    for (std::size_t worker = 1; worker < static_cast<std::size_t>(threads); ++worker) {
+        others.emplace_back(take_items, worker);
+    }
+    take_items(0);
+}
+
+}  // namespace lamella::peers

@@ -1,0 +1,123 @@
+// VTK: the height as a scalar on the points, contoured one plane at a time through a span-space tree, the lines joined by
+// the stripper. (Its plane cutters are quicker by themselves but lose loops.)
+#include <cstdlib>
+#include <optional>
+#include <vector>
+
+#include <vtkCellArray.h>
+#include <vtkCleanPolyData.h>
+#include <vtkContourFilter.h>
+#include <vtkFloatArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+#include <vtkSpanSpace.h>
+#include <vtkStripper.h>
+#include <vtkVersion.h>
+
+#include "base/clock.hpp"
+#include "peer.hpp"
+
+namespace {
+
+using namespace lamella::peers;  // NOLINT(google-build-using-namespace)
+
+/// Points merged where equal, with their heights.
+vtkSmartPointer<vtkPolyData> mesh_of(const Problem& problem) {
+    const auto triangles = static_cast<vtkIdType>(problem.triangles());
+    vtkNew<vtkPoints> points;
+    points->SetNumberOfPoints(3 * triangles);
+    vtkNew<vtkCellArray> cells;
+    cells->AllocateExact(triangles, 3 * triangles);
+    for (vtkIdType t = 0; t < triangles; ++t) {
+        cells->InsertNextCell({3 * t, 3 * t + 1, 3 * t + 2});
+        for (vtkIdType corner = 3 * t; corner < 3 * t + 3; ++corner) {
+            points->SetPoint(corner, &problem.soup[static_cast<std::size_t>(3 * corner)]);
+        }
+    }
+    vtkNew<vtkPolyData> soup;
+    soup->SetPoints(points);
+    soup->SetPolys(cells);
+    vtkNew<vtkCleanPolyData> clean;
+    clean->SetInputData(soup);
+    clean->ToleranceIsAbsoluteOn();
+    clean->SetAbsoluteTolerance(0);
+    clean->ConvertPolysToLinesOff();
+    clean->Update();
+    vtkSmartPointer<vtkPolyData> mesh = clean->GetOutput();
+    vtkNew<vtkFloatArray> heights;
+    heights->SetNumberOfValues(mesh->GetNumberOfPoints());
+    for (vtkIdType p = 0; p < mesh->GetNumberOfPoints(); ++p) {
+        heights->SetValue(p, static_cast<float>(mesh->GetPoint(p)[2]));
+    }
+    mesh->GetPointData()->SetScalars(heights);
+    return mesh;
+}
+
+struct Lines {
+    vtkSmartPointer<vtkPoints> points;
+    vtkSmartPointer<vtkCellArray> polylines;
+};
+
+/// A pipeline with a mesh and a tree of its own: on a mesh that two threads share, contours come out now and then in pieces.
+class Pipeline {
+public:
+    explicit Pipeline(vtkPolyData* mesh) {
+        mesh_->DeepCopy(mesh);
+        mesh_->BuildCells();
+        tree_->SetDataSet(mesh_);
+        tree_->SetScalars(mesh_->GetPointData()->GetScalars());
+        tree_->BuildTree();
+        contour_->SetInputData(mesh_);
+        contour_->ComputeNormalsOff();
+        contour_->ComputeScalarsOff();
+        contour_->UseScalarTreeOn();
+        contour_->SetScalarTree(tree_);
+        stripper_->SetInputConnection(contour_->GetOutputPort());
+        stripper_->SetMaximumLength(longest_polyline);
+        stripper_->JoinContiguousSegmentsOn();
+    }
+
+    Lines cut(double height_mm) {
+        contour_->SetValue(0, height_mm);
+        stripper_->Update();
+        return {stripper_->GetOutput()->GetPoints(), stripper_->GetOutput()->GetLines()};
+    }
+
+private:
+    static constexpr int longest_polyline = 100000;  // the most that it takes
+    vtkNew<vtkPolyData> mesh_;
+    vtkNew<vtkSpanSpace> tree_;
+    vtkNew<vtkContourFilter> contour_;
+    vtkNew<vtkStripper> stripper_;
+};
+
+Times run(const Problem& problem, Found& found) {
+    const auto start = lamella::Clock::now();
+    const vtkSmartPointer<vtkPolyData> mesh = mesh_of(problem);
+    std::vector<std::optional<Pipeline>> pipelines(static_cast<std::size_t>(problem.threads));
+    share_out(pipelines.size(), problem.threads, [&](std::size_t, std::size_t i) { pipelines[i].emplace(mesh); });
+    const double build_ms = lamella::milliseconds_since(start);
+    std::vector<Lines> contours(problem.planes_mm.size());
+    share_out(contours.size(), problem.threads, [&](std::size_t worker, std::size_t plane) {
+        contours[plane] = pipelines[worker]->cut(problem.planes_mm[plane]);
+    });
+    const double all_ms = lamella::milliseconds_since(start);
+    for (const Lines& lines : contours) {
+        const vtkIdType polylines = lines.polylines->GetNumberOfCells();
+        found.contours.push_back(static_cast<std::uint64_t>(polylines));
+        found.segments += static_cast<std::uint64_t>(lines.polylines->GetNumberOfConnectivityIds() - polylines);
+    }
+    return {build_ms / 1000, (all_ms - build_ms) / 1000};
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+    // No threads but those that planes are shared out to. (The header that could ask for this is no C++20.)
+    setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 1);
+    return run_program({"VTK", vtkVersion::GetVTKVersion(), "vtkContourFilter, vtkSpanSpace, vtkStripper", run}, count,
+                       words);
+}

@@ -1,0 +1,99 @@
+#include "answer.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <span>
+
+namespace lamella::bench {
+
+namespace {
+
+/// SplitMix64's finaliser.
+std::uint64_t mixed(std::uint64_t word) noexcept {
+    word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9U;
+    word = (word ^ (word >> 27)) * 0x94D049BB133111EBU;
+    return word ^ (word >> 31);
+}
+
+std::uint64_t hash_of(Point p) noexcept {
+    return std::uint64_t{static_cast<std::uint32_t>(p.x)} << 32 | static_cast<std::uint32_t>(p.y);
+}
+
+std::uint64_t hash_of(Point from, Point to) noexcept {
+    return mixed(mixed(hash_of(from) + 0x9E3779B97F4A7C15U) + hash_of(to));
+}
+
+/// A segment of no length is where a contour stores one point for two.
+void add_segment(PlaneAnswer& plane, Point a, Point b) {
+    if (a != b) {
+        plane.segments += a < b ? hash_of(a, b) : hash_of(b, a);
+    }
+}
+
+void add_contour(PlaneAnswer& plane, std::span<const Point> points, bool closed) {
+    std::uint64_t steps = 0;
+    for (std::size_t i = 1; i < points.size() + (closed ? 1 : 0); ++i) {
+        const Point from = points[i - 1];
+        const Point to = points[i % points.size()];
+        add_segment(plane, from, to);
+        steps += from != to ? hash_of(from, to) : 0;
+    }
+    if (closed) {
+        plane.closed.push_back(mixed(steps));
+    }
+}
+
+void sort_contours(Answer& answer) {
+    for (PlaneAnswer& plane : answer) {
+        std::sort(plane.closed.begin(), plane.closed.end());
+    }
+}
+
+}  // namespace
+
+Answer answer_of(const SliceResult& result) {
+    Answer answer(result.layers.size());
+    for (std::size_t l = 0; l < answer.size(); ++l) {
+        for (const Contour& contour : result.contours_of(result.layers[l])) {
+            add_contour(answer[l], result.points_of(contour), contour.role != Role::open);
+        }
+    }
+    sort_contours(answer);
+    return answer;
+}
+
+Answer answer_of(const baselines::Contours& contours) {
+    Answer answer(contours.size());
+    for (std::size_t l = 0; l < answer.size(); ++l) {
+        for (const baselines::Polyline& contour : contours[l]) {
+            add_contour(answer[l], contour.points, contour.closed);
+        }
+    }
+    sort_contours(answer);
+    return answer;
+}
+
+Answer answer_of(const baselines::SegmentLists& lists) {
+    Answer answer(lists.size());
+    for (std::size_t l = 0; l < answer.size(); ++l) {
+        for (const baselines::Segment& segment : lists[l]) {
+            add_segment(answer[l], segment.from, segment.to);
+        }
+    }
+    return answer;
+}
+
+Difference difference(const Answer& expected, const Answer& found) {
+    assert(expected.size() == found.size());
+    Difference all;
+    for (std::size_t l = 0; l < expected.size(); ++l) {
+        all.planes += expected[l].segments != found[l].segments ? 1 : 0;
+        std::vector<std::uint64_t> apart;
+        std::set_symmetric_difference(expected[l].closed.begin(), expected[l].closed.end(), found[l].closed.begin(),
+                                      found[l].closed.end(), std::back_inserter(apart));
+        all.contours += apart.size();
+    }
+    return all;
+}
+
+}  // namespace lamella::bench

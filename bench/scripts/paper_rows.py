@@ -1,0 +1,193 @@
+"""Rows of the paper's tables: one method on one model, by a process of its own, kept in a file once it is there."""
+import json
+import os
+import statistics
+import subprocess
+import sys
+from typing import NamedTuple, Optional
+
+from paper_models import ALIKE, LAYER_MM, RANDOM_MM
+
+OVER_LIMIT, NOT_INSTALLED, NOT_FOR_THIS_MESH = 75, 77, 78  # exit statuses of the programs
+
+
+class Method(NamedTuple):
+    name: str
+    adaptive: bool = False   # measured with random spacing too
+    limited: bool = True     # stopped at the limit
+    takes_open: bool = True  # else "n/a" for a mesh that is not closed
+    exact: bool = True       # its contours are to be the engine's
+
+
+# A slicing and a contour method that are measured apart stand apart, so that the slow one does not hide the other.
+METHODS = [
+    Method("incremental+hashed+rays", adaptive=True, limited=False),
+    Method("presorted", adaptive=True),
+    Method("trivial", adaptive=True),
+    Method("Tata", adaptive=True),
+    Method("Huang"),
+    Method("sort-first", adaptive=True),
+    Method("Huang+trivial"),
+    Method("Huang+sweep-line+rays"),  # which leaves a contour's direction to chance
+    Method("Slic3r", adaptive=True),
+    Method("McMains", adaptive=True, takes_open=False),
+    Method("topological", adaptive=True, takes_open=False),
+    Method("LDNI, 0.1 mm", exact=False, takes_open=False),
+]
+PEERS = ["cgal", "vtk", "slic3r", "prusa-slicer", "CuraEngine"]
+
+
+class Row(NamedTuple):
+    model: str
+    spacing: str  # uniform, adaptive
+    method: str
+    threads: int
+    figures: Optional[dict]  # None: there are none, for the reason in `missing`
+    missing: str = ""
+
+    def seconds(self, key):
+        """Median of slicing_s, contours_s, sense_s or their sum ("total_s"); None where it was not measured."""
+        if self.figures is None:
+            return None
+        if key == "total_s":
+            parts = [self.figures.get(part) for part in ("slicing_s", "contours_s")]
+            runs = [sum(run) for run in zip(*(part for part in parts if part))]
+        else:
+            runs = self.figures.get(key)
+        return statistics.median(runs) if runs else None
+
+
+class Bench:
+    """Where programs, meshes and rows lie, and how long a method may take."""
+
+    def __init__(self, build, files, folder, limit, peer_options):
+        self.build, self.files, self.folder, self.limit, self.peer_options = build, files, folder, limit, peer_options
+        self.meshes, self.kept = os.path.join(folder, "meshes"), os.path.join(folder, "rows")
+        for path in (self.meshes, self.kept):
+            os.makedirs(path, exist_ok=True)
+
+    def mesh(self, model):
+        """The user's file of that name, or the stand-in, which is made once."""
+        own = os.path.join(self.files, model.name + ".stl")
+        if os.path.exists(own):
+            return own, False
+        if model.recipe is None:
+            return None, False
+        path = os.path.join(self.meshes, model.name + ".stl")
+        if not os.path.exists(path):
+            shape, height, seed = model.recipe
+            subprocess.run([os.path.join(self.build, "tools/lamella"), "make", shape, "--triangles", str(model.n),
+                            "--height", str(height), "--segments", str(model.m), "--layer-height", str(LAYER_MM),
+                            "--seed", str(seed), "-o", path], check=True, stdout=subprocess.DEVNULL)
+        return path, True
+
+    def forget_mesh(self, model):
+        path = os.path.join(self.meshes, model.name + ".stl")
+        if os.path.exists(path):
+            os.remove(path)
+
+    def command(self, mesh, spacing, method, threads, limit):
+        program = os.path.join(self.build, "bench/lamella_paper_row")
+        planes = ["--layer-height", str(LAYER_MM)] if spacing == "uniform" else ["--random-heights", RANDOM_MM]
+        return [program, "--mesh", mesh, "--method", method, "--threads", str(threads), "--limit", str(limit), *planes]
+
+    def peer_command(self, mesh, peer, threads):
+        if peer in ("cgal", "vtk"):
+            program = [os.path.join(self.build, "bench/peers/lamella_peer_" + peer)]
+            if not os.path.exists(program[0]):
+                program = ["sh", "-c", f"exit {NOT_INSTALLED}"]
+        else:
+            program = [sys.executable, "bench/peers/slicers.py", peer, "--lamella",
+                       os.path.join(self.build, "tools/lamella"), *self.peer_options.get(peer, [])]
+        return [*program, "--mesh", mesh, "--layer-height", str(LAYER_MM), "--threads", str(threads), "--limit",
+                str(self.limit)]
+
+    def run(self, model, spacing, method, threads, command, limit):
+        """The row that is kept, or else a new one, which then is."""
+        path = os.path.join(self.kept, f"{model.name}.{spacing}.{method.replace('/', '-')}.{threads}.json")
+        if os.path.exists(path):
+            with open(path, encoding="utf-8") as file:
+                return Row(*json.load(file))
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode == 0:
+            row = Row(model.name, spacing, method, threads, json.loads(done.stdout.splitlines()[-1]))
+        elif done.returncode == OVER_LIMIT:
+            row = Row(model.name, spacing, method, threads, None, f"> {limit} s")
+        elif done.returncode == NOT_INSTALLED:
+            row = Row(model.name, spacing, method, threads, None, "not installed")
+        elif done.returncode == NOT_FOR_THIS_MESH:
+            row = Row(model.name, spacing, method, threads, None, "n/a")
+        else:
+            said = done.stderr.strip().splitlines()
+            row = Row(model.name, spacing, method, threads, None,
+                      f"failed: {said[-1] if said else 'status ' + str(done.returncode)}")
+        with open(path + ".part", "w", encoding="utf-8") as file:
+            json.dump(row, file)
+        os.replace(path + ".part", path)
+        return row
+
+
+def unlike(model, engine):
+    """In what a stand-in is not like the paper's model; empty if it is."""
+    wrong = [name for name, most in ALIKE.items()
+             if abs(engine.figures[name] / getattr(model, name) - 1) > most]
+    return wrong + (["k"] if engine.figures["k"] != model.k else [])
+
+
+def failures(rows):
+    """What must not be: a method that failed, or did not find the engine's segments on a closed mesh."""
+    said = [f"{row.model}, {row.spacing}, {row.method}: {row.missing}" for row in rows if row.missing.startswith("failed")]
+    exact = {method.name for method in METHODS if method.exact} | {"engine"}
+    return said + [f"{row.model}, {row.spacing}, {row.method}: not the engine's segments" for row in rows
+                   if row.method in exact and row.figures and row.figures["open"] == 0 and row.figures["planes_apart"] > 0]
+
+
+def measure(bench, models, threads, say):
+    """Every row of these models, from the smallest to the largest. A method that was stopped is not run on larger ones."""
+    rows, beaten = [], {}
+    for model in sorted(models, key=lambda model: model.size()):
+        mesh, stand_in = bench.mesh(model)
+        if mesh is None:
+            say(f"{model.name}: left out, there is no {model.name}.stl in {bench.files}")
+            continue
+        for spacing in ("uniform", "adaptive"):
+            engines = []
+            for count in threads:
+                say(f"{model.name}, {spacing}: engine, threads: {count}")
+                engines.append(bench.run(model, spacing, "engine", count, bench.command(mesh, spacing, "engine", count, 0), 0))
+            rows += engines
+            if engines[0].figures is None:
+                raise SystemExit(f"{model.name}: the engine {engines[0].missing}")
+            engines[0].figures["stand_in"] = stand_in
+            if stand_in and spacing == "uniform" and unlike(model, engines[0]):
+                raise SystemExit(f"{model.name}: the stand-in differs from the paper's model in " +
+                                 ", ".join(unlike(model, engines[0])))
+            closed = engines[0].figures["open"] == 0
+            for method in METHODS:
+                if spacing == "adaptive" and not method.adaptive:
+                    continue
+                rows.append(one_row(bench, model, mesh, spacing, method, closed, beaten, say))
+        for peer in PEERS:
+            if ("peer", peer) in beaten:
+                rows.append(Row(model.name, "uniform", "peer " + peer, 1, None, beaten["peer", peer]))
+                continue
+            say(f"{model.name}: {peer}")
+            rows.append(bench.run(model, "uniform", "peer " + peer, 1, bench.peer_command(mesh, peer, 1), bench.limit))
+            if rows[-1].missing.startswith(">"):
+                beaten["peer", peer] = f"not run: {rows[-1].missing} on {model.name}"
+        if stand_in:
+            bench.forget_mesh(model)
+    return rows
+
+
+def one_row(bench, model, mesh, spacing, method, closed, beaten, say):
+    if not closed and not method.takes_open:
+        return Row(model.name, spacing, method.name, 1, None, "n/a")
+    if (spacing, method.name) in beaten:
+        return Row(model.name, spacing, method.name, 1, None, beaten[spacing, method.name])
+    say(f"{model.name}, {spacing}: {method.name}")
+    limit = bench.limit if method.limited else 0
+    row = bench.run(model, spacing, method.name, 1, bench.command(mesh, spacing, method.name, 1, limit), limit)
+    if row.missing.startswith(">"):
+        beaten[spacing, method.name] = f"not run: {row.missing} on {model.name}"
+    return row

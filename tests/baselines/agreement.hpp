@@ -1,0 +1,127 @@
+// What the tests of the baselines share: the engine's planes as a baseline's problem, and contours in a form in which equal
+// ones are equal whatever their start.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "method.hpp"
+#include "models/models.hpp"
+
+namespace agreement {
+
+namespace baselines = lamella::baselines;
+using lamella::Point;
+
+/// The engine's result and the problem that has the same planes.
+struct Case {
+    Case(std::vector<float> triangles, const lamella::SliceOptions& options)
+        : soup(std::move(triangles)), result(sliced(lamella::MeshView::soup(std::span<const float>(soup)), options)) {
+        problem.soup = soup;
+        problem.unit_mm = result.unit_mm;
+        for (const lamella::Layer& layer : result.layers) {
+            problem.planes.push_back(layer.plane.z());
+        }
+        if (const auto* uniform = std::get_if<lamella::UniformLayers>(&options.plan.spacing);
+            uniform && !problem.planes.empty()) {
+            problem.uniform = true;
+            problem.step = uniform->layer_height_mm / result.unit_mm;
+            problem.first = result.layers[0].plane_mm / result.unit_mm - 1;
+        }
+    }
+    Case(const Case&) = delete;
+    Case& operator=(const Case&) = delete;
+
+    std::vector<float> soup;
+    lamella::SliceResult result;
+    baselines::Problem problem;
+};
+
+inline std::vector<float> from_recipe(lamella::models::Shape shape, std::uint64_t triangles) {
+    lamella::models::Recipe recipe;
+    recipe.shape = shape;
+    recipe.triangles = triangles;
+    recipe.height_mm = 20;
+    recipe.order = lamella::models::Order::random;
+    return make_soup(recipe);
+}
+
+/// A ball with a shell inside and a ball within that: an outer contour, its hole, and an outer one in the hole.
+inline shapes::Soup nested_balls() {
+    return shapes::joined({shapes::octasphere({0, 0, 0}, 10, 3), shapes::flipped(shapes::octasphere({1, 0, 0}, 8, 3)),
+                           shapes::octasphere({2, 0, 1}, 5, 3)});
+}
+
+/// Every `nth` triangle is missing.
+inline std::vector<float> with_gaps(const std::vector<float>& soup, std::size_t nth) {
+    std::vector<float> rest;
+    for (std::size_t t = 0; t < soup.size() / 9; ++t) {
+        if (t % nth != 0) {
+            rest.insert(rest.end(), soup.data() + 9 * t, soup.data() + 9 * (t + 1));
+        }
+    }
+    return rest;
+}
+
+using Line = std::pair<bool, std::vector<Point>>;  ///< closed or not, and its points
+
+/// A closed one from its smallest point on (where that is passed twice, from where it reads smallest); either way round
+/// where the direction is not to matter.
+inline Line canonical(std::vector<Point> points, bool closed, bool directed) {
+    const auto from_smallest = [closed](const std::vector<Point>& line) {
+        std::vector<Point> best = line;
+        bool first = true;
+        const Point smallest = *std::min_element(line.begin(), line.end());
+        for (auto at = line.begin(); closed && at != line.end(); ++at) {
+            if (*at == smallest) {
+                std::vector<Point> turned(at, line.end());
+                turned.insert(turned.end(), line.begin(), at);
+                best = first ? turned : std::min(best, turned);
+                first = false;
+            }
+        }
+        return best;
+    };
+    std::vector<Point> forward = from_smallest(points);
+    if (directed) {
+        return {closed, std::move(forward)};
+    }
+    std::reverse(points.begin(), points.end());
+    return {closed, std::min(forward, from_smallest(points))};
+}
+
+inline std::vector<Line> lines_of(const std::vector<baselines::Polyline>& plane, bool directed) {
+    std::vector<Line> lines;
+    lines.reserve(plane.size());
+    for (const baselines::Polyline& polyline : plane) {
+        lines.push_back(canonical(polyline.points, polyline.closed, directed));
+    }
+    std::sort(lines.begin(), lines.end());
+    return lines;
+}
+
+inline std::vector<Line> lines_of(const lamella::SliceResult& result, const lamella::Layer& layer, bool directed) {
+    std::vector<Line> lines;
+    for (const lamella::Contour& contour : result.contours_of(layer)) {
+        const auto points = result.points_of(contour);
+        lines.push_back(canonical({points.begin(), points.end()}, contour.role != lamella::Role::open, directed));
+    }
+    std::sort(lines.begin(), lines.end());
+    return lines;
+}
+
+/// Requires that every plane's contours are the engine's.
+inline void require_same(const baselines::Contours& contours, const lamella::SliceResult& result, bool directed) {
+    REQUIRE(contours.size() == result.layers.size());
+    for (std::size_t i = 0; i < contours.size(); ++i) {
+        INFO("plane " << i);
+        REQUIRE((lines_of(contours[i], directed) == lines_of(result, result.layers[i], directed)));
+    }
+}
+
+}  // namespace agreement

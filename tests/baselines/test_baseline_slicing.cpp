@@ -1,0 +1,169 @@
+// The slicing algorithms that the paper describes or compares: the same segments, by all of them.
+#include <cstring>
+#include <random>
+#include <tuple>
+
+#include <catch2/catch.hpp>
+
+#include "baselines/agreement.hpp"
+#include "first_plane.hpp"
+#include "oracle/oracle.hpp"
+#include "slice_huang.hpp"
+#include "slice_incremental.hpp"
+#include "slice_sort_first.hpp"
+#include "slice_tata.hpp"
+#include "slice_trivial.hpp"
+
+using agreement::Case;
+using lamella::baselines::Problem;
+using lamella::baselines::Segment;
+using lamella::baselines::SegmentLists;
+using lamella::baselines::SlicingMethod;
+
+namespace {
+
+const SlicingMethod* const methods[] = {&lamella::baselines::trivial_slicing, &lamella::baselines::tata_slicing,
+                                        &lamella::baselines::huang_slicing, &lamella::baselines::incremental_slicing,
+                                        &lamella::baselines::sort_first_slicing};
+
+using Ends = std::tuple<std::int32_t, std::int32_t, std::int32_t, std::int32_t>;
+
+template <class Segments>
+std::vector<Ends> in_order(const Segments& segments) {
+    std::vector<Ends> ends;
+    ends.reserve(segments.size());
+    for (const auto& [from, to] : segments) {
+        ends.emplace_back(from.x, from.y, to.x, to.y);
+    }
+    std::sort(ends.begin(), ends.end());
+    return ends;
+}
+
+std::vector<oracle::Triangle> triangles_of(const Case& given) {
+    const std::vector<double> numbers(given.soup.begin(), given.soup.end());
+    return oracle::quantise(numbers, given.problem.unit_mm);
+}
+
+void require_oracles(const SlicingMethod& method, const Case& given) {
+    INFO(method.name);
+    const std::vector<oracle::Triangle> triangles = triangles_of(given);
+    const SegmentLists lists = method.slice(given.problem);
+    REQUIRE(lists.size() == given.problem.planes.size());
+    for (std::size_t i = 0; i < lists.size(); ++i) {
+        std::vector<Segment> expected;
+        for (const lamella::Segment& segment : oracle::segments_at(triangles, given.problem.planes[i])) {
+            expected.push_back({segment.from, segment.to});
+        }
+        INFO("plane " << i);
+        REQUIRE((in_order(lists[i]) == in_order(expected)));
+    }
+}
+
+void require_oracles(const Case& given) {
+    for (const SlicingMethod* method : methods) {
+        if (given.problem.uniform || !method->uniform_only) {
+            require_oracles(*method, given);
+        }
+    }
+}
+
+lamella::SliceOptions irregular(double least_mm, double most_mm) {
+    lamella::SliceOptions options;
+    options.plan.spacing = lamella::RandomLayers{least_mm, most_mm, 7};
+    return options;
+}
+
+/// Triangles by ascending lowest vertex.
+std::vector<float> presorted(const std::vector<float>& soup) {
+    std::vector<std::array<float, 9>> triangles(soup.size() / 9);
+    std::memcpy(triangles.data(), soup.data(), soup.size() * sizeof(float));
+    std::stable_sort(triangles.begin(), triangles.end(), [](const auto& a, const auto& b) {
+        return std::min({a[2], a[5], a[8]}) < std::min({b[2], b[5], b[8]});
+    });
+    return {triangles.front().data(), triangles.front().data() + soup.size()};
+}
+
+}  // namespace
+
+TEST_CASE("baselines cut closed meshes into the oracle's segments", "[baselines]") {
+    using lamella::models::Shape;
+    const Shape shape = GENERATE(Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism);
+    const std::vector<float> soup = agreement::from_recipe(shape, 1500);
+    require_oracles(Case(soup, uniform(0.25)));
+    require_oracles(Case(soup, uniform(0.0371)));
+    require_oracles(Case(soup, irregular(0.01, 0.5)));
+}
+
+TEST_CASE("baselines cut open meshes into the oracle's segments", "[baselines]") {
+    const std::vector<float> soup = agreement::with_gaps(shapes::floats(agreement::nested_balls()), 7);
+    require_oracles(Case(soup, uniform(0.3)));
+    require_oracles(Case(soup, irregular(0.1, 0.6)));
+}
+
+TEST_CASE("baselines drop what collapses, on a grid that is coarse against the planes", "[baselines]") {
+    const double unit_mm = GENERATE(0.5, 0.037);
+    lamella::SliceOptions options = uniform(3.1 * unit_mm, unit_mm);
+    require_oracles(Case(shapes::floats(shapes::octasphere({0.3, 0, 0.1}, 4, 5)), options));
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        INFO("seed " << seed);
+        require_oracles(Case(shapes::floats(shapes::random_soup(seed, 40, 5)), options));
+    }
+}
+
+TEST_CASE("planes below, above and between all triangles are empty", "[baselines]") {
+    lamella::SliceOptions options;
+    options.plan.spacing = lamella::ExplicitPlanes{{-3, -2, 0.5, 2, 3, 4.5, 6, 7}};
+    require_oracles(Case(
+        shapes::floats(shapes::joined({shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({0, 0, 4}, {1, 1, 5})})), options));
+}
+
+TEST_CASE("triangles that are sorted already need no search", "[baselines]") {
+    const std::vector<float> soup = presorted(agreement::from_recipe(lamella::models::Shape::bone, 1500));
+    for (const lamella::SliceOptions& options : {uniform(0.25), irregular(0.01, 0.5)}) {
+        require_oracles(lamella::baselines::presorted_slicing, Case(soup, options));
+    }
+}
+
+TEST_CASE("no planes and no triangles give nothing", "[baselines]") {
+    const std::vector<float> soup = shapes::floats(shapes::box({0, 0, 0}, {1, 1, 1}));
+    Problem no_planes;
+    no_planes.soup = soup;
+    Problem no_triangles;
+    no_triangles.planes = {1, 3, 5};
+    for (const bool uniform : {false, true}) {
+        no_planes.uniform = no_triangles.uniform = uniform;
+        no_triangles.first = 1;
+        no_triangles.step = 2;
+        for (const SlicingMethod* method : methods) {
+            INFO(method->name);
+            CHECK(method->slice(no_planes).empty());
+            const SegmentLists lists = method->slice(no_triangles);
+            CHECK(lists.size() == 3);
+            CHECK(lists[0].size() + lists[1].size() + lists[2].size() == 0);
+        }
+    }
+}
+
+TEST_CASE("division and binary search find the first plane above, however planes are rounded", "[baselines]") {
+    std::mt19937_64 random(1);
+    for (const double step : {2.3, 2.9, 7.0, 64.25, 1000.1}) {
+        Problem problem;
+        problem.uniform = true;
+        problem.first = -40.6;
+        problem.step = step;
+        for (int i = 0; i < 300; ++i) {
+            const auto odd = 2 * static_cast<std::int32_t>(std::floor((problem.first + i * step) / 2)) + 1;
+            const std::int32_t off = step > 6 ? 2 * static_cast<std::int32_t>(random() % 3) - 2 : 0;
+            if (problem.planes.empty() || odd + off > problem.planes.back()) {
+                problem.planes.push_back(odd + off);
+            }
+        }
+        const lamella::baselines::FirstPlaneAbove first_above(problem);
+        for (std::int32_t z = problem.planes.front() - 9; z < problem.planes.back() + 9; z += 2) {
+            const auto above = std::upper_bound(problem.planes.begin(), problem.planes.end(), z);
+            const auto expected = static_cast<std::size_t>(above - problem.planes.begin());
+            REQUIRE(first_above(z) == expected);
+            REQUIRE(lamella::baselines::binary_search(problem.planes, z) == expected);
+        }
+    }
+}

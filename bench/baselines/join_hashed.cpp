@@ -87,7 +87,7 @@ Polyline remove_polyline(Table& table) {
     return polyline;
 }
 
-std::vector<Polyline> joined(const std::vector<Segment>& segments) {
+std::vector<Polyline> join_plane(const std::vector<Segment>& segments) {
     Table table;
     table.reserve(segments.size());
     for (const Segment& segment : segments) {
@@ -105,17 +105,9 @@ std::vector<Polyline> joined(const std::vector<Segment>& segments) {
     return polylines;
 }
 
-Contours join(const SegmentLists& lists) {
-    Contours contours;
-    contours.reserve(lists.size());
-    for (const std::vector<Segment>& segments : lists) {
-        contours.push_back(joined(segments));
-    }
-    return contours;
-}
-
 }  // namespace
 
-const ContourMethod hashed_contours{.name = "hashed", .source = "Minetto et al. 2017, Algorithm 4", .join = join};
+const ContourMethod hashed_contours{
+    .name = "hashed", .source = "Minetto et al. 2017, Algorithm 4", .join_plane = join_plane};
 
 }  // namespace lamella::baselines

@@ -73,7 +73,7 @@ Arrangement arrangement_of(const std::vector<Segment>& segments) {
     return arrangement;
 }
 
-std::vector<Polyline> joined(const std::vector<Segment>& segments) {
+std::vector<Polyline> join_plane(const std::vector<Segment>& segments) {
     Arrangement arrangement = arrangement_of(segments);
     std::vector<Polyline> polylines;
     for (const bool odd : {true, false}) {
@@ -86,17 +86,9 @@ std::vector<Polyline> joined(const std::vector<Segment>& segments) {
     return polylines;
 }
 
-Contours join(const SegmentLists& lists) {
-    Contours contours;
-    contours.reserve(lists.size());
-    for (const std::vector<Segment>& segments : lists) {
-        contours.push_back(joined(segments));
-    }
-    return contours;
-}
-
 }  // namespace
 
-const ContourMethod sweepline_contours{.name = "sweep-line", .source = "Park 2003, by CGAL's arrangements", .join = join};
+const ContourMethod sweepline_contours{
+    .name = "sweep-line", .source = "Park 2003, by CGAL's arrangements", .join_plane = join_plane};
 
 }  // namespace lamella::baselines

@@ -41,7 +41,8 @@ Polyline polyline_from(const Segment& segment, std::vector<Segment>& left) {
     return polyline;
 }
 
-std::vector<Polyline> joined(std::vector<Segment> left) {
+std::vector<Polyline> join_plane(const std::vector<Segment>& segments) {
+    std::vector<Segment> left = segments;
     std::erase_if(left, [](const Segment& segment) { return segment.from == segment.to; });
     std::vector<Polyline> polylines;
     while (!left.empty()) {
@@ -52,17 +53,9 @@ std::vector<Polyline> joined(std::vector<Segment> left) {
     return polylines;
 }
 
-Contours join(const SegmentLists& lists) {
-    Contours contours;
-    contours.reserve(lists.size());
-    for (const std::vector<Segment>& segments : lists) {
-        contours.push_back(joined(segments));
-    }
-    return contours;
-}
-
 }  // namespace
 
-const ContourMethod trivial_contours{.name = "trivial", .source = "Minetto et al. 2017, section 2.2", .join = join};
+const ContourMethod trivial_contours{
+    .name = "trivial", .source = "Minetto et al. 2017, section 2.2", .join_plane = join_plane};
 
 }  // namespace lamella::baselines

@@ -51,7 +51,17 @@ struct SlicingMethod {
 struct ContourMethod {
     std::string_view name;
     std::string_view source;
-    Contours (*join)(const SegmentLists&) = nullptr;
+    std::vector<Polyline> (*join_plane)(const std::vector<Segment>&) = nullptr;
+
+    /// Plane by plane.
+    Contours join(const SegmentLists& lists) const {
+        Contours contours;
+        contours.reserve(lists.size());
+        for (const std::vector<Segment>& segments : lists) {
+            contours.push_back(join_plane(segments));
+        }
+        return contours;
+    }
 };
 
 struct WholeOutcome {

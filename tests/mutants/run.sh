@@ -29,7 +29,7 @@ copy_sources() {
     local file
     while IFS= read -r -d '' file; do
         cmp -s "$root/$file" "$sources/$file" || install -D -m 644 "$root/$file" "$sources/$file"
-    done < <(cd "$root" && find CMakeLists.txt engine include tests tools -type f -print0)
+    done < <(cd "$root" && find CMakeLists.txt engine include tests tools bench/baselines -type f -print0)
     while IFS= read -r -d '' file; do
         [[ -e "$root/$file" ]] || rm "$sources/$file"
     done < <(cd "$sources" && find . -type f -print0)

@@ -173,8 +173,9 @@ def measure(bench, models, threads, say):
                 continue
             say(f"{model.name}: {peer}")
             rows.append(bench.run(model, "uniform", "peer " + peer, 1, bench.peer_command(mesh, peer, 1), bench.limit))
-            if rows[-1].missing.startswith(">"):
-                beaten["peer", peer] = f"not run: {rows[-1].missing} on {model.name}"
+            stopped = rows[-1].figures is not None and None in rows[-1].figures["total_s"]  # after its slices were made
+            if stopped or rows[-1].missing.startswith(">"):
+                beaten["peer", peer] = f"not run: > {bench.limit} s on {model.name}"
         if stand_in:
             bench.forget_mesh(model)
     return rows

@@ -24,7 +24,8 @@ public:
     /// The files that will be written: what is unfinished of them goes with the process.
     void tidy(std::vector<std::filesystem::path> outputs);
 
-    /// From here on a signal becomes a stop request; until here it ends the process, and so does always the second one.
+    /// From here on a signal becomes a stop request; until here it ends the process, and so does always the second one. One
+    /// that comes when all is written is too late: the command ends as it would have.
     std::stop_token defer() noexcept;
 
     /// Ends the process as the deferred signal would have, if one came.

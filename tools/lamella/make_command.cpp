@@ -43,7 +43,6 @@ void run(MakeArguments& arguments, Interrupt& interrupt) {
     arguments.recipe.order = arguments.order == "z" ? models::Order::z : models::Order::random;
     const Stopwatch watch;
     const Result<std::uint64_t> triangles = models::write_stl(arguments.recipe, arguments.output, interrupt.defer());
-    interrupt.die_if_interrupted();
     if (!triangles) {
         throw failure_of(triangles.error());
     }

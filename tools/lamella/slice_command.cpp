@@ -130,7 +130,6 @@ private:
         const Stopwatch watch;
         const Status status = write_svg(result, arguments_.output, interrupt_.defer(), context_);
         bar_.wipe();
-        interrupt_.die_if_interrupted();
         if (!status) {
             throw failure_of(status.error());
         }

@@ -293,6 +293,10 @@ test_planes_file() {
     expect_json spaced.json "$hash" output_hash
     expect_json file.json 5 planes
     expect_json file.json explicit plan kind
+    expect_json file.json below plan side
+    expect 0 slice ball.stl --planes heights.txt --side above --report above.json
+    expect_json above.json above plan side
+    [[ $(json_value above.json output_hash) != "$hash" ]] || fail "--side above cut where below does"
     expect_failure 3 "none.txt" slice ball.stl --planes none.txt
     printf '1\n2\nthree\n' > bad.txt
     expect_failure 3 "bad.txt:3: 'three'" slice ball.stl --planes bad.txt

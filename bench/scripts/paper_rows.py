@@ -28,7 +28,7 @@ METHODS = [
     Method("Huang"),
     Method("sort-first", adaptive=True),
     Method("Huang+trivial"),
-    Method("Huang+sweep-line+rays"),  # which leaves a contour's direction to chance
+    Method("Huang+sweep-line+rays", exact=False),  # it cuts segments where they touch, and runs contours either way round
     Method("Slic3r", adaptive=True),
     Method("McMains", adaptive=True, takes_open=False),
     Method("topological", adaptive=True, takes_open=False),

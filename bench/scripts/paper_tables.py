@@ -32,7 +32,9 @@ class Rows:
         if row is None:
             return "-"
         found = row.seconds(key)
-        return shown(found) + remark(row) if found is not None else row.missing
+        if found is None:
+            return row.missing
+        return shown(found) + (remark(row) if key in ("contours_s", "total_s") else "")
 
     def park_total(self, model):
         slicing = self.seconds(model, "trivial", "slicing_s")

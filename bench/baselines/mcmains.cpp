@@ -237,9 +237,7 @@ WholeOutcome run(const Problem& problem) {
     SharedVertices mesh = share_vertices_by_tree(quantised(problem));
     std::vector<std::uint32_t> twins = find_twins(mesh);
     if (twins.empty()) {
-        WholeOutcome no_contours;
-        no_contours.contours.resize(problem.planes.size());
-        return no_contours;
+        return {.contours = Contours(problem.planes.size())};
     }
     return Sweep(problem, std::move(mesh), std::move(twins)).run();
 }

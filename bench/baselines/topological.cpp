@@ -140,9 +140,7 @@ WholeOutcome run(const Problem& problem) {
     SharedVertices mesh = share_vertices_by_hash(quantised(problem));
     std::vector<std::uint32_t> twins = find_twins(mesh);
     if (twins.empty()) {
-        WholeOutcome none;
-        none.contours.resize(problem.planes.size());
-        return none;
+        return {.contours = Contours(problem.planes.size())};
     }
     return Tracer(problem, std::move(mesh), std::move(twins)).run();
 }

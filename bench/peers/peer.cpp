@@ -1,9 +1,5 @@
 #include "peer.hpp"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
-#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <fstream>
@@ -17,6 +13,7 @@
 #include "base/clock.hpp"
 #include "lamella/lamella.hpp"
 #include "mesh.hpp"
+#include "timed_runs.hpp"
 
 namespace lamella::peers {
 
@@ -29,14 +26,6 @@ struct Request {
     int threads = 1;
     unsigned limit_s = 0;
 };
-
-template <class T>
-T checked(Result<T> result) {
-    if (!result) {
-        throw std::runtime_error(result.error().message);
-    }
-    return std::move(result).value();
-}
 
 LayerPlan plan_of(const Request& request) {
     if (request.planes.empty()) {
@@ -51,17 +40,6 @@ LayerPlan plan_of(const Request& request) {
         throw std::runtime_error(request.planes + ": not a list of heights in mm");
     }
     return {.spacing = std::move(planes)};
-}
-
-/// Five runs of what takes less than 2 s, three of what takes less than 10 s, else one.
-std::vector<Times> repeated(const Peer& peer, const Problem& problem, Found& found) {
-    std::vector<Times> runs;
-    for (std::size_t wanted = 1; runs.size() < wanted;) {
-        found = {};
-        runs.push_back(peer.run(problem, found));
-        wanted = runs[0].sum() < 2 ? 5 : (runs[0].sum() < 10 ? 3 : 1);
-    }
-    return runs;
 }
 
 /// Planes with another number of contours than the engine's, and by how many in all.
@@ -92,8 +70,6 @@ nlohmann::ordered_json to_json(const Peer& peer, const Problem& problem, const S
         contours += count;
     }
     const auto [planes_apart, contours_apart] = difference(expected, found);
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
     return {{"peer", peer.name},
             {"version", peer.version},
             {"way", peer.way},
@@ -109,30 +85,27 @@ nlohmann::ordered_json to_json(const Peer& peer, const Problem& problem, const S
             {"build_s", build_s},
             {"slice_s", slice_s},
             {"total_s", total_s},
-            {"peak_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024}};
-}
-
-extern "C" void end_at_limit(int) {
-    constexpr int over_limit = 75;
-    _exit(over_limit);
+            {"peak_bytes", bench::peak_bytes()}};
 }
 
 void run(const Peer& peer, const Request& request) {
     const auto start = Clock::now();
-    const bench::Mesh mesh = checked(bench::load_mesh(request.mesh));
+    const bench::Mesh mesh = bench::checked(bench::load_mesh(request.mesh));
     const double load_s = milliseconds_since(start) / 1000;
     SliceOptions options;
     options.plan = plan_of(request);
-    const SliceResult expected = checked(slice(mesh.view(), options));
+    const SliceResult expected = bench::checked(slice(mesh.view(), options));
     Problem problem{mesh.soup.span(), {}, request.threads};
     for (const Layer& layer : expected.layers) {
         problem.planes_mm.push_back(layer.plane.z() * expected.unit_mm);
     }
-    std::signal(SIGALRM, end_at_limit);
-    alarm(request.limit_s);
+    bench::end_after(request.limit_s);
     Found found;
-    const std::vector<Times> runs = repeated(peer, problem, found);
-    alarm(0);
+    const std::vector<Times> runs = bench::repeated([&] {
+        found = {};
+        return peer.run(problem, found);
+    });
+    bench::end_after(0);
     nlohmann::ordered_json row = to_json(peer, problem, expected, found, runs);
     row["load_s"] = load_s;
     std::cout << row.dump() << '\n';

@@ -4,16 +4,11 @@
 #include <cassert>
 #include <span>
 
+#include "base/mixed.hpp"
+
 namespace lamella::bench {
 
 namespace {
-
-/// SplitMix64's finaliser.
-std::uint64_t mixed(std::uint64_t word) noexcept {
-    word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9U;
-    word = (word ^ (word >> 27)) * 0x94D049BB133111EBU;
-    return word ^ (word >> 31);
-}
 
 std::uint64_t hash_of(Point p) noexcept {
     return std::uint64_t{static_cast<std::uint32_t>(p.x)} << 32 | static_cast<std::uint32_t>(p.y);

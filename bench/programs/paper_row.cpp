@@ -6,15 +6,10 @@
 //
 // NAME is "engine", a whole method, or a slicing method, to which "+" joins a contour method, and to that the sense of its
 // contours by rays. Exit status 75: over the limit; 78: not a method for this mesh.
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -29,6 +24,7 @@
 #include "methods.hpp"
 #include "sense_by_rays.hpp"
 #include "slice_incremental.hpp"
+#include "timed_runs.hpp"
 
 namespace {
 
@@ -67,27 +63,15 @@ double seconds_since(Clock::time_point start) {
     return milliseconds_since(start) / 1000;
 }
 
-/// Five runs of what takes less than 2 s, three of what takes less than 10 s, else one. The process ends with the first that
-/// goes beyond the limit.
+/// Each run has the limit to itself.
 template <class RunOnce>
-std::vector<Run> repeated(unsigned limit_s, const RunOnce& run_once) {
-    std::vector<Run> runs;
-    std::size_t wanted = 1;
-    while (runs.size() < wanted) {
-        alarm(limit_s);
-        runs.push_back(run_once());
-        alarm(0);
-        wanted = runs[0].sum() < 2 ? 5 : (runs[0].sum() < 10 ? 3 : 1);
-    }
-    return runs;
-}
-
-template <class T>
-T checked(Result<T> result) {
-    if (!result) {
-        throw std::runtime_error(result.error().message);
-    }
-    return std::move(result).value();
+std::vector<Run> repeated_within(unsigned limit_s, const RunOnce& run_once) {
+    return repeated([&] {
+        end_after(limit_s);
+        const Run run = run_once();
+        end_after(0);
+        return run;
+    });
 }
 
 /// The engine's answer, and the planes in the words of the baselines.
@@ -125,7 +109,7 @@ struct Row {
     std::string source;
     bool joins = true;  ///< false: the lists of segments were all that it made
     bool tells_sense = false;
-    std::optional<Answer> answer;  ///< null: nothing to compare
+    Answer answer;
 };
 
 Row run_engine(const Mesh& mesh, const Request& request) {
@@ -143,7 +127,7 @@ Row run_engine(const Mesh& mesh, const Request& request) {
     };
     run_once();  // warm memory, as all that is measured elsewhere
     Row row;
-    row.runs = repeated(request.limit_s, run_once);
+    row.runs = repeated_within(request.limit_s, run_once);
     row.source = "this engine";
     row.answer = answer_of(result);
     return row;
@@ -152,7 +136,7 @@ Row run_engine(const Mesh& mesh, const Request& request) {
 Row run_whole(const baselines::WholeMethod& method, const baselines::Problem& problem, unsigned limit_s) {
     baselines::WholeOutcome outcome;
     Row row;
-    row.runs = repeated(limit_s, [&] {
+    row.runs = repeated_within(limit_s, [&] {
         outcome = {};
         const auto start = Clock::now();
         outcome = method.run(problem);
@@ -169,7 +153,7 @@ Row run_steps(const baselines::SlicingMethod& slicing, const baselines::ContourM
     baselines::SegmentLists lists;
     baselines::Contours joined;
     Row row;
-    row.runs = repeated(limit_s, [&] {
+    row.runs = repeated_within(limit_s, [&] {
         lists = {};
         joined = {};
         const auto start = Clock::now();
@@ -219,7 +203,7 @@ Row run_method(const Mesh& mesh, const Request& request, const baselines::Proble
 }
 
 nlohmann::ordered_json to_json(const Request& request, const Mesh& mesh, const Reference& reference, const Row& row) {
-    const Difference apart = difference(reference.answer, *row.answer);
+    const Difference apart = difference(reference.answer, row.answer);
     nlohmann::ordered_json slicing = nlohmann::ordered_json::array();
     nlohmann::ordered_json contours = nlohmann::ordered_json::array();
     nlohmann::ordered_json sense = nlohmann::ordered_json::array();
@@ -228,8 +212,6 @@ nlohmann::ordered_json to_json(const Request& request, const Mesh& mesh, const R
         contours.push_back(run.contours_s);
         sense.push_back(run.sense_s);
     }
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
     return {{"method", request.method},
             {"source", row.source},
             {"threads", request.threads},
@@ -244,12 +226,7 @@ nlohmann::ordered_json to_json(const Request& request, const Mesh& mesh, const R
             {"sense_s", row.tells_sense ? sense : nlohmann::ordered_json()},
             {"planes_apart", apart.planes},
             {"contours_apart", row.joins ? nlohmann::ordered_json(apart.contours) : nlohmann::ordered_json()},
-            {"peak_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024}};
-}
-
-extern "C" void end_at_limit(int) {
-    constexpr int over_limit = 75;
-    _exit(over_limit);
+            {"peak_bytes", peak_bytes()}};
 }
 
 /// What the merge of Algorithm 2 asks for.
@@ -273,7 +250,6 @@ int run(const Request& request) {
         return not_for_this_mesh;
     }
     const Reference reference(mesh, request);
-    std::signal(SIGALRM, end_at_limit);
     const Row row = run_method(mesh, request, reference.problem);
     std::cout << to_json(request, mesh, reference, row).dump() << '\n';
     return 0;

@@ -1,14 +1,13 @@
 // Slices one mesh file, once, and prints the process's peak memory beside what the bound counts, as JSON.
 //
 //     lamella_peak MESH LAYER_HEIGHT_MM THREADS BAND_PLANES
-#include <sys/resource.h>
-
 #include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "lamella/lamella.hpp"
+#include "timed_runs.hpp"
 
 int main(int count, char** words) try {
     using namespace lamella;  // NOLINT(google-build-using-namespace)
@@ -30,15 +29,13 @@ int main(int count, char** words) try {
         std::cerr << result.error().message << '\n';
         return 3;
     }
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
     const std::uint64_t result_bytes = result->layers.size() * sizeof(Layer) + result->contours.size() * sizeof(Contour) +
                                        result->points.size() * sizeof(Point);
     const nlohmann::ordered_json report{{"mesh", words[1]},
                                         {"threads", options.threads},
                                         {"band_planes", options.band_planes},
                                         {"bands", result->summary.bands},
-                                        {"peak_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024},
+                                        {"peak_bytes", bench::peak_bytes()},
                                         {"input_bytes", mesh->bytes.size()},
                                         {"crossed", result->summary.crossed},
                                         {"result_bytes", result_bytes}};

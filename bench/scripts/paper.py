@@ -51,7 +51,7 @@ def environment(told):
     rows = [["processor", processor], ["cores", os.cpu_count()], ["memory", f"{memory:.0f} GiB"],
             ["compiler", compiler[0] if compiler else "unknown"], ["build", "Release, mimalloc for all methods"],
             ["commit", commit or "unknown"], ["limit", f"{told.limit} s"], ["measured", time.strftime("%Y-%m-%d")],
-            ["command", "`bench/paper.sh " + " ".join(sys.argv[1:][2:]) + "`"]]
+            ["command", "`bench/paper.sh " + " ".join(sys.argv[3:]) + "`"]]
     return markdown_table(["", ""], rows)
 
 
@@ -66,7 +66,7 @@ def draw_pictures(bench, folder, models):
     drawn = []
     for name, model_name, options in PICTURES:
         model = next((model for model in models if model.name == model_name), None)
-        mesh = bench.mesh(model)[0] if model else None
+        mesh = bench.make_mesh(model) if model else None
         if mesh:
             subprocess.run([os.path.join(bench.build, "tools/lamella"), "slice", mesh, *options, "-o", os.path.join(folder, name)],
                            check=True, stdout=subprocess.DEVNULL)

@@ -67,23 +67,25 @@ class Bench:
             os.makedirs(path, exist_ok=True)
 
     def mesh(self, model):
-        """The user's file of that name, or the stand-in, which is made once."""
+        """The user's file of that name, or where the stand-in goes, and whether it is that one."""
         own = os.path.join(self.files, model.name + ".stl")
         if os.path.exists(own):
             return own, False
-        if model.recipe is None:
-            return None, False
-        path = os.path.join(self.meshes, model.name + ".stl")
-        if not os.path.exists(path):
+        return (None, False) if model.recipe is None else (os.path.join(self.meshes, model.name + ".stl"), True)
+
+    def make_mesh(self, model):
+        """The stand-in, where there is no file yet."""
+        path, stand_in = self.mesh(model)
+        if stand_in and not os.path.exists(path):
             shape, height, seed = model.recipe
             subprocess.run([os.path.join(self.build, "tools/lamella"), "make", shape, "--triangles", str(model.n),
                             "--height", str(height), "--segments", str(model.m), "--layer-height", str(LAYER_MM),
                             "--seed", str(seed), "-o", path], check=True, stdout=subprocess.DEVNULL)
-        return path, True
+        return path
 
     def forget_mesh(self, model):
-        path = os.path.join(self.meshes, model.name + ".stl")
-        if os.path.exists(path):
+        path, stand_in = self.mesh(model)
+        if stand_in and os.path.exists(path):
             os.remove(path)
 
     def command(self, mesh, spacing, method, threads, limit):
@@ -108,6 +110,7 @@ class Bench:
         if os.path.exists(path):
             with open(path, encoding="utf-8") as file:
                 return Row(*json.load(file))
+        self.make_mesh(model)
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode == 0:
             row = Row(model.name, spacing, method, threads, json.loads(done.stdout.splitlines()[-1]))
@@ -167,18 +170,21 @@ def measure(bench, models, threads, say):
                 if spacing == "adaptive" and not method.adaptive:
                     continue
                 rows.append(one_row(bench, model, mesh, spacing, method, closed, beaten, say))
-        for peer in PEERS:
-            if ("peer", peer) in beaten:
-                rows.append(Row(model.name, "uniform", "peer " + peer, 1, None, beaten["peer", peer]))
-                continue
-            say(f"{model.name}: {peer}")
-            rows.append(bench.run(model, "uniform", "peer " + peer, 1, bench.peer_command(mesh, peer, 1), bench.limit))
-            stopped = rows[-1].figures is not None and None in rows[-1].figures["total_s"]  # after its slices were made
-            if stopped or rows[-1].missing.startswith(">"):
-                beaten["peer", peer] = f"not run: > {bench.limit} s on {model.name}"
-        if stand_in:
-            bench.forget_mesh(model)
+        rows += [peer_row(bench, model, mesh, peer, beaten, say) for peer in PEERS]
+        bench.forget_mesh(model)
     return rows
+
+
+def peer_row(bench, model, mesh, peer, beaten, say):
+    name = "peer " + peer
+    if name in beaten:
+        return Row(model.name, "uniform", name, 1, None, beaten[name])
+    say(f"{model.name}: {peer}")
+    row = bench.run(model, "uniform", name, 1, bench.peer_command(mesh, peer, 1), bench.limit)
+    stopped = row.figures is not None and None in row.figures["total_s"]  # after its slices were made
+    if stopped or row.missing.startswith(">"):
+        beaten[name] = f"not run: > {bench.limit} s on {model.name}"
+    return row
 
 
 def one_row(bench, model, mesh, spacing, method, closed, beaten, say):

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "2_grid/quantise.hpp"
+#include "base/mixed.hpp"
 #include "base/words.hpp"
 #include "lamella/result.hpp"
 
@@ -29,10 +30,8 @@ public:
     explicit Generator(std::uint64_t seed) : state_(seed) {}
     /// Uniform in [0, 1), 53 bits.
     double next() noexcept {
-        std::uint64_t z = (state_ += 0x9E3779B97F4A7C15U);
-        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
-        z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
-        return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+        state_ += 0x9E3779B97F4A7C15U;
+        return static_cast<double>(mixed(state_) >> 11) * 0x1p-53;
     }
 
 private:

@@ -74,6 +74,9 @@ using Line = std::pair<bool, std::vector<Point>>;  ///< closed or not, and its p
 /// where the direction is not to matter.
 inline Line canonical(std::vector<Point> points, bool closed, bool directed) {
     const auto from_smallest = [closed](const std::vector<Point>& line) {
+        if (line.empty()) {
+            return line;
+        }
         std::vector<Point> best = line;
         bool first = true;
         const Point smallest = *std::min_element(line.begin(), line.end());

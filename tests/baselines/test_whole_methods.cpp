@@ -4,17 +4,16 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/slicing.hpp"
+#include "baselines/agreement.hpp"
 #include "ldni.hpp"
 #include "mcmains.hpp"
-#include "models/models.hpp"
 #include "slic3r_way.hpp"
 #include "topological.hpp"
 
+using agreement::Case;
 using lamella::Contour;
 using lamella::Layer;
 using lamella::LayerPlan;
-using lamella::MeshView;
 using lamella::Point;
 using lamella::SliceResult;
 using lamella::UniformLayers;
@@ -33,35 +32,20 @@ namespace {
 using Points = std::vector<Point>;
 
 /// Equal consecutive points once, from the rotation that compares least. `any_sense`: or that of the reversed points.
-Points canonical(Points points, bool closed, bool any_sense = false) {
+agreement::Line canonical(Points points, bool closed, bool any_sense) {
     points.erase(std::unique(points.begin(), points.end()), points.end());
     while (closed && points.size() > 1 && points.front() == points.back()) {
         points.pop_back();
     }
-    if (closed && !points.empty()) {
-        const Point smallest = *std::min_element(points.begin(), points.end());
-        Points least;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            if (points[i] == smallest) {
-                Points rotated(points.begin() + static_cast<std::ptrdiff_t>(i), points.end());
-                rotated.insert(rotated.end(), points.begin(), points.begin() + static_cast<std::ptrdiff_t>(i));
-                least = least.empty() ? rotated : std::min(least, rotated);
-            }
-        }
-        points = least;
-    }
-    if (any_sense) {
-        return std::min(points, canonical(Points(points.rbegin(), points.rend()), closed));
-    }
-    return points;
+    return agreement::canonical(std::move(points), closed, !any_sense);
 }
 
-using Canonical = std::vector<std::pair<bool, Points>>;  // closed or not, of one plane, sorted
+using Canonical = std::vector<agreement::Line>;  // of one plane, sorted
 
 Canonical canonical(const std::vector<Polyline>& contours, bool any_sense = false) {
     Canonical all;
     for (const Polyline& contour : contours) {
-        all.emplace_back(contour.closed, canonical(contour.points, contour.closed, any_sense));
+        all.push_back(canonical(contour.points, contour.closed, any_sense));
     }
     std::sort(all.begin(), all.end());
     return all;
@@ -82,34 +66,17 @@ Canonical canonical(const SliceResult& result, const Layer& layer, bool any_sens
     return canonical(contours, any_sense);
 }
 
-struct Sliced {
-    SliceResult result;
-    Problem problem;
-};
-
-Sliced slice_and_state(const std::vector<float>& soup, const LayerPlan& plan, double unit_mm = 0) {
+lamella::SliceOptions options_of(const LayerPlan& plan, double unit_mm = 0) {
     lamella::SliceOptions options;
     options.plan = plan;
     options.unit_mm = unit_mm;
     options.threads = 1;
-    Sliced sliced_mesh{sliced(MeshView::soup(std::span<const float>(soup)), options), {}};
-    Problem& problem = sliced_mesh.problem;
-    problem.soup = soup;
-    problem.unit_mm = sliced_mesh.result.unit_mm;
-    for (const Layer& layer : sliced_mesh.result.layers) {
-        problem.planes.push_back(layer.plane.z());
-    }
-    if (const auto* uniform_layers = std::get_if<UniformLayers>(&plan.spacing); uniform_layers != nullptr) {
-        problem.uniform = true;
-        problem.first = sliced_mesh.result.layers[0].plane_mm / problem.unit_mm;
-        problem.step = uniform_layers->layer_height_mm / problem.unit_mm;
-    }
-    return sliced_mesh;
+    return options;
 }
 
 const WholeMethod* const exact_methods[] = {&slic3r_way, &mcmains, &topological};
 
-void check_equal(const Sliced& expected, const WholeMethod& method, bool any_sense = false) {
+void check_equal(const Case& expected, const WholeMethod& method, bool any_sense = false) {
     INFO(method.name);
     const WholeOutcome outcome = method.run(expected.problem);
     REQUIRE(outcome.contours.size() == expected.result.layers.size());
@@ -129,15 +96,6 @@ std::vector<LayerPlan> plans(double height_mm) {
                 lamella::ExplicitPlanes{{-height_mm, 0.11 * height_mm, 0.111 * height_mm, 0.5 * height_mm, 2 * height_mm}}}};
 }
 
-std::vector<float> model(lamella::models::Shape shape, std::uint64_t triangles) {
-    lamella::models::Recipe recipe;
-    recipe.shape = shape;
-    recipe.triangles = triangles;
-    recipe.height_mm = 20;
-    recipe.order = lamella::models::Order::random;
-    return lamella::models::make_soup(recipe);
-}
-
 shapes::Soup without_first_facets(shapes::Soup soup, std::ptrdiff_t count) {
     soup.erase(soup.begin(), soup.begin() + 9 * count);
     return soup;
@@ -149,9 +107,9 @@ TEST_CASE("Slic3r, McMains and the topological method give the engine's contours
     using lamella::models::Shape;
     for (const auto& [shape, triangles] : {std::pair(Shape::sphere, 2'000), std::pair(Shape::torus, 3'000),
                                            std::pair(Shape::gyroid, 8'000), std::pair(Shape::bone, 12'000)}) {
-        const std::vector<float> soup = model(shape, static_cast<std::uint64_t>(triangles));
+        const std::vector<float> soup = agreement::from_recipe(shape, static_cast<std::uint64_t>(triangles));
         for (const LayerPlan& plan : plans(20)) {
-            const Sliced expected = slice_and_state(soup, plan);
+            const Case expected(soup, options_of(plan));
             for (const WholeMethod* method : exact_methods) {
                 check_equal(expected, *method);
             }
@@ -169,7 +127,7 @@ TEST_CASE("where more than two facets share an edge the whole methods pair them 
     }
     for (const shapes::Soup& soup : soups) {
         const std::vector<float> numbers = shapes::floats(soup);
-        const Sliced expected = slice_and_state(numbers, LayerPlan{UniformLayers{0.5}}, coarse_unit_mm / 8);
+        const Case expected(numbers, options_of(LayerPlan{UniformLayers{0.5}}, coarse_unit_mm / 8));
         for (const WholeMethod* method : exact_methods) {
             check_equal(expected, *method);
         }
@@ -184,7 +142,7 @@ TEST_CASE("of an open mesh Slic3r's way gives the engine's polylines, the others
     }
     for (const shapes::Soup& soup : soups) {
         const std::vector<float> numbers = shapes::floats(soup);
-        const Sliced expected = slice_and_state(numbers, LayerPlan{UniformLayers{0.5}}, coarse_unit_mm / 8);
+        const Case expected(numbers, options_of(LayerPlan{UniformLayers{0.5}}, coarse_unit_mm / 8));
         check_equal(expected, slic3r_way, true);
         for (const WholeMethod* method : {&mcmains, &topological}) {
             CHECK_FALSE(method->takes_open_meshes);
@@ -230,9 +188,9 @@ TEST_CASE("sampled by rays, layers have the engine's areas within the resolution
     };
     using lamella::models::Shape;
     for (const Shape shape : {Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism}) {
-        const std::vector<float> soup = model(shape, 12'000);
+        const std::vector<float> soup = agreement::from_recipe(shape, 12'000);
         for (const LayerPlan& plan : plans(20)) {
-            const Sliced expected = slice_and_state(soup, plan);
+            const Case expected(soup, options_of(plan));
             const WholeOutcome outcome = ldni.run(expected.problem);
             REQUIRE(outcome.contours.size() == expected.result.layers.size());
             for (std::size_t i = 0; i < outcome.contours.size(); ++i) {

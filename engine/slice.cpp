@@ -101,6 +101,7 @@ private:
     bool sweep_all_into(std::span<Point> points);
     void sweep_band(std::size_t band, int worker);
     void sweep_wide(std::size_t band);
+    Error too_entangled(std::int64_t plane) const;
     LayerRules rules() const noexcept { return {options_.fill_rule, options_.close_gaps_mm / result_.unit_mm}; }
     void split_time(double sweep_ms);
     void finish_result();
@@ -172,7 +173,11 @@ Status Slicing::sweep_bands() {
     std::uint64_t room = kept_.buckets.segment_count + kept_.buckets.segment_count / 64 + 64;
     for (;;) {
         result_.points.resize_discarding(room);
-        if (!sweep_all_into(result_.points.span())) {
+        const bool all = sweep_all_into(result_.points.span());
+        if (kept_.placement.refused_plane() >= 0) {
+            return too_entangled(kept_.placement.refused_plane());
+        }
+        if (!all) {
             return cancelled();
         }
         const std::uint64_t needed = kept_.placement.point_count();
@@ -185,6 +190,15 @@ Status Slicing::sweep_bands() {
     kept_.bands.forget_many_seeds();  // before the result's contours are added to what is held
     split_time(milliseconds_since(start));
     return {};
+}
+
+Error Slicing::too_entangled(std::int64_t plane) const {
+    const double height = kept_.planes.height_mm(static_cast<PlaneIndex>(plane));
+    Error error{Code::too_entangled, "layer " + std::to_string(plane) + " at " + exact_text(height) + " mm" +
+                                         ": its contours are too entangled for the fill rule " +
+                                         std::string(name_of(options_.fill_rule))};
+    error.plane = plane;
+    return error;
 }
 
 /// Stretches of bands for one thread each, and wide planes between them for all. False if the caller asked to stop.
@@ -230,6 +244,9 @@ void Slicing::sweep_band(std::size_t band, int worker) {
 void Slicing::sweep_wide(std::size_t band) {
     WidePlane wide(kept_.memory, parallel_, rules());
     BandOutput* output = kept_.placement.acquire(band);
+    if (output == nullptr) {
+        return;
+    }
     if (wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, *output)) {
         kept_.placement.submit(band);
     } else {

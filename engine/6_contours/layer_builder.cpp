@@ -75,12 +75,14 @@ LayerBuilder::LayerBuilder(std::pmr::memory_resource* memory)
     : kernels_(kernels_for_this_cpu()),
       nester_(memory),
       gap_closer_(memory),
+      fill_(memory),
       rings_(memory),
       found_(memory),
       open_(memory),
       ends_(memory),
       joined_(memory),
-      filled_(memory),
+      walked_(memory),
+      closed_(memory),
       by_start_(memory),
       spare_keys_(memory),
       items_(memory),
@@ -115,14 +117,23 @@ void LayerBuilder::finish(BandOutput& out) {
     const std::uint64_t before = timed ? ticks() : 0;
     if (rules.fill == FillRule::contours) {
         nester_.nest(items_);
-    } else {
-        fill_regions();
+    } else if (fill_region()) {
         sort_by_start();
         nest_region();
+    } else {
+        refuse(out);
+        return;
     }
     nesting_ticks += timed ? ticks() - before : 0;
     put_holes_behind_outers();
     append(out);
+}
+
+void LayerBuilder::refuse(BandOutput& out) {
+    if (out.refused < 0) {
+        out.refused = static_cast<std::int64_t>(out.layer_contours.size());
+    }
+    skip(out);
 }
 
 /// Copies each contour's points in walking order, finds its facts and its start.

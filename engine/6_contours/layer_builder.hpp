@@ -54,6 +54,7 @@ struct BandOutput {
     ContourCounts counts;
     std::pmr::vector<std::uint32_t> layer_contours;  ///< contours of each plane
     std::pmr::vector<ClosedGap> closed_gaps;
+    std::int64_t refused = -1;  ///< the first plane whose contours a fill rule could not be applied to
 
     /// Empty, with `room` to fill before `buffer` is turned to.
     void begin(std::span<Point> room) noexcept {
@@ -64,6 +65,7 @@ struct BandOutput {
         counts = {};
         layer_contours.clear();
         closed_gaps.clear();
+        refused = -1;
     }
     bool in_buffer() const noexcept { return points == buffer.data(); }
 
@@ -88,8 +90,8 @@ class LayerBuilder {
 public:
     explicit LayerBuilder(std::pmr::memory_resource* memory);
 
-    /// Appends the layer that `graph` holds to `out`; points[slot] is where the slot's edge pierces the plane.
-    /// O(q log q) for q points. Throws std::bad_alloc.
+    /// Appends the layer that `graph` holds to `out`, or an empty one that out.refused names; points[slot] is where the
+    /// slot's edge pierces the plane. O(q log q) for q points. Throws std::bad_alloc.
     void build(const LinkGraph& graph, const Point* points, BandOutput& out);
 
     /// The same for closed contours whose points already lie in walking order: each contour's from rings + begin on.
@@ -119,6 +121,7 @@ private:
 
     void gather(const LinkGraph& graph, const Point* points);
     void finish(BandOutput& out);
+    static void refuse(BandOutput& out);
     Found describe(const WalkedContour& walked, Point* ring, const RingFacts& facts,
                    FunctionRef<EndKey(std::uint32_t)> key_at) const;
     Found examine_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring) const;
@@ -127,8 +130,8 @@ private:
                              FunctionRef<EndKey(std::uint32_t)> key_at) const;
     void close_gaps(BandOutput& out);
     void join(std::uint32_t polyline);
-    void fill_regions();
-    void add_to_fill();
+    bool fill_region();
+    Found describe_made(std::span<Point> ring) const;
     void nest_region();
     void sort_by_start();
     void put_holes_behind_outers();
@@ -143,7 +146,8 @@ private:
     std::pmr::vector<Found> open_;                              // of them, in canonical order, while gaps are closed
     std::pmr::vector<PolylineEnds> ends_;                       // of open_
     std::pmr::vector<Point> joined_;                            // points of polylines that were joined
-    std::pmr::vector<Point> filled_;                            // points of contours that a fill rule made
+    std::pmr::vector<Found> walked_;                            // found_, before a fill rule
+    std::pmr::vector<NestItem> closed_;                         // of items_, for a fill rule
     std::pmr::vector<nesting::SortKey> by_start_, spare_keys_;  // of found_
     std::pmr::vector<NestItem> items_;                          // in the order of by_start_
     std::pmr::vector<std::uint32_t> placed_;                    // the items in canonical order

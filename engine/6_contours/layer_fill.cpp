@@ -1,63 +1,48 @@
 // Stage 6, where a fill rule was asked for: a layer's contours become those of the region that they fill.
 #include <algorithm>
+#include <iterator>
 
 #include "6_contours/layer_builder.hpp"
 
 namespace lamella {
 
-/// found_ becomes the region that the closed contours bound by the rule, and the polylines as they were.
-void LayerBuilder::fill_regions() {
-    fill_.clear();
-    add_to_fill();
-    std::erase_if(found_, [](const Found& found) { return found.item.closed; });
+/// found_ becomes the region that the closed contours bound by the rule, and the polylines as they were. False: the contours
+/// meet too often.
+bool LayerBuilder::fill_region() {
+    const auto is_closed = [](const NestItem& item) { return item.closed; };
+    closed_.clear();
+    std::copy_if(items_.begin(), items_.end(), std::back_inserter(closed_), is_closed);
+    if (!fill_.run(closed_, rules.fill, nester_)) {
+        return false;
+    }
+    walked_.swap(found_);
+    found_.clear();
+    std::copy_if(walked_.begin(), walked_.end(), std::back_inserter(found_),
+                 [&](const Found& found) { return !is_closed(found.item); });
     const std::size_t polylines = found_.size();
-    filled_.clear();
-    fill_.fill(rules.fill, [this, polylines](std::span<const Point> contour, std::int64_t around) {
-        Found& found = found_.emplace_back();
-        found.segments = static_cast<std::uint32_t>(contour.size());
-        found.around = around < 0 ? -1 : around + static_cast<std::int64_t>(polylines);
-        filled_.insert(filled_.end(), contour.begin(), contour.end());
-    });
-    Point* ring = filled_.data();
-    for (std::size_t c = polylines; c < found_.size(); ++c) {
-        const std::uint32_t count = found_[c].segments;
-        const std::int64_t around = found_[c].around;
-        found_[c] =
-            describe({0, count, true, false}, ring, examine_ring(ring, count), [](std::uint32_t) { return EndKey{}; });
-        found_[c].around = around;
-        found_[c].hole = around >= 0 && !found_[static_cast<std::size_t>(around)].hole;
-        ring += count;
+    next_place_.clear();  // where the closed ones are in walked_
+    for (const nesting::SortKey& key : by_start_) {
+        if (is_closed(walked_[key.index].item)) {
+            next_place_.push_back(key.index);
+        }
     }
+    for (const RegionContour& contour : fill_.region()) {
+        Found found = contour.kept >= 0 ? walked_[next_place_[static_cast<std::size_t>(contour.kept)]]
+                                        : describe_made(fill_.points_of(contour));
+        found.around = contour.around < 0 ? -1 : contour.around + static_cast<std::int64_t>(polylines);
+        found.hole = contour.hole;
+        found_.push_back(found);
+    }
+    return true;
 }
 
-/// Of contours that are the same, a body exported many times, only those that matter: the clipping library takes cubic time
-/// for many.
-void LayerBuilder::add_to_fill() {
-    const auto same = [](const NestItem& a, const NestItem& b) {
-        std::uint32_t i = 0;
-        while (a.closed == b.closed && a.count == b.count && i < a.count && a.from_start(i) == b.from_start(i)) {
-            ++i;
-        }
-        return a.closed == b.closed && i == a.count && i == b.count;
-    };
-    const bool no_negative = std::all_of(
-        items_.begin(), items_.end(), [](const NestItem& item) { return !item.closed || from_wide(item.twice_area) >= 0; });
-    for (std::size_t first = 0; first < items_.size();) {
-        const NestItem& item = items_[first];
-        std::size_t last = first + 1;
-        while (last < items_.size() && same(item, items_[last])) {
-            ++last;
-        }
-        const std::size_t times = last - first;
-        const std::size_t kept = rules.fill == FillRule::even_odd ? times % 2 : (no_negative ? 1 : times);
-        for (std::size_t i = 0; item.closed && i < kept; ++i) {
-            fill_.add({item.points + item.start, item.count - item.start}, {item.points, item.start});
-        }
-        first = last;
-    }
+LayerBuilder::Found LayerBuilder::describe_made(std::span<Point> ring) const {
+    const auto count = static_cast<std::uint32_t>(ring.size());
+    return describe({0, count, true, false}, ring.data(), examine_ring(ring.data(), count),
+                    [](std::uint32_t) { return EndKey{}; });
 }
 
-/// What lies in what is the clipping library's answer: contours of a region touch, and a start may lie on what is around it.
+/// What lies in what was found with the region: its contours touch, and a start may lie on what is around it.
 void LayerBuilder::nest_region() {
     place_of_.resize(items_.size());  // at first: of what was found
     for (std::uint32_t i = 0; i < items_.size(); ++i) {
@@ -72,6 +57,7 @@ void LayerBuilder::nest_region() {
         }
         item.role = found.hole ? Role::hole : Role::outer;
         item.reverse = found.hole == (item.sense > 0);
+        item.sense = static_cast<std::int8_t>(found.hole ? -1 : 1);  // a region's, whatever the facets' was
         item.parent = found.around < 0 ? -1 : static_cast<std::int32_t>(place_of_[static_cast<std::size_t>(found.around)]);
     }
 }

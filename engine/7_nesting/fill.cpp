@@ -1,59 +1,158 @@
 #include "7_nesting/fill.hpp"
 
-#include <vector>
-
-#include <clipper.hpp>
+#include <algorithm>
+#include <cassert>
 
 namespace lamella {
 
-struct Fill::Clipping {
-    ClipperLib::Paths contours;
-    std::vector<Point> points;
-};
+namespace {
 
-Fill::Fill() : clipping_(std::make_unique<Clipping>()) {}
-Fill::~Fill() = default;
-
-void Fill::clear() {
-    clipping_->contours.clear();
+bool same_points(const NestItem& a, const NestItem& b) noexcept {
+    std::uint32_t i = 0;
+    while (a.count == b.count && i < a.count && a.from_start(i) == b.from_start(i)) {
+        ++i;
+    }
+    return a.count == b.count && i == a.count;
 }
 
-void Fill::add(std::span<const Point> before, std::span<const Point> after) {
-    ClipperLib::Path& path = clipping_->contours.emplace_back();
-    path.reserve(before.size() + after.size());
-    for (const std::span<const Point> part : {before, after}) {
-        for (const Point& point : part) {
-            path.emplace_back(point.x, point.y);
+}  // namespace
+
+Fill::Fill(std::pmr::memory_resource* memory)
+    : contacts_(memory), items_(memory), own_(memory), members_(memory), region_(memory), points_(memory) {}
+
+bool Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester) {
+    assert(rule != FillRule::contours);
+    region_.clear();
+    points_.clear();
+    take_equal_ones_together(contours);
+    if (!contacts_.find(items_)) {
+        return false;
+    }
+    find_clusters(nester);
+    const std::uint32_t* cluster = members_.data();
+    for (std::uint32_t c = 0; c < items_.size(); ++c) {
+        if (!own_[c].clipped) {
+            take_or_leave(c, rule);
+        } else if (contacts_.leader(c) == c) {
+            const std::uint32_t* const begin = cluster;
+            while (cluster != members_.data() + members_.size() && contacts_.leader(*cluster) == c) {
+                ++cluster;
+            }
+            if (!clip_cluster({begin, cluster}, rule)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+void Fill::take_equal_ones_together(std::span<const NestItem> contours) {
+    items_.clear();
+    own_.clear();
+    for (std::uint32_t c = 0; c < contours.size(); ++c) {
+        if (c > 0 && same_points(contours[c - 1], contours[c])) {
+            ++own_.back().times;
+        } else {
+            items_.push_back(contours[c]);
+            own_.push_back({c, 1});
         }
     }
 }
 
-void Fill::fill(FillRule rule, FunctionRef<void(std::span<const Point>, std::int64_t)> take) {
-    // Points on straight lines are kept: a contour that nothing touches comes out as it went in.
-    ClipperLib::Clipper clipper(ClipperLib::ioPreserveCollinear);
-    clipper.AddPaths(clipping_->contours, ClipperLib::ptSubject, true);
-    const ClipperLib::PolyFillType type = rule == FillRule::even_odd   ? ClipperLib::pftEvenOdd
-                                          : rule == FillRule::non_zero ? ClipperLib::pftNonZero
-                                                                       : ClipperLib::pftPositive;
-    ClipperLib::PolyTree region;
-    clipper.Execute(ClipperLib::ctUnion, region, type, type);
-    struct Taken {
-        const ClipperLib::PolyNode* node;
-        std::int64_t number;
-    };
-    std::vector<Taken> around{{&region, -1}};  // the way down the tree to the contour before
-    std::int64_t number = 0;
-    for (const ClipperLib::PolyNode* node = region.GetFirst(); node != nullptr; node = node->GetNext()) {
-        while (around.back().node != node->Parent) {
-            around.pop_back();
+/// What lies in a contour that is clipped is clipped with it. Whether it does, nesting says, for which contours that meet
+/// themselves are the smallest of all, so that what lies in one has it for its parent, or something else that does.
+void Fill::find_clusters(Nester& nester) {
+    for (std::uint32_t c = 0; c < items_.size(); ++c) {
+        if (contacts_.meets_itself(c)) {
+            items_[c].twice_area = {1, 0};
         }
-        clipping_->points.clear();
-        for (const ClipperLib::IntPoint& point : node->Contour) {
-            clipping_->points.push_back({static_cast<std::int32_t>(point.X), static_cast<std::int32_t>(point.Y)});
-        }
-        take(clipping_->points, around.back().number);
-        around.push_back({node, number++});
+        const std::uint32_t leader = contacts_.leader(c);
+        own_[leader].clipped = own_[leader].clipped || leader != c || contacts_.meets_itself(c);
     }
+    nester.nest(items_);
+    members_.clear();
+    for (std::uint32_t c = 0; c < items_.size(); ++c) {
+        const std::int32_t parent = items_[c].parent;
+        assert(parent < static_cast<std::int32_t>(c) && "what lies around a contour starts before it");
+        if (parent >= 0 && own_[static_cast<std::size_t>(parent)].clipped) {
+            contacts_.join(c, static_cast<std::uint32_t>(parent));
+        }
+        own_[c].clipped = own_[contacts_.leader(c)].clipped;
+        if (own_[c].clipped) {
+            members_.push_back(c);
+        }
+    }
+    std::sort(members_.begin(), members_.end(), [this](std::uint32_t a, std::uint32_t b) {
+        return std::pair(contacts_.leader(a), a) < std::pair(contacts_.leader(b), b);
+    });
+}
+
+/// A contour that meets nothing, nor does anything around it.
+void Fill::take_or_leave(std::uint32_t contour, FillRule rule) {
+    const NestItem& item = items_[contour];
+    Own& own = own_[contour];
+    const Own around = item.parent < 0 ? Own{} : own_[static_cast<std::size_t>(item.parent)];
+    own.winding = around.winding + item.sense * static_cast<std::int64_t>(own.times);
+    own.filled = around.filled;
+    if (fills(rule, own.winding) != fills(rule, around.winding)) {
+        own.filled = static_cast<std::int64_t>(region_.size());
+        region_.push_back({own.index, 0, 0, around.filled, !fills(rule, own.winding)});
+    }
+}
+
+bool Fill::clip_cluster(std::span<const std::uint32_t> members, FillRule rule) {
+    const std::uint32_t leader = members[0];
+    const std::int32_t parent = items_[leader].parent;
+    const Own around = parent < 0 ? Own{} : own_[static_cast<std::size_t>(parent)];
+    const Windings all = windings_of(members);
+    Clipping::Meetings meetings{contacts_.count(leader), false};
+    clipping_.clear();
+    for (const std::uint32_t member : members) {
+        const std::uint32_t times = copies_that_matter(member, rule, all, around.winding);
+        if (times > 0) {
+            clipping_.add(items_[member], times, contacts_.meets_itself(member));
+        }
+        meetings.crowded = meetings.crowded || times > 1 || contacts_.is_crowded(member);
+    }
+    const std::int64_t most = all.negative + all.positive + all.either + 1;  // beyond it a sign does not change
+    const std::int64_t ambient = rule == FillRule::even_odd ? around.winding % 2 : std::clamp(around.winding, -most, most);
+    const auto base = static_cast<std::int64_t>(region_.size());
+    return clipping_.fill(rule, ambient, meetings, [&](std::span<const Point> contour, std::int64_t within) {
+        const bool hole = within < 0 ? fills(rule, ambient) : !region_[static_cast<std::size_t>(base + within)].hole;
+        region_.push_back({-1, static_cast<std::uint32_t>(points_.size()), static_cast<std::uint32_t>(contour.size()),
+                           within < 0 ? around.filled : base + within, hole});
+        points_.insert(points_.end(), contour.begin(), contour.end());
+    });
+}
+
+Fill::Windings Fill::windings_of(std::span<const std::uint32_t> members) const noexcept {
+    Windings all;
+    for (const std::uint32_t member : members) {
+        if (contacts_.meets_itself(member)) {
+            all.either += std::int64_t{items_[member].count} * own_[member].times;
+        } else {
+            (items_[member].sense > 0 ? all.positive : all.negative) += own_[member].times;
+        }
+    }
+    return all;
+}
+
+/// Of equal contours those that no others can make up for.
+std::uint32_t Fill::copies_that_matter(std::uint32_t contour, FillRule rule, const Windings& all,
+                                       std::int64_t ambient) const noexcept {
+    const std::uint32_t times = own_[contour].times;
+    if (rule == FillRule::even_odd) {
+        return times % 2;
+    }
+    std::int64_t against = all.either;
+    if (contacts_.meets_itself(contour)) {
+        against += all.positive + all.negative + std::abs(ambient);
+    } else if (items_[contour].sense > 0) {
+        against += all.negative + std::max<std::int64_t>(0, -ambient);
+    } else {
+        against += all.positive + std::max<std::int64_t>(0, ambient);
+    }
+    return static_cast<std::uint32_t>(std::min<std::int64_t>(times, against + 1));
 }
 
 }  // namespace lamella

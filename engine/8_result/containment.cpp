@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "8_result/exact.hpp"
+#include "base/exact.hpp"
 
 namespace lamella {
 

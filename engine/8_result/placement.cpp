@@ -25,6 +25,7 @@ void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t se
     point_count_ = 0;
     contour_count_ = 0;
     counts_ = {};
+    refused_plane_ = -1;
     aborted_ = false;
     placed_.clear();
     placed_.reserve(bands.size());
@@ -155,6 +156,10 @@ void Placement::place_head() {
     point_count_ += placed.output->point_count;
     contour_count_ += placed.contours.size();
     counts_.add(placed.output->counts);
+    if (placed.output->refused >= 0 && refused_plane_ < 0) {  // bands are placed in order: nothing below was
+        refused_plane_ = bands_[head_].first + placed.output->refused;
+        aborted_ = true;
+    }
     segments_placed_ += bands_[head_].segments;
     ++head_;
 }

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "2_grid/vertex_hash.hpp"
-#include "8_result/exact.hpp"
+#include "base/exact.hpp"
 
 namespace lamella {
 

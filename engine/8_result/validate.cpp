@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "8_result/containment.hpp"
-#include "8_result/exact.hpp"
+#include "base/exact.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {

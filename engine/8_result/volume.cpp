@@ -25,8 +25,8 @@
 #include "2_grid/quantise.hpp"
 #include "2_grid/vertex_hash.hpp"
 #include "3_planes/plane_set.hpp"
-#include "8_result/exact.hpp"
 #include "8_result/pair.hpp"
+#include "base/exact.hpp"
 
 namespace lamella {
 

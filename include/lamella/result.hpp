@@ -30,9 +30,10 @@ enum class Role : std::uint8_t {
     open,   ///< a polyline: the mesh lacks a face at both of its ends
 };
 
-/// What is inside where contours overlap, nest the same way or run backwards. All rules but the first take the union by a
-/// clipping library: points where contours cross are rounded to the grid. Of more than two contours that share a stretch of
-/// an edge the library is known to lose parts at times.
+/// What is inside where contours overlap, nest the same way or run backwards. By all rules but the first, contours that come
+/// within two units of no other stay as they are or go; those that meet are clipped by a library, which rounds the points
+/// where they cross to the grid. Each clipping is made in two ways that must agree: a layer of which none do, or whose
+/// contours meet so often that it would take more than some seconds, is refused (Code::too_entangled).
 enum class FillRule : std::uint8_t {
     contours,  ///< as walked: nothing is joined or cut
     even_odd,  ///< within an odd number of contours
@@ -80,7 +81,7 @@ struct Contour {
     std::uint32_t point_count = 0;
     std::uint32_t segments = 0;
     Role role = Role::outer;
-    std::int8_t sense = 0;    ///< as the facets say: +1 counter-clockwise, -1 clockwise, 0 flat or open
+    std::int8_t sense = 0;  ///< as the facets say, by a fill rule as stored: 1 counter-clockwise, -1 clockwise, 0 flat, open
     std::uint16_t flags = 0;  ///< ContourFlag bits
 };
 

@@ -215,3 +215,37 @@ TEST_CASE("closing gaps gives the same bytes on any thread count, band size and 
         CHECK(failure_of(view_of(soup), options).code == lamella::Code::invalid_argument);
     }
 }
+
+TEST_CASE("fill rules: rods across each other by the hundred are refused, by the first layer that has them",
+          "[engine][fill]") {
+    shapes::Soup soup = square(-20, -20, 10);
+    for (int i = 0; i < 300; ++i) {
+        soup = shapes::joined({soup, shapes::box({2.0 * i, 0, 5}, {2.0 * i + 1, 600, 10}),
+                               shapes::box({0, 2.0 * i, 5}, {600, 2.0 * i + 1, 10})});
+    }
+    for (const int threads : {1, 2, 3}) {
+        lamella::SliceOptions options = at_heights({2, 4, 6, 7, 8});
+        options.fill_rule = FillRule::even_odd;
+        options.threads = threads;
+        options.band_planes = threads;
+        const lamella::Error error = failure_of(view_of(soup), options);
+        CHECK(error.code == lamella::Code::too_entangled);
+        CHECK(error.plane == 2);
+        CHECK(error.message == "layer 2 at 6 mm: its contours are too entangled for the fill rule even-odd");
+    }
+}
+
+TEST_CASE("fill rules: what meets within what meets nothing", "[engine][fill]") {
+    // Three shells around two squares that overlap; with them, one of the squares' number of windings is 5.
+    const shapes::Soup shells = shapes::joined({square(-30, -30, 80), square(-20, -20, 60), square(-10, -10, 40)});
+    const shapes::Soup pair = shapes::joined({square(0, 0, 10), square(5, 5, 10)});
+    CHECK(regions(shapes::joined({shells, pair})) ==
+          Lines{"5 outer, 0 hole, 11800", "2 outer, 3 hole, 4250", "1 outer, 0 hole, 6400", "1 outer, 0 hole, 6400"});
+    CHECK(regions(shapes::joined({shells, shapes::flipped(pair)}))[1] == "2 outer, 3 hole, 4250");
+    // Around the pair nothing is left of two shells, or less than nothing of three.
+    const shapes::Soup undone = shapes::joined({shells, shapes::flipped(square(-5, -5, 30)),
+                                                shapes::flipped(square(-4, -4, 28)), shapes::flipped(square(-3, -3, 26))});
+    CHECK(regions(shapes::joined({undone, pair}))[2] == "2 outer, 1 hole, " + std::to_string(6400 - 26 * 26 + 175));
+    const shapes::Soup below = shapes::joined({undone, shapes::flipped(square(-2, -2, 24))});
+    CHECK(regions(shapes::joined({below, pair}))[3] == "2 outer, 1 hole, " + std::to_string(6400 - 26 * 26 + 25));
+}

@@ -37,6 +37,7 @@ inline Failure failure_of(const Error& error) {
         case Code::malformed_mesh:
         case Code::empty_mesh:
         case Code::bad_coordinate:
+        case Code::too_entangled:
         case Code::out_of_memory:
         case Code::cancelled:
             break;

@@ -1,4 +1,4 @@
-// Exact tests of points for the checker, in 128 bits throughout: plainer than the nesting stage's own.
+// Exact products of points, in 128 bits throughout: plainer than nesting's own, which are faster.
 #pragma once
 
 #include "base/wide.hpp"

@@ -20,6 +20,7 @@ struct FlatBox {
     bool meets(const FlatBox& other) const noexcept {
         return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y && other.low.y <= high.y;
     }
+    FlatBox grown(std::int32_t by) const noexcept { return {{low.x - by, low.y - by}, {high.x + by, high.y + by}}; }
     std::int64_t height() const noexcept { return std::int64_t{high.y} - low.y; }
 };
 

@@ -1,0 +1,62 @@
+// Stage 7, where a fill rule was asked for: which contours must be clipped together because they meet.
+#pragma once
+
+#include <cstdint>
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include "7_nesting/edge_pairs.hpp"
+#include "7_nesting/nest.hpp"
+
+namespace lamella {
+
+/// Two contours meet where their edges come within two units of each other: clipping rounds points to units, and what it
+/// makes of one must not reach the other. A contour meets itself where edges of it that do not follow each other have a
+/// point in common, or where it turns back on its own track. Contours that meet, and those that meet them, are a cluster.
+class Contacts {
+public:
+    explicit Contacts(std::pmr::memory_resource* memory) : contours_(memory), shared_(memory) {}
+
+    /// Of closed contours. False if they meet more often than could be clipped in seconds. O(q log q) for q points whose
+    /// edges lie apart, and as many steps as edges' boxes lie close, up to a fixed number. Throws std::bad_alloc.
+    bool find(std::span<const NestItem> contours);
+
+    /// The first contour of the cluster.
+    std::uint32_t leader(std::uint32_t contour) noexcept;
+    /// Makes one cluster of two.
+    void join(std::uint32_t a, std::uint32_t b) noexcept;
+
+    bool meets_itself(std::uint32_t contour) const noexcept { return contours_[contour].itself; }
+    /// Some stretch of an edge is part of two other edges as well.
+    bool is_crowded(std::uint32_t contour) const noexcept { return contours_[contour].crowded; }
+    /// In the cluster that the contour leads: pairs of edges that meet.
+    std::uint64_t count(std::uint32_t leader) const noexcept { return contours_[leader].contacts; }
+
+private:
+    struct Own {
+        std::uint32_t towards;  // the leader: an earlier contour of the cluster, or itself
+        bool itself = false;
+        bool crowded = false;
+        std::uint64_t contacts = 0;  // of those led
+    };
+    /// A stretch that an edge has in common with another.
+    struct Shared {
+        std::uint32_t contour;
+        std::uint32_t edge;
+        Point low;
+        Point high;
+        friend constexpr auto operator<=>(const Shared&, const Shared&) = default;
+    };
+
+    void find_spikes(std::uint32_t contour, const EdgePath& path);
+    void meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
+    void note_shared(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
+    void find_crowds();
+
+    EdgePairs near_;
+    std::pmr::vector<Own> contours_;
+    std::pmr::vector<Shared> shared_;
+};
+
+}  // namespace lamella

@@ -1,9 +1,14 @@
 #include "7_nesting/clipping.hpp"
 
 #include <algorithm>
+#include <initializer_list>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include <clipper.hpp>
+
+#include "7_nesting/sweep_cost.hpp"
 
 namespace lamella {
 
@@ -12,11 +17,14 @@ namespace {
 using ClipperLib::Path;
 using ClipperLib::Paths;
 
-constexpr std::uint64_t most_cost = std::uint64_t{1} << 32;  // some seconds
+using Levels = std::vector<Paths>;  // level i is where i + 1 covers or more lie on each other
+
+constexpr std::uint64_t most_cost = std::uint64_t{1} << 30;  // looks at an edge, of 10 to 40 ns
+constexpr std::uint64_t least_cost = 128;                    // of a clipping, however small
 
 /// How a region is found. The library sweeps in the direction of y, so that turned paths are another problem to it.
 struct Way {
-    bool one_by_one;
+    bool halved;  ///< half of the contours by themselves, and those again, and the two put together; else all at once
     bool turned;  ///< x for y and y for x
 };
 
@@ -27,30 +35,16 @@ struct Source {
     bool meets_itself;
 };
 
-/// Of closed paths: how many points they have, and how often they turn upwards.
-struct Extent {
-    std::uint64_t points = 0;
-    std::uint64_t valleys = 0;
+void add_edges(const Path& path, SweepCost& cost) {
+    for (std::size_t i = 0; i < path.size(); ++i) {
+        cost.add_edge(path[i].Y, path[i + 1 < path.size() ? i + 1 : 0].Y);
+    }
+}
 
-    void add(const Path& path) {
-        bool falling = false;
-        points += path.size();
-        for (std::size_t i = 0; i < path.size(); ++i) {
-            const auto from = path[i].Y;
-            const auto to = path[i + 1 < path.size() ? i + 1 : 0].Y;
-            valleys += falling && to > from ? 1 : 0;
-            falling = to < from || (falling && to == from);
-        }
-        ++valleys;  // where the walk began
-    }
-    void add(const Paths& paths) {
-        for (const Path& path : paths) {
-            add(path);
-        }
-    }
-    /// In steps of some nanoseconds, as measured with rods across each other and side by side.
-    std::uint64_t cost(std::uint64_t contacts) const noexcept { return points * valleys + contacts * contacts / 16; }
-};
+/// Where many edges cross, the library compares the pieces with each other.
+std::uint64_t looks_at_pieces(std::uint64_t contacts) noexcept {
+    return contacts * contacts / 128;
+}
 
 ClipperLib::PolyFillType library_rule(FillRule rule) noexcept {
     return rule == FillRule::even_odd   ? ClipperLib::pftEvenOdd
@@ -91,14 +85,21 @@ struct Clipping::Cluster {
         return paths;
     }
 
-    /// Empty once too much is spent.
+    bool may_go_on(std::initializer_list<const Paths*> operands) {
+        SweepCost cost;
+        for (const Paths* operand : operands) {
+            for (const Path& path : *operand) {
+                add_edges(path, cost);
+            }
+        }
+        spent += least_cost + cost.looks();
+        return spent <= most_cost;
+    }
+
+    /// Empty once too much is spent, as all below.
     Paths combined(ClipperLib::ClipType type, const Paths& a, const Paths& b) {
-        Extent extent;
-        extent.add(a);
-        extent.add(b);
-        spent += extent.cost(0);
         Paths region;
-        if (spent <= most_cost) {
+        if (may_go_on({&a, &b})) {
             ClipperLib::Clipper clipper = new_clipper();
             clipper.AddPaths(a, ClipperLib::ptSubject, true);
             clipper.AddPaths(b, ClipperLib::ptClip, true);
@@ -107,13 +108,9 @@ struct Clipping::Cluster {
         return region;
     }
 
-    /// Empty once too much is spent.
     Paths filled(const Paths& contours, ClipperLib::PolyFillType rule) {
-        Extent extent;
-        extent.add(contours);
-        spent += extent.cost(0);
         Paths region;
-        if (spent <= most_cost) {
+        if (may_go_on({&contours})) {
             ClipperLib::Clipper clipper = new_clipper();
             clipper.AddPaths(contours, ClipperLib::ptSubject, true);
             clipper.Execute(ClipperLib::ctUnion, region, rule, rule);
@@ -121,46 +118,70 @@ struct Clipping::Cluster {
         return region;
     }
 
-    Paths one_by_one_even_odd(std::int64_t ambient) {
-        Paths region = frames(ambient % 2);
-        for (const Source& source : sources) {
-            if (source.times % 2 != 0) {
-                const Paths own = source.meets_itself ? filled({source.path}, ClipperLib::pftEvenOdd) : Paths{source.path};
-                region = combined(ClipperLib::ctXor, region, own);
-            }
+    Paths halved_even_odd(std::span<const Source> some) {
+        if (some.size() > 1) {
+            return combined(ClipperLib::ctXor, halved_even_odd(some.first(some.size() / 2)),
+                            halved_even_odd(some.subspan(some.size() / 2)));
         }
-        return region;
+        if (some.empty() || some[0].times % 2 == 0) {
+            return {};
+        }
+        return some[0].meets_itself ? filled({some[0].path}, ClipperLib::pftEvenOdd) : Paths{some[0].path};
     }
 
-    /// levels[i] is where i + 1 covers or more lie on each other.
-    void add_cover(std::vector<Paths>& levels, Paths cover, bool only_first) {
-        for (std::size_t i = 0; !cover.empty() && (i == 0 || !only_first); ++i) {
-            if (i == levels.size()) {
-                levels.emplace_back();
+    /// Where covers of either lie on each other: i of one and j of the other are i + j. At most so many levels.
+    Levels stacked(const Levels& a, const Levels& b, std::size_t most) {
+        Levels levels;
+        for (std::size_t count = 1; count <= std::min(most, a.size() + b.size()); ++count) {
+            Paths level = combined(ClipperLib::ctUnion, count <= a.size() ? a[count - 1] : Paths{},
+                                   count <= b.size() ? b[count - 1] : Paths{});
+            for (std::size_t i = 1; i < count && spent <= most_cost; ++i) {
+                if (i <= a.size() && count - i <= b.size()) {
+                    level = combined(ClipperLib::ctUnion, level,
+                                     combined(ClipperLib::ctIntersection, a[i - 1], b[count - i - 1]));
+                }
             }
-            Paths carried = only_first ? Paths{} : combined(ClipperLib::ctIntersection, levels[i], cover);
-            levels[i] = combined(ClipperLib::ctUnion, levels[i], cover);
-            cover = std::move(carried);
+            if (level.empty()) {  // so are all above it
+                break;
+            }
+            levels.push_back(std::move(level));
         }
+        return levels;
     }
 
-    /// Where the contour winds once or more, where twice or more, and so on, in the sense of `sign`.
-    std::vector<Paths> covers_of(const Source& source, int sign) {
-        const bool forwards = ClipperLib::Orientation(source.path) == (sign > 0);
+    /// Of what winds in the sense of `sign`.
+    Levels halved_levels(std::span<const Source> some, int sign, std::size_t most) {
+        if (some.size() > 1) {
+            return stacked(halved_levels(some.first(some.size() / 2), sign, most),
+                           halved_levels(some.subspan(some.size() / 2), sign, most), most);
+        }
+        return some.empty() ? Levels{} : levels_of(some[0], sign, most);
+    }
+
+    Levels levels_of(const Source& source, int sign, std::size_t most) {
+        Levels levels;
+        const auto add = [&](const Paths& cover) {
+            levels.insert(levels.end(), std::min<std::size_t>(source.times, most - levels.size()), cover);
+        };
         if (!source.meets_itself) {
-            return forwards ? std::vector<Paths>{{source.path}} : std::vector<Paths>{};
+            if (ClipperLib::Orientation(source.path) == (sign > 0)) {
+                add({source.path});
+            }
+            return levels;
         }
-        std::vector<Paths> covers;
-        for (std::int64_t less = 0; covers.empty() || !covers.back().empty(); ++less) {
+        for (std::int64_t less = 0; levels.size() < most; ++less) {
             Paths contour = frames(-less);
             contour.push_back(source.path);
             if (sign < 0) {
                 std::reverse(contour.back().begin(), contour.back().end());
             }
-            covers.push_back(filled(contour, ClipperLib::pftPositive));
+            const Paths cover = filled(contour, ClipperLib::pftPositive);
+            if (cover.empty()) {
+                break;
+            }
+            add(cover);
         }
-        covers.pop_back();
-        return covers;
+        return levels;
     }
 
     bool has_both_signs(std::int64_t ambient) const {
@@ -172,28 +193,21 @@ struct Clipping::Cluster {
         return sign[0] && sign[1];
     }
 
-    Paths one_by_one_signed(FillRule rule, std::int64_t ambient) {
-        const bool only_first = !has_both_signs(ambient);
-        std::vector<Paths> levels[2];  // of negative covers, of positive ones
-        for (const Path& frame : frames(ambient)) {
-            add_cover(levels[ambient > 0 ? 1 : 0], {frame}, only_first);
-        }
-        for (const Source& source : sources) {
-            for (const int sign : {-1, 1}) {
-                for (const Paths& cover : covers_of(source, sign)) {
-                    for (std::uint32_t t = 0; t < source.times && spent <= most_cost; ++t) {
-                        add_cover(levels[sign > 0 ? 1 : 0], cover, only_first);
-                    }
-                }
-            }
-        }
-        const std::size_t most = std::max(levels[0].size(), levels[1].size());
-        levels[0].resize(most);
-        levels[1].resize(most);
+    Paths halved_signed(FillRule rule, std::int64_t ambient) {
+        const std::size_t most = has_both_signs(ambient) ? std::numeric_limits<std::size_t>::max() : 1;
+        Levels up = halved_levels(sources, 1, most);
+        Levels down = halved_levels(sources, -1, most);
+        Levels around;
+        const Paths rectangles = frames(ambient);
+        std::for_each(rectangles.rbegin(), rectangles.rend(), [&](const Path& frame) { around.push_back({frame}); });
+        Levels& more = ambient > 0 ? up : down;
+        more = stacked(more, around, most);
+        up.resize(std::max(up.size(), down.size()));
+        down.resize(up.size());
         Paths region;
-        for (std::size_t i = 0; i < most; ++i) {
+        for (std::size_t i = 0; i < up.size(); ++i) {
             const auto type = rule == FillRule::non_zero ? ClipperLib::ctXor : ClipperLib::ctDifference;
-            region = combined(ClipperLib::ctUnion, region, combined(type, levels[1][i], levels[0][i]));
+            region = combined(ClipperLib::ctUnion, region, combined(type, up[i], down[i]));
         }
         return region;
     }
@@ -210,6 +224,21 @@ struct Clipping::Cluster {
         std::swap(high.X, high.Y);
     }
 
+    /// Whether turned paths cost far less, as those of upright teeth side by side do.
+    bool is_for_turning() {
+        std::uint64_t looks[2] = {0, 0};
+        for (const bool turned : {false, true}) {
+            SweepCost cost;
+            for (const Source& source : sources) {
+                add_edges(source.path, cost);
+            }
+            looks[turned ? 1 : 0] = cost.looks();
+            turn();
+        }
+        return looks[1] < looks[0] / 4;
+    }
+
+    /// Null once too much is spent.
     std::unique_ptr<Region> find(FillRule rule, std::int64_t ambient, Way way);
 };
 
@@ -218,7 +247,6 @@ Clipping::~Clipping() = default;
 
 void Clipping::clear() {
     cluster_->sources.clear();
-    cluster_->spent = 0;
 }
 
 void Clipping::add(const NestItem& contour, std::uint32_t times, bool meets_itself) {
@@ -265,7 +293,7 @@ struct Clipping::Region {
 
     /// Clipping moves each point by a unit or so.
     bool agrees_with(const Region& other) const {
-        if ((!way.one_by_one && !other.way.one_by_one) || !is_consistent() || !other.is_consistent()) {
+        if ((!way.halved && !other.way.halved) || !is_consistent() || !other.is_consistent()) {
             return false;
         }
         double area[2] = {0, 0};
@@ -290,15 +318,18 @@ std::unique_ptr<Clipping::Region> Clipping::Cluster::find(FillRule rule, std::in
     if (way.turned) {
         turn();
     }
-    Paths paths = !way.one_by_one              ? all(ambient)
-                  : rule == FillRule::even_odd ? one_by_one_even_odd(ambient)
-                                               : one_by_one_signed(rule, ambient);
+    Paths paths = !way.halved                  ? all(ambient)
+                  : rule == FillRule::even_odd ? combined(ClipperLib::ctXor, frames(ambient), halved_even_odd(sources))
+                                               : halved_signed(rule, ambient);
     if (way.turned) {
         turn();
     }
+    if (!may_go_on({&paths})) {
+        return nullptr;
+    }
     ClipperLib::Clipper clipper = new_clipper();
     clipper.AddPaths(paths, ClipperLib::ptSubject, true);
-    const ClipperLib::PolyFillType library = way.one_by_one ? ClipperLib::pftEvenOdd : library_rule(rule);
+    const ClipperLib::PolyFillType library = way.halved ? ClipperLib::pftEvenOdd : library_rule(rule);
     auto region = std::make_unique<Region>();
     region->way = way;
     region->framed = fills(rule, ambient);
@@ -308,16 +339,13 @@ std::unique_ptr<Clipping::Region> Clipping::Cluster::find(FillRule rule, std::in
 
 bool Clipping::fill(FillRule rule, std::int64_t ambient, const Meetings& meetings,
                     FunctionRef<void(std::span<const Point>, std::int64_t)> take) {
-    Extent extent;
-    extent.add(cluster_->all(ambient));
-    if (extent.cost(meetings.contacts) > most_cost) {
-        return false;
-    }
+    cluster_->spent = looks_at_pieces(meetings.contacts);
+    const bool crowded = meetings.crowded;
+    const bool turned = cluster_->is_for_turning();
     std::vector<std::unique_ptr<Region>> tried;
-    for (const Way way :
-         {Way{meetings.crowded, false}, {!meetings.crowded, true}, {!meetings.crowded, false}, {meetings.crowded, true}}) {
+    for (const Way way : {Way{crowded, turned}, {!crowded, turned}, {!crowded, !turned}, {crowded, !turned}}) {
         tried.push_back(cluster_->find(rule, ambient, way));
-        if (cluster_->spent > most_cost) {
+        if (tried.back() == nullptr) {
             return false;
         }
         for (std::size_t other = 0; other + 1 < tried.size(); ++other) {

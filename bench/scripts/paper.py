@@ -89,7 +89,8 @@ def document(rows, told, figures, pictures, search):
         "## Table 2: slicing, adaptive (random spacing, 0.016 to 0.032 mm)", table_2(rows, "adaptive"),
         "## Table 3: contours, uniform", table_3(rows),
         "## Table 4: both, uniform", table_4(rows),
-        "Park is the sum of the trivial slicing and the sweep line, measured apart.",
+        "Park is the sum of the trivial slicing and the sweep line, measured apart. The printed algorithms leave contours without a\n"
+        "sense; the engine's are oriented and nested, for which the paper names point-in-polygon rays as the next step.",
         "## Peers, uniform", "Programs that a user would pick instead; see [bench/peers](../peers/README.md). CGAL and VTK: soup in memory to contours, one\n"
         "thread; the slicing programs: what they print of the stage that slices.", peers(rows, PEERS),
         "## Fitted exponents", exponents(rows),

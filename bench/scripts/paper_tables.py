@@ -42,6 +42,11 @@ class Rows:
         return None if slicing is None or contours is None else slicing + contours
 
 
+    def printed_with_sense(self, model):
+        parts = [self.seconds(model, PRINTED, key) for key in ("total_s", "sense_s")]
+        return None if None in parts else sum(parts)
+
+
 def shown(seconds):
     return "-" if seconds is None else f"{seconds:.3g}" if seconds < 100 else f"{seconds:.0f}"
 
@@ -102,15 +107,16 @@ def table_3(rows):
 
 
 def table_4(rows):
-    methods = ["Slic3r", PRINTED, "McMains", "topological", "LDNI, 0.1 mm"]
-    heads = (["model", "Park, paper", "Slic3r, paper", "proposed, paper", "Park", "Slic3r", "as printed"] + methods[2:] +
+    methods = ["McMains", "topological", "LDNI, 0.1 mm"]
+    heads = (["model", "Park, paper", "Slic3r, paper", "proposed, paper", "Park", "Slic3r", "as printed", "and sense by rays"] + methods +
              [f"engine, {count} thr." for count in rows.threads] + ["paper's share of contours", "engine's"])
     lines = []
     for model in rows.models:
         engine = rows.engine(model)
         contours, total = engine.seconds("contours_s"), engine.seconds("total_s")
         lines.append([name_of(rows, model)] + [shown(s) for s in model.totals()] + [shown(rows.park_total(model))] +
-                     [rows.cell(model, method, "total_s") for method in methods] +
+                     [rows.cell(model, method, "total_s") for method in ("Slic3r", PRINTED)] +
+                     [shown(rows.printed_with_sense(model))] + [rows.cell(model, method, "total_s") for method in methods] +
                      [rows.cell(model, "engine", "total_s", threads=count) for count in rows.threads] +
                      [f"{100 * model.contours[3] / model.totals()[2]:.0f} %", f"{100 * contours / total:.0f} %"])
     return markdown_table(heads, lines)
@@ -165,17 +171,19 @@ def bars(rows):
         for model in rows.models:
             found = wanted(model)
             if found is not None:
-                lines.append([what, model.name, f"{found:.1f}", f"at least {least(model)}",
+                lines.append([what, model.name, f"{found:.{2 if found < 10 else 1}f}", f"at least {least(model)}",
                               "met" if found >= least(model) else "NOT met"])
 
     def over_engine(method):
         return lambda model: ratio(rows.seconds(model, method, "total_s"), rows.seconds(model, "engine", "total_s"))
 
-    def printed_over_engine(model):
-        return over_engine(PRINTED)(model)
+    def least_of_printed(model):
+        return 40 if model.name in small else 5 if model.name in tall else 20
 
     small, tall = ("liver", "femur"), ("warrior", "robot")
-    hold("as printed / engine", lambda m: 40 if m.name in small else 5 if m.name in tall else 20, printed_over_engine)
+    hold("as printed, without sense / engine", least_of_printed, over_engine(PRINTED))
+    hold("as printed, with sense by rays / engine", least_of_printed,
+         lambda m: ratio(rows.printed_with_sense(m), rows.seconds(m, "engine", "total_s")))
     hold("topological / engine", lambda m: 2, over_engine("topological"))
     hold("Slic3r's way / engine", lambda m: 15 if m.name in small else 8, over_engine("Slic3r"))
     for peer in ("cgal", "vtk"):

@@ -46,7 +46,7 @@ public:
     ///
     /// The library (Clipper 6.4) is not always right: of 177,000 regions of contours on a lattice of 12 x 12 it gave some 40
     /// a false area or a hole for an outer, most where three edges share a stretch. So each region is found at least twice:
-    /// all contours at once, and one after the other, which begins where they are crowded; lying and upright. The first that
+    /// all contours at once, and half by half, which begins where they are crowded; lying and upright. The first that
     /// agrees with another in area, and in itself, is taken; of 354,000 regions all were right then. False, and no calls,
     /// where none agree or where it would take more than some seconds: the library's time grows with the square of what
     /// meets and of what lies side by side. Throws std::bad_alloc.

@@ -210,8 +210,17 @@ TEST_CASE("fill rules fill what lies between edges where contours cross themselv
     }
     for (const FillRule rule : rules) {
         CAPTURE(static_cast<int>(rule));
-        CHECK(filled_area(walls(polygons), rule) ==
-              Approx(area_between_edges(polygons, rule)).margin(1e-3));
+        CHECK(filled_area(walls(polygons), rule) == Approx(area_between_edges(polygons, rule)).margin(1e-3));
+    }
+}
+
+TEST_CASE("fill rules: what a contour runs along and back is cut off", "[engine][fill]") {
+    const Polygon polygon{{-10, -10}, {0, -10}, {0, 0}, {10, 0}, {4, 0}, {4, 10}, {-10, 10}};
+    for (const FillRule rule : rules) {
+        lamella::SliceOptions options = at_heights({5});
+        options.fill_rule = rule;
+        CHECK(contours_at(sliced(walls({polygon}), options), 0) ==
+              std::vector<std::string>{"outer + x11 in -: -20,-20 -11,-20 0,-20 0,-11 0,0 8,0 8,9 8,20 -5,20 -20,20 -20,2"});
     }
 }
 

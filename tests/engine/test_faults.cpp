@@ -176,7 +176,7 @@ TEST_CASE("assembling fails cleanly at each of its allocations", "[engine][fault
 }
 
 TEST_CASE("reading fails cleanly at each of its allocations", "[engine][faults]") {
-    const lamella::input_test::TempDir folder;
+    const TempFolder folder;
     const auto facets = lamella::input_test::numbered_facets(500);
     const bool text = GENERATE(false, true);
     const auto path = folder.write(text ? "text.stl" : "binary.stl",

@@ -100,7 +100,6 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
 namespace {
 
 using lamella::Code;
-using lamella::input_test::TempDir;
 
 /// The code with which a call failed, or nothing.
 using Call = std::function<std::optional<Code>()>;
@@ -144,7 +143,7 @@ shapes::Soup everything() {
     return soup;
 }
 
-std::size_t files_in(const TempDir& folder) {
+std::size_t files_in(const TempFolder& folder) {
     const std::filesystem::directory_iterator entries(folder / "");
     return static_cast<std::size_t>(std::distance(begin(entries), end(entries)));
 }
@@ -189,7 +188,7 @@ TEST_CASE("operator new fails: examining, welding, assembling", "[faults]") {
 }
 
 TEST_CASE("operator new fails: reading", "[faults]") {
-    const TempDir folder;
+    const TempFolder folder;
     const auto facets = lamella::input_test::numbered_facets(50);
     const std::string binary = lamella::input_test::binary_stl(facets);
     const std::string text = lamella::input_test::ascii_stl(facets);
@@ -213,7 +212,7 @@ TEST_CASE("operator new fails: reading", "[faults]") {
 }
 
 TEST_CASE("operator new fails: writing leaves nothing half-written", "[faults]") {
-    const TempDir folder;
+    const TempFolder folder;
     const lamella::SliceResult result = sliced(everything(), uniform(0.4));
     const std::filesystem::path path = folder / "out.svg";
     bool tidy = true;  // noted here and checked below, as Catch takes memory too
@@ -244,7 +243,7 @@ TEST_CASE("operator new fails: going through a result", "[faults]") {
 }
 
 TEST_CASE("operator new fails: reports", "[faults]") {
-    const TempDir folder;
+    const TempFolder folder;
     const shapes::Soup soup = everything();
     const lamella::MeshView mesh = view_of(soup);
     lamella::SliceOptions options = uniform(0.4);

@@ -61,7 +61,7 @@ inline std::uint64_t hash_of(const std::filesystem::path& path) {
 }
 
 /// Of the cube as STL.
-inline std::uint64_t cube_hash(const TempDir& dir) {
+inline std::uint64_t cube_hash(const TempFolder& dir) {
     std::vector<Facet> facets;
     for (const auto& side : cube_sides) {
         for (const std::size_t i : {1U, 2U}) {

@@ -1,42 +1,21 @@
-// Files for the tests of the readers: a directory that removes itself, and STL in both forms.
+// Files for the tests of the readers: folders and STL in both forms.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <stdlib.h>
 #include <zlib.h>
 
 #include <catch2/catch.hpp>
 
+#include "temp_folder.hpp"
+
 namespace lamella::input_test {
-
-class TempDir {
-public:
-    TempDir() {
-        std::string name = (std::filesystem::temp_directory_path() / "lamella-XXXXXX").string();
-        path_ = ::mkdtemp(name.data());
-    }
-    ~TempDir() { std::filesystem::remove_all(path_); }
-    TempDir(const TempDir&) = delete;
-    TempDir& operator=(const TempDir&) = delete;
-
-    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
-    std::filesystem::path write(const std::string& name, std::string_view bytes) const {
-        std::ofstream(path_ / name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-        return path_ / name;
-    }
-
-private:
-    std::filesystem::path path_;
-};
 
 /// Nine coordinates.
 using Facet = std::array<float, 9>;

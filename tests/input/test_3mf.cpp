@@ -21,7 +21,7 @@ std::string cube(int id = 1, const std::string& attributes = "") {
     return object(id, cube_mesh(), attributes);
 }
 
-std::vector<Corners> read_corners(const TempDir& dir, const std::string& bytes) {
+std::vector<Corners> read_corners(const TempFolder& dir, const std::string& bytes) {
     const MeshFile mesh = read_indexed(dir.write("a.3mf", bytes));
     CHECK(mesh.warnings.empty());
     return corners_of(mesh);
@@ -32,7 +32,7 @@ double volume(const std::vector<Corners>& triangles) {
 }
 
 TEST_CASE("a 3MF cube is read as it was written", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const bool deflated = GENERATE(true, false);
     std::vector<ZipPart> parts = {content_types(), relationships(), {"3D/3dmodel.model", model_text(cube(), item(1))}};
     for (ZipPart& part : parts) {
@@ -56,7 +56,7 @@ TEST_CASE("a 3MF cube is read as it was written", "[input][3mf]") {
 }
 
 TEST_CASE("a cube slices to the same bytes from 3MF and from STL", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const SliceOptions options = uniform(0.25);
     Result<MeshFile> from_stl = read_mesh(dir.write("a.stl", binary_stl(cube_facets())));
     REQUIRE(from_stl.ok());
@@ -71,7 +71,7 @@ TEST_CASE("a cube slices to the same bytes from 3MF and from STL", "[input][3mf]
 }
 
 TEST_CASE("the unit of a 3MF file counts, whatever the caller asks for", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto [name, mm] = GENERATE(table<std::string, double>(
         {{"micron", 0.001}, {"millimeter", 1}, {"centimeter", 10}, {"inch", 25.4}, {"foot", 304.8}, {"meter", 1000}}));
     ReadOptions options;
@@ -85,7 +85,7 @@ TEST_CASE("the unit of a 3MF file counts, whatever the caller asks for", "[input
 }
 
 TEST_CASE("items and components are placed by their transforms", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     // Moved by (1, 2, 3), stretched by (2, 3, 4), and (x, y, z) -> (z, x, y): the last shows which way the matrix is read.
     const auto [transform, box] = GENERATE(table<std::string, Box>({
         {"1 0 0 0 1 0 0 0 1 1 2 3", Box{{{1, 2, 3}, {11, 12, 13}}}},
@@ -102,7 +102,7 @@ TEST_CASE("items and components are placed by their transforms", "[input][3mf]")
 }
 
 TEST_CASE("the inner transform comes first", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string assembly = object(2, components({R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 1 0 0")"}));
     const std::string twice = R"(transform="2 0 0 0 2 0 0 0 2 0 0 0")";
     const std::vector<Corners> triangles = read_corners(dir, package(model_text(cube() + assembly, item(2, twice))));
@@ -110,7 +110,7 @@ TEST_CASE("the inner transform comes first", "[input][3mf]") {
 }
 
 TEST_CASE("all items are placed, and components nested in components", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string moved = R"( transform="1 0 0 0 1 0 0 0 1 20 0 0")";
     const std::string pair = components({R"(objectid="1")", R"(objectid="1")" + moved});
     // Objects may refer to what comes later.
@@ -124,7 +124,7 @@ TEST_CASE("all items are placed, and components nested in components", "[input][
 }
 
 TEST_CASE("what a transform mirrors is turned right side out again", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string mirror = R"( transform="-1 0 0 0 1 0 0 0 1 0 0 0")";
     const std::string assembly = object(2, components({R"(objectid="1")" + mirror, R"(objectid="1")"}));
     const std::vector<Corners> once = read_corners(dir, package(model_text(cube(), item(1, mirror))));
@@ -138,7 +138,7 @@ TEST_CASE("what a transform mirrors is turned right side out again", "[input][3m
 }
 
 TEST_CASE("many instances of meshes of several chunks", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     constexpr int vertices = 70000;  // more than a chunk holds
     std::string mesh = "<mesh><vertices>";
     for (int v = 0; v < vertices; ++v) {
@@ -168,7 +168,7 @@ TEST_CASE("many instances of meshes of several chunks", "[input][3mf]") {
 }
 
 TEST_CASE("parts of the production extension are found by their paths", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string path = R"(p:path="/3D/Objects/cube 1.model" p:UUID="7")";
     const std::string assembly = object(1, components({"objectid=\"1\" " + path, R"(objectid="2")"}));
     const std::string inner = object(4, components({R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 40")"}));
@@ -183,7 +183,7 @@ TEST_CASE("parts of the production extension are found by their paths", "[input]
 }
 
 TEST_CASE("extensions that say nothing of the shape are read past", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string material =
         "xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\" "
         "requiredextensions=\"m p\"";
@@ -198,7 +198,7 @@ TEST_CASE("extensions that say nothing of the shape are read past", "[input][3mf
 }
 
 TEST_CASE("an optional extension that puts shapes into an object is warned of", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::string mesh = cube_mesh();
     mesh.replace(mesh.find("</mesh>"), 0,
                  "\n<b:beamlattice radius=\"1\"><b:beams><b:beam v1=\"0\"/></b:beams></b:beamlattice>");
@@ -213,7 +213,7 @@ TEST_CASE("an optional extension that puts shapes into an object is warned of", 
 }
 
 TEST_CASE("supports and what is not to be printed are left out and warned of", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string resources = cube(1) + cube(2, "type=\"support\"") + cube(3, "type=\"solidsupport\"") +
                                   cube(4, "type=\"other\"") + cube(5, "type=\"surface\"") +
                                   object(6, components({R"(objectid="2")", R"(objectid="1")"}));
@@ -228,7 +228,7 @@ TEST_CASE("supports and what is not to be printed are left out and warned of", "
 }
 
 TEST_CASE("bytes around the zip archive of a 3MF file are warned of", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string whole = package(model_text(cube(), item(1)));
     const auto warnings = [&](const std::string& bytes) {
         const MeshFile mesh = read_indexed(dir.write("a.3mf", bytes));
@@ -247,7 +247,7 @@ TEST_CASE("bytes around the zip archive of a 3MF file are warned of", "[input][3
 }
 
 TEST_CASE("a package that lacks its content types is read with a warning", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string model = model_text(cube(), item(1));
     const MeshFile file =
         read_indexed(dir.write("a.3mf", zip({{"3d/3DMODEL.model", model}, relationships("3D/3dmodel.model")})));
@@ -257,7 +257,7 @@ TEST_CASE("a package that lacks its content types is read with a warning", "[inp
 }
 
 TEST_CASE("vertices and triangles are read alike in all the ways to write them", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string model = model_text(cube(), item(1));
     const std::vector<Corners> expected = read_corners(dir, package(model));
     const auto with = [&model](const std::string& from, const std::string& to) {
@@ -299,7 +299,7 @@ TEST_CASE("vertices and triangles are read alike in all the ways to write them",
 }
 
 TEST_CASE("3MF by any name and in any encoding that XML must have", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string model = model_text(cube(), item(1));
     const MeshFile misnamed = read_indexed(dir.write("a.stl", package(model)));
     REQUIRE(misnamed.warnings.size() == 1);
@@ -328,7 +328,7 @@ TEST_CASE("3MF by any name and in any encoding that XML must have", "[input][3mf
 }
 
 TEST_CASE("an archive may begin with other bytes and hold other parts", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string bytes = package(model_text(cube(), item(1)), {{"Metadata/", ""}, {"thumbnail.png", "\x89PNG"}});
     CHECK(read_corners(dir, bytes).size() == 12);
     CHECK(corners_of(read_indexed(dir.write("b.3mf", std::string("\x7f\0\1", 3) + bytes))).size() == 12);

@@ -23,7 +23,7 @@ ReadOptions one_thread() {
 }
 
 /// The message of the package's refusal, without the file's name.
-std::string refusal(const TempDir& dir, const std::string& bytes, Code code = Code::malformed_mesh) {
+std::string refusal(const TempFolder& dir, const std::string& bytes, Code code = Code::malformed_mesh) {
     const auto path = dir.write("a.3mf", bytes);
     const Error error = read_error(path);
     CHECK(error.code == code);
@@ -31,7 +31,7 @@ std::string refusal(const TempDir& dir, const std::string& bytes, Code code = Co
 }
 
 /// The same of a root part that is the good one with `what` replaced.
-std::string refusal_with(const TempDir& dir, const std::string& what, const std::string& replacement) {
+std::string refusal_with(const TempFolder& dir, const std::string& what, const std::string& replacement) {
     std::string model = good_model();
     const std::size_t at = model.find(what);
     REQUIRE(at != std::string::npos);
@@ -43,7 +43,7 @@ std::string in_root(std::size_t line, const std::string& what) {
 }
 
 TEST_CASE("a 3MF file that ends anywhere but at its end is refused", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string bytes = package(good_model());
     for (std::size_t length = 4; length < bytes.size(); ++length) {
         const Result<MeshFile> mesh = read_mesh(dir.write("a.3mf", bytes.substr(0, length)), one_thread());
@@ -55,7 +55,7 @@ TEST_CASE("a 3MF file that ends anywhere but at its end is refused", "[input][3m
 }
 
 TEST_CASE("a 3MF file with any byte changed is read alike or refused", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string bytes = package(good_model());
     std::size_t refused = 0;
     for (std::size_t at = 0; at < bytes.size(); ++at) {
@@ -71,7 +71,7 @@ TEST_CASE("a 3MF file with any byte changed is read alike or refused", "[input][
 }
 
 TEST_CASE("damaged archives are told from malformed parts", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto refusal_of = [&](const ZipPart& root) { return refusal(dir, zip({content_types(), relationships(), root})); };
     ZipPart root = {"3D/3dmodel.model", good_model()};
     root.false_crc = 1;
@@ -94,7 +94,7 @@ TEST_CASE("damaged archives are told from malformed parts", "[input][3mf]") {
 }
 
 TEST_CASE("archives that are no 3MF packages are refused", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK(refusal(dir, "PK\3\4" + zip({})) == "is a zip archive without any part");
     CHECK(refusal(dir, zip({{"mesh.stl", ascii_stl(numbered_facets(3))}})) == "part '_rels/.rels' is missing");
     CHECK(refusal(dir, zip({content_types(), relationships()})) == "part '3D/3dmodel.model' is missing");
@@ -107,7 +107,7 @@ TEST_CASE("archives that are no 3MF packages are refused", "[input][3mf]") {
 }
 
 TEST_CASE("no path leaves the package", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     for (const std::string path :
          {"../a.model", "/3D/../../a.model", "3D//a", "/", "", ".", "C:/a", "3D\\a", "file:///a", "a/"}) {
         CHECK(refusal(dir, zip({relationships(path), {path, good_model()}})) ==
@@ -118,7 +118,7 @@ TEST_CASE("no path leaves the package", "[input][3mf]") {
 }
 
 TEST_CASE("entities and whatever else a document type may hold are refused", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string expected = in_root(2, "a document type declaration, which is refused");
     for (const std::string doctype :
          {"<!DOCTYPE model>", "<!DOCTYPE model SYSTEM \"file:///etc/passwd\">",
@@ -130,7 +130,7 @@ TEST_CASE("entities and whatever else a document type may hold are refused", "[i
 }
 
 TEST_CASE("every malformed field of a 3MF model is told with its line", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string compatibility_space = "http://schemas.openxmlformats.org/markup-compatibility/2006";
     using Row = std::tuple<std::string, std::string, std::size_t, std::string>;
     const std::vector<Row> rows = {
@@ -180,7 +180,7 @@ TEST_CASE("every malformed field of a 3MF model is told with its line", "[input]
 }
 
 TEST_CASE("transforms that are none are refused", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string twelve = "a transform that is not twelve finite numbers: ";
     using Row = std::pair<std::string, std::string>;
     for (const auto& [numbers, message] :
@@ -195,7 +195,7 @@ TEST_CASE("transforms that are none are refused", "[input][3mf]") {
 }
 
 TEST_CASE("a build of nothing is an empty mesh", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string empty =
         object(1, "<mesh><vertices/><triangles/></mesh>") + object(2, "") + object(3, cube_mesh(), "type=\"support\"");
     CHECK(refusal(dir, package(model_text(empty, "")), Code::empty_mesh) ==
@@ -212,7 +212,7 @@ TEST_CASE("a build of nothing is an empty mesh", "[input][3mf]") {
 }
 
 TEST_CASE("only the root part refers to others, and what it refers to is there", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto referring = [](const std::string& path, int id) {
         return model_text("", item(id, "p:path=\"" + path + "\""));
     };
@@ -229,7 +229,7 @@ TEST_CASE("only the root part refers to others, and what it refers to is there",
 }
 
 TEST_CASE("components that contain themselves are refused", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto of = [](int id) { return components({"objectid=\"" + std::to_string(id) + "\""}); };
     CHECK(refusal(dir, package(model_text(object(1, of(1)), item(1)))) == in_root(4, "object 1 is a component of itself"));
     const std::string ring = object(1, of(2)) + object(2, of(3)) + object(3, of(1));
@@ -250,7 +250,7 @@ std::string tower(int levels, int times, const std::string& seed) {
 }
 
 TEST_CASE("more instances than any machine holds are counted and refused", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK(refusal(dir, package(tower(41, 2, cube_mesh())), Code::out_of_memory)
               .find("builds 13194139533312 triangles, which take more than") != std::string::npos);
     CHECK(refusal(dir, package(tower(200, 9, cube_mesh())), Code::out_of_memory)
@@ -265,7 +265,7 @@ TEST_CASE("more instances than any machine holds are counted and refused", "[inp
 }
 
 TEST_CASE("steps to few triangles count too", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::string model = tower(3000, 1,
                               "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/></vertices><triangles>"
                               "<triangle v1=\"0\" v2=\"0\" v3=\"0\"/></triangles></mesh>");
@@ -279,7 +279,7 @@ TEST_CASE("steps to few triangles count too", "[input][3mf]") {
 }
 
 TEST_CASE("text that expands enormously is refused while it streams", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::string model = good_model();
     model.insert(model.find("</resources>"), std::string(std::size_t{24} << 20, ' '));
     const auto path = dir.write("a.3mf", package(model));
@@ -294,7 +294,7 @@ TEST_CASE("text that expands enormously is refused while it streams", "[input][3
 }
 
 TEST_CASE("what is kept of a 3MF file stays within the limit", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::string vertices;
     for (int i = 0; i < 40000; ++i) {
         vertices += "<vertex x=\"" + std::to_string(i) + "\" y=\"0\" z=\"" + std::to_string(i * i % 7919) + "\"/>";
@@ -319,7 +319,7 @@ TEST_CASE("what is kept of a 3MF file stays within the limit", "[input][3mf]") {
 }
 
 TEST_CASE("3MF without the memory for it is an error and leaves nothing behind", "[input][3mf]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto path = dir.write("a.3mf", package(tower(4, 3, cube_mesh())));
     std::size_t failures = 0;
     for (std::size_t limit = 0;; limit += 512) {

@@ -11,7 +11,7 @@ namespace lamella::input_test {
 using Catch::Contains;
 
 TEST_CASE("a file that shrinks while it is read is an error", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto path = dir.write("a.stl", std::string(1000, 'x'));
     const Result<InputFile> file = InputFile::open(path);
     REQUIRE(file.ok());
@@ -24,7 +24,7 @@ TEST_CASE("a file that shrinks while it is read is an error", "[input]") {
 }
 
 TEST_CASE("a file that changes after it was opened is an error", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto path = dir.write("a.stl", std::string(1000, 'x'));
     const Result<InputFile> file = InputFile::open(path);
     CHECK(file.value().unchanged().ok());

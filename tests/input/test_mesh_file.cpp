@@ -21,7 +21,7 @@ MeshFile read_one(const std::filesystem::path& path) {
 }
 
 TEST_CASE("gzip of any form of STL is unpacked", "[input][gzip]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(3000);
     const bool text = GENERATE(false, true);
     const std::string bytes = text ? ascii_stl(facets) : binary_stl(facets);
@@ -37,7 +37,7 @@ TEST_CASE("gzip of any form of STL is unpacked", "[input][gzip]") {
 }
 
 TEST_CASE("bytes after gzip data are warned of", "[input][gzip]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto path = dir.write("a.stl.gz", gzipped(binary_stl(numbered_facets(10))) + "tail");
     const MeshFile mesh = read_one(path);
     REQUIRE(mesh.warnings.size() == 1);
@@ -45,7 +45,7 @@ TEST_CASE("bytes after gzip data are warned of", "[input][gzip]") {
 }
 
 TEST_CASE("gzip data that end too early or are damaged are refused", "[input][gzip]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string packed = gzipped(binary_stl(numbered_facets(40)));
     for (std::size_t length = 2; length < packed.size(); ++length) {
         const Error error = read_error(dir.write("a.stl.gz", packed.substr(0, length)));
@@ -59,7 +59,7 @@ TEST_CASE("gzip data that end too early or are damaged are refused", "[input][gz
 }
 
 TEST_CASE("a file that expands enormously is refused before it is unpacked whole", "[input][gzip]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto path = dir.write("a.stl.gz", gzipped(std::string(std::size_t{8} << 20, '\0')));
     ReadOptions options;
     options.memory_limit_bytes = std::uint64_t{6} << 20;
@@ -70,7 +70,7 @@ TEST_CASE("a file that expands enormously is refused before it is unpacked whole
 }
 
 TEST_CASE("what is in gzip data is judged like any file", "[input][gzip]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK(read_error(dir.write("a.stl.gz", gzipped(""))).message.find("is empty") != std::string::npos);
     CHECK(read_error(dir.write("a.stl.gz", gzipped("<html>"))).message.find("'<html>'") != std::string::npos);
     const Error twice = read_error(dir.write("a.stl.gz", gzipped(gzipped(binary_stl(numbered_facets(1))))));
@@ -79,7 +79,7 @@ TEST_CASE("what is in gzip data is judged like any file", "[input][gzip]") {
 }
 
 TEST_CASE("a name that says otherwise than the file whether it is gzip is warned of", "[input][gzip]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string plain = binary_stl(numbered_facets(3));
     const auto warnings = [&](const std::string& name, const std::string& bytes) {
         return read_one(dir.write(name, bytes)).warnings;
@@ -97,7 +97,7 @@ TEST_CASE("a name that says otherwise than the file whether it is gzip is warned
 }
 
 TEST_CASE("an STL file may have any name", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(20);
     for (const char* name : {"a", "a.STL", "a.bin", "a.gz"}) {
         CHECK(read_facets(dir.write(name, binary_stl(facets))) == facets);

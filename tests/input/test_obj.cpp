@@ -51,7 +51,7 @@ std::string with_face(const std::string& face) {
 }  // namespace
 
 TEST_CASE("an OBJ cube in every form slices like the same cube as STL", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::uint64_t expected = cube_hash(dir);
     const std::string v = vertices_text();
     const auto same = [&](const std::string& text) { return hash_of(dir.write("cube.obj", text)) == expected; };
@@ -80,7 +80,7 @@ TEST_CASE("an OBJ cube in every form slices like the same cube as STL", "[input]
 }
 
 TEST_CASE("a relative OBJ reference counts back from its own line", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::string text;
     std::vector<std::array<double, 9>> expected;
     for (int i = 0; i < 70'000; ++i) {  // 3 MB: several pieces
@@ -93,7 +93,7 @@ TEST_CASE("a relative OBJ reference counts back from its own line", "[input][obj
 }
 
 TEST_CASE("concave OBJ faces are cut along diagonals within them", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string arrow = "v 0 0 0\nv 4 4 0\nv 0 1 0\nv -4 4 0\n";
     CHECK(read_triangles(dir.write("a.obj", arrow + "f 2 3 4 1\n")) ==
           std::vector<std::array<double, 9>>{{0, 0, 0, 4, 4, 0, 0, 1, 0}, {-4, 4, 0, 0, 0, 0, 0, 1, 0}});
@@ -112,7 +112,7 @@ TEST_CASE("concave OBJ faces are cut along diagonals within them", "[input][obj]
 }
 
 TEST_CASE("OBJ numbers are read as doubles", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto first = [&](const std::string& number) {
         return read_triangles(dir.write("a.obj", "v " + number + " 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n")).at(0)[0];
     };
@@ -125,7 +125,7 @@ TEST_CASE("OBJ numbers are read as doubles", "[input][obj]") {
 }
 
 TEST_CASE("malformed OBJ coordinates are refused with line and byte", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string number = GENERATE(as<std::string>(), "nan", "inf", "-inf", "1e999", "1,5", "1.2.3", "--1", "+-1", "+",
                                         "-", ".", "e5", "0x10", "abc", "1\\", "\\1", "1/2");
     const Error error = read_error(dir.write("a.obj", "# x\nv 0 " + number + " 0\nv 1 1 1\nf 1 2 1\n"));
@@ -135,7 +135,7 @@ TEST_CASE("malformed OBJ coordinates are refused with line and byte", "[input][o
 }
 
 TEST_CASE("OBJ vertices of too few or too many numbers are refused", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK_THAT(read_error(dir.write("a.obj", "v 1 2\nv 3 4 5\n")).message,
                Contains("line 1, byte 5: expected a coordinate (a vertex has three), found the end of the line"));
     CHECK_THAT(read_error(dir.write("b.obj", "v 1 2 3\nv")).message,
@@ -146,7 +146,7 @@ TEST_CASE("OBJ vertices of too few or too many numbers are refused", "[input][ob
 }
 
 TEST_CASE("OBJ faces that cannot be are refused with line and byte", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto refused = [&](const std::string& face) {
         const Error error = read_error(dir.write("a.obj", with_face(face)));
         CHECK(error.code == Code::malformed_mesh);
@@ -169,7 +169,7 @@ TEST_CASE("OBJ faces that cannot be are refused with line and byte", "[input][ob
 }
 
 TEST_CASE("OBJ faces of fewer than three corners are left out and warned of", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto path = dir.write("a.obj", with_face("f 1 2\nf 1 2 3\nf\nfo 1 # 2 3\nf 3 2 1"));
     CHECK((read_triangles(path) ==
            std::vector<std::array<double, 9>>{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 0, 1, 0, 0, 0, 0, 0}}));
@@ -181,7 +181,7 @@ TEST_CASE("OBJ faces of fewer than three corners are left out and warned of", "[
 }
 
 TEST_CASE("OBJ statements that may hold a shape and are not read are warned of once", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto warnings = [&](const std::string& statements) {
         const auto path = dir.write("a.obj", cube() + statements);
         return same_every_way(path, [](const MeshFile& mesh) {
@@ -206,13 +206,13 @@ TEST_CASE("OBJ statements that may hold a shape and are not read are warned of o
 }
 
 TEST_CASE("a relative OBJ reference does not reach what follows", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK_THAT(read_error(dir.write("a.obj", "v 0 0 0\nv 1 0 0\nf -1 -2 -3\nv 0 1 0\n")).message,
                Contains("line 3, byte 24: vertex number out of range: 2 vertices precede"));
 }
 
 TEST_CASE("the first error of an OBJ file is told, whatever the threads", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::string text;
     for (int i = 0; i < 200'000; ++i) {  // 4 MB
         text += "v 0.25 0.5 0.125\n";
@@ -226,7 +226,7 @@ TEST_CASE("the first error of an OBJ file is told, whatever the threads", "[inpu
 }
 
 TEST_CASE("an OBJ file cut anywhere is read or refused, never misread", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string whole =
         vertices_text(" 1 \\\n 0.5 0.5") + sides_text([](std::uint32_t c) { return plain(c) + "/1/2"; });
     const std::size_t first_face = whole.find("f ");
@@ -244,7 +244,7 @@ TEST_CASE("an OBJ file cut anywhere is read or refused, never misread", "[input]
 }
 
 TEST_CASE("pieces of OBJ text end neither within a statement nor within a comment", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string end = GENERATE(as<std::string>(), "\n", "\r\n", "\r");
     std::string text = "v 0 0 0" + end + "v 1 0 0" + end + "v 0 1 0" + end + "f";
     for (std::size_t i = 0; i < 500'000; ++i) {  // one face on half a million lines
@@ -255,14 +255,14 @@ TEST_CASE("pieces of OBJ text end neither within a statement nor within a commen
 }
 
 TEST_CASE("OBJ text without faces is empty", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK(read_error(dir.write("a.obj", vertices_text())).code == Code::empty_mesh);
     CHECK(read_error(dir.write("b.obj", "# nothing\n")).code == Code::empty_mesh);
     CHECK_THAT(read_error(dir.write("c.obj", "o part\n")).message, Contains("holds no faces"));
 }
 
 TEST_CASE("an OBJ face that expands beyond the memory limit is refused before it does", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
     for (int i = 0; i < 400'000; ++i) {
         text += " 1";
@@ -277,7 +277,7 @@ TEST_CASE("an OBJ face that expands beyond the memory limit is refused before it
 }
 
 TEST_CASE("hostile OBJ faces are refused with their line", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::string face = "f";
     for (std::uint32_t i = 0, random = 1; i < 30'000; ++i) {
         random = random * 1'664'525 + 1'013'904'223;
@@ -290,7 +290,7 @@ TEST_CASE("hostile OBJ faces are refused with their line", "[input][obj]") {
 }
 
 TEST_CASE("an OBJ head states the patient frame", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto frame = [&](const std::string& head) {
         return read_mesh(dir.write("a.obj", head + cube())).value().patient_frame;
     };
@@ -301,7 +301,7 @@ TEST_CASE("an OBJ head states the patient frame", "[input][obj]") {
 }
 
 TEST_CASE("OBJ is known by its first statement", "[input][obj]") {
-    const TempDir dir;
+    const TempFolder dir;
     for (const char* head : {"", "# a\n", "mtllib a.mtl\n", "g part\n", "vn 0 0 1\n"}) {
         const Result<MeshFile> mesh = read_mesh(dir.write("a", head + cube()));
         REQUIRE(mesh.ok());

@@ -39,7 +39,7 @@ std::string with_face(const std::string& face) {
 }  // namespace
 
 TEST_CASE("an OFF cube in every form slices like the same cube as STL", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::uint64_t expected = cube_hash(dir);
     const auto same = [&](const std::string& text) { return hash_of(dir.write("cube.off", text)) == expected; };
     CHECK(same(cube()));
@@ -61,7 +61,7 @@ TEST_CASE("an OFF cube in every form slices like the same cube as STL", "[input]
 }
 
 TEST_CASE("OFF of several pieces gives every vertex and face in order", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::string text = "OFF\n150000 50001 0\n";
     std::vector<std::array<double, 9>> expected;
     for (int i = 0; i < 50'000; ++i) {
@@ -87,7 +87,7 @@ TEST_CASE("OFF of several pieces gives every vertex and face in order", "[input]
 }
 
 TEST_CASE("OFF counts that do not fit the text are refused", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto refused = [&](const std::string& counts) {
         const Error error = read_error(dir.write("a.off", "OFF\n" + counts + "\n" + body()));
         CHECK(error.code == Code::malformed_mesh);
@@ -108,7 +108,7 @@ TEST_CASE("OFF counts that do not fit the text are refused", "[input][off]") {
 }
 
 TEST_CASE("OFF faces that cannot be are refused with line and byte", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto refused = [&](const std::string& face) {
         const Error error = read_error(dir.write("a.off", with_face(face)));
         CHECK(error.code == Code::malformed_mesh);
@@ -131,7 +131,7 @@ TEST_CASE("OFF faces that cannot be are refused with line and byte", "[input][of
 }
 
 TEST_CASE("OFF faces of fewer than three corners are left out and warned of", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string head = "OFF\n3 5 0\n0 0 0\n1 0 0\n0 1 0\n";
     const auto path = dir.write("a.off", head + "3 0 1 2\n0\n2 0 1 255 0 0\n3 2 1 0\n1 0\n");
     CHECK((read_triangles(path) ==
@@ -152,7 +152,7 @@ TEST_CASE("OFF faces of fewer than three corners are left out and warned of", "[
 }
 
 TEST_CASE("OFF may lack its first word where the file's name says what it is", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     for (const char* head : {"8 6 0\n", "8 6\n", "# made by hand\n\n 8 6 12 # counts\n",
                              "\xEF\xBB\xBF"
                              "8 6 0\r\n"}) {
@@ -166,14 +166,14 @@ TEST_CASE("OFF may lack its first word where the file's name says what it is", "
 }
 
 TEST_CASE("malformed OFF coordinates are refused with line and byte", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string number = GENERATE(as<std::string>(), "nan", "inf", "1e999", "1,5", "--1", ".", "0x1", "abc");
     const Error error = read_error(dir.write("a.off", replaced(with_face("3 0 1 2"), "\n1 0 0", "\n1 " + number + " 0")));
     CHECK_THAT(error.message, Contains(": line 4, byte 18: ") && Contains("'" + number + "'"));
 }
 
 TEST_CASE("an OFF file cut anywhere is refused, unless nothing is lost", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string whole = cube();
     for (std::size_t length = 1; length + 1 < whole.size(); ++length) {
         const Result<MeshFile> mesh = read_mesh(dir.write("a.off", whole.substr(0, length)));
@@ -184,7 +184,7 @@ TEST_CASE("an OFF file cut anywhere is refused, unless nothing is lost", "[input
 }
 
 TEST_CASE("forms of OFF that are not read say so", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK_THAT(read_error(dir.write("a.off", std::string("OFF BINARY\n\0\0\0\x08", 15))).message,
                Contains("is a binary OFF file; only OFF as text is read"));
     CHECK_THAT(read_error(dir.write("b.off", "4OFF\n1 1 0\n0 0 0 1\n")).message,
@@ -193,13 +193,13 @@ TEST_CASE("forms of OFF that are not read say so", "[input][off]") {
 }
 
 TEST_CASE("OFF without faces is empty", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK(read_error(dir.write("a.off", "OFF\n0 0 0\n")).code == Code::empty_mesh);
     CHECK(read_error(dir.write("b.off", "OFF 1 0 0\n1 2 3\n")).code == Code::empty_mesh);
 }
 
 TEST_CASE("an OFF head states the patient frame", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto frame = [&](const std::string& text) { return read_mesh(dir.write("a.off", text)).value().patient_frame; };
     CHECK(frame("OFF\n# SPACE=LPS\n8 6 0\n" + body()) == PatientFrame::lps);
     CHECK(frame("# SPACE=RAS\n" + cube()) == PatientFrame::ras);
@@ -207,7 +207,7 @@ TEST_CASE("an OFF head states the patient frame", "[input][off]") {
 }
 
 TEST_CASE("OFF is known by its first word", "[input][off]") {
-    const TempDir dir;
+    const TempFolder dir;
     const Result<MeshFile> mesh = read_mesh(dir.write("a", cube()));
     REQUIRE(mesh.ok());
     CHECK(mesh->format == MeshFormat::off);

@@ -62,7 +62,7 @@ shapes::Soup read_soup(const std::filesystem::path& path) {
     return first;
 }
 
-shapes::Soup read_soup(const TempDir& dir, const std::string& bytes) {
+shapes::Soup read_soup(const TempFolder& dir, const std::string& bytes) {
     return read_soup(dir.write("a.ply", bytes));
 }
 
@@ -94,7 +94,7 @@ double volume_of(const shapes::Soup& soup) {
 }  // namespace
 
 TEST_CASE("PLY of every encoding and type of number gives the same mesh", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const shapes::Soup expected = soup_of(cube());
     const std::string_view encoding = GENERATE(from_range(ply_encodings));
     const std::size_t coordinate = GENERATE(range<std::size_t>(0, 8));
@@ -112,7 +112,7 @@ TEST_CASE("PLY of every encoding and type of number gives the same mesh", "[inpu
 }
 
 TEST_CASE("PLY in any order and with anything between gives the same mesh", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const shapes::Soup expected = soup_of(cube());
     PlyVariant how;
     how.encoding = GENERATE(from_range(ply_encodings));
@@ -132,7 +132,7 @@ TEST_CASE("PLY in any order and with anything between gives the same mesh", "[in
 }
 
 TEST_CASE("PLY slices to the same bytes as STL", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::vector<Facet> facets;
     const shapes::Soup soup = soup_of(cube());
     for (std::size_t t = 0; t < soup.size(); t += 9) {
@@ -159,7 +159,7 @@ TEST_CASE("PLY slices to the same bytes as STL", "[input][ply]") {
 }
 
 TEST_CASE("PLY coordinates keep their precision", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string_view encoding = GENERATE(from_range(ply_encodings));
     const auto read = [&](std::string_view type, double x) {
         PlyVariant how;
@@ -183,7 +183,7 @@ TEST_CASE("PLY coordinates keep their precision", "[input][ply]") {
 }
 
 TEST_CASE("PLY floats of the machine's own byte order stay where they lie", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     PlyVariant how;
     how.encoding = "binary_little_endian";
     how.faces_first = GENERATE(false, true);
@@ -197,7 +197,7 @@ TEST_CASE("PLY floats of the machine's own byte order stay where they lie", "[in
 }
 
 TEST_CASE("PLY polygons are cut into triangles", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     PlyVariant how;
     how.encoding = GENERATE(from_range(ply_encodings));
     how.faces_first = GENERATE(false, true);
@@ -216,7 +216,7 @@ TEST_CASE("PLY polygons are cut into triangles", "[input][ply]") {
 }
 
 TEST_CASE("PLY faces of fewer than three vertices are left out and told", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     PlyVariant how;
     how.encoding = GENERATE(from_range(ply_encodings));
     Faces faces = triangles_of(cube());
@@ -230,7 +230,7 @@ TEST_CASE("PLY faces of fewer than three vertices are left out and told", "[inpu
 }
 
 TEST_CASE("PLY triangle strips alternate and begin again after -1", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string_view encoding = GENERATE(from_range(ply_encodings));
     const bool strips_first = GENERATE(false, true);
     const std::vector<double> xyz = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0};
@@ -261,7 +261,7 @@ TEST_CASE("PLY triangle strips alternate and begin again after -1", "[input][ply
 }
 
 TEST_CASE("PLY comments may state the patient frame", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string plain = ply({}, cube());
     const auto frame_of = [&](const std::string& line) {
         return read_ply_file(dir.write("a.ply", replaced(plain, "element vertex", line + "\nelement vertex")), false, 1)
@@ -278,7 +278,7 @@ TEST_CASE("PLY comments may state the patient frame", "[input][ply]") {
 }
 
 TEST_CASE("PLY headers with other ends of lines and white space", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     PlyVariant how;
     how.encoding = GENERATE(from_range(ply_encodings));
     how.coordinate = "int";
@@ -300,7 +300,7 @@ TEST_CASE("PLY headers with other ends of lines and white space", "[input][ply]"
 }
 
 TEST_CASE("ASCII PLY need not keep to lines", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     PlyVariant how;
     how.extra_elements = GENERATE(false, true);
     how.faces_first = GENERATE(false, true);
@@ -322,7 +322,7 @@ TEST_CASE("ASCII PLY need not keep to lines", "[input][ply]") {
 }
 
 TEST_CASE("ASCII PLY in every accepted spelling of numbers", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string header =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty float y\nproperty int z\n"
         "element face 1\nproperty list uchar uint vertex_indices\nend_header\n";
@@ -334,7 +334,7 @@ TEST_CASE("ASCII PLY in every accepted spelling of numbers", "[input][ply]") {
 }
 
 TEST_CASE("ASCII PLY of many pieces gives every face once, in order", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const shapes::Indexed sphere = shapes::indexed(shapes::octasphere({1, 2, 3}, 20, 7));  // 5 MB
     Faces faces = triangles_of(sphere);
     std::size_t small = 0;
@@ -359,7 +359,7 @@ TEST_CASE("ASCII PLY of many pieces gives every face once, in order", "[input][p
 }
 
 TEST_CASE("bytes after the last PLY element are warned of", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     PlyVariant how;
     how.encoding = GENERATE(from_range(ply_encodings));
     const auto path = dir.write("a.ply", ply(how, cube()) + "tail");
@@ -370,7 +370,7 @@ TEST_CASE("bytes after the last PLY element are warned of", "[input][ply]") {
 }
 
 TEST_CASE("PLY is known by its content", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     PlyVariant how;
     how.encoding = GENERATE(from_range(ply_encodings));
     const std::string bytes = ply(how, cube());

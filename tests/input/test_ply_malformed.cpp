@@ -29,7 +29,7 @@ std::string header_of(const std::string& format, const std::string& vertex_count
 
 const std::string four_vertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
 
-Error malformed(const TempDir& dir, const std::string& bytes) {
+Error malformed(const TempFolder& dir, const std::string& bytes) {
     const Error error = read_error(dir.write("a.ply", bytes));
     CHECK(error.code == Code::malformed_mesh);
     CHECK(error.message.size() < 400);
@@ -56,7 +56,7 @@ std::string binary_tetrahedron(std::string_view encoding, std::string_view count
 }  // namespace
 
 TEST_CASE("a PLY file cut off anywhere is refused", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     PlyVariant how;
     how.encoding = GENERATE(from_range(ply_encodings));
     how.faces_first = GENERATE(false, true);
@@ -77,7 +77,7 @@ TEST_CASE("a PLY file cut off anywhere is refused", "[input][ply]") {
 }
 
 TEST_CASE("malformed PLY headers are refused with line and byte", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     struct Case {
         const char* from;
         const char* to;
@@ -120,7 +120,7 @@ TEST_CASE("malformed PLY headers are refused with line and byte", "[input][ply]"
 }
 
 TEST_CASE("a PLY header without end is refused", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string header = header_of("binary_little_endian", "4", "1");
     const Error error = malformed(dir, header.substr(0, header.find("end_header")));
     CHECK_THAT(error.message, Contains("expected 'end_header', found the end of the file"));
@@ -132,7 +132,7 @@ TEST_CASE("a PLY header without end is refused", "[input][ply]") {
 }
 
 TEST_CASE("PLY without faces holds no mesh", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string points = header_of("ascii", "4", "0") + four_vertices;
     CHECK(read_error(dir.write("a.ply", points)).code == Code::empty_mesh);
     const std::string no_face = "ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nend_header\n0\n";
@@ -141,7 +141,7 @@ TEST_CASE("PLY without faces holds no mesh", "[input][ply]") {
 }
 
 TEST_CASE("PLY counts are held against the bytes that are left", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string format = GENERATE(as<std::string>(), "ascii", "binary_little_endian", "binary_big_endian");
     const std::string count = GENERATE(as<std::string>(), "5000", "4294967296", "1537228672809129302", "9223372036854775807",
                                        "18446744073709551615");
@@ -156,7 +156,7 @@ TEST_CASE("PLY counts are held against the bytes that are left", "[input][ply]")
 }
 
 TEST_CASE("PLY elements that take no bytes are passed, however many", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string format = GENERATE(as<std::string>(), "ascii", "binary_little_endian", "binary_big_endian");
     PlyVariant how;
     how.encoding = format;
@@ -168,7 +168,7 @@ TEST_CASE("PLY elements that take no bytes are passed, however many", "[input][p
 }
 
 TEST_CASE("lists of PLY that lie about their length are refused", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string_view encoding = GENERATE(from_range(ply_encodings));
     const std::size_t header = binary_tetrahedron(encoding, "int", "int", 3, {0, 1, 2}).find("end_header\n") + 11;
     const std::size_t face = header + (encoding == "ascii" ? four_vertices.size() : 48);
@@ -191,7 +191,7 @@ TEST_CASE("lists of PLY that lie about their length are refused", "[input][ply]"
 }
 
 TEST_CASE("PLY indices out of range are refused", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string_view encoding = GENERATE(from_range(ply_encodings));
     const std::size_t corner = GENERATE(range<std::size_t>(0, 4));
     const bool quad = GENERATE(false, true);
@@ -216,7 +216,7 @@ TEST_CASE("PLY indices out of range are refused", "[input][ply]") {
 }
 
 TEST_CASE("malformed words of ASCII PLY are refused with line and byte", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string word = GENERATE(as<std::string>(), "nan", "inf", "-inf", "1e400", "1,5", "1.5f", "--1", "+", ".",
                                       "0x10", "abc", std::string(5000, '9'));
     const std::string header = header_of("ascii", "4", "1");
@@ -234,7 +234,7 @@ TEST_CASE("malformed words of ASCII PLY are refused with line and byte", "[input
 }
 
 TEST_CASE("the first error of an ASCII PLY file is told, whatever the threads", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const shapes::Indexed sphere = shapes::indexed(shapes::octasphere({1, 2, 3}, 20, 7));  // of several pieces
     std::string text = ply({}, sphere);
     for (const std::size_t from : {text.size() - 1000, text.size() / 5 * 4, text.size() / 2, text.size() / 5}) {
@@ -245,7 +245,7 @@ TEST_CASE("the first error of an ASCII PLY file is told, whatever the threads", 
 }
 
 TEST_CASE("PLY that expands to more than reading may take is refused", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string_view encoding = GENERATE(from_range(ply_encodings));
     PlyVariant how;
     how.encoding = encoding;
@@ -262,7 +262,7 @@ TEST_CASE("PLY that expands to more than reading may take is refused", "[input][
 }
 
 TEST_CASE("PLY polygons with a corner that is nowhere are refused", "[input][ply]") {
-    const TempDir dir;
+    const TempFolder dir;
     PlyVariant how;
     how.encoding = GENERATE(as<std::string_view>(), "binary_little_endian", "binary_big_endian");
     std::vector<double> xyz = corners;

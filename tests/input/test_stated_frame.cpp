@@ -11,7 +11,7 @@ namespace lamella::input_test {
 
 namespace {
 
-MeshFile read_with_comment(const TempDir& dir, const std::string& comment) {
+MeshFile read_with_comment(const TempFolder& dir, const std::string& comment) {
     Result<MeshFile> mesh = read_mesh(dir.write("a.obj", "# " + comment + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
     INFO((mesh ? "" : mesh.error().message));
     REQUIRE(mesh.ok());
@@ -21,7 +21,7 @@ MeshFile read_with_comment(const TempDir& dir, const std::string& comment) {
 }  // namespace
 
 TEST_CASE("a patient frame is stated by a whole word and never guessed", "[input][frame]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string words =
         GENERATE(as<std::string>(), "SPACE=LPSX", "SPACE=LPS-RAS", "SPACE=LP", "SPACE=LPS,RAS", "COLORSPACE=LPS",
                  "MY_SPACE=RAS", "SPACE= LPS", "SPACE=lps", "space=LPS", "SPACE LPS");
@@ -33,7 +33,7 @@ TEST_CASE("a patient frame is stated by a whole word and never guessed", "[input
 }
 
 TEST_CASE("patient frames that contradict each other are warned of, and neither is taken", "[input][frame]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string second = GENERATE(as<std::string>(), "RAS", "LAS");
     const MeshFile mesh = read_with_comment(dir, "SPACE=LPS SPACE=LPS\n# SPACE=" + second + "\n# SPACE=LPS");
     CHECK(mesh.patient_frame == PatientFrame::unstated);
@@ -43,7 +43,7 @@ TEST_CASE("patient frames that contradict each other are warned of, and neither 
 }
 
 TEST_CASE("the header of binary STL may state the patient frame", "[input][frame]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto frame = [&](const std::string& header) {
         return read_mesh(dir.write("a.stl", binary_stl(numbered_facets(1), 1, header)))->patient_frame;
     };

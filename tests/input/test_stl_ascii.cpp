@@ -33,14 +33,14 @@ std::string with_number(const std::string& number) {
            " 2 3\nvertex 4 5 6\nvertex 7 8 9\nendloop\nendfacet\nendsolid a\n";
 }
 
-float first_number(const TempDir& dir, const std::string& number) {
+float first_number(const TempFolder& dir, const std::string& number) {
     return read_facets(dir.write("number.stl", with_number(number))).at(0)[0];
 }
 
 }  // namespace
 
 TEST_CASE("ASCII is packed into floats", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(7);
     const auto path = dir.write("a.stl", ascii_stl(facets));
     CHECK(read_facets(path) == facets);
@@ -51,7 +51,7 @@ TEST_CASE("ASCII is packed into floats", "[input]") {
 }
 
 TEST_CASE("ASCII in every accepted spelling", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(4);
     const std::string plain = ascii_stl(facets, "facet of solid part");
     const auto reads = [&](const std::string& text) { return read_facets(dir.write("a.stl", text)) == facets; };
@@ -72,7 +72,7 @@ TEST_CASE("ASCII in every accepted spelling", "[input]") {
 }
 
 TEST_CASE("several solids are one mesh", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(2);
     const std::string text = ascii_stl({facets[0]}, "one") + ascii_stl({facets[1]}, "two facet normal");
     CHECK(read_facets(dir.write("a.stl", text)) == facets);
@@ -80,7 +80,7 @@ TEST_CASE("several solids are one mesh", "[input]") {
 }
 
 TEST_CASE("a solid name of 1 MB, even one made of keywords", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string word = GENERATE(as<std::string>(), "x", "facet normal 0 0 1 ", "endfacet facet ", "solid ");
     std::string name;
     while (name.size() < 2'500'000) {  // longer than the pieces in which text is parsed
@@ -92,7 +92,7 @@ TEST_CASE("a solid name of 1 MB, even one made of keywords", "[input]") {
 }
 
 TEST_CASE("text of many pieces gives every facet once, in order", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(30'000);  // 5 MB
     const bool one_line = GENERATE(false, true);
     std::string text = ascii_stl(facets);
@@ -103,7 +103,7 @@ TEST_CASE("text of many pieces gives every facet once, in order", "[input]") {
 }
 
 TEST_CASE("normals are read over", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string normal = GENERATE(as<std::string>(), "0 0 0", "9 -9 1e9", "nan nan nan", "-nan(ind) NaN 0",
                                         "inf -inf 0", "1.#QNAN -1.#IND 0", "+1 .5 -.5e-3");
     const std::string text = "solid a\n" + ascii_facet(numbered_facet(1), normal);
@@ -111,7 +111,7 @@ TEST_CASE("normals are read over", "[input]") {
 }
 
 TEST_CASE("numbers are rounded to the nearest float", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK(first_number(dir, "0.1") == 0.1F);
     CHECK(first_number(dir, "-1.5E+2") == -150.0F);
     CHECK(first_number(dir, "+.5") == 0.5F);
@@ -127,7 +127,7 @@ TEST_CASE("numbers are rounded to the nearest float", "[input]") {
 }
 
 TEST_CASE("malformed coordinates are refused with line and byte", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string number =
         GENERATE(as<std::string>(), "nan", "NaN", "inf", "-inf", "+infinity", "1e400", "-1e39", "1,5", "1.5f", "1.2.3",
                  "--1", "+-1", "+", "-", ".", "e5", "0x10", "1e", "abc", std::string(5000, '9'));
@@ -139,7 +139,7 @@ TEST_CASE("malformed coordinates are refused with line and byte", "[input]") {
 }
 
 TEST_CASE("lines are counted over LF, CRLF and CR", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string end = GENERATE(as<std::string>(), "\n", "\r\n", "\r");
     const bool mark = GENERATE(false, true);
     const std::string text = (mark ? "\xEF\xBB\xBF" : "") + replaced(with_number("1e400"), "\n", end);
@@ -149,7 +149,7 @@ TEST_CASE("lines are counted over LF, CRLF and CR", "[input]") {
 }
 
 TEST_CASE("loops of two or four vertices are refused", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string three = with_number("1");
     const Error two = read_error(dir.write("two.stl", replaced(three, "vertex 7 8 9\n", "")));
     CHECK_THAT(two.message, Contains("line 6, ") && Contains("expected 'vertex'") && Contains("'endloop'"));
@@ -158,7 +158,7 @@ TEST_CASE("loops of two or four vertices are refused", "[input]") {
 }
 
 TEST_CASE("ASCII cut within a facet is refused wherever the cut is", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string whole = ascii_stl(numbered_facets(2));
     const std::size_t begin = whole.find("facet", whole.find("endfacet") + 8);
     const std::size_t end = whole.rfind("endfacet") + 8;
@@ -172,7 +172,7 @@ TEST_CASE("ASCII cut within a facet is refused wherever the cut is", "[input]") 
 }
 
 TEST_CASE("the first of several errors is told, whatever the threads", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::string text = ascii_stl(numbered_facets(30'000));
     for (const std::size_t near : {4'000'000U, 2'500'000U}) {
         text.replace(text.find("vertex", near), 6, "vortex");
@@ -183,7 +183,7 @@ TEST_CASE("the first of several errors is told, whatever the threads", "[input]"
 }
 
 TEST_CASE("a facet left open before another piece begins is told as such", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::string text = ascii_stl(numbered_facets(30'000));
     const std::size_t near = text.find("    endloop", 1'048'576 - 300);
     for (std::size_t at = near; at < 1'048'576 + 600; at = text.find("    endloop", at + 1)) {
@@ -193,7 +193,7 @@ TEST_CASE("a facet left open before another piece begins is told as such", "[inp
 }
 
 TEST_CASE("stray words are refused", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK_THAT(read_error(dir.write("a.stl", "solid ground is good\nto stand on\n")).message,
                Contains("line 2, ") && Contains("found 'to'"));
     CHECK_THAT(read_error(dir.write("b.stl", with_number("1") + "trailing")).message, Contains("found 'trailing'"));
@@ -205,13 +205,13 @@ TEST_CASE("stray words are refused", "[input]") {
 }
 
 TEST_CASE("ASCII without triangles", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK(read_error(dir.write("a.stl", "solid nothing\nendsolid nothing\n")).code == Code::empty_mesh);
     CHECK(read_error(dir.write("b.stl", "solid")).code == Code::empty_mesh);
 }
 
 TEST_CASE("ASCII that ends without 'endsolid' is read with a warning that names the line", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(2);
     const std::string whole = ascii_stl(facets, "part");
     const auto warnings = [&](const std::string& text) {
@@ -235,7 +235,7 @@ TEST_CASE("ASCII that ends without 'endsolid' is read with a warning that names 
 }
 
 TEST_CASE("ASCII all on one line is read: a name ends where a facet begins", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(3);
     const auto reads = [&](const std::string& text) {
         return same_every_way(dir.write("a.stl", replaced(text, "\n", " ")), [&](const MeshFile& mesh) {
@@ -254,7 +254,7 @@ TEST_CASE("ASCII all on one line is read: a name ends where a facet begins", "[i
 }
 
 TEST_CASE("one line longer than the pieces of text gives every facet", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(12'000);  // 2 MB
     CHECK(read_facets(dir.write("a.stl", replaced(ascii_stl(facets), "\n", " "))) == facets);
 }

@@ -18,7 +18,7 @@ namespace lamella::input_test {
 using Catch::Contains;
 
 TEST_CASE("a binary file is kept as its bytes", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(5);
     const auto path = dir.write("a.stl", binary_stl(facets));
     CHECK(read_facets(path) == facets);
@@ -31,13 +31,13 @@ TEST_CASE("a binary file is kept as its bytes", "[input]") {
 }
 
 TEST_CASE("a binary file of several read pieces arrives whole", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(400'000);  // 20 MB
     CHECK(read_facets(dir.write("large.stl", binary_stl(facets))) == facets);
 }
 
 TEST_CASE("a binary header may begin with \"solid\"", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(3);
     const std::string header = GENERATE(as<std::string>(), "solid part", "SOLID facet normal 0 0 0\n", "solid",
                                         std::string("solid") + std::string(75, ' '));
@@ -45,13 +45,13 @@ TEST_CASE("a binary header may begin with \"solid\"", "[input]") {
 }
 
 TEST_CASE("colour attributes are left alone", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(3);
     CHECK(read_facets(dir.write("a.stl", binary_stl(facets, 3, "COLOR=abcd", "\xff\x7f"))) == facets);
 }
 
 TEST_CASE("bytes after the last counted record are ignored with a warning", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(3);
     const std::string header = GENERATE(as<std::string>(), "", "solid part");
     const std::size_t extra = GENERATE(1U, 49U, 50U, 1234U);
@@ -64,7 +64,7 @@ TEST_CASE("bytes after the last counted record are ignored with a warning", "[in
 }
 
 TEST_CASE("a count that the file does not hold is refused", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string header = GENERATE(as<std::string>(), "", "solid part");
     const std::uint32_t counted = GENERATE(6U, 1U << 24, std::numeric_limits<std::uint32_t>::max());
     const Error error = read_error(dir.write("a.stl", binary_stl(numbered_facets(5), counted, header)));
@@ -74,7 +74,7 @@ TEST_CASE("a count that the file does not hold is refused", "[input]") {
 }
 
 TEST_CASE("a binary file cut anywhere is refused", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string whole = binary_stl(numbered_facets(3), 3, "solid part");
     for (std::size_t length = 1; length < whole.size(); ++length) {
         INFO(length);
@@ -86,7 +86,7 @@ TEST_CASE("a binary file cut anywhere is refused", "[input]") {
 }
 
 TEST_CASE("no triangles", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     CHECK(read_error(dir.write("a.stl", "")).code == Code::empty_mesh);
     CHECK(read_error(dir.write("b.stl", binary_stl({}))).code == Code::empty_mesh);
     const Error behind = read_error(dir.write("c.stl", binary_stl(numbered_facets(2), 0)));
@@ -95,7 +95,7 @@ TEST_CASE("no triangles", "[input]") {
 }
 
 TEST_CASE("what is no file is refused without waiting", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const Error missing = read_error(dir / "missing.stl");
     CHECK(missing.code == Code::unreadable_file);
     CHECK_THAT(missing.message, Contains("No such file"));
@@ -111,7 +111,7 @@ TEST_CASE("what is no file is refused without waiting", "[input]") {
 }
 
 TEST_CASE("a link to a file is read", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(2);
     dir.write("a.stl", binary_stl(facets));
     std::filesystem::create_symlink(dir / "a.stl", dir / "b.stl");
@@ -119,7 +119,7 @@ TEST_CASE("a link to a file is read", "[input]") {
 }
 
 TEST_CASE("random bytes are refused, whatever their length", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     std::mt19937 random(7);
     const std::size_t length = GENERATE(1U, 10U, 83U, 84U, 85U, 134U, 1000U, 100'000U);
     std::string bytes(length, '\0');
@@ -130,14 +130,14 @@ TEST_CASE("random bytes are refused, whatever their length", "[input]") {
 }
 
 TEST_CASE("text that is no STL is quoted in the error", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const Error error = read_error(dir.write("a.stl", "<!DOCTYPE html>\r\n<html>\n" + std::string(500, 'x')));
     CHECK(error.code == Code::malformed_mesh);
     CHECK_THAT(error.message, Contains("'<!DOCTYPE html>'"));
 }
 
 TEST_CASE("a header of 2^32 - 1 triangles is refused at once", "[input]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto path = dir.write("sparse.stl", binary_stl({}, std::numeric_limits<std::uint32_t>::max()));
     std::filesystem::resize_file(path, std::uintmax_t{100} << 30);  // sparse: takes no room
     const auto start = std::chrono::steady_clock::now();

@@ -77,7 +77,7 @@ std::string lower(std::string text) {
 }  // namespace
 
 TEST_CASE("legacy VTK in every form gives the same triangles", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     const PolyData data = GENERATE(cube(), cube_with_strip(), sheet(200));
     const bool text = GENERATE(false, true);
     for (const int version : {1, 2, 3, 4, 5}) {
@@ -100,7 +100,7 @@ TEST_CASE("legacy VTK in every form gives the same triangles", "[input][vtk]") {
 }
 
 TEST_CASE("legacy VTK takes points of every type", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     const PolyData data = cube_with_strip();
     const bool text = GENERATE(false, true);
     for (const char* type : {"float", "double", "char", "unsigned_char", "short", "unsigned_short", "int", "unsigned_int",
@@ -117,7 +117,7 @@ TEST_CASE("legacy VTK takes points of every type", "[input][vtk]") {
 }
 
 TEST_CASE("legacy VTK in every accepted spelling", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     const PolyData data = cube_with_strip();
     const std::string plain = Legacy{}(data);
     const auto reads = [&](const std::string& text) {
@@ -141,7 +141,7 @@ TEST_CASE("legacy VTK in every accepted spelling", "[input][vtk]") {
 }
 
 TEST_CASE("what is not surface is skipped in legacy VTK", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     const PolyData data = cube();
     const bool text = GENERATE(false, true);
     const int version = GENERATE(3, 5);
@@ -161,7 +161,7 @@ TEST_CASE("what is not surface is skipped in legacy VTK", "[input][vtk]") {
 }
 
 TEST_CASE("the title of legacy VTK may state the patient frame", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string plain = Legacy{GENERATE(false, true)}(cube());
     const auto frame = [&](const std::string& title) {
         return read_one(dir.write("a.vtk", replaced(plain, "a title", title))).patient_frame;
@@ -173,7 +173,7 @@ TEST_CASE("the title of legacy VTK may state the patient frame", "[input][vtk]")
 }
 
 TEST_CASE("a FIELD of legacy VTK may state the patient frame", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     const bool text = GENERATE(false, true);
     const auto read = [&](const std::string& head, const std::vector<std::string>& values,
                           const std::string& title = "a title") {
@@ -198,7 +198,7 @@ TEST_CASE("a FIELD of legacy VTK may state the patient frame", "[input][vtk]") {
 }
 
 TEST_CASE("a cube is sliced the same from STL and legacy VTK", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::uint64_t expected = hash_of(dir.write("a.stl", binary_stl(triangles_of(cube()))));
     for (const int version : {4, 5}) {
         CHECK(hash_of(dir.write("a.vtk", Legacy{true, version}(cube()))) == expected);
@@ -207,7 +207,7 @@ TEST_CASE("a cube is sliced the same from STL and legacy VTK", "[input][vtk]") {
 }
 
 TEST_CASE("concave polygons of VTK are covered exactly", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     PolyData data;
     data.points = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {3, 4, 0}, {3, 1, 0}, {0, 1, 0}};
     data.polygons = {{5, 0, 1, 2, 3, 4}};
@@ -221,7 +221,7 @@ TEST_CASE("concave polygons of VTK are covered exactly", "[input][vtk]") {
 }
 
 TEST_CASE("cells of VTK without an area are ignored with a warning", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     PolyData data = cube();
     data.polygons.insert(data.polygons.begin() + 2, {{0, 1}, {}, {3}});
     for (const bool text : {false, true}) {
@@ -237,7 +237,7 @@ TEST_CASE("cells of VTK without an area are ignored with a warning", "[input][vt
 }
 
 TEST_CASE("legacy VTK without triangles", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     PolyData data = cube();
     data.polygons.clear();
     CHECK(read_error(dir.write("a.vtk", Legacy{}(data))).code == Code::empty_mesh);
@@ -247,7 +247,7 @@ TEST_CASE("legacy VTK without triangles", "[input][vtk]") {
 }
 
 TEST_CASE("legacy VTK that ends anywhere too early is refused", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     const bool text = GENERATE(false, true);
     const int version = GENERATE(3, 5);
     Legacy legacy{text, version};
@@ -271,7 +271,7 @@ TEST_CASE("legacy VTK that ends anywhere too early is refused", "[input][vtk]") 
 }
 
 TEST_CASE("malformed legacy VTK is refused with the place", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto complaint = [&](const std::string& file) { return read_error(dir.write("a.vtk", file)).message; };
     const std::string plain = Legacy{}(cube());
     const auto with = [&](const std::string& what, const std::string& by) { return complaint(replaced(plain, what, by)); };
@@ -315,7 +315,7 @@ TEST_CASE("malformed legacy VTK is refused with the place", "[input][vtk]") {
 }
 
 TEST_CASE("offsets of legacy VTK must ascend and end with the connectivity", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string plain = Legacy{true, 5}(cube());
     const auto with = [&](const std::string& what, const std::string& by) {
         return read_error(dir.write("a.vtk", replaced(plain, what, by))).message;
@@ -332,7 +332,7 @@ TEST_CASE("offsets of legacy VTK must ascend and end with the connectivity", "[i
 }
 
 TEST_CASE("malformed binary legacy VTK is refused with the byte", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     const int version = GENERATE(3, 5);
     const PolyData data = sheet(120);
     const std::string plain = Legacy{false, version}(data);
@@ -359,7 +359,7 @@ TEST_CASE("malformed binary legacy VTK is refused with the byte", "[input][vtk]"
 }
 
 TEST_CASE("a polygon of VTK with a corner that is not finite is refused", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     PolyData data = cube();
     data.points[3][1] = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
     const Error error = read_error(dir.write("a.vtk", Legacy{false, 5}(data)));
@@ -368,7 +368,7 @@ TEST_CASE("a polygon of VTK with a corner that is not finite is refused", "[inpu
 }
 
 TEST_CASE("what legacy VTK expands to is counted before it is allocated", "[input][vtk]") {
-    const TempDir dir;
+    const TempFolder dir;
     PolyData data = sheet(100);
     data.strips.emplace_back();
     for (std::uint32_t i = 0; i < 20'000; ++i) {

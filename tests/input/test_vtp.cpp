@@ -142,7 +142,7 @@ struct Xml {
 }  // namespace
 
 TEST_CASE("VTP gives the same triangles however its arrays are stored", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const PolyData data = cube_with_strip();
     const std::string format = GENERATE(as<std::string>(), "ascii", "binary", "raw", "base64");
     for (const bool zlib : {false, true}) {
@@ -161,7 +161,7 @@ TEST_CASE("VTP gives the same triangles however its arrays are stored", "[input]
 }
 
 TEST_CASE("VTP takes arrays of every type", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const PolyData data = cube_with_strip();
     for (const char* format : {"ascii", "raw", "base64"}) {
         for (const bool big_endian : {false, true}) {
@@ -178,7 +178,7 @@ TEST_CASE("VTP takes arrays of every type", "[input][vtp]") {
 }
 
 TEST_CASE("the pieces of VTP are appended", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     // The second are triangles alone, which are read another way.
     const std::vector<PolyData> pieces = GENERATE(std::vector<PolyData>{cube(3), {}, cube_with_strip(), sheet(90)},
                                                   std::vector<PolyData>{cube_of_triangles(3), {}, cube_of_triangles(5)});
@@ -196,7 +196,7 @@ TEST_CASE("the pieces of VTP are appended", "[input][vtp]") {
 }
 
 TEST_CASE("VTP is recognised by its content", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string plain = Xml{}({cube()});
     CHECK(read_triangles(dir.write("a", plain)) == triangles_of(cube()));
     CHECK(read_triangles(dir.write("a.vtp", "\xEF\xBB\xBF" + plain)) == triangles_of(cube()));
@@ -208,7 +208,7 @@ TEST_CASE("VTP is recognised by its content", "[input][vtp]") {
 }
 
 TEST_CASE("a cube is sliced the same from STL and VTP", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::uint64_t expected = hash_of(dir.write("a.stl", binary_stl(triangles_of(cube()))));
     for (const char* format : {"ascii", "binary", "raw", "base64"}) {
         CHECK(hash_of(dir.write("a.vtp", Xml{format}({cube()}))) == expected);
@@ -216,7 +216,7 @@ TEST_CASE("a cube is sliced the same from STL and VTP", "[input][vtp]") {
 }
 
 TEST_CASE("field data of VTP may state the patient frame", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string format = GENERATE(as<std::string>(), "ascii", "binary");
     const auto frame = [&](const std::string& name, const std::string& value, bool ended = true) {
         Xml xml{format};
@@ -240,7 +240,7 @@ TEST_CASE("field data of VTP may state the patient frame", "[input][vtp]") {
 }
 
 TEST_CASE("VTP that ends anywhere too early is refused", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string format = GENERATE(as<std::string>(), "ascii", "binary", "raw", "base64");
     const bool zlib = format == "raw" || format == "binary";
     PolyData data;
@@ -260,7 +260,7 @@ TEST_CASE("VTP that ends anywhere too early is refused", "[input][vtp]") {
 }
 
 TEST_CASE("appended data of VTP that are cut short are refused", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string format = GENERATE(as<std::string>(), "raw", "base64");
     const bool zlib = GENERATE(false, true);
     const std::string whole = Xml{format, zlib}({cube()});
@@ -275,7 +275,7 @@ TEST_CASE("appended data of VTP that are cut short are refused", "[input][vtp]")
 }
 
 TEST_CASE("malformed VTP is refused with the place", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto complaint = [&](const std::string& file) { return read_error(dir.write("a.vtp", file)).message; };
     const std::string plain = Xml{}({cube()});
     const auto with = [&](const std::string& what, const std::string& by) {
@@ -328,7 +328,7 @@ TEST_CASE("malformed VTP is refused with the place", "[input][vtp]") {
 }
 
 TEST_CASE("binary arrays of VTP are never believed", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const auto complaint = [&](const std::string& file) { return read_error(dir.write("a.vtp", file)).message; };
     for (const char* format : {"binary", "raw", "base64"}) {
         Xml xml{format};
@@ -354,7 +354,7 @@ TEST_CASE("binary arrays of VTP are never believed", "[input][vtp]") {
 }
 
 TEST_CASE("base64 may hold white space and padding anywhere", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string plain = Xml{"binary"}({cube()});
     std::string spaced;
     bool data = false;
@@ -379,7 +379,7 @@ TEST_CASE("base64 may hold white space and padding anywhere", "[input][vtp]") {
 }
 
 TEST_CASE("compressed blocks of VTP are never believed", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const Xml xml{"raw", true};
     const std::string plain = Xml{xml}({cube()});
     // The header of the points: two blocks, of 64 and 32 bytes.
@@ -407,7 +407,7 @@ TEST_CASE("compressed blocks of VTP are never believed", "[input][vtp]") {
 }
 
 TEST_CASE("VTP that expands enormously is refused before it is unpacked", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     PolyData data = sheet(150);
     for (auto& cell : data.polygons) {
         cell = {0, 1, 2};
@@ -433,7 +433,7 @@ TEST_CASE("VTP that expands enormously is refused before it is unpacked", "[inpu
 }
 
 TEST_CASE("compressed integers of 64 bits are held in 32, unless they are larger", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const PolyData data = sheet(200);
     const Xml xml{"raw", true, GENERATE(false, true), true, "Float32", "Int64", 32768};
     const auto path = dir.write("a.vtp", Xml{xml}({data}));
@@ -451,7 +451,7 @@ TEST_CASE("compressed integers of 64 bits are held in 32, unless they are larger
 }
 
 TEST_CASE("text of VTP arrays that is not plain is parsed as XML", "[input][vtp]") {
-    const TempDir dir;
+    const TempFolder dir;
     const std::string whole = Xml{}({cube()});
     const std::size_t numbers = whole.find('>', whole.find("connectivity", whole.find("<Polys"))) + 1;
     const auto with = [&](const std::string& more) {

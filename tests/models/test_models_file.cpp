@@ -1,5 +1,4 @@
 // The bytes of generated files: the same everywhere, and nothing half-written left behind.
-#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -7,39 +6,15 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <string>
 
 #include "soup.hpp"
+#include "temp_folder.hpp"
 
 namespace lamella::models::test {
 
 namespace {
-
-class Folder {
-public:
-    Folder() : path_(std::filesystem::temp_directory_path() / ("lamella_models_" + std::to_string(::getpid()))) {
-        std::filesystem::create_directories(path_);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    ~Folder() { std::filesystem::remove_all(path_); }
-
-    std::filesystem::path file(const char* name) const { return path_ / name; }
-    std::ptrdiff_t count() const {
-        return std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator());
-    }
-
-private:
-    std::filesystem::path path_;
-};
-
-std::string bytes_of(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
 
 std::string fnv1a(const std::string& bytes) {
     std::uint64_t hash = 0xcbf29ce484222325U;
@@ -75,27 +50,27 @@ const std::array<Golden, 12> golden{{
 }  // namespace
 
 TEST_CASE("files have the same bytes on every platform", "[models]") {
-    const Folder folder;
+    const TempFolder folder;
     for (const Golden& expected : golden) {
         const auto shape = static_cast<std::size_t>(expected.recipe.shape);
         CAPTURE(std::string(shape_names[shape]), expected.recipe.triangles);
-        const auto written = write_stl(expected.recipe, folder.file("mesh.stl"));
+        const auto written = write_stl(expected.recipe, folder / "mesh.stl");
         REQUIRE(written.ok());
         CHECK(*written == expected.recipe.triangles);
-        CHECK(fnv1a(bytes_of(folder.file("mesh.stl"))) == expected.hash);
+        CHECK(fnv1a(bytes_of(folder / "mesh.stl")) == expected.hash);
     }
 }
 
 TEST_CASE("a file holds the triangles that make_soup gives, and unit normals", "[models]") {
-    const Folder folder;
+    const TempFolder folder;
     Recipe recipe;
     recipe.triangles = 5000;
     recipe.order = GENERATE(Order::z, Order::random);
-    REQUIRE(write_stl(recipe, folder.file("a.stl")).ok());
-    REQUIRE(write_stl(recipe, folder.file("b.stl")).ok());
-    CHECK(folder.count() == 2);
-    const std::string bytes = bytes_of(folder.file("a.stl"));
-    CHECK(bytes == bytes_of(folder.file("b.stl")));
+    REQUIRE(write_stl(recipe, folder / "a.stl").ok());
+    REQUIRE(write_stl(recipe, folder / "b.stl").ok());
+    CHECK(folder.names().size() == 2);
+    const std::string bytes = bytes_of(folder / "a.stl");
+    CHECK(bytes == bytes_of(folder / "b.stl"));
 
     const std::vector<float> soup = make_soup(recipe);
     REQUIRE(bytes.size() == 84 + 50 * soup.size() / 9);
@@ -112,14 +87,14 @@ TEST_CASE("a file holds the triangles that make_soup gives, and unit normals", "
 }
 
 TEST_CASE("a recipe that cannot be followed is refused and leaves no file", "[models]") {
-    const Folder folder;
+    const TempFolder folder;
     Recipe recipe;
     recipe.triangles = 20'000;
     recipe.shape = GENERATE(Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism);
     const auto refuses = [&](const Recipe& bad) {
-        const auto written = write_stl(bad, folder.file("mesh.stl"));
+        const auto written = write_stl(bad, folder / "mesh.stl");
         return !written && written.error().code == Code::invalid_argument && !written.error().message.empty() &&
-               make_soup(bad).empty() && folder.count() == 0;
+               make_soup(bad).empty() && folder.names().empty();
     };
     for (const std::uint64_t triangles : {std::uint64_t{0}, fewest_triangles - 1, most_triangles + 1}) {
         Recipe bad = recipe;
@@ -146,31 +121,31 @@ TEST_CASE("a recipe that cannot be followed is refused and leaves no file", "[mo
 }
 
 TEST_CASE("a file that cannot be written is an error that names it", "[models]") {
-    const Folder folder;
+    const TempFolder folder;
     Recipe recipe;
     recipe.triangles = 1000;
-    const auto path = folder.file("absent") / "mesh.stl";
+    const auto path = folder / "absent" / "mesh.stl";
     const auto written = write_stl(recipe, path);
     REQUIRE_FALSE(written.ok());
     CHECK(written.error().code == Code::unwritable_file);
     CHECK(written.error().message.find(path.string()) != std::string::npos);
 
-    std::filesystem::create_directories(folder.file("folder.stl") / "inside");
-    CHECK_FALSE(write_stl(recipe, folder.file("folder.stl")).ok());
-    CHECK(folder.count() == 1);
+    std::filesystem::create_directories(folder / "folder.stl" / "inside");
+    CHECK_FALSE(write_stl(recipe, folder / "folder.stl").ok());
+    CHECK(folder.names().size() == 1);
 }
 
 TEST_CASE("a stopped writer leaves no file", "[models]") {
-    const Folder folder;
+    const TempFolder folder;
     Recipe recipe;
     recipe.triangles = 5000;
     recipe.order = GENERATE(Order::z, Order::random);
     std::stop_source source;
     source.request_stop();
-    const auto written = write_stl(recipe, folder.file("mesh.stl"), source.get_token());
+    const auto written = write_stl(recipe, folder / "mesh.stl", source.get_token());
     REQUIRE_FALSE(written.ok());
     CHECK(written.error().code == Code::cancelled);
-    CHECK(folder.count() == 0);
+    CHECK(folder.names().empty());
 }
 
 }  // namespace lamella::models::test

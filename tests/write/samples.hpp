@@ -1,9 +1,6 @@
 // Results put together by hand, with numbers that the expected texts can be worked out from.
 #pragma once
 
-#include <filesystem>
-#include <initializer_list>
-#include <string>
 #include <vector>
 
 #include "lamella/result.hpp"
@@ -20,21 +17,5 @@ SliceResult result_of(const std::vector<std::vector<Ring>>& layers, double unit_
 
 /// A square with a square hole, 10 and 4 mm wide, on a grid of 0.5 mm; then an empty layer; then an open polyline.
 SliceResult square_with_hole();
-
-std::string text_of(const std::filesystem::path& path);
-
-/// A folder of its own that goes away with its contents.
-class Folder {
-public:
-    Folder();
-    ~Folder();
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    const std::filesystem::path& path() const noexcept { return path_; }
-    std::vector<std::string> names() const;
-
-private:
-    std::filesystem::path path_;
-};
 
 }  // namespace lamella::write_test

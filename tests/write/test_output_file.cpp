@@ -5,11 +5,10 @@
 
 #include "9_write/output_file.hpp"
 #include "lamella/write.hpp"
+#include "temp_folder.hpp"
 #include "write/samples.hpp"
 
 using namespace lamella;
-using write_test::Folder;
-using write_test::text_of;
 
 namespace {
 
@@ -22,82 +21,82 @@ void require_unwritable(const Status& status, const std::filesystem::path& path,
 }  // namespace
 
 TEST_CASE("output: the text and nothing beside it", "[write]") {
-    const Folder folder;
+    const TempFolder folder;
     const std::string text(3 * OutputFile::buffer_bytes + 17, 'x');
-    REQUIRE(write_text_file(folder.path() / "a", text).ok());
-    CHECK(text_of(folder.path() / "a") == text);
+    REQUIRE(write_text_file(folder / "a", text).ok());
+    CHECK(bytes_of(folder / "a") == text);
     CHECK(folder.names() == std::vector<std::string>{"a"});
 }
 
 TEST_CASE("output: until it is committed the old file stands, and an abandoned one leaves no trace", "[write]") {
-    const Folder folder;
-    REQUIRE(write_text_file(folder.path() / "a", "old").ok());
+    const TempFolder folder;
+    REQUIRE(write_text_file(folder / "a", "old").ok());
     {
-        Result<OutputFile> file = OutputFile::create(folder.path() / "a");
+        Result<OutputFile> file = OutputFile::create(folder / "a");
         REQUIRE(file.ok());
         file->append("new");
         CHECK(folder.names().size() == 2);
-        CHECK(text_of(folder.path() / "a") == "old");
+        CHECK(bytes_of(folder / "a") == "old");
     }
     CHECK(folder.names() == std::vector<std::string>{"a"});
-    CHECK(text_of(folder.path() / "a") == "old");
+    CHECK(bytes_of(folder / "a") == "old");
 }
 
 TEST_CASE("output: what is unfinished of one file can be removed, and nothing else", "[write]") {
-    const Folder folder;
-    REQUIRE(write_text_file(folder.path() / "a", "old").ok());
-    REQUIRE(write_text_file(folder.path() / ".a.1-2.part", "another process's").ok());
-    std::filesystem::create_symlink("a", folder.path() / "link");
-    const Result<OutputFile> through_link = OutputFile::create(folder.path() / "link");
-    const Result<OutputFile> other = OutputFile::create(folder.path() / "b");
+    const TempFolder folder;
+    REQUIRE(write_text_file(folder / "a", "old").ok());
+    REQUIRE(write_text_file(folder / ".a.1-2.part", "another process's").ok());
+    std::filesystem::create_symlink("a", folder / "link");
+    const Result<OutputFile> through_link = OutputFile::create(folder / "link");
+    const Result<OutputFile> other = OutputFile::create(folder / "b");
     REQUIRE((through_link.ok() && other.ok()));
     REQUIRE(folder.names().size() == 5);
-    remove_unfinished(folder.path() / "link");
+    remove_unfinished(folder / "link");
     CHECK(folder.names().size() == 4);
-    remove_unfinished(folder.path() / "b");
-    remove_unfinished(folder.path() / "none" / "c");
+    remove_unfinished(folder / "b");
+    remove_unfinished(folder / "none" / "c");
     remove_unfinished("");
     CHECK(folder.names() == std::vector<std::string>{".a.1-2.part", "a", "link"});
-    CHECK(text_of(folder.path() / "a") == "old");
+    CHECK(bytes_of(folder / "a") == "old");
 }
 
 TEST_CASE("output: two writers of one file do not meet", "[write]") {
-    const Folder folder;
-    Result<OutputFile> one = OutputFile::create(folder.path() / "a");
-    Result<OutputFile> two = OutputFile::create(folder.path() / "a");
+    const TempFolder folder;
+    Result<OutputFile> one = OutputFile::create(folder / "a");
+    Result<OutputFile> two = OutputFile::create(folder / "a");
     REQUIRE((one.ok() && two.ok()));
     one->append("one");
     two->append("two");
     REQUIRE(one->commit().ok());
-    CHECK(text_of(folder.path() / "a") == "one");
+    CHECK(bytes_of(folder / "a") == "one");
     REQUIRE(two->commit().ok());
-    CHECK(text_of(folder.path() / "a") == "two");
+    CHECK(bytes_of(folder / "a") == "two");
     CHECK(folder.names() == std::vector<std::string>{"a"});
 }
 
 TEST_CASE("output: a replaced file keeps its mode, a link keeps pointing", "[write]") {
-    const Folder folder;
-    REQUIRE(write_text_file(folder.path() / "a", "old").ok());
-    std::filesystem::permissions(folder.path() / "a", std::filesystem::perms(0640));
-    std::filesystem::create_symlink("a", folder.path() / "link");
-    REQUIRE(write_text_file(folder.path() / "link", "new").ok());
-    CHECK(std::filesystem::is_symlink(folder.path() / "link"));
-    CHECK(text_of(folder.path() / "a") == "new");
-    CHECK(std::filesystem::status(folder.path() / "a").permissions() == std::filesystem::perms(0640));
+    const TempFolder folder;
+    REQUIRE(write_text_file(folder / "a", "old").ok());
+    std::filesystem::permissions(folder / "a", std::filesystem::perms(0640));
+    std::filesystem::create_symlink("a", folder / "link");
+    REQUIRE(write_text_file(folder / "link", "new").ok());
+    CHECK(std::filesystem::is_symlink(folder / "link"));
+    CHECK(bytes_of(folder / "a") == "new");
+    CHECK(std::filesystem::status(folder / "a").permissions() == std::filesystem::perms(0640));
 }
 
 TEST_CASE("output: errors name the file and the reason", "[write]") {
-    const Folder folder;
+    const TempFolder folder;
     SECTION("no such folder") {
-        const auto path = folder.path() / "none" / "a";
+        const auto path = folder / "none" / "a";
         require_unwritable(write_text_file(path, "x"), path, "No such file or directory");
     }
     SECTION("a folder") {
         require_unwritable(write_text_file(folder.path(), "x"), folder.path(), "Is a directory");
     }
     SECTION("a file where a folder should be") {
-        REQUIRE(write_text_file(folder.path() / "a", "x").ok());
-        const auto path = folder.path() / "a" / "b";
+        REQUIRE(write_text_file(folder / "a", "x").ok());
+        const auto path = folder / "a" / "b";
         require_unwritable(write_text_file(path, "x"), path, "Not a directory");
     }
     SECTION("a full disk, in the SVG writer too") {
@@ -106,7 +105,7 @@ TEST_CASE("output: errors name the file and the reason", "[write]") {
         CHECK(std::filesystem::is_character_file("/dev/full"));
     }
     SECTION("the folder goes away meanwhile") {
-        const auto path = folder.path() / "gone" / "a";
+        const auto path = folder / "gone" / "a";
         std::filesystem::create_directory(path.parent_path());
         Result<OutputFile> file = OutputFile::create(path);
         REQUIRE(file.ok());

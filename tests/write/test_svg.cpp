@@ -8,21 +8,20 @@
 #include <catch2/catch.hpp>
 
 #include "lamella/write.hpp"
+#include "temp_folder.hpp"
 #include "write/samples.hpp"
 
 using namespace lamella;
-using write_test::Folder;
 using write_test::result_of;
-using write_test::text_of;
 
 namespace {
 
 std::string svg_of(const SliceResult& result) {
-    const Folder folder;
-    const Status status = write_svg(result, folder.path() / "a.svg");
+    const TempFolder folder;
+    const Status status = write_svg(result, folder / "a.svg");
     REQUIRE(status.ok());
     REQUIRE(folder.names() == std::vector<std::string>{"a.svg"});
-    return text_of(folder.path() / "a.svg");
+    return bytes_of(folder / "a.svg");
 }
 
 std::size_t count(const std::string& text, const std::string& part) {
@@ -135,10 +134,10 @@ TEST_CASE("svg: more points than fit the buffer arrive in order", "[write]") {
 }
 
 TEST_CASE("svg: a stop request leaves nothing", "[write]") {
-    const Folder folder;
+    const TempFolder folder;
     std::stop_source source;
     source.request_stop();
-    const Status status = write_svg(write_test::square_with_hole(), folder.path() / "a.svg", source.get_token());
+    const Status status = write_svg(write_test::square_with_hole(), folder / "a.svg", source.get_token());
     REQUIRE_FALSE(status.ok());
     CHECK(status.error().code == Code::cancelled);
     CHECK(folder.names().empty());

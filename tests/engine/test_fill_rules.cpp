@@ -102,6 +102,13 @@ TEST_CASE("fill rules: a body exported twice", "[engine][fill]") {
           Lines{"2 outer, 0 hole, 200", "0 outer, 0 hole, 0", "1 outer, 0 hole, 100", "1 outer, 0 hole, 100"});
 }
 
+TEST_CASE("fill rules: a body exported twice, and an inverted one across it", "[engine][fill]") {
+    const shapes::Soup twice = shapes::joined({square(0, 0, 10), square(0, 0, 10)});
+    const Lines lines = regions(shapes::joined({twice, shapes::flipped(square(5, 5, 10))}));
+    CHECK(Lines(lines.begin() + 1, lines.end()) ==
+          Lines{"1 outer, 0 hole, 100", "1 outer, 0 hole, 175", "1 outer, 0 hole, 100"});
+}
+
 TEST_CASE("fill rules: an inverted body", "[engine][fill]") {
     CHECK(regions(shapes::flipped(square(0, 0, 10))) ==
           Lines{"1 outer, 0 hole, 100", "1 outer, 0 hole, 100", "1 outer, 0 hole, 100", "0 outer, 0 hole, 0"});

@@ -36,12 +36,6 @@ bool are_near(Point a, Point b, Point c, Point d, std::int32_t reach) noexcept {
            cross(a, b, c, d);
 }
 
-/// Whether b -> c goes back along a -> b.
-bool turns_back(Point a, Point b, Point c) noexcept {
-    const Int128 along = (Int128{b.x} - a.x) * (Int128{c.x} - b.x) + (Int128{b.y} - a.y) * (Int128{c.y} - b.y);
-    return along < 0 && side_of_line(a, b, c) == 0;
-}
-
 }  // namespace
 
 bool Contacts::find(std::span<const NestItem> contours) {
@@ -50,21 +44,13 @@ bool Contacts::find(std::span<const NestItem> contours) {
     shared_.clear();
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
         contours_.push_back({c});
-        const EdgePath path{{contours[c].points, contours[c].count}, c, true};
-        near_.add(path);
-        find_spikes(c, path);
+        near_.add({{contours[c].points, contours[c].count}, c, true, contours[c].start});
     }
     const bool all =
         near_.find(margin, most_steps,
                    [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) { meet(a, i, b, j); });
     find_crowds();
     return all;
-}
-
-void Contacts::find_spikes(std::uint32_t contour, const EdgePath& path) {
-    for (std::size_t e = 0; e < path.edges() && !contours_[contour].itself; ++e) {
-        contours_[contour].itself = turns_back(path[e], path[e + 1], path[e + 2]);
-    }
 }
 
 void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {

@@ -13,7 +13,7 @@ namespace lamella {
 
 /// Two contours meet where their edges come within two units of each other: clipping rounds points to units, and what it
 /// makes of one must not reach the other. A contour meets itself where edges of it that do not follow each other have a
-/// point in common, or where it turns back on its own track. Contours that meet, and those that meet them, are a cluster.
+/// point in common. Contours that meet, and those that meet them, are a cluster.
 class Contacts {
 public:
     explicit Contacts(std::pmr::memory_resource* memory) : contours_(memory), shared_(memory) {}
@@ -49,7 +49,6 @@ private:
         friend constexpr auto operator<=>(const Shared&, const Shared&) = default;
     };
 
-    void find_spikes(std::uint32_t contour, const EdgePath& path);
     void meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
     void note_shared(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
     void find_crowds();

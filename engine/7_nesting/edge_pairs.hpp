@@ -20,15 +20,19 @@
 
 namespace lamella {
 
-/// A contour's points one after the other, from its first to its first again if it is closed.
+/// A contour's points one after the other, from its start to its start again if it is closed.
 struct EdgePath {
     std::span<const Point> points;
     std::uint64_t contour = 0;
     bool closed = true;
+    std::size_t start = 0;  ///< an index of points; 0 if open
 
     std::size_t edges() const noexcept { return points.size() < 2 ? 0 : (closed ? points.size() : points.size() - 1); }
     /// `at` may lie up to a round beyond the last.
-    Point operator[](std::size_t at) const noexcept { return points[at < points.size() ? at : at - points.size()]; }
+    Point operator[](std::size_t at) const noexcept {
+        at = at < points.size() ? at : at - points.size();
+        return points[at + start < points.size() ? at + start : at + start - points.size()];
+    }
     /// Whether there is an edge behind edge `e`.
     bool goes_on(std::size_t e) const noexcept { return closed || e + 1 < edges(); }
 };
@@ -57,9 +61,9 @@ public:
     void stop() noexcept { cut_short_ = true; }
 
     /// Calls meet(a, i, b, j) once for each pair, in no order, of edge i of path a and edge j of path b whose boxes come
-    /// within `margin` of each other: all such pairs of two paths, and those of one path but for pairs that can meet at most
-    /// in the joint of two runs. Edge i leads from a[i] to a[i + 1]. False if it would take more than `steps`, and not all
-    /// were found. Throws std::bad_alloc.
+    /// within `margin` of each other: all such pairs of two paths, and of one path all that meet elsewhere than in the joint
+    /// of two runs, and some that do not. Edge i leads from a[i] to a[i + 1]. False if it would take more than `steps`, and
+    /// not all were found. Throws std::bad_alloc.
     template <class Meet>
     bool find(std::int32_t margin, std::uint64_t steps, Meet meet) {
         if (runs_.empty()) {
@@ -88,7 +92,7 @@ private:
         int up;
         FlatBox box;
 
-        /// Whether one direction goes on: if `next` comes right behind, an upright or level line lies between the two.
+        /// Whether one direction goes on.
         bool goes_on_in(const Run& next) const noexcept { return right * next.right >= 0 || up * next.up >= 0; }
     };
 
@@ -136,9 +140,21 @@ private:
         return run.path == next.path && end == next.begin;
     }
 
+    /// Whether `next`, which comes right behind, meets `run` nowhere but in their joint: one direction goes on, and they do
+    /// not lie on each other along a level or an upright line.
+    bool leads_away(const Run& run, const Run& next) const noexcept {
+        const EdgePath& path = paths_[run.path];
+        const Point before = path[run.end - 1];
+        const Point joint = path[next.begin];
+        const Point behind = path[next.begin + 1];
+        const bool back = (before.y == joint.y && joint.y == behind.y) || (before.x == joint.x && joint.x == behind.x);
+        return run.goes_on_in(next) && !back;
+    }
+
     template <class Meet>
     void compare_runs(const Run& a, const Run& b, Meet& meet) {
-        if (!a.goes_on_in(b) || (!leads_into(a, b) && !leads_into(b, a))) {
+        const bool apart = (leads_into(a, b) && leads_away(a, b)) || (leads_into(b, a) && leads_away(b, a));
+        if (!apart) {
             compare(a, b, meet);
         }
     }

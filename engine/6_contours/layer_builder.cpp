@@ -82,6 +82,7 @@ LayerBuilder::LayerBuilder(std::pmr::memory_resource* memory)
       ends_(memory),
       joined_(memory),
       walked_(memory),
+      around_clusters_(memory),
       closed_(memory),
       by_start_(memory),
       spare_keys_(memory),
@@ -110,6 +111,10 @@ void LayerBuilder::build_traced(Point* rings, std::span<const WalkedContour> con
 }
 
 void LayerBuilder::finish(BandOutput& out) {
+    if (out.refused >= 0) {
+        skip(out);
+        return;
+    }
     if (rules.close_gaps > 0) {
         close_gaps(out);
     }
@@ -117,10 +122,7 @@ void LayerBuilder::finish(BandOutput& out) {
     const std::uint64_t before = timed ? ticks() : 0;
     if (rules.fill == FillRule::contours) {
         nester_.nest(items_);
-    } else if (fill_region()) {
-        sort_by_start();
-        nest_region();
-    } else {
+    } else if (!apply_fill_rule()) {
         refuse(out);
         return;
     }
@@ -130,9 +132,7 @@ void LayerBuilder::finish(BandOutput& out) {
 }
 
 void LayerBuilder::refuse(BandOutput& out) {
-    if (out.refused < 0) {
-        out.refused = static_cast<std::int64_t>(out.layer_contours.size());
-    }
+    out.refused = static_cast<std::int64_t>(out.layer_contours.size());
     skip(out);
 }
 

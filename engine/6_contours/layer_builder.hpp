@@ -115,8 +115,10 @@ private:
         NestItem item;
         EndKey start_key;
         std::uint32_t segments;
-        std::int64_t around = -1;  ///< of a region that a rule fills: what it lies directly in, an index of found_
-        bool hole = false;         ///< of such a region
+        // Of a region that a rule fills; see RegionContour:
+        std::int64_t cluster = -1;
+        std::int64_t around = -1;  ///< an index of found_
+        bool hole = false;
     };
 
     void gather(const LinkGraph& graph, const Point* points);
@@ -130,9 +132,10 @@ private:
                              FunctionRef<EndKey(std::uint32_t)> key_at) const;
     void close_gaps(BandOutput& out);
     void join(std::uint32_t polyline);
+    bool apply_fill_rule();
     bool fill_region();
     Found describe_made(std::span<Point> ring) const;
-    void nest_region();
+    bool nest_region();
     void sort_by_start();
     void put_holes_behind_outers();
     void append(BandOutput& out) const;
@@ -143,10 +146,11 @@ private:
     Fill fill_;
     std::pmr::vector<Point> rings_;  // the plane's points in walking order, contour by contour
     std::pmr::vector<Found> found_;
-    std::pmr::vector<Found> open_;                              // of them, in canonical order, while gaps are closed
-    std::pmr::vector<PolylineEnds> ends_;                       // of open_
-    std::pmr::vector<Point> joined_;                            // points of polylines that were joined
-    std::pmr::vector<Found> walked_;                            // found_, before a fill rule
+    std::pmr::vector<Found> open_;         // of them, in canonical order, while gaps are closed
+    std::pmr::vector<PolylineEnds> ends_;  // of open_
+    std::pmr::vector<Point> joined_;       // points of polylines that were joined
+    std::pmr::vector<Found> walked_;       // found_, before a fill rule
+    std::pmr::vector<std::int32_t> around_clusters_;
     std::pmr::vector<NestItem> closed_;                         // of items_, for a fill rule
     std::pmr::vector<nesting::SortKey> by_start_, spare_keys_;  // of found_
     std::pmr::vector<NestItem> items_;                          // in the order of by_start_

@@ -6,6 +6,15 @@
 
 namespace lamella {
 
+/// False: the layer's contours are too entangled.
+bool LayerBuilder::apply_fill_rule() {
+    if (!fill_region()) {
+        return false;
+    }
+    sort_by_start();
+    return nest_region();
+}
+
 /// found_ becomes the region that the closed contours bound by the rule, and the polylines as they were. False: the contours
 /// meet too often.
 bool LayerBuilder::fill_region() {
@@ -30,6 +39,7 @@ bool LayerBuilder::fill_region() {
         Found found = contour.kept >= 0 ? walked_[next_place_[static_cast<std::size_t>(contour.kept)]]
                                         : describe_made(fill_.points_of(contour));
         found.around = contour.around < 0 ? -1 : contour.around + static_cast<std::int64_t>(polylines);
+        found.cluster = contour.cluster;
         found.hole = contour.hole;
         found_.push_back(found);
     }
@@ -42,24 +52,37 @@ LayerBuilder::Found LayerBuilder::describe_made(std::span<Point> ring) const {
                     [](std::uint32_t) { return EndKey{}; });
 }
 
-/// What lies in what was found with the region: its contours touch, and a start may lie on what is around it.
-void LayerBuilder::nest_region() {
+/// What lies in what: of contours that were clipped together, which may touch, clipping has told, and all of them lie in
+/// what the first to start lies in; the rest touches nothing. False where that does not fit together.
+bool LayerBuilder::nest_region() {
     place_of_.resize(items_.size());  // at first: of what was found
     for (std::uint32_t i = 0; i < items_.size(); ++i) {
         place_of_[by_start_[i].index] = i;
     }
+    constexpr std::int32_t unknown = -2;
+    around_clusters_.assign(fill_.clusters(), unknown);
+    nester_.nest(items_);
     for (std::uint32_t i = 0; i < items_.size(); ++i) {
         NestItem& item = items_[i];
-        const Found& found = found_[by_start_[i].index];
-        item.reset();
         if (item.sense == 0) {
             continue;
         }
-        item.role = found.hole ? Role::hole : Role::outer;
+        const Found& found = found_[by_start_[i].index];
+        if (found.cluster >= 0) {
+            std::int32_t& around = around_clusters_[static_cast<std::size_t>(found.cluster)];
+            around = around == unknown ? item.parent : around;
+            item.parent =
+                found.around < 0 ? around : static_cast<std::int32_t>(place_of_[static_cast<std::size_t>(found.around)]);
+        }
         item.reverse = found.hole == (item.sense > 0);
         item.sense = static_cast<std::int8_t>(found.hole ? -1 : 1);  // a region's, whatever the facets' was
-        item.parent = found.around < 0 ? -1 : static_cast<std::int32_t>(place_of_[static_cast<std::size_t>(found.around)]);
+        item.role = found.hole ? Role::hole : Role::outer;
+        item.flags &= static_cast<std::uint16_t>(~sense_overruled);
     }
+    return std::all_of(items_.begin(), items_.end(), [this](const NestItem& item) {
+        const Role around = item.parent < 0 ? Role::hole : items_[static_cast<std::size_t>(item.parent)].role;
+        return item.sense == 0 || (around == Role::hole) == (item.role == Role::outer);
+    });
 }
 
 }  // namespace lamella

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <initializer_list>
 #include <limits>
+#include <new>
 #include <utility>
 #include <vector>
 
 #include <clipper.hpp>
 
 #include "7_nesting/sweep_cost.hpp"
+#include "base/wide.hpp"
 
 namespace lamella {
 
@@ -41,9 +43,28 @@ void add_edges(const Path& path, SweepCost& cost) {
     }
 }
 
-/// Where many edges cross, the library compares the pieces with each other.
-std::uint64_t looks_at_pieces(std::uint64_t contacts) noexcept {
-    return contacts * contacts / 128;
+/// Whether the point lies within rounding of the closed path.
+bool is_near(const ClipperLib::IntPoint& point, const Path& path) {
+    constexpr ClipperLib::cInt reach = 2;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+        const ClipperLib::IntPoint& a = path[i];
+        const ClipperLib::IntPoint& b = path[i + 1 < path.size() ? i + 1 : 0];
+        const auto [low_x, high_x] = std::minmax(a.X, b.X);
+        const auto [low_y, high_y] = std::minmax(a.Y, b.Y);
+        const Int128 side = Int128{b.X - a.X} * (point.Y - a.Y) - Int128{b.Y - a.Y} * (point.X - a.X);
+        const Int128 most = Int128{reach} * (high_x - low_x + high_y - low_y);
+        if (low_x - reach <= point.X && point.X <= high_x + reach && low_y - reach <= point.Y && point.Y <= high_y + reach &&
+            -most <= side && side <= most) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Where many edges cross, the library compares the pieces with each other; where two are joined, it goes through all
+/// points.
+std::uint64_t looks_at_pieces(const Clipping::Meetings& meetings, std::uint64_t points) noexcept {
+    return meetings.contacts * meetings.contacts / 128 + meetings.shared * points / 4;
 }
 
 ClipperLib::PolyFillType library_rule(FillRule rule) noexcept {
@@ -52,9 +73,29 @@ ClipperLib::PolyFillType library_rule(FillRule rule) noexcept {
                                         : ClipperLib::pftPositive;
 }
 
-/// Points on straight lines are kept: a contour that nothing touches comes out as it went in.
-ClipperLib::Clipper new_clipper() {
-    return ClipperLib::Clipper(ClipperLib::ioPreserveCollinear);
+/// The library does not survive want of memory (it can free twice), so that what it may need is asked for first.
+void require_memory(std::size_t points) {
+    constexpr std::size_t bytes_a_point = 512;
+    void* volatile block = ::operator new(bytes_a_point* points);
+    ::operator delete(block);
+}
+
+/// Points on straight lines go: with them the library does not join all that runs along each other.
+void clip(ClipperLib::ClipType type, const Paths& a, const Paths& b, ClipperLib::PolyFillType rule, auto& region) {
+    std::size_t points = 0;
+    for (const Paths* paths : {&a, &b}) {
+        for (const Path& path : *paths) {
+            points += path.size();
+        }
+    }
+    require_memory(points);
+    ClipperLib::Clipper clipper;
+    const bool any_a = clipper.AddPaths(a, ClipperLib::ptSubject, true);
+    const bool any_b = clipper.AddPaths(b, ClipperLib::ptClip, true);
+    // It says no more than that it failed: memory is all that it can lack here.
+    if ((any_a || any_b) && !clipper.Execute(type, region, rule, rule)) {
+        throw std::bad_alloc();
+    }
 }
 
 }  // namespace
@@ -100,10 +141,7 @@ struct Clipping::Cluster {
     Paths combined(ClipperLib::ClipType type, const Paths& a, const Paths& b) {
         Paths region;
         if (may_go_on({&a, &b})) {
-            ClipperLib::Clipper clipper = new_clipper();
-            clipper.AddPaths(a, ClipperLib::ptSubject, true);
-            clipper.AddPaths(b, ClipperLib::ptClip, true);
-            clipper.Execute(type, region, ClipperLib::pftEvenOdd, ClipperLib::pftEvenOdd);
+            clip(type, a, b, ClipperLib::pftEvenOdd, region);
         }
         return region;
     }
@@ -111,9 +149,7 @@ struct Clipping::Cluster {
     Paths filled(const Paths& contours, ClipperLib::PolyFillType rule) {
         Paths region;
         if (may_go_on({&contours})) {
-            ClipperLib::Clipper clipper = new_clipper();
-            clipper.AddPaths(contours, ClipperLib::ptSubject, true);
-            clipper.Execute(ClipperLib::ctUnion, region, rule, rule);
+            clip(ClipperLib::ctUnion, contours, {}, rule, region);
         }
         return region;
     }
@@ -238,6 +274,7 @@ struct Clipping::Cluster {
         return looks[1] < looks[0] / 4;
     }
 
+    bool is_consistent(const Region& region);
     /// Null once too much is spent.
     std::unique_ptr<Region> find(FillRule rule, std::int64_t ambient, Way way);
 };
@@ -247,6 +284,10 @@ Clipping::~Clipping() = default;
 
 void Clipping::clear() {
     cluster_->sources.clear();
+}
+
+void Clipping::begin() noexcept {
+    cluster_->spent = 0;
 }
 
 void Clipping::add(const NestItem& contour, std::uint32_t times, bool meets_itself) {
@@ -271,6 +312,7 @@ void Clipping::add(const NestItem& contour, std::uint32_t times, bool meets_itse
 struct Clipping::Region {
     Way way;
     bool framed;  ///< its only contour that lies in none is a frame around all
+    bool consistent = false;
     ClipperLib::PolyTree tree;
 
     template <class See>
@@ -282,18 +324,9 @@ struct Clipping::Region {
         }
     }
 
-    /// Whether holes lie in outers and outers in holes: the library's tree is not always right.
-    bool is_consistent() const {
-        bool consistent = true;
-        for_each([&](const ClipperLib::PolyNode& node) {
-            consistent = consistent && ClipperLib::Orientation(node.Contour) != node.IsHole();
-        });
-        return consistent;
-    }
-
     /// Clipping moves each point by a unit or so.
     bool agrees_with(const Region& other) const {
-        if ((!way.halved && !other.way.halved) || !is_consistent() || !other.is_consistent()) {
+        if ((!way.halved && !other.way.halved) || !consistent || !other.consistent) {
             return false;
         }
         double area[2] = {0, 0};
@@ -308,38 +341,58 @@ struct Clipping::Region {
                 }
             });
         }
-        return std::abs(area[0] - area[1]) <= 2 * length;
+        return std::abs(area[0] - area[1]) <= length / 2;
     }
 
     void take_all(FunctionRef<void(std::span<const Point>, std::int64_t)> take) const;
 };
 
+/// Whether holes lie in outers, and outers in holes: the library's tree is not always right.
+bool Clipping::Cluster::is_consistent(const Region& region) {
+    bool consistent = true;
+    region.for_each([&](const ClipperLib::PolyNode& node) {
+        consistent = consistent && ClipperLib::Orientation(node.Contour) != node.IsHole();
+        const Path& around = node.Parent->Contour;
+        bool inside = around.empty();
+        for (std::size_t i = 0; i < node.Contour.size() && !inside && consistent; ++i) {
+            const int side = ClipperLib::PointInPolygon(node.Contour[i], around);  // -1: on the line
+            inside = side == 1;
+            consistent = side != 0 || is_near(node.Contour[i], around);
+            spent += around.size() / 4;
+        }
+    });
+    return consistent;
+}
+
 std::unique_ptr<Clipping::Region> Clipping::Cluster::find(FillRule rule, std::int64_t ambient, Way way) {
     if (way.turned) {
         turn();
     }
-    Paths paths = !way.halved                  ? all(ambient)
-                  : rule == FillRule::even_odd ? combined(ClipperLib::ctXor, frames(ambient), halved_even_odd(sources))
-                                               : halved_signed(rule, ambient);
+    const Paths paths = !way.halved                  ? filled(all(ambient), library_rule(rule))
+                        : rule == FillRule::even_odd ? combined(ClipperLib::ctXor, frames(ambient), halved_even_odd(sources))
+                                                     : halved_signed(rule, ambient);
     if (way.turned) {
         turn();
     }
     if (!may_go_on({&paths})) {
         return nullptr;
     }
-    ClipperLib::Clipper clipper = new_clipper();
-    clipper.AddPaths(paths, ClipperLib::ptSubject, true);
-    const ClipperLib::PolyFillType library = way.halved ? ClipperLib::pftEvenOdd : library_rule(rule);
     auto region = std::make_unique<Region>();
     region->way = way;
     region->framed = fills(rule, ambient);
-    clipper.Execute(ClipperLib::ctUnion, region->tree, library, library);
+    // Only of what is joined already: while it joins, the library takes cubic time to keep its tree.
+    clip(ClipperLib::ctUnion, paths, {}, ClipperLib::pftEvenOdd, region->tree);
+    region->consistent = is_consistent(*region);
     return region;
 }
 
 bool Clipping::fill(FillRule rule, std::int64_t ambient, const Meetings& meetings,
                     FunctionRef<void(std::span<const Point>, std::int64_t)> take) {
-    cluster_->spent = looks_at_pieces(meetings.contacts);
+    std::uint64_t points = 0;
+    for (const Source& source : cluster_->sources) {
+        points += source.path.size();
+    }
+    cluster_->spent += looks_at_pieces(meetings, points);
     const bool crowded = meetings.crowded;
     const bool turned = cluster_->is_for_turning();
     std::vector<std::unique_ptr<Region>> tried;

@@ -27,6 +27,8 @@ public:
     Clipping(const Clipping&) = delete;
     Clipping& operator=(const Clipping&) = delete;
 
+    /// Begins a layer.
+    void begin() noexcept;
     /// Forgets all contours.
     void clear();
     /// Adds a contour so many times, as it was walked, and with what is known of it. What comes out can depend on the order
@@ -36,6 +38,7 @@ public:
     /// How often the contours meet.
     struct Meetings {
         std::uint64_t contacts = 0;  ///< pairs of edges
+        std::uint64_t shared = 0;    ///< of them, those along a stretch
         bool crowded = false;        ///< some stretch of an edge is part of two other edges
     };
 
@@ -48,8 +51,8 @@ public:
     /// a false area or a hole for an outer, most where three edges share a stretch. So each region is found at least twice:
     /// all contours at once, and half by half, which begins where they are crowded; lying and upright. The first that
     /// agrees with another in area, and in itself, is taken; of 354,000 regions all were right then. False, and no calls,
-    /// where none agree or where it would take more than some seconds: the library's time grows with the square of what
-    /// meets and of what lies side by side. Throws std::bad_alloc.
+    /// where none agree or where the layer would take more than some seconds: the library's time grows with the square of
+    /// what meets and of what lies side by side. Throws std::bad_alloc.
     bool fill(FillRule rule, std::int64_t ambient, const Meetings& meetings,
               FunctionRef<void(std::span<const Point>, std::int64_t)> take);
 

@@ -80,6 +80,7 @@ void Contacts::note_shared(const EdgePath& a, std::size_t i, const EdgePath& b, 
     const Point low = std::max(a_low, b_low);
     const Point high = std::min(a_high, b_high);
     if (low < high) {
+        ++contours_[leader(static_cast<std::uint32_t>(a.contour))].shared;
         shared_.push_back({static_cast<std::uint32_t>(a.contour), static_cast<std::uint32_t>(i), low, high});
         shared_.push_back({static_cast<std::uint32_t>(b.contour), static_cast<std::uint32_t>(j), low, high});
     }
@@ -109,6 +110,7 @@ void Contacts::join(std::uint32_t a, std::uint32_t b) noexcept {
     if (first != second) {
         contours_[second].towards = first;
         contours_[first].contacts += contours_[second].contacts;
+        contours_[first].shared += contours_[second].shared;
     }
 }
 

@@ -30,8 +30,9 @@ public:
     bool meets_itself(std::uint32_t contour) const noexcept { return contours_[contour].itself; }
     /// Some stretch of an edge is part of two other edges as well.
     bool is_crowded(std::uint32_t contour) const noexcept { return contours_[contour].crowded; }
-    /// In the cluster that the contour leads: pairs of edges that meet.
-    std::uint64_t count(std::uint32_t leader) const noexcept { return contours_[leader].contacts; }
+    /// In the cluster that the contour leads: pairs of edges that meet, and of them those that share a stretch.
+    std::uint64_t contacts(std::uint32_t leader) const noexcept { return contours_[leader].contacts; }
+    std::uint64_t shared_stretches(std::uint32_t leader) const noexcept { return contours_[leader].shared; }
 
 private:
     struct Own {
@@ -39,6 +40,7 @@ private:
         bool itself = false;
         bool crowded = false;
         std::uint64_t contacts = 0;  // of those led
+        std::uint64_t shared = 0;    // of those led
     };
     /// A stretch that an edge has in common with another.
     struct Shared {

@@ -24,11 +24,13 @@ bool Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester
     assert(rule != FillRule::contours);
     region_.clear();
     points_.clear();
+    clusters_ = 0;
     take_equal_ones_together(contours);
     if (!contacts_.find(items_)) {
         return false;
     }
     find_clusters(nester);
+    clipping_.begin();
     const std::uint32_t* cluster = members_.data();
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
         if (!own_[c].clipped) {
@@ -93,10 +95,8 @@ void Fill::take_or_leave(std::uint32_t contour, FillRule rule) {
     Own& own = own_[contour];
     const Own around = item.parent < 0 ? Own{} : own_[static_cast<std::size_t>(item.parent)];
     own.winding = around.winding + item.sense * static_cast<std::int64_t>(own.times);
-    own.filled = around.filled;
     if (fills(rule, own.winding) != fills(rule, around.winding)) {
-        own.filled = static_cast<std::int64_t>(region_.size());
-        region_.push_back({own.index, 0, 0, around.filled, !fills(rule, own.winding)});
+        region_.push_back({own.index, 0, 0, -1, -1, !fills(rule, own.winding)});
     }
 }
 
@@ -105,7 +105,7 @@ bool Fill::clip_cluster(std::span<const std::uint32_t> members, FillRule rule) {
     const std::int32_t parent = items_[leader].parent;
     const Own around = parent < 0 ? Own{} : own_[static_cast<std::size_t>(parent)];
     const Windings all = windings_of(members);
-    Clipping::Meetings meetings{contacts_.count(leader), false};
+    Clipping::Meetings meetings{contacts_.contacts(leader), contacts_.shared_stretches(leader), false};
     clipping_.clear();
     for (const std::uint32_t member : members) {
         const std::uint32_t times = copies_that_matter(member, rule, all, around.winding);
@@ -117,10 +117,11 @@ bool Fill::clip_cluster(std::span<const std::uint32_t> members, FillRule rule) {
     const std::int64_t most = all.negative + all.positive + all.either + 1;  // beyond it a sign does not change
     const std::int64_t ambient = rule == FillRule::even_odd ? around.winding % 2 : std::clamp(around.winding, -most, most);
     const auto base = static_cast<std::int64_t>(region_.size());
+    const auto cluster = static_cast<std::int64_t>(clusters_++);
     return clipping_.fill(rule, ambient, meetings, [&](std::span<const Point> contour, std::int64_t within) {
         const bool hole = within < 0 ? fills(rule, ambient) : !region_[static_cast<std::size_t>(base + within)].hole;
         region_.push_back({-1, static_cast<std::uint32_t>(points_.size()), static_cast<std::uint32_t>(contour.size()),
-                           within < 0 ? around.filled : base + within, hole});
+                           cluster, within < 0 ? -1 : base + within, hole});
         points_.insert(points_.end(), contour.begin(), contour.end());
     });
 }

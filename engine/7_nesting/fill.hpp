@@ -28,10 +28,11 @@ namespace lamella {
 
 /// A contour of a region.
 struct RegionContour {
-    std::int64_t kept = -1;    ///< the contour that it is, unchanged; -1: clipping made it
-    std::uint32_t first = 0;   ///< made: its points, solid on the left
-    std::uint32_t count = 0;   ///< made: so many
-    std::int64_t around = -1;  ///< what it lies directly in, an index into the region, -1 for none
+    std::int64_t kept = -1;     ///< the contour that it is, unchanged; -1: clipping made it
+    std::uint32_t first = 0;    ///< made: its points, solid on the left
+    std::uint32_t count = 0;    ///< made: so many
+    std::int64_t cluster = -1;  ///< made: of what was clipped together
+    std::int64_t around = -1;  ///< made: the one of its cluster that it lies directly in, an index into the region; -1: none
     bool hole = false;
 };
 
@@ -40,11 +41,12 @@ class Fill {
 public:
     explicit Fill(std::pmr::memory_resource* memory);
 
-    /// Of closed contours by (start, content), equal ones behind one another. False: they meet too often to be clipped, and
-    /// there is no region. Throws std::bad_alloc.
+    /// Of closed contours by (start, content), equal ones behind one another. False: they are too entangled to be clipped,
+    /// and there is no region. Throws std::bad_alloc.
     bool run(std::span<const NestItem> contours, FillRule rule, Nester& nester);
 
     std::span<const RegionContour> region() const noexcept { return region_; }
+    std::size_t clusters() const noexcept { return clusters_; }
     std::span<Point> points_of(const RegionContour& made) noexcept {
         return std::span(points_).subspan(made.first, made.count);
     }
@@ -55,7 +57,6 @@ private:
         std::uint32_t index = 0;   // of those given: the first of equal ones
         std::uint32_t times = 0;   // how many of them
         std::int64_t winding = 0;  // just inside
-        std::int64_t filled = -1;  // what lies directly in this one lies directly in that contour of the region
         bool clipped = false;
     };
     /// The most that the winding numbers of contours can add up to.
@@ -79,6 +80,7 @@ private:
     std::pmr::vector<Own> own_;
     std::pmr::vector<std::uint32_t> members_;  // contours that are clipped, by leader, then in order
     std::pmr::vector<RegionContour> region_;
+    std::size_t clusters_ = 0;
     std::pmr::vector<Point> points_;
 };
 

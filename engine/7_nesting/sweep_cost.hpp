@@ -14,15 +14,17 @@ public:
         if (from != to) {
             lows_.push_back(std::min(from, to));
             highs_.push_back(std::max(from, to));
+        } else {
+            ++level_;
         }
     }
 
     /// Looks at an edge: at each height at which edges begin all that are there, and once more for each two that begin and
-    /// each that ends. O(edges log edges).
+    /// each that ends, and one for a level edge. O(edges log edges).
     std::uint64_t looks() {
         std::sort(lows_.begin(), lows_.end());
         std::sort(highs_.begin(), highs_.end());
-        std::uint64_t looks = 0;
+        std::uint64_t looks = level_;
         std::size_t begun = 0;
         std::size_t ended = 0;
         while (begun < lows_.size()) {
@@ -42,6 +44,7 @@ public:
 
 private:
     std::vector<std::int64_t> lows_, highs_;
+    std::uint64_t level_ = 0;
 };
 
 }  // namespace lamella

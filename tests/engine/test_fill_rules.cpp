@@ -87,6 +87,35 @@ TEST_CASE("fill rules: touching cubes, whose common side has two faces of opposi
           Lines{"2 outer, 0 hole, 200", "1 outer, 0 hole, 200", "1 outer, 0 hole, 200", "1 outer, 0 hole, 200"});
 }
 
+TEST_CASE("fill rules: touching boxes become one also where their walls are divided differently", "[engine][fill]") {
+    shapes::Soup soup;
+    for (int x = 0; x < 7; ++x) {
+        for (int y = 0; y < 7; ++y) {
+            soup = shapes::joined({soup, shapes::box({3.0 * x, 5.0 * y, 0}, {3.0 * x + 3, 5.0 * y + 5, 10})});
+        }
+    }
+    for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
+        lamella::SliceOptions options = at_heights({4.3});
+        options.unit_mm = lamella::default_unit_mm;
+        options.fill_rule = rule;
+        const SliceResult result = sliced(soup, options);
+        REQUIRE(result.contours.size() == 1);
+        CHECK(result.contours[0].point_count == 4);
+        CHECK(result.area_mm2(result.layers[0]) == Approx(21.0 * 35));
+    }
+}
+
+TEST_CASE("fill rules: what lies in a hole that several bodies make together", "[engine][fill]") {
+    const shapes::Soup frame = shapes::joined({shapes::box({0, 0, 0}, {30, 5, 10}), shapes::box({0, 25, 0}, {30, 30, 10}),
+                                               shapes::box({0, 1, 0}, {5, 29, 10}), shapes::box({25, 1, 0}, {30, 29, 10})});
+    for (const FillRule rule : {FillRule::non_zero, FillRule::positive}) {
+        const SliceResult result = filled(shapes::joined({frame, square(10, 10, 10)}), rule);
+        REQUIRE(result.contours.size() == 3);
+        CHECK(result.contours[2].role == Role::outer);
+        CHECK(result.contours[result.contours[2].parent].role == Role::hole);
+    }
+}
+
 TEST_CASE("fill rules: a solid insert in a solid", "[engine][fill]") {
     CHECK(regions(shapes::joined({square(0, 0, 30), square(10, 10, 10)})) ==
           Lines{"2 outer, 0 hole, 1000", "1 outer, 1 hole, 800", "1 outer, 0 hole, 900", "1 outer, 0 hole, 900"});

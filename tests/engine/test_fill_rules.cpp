@@ -112,7 +112,8 @@ TEST_CASE("fill rules: what lies in a hole that several bodies make together", "
         const SliceResult result = filled(shapes::joined({frame, square(10, 10, 10)}), rule);
         REQUIRE(result.contours.size() == 3);
         CHECK(result.contours[2].role == Role::outer);
-        CHECK(result.contours[result.contours[2].parent].role == Role::hole);
+        REQUIRE(result.contours[2].parent >= 0);
+        CHECK(result.contours[static_cast<std::size_t>(result.contours[2].parent)].role == Role::hole);
     }
 }
 

@@ -1,6 +1,8 @@
 // Random closed meshes against exact arithmetic. The long test is the short one on thousands of seeds.
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
+#include <span>
 
 #include <catch2/catch.hpp>
 
@@ -85,13 +87,28 @@ struct Tally {
     std::size_t points = 0;
 };
 
+/// Contours that run against their facets, but for those so small that rounding their points can turn them over, as it does
+/// just below the tip of a needle.
+std::ptrdiff_t count_overruled(const lamella::SliceResult& result) {
+    return std::count_if(result.contours.begin(), result.contours.end(), [&](const lamella::Contour& contour) {
+        const std::span<const lamella::Point> points = result.points_of(contour);
+        std::int64_t length = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const lamella::Point to = points[i + 1 < points.size() ? i + 1 : 0];
+            length += std::abs(std::int64_t{to.x} - points[i].x) + std::abs(std::int64_t{to.y} - points[i].y);
+        }
+        const bool small = contour.twice_area.high == 0 && contour.twice_area.low <= static_cast<std::uint64_t>(length);
+        return (contour.flags & lamella::sense_overruled) != 0 && !small;
+    });
+}
+
 /// Slices through heights of vertices and judges every layer.
 void judge(const Kind& kind, std::uint64_t seed, bool large, std::size_t planes, Tally& tally) {
     const Soup soup = kind.make(seed, large);
     INFO(kind.name << ", seed " << seed);
     const lamella::SliceResult result = sliced(soup, exact::through_vertices(soup, kind.unit_mm, seed, planes));
     CHECK(result.summary.open_contours == 0);
-    CHECK((kind.trait == Trait::contradictory || result.summary.overruled_contours == 0));
+    CHECK((kind.trait == Trait::contradictory || count_overruled(result) == 0));
     REQUIRE_THAT(exact::difference(result, oracle::quantise(soup, kind.unit_mm)), Catch::Equals(""));
     ++tally.meshes;
     tally.layers += result.layers.size();

@@ -9,8 +9,8 @@
 
 #include <clipper.hpp>
 
+#include "7_nesting/contacts.hpp"
 #include "7_nesting/sweep_cost.hpp"
-#include "base/wide.hpp"
 
 namespace lamella {
 
@@ -43,18 +43,15 @@ void add_edges(const Path& path, SweepCost& cost) {
     }
 }
 
+Point to_point(const ClipperLib::IntPoint& point) noexcept {
+    return {static_cast<std::int32_t>(point.X), static_cast<std::int32_t>(point.Y)};
+}
+
 /// Whether the point lies within rounding of the closed path.
-bool is_near(const ClipperLib::IntPoint& point, const Path& path) {
-    constexpr ClipperLib::cInt reach = 2;
+bool is_near_path(const ClipperLib::IntPoint& point, const Path& path) {
     for (std::size_t i = 0; i < path.size(); ++i) {
-        const ClipperLib::IntPoint& a = path[i];
-        const ClipperLib::IntPoint& b = path[i + 1 < path.size() ? i + 1 : 0];
-        const auto [low_x, high_x] = std::minmax(a.X, b.X);
-        const auto [low_y, high_y] = std::minmax(a.Y, b.Y);
-        const Int128 side = Int128{b.X - a.X} * (point.Y - a.Y) - Int128{b.Y - a.Y} * (point.X - a.X);
-        const Int128 most = Int128{reach} * (high_x - low_x + high_y - low_y);
-        if (low_x - reach <= point.X && point.X <= high_x + reach && low_y - reach <= point.Y && point.Y <= high_y + reach &&
-            -most <= side && side <= most) {
+        const ClipperLib::IntPoint& to = path[i + 1 < path.size() ? i + 1 : 0];
+        if (is_near(to_point(point), to_point(path[i]), to_point(to), clipping_reach)) {
             return true;
         }
     }
@@ -357,7 +354,7 @@ bool Clipping::Cluster::is_consistent(const Region& region) {
         for (std::size_t i = 0; i < node.Contour.size() && !inside && consistent; ++i) {
             const int side = ClipperLib::PointInPolygon(node.Contour[i], around);  // -1: on the line
             inside = side == 1;
-            consistent = side != 0 || is_near(node.Contour[i], around);
+            consistent = side != 0 || is_near_path(node.Contour[i], around);
             spent += around.size() / 4;
         }
     });
@@ -425,7 +422,7 @@ void Clipping::Region::take_all(FunctionRef<void(std::span<const Point>, std::in
         }
         points.clear();
         for (const ClipperLib::IntPoint& point : node.Contour) {
-            const Point own{static_cast<std::int32_t>(point.X), static_cast<std::int32_t>(point.Y)};
+            const Point own = to_point(point);
             points.push_back(way.turned ? Point{own.y, own.x} : own);
         }
         if (way.turned) {

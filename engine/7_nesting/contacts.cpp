@@ -10,21 +10,8 @@ namespace lamella {
 
 namespace {
 
-constexpr std::int32_t margin = 2;  // grid units
 constexpr std::uint64_t most_steps = std::uint64_t{1} << 31;
 constexpr std::uint64_t most_contacts = 1 << 18;  // of one cluster
-
-int sign_of(Int128 value) noexcept {
-    return (value > 0) - (value < 0);
-}
-
-/// Whether `p` lies within `reach` of the edge from `a` to `b`; also somewhat beyond, where `reach` is not 0.
-bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept {
-    const Int128 distance_by_length = side_of_line(a, b, p);
-    const std::int64_t length = std::abs(std::int64_t{b.x} - a.x) + std::abs(std::int64_t{b.y} - a.y);
-    const Int128 most = Int128{reach} * length;
-    return FlatBox::around(a, b).grown(reach).meets({p, p}) && -most <= distance_by_length && distance_by_length <= most;
-}
 
 bool cross(Point a, Point b, Point c, Point d) noexcept {
     return sign_of(side_of_line(a, b, c)) * sign_of(side_of_line(a, b, d)) < 0 &&
@@ -38,6 +25,13 @@ bool are_near(Point a, Point b, Point c, Point d, std::int32_t reach) noexcept {
 
 }  // namespace
 
+bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept {
+    const Int128 distance_by_length = side_of_line(a, b, p);
+    const std::int64_t length = std::abs(std::int64_t{b.x} - a.x) + std::abs(std::int64_t{b.y} - a.y);
+    const Int128 most = Int128{reach} * length;
+    return FlatBox::around(a, b).grown(reach).meets({p, p}) && -most <= distance_by_length && distance_by_length <= most;
+}
+
 bool Contacts::find(std::span<const NestItem> contours) {
     near_.clear();
     contours_.clear();
@@ -47,7 +41,7 @@ bool Contacts::find(std::span<const NestItem> contours) {
         near_.add({{contours[c].points, contours[c].count}, c, true, contours[c].start});
     }
     const bool all =
-        near_.find(margin, most_steps,
+        near_.find(clipping_reach, most_steps,
                    [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) { meet(a, i, b, j); });
     find_crowds();
     return all;
@@ -58,7 +52,7 @@ void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::si
     if (same && ((i + 1) % a.edges() == j || (j + 1) % a.edges() == i)) {
         return;  // one follows the other
     }
-    if (!are_near(a[i], a[i + 1], b[j], b[j + 1], same ? 0 : margin)) {
+    if (!are_near(a[i], a[i + 1], b[j], b[j + 1], same ? 0 : clipping_reach)) {
         return;
     }
     const auto contour = static_cast<std::uint32_t>(a.contour);

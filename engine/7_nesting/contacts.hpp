@@ -11,6 +11,12 @@
 
 namespace lamella {
 
+/// Grid units by which clipping moves a point at most.
+inline constexpr std::int32_t clipping_reach = 2;
+
+/// Whether `p` lies within `reach` of the edge from `a` to `b`; also somewhat beyond, where `reach` is not 0.
+bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept;
+
 /// Two contours meet where their edges come within two units of each other: clipping rounds points to units, and what it
 /// makes of one must not reach the other. A contour meets itself where edges of it that do not follow each other have a
 /// point in common. Contours that meet, and those that meet them, are a cluster.

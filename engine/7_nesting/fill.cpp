@@ -5,18 +5,6 @@
 
 namespace lamella {
 
-namespace {
-
-bool same_points(const NestItem& a, const NestItem& b) noexcept {
-    std::uint32_t i = 0;
-    while (a.count == b.count && i < a.count && a.from_start(i) == b.from_start(i)) {
-        ++i;
-    }
-    return a.count == b.count && i == a.count;
-}
-
-}  // namespace
-
 Fill::Fill(std::pmr::memory_resource* memory)
     : contacts_(memory), items_(memory), own_(memory), members_(memory), region_(memory), points_(memory) {}
 
@@ -52,7 +40,7 @@ void Fill::take_equal_ones_together(std::span<const NestItem> contours) {
     items_.clear();
     own_.clear();
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
-        if (c > 0 && same_points(contours[c - 1], contours[c])) {
+        if (c > 0 && std::is_eq(compare_points(contours[c - 1], contours[c]))) {
             ++own_.back().times;
         } else {
             items_.push_back(contours[c]);

@@ -31,21 +31,6 @@ std::pair<std::uint64_t, std::uint64_t> magnitude(const Wide& area) noexcept {
     return {~high + (area.low == 0 ? 1 : 0), ~area.low + 1};
 }
 
-/// Compares the points of two contours from their starts on.
-std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexcept {
-    if (a.count != b.count) {
-        return a.count <=> b.count;
-    }
-    for (std::uint32_t i = 0, ia = a.start, ib = b.start; i < a.count; ++i) {
-        if (const auto order = a.points[ia] <=> b.points[ib]; std::is_neq(order)) {
-            return order;
-        }
-        ia = ia + 1 == a.count ? 0 : ia + 1;
-        ib = ib + 1 == b.count ? 0 : ib + 1;
-    }
-    return std::strong_ordering::equal;
-}
-
 /// From small to large, never by index: equal only if all points are.
 std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept {
     if (const auto order = magnitude(a.twice_area) <=> magnitude(b.twice_area); std::is_neq(order)) {
@@ -73,6 +58,20 @@ void fetch([[maybe_unused]] const void* address) noexcept {
 }
 
 }  // namespace
+
+std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexcept {
+    if (a.count != b.count) {
+        return a.count <=> b.count;
+    }
+    for (std::uint32_t i = 0, ia = a.start, ib = b.start; i < a.count; ++i) {
+        if (const auto order = a.points[ia] <=> b.points[ib]; std::is_neq(order)) {
+            return order;
+        }
+        ia = ia + 1 == a.count ? 0 : ia + 1;
+        ib = ib + 1 == b.count ? 0 : ib + 1;
+    }
+    return std::strong_ordering::equal;
+}
 
 void NestItem::reset() noexcept {
     parent = -1;

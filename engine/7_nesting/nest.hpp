@@ -17,6 +17,7 @@
 // other), and boxes that are long and thin both ways meet up to the root of q nodes of the tree.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <memory_resource>
 #include <span>
@@ -51,6 +52,9 @@ struct NestItem {
     /// Nothing is known of it but what it is by itself: flat if closed, and its sense.
     void reset() noexcept;
 };
+
+/// By the number of points, then by the points from the starts on.
+std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexcept;
 
 }  // namespace lamella
 

@@ -16,10 +16,6 @@ namespace {
 
 constexpr std::uint64_t steps_per_edge = 1024;
 
-int sign_of(Int128 value) noexcept {
-    return (value > 0) - (value < 0);
-}
-
 int side(Point from, Point to, Point p) noexcept {
     return sign_of(side_of_line(from, to, p));
 }

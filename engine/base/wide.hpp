@@ -15,4 +15,8 @@ inline Int128 from_wide(const Wide& value) noexcept {
     return (Int128{value.high} << 64) | Int128{value.low};
 }
 
+constexpr int sign_of(Int128 value) noexcept {
+    return (value > 0) - (value < 0);
+}
+
 }  // namespace lamella

@@ -1,0 +1,206 @@
+#include "golden/calls.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace golden {
+
+using lamella::ContourForm;
+using lamella::MeshView;
+using lamella::SliceResult;
+
+namespace {
+
+Hash& add_point(Hash& hash, lamella::Point point) {
+    return hash.integer(point.x).integer(point.y);
+}
+
+std::uint64_t hash_of_shapes(const SliceResult& result) {
+    Hash hash;
+    for (const lamella::Layer& layer : result.layers) {
+        hash.integer(layer.plane.z()).word(layer.first_contour).word(layer.contour_count);
+    }
+    add_contours(hash, result.contours.span(), result.points.span());
+    return hash.word(output_hash(result)).value();
+}
+
+void add_summary(Hash& hash, const lamella::SliceSummary& summary) {
+    for (const std::uint64_t count :
+         {summary.triangles, summary.degenerate, summary.crossed, summary.segments, summary.holes, summary.open_contours,
+          summary.flat_contours, summary.overruled_contours}) {
+        hash.word(count);
+    }
+    hash.reals(summary.min_mm).reals(summary.max_mm);
+}
+
+std::uint64_t hash_of_numbers(const SliceResult& result) {
+    Hash hash;
+    for (const lamella::Layer& layer : result.layers) {
+        hash.real(layer.bottom_mm).real(layer.plane_mm).real(layer.top_mm).word(layer.segments);
+        hash.real(result.area_mm2(layer));
+    }
+    for (const lamella::ClosedGap& gap : result.closed_gaps) {
+        add_point(add_point(hash.word(gap.layer), gap.from), gap.to).real(result.length_mm(gap));
+    }
+    hash.text(name_of(result.fill_rule)).real(result.close_gaps_mm).real(result.unit_mm).reals(result.frame.m);
+    add_summary(hash, result.summary);
+    return hash.value();
+}
+
+/// One way to come to the same result.
+struct Way {
+    int threads;
+    int band_planes;
+    ContourForm form;
+};
+constexpr Way one_thread = {1, 0, ContourForm::swept};
+constexpr Way other_ways[] = {{1, 1, ContourForm::swept},
+                              {3, 3, ContourForm::swept},
+                              {8, 0, ContourForm::swept},
+                              {1, 0, ContourForm::assembled},
+                              {3, 1, ContourForm::assembled}};
+
+Options by(const Way& way, Options options) {
+    options.threads = way.threads;
+    options.band_planes = way.band_planes;
+    options.form = way.form;
+    return options;
+}
+
+void add_result(Group& group, const std::string& name, const SliceResult& result) {
+    group.output(name, hash_of_shapes(result));
+    group.output(name + ", numbers", hash_of_numbers(result));
+}
+
+}  // namespace
+
+Hash& add_contours(Hash& hash, std::span<const lamella::Contour> contours, std::span<const lamella::Point> points) {
+    for (const lamella::Contour& contour : contours) {
+        hash.integer(static_cast<int>(contour.role)).integer(contour.sense).word(contour.flags);
+        hash.word(contour.segments).word(contour.first_point).word(contour.point_count).integer(contour.parent);
+        hash.word(contour.twice_area.low).integer(contour.twice_area.high);
+    }
+    for (const lamella::Point point : points) {
+        add_point(hash, point);
+    }
+    return hash;
+}
+
+Options uniform(double layer_mm) {
+    Options options;
+    options.plan.spacing = lamella::UniformLayers{layer_mm};
+    return options;
+}
+
+Options uniform_from(double first_mm, double layer_mm) {
+    Options options;
+    options.plan.spacing = lamella::UniformLayers{layer_mm, first_mm, lamella::Datum::zero};
+    return options;
+}
+
+Options at_heights(std::vector<double> heights_mm) {
+    Options options;
+    options.plan.spacing = lamella::ExplicitPlanes{std::move(heights_mm)};
+    return options;
+}
+
+Options random_layers(double min_mm, double max_mm, std::uint64_t seed) {
+    Options options;
+    options.plan.spacing = lamella::RandomLayers{min_mm, max_mm, seed};
+    return options;
+}
+
+Options above(Options options) {
+    options.plan.side = lamella::Side::above;
+    return options;
+}
+
+Options filled(Rule rule, Options options) {
+    options.fill_rule = rule;
+    return options;
+}
+
+Options gaps_closed(double reach_mm, Options options) {
+    options.close_gaps_mm = reach_mm;
+    return options;
+}
+
+Options on_grid(double unit_mm, Options options) {
+    options.unit_mm = unit_mm;
+    return options;
+}
+
+Options turned(double x, double y, double z, Options options) {
+    options.transform = lamella::Transform::from_normal(x, y, z);
+    return options;
+}
+
+Options mapped(Options options) {
+    options.transform.m = {0, 0.5, 0, 3, 0, 0, -0.5, 1.25, 0.5, 0, 0, -40};
+    return options;
+}
+
+HeldMesh::HeldMesh(const Soup& soup, Form form) : form_(form) {
+    const bool indexed = form == Form::f64_indexed || form == Form::f32_indexed;
+    const shapes::Indexed shared = indexed ? shapes::indexed(soup) : shapes::Indexed{};
+    f64_ = indexed ? shared.xyz : soup;
+    f32_ = shapes::floats(f64_);
+    indices_ = shared.indices;
+    if (form == Form::f32_strided) {
+        strided_.assign(84 + f32_.size() / 9 * 50, '\x55');
+        for (std::size_t t = 0; t < f32_.size() / 9; ++t) {
+            std::memcpy(strided_.data() + 84 + 12 + 50 * t, f32_.data() + 9 * t, 9 * sizeof(float));
+        }
+    }
+}
+
+MeshView HeldMesh::view() const {
+    switch (form_) {
+        case Form::f64_soup:
+            return MeshView::soup(std::span<const double>(f64_));
+        case Form::f32_soup:
+            return MeshView::soup(std::span<const float>(f32_));
+        case Form::f64_indexed:
+            return MeshView::indexed(std::span<const double>(f64_), indices_);
+        case Form::f32_indexed:
+            return MeshView::indexed(std::span<const float>(f32_), indices_);
+        default:
+            return MeshView::strided_soup(reinterpret_cast<const std::byte*>(strided_.data()) + 84 + 12, f32_.size() / 9, 50,
+                                          lamella::Number::f32);
+    }
+}
+
+SliceResult sliced(const MeshView& mesh, const Options& options) {
+    return answer(slice(mesh, options));
+}
+
+std::uint64_t add_slices(Group& group, const std::string& name, const MeshView& mesh, const Options& options) {
+    const SliceResult first = sliced(mesh, by(one_thread, options));
+    add_result(group, name, first);
+    std::uint64_t bands = first.summary.bands;
+    for (const Way& way : other_ways) {
+        INFO(name << ", threads " << way.threads << ", planes a band " << way.band_planes << ", assembled "
+                  << (way.form == ContourForm::assembled));
+        const SliceResult result = sliced(mesh, by(way, options));
+        CHECK(hash_of_shapes(result) == hash_of_shapes(first));
+        CHECK(hash_of_numbers(result) == hash_of_numbers(first));
+        if (way.band_planes == 0) {
+            bands = std::max(bands, result.summary.bands);
+        }
+    }
+    return bands;
+}
+
+void add_weld(Group& group, const std::string& name, const MeshView& mesh, double tolerance_mm) {
+    const lamella::WeldedMesh welded = answer(weld(mesh, tolerance_mm));
+    Hash hash;
+    hash.text({reinterpret_cast<const char*>(welded.coordinates.data()), welded.coordinates.size()});
+    for (const std::uint32_t index : welded.indices) {
+        hash.word(index);
+    }
+    hash.integer(static_cast<int>(welded.number)).word(welded.vertices).word(welded.joined).real(welded.largest_move);
+    group.output(name + ", welded", hash.value());
+    add_slices(group, name + ", slices", welded.view(), uniform(0.375));
+}
+
+}  // namespace golden

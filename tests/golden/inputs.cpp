@@ -1,0 +1,366 @@
+#include "golden/inputs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+namespace golden {
+
+namespace {
+
+using shapes::box;
+using shapes::flipped;
+using shapes::joined;
+using shapes::moved;
+using shapes::Xyz;
+
+using Cell = std::array<int, 3>;
+
+void append(Soup& soup, const Soup& more) {
+    soup.insert(soup.end(), more.begin(), more.end());
+}
+
+void append(Soup& soup, const Xyz& a, const Xyz& b, const Xyz& c) {
+    append(soup, shapes::triangle(a, b, c));
+}
+
+std::uint64_t mixed(std::uint64_t seed, const Cell& cell) {
+    const auto part = [](int i) { return static_cast<std::uint64_t>(i + 1000); };
+    return SplitMix(seed ^ part(cell[0]) << 40 ^ part(cell[1]) << 20 ^ part(cell[2])).next();
+}
+
+/// A ball of cells of 1 mm with a lump at its side; one cell in eleven is missing, which makes cavities, and cells that
+/// meet at an edge or a corner alone.
+struct Voxels {
+    int side;
+    std::uint64_t seed;
+
+    bool filled(const Cell& cell) const {
+        for (const int i : cell) {
+            if (i < 0 || i >= side) {
+                return false;
+            }
+        }
+        const auto near = [&](const Cell& centre, int radius) {
+            int sum = 0;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const int d = 2 * cell[axis] + 1 - centre[axis];
+                sum += d * d;
+            }
+            return sum <= 4 * radius * radius;
+        };
+        return (near({side, side, side}, side / 3) || near({3 * side / 2, side, 3 * side / 2}, side / 4)) &&
+               mixed(seed, cell) % 11 != 0;
+    }
+
+    /// A corner of cells, moved by less than a third of a cell, in steps of 1/64 mm: vertices are still shared.
+    Xyz corner(const Cell& node) const {
+        Xyz p{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto jitter = static_cast<int>(mixed(seed + 1 + axis, node) % 41) - 20;
+            p[axis] = (64 * node[axis] + jitter) / 64.0;
+        }
+        return p;
+    }
+
+    /// The face of `cell` towards `axis`, upwards or downwards, seen counter-clockwise from outside.
+    void add_face(Soup& soup, const Cell& cell, std::size_t axis, bool up) const {
+        std::array<Xyz, 4> p;
+        for (std::size_t i = 0; i < 4; ++i) {
+            Cell node = cell;
+            node[axis] += up ? 1 : 0;
+            node[(axis + 1) % 3] += i == 1 || i == 2 ? 1 : 0;
+            node[(axis + 2) % 3] += i >= 2 ? 1 : 0;
+            p[up ? i : 3 - i] = corner(node);
+        }
+        const std::size_t first = mixed(seed + 9, cell) & 1;  // which diagonal
+        append(soup, p[first], p[first + 1], p[first + 2]);
+        append(soup, p[first], p[first + 2], p[(first + 3) % 4]);
+    }
+
+    Soup surface() const {
+        Soup soup;
+        for (int i = 0; i < side * side * side; ++i) {
+            const Cell cell{i % side, i / side % side, i / side / side};
+            if (!filled(cell)) {
+                continue;
+            }
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                for (const bool up : {false, true}) {
+                    Cell neighbour = cell;
+                    neighbour[axis] += up ? 1 : -1;
+                    if (!filled(neighbour)) {
+                        add_face(soup, cell, axis, up);
+                    }
+                }
+            }
+        }
+        return soup;
+    }
+};
+
+Soup voxel_body(std::uint64_t seed = 1, int side = 28) {
+    return Voxels{side, seed}.surface();
+}
+
+/// Calls change(triangle as nine numbers) for one triangle in `every`, by hash.
+template <class Change>
+Soup each_so_manieth(Soup soup, std::uint64_t every, Change change) {
+    SplitMix random(every);
+    for (std::size_t t = 0; t < soup.size(); t += 9) {
+        if (random.next() % every == 0) {
+            change(soup.begin() + static_cast<std::ptrdiff_t>(t));
+        }
+    }
+    return soup;
+}
+
+Soup torn(const Soup& soup, std::uint64_t every) {
+    SplitMix random(every);
+    Soup left;
+    for (std::size_t t = 0; t < soup.size(); t += 9) {
+        if (random.next() % every != 0) {
+            left.insert(left.end(), soup.begin() + static_cast<std::ptrdiff_t>(t),
+                        soup.begin() + static_cast<std::ptrdiff_t>(t + 9));
+        }
+    }
+    return left;
+}
+
+/// Corners of some triangles leave their neighbours by up to 3/64 mm.
+Soup cracked(const Soup& soup) {
+    SplitMix random(5);
+    return each_so_manieth(soup, 13, [&](auto triangle) {
+        for (std::ptrdiff_t i = 0; i < 9; ++i) {
+            triangle[i] += random.between(-3, 3) / 64.0;
+        }
+    });
+}
+
+Soup of_mixed_senses(const Soup& soup) {
+    return each_so_manieth(soup, 9, [](auto t) { std::swap_ranges(t + 3, t + 6, t + 6); });
+}
+
+/// Collapsed triangles, triangles on a line, copies, and copies turned over.
+Soup with_degenerate_faces(const Soup& soup) {
+    Soup all = soup;
+    for (std::size_t t = 0; t + 9 <= soup.size(); t += 9 * 7) {
+        const auto corner = [&](std::size_t i) { return Xyz{soup[t + 3 * i], soup[t + 3 * i + 1], soup[t + 3 * i + 2]}; };
+        const Xyz a = corner(0);
+        const Xyz b = corner(1);
+        const Xyz c = corner(2);
+        append(all, a, a, b);
+        append(all, a, b, {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2});
+        append(all, a, b, c);
+        if (t % 2 == 0) {
+            append(all, a, c, b);
+        }
+    }
+    return all;
+}
+
+/// Boxes with corners on whole millimetres, overlapping, touching and within each other; one in four is inverted.
+Soup random_boxes(std::uint64_t seed, int count, int range) {
+    SplitMix random(seed);
+    Soup soup;
+    for (int i = 0; i < count; ++i) {
+        Xyz low{};
+        Xyz high{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const int from = random.between(0, range);
+            low[axis] = from;
+            high[axis] = from + random.between(1, range / 3);
+        }
+        append(soup, random.next() % 4 == 0 ? flipped(box(low, high)) : box(low, high));
+    }
+    return soup;
+}
+
+Xyz lattice_point(SplitMix& random, const Cell& from, int range) {
+    Xyz p{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        p[axis] = from[axis] + random.between(0, 4 * range) / 4.0;
+    }
+    return p;
+}
+
+Cell random_place(SplitMix& random, int range) {
+    const int x = random.between(0, range);
+    const int y = random.between(0, range);
+    return {x, y, random.between(0, range)};
+}
+
+/// Small tetrahedra, outward or inward as it happens, all over a larger cube.
+Soup tetrahedra(std::uint64_t seed, int count, int spread, int range) {
+    SplitMix random(seed);
+    Soup soup;
+    for (int i = 0; i < count; ++i) {
+        const Cell at = random_place(random, spread);
+        const Xyz a = lattice_point(random, at, range);
+        const Xyz b = lattice_point(random, at, range);
+        const Xyz c = lattice_point(random, at, range);
+        const Xyz d = lattice_point(random, at, range);
+        append(soup, a, b, c);
+        append(soup, a, c, d);
+        append(soup, a, d, b);
+        append(soup, b, d, c);
+    }
+    return soup;
+}
+
+/// Triangles with corners on a lattice so coarse that they share vertices and edges, many faces an edge.
+Soup lattice_triangles(std::uint64_t seed, int count, int spread, int range) {
+    SplitMix random(seed);
+    Soup soup;
+    for (int i = 0; i < count; ++i) {
+        const Cell at = random_place(random, spread);
+        Soup corners;
+        for (int corner = 0; corner < 3; ++corner) {
+            for (const int from : at) {
+                corners.push_back(from + random.between(0, range));
+            }
+        }
+        append(soup, corners);
+    }
+    return soup;
+}
+
+/// A prism over an outline that may cross itself, each side leaning by `lean` over the height; caps are fans.
+Soup prism_over(const std::vector<std::array<int, 2>>& outline, int height, int lean) {
+    const auto at = [&](std::size_t i, bool top) {
+        const auto& p = outline[i % outline.size()];
+        return Xyz{double(p[0] + (top ? lean : 0)), double(p[1]), double(top ? height : 0)};
+    };
+    Soup soup;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+        append(soup, at(i, false), at(i + 1, false), at(i + 1, true));
+        append(soup, at(i, false), at(i + 1, true), at(i, true));
+        if (i > 0 && i + 1 < outline.size()) {
+            append(soup, at(0, false), at(i + 1, false), at(i, false));
+            append(soup, at(0, true), at(i, true), at(i + 1, true));
+        }
+    }
+    return soup;
+}
+
+/// A pentagram, a figure of eight, and an outline that runs round twice.
+Soup self_crossing_prisms() {
+    return joined({prism_over({{0, 9}, {-6, -8}, {9, 3}, {-9, 3}, {6, -8}}, 8, 3),
+                   moved(prism_over({{0, 0}, {10, 8}, {10, 0}, {0, 9}}, 8, -2), {14, 0, 0}),
+                   moved(prism_over({{0, 0}, {9, 1}, {8, 9}, {1, 8}, {2, 2}, {7, 3}, {6, 7}, {-1, 6}}, 8, 1), {0, 14, 0})});
+}
+
+Soup nested_boxes() {
+    Soup soup;
+    for (int i = 0; i < 12; ++i) {  // senses: + - + + - - + - + + - -
+        const Soup one = box({double(i), double(i), double(i)}, {40.0 - i, 41.0 - i, 42.0 - i});
+        append(soup, i % 6 == 1 || i % 6 >= 4 ? flipped(one) : one);
+    }
+    return soup;
+}
+
+/// Every other cell of a cube: edges of four faces everywhere inside.
+Soup checkerboard() {
+    Soup soup;
+    for (int i = 0; i < 512; ++i) {
+        const double x = i % 8;
+        const double y = i / 8 % 8;
+        const double z = i / 64;
+        if ((i % 8 + i / 8 % 8 + i / 64) % 2 == 0) {
+            append(soup, box({x, y, z}, {x + 1, y + 1, z + 1}));
+        }
+    }
+    return soup;
+}
+
+/// Bodies that run through each other, through themselves and, turned over, within each other.
+Soup crossing_bodies() {
+    const Soup body = voxel_body(2, 14);
+    return joined({body, moved(body, {2.5, 1.25, 3}), flipped(moved(body, {1, 3.5, -2})),
+                   moved(flipped(voxel_body(3, 9)), {3, 3, 3})});
+}
+
+/// A wall of 2^18 and more side facets round a comb: one contour that makes a plane wide.
+Soup wide_comb() {
+    constexpr int teeth = 33'000;
+    std::vector<std::array<int, 2>> outline;
+    for (int i = 0; i < teeth; ++i) {
+        const int x = 4 * i;
+        outline.insert(outline.end(), {{x, 0}, {x + 2, 0}});
+    }
+    for (int i = teeth; i-- > 0;) {
+        const int x = 4 * i;
+        outline.insert(outline.end(), {{x + 2, 9 + i % 5}, {x, 7 - i % 3}});
+    }
+    Soup soup;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+        const auto& p = outline[i];
+        const auto& q = outline[(i + 1) % outline.size()];
+        const Xyz a{p[0] / 64.0, p[1] / 64.0, 0};
+        const Xyz b{q[0] / 64.0, q[1] / 64.0, 0};
+        append(soup, a, b, {b[0], b[1], 1});
+        append(soup, a, {b[0], b[1], 1}, {a[0], a[1], 1});
+    }
+    return soup;
+}
+
+/// 17,000 boxes, each with a cavity: so many contours that a plane is wide. Some touch, and some lack a side.
+Soup wide_boxes() {
+    Soup soup;
+    for (int i = 0; i < 17'000; ++i) {
+        const double x = i % 130 * 2.0;
+        const double y = i / 130 * 2.0;
+        const double width = i % 17 == 0 ? 2 : 1.75;
+        append(soup, box({x, y, 0}, {x + width, y + 1.5, 1}));
+        append(soup, flipped(box({x + 0.25, y + 0.25, 0.125}, {x + 1.25, y + 1.25, 0.875})));
+        if (i % 101 == 0) {
+            soup.resize(soup.size() - 9);
+        }
+    }
+    return soup;
+}
+
+const std::map<std::string, std::function<Soup()>>& makers() {
+    static const std::map<std::string, std::function<Soup()>> all = {
+        {"voxel body", [] { return voxel_body(); }},
+        {"torn body", [] { return torn(voxel_body(), 60); }},
+        {"cracked body", [] { return cracked(voxel_body()); }},
+        {"body of mixed senses", [] { return of_mixed_senses(voxel_body()); }},
+        {"body with degenerate faces", [] { return with_degenerate_faces(voxel_body(4, 14)); }},
+        {"crossing bodies", [] { return crossing_bodies(); }},
+        {"overlapping boxes", [] { return random_boxes(7, 120, 24); }},
+        {"nested boxes", [] { return nested_boxes(); }},
+        {"checkerboard", [] { return checkerboard(); }},
+        {"tetrahedra", [] { return tetrahedra(11, 400, 24, 6); }},
+        {"crowded tetrahedra", [] { return tetrahedra(12, 60, 1, 7); }},
+        {"lattice triangles", [] { return lattice_triangles(13, 1500, 16, 3); }},
+        {"self-crossing prisms", [] { return self_crossing_prisms(); }},
+        {"wide comb", [] { return wide_comb(); }},
+        {"wide boxes", [] { return wide_boxes(); }},
+    };
+    return all;
+}
+
+}  // namespace
+
+Soup mesh(const std::string& name) {
+    const auto maker = makers().find(name);
+    if (maker == makers().end()) {
+        throw std::invalid_argument("no mesh is called " + name);
+    }
+    return maker->second();
+}
+
+std::vector<std::string> mesh_names() {
+    std::vector<std::string> names;
+    for (const auto& [name, make] : makers()) {
+        names.push_back(name);
+    }
+    return names;
+}
+
+}  // namespace golden

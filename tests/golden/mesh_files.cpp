@@ -1,0 +1,312 @@
+#include "golden/mesh_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+#include <vector>
+
+#include <zlib.h>
+
+#include "golden/inputs.hpp"
+#include "input/zip.hpp"
+
+namespace golden {
+
+namespace {
+
+using Faces = std::vector<std::vector<std::uint32_t>>;
+
+/// Coordinates are multiples of 1/64.
+struct Polygons {
+    std::vector<double> xyz;
+    Faces faces;
+    std::size_t points() const { return xyz.size() / 3; }
+    std::size_t corners() const {
+        std::size_t sum = 0;
+        for (const auto& face : faces) {
+            sum += face.size();
+        }
+        return sum;
+    }
+};
+
+/// A closed body, a sheet of bent quads, and an L of six corners.
+Polygons all_kinds() {
+    shapes::Indexed body = shapes::indexed(mesh("voxel body"));
+    Polygons mesh{std::move(body.xyz), {}};
+    for (std::size_t i = 0; i < body.indices.size(); i += 3) {
+        mesh.faces.push_back({body.indices[i], body.indices[i + 1], body.indices[i + 2]});
+    }
+    constexpr std::uint32_t side = 40;
+    SplitMix random(21);
+    const auto first = static_cast<std::uint32_t>(mesh.points());
+    for (std::uint32_t i = 0; i < side * side; ++i) {
+        mesh.xyz.insert(mesh.xyz.end(), {double(i % side), double(i / side), random.between(-99, 99) / 64.0});
+    }
+    for (std::uint32_t i = 0; i + side + 1 < side * side; ++i) {
+        if (i % side + 1 < side) {
+            mesh.faces.push_back({first + i, first + i + 1, first + i + side + 1, first + i + side});
+        }
+    }
+    const auto corner = static_cast<std::uint32_t>(mesh.points());
+    mesh.xyz.insert(mesh.xyz.end(), {0, 0, 50, 9, 0, 50, 9, 3, 50, 3, 3, 50, 3, 9, 50, 0, 9, 50});
+    mesh.faces.push_back({corner, corner + 1, corner + 2, corner + 3, corner + 4, corner + 5});
+    return mesh;
+}
+
+/// Exact: 1/64 has six decimals.
+std::string decimal(double number) {
+    const auto units = static_cast<std::int64_t>(number * 64);
+    const std::int64_t magnitude = units < 0 ? -units : units;
+    const std::string fraction = std::to_string(1'000'000 + magnitude % 64 * 15'625);
+    return (units < 0 ? "-" : "") + std::to_string(magnitude / 64) + "." + fraction.substr(1);
+}
+
+std::string decimals(const Polygons& mesh, std::size_t point) {
+    return decimal(mesh.xyz[3 * point]) + " " + decimal(mesh.xyz[3 * point + 1]) + " " + decimal(mesh.xyz[3 * point + 2]);
+}
+
+template <class Number>
+std::string little(Number number) {
+    std::string bytes(sizeof number, '\0');
+    std::memcpy(bytes.data(), &number, sizeof number);
+    return bytes;
+}
+
+template <class Number>
+std::string big(Number number) {
+    std::string bytes = little(number);
+    std::reverse(bytes.begin(), bytes.end());
+    return bytes;
+}
+
+std::string binary_stl(const Soup& soup) {
+    std::string bytes = std::string(80, ' ') + little(static_cast<std::uint32_t>(soup.size() / 9));
+    for (std::size_t t = 0; t < soup.size(); t += 9) {
+        bytes.append(12, '\0');
+        for (std::size_t i = 0; i < 9; ++i) {
+            bytes += little(static_cast<float>(soup[t + i]));
+        }
+        bytes.append(2, '\0');
+    }
+    return bytes;
+}
+
+std::string text_stl(const Soup& soup) {
+    std::string text = "solid body\n";
+    for (std::size_t at = 0; at < soup.size(); at += 3) {
+        text += at % 9 == 0 ? "facet normal 0 0 1\n outer loop\n" : "";
+        text += "  vertex " + decimal(soup[at]) + " " + decimal(soup[at + 1]) + " " + decimal(soup[at + 2]) + "\n";
+        text += at % 9 == 6 ? " endloop\nendfacet\n" : "";
+    }
+    return text + "endsolid body\n";
+}
+
+/// Indices from the front and from the back, alone and with those of normals.
+std::string obj(const Polygons& mesh) {
+    std::string text = "# body\no body\nvn 0 0 1\n";
+    for (std::size_t i = 0; i < mesh.points(); ++i) {
+        text += "v " + decimals(mesh, i) + "\n";
+    }
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        text += "f";
+        for (const std::uint32_t index : mesh.faces[f]) {
+            text += " " + (f % 3 == 2 ? "-" + std::to_string(mesh.points() - index) : std::to_string(index + 1));
+            text += f % 3 == 1 ? "//1" : "";
+        }
+        text += "\n";
+    }
+    return text;
+}
+
+/// One line a face: the number of its corners, and their indices.
+std::string counted_faces(const Polygons& mesh) {
+    std::string text;
+    for (const auto& face : mesh.faces) {
+        text += std::to_string(face.size());
+        for (const std::uint32_t index : face) {
+            text += " " + std::to_string(index);
+        }
+        text += "\n";
+    }
+    return text;
+}
+
+std::string points_text(const Polygons& mesh) {
+    std::string text;
+    for (std::size_t i = 0; i < mesh.points(); ++i) {
+        text += decimals(mesh, i) + "\n";
+    }
+    return text;
+}
+
+std::string off(const Polygons& mesh) {
+    return "OFF\n" + std::to_string(mesh.points()) + " " + std::to_string(mesh.faces.size()) + " 0\n" + points_text(mesh) +
+           counted_faces(mesh);
+}
+
+std::string ply_header(const Polygons& mesh, const std::string& encoding, const std::string& number) {
+    return "ply\nformat " + encoding + " 1.0\ncomment unit mm\nelement vertex " + std::to_string(mesh.points()) +
+           "\nproperty " + number + " x\nproperty " + number + " y\nproperty " + number + " z\nelement face " +
+           std::to_string(mesh.faces.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+template <class Store>
+std::string binary_ply(const Polygons& mesh, const std::string& encoding, const std::string& number, Store store) {
+    std::string bytes = ply_header(mesh, encoding, number);
+    for (const double coordinate : mesh.xyz) {
+        bytes += number == "float" ? store(static_cast<float>(coordinate)) : store(coordinate);
+    }
+    for (const auto& face : mesh.faces) {
+        bytes += static_cast<char>(face.size());
+        for (const std::uint32_t index : face) {
+            bytes += store(index);
+        }
+    }
+    return bytes;
+}
+
+std::string vtk_header(const Polygons& mesh, const std::string& version, const std::string& encoding,
+                       const std::string& number) {
+    return "# vtk DataFile Version " + version + "\nbody\n" + encoding + "\nDATASET POLYDATA\nPOINTS " +
+           std::to_string(mesh.points()) + " " + number + "\n";
+}
+
+std::string text_vtk(const Polygons& mesh) {
+    return vtk_header(mesh, "3.0", "ASCII", "float") + points_text(mesh) + "POLYGONS " + std::to_string(mesh.faces.size()) +
+           " " + std::to_string(mesh.faces.size() + mesh.corners()) + "\n" + counted_faces(mesh);
+}
+
+std::string binary_vtk(const Polygons& mesh) {
+    std::string bytes = vtk_header(mesh, "5.1", "BINARY", "double");
+    for (const double coordinate : mesh.xyz) {
+        bytes += big(coordinate);
+    }
+    bytes += "\nPOLYGONS " + std::to_string(mesh.faces.size() + 1) + " " + std::to_string(mesh.corners()) +
+             "\nOFFSETS vtktypeint64\n";
+    std::string indices;
+    std::int64_t offset = 0;
+    bytes += big(offset);
+    for (const auto& face : mesh.faces) {
+        bytes += big(offset += static_cast<std::int64_t>(face.size()));
+        for (const std::uint32_t index : face) {
+            indices += big(std::int64_t{index});
+        }
+    }
+    return bytes + "\nCONNECTIVITY vtktypeint64\n" + indices + "\n";
+}
+
+/// What a VTP file says of an array, and what it holds there.
+struct DataArray {
+    std::string attributes;
+    std::string content;
+};
+/// Points, corners, and where each face ends.
+using Arrays = std::array<DataArray, 3>;
+
+std::string vtp(const Polygons& mesh, const Arrays& arrays, const std::string& appended) {
+    const auto element = [&](const std::string& attributes, std::size_t i) {
+        return "<DataArray " + attributes + " " + arrays[i].attributes + ">" + arrays[i].content + "</DataArray>\n";
+    };
+    return "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+           "header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"" +
+           std::to_string(mesh.points()) +
+           "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" +
+           std::to_string(mesh.faces.size()) + "\">\n<Points>\n" + element("type=\"Float32\" NumberOfComponents=\"3\"", 0) +
+           "</Points>\n<Polys>\n" + element("type=\"Int64\" Name=\"connectivity\"", 1) +
+           element("type=\"Int64\" Name=\"offsets\"", 2) + "</Polys>\n</Piece>\n</PolyData>\n" + appended + "</VTKFile>\n";
+}
+
+std::string text_vtp(const Polygons& mesh) {
+    const std::string ascii = "format=\"ascii\"";
+    Arrays arrays{DataArray{ascii, points_text(mesh)}, DataArray{ascii, {}}, DataArray{ascii, {}}};
+    std::size_t end = 0;
+    for (const auto& face : mesh.faces) {
+        for (const std::uint32_t index : face) {
+            arrays[1].content += std::to_string(index) + " ";
+        }
+        arrays[1].content += "\n";
+        arrays[2].content += std::to_string(end += face.size()) + "\n";
+    }
+    return vtp(mesh, arrays, "");
+}
+
+/// Raw bytes behind the document.
+std::string appended_vtp(const Polygons& mesh) {
+    std::array<std::string, 3> blocks;
+    for (const double coordinate : mesh.xyz) {
+        blocks[0] += little(static_cast<float>(coordinate));
+    }
+    std::int64_t end = 0;
+    for (const auto& face : mesh.faces) {
+        for (const std::uint32_t index : face) {
+            blocks[1] += little(std::int64_t{index});
+        }
+        blocks[2] += little(end += static_cast<std::int64_t>(face.size()));
+    }
+    std::string appended = "<AppendedData encoding=\"raw\">\n_";
+    Arrays arrays;
+    std::size_t offset = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        arrays[i].attributes = "format=\"appended\" offset=\"" + std::to_string(offset) + "\"";
+        appended += little(std::uint64_t{blocks[i].size()}) + blocks[i];
+        offset += 8 + blocks[i].size();
+    }
+    return vtp(mesh, arrays, appended + "\n</AppendedData>\n");
+}
+
+/// The body twice, the second time mirrored, turned and moved; in inches. Parts are stored, not deflated, since the bytes
+/// that zlib makes differ between its versions.
+std::string three_mf(const shapes::Indexed& body) {
+    using namespace lamella::input_test;
+    std::string text = "<mesh><vertices>\n";
+    for (std::size_t i = 0; i < body.xyz.size(); i += 3) {
+        text += "<vertex x=\"" + decimal(body.xyz[i]) + "\" y=\"" + decimal(body.xyz[i + 1]) + "\" z=\"" +
+                decimal(body.xyz[i + 2]) + "\"/>\n";
+    }
+    text += "</vertices><triangles>\n";
+    for (std::size_t i = 0; i < body.indices.size(); i += 3) {
+        text += "<triangle v1=\"" + std::to_string(body.indices[i]) + "\" v2=\"" + std::to_string(body.indices[i + 1]) +
+                "\" v3=\"" + std::to_string(body.indices[i + 2]) + "\"/>\n";
+    }
+    const std::string model = model_text(object(1, text + "</triangles></mesh>"),
+                                         item(1) + item(1, "transform=\"0 1 0 1 0 0 0 0 0.5 3 4 -2\""), "unit=\"inch\"");
+    std::vector<ZipPart> parts = {content_types(), relationships(), {"3D/3dmodel.model", model}};
+    for (ZipPart& part : parts) {
+        part.deflated = false;
+    }
+    return zip(parts);
+}
+
+/// One stored block, for the same reason.
+std::string gzip(const std::string& bytes) {
+    const auto size = static_cast<std::uint16_t>(bytes.size());
+    const auto crc = crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), size);
+    return std::string("\x1F\x8B\x08\0\0\0\0\0\0\xFF\x01", 11) + little(size) + little(static_cast<std::uint16_t>(~size)) +
+           bytes + little(static_cast<std::uint32_t>(crc)) + little(std::uint32_t{size});
+}
+
+}  // namespace
+
+std::map<std::string, std::string> mesh_files() {
+    const Soup body = mesh("voxel body");
+    const Polygons polygons = all_kinds();
+    return {{"binary.stl", binary_stl(body)},
+            {"text.stl", text_stl(body)},
+            {"compressed.stl.gz", gzip(binary_stl(mesh("nested boxes")))},
+            {"polygons.obj", obj(polygons)},
+            {"polygons.off", off(polygons)},
+            {"text.ply", ply_header(polygons, "ascii", "double") + points_text(polygons) + counted_faces(polygons)},
+            {"little.ply", binary_ply(polygons, "binary_little_endian", "float", [](auto n) { return little(n); })},
+            {"big.ply", binary_ply(polygons, "binary_big_endian", "double", [](auto n) { return big(n); })},
+            {"text.vtk", text_vtk(polygons)},
+            {"binary.vtk", binary_vtk(polygons)},
+            {"text.vtp", text_vtp(polygons)},
+            {"appended.vtp", appended_vtp(polygons)},
+            {"bodies.3mf", three_mf(shapes::indexed(body))}};
+}
+
+}  // namespace golden

@@ -1,0 +1,51 @@
+#include "golden/shape_cases.hpp"
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/slicing.hpp"
+#include "models/models.hpp"
+
+using lamella::models::Shape;
+
+namespace shape_cases {
+
+namespace {
+
+shapes::Soup model(Shape shape, std::uint64_t triangles, double height_mm = 20) {
+    lamella::models::Recipe recipe;
+    recipe.shape = shape;
+    recipe.triangles = triangles;
+    recipe.height_mm = height_mm;
+    const std::vector<float> soup = lamella::models::make_soup(recipe);
+    return {soup.begin(), soup.end()};
+}
+
+}  // namespace
+
+std::map<std::string, shapes::Soup> meshes() {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
+    shapes::Soup torn = ball;
+    torn.resize(torn.size() - 9 * std::size_t{40});
+    return {{"ball", ball},
+            {"torn ball", torn},
+            {"crossing balls", shapes::joined({ball, shapes::moved(ball, {3, 4, 5}), shapes::flipped(ball)})},
+            {"tetrahedra", shapes::random_tetrahedra(11, 60, 9)},
+            {"tangle", shapes::joined({shapes::random_soup(5, 200, 8), shapes::random_tetrahedra(6, 20, 8)})},
+            {"bone", model(Shape::bone, 30'000)},
+            {"gyroid", model(Shape::gyroid, 30'000)},
+            {"torus", model(Shape::torus, 5'000)},
+            {"prism", model(Shape::prism, 2'000)}};
+}
+
+std::map<std::string, lamella::SliceOptions> plans() {
+    std::map<std::string, lamella::SliceOptions> plans;
+    plans["uniform"] = uniform(0.25);
+    plans["coarse grid"] = uniform(0.25, 0x1p-8);
+    plans["random"].plan.spacing = lamella::RandomLayers{0.1, 0.4, 1};
+    plans["explicit"].plan.spacing = lamella::ExplicitPlanes{{-8.5, -3, -1, 0, 0.5, 1, 2, 3, 3.0625, 4, 7, 9, 15}};
+    plans["explicit"].plan.side = lamella::Side::above;
+    return plans;
+}
+
+}  // namespace shape_cases

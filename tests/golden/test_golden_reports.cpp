@@ -68,7 +68,7 @@ TEST_CASE("welded meshes are those committed", "[golden]") {
     each_mesh({"voxel body", "cracked body", "lattice triangles"}, [&](const std::string& name, const auto& mesh) {
         add_weld(group, name + ", exact", mesh, 0);
         add_weld(group, name + ", near", mesh, 0.078125);
-        add_weld(group, name + ", far", mesh, 0.75);
+        add_weld(group, name + ", far", mesh, 1.25);
     });
     each_mesh({"cracked body"}, [&](const std::string& name, const auto&) {
         add_weld(group, name + ", doubles", HeldMesh(mesh(name)).view(), 0.078125);

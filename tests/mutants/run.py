@@ -30,8 +30,8 @@ class Unfit(Exception):
 
 class Edit(NamedTuple):
     file: str
-    old: str
-    new: str
+    old: list  # of lines
+    new: list
 
 
 class Mutant:
@@ -40,43 +40,45 @@ class Mutant:
         before = ""
         for line in entry.splitlines():
             mark, text = line[:1], line[2:]
-            if mark == "-" and before == "-":
-                self.edits[-1] = self.edits[-1]._replace(old=self.edits[-1].old + "\n" + text)
-            elif mark == "-":
-                self.edits.append(Edit(self.fields.get("file", ""), text, ""))
+            if mark == "-":
+                if before != "-":
+                    self.edits.append(Edit(self.fields.get("file"), [], []))
+                self.edits[-1].old.append(text)
             elif mark == "+" and before:
-                new = self.edits[-1].new
-                self.edits[-1] = self.edits[-1]._replace(new=new + "\n" + text if new else text)
+                self.edits[-1].new.append(text)
             elif field := re.fullmatch(r"(name|bug|tests|needs|file): (.+)", line):
                 mark = ""
                 self.fields[field[1]] = field[2]
             else:
                 raise Unfit(f"the table has a line of no known form: {line}")
             before = mark
-        self.name = self.fields.get("name", "")
-        if not self.edits or not {"name", "bug", "file", "tests"} <= self.fields.keys():
-            raise Unfit(f"{self.name or entry}: needs name, bug, tests, file and an edit")
+        self.name = self.fields.get("name")
+        complete = {"name", "bug", "tests", "file"} <= self.fields.keys() and self.edits
+        if not complete or not all(edit.file and "".join(edit.old).strip() for edit in self.edits):
+            raise Unfit(f"an entry must have name, bug, tests, file and an old text:\n{entry}")
 
     def mutated(self):
         """The texts, by path from the root, of the files that the mutant changes."""
         texts = {}
         for edit in self.edits:
             path, match = self.find(edit, texts)
-            texts[path] = match.string[: match.start()] + edit.new + match.string[match.end() :]
+            texts[path] = match.string[: match.start()] + "\n".join(edit.new) + match.string[match.end() :]
         return texts
 
     def find(self, edit, texts):
-        if words(edit.old) == words(edit.new):
-            raise Unfit(f"{self.name}: the new text is the old one")
+        old = "\n".join(edit.old)
+        if words(old) == words("\n".join(edit.new)):
+            raise Unfit(f"{self.name}: the new text is the old one: {old}")
         paths = [path.relative_to(ROOT) for folder in MUTATED for path in (ROOT / folder).rglob(edit.file)]
-        if not paths:
-            raise Unfit(f"{self.name}: no file {edit.file} in {', '.join(MUTATED)}")
-        found = [
-            (path, match) for path in paths for match in pattern(edit.old).finditer(texts.get(path) or (ROOT / path).read_text())
-        ]
-        if len(found) != 1:
+        found = []
+        for path in paths:
+            text = texts[path] if path in texts else (ROOT / path).read_text()
+            found += [(path, match) for match in pattern(old).finditer(text)]
+        if not found:
+            raise Unfit(f"{self.name}: not in {' or '.join(map(str, paths)) or f'any file named {edit.file}'}: {old}")
+        if len(found) > 1:
             places = ", ".join(f"{path}:{match.string.count(chr(10), 0, match.start()) + 1}" for path, match in found)
-            raise Unfit(f"{self.name}: {edit.file} must have this text once, has it {len(found)} times ({places}): {edit.old}")
+            raise Unfit(f"{self.name}: there {len(found)} times ({places}): {old}")
         return found[0]
 
 
@@ -94,6 +96,8 @@ def pattern(text):
 def read_table(path):
     lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
     mutants = [Mutant(entry.strip()) for entry in re.split(r"\n{2,}", "\n".join(lines)) if entry.strip()]
+    if not mutants:
+        raise Unfit(f"no mutants in {path}")
     names = [mutant.name for mutant in mutants]
     if twice := {name for name in names if names.count(name) > 1}:
         raise Unfit(f"names given twice: {', '.join(sorted(twice))}")

@@ -269,3 +269,19 @@ TEST_CASE("the hash is that of its documented layout", "[result][hash]") {
     CHECK(output_hash(result) ==
           fnv({1, minus_one - 2, 1, kind, 3, 3, minus_one, minus_one, minus_one, 0x2'ffffffff, 0x3'00000000, 0x2'00000000}));
 }
+
+TEST_CASE("the hash counts parents from the first contour of their layer", "[result][hash]") {
+    const auto with_hole = [](std::size_t contours_below) {
+        SliceResult result;
+        add_layer(result, 1);
+        for (std::size_t i = 0; i < contours_below; ++i) {
+            add_contour(result, Role::outer, 1, -1, {{0, 0}, {1, 0}, {0, 1}});
+        }
+        result.layers[0].contour_count = 0;  // so that only the numbers of the contours above differ
+        add_layer(result, 3);
+        add_contour(result, Role::outer, 1, -1, {{0, 0}, {4, 0}, {0, 4}});
+        add_contour(result, Role::hole, -1, static_cast<std::int64_t>(contours_below), {{1, 1}, {1, 2}, {2, 1}});
+        return output_hash(result);
+    };
+    CHECK(with_hole(0) == with_hole(2));
+}

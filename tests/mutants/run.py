@@ -169,7 +169,8 @@ class Suite:
     def outcome(self, first):
         """Runs those tests first that are likeliest to fail, and builds only what they need."""
         unit = [self.build / "tests" / "lamella_tests", "--abort"]
-        of_cli = ("lamella_cli", ["ctest", "--test-dir", self.build, "--tests-regex", "^cli_", "--stop-on-failure"])
+        ctest = ["ctest", "--test-dir", self.build, "--parallel", str(os.cpu_count()), "--stop-on-failure"]
+        of_cli = ("lamella_cli", [*ctest, "--tests-regex", "^cli_"])
         of_engine = [("lamella_tests", [*unit, tags]) for tags in ("~[scale]", "[scale]")]
         steps = [of_cli, *of_engine] if first == "cli" else [("lamella_tests", [*unit, first]), *of_engine, of_cli]
         for target, command in steps:

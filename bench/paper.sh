@@ -9,11 +9,9 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 
-readonly python=/usr/bin/python3 # the one that Debian's matplotlib is installed for
-
-install_missing "${build_packages[@]}" libcgal-dev python3-matplotlib
+install_missing "${build_packages[@]}" libcgal-dev python3
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
 cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON > /dev/null
 cmake --build build --parallel --target lamella_paper_row lamella_lower_bound lamella_cli lamella_peers | tail -n 1
-exec "$python" bench/scripts/paper.py --build build "$@"
+exec python3 bench/scripts/paper.py --build build "$@"

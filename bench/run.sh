@@ -1,22 +1,25 @@
 #!/usr/bin/env bash
-# Builds, runs every benchmark and writes bench/results: Google Benchmark's JSON, a CSV row for each run, a plot of scaling,
-# and the figures of bench/README.md. Ends with the table of bars.
+# Builds, runs every benchmark and makes the tables of bench/README.md and a plot of scaling. Ends with the table of bars.
 #
 #     bench/run.sh            everything; takes tens of minutes, the first time some more for the meshes
 #     bench/run.sh --quick    a hundredth of the sizes, into build/bench-quick: tells only that the benchmarks work
 #
-# PIN=LIST pins the whole process to these cores (taskset -c LIST). FILTER=REGEX runs only the benchmarks that match (-REGEX: that do not).
+# What the programs write (Google Benchmark's JSON and the like, and every single run as a row of runs.csv) goes to
+# build/bench-runs; bench/results gets the medians (summary.json), from which the tables are made.
+#
+# PIN=LIST pins the whole process to these cores (taskset -c LIST). FILTER=REGEX runs only the benchmarks that match (-REGEX:
+# that do not); the medians of all others stay as they are, if they were measured on the same machine.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 
-readonly python=/usr/bin/python3 # the one that Debian's matplotlib is installed for
-
 quick=()
 results=bench/results
+runs=build/bench-runs
 if [[ "${1:-}" == --quick ]]; then
     quick=(--quick)
     results=build/bench-quick
+    runs=build/bench-quick
 elif (($# > 0)); then
     echo "usage: bench/run.sh [--quick]" >&2
     exit 2
@@ -25,7 +28,7 @@ fi
 stage() { printf '\n== %s (%d s so far)\n' "$1" "$SECONDS"; }
 
 stage "packages and build"
-install_missing "${build_packages[@]}" python3-matplotlib
+install_missing "${build_packages[@]}" python3
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
 cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON > /dev/null
@@ -36,7 +39,7 @@ cache=build/bench-models
 if [[ -d "$cache" && -n "$(find tools/models -newer "$cache/made" 2> /dev/null || echo unknown)" ]]; then
     rm -rf "$cache"
 fi
-mkdir -p "$cache" "$results"
+mkdir -p "$cache" "$results" "$runs"
 [[ -e "$cache/made" ]] || touch "$cache/made"
 
 where=("--cache=$cache")
@@ -46,10 +49,10 @@ pin=()
 
 stage "benchmarks"
 "${pin[@]}" build/bench/lamella_bench "${quick[@]}" "${where[@]}" \
-    --benchmark_filter="${FILTER:-.}" --benchmark_out="$results/bench.json" --benchmark_out_format=json --benchmark_display_aggregates_only=true
+    --benchmark_filter="${FILTER:-.}" --benchmark_out="$runs/bench.json" --benchmark_out_format=json --benchmark_display_aggregates_only=true
 
 stage "bands and parts by themselves"
-"${pin[@]}" build/bench/lamella_partition "${quick[@]}" "${where[@]}" > "$results/partition.json"
+"${pin[@]}" build/bench/lamella_partition "${quick[@]}" "${where[@]}" > "$runs/partition.json"
 
 stage "peak memory"
 meshes=()
@@ -60,15 +63,18 @@ if ((${#quick[@]} == 0)); then
 else
     meshes+=("scan=$(echo "$cache"/bone-34000-*mm.stl)")
 fi
-"$python" bench/scripts/peaks.py build/bench/lamella_peak "$results/peaks.json" "${meshes[@]}"
+python3 bench/scripts/peaks.py build/bench/lamella_peak "$runs/peaks.json" "${meshes[@]}"
 
 stage "tables and plot"
-"$python" bench/scripts/export.py "$results"
+add=()
+[[ -z "${FILTER:-}" ]] || add=(--add)
+python3 bench/scripts/summarise.py "$runs" "$results" "${add[@]}"
+python3 bench/scripts/scaling.py "$results"
 if ((${#quick[@]} == 0)); then
-    "$python" bench/scripts/figures.py "$results" bench/README.md
+    python3 bench/scripts/figures.py "$results" bench/README.md
 fi
 status=0
-"$python" bench/scripts/bars.py "$results" | tee "$results/bars.md" || status=$?
+python3 bench/scripts/bars.py "$results" || status=$?
 if ((status == 1 && ${#quick[@]} > 0)); then
     status=0 # bars are for full sizes
 fi

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds results against the bars and prints a table. Usage: bars.py FOLDER.
+"""Holds results against the bars and prints a table. Usage: bars.py FOLDER (of summary.json).
 
 Exit status 1 if a bar is not met, 2 if a benchmark failed."""
 import math
@@ -104,7 +104,7 @@ def scaling_bars(results):
 
 def reading_bars(results):
     bars = []
-    for case, variant in dict.fromkeys((run.case, run.variant) for run in results.runs if run.what == "read"):
+    for case, variant in results.case_variants("read"):
         if variant == "text":
             rate = ratio(results.counter("bytes/s", case, 2, variant, "read"), 1e6)
             bars.append(Bar(f"read {case}, 2 threads", rate, 500, None, False, "MB/s"))

@@ -3,7 +3,6 @@
 import sys
 
 from bars import bars_table, number
-from partition import accounted_for, allowed_speedups
 from results import Results, markdown_table, ratio
 
 BEGIN, END = "<!-- figures: begin -->\n", "<!-- figures: end -->\n"
@@ -15,7 +14,7 @@ def machine(results):
              "allocator": "allocator", "pinning": "pinning", "transparent_huge_pages": "transparent huge pages"}
     rows = [[name, context.get(key, "unknown")] for key, name in names.items()]
     rows.insert(1, ["cores", context["num_cpus"]])
-    rows.append(["measured", context["date"]])
+    rows.append(["measured", ", ".join(context["dates"])])
     for threads in results.thread_counts():
         speed = results.counter("bytes/s", "memory", threads, "warm", "copy")
         rows.append([f"copy bandwidth, threads: {threads}", f"{speed / 1e9:.1f} GB/s, read and written" if speed else "-"])
@@ -36,14 +35,14 @@ def times(results, what):
     counts = results.thread_counts()
     heads = (["case", "variant"] + [f"ms, {threads} thr." for threads in counts] +
              [f"speed-up, {counts[-1]}", "M segments/s", "floor"])
-    seen = dict.fromkeys((run.case, run.variant) for run in results.runs if run.what == what)
-    return markdown_table(heads, [[case, variant] + across(results, what, case, variant, counts) for case, variant in seen])
+    return markdown_table(heads, [[case, variant] + across(results, what, case, variant, counts)
+                                  for case, variant in results.case_variants(what)])
 
 
 def reading(results):
     counts = results.thread_counts()
     rows = []
-    for case, variant in dict.fromkeys((run.case, run.variant) for run in results.runs if run.what == "read"):
+    for case, variant in results.case_variants("read"):
         def rates(counter):
             return [number(ratio(results.counter(counter, case, threads, variant, "read"), 1e6), "") for threads in counts]
         share = results.counter("share_of_pread", case, counts[-1], variant, "read")
@@ -65,8 +64,8 @@ def allowed(results):
     counts = [2 ** i for i in range(8)]
     rows = []
     for name, case in results.partition.items():
-        speedups = dict(allowed_speedups(case))
-        rows.append([name] + [f"{speedups[threads]:.1f}" for threads in counts] + [f"{accounted_for(case):.2f}"])
+        speedups = dict(case["speedups"])
+        rows.append([name] + [f"{speedups[threads]:.1f}" for threads in counts] + [f"{case['accounted_for']:.2f}"])
     return markdown_table(["case"] + [str(count) for count in counts] + ["accounted for"], rows)
 
 

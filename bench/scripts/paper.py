@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 
-from paper_figures import figure_9, figure_11, figure_12
+from paper_figures import compact_layers, figure_9, figure_11, figure_12
 from paper_models import MODELS, QUICK
 from paper_rows import PEERS, Bench, failures, measure
 from paper_tables import Rows, bars, exponents, peers, table_1, table_2, table_3, table_4
@@ -68,8 +68,11 @@ def draw_pictures(bench, folder, models):
         model = next((model for model in models if model.name == model_name), None)
         mesh = bench.make_mesh(model) if model else None
         if mesh:
-            subprocess.run([os.path.join(bench.build, "tools/lamella"), "slice", mesh, *options, "-o", os.path.join(folder, name)],
+            whole = os.path.join(bench.folder, name)
+            subprocess.run([os.path.join(bench.build, "tools/lamella"), "slice", mesh, *options, "-o", whole],
                            check=True, stdout=subprocess.DEVNULL)
+            with open(whole, encoding="utf-8") as svg, open(os.path.join(folder, name), "w", encoding="utf-8") as compact:
+                compact.write(compact_layers(svg.read()))
             drawn.append(name)
     return drawn
 

@@ -1,69 +1,50 @@
-"""What the benchmarks left in a folder of results: medians of repetitions, and every run by itself."""
+"""The medians of the benchmarks and what else the tables are made of, from a folder's summary.json (summarise.py)."""
 import json
 import math
 import os
-import re
 import statistics
 from typing import NamedTuple, Optional
 
 
-class Run(NamedTuple):
-    what: str  # end_to_end, stage, assemble, nesting, copy
+class Median(NamedTuple):
+    """Over the repetitions of one benchmark."""
+    what: str  # end_to_end, stage, assemble, nesting, read, copy
     case: str
     variant: str
     threads: int
-    ms: float
+    ms: Optional[float]
     counters: dict
-    error: Optional[str]
-    repetition: int
+    errors: list
 
 
 class Results:
     def __init__(self, folder):
-        self.folder = folder
-        bench = self._read("bench.json")
-        self.context = bench["context"]
-        self.runs = [self._run(entry) for entry in bench["benchmarks"] if entry.get("run_type") != "aggregate"]
-        self.partition = self._read("partition.json", missing={})
-        self.peaks = self._read("peaks.json", missing=[])
-
-    def _read(self, name, missing=None):
-        path = os.path.join(self.folder, name)
-        if missing is not None and not os.path.exists(path):
-            return missing
-        with open(path, encoding="utf-8") as file:
-            return json.load(file)
-
-    @staticmethod
-    def _run(entry):
-        what, case, variant, threads = entry["name"].split("/")[:4]
-        known = {"name", "family_index", "per_family_instance_index", "run_name", "run_type", "repetitions",
-                 "repetition_index", "iterations", "real_time", "cpu_time", "time_unit", "error_occurred", "error_message"}
-        counters = {key: value for key, value in entry.items() if key not in known and isinstance(value, (int, float))}
-        return Run(what, case, variant, int(re.sub(r"\D", "", threads)), entry.get("real_time", math.nan), counters,
-                   entry.get("error_message"), entry.get("repetition_index", 0))
-
-    def select(self, what, case, variant, threads):
-        return [run for run in self.runs if run[:4] == (what, case, variant, threads) and run.error is None]
+        with open(os.path.join(folder, "summary.json"), encoding="utf-8") as file:
+            summary = json.load(file)
+        self.context, self.partition, self.peaks = summary["context"], summary["partition"], summary["peaks"]
+        self.medians = [Median(**row) for row in summary["medians"]]
+        self._by_name = {row[:4]: row for row in self.medians}
 
     def ms(self, case, threads, variant="warm_swept", what="end_to_end"):
-        """Median over the repetitions, or None."""
-        times = [run.ms for run in self.select(what, case, variant, threads)]
-        return statistics.median(times) if times else None
+        row = self._by_name.get((what, case, variant, threads))
+        return row.ms if row else None
 
     def counter(self, name, case, threads, variant="warm_swept", what="end_to_end"):
-        values = [run.counters[name] for run in self.select(what, case, variant, threads) if name in run.counters]
-        return statistics.median(values) if values else None
+        row = self._by_name.get((what, case, variant, threads))
+        return row.counters.get(name) if row else None
 
     def cases(self, what="end_to_end"):
-        return list(dict.fromkeys(run.case for run in self.runs if run.what == what))
+        return list(dict.fromkeys(case for case, _ in self.case_variants(what)))
+
+    def case_variants(self, what):
+        return list(dict.fromkeys((row.case, row.variant) for row in self.medians if row.what == what))
 
     def thread_counts(self):
         return [int(count) for count in self.context["thread_counts"].split(",")]
 
     def errors(self):
-        return list(dict.fromkeys((f"{run.what}/{run.case}/{run.variant}/threads:{run.threads}", run.error)
-                                  for run in self.runs if run.error is not None))
+        return [(f"{row.what}/{row.case}/{row.variant}/threads:{row.threads}", error)
+                for row in self.medians for error in row.errors]
 
 
 def ratio(above, below):

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, makes a sample mesh, slices it and leaves an SVG, a picture and a report in build/demo.
+# Builds the command-line tool, slices a made bone into layers, and draws a cut along it. All files go to build/demo.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
@@ -8,19 +8,66 @@ readonly triangles=1000000
 readonly height_mm=150
 readonly layer_height_mm=0.2
 readonly out=build/demo
+readonly lamella=build/tools/lamella
 
-install_missing "${build_packages[@]}" "${picture_packages[@]}"
+# step WHAT COMMAND...: says what is done, does it, and says how long it took.
+step() {
+    local what=$1 start=$EPOCHREALTIME
+    shift
+    echo "$what"
+    "$@"
+    awk -v start="$start" -v end="$EPOCHREALTIME" 'BEGIN { printf "    %.1f s\n", end - start }'
+}
 
-generator=()
-[[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
-cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release > /dev/null
-cmake --build build --parallel --target lamella_cli
+# quietly COMMAND...: what it prints goes to a log, which a failure names.
+quietly() {
+    "$@" >> "$out/log.txt" 2>&1 || stop "$1 failed; what it said is in $out/log.txt"
+}
+
+build() {
+    local generator=()
+    [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
+    quietly cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release
+    quietly cmake --build build --parallel --target lamella_cli
+}
+
+make_bone() { "$lamella" make bone --triangles "$triangles" --height "$height_mm" -o "$out/bone.stl" > /dev/null; }
+
+slice_into_layers() {
+    "$lamella" slice "$out/bone.stl" --layer-height "$layer_height_mm" -o "$out/bone.svg" --report "$out/report.json"
+}
+
+# The matrix's rows are the picture's axes: along the bone, across it, and the direction of slicing. The plane is 1 mm off the
+# mesh's z-axis; a cut through the axis itself shows little of the marrow cavity.
+cut_along() {
+    printf '0 0 1 0\n1 0 0 0\n0 1 0 0\n' > "$out/lengthwise.txt"
+    "$lamella" slice "$out/bone.stl" --transform "$out/lengthwise.txt" --planes 1 -o "$out/cut.svg" > /dev/null
+}
+
+draw() { quietly rsvg-convert --unlimited --width 1400 "$out/cut.svg" --output "$out/cut.png"; }
 
 mkdir -p "$out"
-if [[ ! -e "$out/bone.stl" || build/tools/lamella -nt "$out/bone.stl" ]]; then
-    build/tools/lamella make bone --triangles "$triangles" --height "$height_mm" -o "$out/bone.stl"
+: > "$out/log.txt"
+install_missing "${build_packages[@]}" "${picture_packages[@]}"
+step "Building lamella (the first time, a few minutes)" build
+if [[ ! -e "$out/bone.stl" || "$lamella" -nt "$out/bone.stl" ]]; then
+    step "Making a bone of $triangles triangles, $height_mm mm tall" make_bone
 fi
-echo
-build/tools/lamella slice "$out/bone.stl" --layer-height "$layer_height_mm" -o "$out/bone.svg" --report "$out/report.json"
-rsvg-convert --unlimited --width 1200 "$out/bone.svg" --output "$out/bone.png"
-echo "picture   $out/bone.png"
+step "Slicing it into layers of $layer_height_mm mm" slice_into_layers
+step "Cutting it once along its length" cut_along
+step "Drawing that cut" draw
+
+cat << END
+
+What there is now
+    $out/cut.png       the cut along the bone: look at this first
+    $out/cut.svg       the same, as outlines in mm
+    $out/bone.svg      all layers, one group each
+    $out/report.json   counts, times, volumes, and what of the mesh no layer shows
+    $out/bone.stl      the mesh
+
+What to try next
+    $lamella slice $out/bone.stl --normal 1,0,1 --layer-height 5 -o oblique.svg
+    $lamella check $out/bone.stl
+    $lamella slice --help
+END

@@ -12,17 +12,31 @@ is_installed() {
     [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" == installed ]]
 }
 
+# stop MESSAGE: one line on stderr, and the end of the script.
+stop() {
+    echo "error: $1" >&2
+    exit 1
+}
+
 # Installs those of the packages named that are missing; asks for nothing where none is.
 install_missing() {
-    local package missing=() as_root=()
+    local package log missing=() as_root=()
     for package in "$@"; do
         is_installed "$package" || missing+=("$package")
     done
     if ((${#missing[@]} == 0)); then
         return
     fi
-    ((EUID == 0)) || as_root=(sudo)
-    echo "installing: ${missing[*]}"
-    "${as_root[@]}" apt-get update -qq
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
+    command -v apt-get > /dev/null || stop "packages of Debian 12 are missing, and this system has no apt-get: ${missing[*]}"
+    if ((EUID != 0)); then
+        command -v sudo > /dev/null || stop "packages are missing, and there is no sudo. As root: apt-get install ${missing[*]}"
+        as_root=(sudo)
+    fi
+    echo "Installing ${missing[*]} (apt-get, needs root and the network)"
+    log=$(mktemp)
+    # apt-get update succeeds without a network, so only the installation tells.
+    "${as_root[@]}" apt-get update -qq > "$log" 2>&1 || true
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >> "$log" 2>&1 ||
+        stop "could not install ${missing[*]}: $(sed -n '/^\(E:\|Err:\|sudo:\)/{p;q}' "$log") (all of it: $log)"
+    rm -f "$log"
 }

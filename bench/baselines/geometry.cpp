@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "2_grid/quantise.hpp"
+#include "slicing/grid/quantise.hpp"
 
 namespace lamella::baselines {
 

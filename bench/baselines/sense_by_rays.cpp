@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "base/wide.hpp"
+#include "base/int128.hpp"
 
 namespace lamella::baselines {
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <span>
 
-#include "2_grid/vertex_hash.hpp"
-#include "6_contours/pairing.hpp"
+#include "slicing/contours/pairing.hpp"
+#include "slicing/grid/vertex_hash.hpp"
 
 namespace lamella::baselines {
 
@@ -141,7 +141,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_round_edge(const Share
     for (const FaceAtEdge& face : faces) {
         ends.push_back(face.end);
     }
-    Pairing pairing(std::pmr::get_default_resource());
+    Pairing pairing(nullptr);
     pairing.match(ends);
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
     for (const auto& [in, out] : pairing.pairs()) {

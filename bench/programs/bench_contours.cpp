@@ -3,12 +3,12 @@
 #include <cstring>
 #include <vector>
 
-#include "6_contours/mesh_edge.hpp"
-#include "7_nesting/nest.hpp"
+#include "base/int128.hpp"
 #include "base/rounding.hpp"
-#include "base/wide.hpp"
 #include "lamella/assemble.hpp"
 #include "measure.hpp"
+#include "slicing/contours/mesh_edge.hpp"
+#include "slicing/nesting/nest.hpp"
 
 namespace lamella::bench {
 
@@ -75,13 +75,13 @@ void run_assemble(benchmark::State& state, Prepared& prepared, int threads) {
     const auto& counts = stages->buckets().segments;
     const auto plane = static_cast<PlaneIndex>(std::max_element(counts.begin(), counts.end()) - counts.begin());
     const std::vector<Segment> segments = segments_of(*stages, plane);
-    const AssembleOptions options{.threads = threads};
-    const Result<LayerContours> once = assemble(segments, options);
+    const Control control{.threads = threads};
+    const Result<LayerContours> once = assemble(segments, control);
     if (!once || !same_layer(*once, prepared.result, prepared.result.layers[plane])) {
         state.SkipWithError("assemble() and slice() disagree");
         return;
     }
-    const double seconds = measure(state, [&] { benchmark::DoNotOptimize(assemble(segments, options)); });
+    const double seconds = measure(state, [&] { benchmark::DoNotOptimize(assemble(segments, control)); });
     count(state,
           {.segments = segments.size(),
            .bytes = segments.size() * sizeof(Segment) + once->points.size() * sizeof(Point) +
@@ -106,8 +106,8 @@ std::vector<NestItem> items_of(const SliceResult& result, const Layer& layer) {
         NestItem& item = items.emplace_back();
         item.points = points.data();
         item.count = contour.point_count;
-        const Int128 area = from_wide(contour.twice_area);
-        item.twice_area = to_wide((area < 0) == (contour.sense < 0) ? area : -area);
+        const Int128 area = to_int128(contour.twice_area);
+        item.twice_area = to_integer128((area < 0) == (contour.sense < 0) ? area : -area);
         item.closed = contour.role != Role::open;
         item.box_min = item.box_max = points.front();
         for (const Point& point : points) {
@@ -192,7 +192,7 @@ private:
         NestItem& item = items_.emplace_back();
         item.points = ring;
         item.count = ring_points;
-        item.twice_area = to_wide((hole ? -2 : 2) * Int128{length} * length);
+        item.twice_area = to_integer128((hole ? -2 : 2) * Int128{length} * length);
         item.box_min = low;
         item.box_max = {low.x + length, low.y + length};
         item.closed = true;

@@ -5,7 +5,7 @@
 #include <mimalloc.h>
 #endif
 
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
 #include "measure.hpp"
 
 namespace lamella::bench {
@@ -76,7 +76,7 @@ void run_file(benchmark::State& state, Prepared& prepared, bool map_file, int th
     std::string failure = prepared.check(ContourForm::swept, threads);
     const SliceOptions options = prepared.options(ContourForm::swept, threads);
     ReadOptions reading;
-    reading.threads = threads;
+    reading.control.threads = threads;
     reading.map_file = map_file;
     Result<MeshFile> mesh = read_mesh(prepared.mesh().file, reading);
     if (failure.empty() && (!mesh || mesh->triangle_count != prepared.mesh().triangles())) {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "1_input/input_file.hpp"
 #include "base/parallel.hpp"
-#include "lamella/mesh_file.hpp"
+#include "io/read/input_file.hpp"
+#include "lamella/io/mesh_file.hpp"
 #include "measure.hpp"
 #include "mesh_writers.hpp"
 
@@ -48,7 +48,7 @@ Status Files::make_mesh() {
     if (!soup) {
         return soup.error();
     }
-    Result<WeldedMesh> welded = weld(soup->view(), 0);
+    Result<WeldedMesh> welded = weld(soup->view(), {.tolerance_mm = 0});
     if (!welded) {
         return welded.error();
     }
@@ -72,18 +72,18 @@ Result<Files::File> Files::get(const MeshWriter& writer) {
         file.bytes = missing ? 0 : file.bytes;
     }
     if (file.unpacked_bytes == 0) {
-        return Error{Code::unwritable_file, file.path.string() + " cannot be written"};
+        return Error{ErrorCode::unwritable_file, file.path.string() + " cannot be written"};
     }
     return file;
 }
 
 std::array<float, 3> corner_of(const MeshView& view, std::uint64_t triangle, std::size_t corner) {
-    const std::uint64_t number_bytes = view.number == Number::f32 ? sizeof(float) : sizeof(double);
+    const std::uint64_t number_bytes = view.number == CoordinateType::f32 ? sizeof(float) : sizeof(double);
     const std::byte* const at = view.indices != nullptr ? view.vertices + view.indices[3 * triangle + corner] * view.stride
                                                         : view.vertices + triangle * view.stride + 3 * corner * number_bytes;
     std::array<float, 3> floats;
     std::array<double, 3> doubles;
-    if (view.number == Number::f32) {
+    if (view.number == CoordinateType::f32) {
         std::memcpy(floats.data(), at, sizeof floats);
     } else {
         std::memcpy(doubles.data(), at, sizeof doubles);
@@ -112,7 +112,7 @@ double time_pread(const InputFile& file, int threads) {
     const auto start = std::chrono::steady_clock::now();
     Array<std::byte> bytes;
     bytes.resize_discarding(file.size());
-    const bool read = file.read(bytes.span(), Parallel(threads)).ok();
+    const bool read = file.read(bytes.span(), Parallel({.threads = threads})).ok();
     benchmark::DoNotOptimize(bytes.data());
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return read ? seconds : 0;
@@ -125,7 +125,7 @@ void run_read(benchmark::State& state, Files& files, const MeshWriter& writer, i
         return;
     }
     ReadOptions options;
-    options.threads = threads;
+    options.control.threads = threads;
     Result<MeshFile> mesh = read_mesh(file->path, options);
     const std::string failure = mesh ? compare(mesh->view(), files.mesh().view()) : mesh.error().message;
     const Result<InputFile> input = InputFile::open(file->path);

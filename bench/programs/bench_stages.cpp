@@ -1,7 +1,7 @@
 // Each stage by itself, in memory that it has used before.
-#include "1_input/input_file.hpp"
 #include "base/parallel.hpp"
 #include "copy_bandwidth.hpp"
+#include "io/read/input_file.hpp"
 #include "lamella/array.hpp"
 #include "measure.hpp"
 
@@ -11,7 +11,7 @@ namespace {
 
 /// The bytes of a file in the page cache, into memory that was touched before.
 void run_read(benchmark::State& state, const Prepared& prepared, int threads) {
-    const Parallel parallel(threads);
+    const Parallel parallel({.threads = threads});
     Array<std::byte> bytes;
     bool ok = !prepared.mesh().file.empty();
     const auto read = [&] {

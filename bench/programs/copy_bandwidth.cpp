@@ -23,7 +23,7 @@ double measure(int threads) {
     to.resize_discarding(copy_bytes);
     std::memset(from.data(), 1, from.size());
     std::memset(to.data(), 2, to.size());
-    const Parallel parallel(threads);
+    const Parallel parallel({.threads = threads});
     std::array<double, 9> seconds{};
     for (double& took : seconds) {
         const auto start = Clock::now();

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "base/parallel.hpp"
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
 
 namespace lamella::bench {
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "lamella/array.hpp"
+#include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
-#include "lamella/status.hpp"
 #include "models/models.hpp"
 
 namespace lamella::bench {

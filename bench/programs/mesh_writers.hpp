@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "lamella/weld.hpp"
+#include "lamella/mesh/weld.hpp"
 
 namespace lamella::bench {
 

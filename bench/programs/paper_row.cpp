@@ -41,7 +41,7 @@ struct Request {
 
     SliceOptions options() const {
         SliceOptions options;
-        options.threads = threads;
+        options.control.threads = threads;
         if (const std::size_t colon = random_heights.find(':'); colon != std::string::npos) {
             options.plan.spacing =
                 RandomLayers{std::stod(random_heights.substr(0, colon)), std::stod(random_heights.substr(colon + 1)), 1};
@@ -79,7 +79,7 @@ class Reference {
 public:
     Reference(const Mesh& mesh, const Request& request) {
         SliceOptions options = request.options();
-        options.threads = 0;
+        options.control.threads = 0;
         const SliceResult result = checked(slice(mesh.view(), options));
         answer = answer_of(result);
         summary = result.summary;

@@ -17,9 +17,9 @@ int main(int count, char** words) try {
     }
     SliceOptions options;
     options.plan = LayerPlan{UniformLayers{.layer_height_mm = std::atof(words[2])}};
-    options.threads = std::atoi(words[3]);
-    options.band_planes = std::atoi(words[4]);
-    const Result<MeshFile> mesh = read_mesh(words[1], ReadOptions{.threads = options.threads});
+    options.control.threads = std::atoi(words[3]);
+    options.tuning.band_planes = std::atoi(words[4]);
+    const Result<MeshFile> mesh = read_mesh(words[1], ReadOptions{.control = {.threads = options.control.threads}});
     if (!mesh) {
         std::cerr << mesh.error().message << '\n';
         return 3;
@@ -32,8 +32,8 @@ int main(int count, char** words) try {
     const std::uint64_t result_bytes = result->layers.size() * sizeof(Layer) + result->contours.size() * sizeof(Contour) +
                                        result->points.size() * sizeof(Point);
     const nlohmann::ordered_json report{{"mesh", words[1]},
-                                        {"threads", options.threads},
-                                        {"band_planes", options.band_planes},
+                                        {"threads", options.control.threads},
+                                        {"band_planes", options.tuning.band_planes},
                                         {"bands", result->summary.bands},
                                         {"peak_bytes", bench::peak_bytes()},
                                         {"input_bytes", mesh->bytes.size()},

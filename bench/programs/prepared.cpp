@@ -22,8 +22,8 @@ Prepared::Prepared(const Case& wanted, std::shared_ptr<const Mesh> mesh)
 SliceOptions Prepared::options(ContourForm form, int threads) const {
     SliceOptions options;
     options.plan = plan_;
-    options.form = form;
-    options.threads = threads;
+    options.tuning.form = form;
+    options.control.threads = threads;
     return options;
 }
 

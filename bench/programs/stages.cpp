@@ -1,7 +1,6 @@
 #include "stages.hpp"
 
 #include <limits>
-#include <memory_resource>
 
 namespace lamella::bench {
 

@@ -5,14 +5,14 @@
 #include <memory>
 #include <vector>
 
-#include "2_grid/bounds.hpp"
-#include "3_planes/plane_set.hpp"
-#include "4_bucket/bucket.hpp"
-#include "5_sweep/band_sweep.hpp"
-#include "5_sweep/bands.hpp"
 #include "base/parallel.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/slice.hpp"
+#include "slicing/buckets/bucket.hpp"
+#include "slicing/grid/bounds.hpp"
+#include "slicing/planes/plane_set.hpp"
+#include "slicing/sweep/band_sweep.hpp"
+#include "slicing/sweep/bands.hpp"
 
 namespace lamella::bench {
 
@@ -49,7 +49,7 @@ public:
 
 private:
     struct Worker {
-        Worker() : sweep(std::pmr::new_delete_resource()), output(std::pmr::new_delete_resource()) {}
+        Worker() : sweep(nullptr), output(nullptr) {}
         BandSweep sweep;
         BandOutput output;
         std::uint64_t contours = 0;

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "lamella/status.hpp"
+#include "lamella/error.hpp"
 
 namespace lamella::bench {
 

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "lamella/weld.hpp"
+#include "lamella/mesh/weld.hpp"
 
 namespace lamella::bench {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "lamella/weld.hpp"
+#include "lamella/mesh/weld.hpp"
 
 namespace lamella::bench {
 

@@ -1,4 +1,5 @@
 #include "lamella/array.hpp"
+#include "lamella/memory.hpp"
 
 #include <new>
 
@@ -18,29 +19,33 @@ std::align_val_t alignment_for(std::size_t bytes) {
 
 }  // namespace
 
-void* take_memory(std::pmr::memory_resource* resource, std::size_t bytes) {
+void* take_memory(const Memory* memory, std::size_t bytes) {
     if (bytes == 0) {
         return nullptr;
     }
-    if (resource != nullptr) {
-        return resource->allocate(bytes, cache_line);
+    if (memory != nullptr) {
+        void* const block = memory->allocate(memory->context, bytes, cache_line);
+        if (block == nullptr) {
+            throw std::bad_alloc();
+        }
+        return block;
     }
-    void* memory = ::operator new(bytes, alignment_for(bytes));
+    void* const block = ::operator new(bytes, alignment_for(bytes));
     if (bytes >= 2 * huge_page) {
         // Advice only: where the kernel has no huge pages to give, small ones serve.
-        (void)::madvise(memory, bytes / huge_page * huge_page, MADV_HUGEPAGE);
+        (void)::madvise(block, bytes / huge_page * huge_page, MADV_HUGEPAGE);
     }
-    return memory;
+    return block;
 }
 
-void give_memory(std::pmr::memory_resource* resource, void* memory, std::size_t bytes) noexcept {
-    if (memory == nullptr) {
+void give_memory(const Memory* memory, void* block, std::size_t bytes) noexcept {
+    if (block == nullptr) {
         return;
     }
-    if (resource != nullptr) {
-        resource->deallocate(memory, bytes, cache_line);
+    if (memory != nullptr) {
+        memory->release(memory->context, block, bytes, cache_line);
     } else {
-        ::operator delete(memory, alignment_for(bytes));
+        ::operator delete(block, alignment_for(bytes));
     }
 }
 

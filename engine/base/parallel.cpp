@@ -7,6 +7,7 @@
 #include <new>
 
 #ifdef LAMELLA_PARALLEL_STD
+#include <system_error>
 #include <thread>
 #include <vector>
 #else
@@ -19,16 +20,25 @@ namespace lamella {
 
 namespace {
 
-/// One call of run(): hands out indices in order and keeps the first exception.
+/// One call of run(): hands out worker numbers and indices, both in order, and keeps the first exception.
 struct Dispenser {
     std::size_t count;
+    int workers;
     FunctionRef<void(std::size_t, int)> task;
+    const StopCheck& stop;
+    std::atomic<int> next_worker{0};
     std::atomic<std::size_t> next{0};
+    std::atomic<bool> stopped{false};
     std::mutex mutex{};
     std::exception_ptr failure{};
 
-    /// Relaxed: the join orders results, and any other order among tasks would hide their races from the thread sanitizer.
-    std::size_t claim() noexcept { return next.fetch_add(1, std::memory_order_relaxed); }
+    /// A worker's whole life.
+    void join() noexcept {
+        const int worker = next_worker.fetch_add(1, std::memory_order_relaxed);
+        if (worker < workers) {
+            work(worker);
+        }
+    }
 
     void work(int worker) noexcept {
         try {
@@ -43,6 +53,19 @@ struct Dispenser {
             }
         }
     }
+
+    bool has_work() const noexcept {
+        return next.load(std::memory_order_relaxed) < count && !stopped.load(std::memory_order_relaxed);
+    }
+
+private:
+    /// Relaxed: the join orders results, and any other order among tasks would hide their races from the thread sanitizer.
+    std::size_t claim() noexcept {
+        if (has_work() && stop.stop_requested()) {
+            stopped.store(true, std::memory_order_relaxed);
+        }
+        return stopped.load(std::memory_order_relaxed) ? count : next.fetch_add(1, std::memory_order_relaxed);
+    }
 };
 
 }  // namespace
@@ -50,70 +73,92 @@ struct Dispenser {
 #ifdef LAMELLA_PARALLEL_STD
 
 struct Parallel::Arena {
-    template <class Work>
-    static void execute(int workers, const Work& work) {
-        std::vector<std::jthread> threads;
-        for (int worker = 1; worker < workers; ++worker) {
-            threads.emplace_back([&work, worker] { work(worker); });
+    explicit Arena(int /*threads*/) {}
+    static int available() { return static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
+
+    template <class Body>
+    static void execute(int workers, const Body& body) {
+        std::vector<std::thread> threads;
+        threads.reserve(static_cast<std::size_t>(workers - 1));
+        try {
+            while (threads.size() + 1 < static_cast<std::size_t>(workers)) {
+                threads.emplace_back(body);
+            }
+        } catch (const std::system_error&) {
+            // The system starts no more threads: those that there are do the work.
         }
-        work(0);
+        body();
+        for (std::thread& thread : threads) {
+            thread.join();
+        }
     }
 };
-
-int Parallel::count_for(int threads) {
-    return threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-}
-
-Parallel::Parallel(int threads) : threads_(count_for(threads)) {}
 
 #else
 
 struct Parallel::Arena {
     /// No more than there are: oneTBB would give no more, and say so on stderr.
-    explicit Arena(int threads) : arena(std::min(threads, available())) {}
-    static int available() {
-        return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-    }
+    explicit Arena(int threads)
+        : arena(std::min(
+              threads, static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)))) {}
+    static int available() { return tbb::this_task_arena::max_concurrency(); }
     tbb::task_arena arena;
 
-    /// Workers are tasks that each claim indices until none is left: fewer threads than workers only means that some find
-    /// nothing to do. simple_partitioner keeps one worker per task; the arena isolates from the host's own tasks.
-    template <class Work>
-    void execute(int workers, const Work& work) {
+    /// simple_partitioner keeps one worker per task; the arena isolates from the host's own tasks.
+    template <class Body>
+    void execute(int workers, const Body& body) {
         arena.execute([&] {
             tbb::parallel_for(
-                0, workers, 1, [&](int worker) { work(worker); }, tbb::simple_partitioner{});
+                0, workers, 1, [&](int) { body(); }, tbb::simple_partitioner{});
         });
     }
 };
 
-int Parallel::count_for(int threads) {
-    return threads > 0 ? threads : tbb::this_task_arena::max_concurrency();
-}
-
-Parallel::Parallel(int threads) : threads_(count_for(threads)) {
-    arena_ = std::make_unique<Arena>(threads_);
-}
-
 #endif
+
+int Parallel::count_for(const Control& control) {
+    if (control.threads > 0) {
+        return control.threads;
+    }
+    return std::max(1, control.executor.run != nullptr ? control.executor.threads : Arena::available());
+}
+
+Parallel::Parallel(const Control& control)
+    : arena_(control.executor.run != nullptr ? nullptr : std::make_unique<Arena>(count_for(control))),
+      executor_(control.executor),
+      stop_(control.stop),
+      threads_(count_for(control)) {}
 
 Parallel::~Parallel() = default;
 
+bool Parallel::serves(const Control& control) const {
+    return threads_ == count_for(control) && executor_.run == control.executor.run &&
+           executor_.context == control.executor.context;
+}
+
 void Parallel::run(std::size_t count, FunctionRef<void(std::size_t, int)> task) const {
-    Dispenser dispenser{count, task};
     const int workers = static_cast<int>(std::min<std::size_t>(count, static_cast<std::size_t>(threads_)));
-    if (workers <= 1) {
-        dispenser.work(0);
-    } else {
+    Dispenser dispenser{count, workers, task, stop_};
+    if (workers > 1 && executor_.run != nullptr) {
+        executor_.run(
+            executor_.context, workers, [](void* argument) noexcept { static_cast<Dispenser*>(argument)->join(); },
+            &dispenser);
+    } else if (workers > 1) {
         try {
-            arena_->execute(workers, [&](int worker) { dispenser.work(worker); });
+            arena_->execute(workers, [&] { dispenser.join(); });
         } catch (const std::exception&) {
             // What tasks throw, the dispenser keeps: this is a thread that the system would not start.
             throw std::bad_alloc();
         }
     }
+    if (dispenser.has_work()) {  // one thread, or an executor that ran no worker
+        dispenser.work(0);
+    }
     if (dispenser.failure) {
         std::rethrow_exception(dispenser.failure);
+    }
+    if (dispenser.stopped.load(std::memory_order_relaxed)) {
+        throw Stopped();
     }
 }
 

@@ -4,49 +4,36 @@
 
 #include <cstddef>
 #include <memory>
-#include <type_traits>
+
+#include "base/function_ref.hpp"
+#include "lamella/control.hpp"
 
 namespace lamella {
 
-/// A reference to something callable; the callable must outlive it. Calls are as coarse as a task, so the indirection is
-/// free.
-template <class Signature>
-class FunctionRef;
+/// Thrown out of Parallel::run() where the host wants the call to end.
+struct Stopped {};
 
-template <class R, class... Args>
-class FunctionRef<R(Args...)> {
-public:
-    // Implicit, as lambdas are passed; the constraint leaves copies to the copy constructor.
-    template <class F>
-    // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload)
-    requires(!std::is_same_v<std::remove_cvref_t<F>, FunctionRef>) FunctionRef(F&& f)
-    noexcept
-        : object_(const_cast<void*>(static_cast<const void*>(std::addressof(f)))),
-          call_([](void* object, Args... args) -> R {
-              return (*static_cast<std::remove_reference_t<F>*>(object))(static_cast<Args>(args)...);
-          }) {}
-    R operator()(Args... args) const { return call_(object_, static_cast<Args>(args)...); }
-
-private:
-    void* object_;
-    R (*call_)(void*, Args...);
-};
-
-/// Runs tasks on at most `threads()` threads. Holds no threads of its own.
+/// Runs tasks on at most `threads()` threads of the host's executor or of oneTBB. Holds no threads of its own.
 class Parallel {
 public:
-    /// 0 stands for as many as the calling thread's task arena has.
-    static int count_for(int threads);
-    explicit Parallel(int threads = 0);
+    /// The threads that `control` stands for: where it names none, all that its executor or the calling thread's task arena
+    /// has.
+    static int count_for(const Control& control);
+    explicit Parallel(const Control& control = {});
     ~Parallel();
     Parallel(const Parallel&) = delete;
     Parallel& operator=(const Parallel&) = delete;
 
     int threads() const noexcept { return threads_; }
+    /// Whether it runs tasks as one made for `control` would.
+    bool serves(const Control& control) const;
+    /// From here on calls end when `stop` says so.
+    void follow(const StopCheck& stop) noexcept { stop_ = stop; }
 
     /// Calls task(index, worker) once for each index in [0, count), worker < threads() being distinct among calls that run
     /// at the same time. Indices are handed out in ascending order. Returns when all are done; rethrows the first exception,
-    /// after which indices not yet begun are skipped.
+    /// after which indices not yet begun are skipped. So they are where the host wants the call to end, and Stopped is
+    /// thrown.
     void run(std::size_t count, FunctionRef<void(std::size_t index, int worker)> task) const;
 
     /// run() over the half-open ranges into which [0, count) is cut, each of about `grain` items or more.
@@ -56,6 +43,8 @@ public:
 private:
     struct Arena;
     std::unique_ptr<Arena> arena_;
+    Executor executor_;
+    StopCheck stop_;
     int threads_;
 };
 

@@ -1,21 +1,22 @@
 // A flat array of plain values: like std::vector, but sized without touching its memory (writing fresh pages is the largest
-// single cost of slicing), and taken from the caller's memory resource.
+// single cost of slicing), and taken from the caller's memory.
 #pragma once
 
 #include <cassert>
 #include <cstddef>
-#include <memory_resource>
 #include <span>
 #include <type_traits>
 #include <utility>
 
+#include "lamella/memory.hpp"
+
 namespace lamella {
 
 namespace detail {
-/// From `resource`, or, when it is null, from operator new with large blocks aligned for and advised to use huge pages.
+/// From `memory`, or, when it is null, from operator new with large blocks aligned for and advised to use huge pages.
 /// Throws std::bad_alloc.
-void* take_memory(std::pmr::memory_resource* resource, std::size_t bytes);
-void give_memory(std::pmr::memory_resource* resource, void* memory, std::size_t bytes) noexcept;
+void* take_memory(const Memory* memory, std::size_t bytes);
+void give_memory(const Memory* memory, void* block, std::size_t bytes) noexcept;
 }  // namespace detail
 
 /// Move-only. Growing discards the contents unless said otherwise; shrinking keeps the memory, so that an array which is
@@ -25,14 +26,14 @@ class Array {
     static_assert(std::is_trivially_copyable_v<T>, "elements are left uninitialised and copied as bytes");
 
 public:
-    explicit Array(std::pmr::memory_resource* resource = nullptr) noexcept : resource_(resource) {}
+    explicit Array(const Memory* memory = nullptr) noexcept : memory_(memory) {}
     Array(Array&& other) noexcept
-        : resource_(other.resource_),
+        : memory_(other.memory_),
           data_(std::exchange(other.data_, nullptr)),
           size_(std::exchange(other.size_, 0)),
           capacity_(std::exchange(other.capacity_, 0)) {}
     Array& operator=(Array&& other) noexcept {
-        std::swap(resource_, other.resource_);
+        std::swap(memory_, other.memory_);
         std::swap(data_, other.data_);
         std::swap(size_, other.size_);
         std::swap(capacity_, other.capacity_);
@@ -40,13 +41,13 @@ public:
     }
     Array(const Array&) = delete;
     Array& operator=(const Array&) = delete;
-    ~Array() { detail::give_memory(resource_, data_, capacity_ * sizeof(T)); }
+    ~Array() { detail::give_memory(memory_, data_, capacity_ * sizeof(T)); }
 
     /// Size `count`, contents unspecified. O(1) when the capacity suffices. Throws std::bad_alloc.
     void resize_discarding(std::size_t count) {
         if (count > capacity_) {
-            T* fresh = static_cast<T*>(detail::take_memory(resource_, count * sizeof(T)));
-            detail::give_memory(resource_, std::exchange(data_, fresh), std::exchange(capacity_, count) * sizeof(T));
+            T* fresh = static_cast<T*>(detail::take_memory(memory_, count * sizeof(T)));
+            detail::give_memory(memory_, std::exchange(data_, fresh), std::exchange(capacity_, count) * sizeof(T));
         }
         size_ = count;
     }
@@ -57,7 +58,7 @@ public:
         size_ = count;
     }
 
-    std::pmr::memory_resource* resource() const noexcept { return resource_; }
+    const Memory* memory() const noexcept { return memory_; }
     T* data() noexcept { return data_; }
     const T* data() const noexcept { return data_; }
     std::size_t size() const noexcept { return size_; }
@@ -79,7 +80,7 @@ public:
     std::span<T> span() noexcept { return {data_, size_}; }
 
 private:
-    std::pmr::memory_resource* resource_ = nullptr;
+    const Memory* memory_ = nullptr;
     T* data_ = nullptr;
     std::size_t size_ = 0;
     std::size_t capacity_ = 0;

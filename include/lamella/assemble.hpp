@@ -3,13 +3,13 @@
 
 #include <compare>
 #include <cstdint>
-#include <memory_resource>
 #include <span>
 
 #include "lamella/array.hpp"
+#include "lamella/control.hpp"
+#include "lamella/error.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/result.hpp"
-#include "lamella/status.hpp"
 
 namespace lamella {
 
@@ -37,11 +37,6 @@ struct Segment {
     std::uint32_t to_rank = 0;
 };
 
-struct AssembleOptions {
-    int threads = 1;
-    std::pmr::memory_resource* memory = nullptr;
-};
-
 /// One layer's contours: oriented, nested and in canonical order, as in SliceResult; parents index `contours`.
 struct LayerContours {
     Array<Contour> contours;
@@ -52,6 +47,6 @@ struct LayerContours {
 /// sense, then by rank (each segment that comes in with the next one clockwise that goes out, so that the solid between them
 /// is on the left and contours do not cross); what is left pairs ignoring sense, and an odd one ends an open polyline.
 /// O(q) expected for linking, O(q log q) for order and nesting. Errors: out_of_memory.
-Result<LayerContours> assemble(std::span<const Segment> segments, const AssembleOptions& options = {}) noexcept;
+Result<LayerContours> assemble(std::span<const Segment> segments, const Control& control = {}) noexcept;
 
 }  // namespace lamella

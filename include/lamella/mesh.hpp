@@ -9,7 +9,7 @@
 
 namespace lamella {
 
-enum class Number : std::uint8_t { f32, f64 };
+enum class CoordinateType : std::uint8_t { f32, f64 };
 
 /// A 3x4 affine map, row-major, applied to every vertex while it is rounded to the grid: p' = m[0..2 | 3..] · (p, 1), in mm.
 struct Transform {
@@ -38,15 +38,16 @@ struct MeshView {
     std::size_t vertex_count = 0;            ///< indexed only; indices are checked against it
     const std::uint32_t* indices = nullptr;  ///< null for soup
     std::size_t triangle_count = 0;
-    Number number = Number::f32;
+    CoordinateType number = CoordinateType::f32;
 
     static MeshView soup(std::span<const float> coordinates) noexcept;   ///< nine numbers a triangle
     static MeshView soup(std::span<const double> coordinates) noexcept;  ///< nine numbers a triangle
     /// `stride` in bytes between triangles: 50 with `first` at offset 84 + 12 views a binary STL file where it lies.
-    static MeshView strided_soup(const std::byte* first, std::size_t triangles, std::size_t stride, Number number) noexcept;
+    static MeshView strided_soup(const std::byte* first, std::size_t triangles, std::size_t stride,
+                                 CoordinateType number) noexcept;
     static MeshView indexed(std::span<const float> xyz, std::span<const std::uint32_t> indices) noexcept;
     static MeshView indexed(std::span<const double> xyz, std::span<const std::uint32_t> indices) noexcept;
-    static MeshView indexed(const std::byte* first, std::size_t vertices, std::size_t stride, Number number,
+    static MeshView indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType number,
                             std::span<const std::uint32_t> indices) noexcept;
 };
 

@@ -3,7 +3,7 @@
 //
 // Rounding rule: every plane's height is computed by itself (z0 + i·h, never by adding rounded steps), rounded first exactly
 // as a vertex of that height would be (to the mesh's number type, then to the even grid), then moved one unit down
-// (Side::below, the default) or up. A flat face drawn at that very height is therefore always on the same side of it.
+// (PlaneSide::below, the default) or up. A flat face drawn at that very height is therefore always on the same side of it.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,11 @@
 #include <variant>
 #include <vector>
 
+#include "lamella/experiments.hpp"
+
 namespace lamella {
 
-enum class Side : std::uint8_t { below, above };
+enum class PlaneSide : std::uint8_t { below, above };
 
 enum class Datum : std::uint8_t {
     mesh_min,  ///< heights count from the mesh's lowest vertex
@@ -35,17 +37,9 @@ struct ExplicitPlanes {
     std::vector<double> heights_mm;
 };
 
-/// Steps drawn uniformly from [min, max] by seed, from the mesh's lowest vertex up: the paper's adaptive experiment
-/// (section 5). The generator is our own, so the same seed gives the same planes on every platform.
-struct RandomLayers {
-    double min_height_mm = 0.016;
-    double max_height_mm = 0.032;
-    std::uint64_t seed = 1;
-};
-
 struct LayerPlan {
     std::variant<UniformLayers, ExplicitPlanes, RandomLayers> spacing = UniformLayers{};
-    Side side = Side::below;
+    PlaneSide side = PlaneSide::below;
 };
 
 }  // namespace lamella

@@ -9,17 +9,18 @@
 #pragma once
 
 #include <cstdint>
-#include <memory_resource>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "lamella/array.hpp"
+#include "lamella/error.hpp"
 #include "lamella/grid.hpp"
+#include "lamella/integer128.hpp"
+#include "lamella/memory.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/planes.hpp"
-#include "lamella/status.hpp"
 
 namespace lamella {
 
@@ -33,7 +34,7 @@ enum class Role : std::uint8_t {
 /// What is inside where contours overlap, nest the same way or run backwards. By all rules but the first, contours that come
 /// within two units of no other stay as they are or go; those that meet are clipped by a library, which rounds the points
 /// where they cross to the grid. Each clipping is made in two ways that must agree: a layer of which none do, or whose
-/// contours meet so often that it would take more than some seconds, is refused (Code::too_entangled).
+/// contours meet so often that it would take more than some seconds, is refused (ErrorCode::too_entangled).
 enum class FillRule : std::uint8_t {
     contours,  ///< as walked: nothing is joined or cut
     even_odd,  ///< within an odd number of contours
@@ -55,27 +56,11 @@ enum ContourFlag : std::uint16_t {
     gap_closed = 4,
 };
 
-/// A signed 128-bit integer as two words, so that areas are exact and the layout is plain.
-struct Wide {
-    std::uint64_t low = 0;
-    std::int64_t high = 0;
-    /// By magnitude: the two words of a small negative number would cancel.
-    double to_double() const noexcept {
-        const bool negative = high < 0;
-        const std::uint64_t magnitude_low = negative ? 0 - low : low;
-        const std::uint64_t magnitude_high =
-            (negative ? ~static_cast<std::uint64_t>(high) + (low == 0 ? 1U : 0U) : static_cast<std::uint64_t>(high));
-        const double magnitude = static_cast<double>(magnitude_high) * 0x1p64 + static_cast<double>(magnitude_low);
-        return negative ? -magnitude : magnitude;
-    }
-    friend bool operator==(const Wide&, const Wide&) = default;
-};
-
 /// 48 bytes. A closed contour starts at its smallest (x, y, mesh edge) and the first point is not repeated; an open one
 /// starts at its source end. Equal consecutive points are stored once; `segments` still counts every crossed triangle.
 struct Contour {
     std::uint64_t first_point = 0;  ///< index into SliceResult::points
-    Wide twice_area;                ///< square grid units; positive for outer, negative for hole, 0 for flat and open
+    Integer128 twice_area;          ///< square grid units; positive for outer, negative for hole, 0 for flat and open
     std::int64_t parent = -1;  ///< index into SliceResult::contours: the smallest closed contour strictly around the start
                                ///< point, of a region that a fill rule made the one that it lies directly in; -1 if none
     std::uint32_t point_count = 0;
@@ -129,7 +114,7 @@ struct SliceSummary {
 
 struct SliceResult {
     /// Its arrays will take their memory from `memory`; null: operator new.
-    explicit SliceResult(std::pmr::memory_resource* memory = nullptr) noexcept
+    explicit SliceResult(const Memory* memory = nullptr) noexcept
         : layers(memory), contours(memory), points(memory), closed_gaps(memory) {}
 
     Array<Layer> layers;
@@ -153,11 +138,6 @@ struct SliceResult {
     double area_mm2(const Layer& layer) const noexcept;
     double length_mm(const ClosedGap& gap) const noexcept;
 };
-
-/// Checks every promise above: offsets contiguous, contours closed and canonical, oriented as their role says, areas exact,
-/// parents around their children and nested where contours do not cross, layers ordered, no segment lost. The first
-/// broken promise is named with layer and contour. O(m log m).
-Status validate(const SliceResult& result);
 
 /// A 64-bit hash (FNV-1a over 8-byte little-endian words) of: k; per layer the plane (int32 as int64) and its number of
 /// contours; per contour role, sense and flags (one word: role | (sense & 0xff) << 8 | flags << 16), segments, point_count,

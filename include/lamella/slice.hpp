@@ -1,38 +1,30 @@
 // The engine: slicing (paper, Algorithms 1 to 3), contour construction (Algorithm 4), orientation and nesting, in parallel.
 #pragma once
 
-#include <functional>
 #include <memory>
-#include <memory_resource>
-#include <stop_token>
 
+#include "lamella/control.hpp"
+#include "lamella/error.hpp"
+#include "lamella/experiments.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/planes.hpp"
 #include "lamella/result.hpp"
-#include "lamella/status.hpp"
 
 namespace lamella {
 
-/// The two forms of contour construction; their results are identical.
-enum class ContourForm : std::uint8_t {
-    swept,      ///< links live as long as the edges they join and change only at events: the faster
-    assembled,  ///< every plane's segments are put together afresh: the paper's Algorithm 4 as stated
-};
+namespace detail {
+struct WorkspaceParts;
+}
 
 struct SliceOptions {
-    LayerPlan plan;
+    LayerPlan plan{};
     double unit_mm = 0;  ///< grid unit; 0 chooses the default (see grid.hpp)
-    Transform transform;
-    int threads = 0;      ///< at most this many; 0: all that the host's task arena allows
-    int band_planes = 0;  ///< planes per z-band, more where triangles would be in too many; 0: by the work in them
-    ContourForm form = ContourForm::swept;
+    Transform transform{};
     FillRule fill_rule = FillRule::contours;
     double close_gaps_mm = 0;              ///< join ends of open polylines at most so far apart; 0 joins none
     std::uint64_t memory_limit_bytes = 0;  ///< larger results are refused before allocation; 0: half of physical memory
-    std::pmr::memory_resource* memory =
-        nullptr;                           ///< for the result and all scratch; null: operator new. Must be thread-safe.
-    std::stop_token stop;                  ///< checked at every layer
-    std::function<void(double)> progress;  ///< fraction done in [0, 1]; from any one thread at a time, never concurrently
+    Control control{};                     ///< stop is asked at every layer; the result and all scratch are in its memory
+    Tuning tuning{};                       ///< for experiments
 };
 
 /// Scratch memory kept from call to call: the second slice of a similar mesh touches no fresh page. One per concurrent call.
@@ -43,12 +35,12 @@ public:
     Workspace(Workspace&&) noexcept;
     Workspace& operator=(Workspace&&) noexcept;
     /// Gives all memory back; what comes next is taken from `memory`.
-    void reset(std::pmr::memory_resource* memory);
-    struct Impl;
-    Impl& impl() noexcept { return *impl_; }
+    void reset(const Memory* memory);
 
 private:
-    std::unique_ptr<Impl> impl_;
+    friend Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace,
+                        SliceResult& result) noexcept;
+    std::unique_ptr<detail::WorkspaceParts> parts_;
 };
 
 /// Slices `mesh` at the planes of `options.plan`.

@@ -48,14 +48,14 @@ lamella::SliceOptions irregular(double least_mm, double most_mm) {
     return options;
 }
 
-using Side = std::pair<Point, Point>;
+using PlaneSide = std::pair<Point, Point>;
 
-Side side(Point a, Point b) {
+PlaneSide side(Point a, Point b) {
     return std::minmax(a, b);
 }
 
-std::multiset<Side> sides_of(const std::vector<Polyline>& polylines) {
-    std::multiset<Side> sides;
+std::multiset<PlaneSide> sides_of(const std::vector<Polyline>& polylines) {
+    std::multiset<PlaneSide> sides;
     for (const Polyline& polyline : polylines) {
         for (std::size_t i = 1; i < polyline.points.size(); ++i) {
             sides.insert(side(polyline.points[i - 1], polyline.points[i]));
@@ -68,8 +68,8 @@ std::multiset<Side> sides_of(const std::vector<Polyline>& polylines) {
 }
 
 /// Those with two ends.
-std::multiset<Side> sides_of(const std::vector<Segment>& segments) {
-    std::multiset<Side> sides;
+std::multiset<PlaneSide> sides_of(const std::vector<Segment>& segments) {
+    std::multiset<PlaneSide> sides;
     for (const auto& [from, to] : segments) {
         if (from != to) {
             sides.insert(side(from, to));
@@ -79,7 +79,7 @@ std::multiset<Side> sides_of(const std::vector<Segment>& segments) {
 }
 
 /// How many open polylines there must be at least: half as many as points in which an odd number of segments meet.
-std::ptrdiff_t fewest_open(const std::multiset<Side>& sides) {
+std::ptrdiff_t fewest_open(const std::multiset<PlaneSide>& sides) {
     std::map<Point, int> met;
     for (const auto& [a, b] : sides) {
         ++met[a];
@@ -165,7 +165,7 @@ TEST_CASE("every segment is used once where any number of them meet", "[baseline
         const Contours hashed = hashed_contours.join(lists);
         for (std::size_t i = 0; i < lists.size(); ++i) {
             INFO("plane " << i);
-            const std::multiset<Side> sides = sides_of(lists[i]);
+            const std::multiset<PlaneSide> sides = sides_of(lists[i]);
             REQUIRE((sides_of(trivial[i]) == sides));
             REQUIRE((sides_of(hashed[i]) == sides));
             CHECK(open_of(trivial[i]) >= fewest_open(sides));
@@ -209,7 +209,7 @@ TEST_CASE("a sweep line splits segments where they cross and keeps all their end
     const Contours contours = lamella::baselines::sweepline_contours.join(cross);
     CHECK(open_of(contours[0]) == 2);
     CHECK((sides_of(contours[0]) ==
-           std::multiset<Side>{{{0, 0}, {2, 2}}, {{0, 4}, {2, 2}}, {{2, 2}, {4, 0}}, {{2, 2}, {4, 4}}}));
+           std::multiset<PlaneSide>{{{0, 0}, {2, 2}}, {{0, 4}, {2, 2}}, {{2, 2}, {4, 0}}, {{2, 2}, {4, 4}}}));
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         INFO("seed " << seed);
         const Case given = coarse(shapes::random_soup(seed, 40, 5));

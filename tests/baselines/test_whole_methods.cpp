@@ -70,7 +70,7 @@ lamella::SliceOptions options_of(const LayerPlan& plan, double unit_mm = 0) {
     lamella::SliceOptions options;
     options.plan = plan;
     options.unit_mm = unit_mm;
-    options.threads = 1;
+    options.control.threads = 1;
     return options;
 }
 

@@ -4,11 +4,11 @@ namespace lamella::check_test {
 
 std::string text_without_triangles(MeshCheck check) {
     for (Finding& finding : check.findings) {
-        for (Place& place : finding.places) {
+        for (FaultPlace& place : finding.places) {
             place.triangles = {-1, -1};
         }
     }
-    for (Shell& shell : check.shells) {
+    for (MeshShell& shell : check.shells) {
         shell.triangle = -1;
     }
     const Result<std::string> json = check_json(check, {}, 1000);
@@ -17,12 +17,12 @@ std::string text_without_triangles(MeshCheck check) {
 }
 
 MeshCheck findings_of(const Soup& soup, CheckOptions options) {
-    options.threads = 1;
+    options.control.threads = 1;
     const MeshView view = MeshView::soup(std::span<const double>(soup));
     const Result<MeshCheck> one = check(view, options);
     INFO((one ? "" : one.error().message));
     REQUIRE(one.ok());
-    options.threads = 3;
+    options.control.threads = 3;
     const Result<MeshCheck> three = check(view, options);
     REQUIRE(three.ok());
     CHECK(check_json(one.value(), {}, 1000).value() == check_json(three.value(), {}, 1000).value());

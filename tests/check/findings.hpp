@@ -9,8 +9,8 @@
 #include <catch2/catch.hpp>
 
 #include "engine/shapes.hpp"
-#include "lamella/check.hpp"
-#include "lamella/check_report.hpp"
+#include "lamella/io/check_report.hpp"
+#include "lamella/mesh/check.hpp"
 
 namespace lamella::check_test {
 
@@ -27,7 +27,7 @@ std::string text_without_triangles(MeshCheck check);
 std::map<std::string, std::uint64_t> counts(const MeshCheck& check);
 using Counts = std::map<std::string, std::uint64_t>;
 
-inline const Place& first(const MeshCheck& check, Fault fault) {
+inline const FaultPlace& first(const MeshCheck& check, Fault fault) {
     REQUIRE_FALSE(check.of(fault).places.empty());
     return check.of(fault).places.front();
 }

@@ -17,7 +17,7 @@ TEST_CASE("a T-junction without width", "[check]") {
         const MeshCheck check = findings_of(split, options);
         CHECK(counts(check) ==
               Counts{{"boundary_edges", 3}, {"boundary_loops", 1}, {"t_junctions", 1}, {"touching_faces", 2}});
-        const Place& place = first(check, Fault::t_junction);
+        const FaultPlace& place = first(check, Fault::t_junction);
         CHECK(place.points_mm[0] == Xyz{1, 0, 2});
         CHECK(place.points_mm[1] == Xyz{1, 0, 2});
         CHECK(place.measure == 0);

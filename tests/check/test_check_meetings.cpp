@@ -1,8 +1,8 @@
 // Faces that cross, overlap or touch.
 #include <set>
 
-#include "1_input/check/meeting.hpp"
 #include "check/findings.hpp"
+#include "mesh/check/meeting.hpp"
 
 namespace lamella::check_test {
 
@@ -33,7 +33,7 @@ TEST_CASE("a tetrahedron whose tip pierces a face of another crosses it three ti
     const Soup spike = tetrahedron({4, 4, -4}, {6, 4, -4}, {4, 6, -4}, {5, 5, 4});
     const MeshCheck check = findings_of(joined({large, spike}));
     CHECK(counts(check) == Counts{{"crossing_faces", 3}});
-    for (const Place& place : check.of(Fault::crossing_faces).places) {
+    for (const FaultPlace& place : check.of(Fault::crossing_faces).places) {
         REQUIRE(place.point_count == 2);
         CHECK(place.points_mm[0][2] == Approx(0).margin(1e-9));  // the face that is pierced lies in z = 0
         CHECK(place.points_mm[1][2] == Approx(0).margin(1e-9));
@@ -123,7 +123,7 @@ TEST_CASE("boxes stacked askew overlap where they stand on one another", "[check
     CHECK(check.of(Fault::overlapping_faces).count == 2);  // both diagonals lie on x = y
     CHECK(check.of(Fault::crossing_faces).count == 0);
     CHECK(check.of(Fault::touching_faces).count > 0);
-    for (const Place& place : check.of(Fault::overlapping_faces).places) {
+    for (const FaultPlace& place : check.of(Fault::overlapping_faces).places) {
         CHECK(place.point_count == 1);
         CHECK(place.points_mm[0][2] == 2);
     }

@@ -97,7 +97,7 @@ TEST_CASE("marks are an ASCII PLY of points and edges", "[check]") {
 TEST_CASE("marks that cannot be written are an error that names the file", "[check]") {
     const Status status = write_marks(MeshCheck{}, "no/such/folder/marks.ply");
     REQUIRE_FALSE(status.ok());
-    CHECK(status.error().code == Code::unwritable_file);
+    CHECK(status.error().code == ErrorCode::unwritable_file);
     CHECK_THAT(status.error().message, Catch::Contains("marks.ply"));
 }
 

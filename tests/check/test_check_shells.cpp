@@ -12,7 +12,7 @@ namespace {
 
 std::vector<int> depths(const MeshCheck& check) {
     std::vector<int> found;
-    for (const Shell& shell : check.shells) {
+    for (const MeshShell& shell : check.shells) {
         found.push_back(shell.depth);
     }
     return found;

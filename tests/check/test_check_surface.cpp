@@ -45,12 +45,12 @@ TEST_CASE("a box is closed and clean", "[check]") {
 TEST_CASE("a missing face is four boundary edges in a loop", "[check]") {
     const MeshCheck check = findings_of(without(box({0, 0, 0}, {2, 2, 2}), 2, 2));
     CHECK(counts(check) == Counts{{"boundary_edges", 4}, {"boundary_loops", 1}});
-    const Place& edge = first(check, Fault::boundary_edge);
+    const FaultPlace& edge = first(check, Fault::boundary_edge);
     CHECK(edge.point_count == 2);
     CHECK(edge.points_mm[0] == Xyz{0, 0, 2});
     CHECK(edge.points_mm[1] == Xyz{0, 2, 2});
     CHECK(edge.number == 1);
-    const Place& loop = first(check, Fault::boundary_loop);
+    const FaultPlace& loop = first(check, Fault::boundary_loop);
     CHECK(loop.points_mm[0] == Xyz{0, 0, 2});
     CHECK(loop.number == 4);
     CHECK(loop.measure == 8);
@@ -65,7 +65,7 @@ TEST_CASE("holes that touch at a vertex are separate loops", "[check]") {
     CHECK(check.of(Fault::boundary_edge).count == 6);
     CHECK(check.of(Fault::boundary_loop).count == 2);
     CHECK(check.of(Fault::split_vertex).count == 1);
-    for (const Place& loop : check.of(Fault::boundary_loop).places) {
+    for (const FaultPlace& loop : check.of(Fault::boundary_loop).places) {
         CHECK(loop.number == 3);
         CHECK(loop.measure == Approx(3 * std::sqrt(2)));
         CHECK(loop.closed);
@@ -80,7 +80,7 @@ TEST_CASE("boundary edges that end at an edge with three faces are an open chain
     CHECK(check.of(Fault::boundary_edge).count == 6);
     CHECK(check.of(Fault::boundary_loop).count == 2);  // three chains from one end of the edge to the other: a loop, and one
     std::uint64_t closed = 0;
-    for (const Place& loop : check.of(Fault::boundary_loop).places) {
+    for (const FaultPlace& loop : check.of(Fault::boundary_loop).places) {
         closed += loop.closed ? 1 : 0;
         CHECK(loop.number == (loop.closed ? 4 : 2));
     }
@@ -90,7 +90,7 @@ TEST_CASE("boundary edges that end at an edge with three faces are an open chain
 TEST_CASE("cubes that share an edge", "[check]") {
     const MeshCheck check = findings_of(joined({box({0, 0, 0}, {1, 1, 1}), box({1, 1, 0}, {2, 2, 1})}));
     CHECK(counts(check) == Counts{{"overfull_edges_balanced", 1}, {"split_vertices", 2}});
-    const Place& edge = first(check, Fault::overfull_balanced);
+    const FaultPlace& edge = first(check, Fault::overfull_balanced);
     CHECK(edge.points_mm[0] == Xyz{1, 1, 0});
     CHECK(edge.points_mm[1] == Xyz{1, 1, 1});
     CHECK(edge.number == 4);
@@ -103,7 +103,7 @@ TEST_CASE("cubes that share an edge", "[check]") {
 TEST_CASE("cubes that share a vertex", "[check]") {
     const MeshCheck check = findings_of(joined({box({0, 0, 0}, {1, 1, 1}), box({1, 1, 1}, {2, 2, 2})}));
     CHECK(counts(check) == Counts{{"split_vertices", 1}});
-    const Place& vertex = first(check, Fault::split_vertex);
+    const FaultPlace& vertex = first(check, Fault::split_vertex);
     CHECK(vertex.point_count == 1);
     CHECK(vertex.points_mm[0] == Xyz{1, 1, 1});
     CHECK(vertex.number == 2);
@@ -214,18 +214,18 @@ TEST_CASE("only as many places as asked for are kept, all are counted", "[check]
 }
 
 TEST_CASE("unusable input and options are refused", "[check]") {
-    CHECK(check(MeshView{}).error().code == Code::empty_mesh);
+    CHECK(check(MeshView{}).error().code == ErrorCode::empty_mesh);
     Soup soup = box({0, 0, 0}, {1, 1, 1});
     const MeshView view = MeshView::soup(std::span<const double>(soup));
     CheckOptions options;
     for (const double bad : {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
         options.tolerance_mm = bad;
-        CHECK(check(view, options).error().code == Code::invalid_argument);
+        CHECK(check(view, options).error().code == ErrorCode::invalid_argument);
     }
     options = {};
     for (const double bad : {1.0, -5.0, std::numeric_limits<double>::quiet_NaN()}) {
         options.sliver_ratio = bad;
-        CHECK(check(view, options).error().code == Code::invalid_argument);
+        CHECK(check(view, options).error().code == ErrorCode::invalid_argument);
     }
     soup[13] = std::numeric_limits<double>::quiet_NaN();
     CHECK(check(view).error().triangle == 1);

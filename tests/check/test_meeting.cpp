@@ -1,5 +1,5 @@
 // How two triangles meet, against another way to tell: separating axes.
-#include "1_input/check/meeting.hpp"
+#include "mesh/check/meeting.hpp"
 
 #include <algorithm>
 #include <random>

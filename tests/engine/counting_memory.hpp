@@ -1,20 +1,20 @@
-// A memory resource that knows how much was ever taken at once.
+// Memory that knows how much was ever taken at once.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
-#include <memory_resource>
 #include <new>
 
-class CountingMemory final : public std::pmr::memory_resource {
+#include "lamella/memory.hpp"
+
+class CountingMemory : public lamella::Memory {
 public:
     /// Takes beyond `limit` bytes at once fail.
-    explicit CountingMemory(std::size_t limit = ~std::size_t{0}) : limit_(limit) {}
+    explicit CountingMemory(std::size_t limit = ~std::size_t{0}) : Memory(lamella::memory_of(*this)), limit_(limit) {}
     std::size_t peak() const { return peak_; }
     std::size_t held() const { return held_; }
 
-private:
-    void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+    void* allocate(std::size_t bytes, std::size_t alignment) {
         const std::size_t held = held_ += bytes;
         if (held > limit_) {
             held_ -= bytes;
@@ -25,12 +25,12 @@ private:
         }
         return ::operator new (bytes, std::align_val_t{alignment});
     }
-    void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
+    void deallocate(void* memory, std::size_t bytes, std::size_t alignment) {
         held_ -= bytes;
         ::operator delete (memory, std::align_val_t{alignment});
     }
-    bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
 
+private:
     std::size_t limit_;
     std::atomic<std::size_t> held_{0};
     std::atomic<std::size_t> peak_{0};

@@ -19,7 +19,7 @@ SliceOptions at_heights(std::vector<double> heights_mm) {
     SliceOptions options;
     options.plan.spacing = lamella::ExplicitPlanes{std::move(heights_mm)};
     options.unit_mm = coarse_unit_mm;
-    options.threads = 1;
+    options.control.threads = 1;
     return options;
 }
 

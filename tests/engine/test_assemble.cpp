@@ -59,7 +59,7 @@ TEST_CASE("a square is one outer contour from its smallest point", "[assemble]")
     REQUIRE(layer.contours.size() == 1);
     CHECK(points_of(layer, 0) == Points{{0, 0}, {4, 0}, {4, 4}, {0, 4}});
     CHECK(layer.contours[0].role == Role::outer);
-    CHECK(layer.contours[0].twice_area == lamella::Wide{32, 0});
+    CHECK(layer.contours[0].twice_area == lamella::Integer128{32, 0});
 }
 
 TEST_CASE("a hole in a square points to it", "[assemble]") {

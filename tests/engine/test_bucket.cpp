@@ -8,11 +8,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "2_grid/bounds.hpp"
-#include "2_grid/soup_box.hpp"
-#include "4_bucket/bucket.hpp"
-#include "5_sweep/bands.hpp"
 #include "engine/slicing.hpp"
+#include "slicing/buckets/bucket.hpp"
+#include "slicing/grid/bounds.hpp"
+#include "slicing/grid/soup_box.hpp"
+#include "slicing/sweep/bands.hpp"
 
 using lamella::BandPlan;
 using lamella::BlockTable;
@@ -62,7 +62,7 @@ struct Bucketed {
     BandPlan bands{nullptr};
 
     Bucketed(const MeshView& mesh, const lamella::LayerPlan& plan, double unit_mm, int threads, int band_planes) {
-        const lamella::Parallel parallel(threads);
+        const lamella::Parallel parallel({.threads = threads});
         const lamella::Transform none;
         const auto bounds = lamella::measure_bounds(mesh, none, unit_mm, parallel, blocks);
         REQUIRE(bounds);
@@ -193,7 +193,7 @@ TEST_CASE("the table finds the first plane above a vertex", "[engine][bucket][pl
                           std::get<lamella::UniformLayers>(plan.spacing).layer_height_mm < 0.001;
         const lamella::Bounds box = fine ? lamella::Bounds{{0, 0, 0}, {1, 1, 0x1p-8}} : bounds;
         PlaneSet planes(nullptr);
-        REQUIRE(planes.build(plan, box, lamella::default_unit_mm, lamella::Number::f32, no_limit));
+        REQUIRE(planes.build(plan, box, lamella::default_unit_mm, lamella::CoordinateType::f32, no_limit));
         REQUIRE(planes.size() > 100);
         const auto check = [&](std::int32_t z) {
             const std::int32_t* end = planes.heights() + planes.size();

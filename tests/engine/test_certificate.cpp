@@ -17,7 +17,7 @@ using lamella::VolumeVerdict;
 namespace {
 
 VolumeCertificate certified(const shapes::Soup& soup, const SliceResult& result, int threads = 1) {
-    const lamella::Result<VolumeCertificate> certificate = certify_volume(view_of(soup), result, threads);
+    const lamella::Result<VolumeCertificate> certificate = certify_volume(view_of(soup), result, {.threads = threads});
     INFO((certificate ? std::string() : certificate.error().message));
     REQUIRE(certificate.ok());
     return certificate.value();
@@ -111,7 +111,8 @@ TEST_CASE("certificate: never a wrong verdict on soups in which everything coinc
         CHECK(certified(closed, sliced(closed, at_heights({1, 2, 3, 4, 5, 6, 7}))).verdict == VolumeVerdict::holds);
         CHECK(certified(closed, sliced(closed, uniform(0.37))).verdict == VolumeVerdict::holds);
         const shapes::Soup open = shapes::random_soup(seed, 1 + static_cast<int>(seed % 30), 3 + seed % 6);
-        const auto info = lamella::inspect(view_of(open), {.unit_mm = coarse_unit_mm, .threads = 1, .transform = {}});
+        const auto info =
+            lamella::inspect(view_of(open), {.unit_mm = coarse_unit_mm, .transform = {}, .control = {.threads = 1}});
         const VolumeVerdict verdict = certified(open, sliced(open, at_heights({1, 2, 3, 4}))).verdict;
         CHECK((verdict == VolumeVerdict::open_mesh) == !info.value().closed);
     }
@@ -191,7 +192,7 @@ TEST_CASE("certificate: a result of another mesh is refused", "[engine][certific
     CHECK(moved.worst_layer > 90);
     // A triangle less: not even as many.
     const shapes::Soup fewer(ball.begin() + 9, ball.end());
-    CHECK(certify_volume(view_of(fewer), result).error().code == lamella::Code::invalid_argument);
+    CHECK(certify_volume(view_of(fewer), result).error().code == lamella::ErrorCode::invalid_argument);
     // As many, but twice the same.
     shapes::Soup doubled = ball;
     std::copy_n(doubled.begin() + 9, 9, doubled.begin());
@@ -211,12 +212,12 @@ TEST_CASE("certificate: what cannot be gone through is an error", "[engine][cert
     for (const auto& damage : damages) {
         SliceResult result = sliced(ball, uniform(0.5));
         damage(result);
-        CHECK(certify_volume(view_of(ball), result, 1).error().code == lamella::Code::invalid_argument);
-        CHECK(ledger(view_of(ball), result, 1).error().code == lamella::Code::invalid_argument);
+        CHECK(certify_volume(view_of(ball), result, {.threads = 1}).error().code == lamella::ErrorCode::invalid_argument);
+        CHECK(make_ledger(view_of(ball), result, {.threads = 1}).error().code == lamella::ErrorCode::invalid_argument);
     }
     const SliceResult result = sliced(ball, uniform(0.5));
-    CHECK(certify_volume(view_of(ball), result, -1).error().code == lamella::Code::invalid_argument);
+    CHECK(certify_volume(view_of(ball), result, {.threads = -1}).error().code == lamella::ErrorCode::invalid_argument);
     shapes::Indexed lying = shapes::indexed(ball);
     lying.indices[7] = 1000;
-    CHECK(certify_volume(lying.view(), result).error().code == lamella::Code::invalid_argument);
+    CHECK(certify_volume(lying.view(), result).error().code == lamella::ErrorCode::invalid_argument);
 }

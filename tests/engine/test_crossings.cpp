@@ -55,7 +55,7 @@ SliceResult result_of(const std::vector<Layer>& layers) {
 }
 
 Crossings found(const SliceResult& result, int threads = 1) {
-    const lamella::Result<Crossings> crossings = find_crossings(result, threads);
+    const lamella::Result<Crossings> crossings = find_crossings(result, {.threads = threads});
     REQUIRE(crossings.ok());
     return crossings.value();
 }
@@ -276,8 +276,8 @@ TEST_CASE("crossings: a search that would not end is cut short, and says so", "[
 
 TEST_CASE("crossings: what cannot be gone through is an error", "[engine][crossings]") {
     SliceResult result = result_of({{square(0, 0, 10)}});
-    CHECK(find_crossings(result, -1).error().code == lamella::Code::invalid_argument);
+    CHECK(find_crossings(result, {.threads = -1}).error().code == lamella::ErrorCode::invalid_argument);
     result.contours[0].point_count = 5;
-    CHECK(find_crossings(result).error().code == lamella::Code::invalid_argument);
+    CHECK(find_crossings(result).error().code == lamella::ErrorCode::invalid_argument);
     CHECK(found(SliceResult()).count == 0);
 }

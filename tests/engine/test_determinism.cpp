@@ -13,14 +13,14 @@ using shape_cases::plans;
 TEST_CASE("threads, bands and forms do not change the output", "[engine][determinism]") {
     for (const auto& [mesh_name, mesh] : meshes()) {
         lamella::SliceOptions options = uniform(0.125);
-        options.threads = 1;
+        options.control.threads = 1;
         const std::uint64_t expected = output_hash(sliced(mesh, options));
         for (const int threads : {1, 2, 3, 8}) {
             for (const int band : {0, 1, 2, 7, 1000}) {
                 for (const ContourForm form : {ContourForm::swept, ContourForm::assembled}) {
-                    options.threads = threads;
-                    options.band_planes = band;
-                    options.form = form;
+                    options.control.threads = threads;
+                    options.tuning.band_planes = band;
+                    options.tuning.form = form;
                     const lamella::Result<lamella::SliceResult> result = slice(view_of(mesh), options);
                     INFO(mesh_name << ", threads " << threads << ", band " << band << ", assembled "
                                    << (form == ContourForm::assembled));

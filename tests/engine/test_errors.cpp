@@ -1,7 +1,7 @@
 // What the engine refuses, and how it stops.
+#include <atomic>
 #include <cmath>
 #include <limits>
-#include <stop_token>
 
 #include <unistd.h>
 
@@ -10,10 +10,10 @@
 #include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"
 
-using lamella::Code;
+using lamella::ErrorCode;
 
 TEST_CASE("an empty mesh is an error", "[engine][errors]") {
-    CHECK(failure_of(view_of({}), uniform(0.1)).code == Code::empty_mesh);
+    CHECK(failure_of(view_of({}), uniform(0.1)).code == ErrorCode::empty_mesh);
 }
 
 TEST_CASE("coordinates that cannot be used name their triangle", "[engine][errors]") {
@@ -23,7 +23,7 @@ TEST_CASE("coordinates that cannot be used name their triangle", "[engine][error
     shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 4});
     soup[at] = bad;
     const lamella::Error error = failure_of(view_of(soup), uniform(0.1));
-    CHECK(error.code == Code::bad_coordinate);
+    CHECK(error.code == ErrorCode::bad_coordinate);
     CHECK(error.triangle == static_cast<std::int64_t>(at / 9));
     CHECK_THAT(error.message, Catch::Contains(std::to_string(at / 9)));
     const std::vector<float> floats = shapes::floats(soup);
@@ -34,9 +34,9 @@ TEST_CASE("coordinates that cannot be used name their triangle", "[engine][error
 
 TEST_CASE("a grid that does not hold the mesh is an error", "[engine][errors]") {
     const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 2000});
-    CHECK(failure_of(view_of(soup), uniform(1, 1e-6)).code == Code::bad_coordinate);
-    CHECK(failure_of(view_of(soup), uniform(1, -1)).code == Code::invalid_argument);
-    CHECK(failure_of(view_of(soup), uniform(1, std::nan(""))).code == Code::invalid_argument);
+    CHECK(failure_of(view_of(soup), uniform(1, 1e-6)).code == ErrorCode::bad_coordinate);
+    CHECK(failure_of(view_of(soup), uniform(1, -1)).code == ErrorCode::invalid_argument);
+    CHECK(failure_of(view_of(soup), uniform(1, std::nan(""))).code == ErrorCode::invalid_argument);
     const lamella::SliceResult result = sliced(soup, uniform(1));
     CHECK(result.unit_mm == 2 * lamella::default_unit_mm);
     CHECK(sliced(shapes::box({0, 0, 0}, {4, 4, 4}), uniform(1)).unit_mm == lamella::default_unit_mm);
@@ -47,7 +47,7 @@ TEST_CASE("an index out of range is an error", "[engine][errors]") {
     shapes::Indexed mesh = shapes::indexed(shapes::box({0, 0, 0}, {4, 4, 4}));
     mesh.indices[20] = static_cast<std::uint32_t>(mesh.xyz.size() / 3);
     const lamella::Error error = failure_of(mesh.view(), uniform(0.1));
-    CHECK(error.code == Code::invalid_argument);
+    CHECK(error.code == ErrorCode::invalid_argument);
     CHECK(error.triangle == 6);
 }
 
@@ -55,20 +55,20 @@ TEST_CASE("results known to be too large are refused before they are allocated",
     const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 100});
     CountingMemory memory;
     lamella::SliceOptions options = uniform(0.00001);
-    options.memory = &memory;
+    options.control.memory = &memory;
     options.memory_limit_bytes = std::uint64_t{1} << 28;
-    CHECK(failure_of(view_of(soup), options).code == Code::result_too_large);
+    CHECK(failure_of(view_of(soup), options).code == ErrorCode::result_too_large);
     CHECK(memory.peak() < std::size_t{1} << 26);
     CHECK(memory.held() == 0);
     // The layers fit, their points do not.
     options.plan.spacing = lamella::UniformLayers{0.001};
     options.memory_limit_bytes = 11'000'000;
-    CHECK(failure_of(view_of(soup), options).code == Code::result_too_large);
+    CHECK(failure_of(view_of(soup), options).code == ErrorCode::result_too_large);
     // Layers and points fit, but not with a contour in each layer.
     const std::uint64_t layers = 100'000;
     const std::uint64_t bytes = layers * (sizeof(lamella::Layer) + 8 * sizeof(lamella::Point) + sizeof(lamella::Contour));
     options.memory_limit_bytes = bytes - 1;
-    CHECK(failure_of(view_of(soup), options).code == Code::result_too_large);
+    CHECK(failure_of(view_of(soup), options).code == ErrorCode::result_too_large);
     options.memory_limit_bytes = bytes;
     CHECK(sliced(soup, options).contours.size() == layers);
 }
@@ -85,7 +85,7 @@ TEST_CASE("the default limit is half of physical memory", "[engine][errors]") {
     }
     const shapes::Soup soup = shapes::box({0, 0, -height_mm / 2}, {4, 4, height_mm / 2});
     const lamella::Error error = failure_of(view_of(soup), uniform(layer_height_mm, 0x1p-23));
-    CHECK(error.code == Code::result_too_large);
+    CHECK(error.code == ErrorCode::result_too_large);
     CHECK_THAT(error.message, Catch::Contains(std::to_string(static_cast<std::uint64_t>(limit_bytes))));
 }
 
@@ -94,28 +94,29 @@ TEST_CASE("a failing allocation is an error, not an exception", "[engine][errors
     for (std::size_t limit = 1 << 10; limit < (1 << 22); limit *= 2) {
         CountingMemory memory(limit);
         lamella::SliceOptions options = uniform(0.05);
-        options.memory = &memory;
+        options.control.memory = &memory;
         {
             const lamella::Result<lamella::SliceResult> result = slice(view_of(soup), options);
-            CHECK((result.ok() || result.error().code == Code::out_of_memory));
+            CHECK((result.ok() || result.error().code == ErrorCode::out_of_memory));
             CHECK((result.ok() || limit < (1 << 24)));
         }
         CHECK(memory.held() == 0);
     }
 }
 
-TEST_CASE("a stop token cancels", "[engine][cancel]") {
+TEST_CASE("a stop request cancels", "[engine][cancel]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
     lamella::SliceOptions options = uniform(0.01);
-    std::stop_source source;
-    options.stop = source.get_token();
+    std::atomic<bool> stop = false;
+    options.control.stop = lamella::StopCheck::when(stop);
     SECTION("before it begins") {
-        source.request_stop();
-        CHECK(failure_of(view_of(soup), options).code == Code::cancelled);
+        stop = true;
+        CHECK(failure_of(view_of(soup), options).code == ErrorCode::cancelled);
     }
     SECTION("on the way") {
-        options.progress = [&](double) { source.request_stop(); };
-        CHECK(failure_of(view_of(soup), options).code == Code::cancelled);
+        const auto stop_it = [&](double) noexcept { stop = true; };
+        options.control.progress = lamella::Progress::to(stop_it);
+        CHECK(failure_of(view_of(soup), options).code == ErrorCode::cancelled);
     }
     SECTION("never, when it is not asked to") {
         CHECK(sliced(soup, options).layers.size() == 2000);
@@ -125,13 +126,14 @@ TEST_CASE("a stop token cancels", "[engine][cancel]") {
 TEST_CASE("progress rises from 0 to 1", "[engine][cancel]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
     lamella::SliceOptions options = uniform(0.01);
-    options.threads = GENERATE(1, 3);
-    options.band_planes = 20;
+    options.control.threads = GENERATE(1, 3);
+    options.tuning.band_planes = 20;
     std::vector<double> seen;
-    options.progress = [&](double done) { seen.push_back(done); };
+    const auto note = [&](double done) noexcept { seen.push_back(done); };
+    options.control.progress = lamella::Progress::to(note);
     (void)sliced(soup, options);
     // Bands that finish out of turn are reported together, but no more than run ahead: two a thread.
-    REQUIRE(seen.size() >= 100 / (2 * static_cast<std::size_t>(options.threads) + 1));
+    REQUIRE(seen.size() >= 100 / (2 * static_cast<std::size_t>(options.control.threads) + 1));
     CHECK(std::is_sorted(seen.begin(), seen.end()));
     CHECK(seen.front() >= 0);
     CHECK(seen.back() == 1);

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <atomic>
 #include <functional>
-#include <memory_resource>
 #include <new>
 #include <optional>
 
@@ -11,32 +10,32 @@
 #include "engine/slicing.hpp"
 #include "input/files.hpp"
 
-using lamella::Code;
+using lamella::ErrorCode;
+using lamella::Memory;
 using lamella::SliceOptions;
 
 namespace {
 
 /// Fails its allocation number `fails_at` (from 1) and every one after that: memory that is gone stays gone.
-class FailingMemory final : public std::pmr::memory_resource {
+class FailingMemory : public Memory {
 public:
-    explicit FailingMemory(std::uint64_t fails_at) : fails_at_(fails_at) {}
+    explicit FailingMemory(std::uint64_t fails_at) : Memory(lamella::memory_of(*this)), fails_at_(fails_at) {}
     std::uint64_t asked() const { return asked_; }
     std::int64_t held() const { return held_; }
 
-private:
-    void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+    void* allocate(std::size_t bytes, std::size_t alignment) {
         if (++asked_ >= fails_at_) {
             throw std::bad_alloc();
         }
         ++held_;
         return ::operator new (bytes, std::align_val_t{alignment});
     }
-    void do_deallocate(void* memory, std::size_t, std::size_t alignment) override {
+    void deallocate(void* memory, std::size_t, std::size_t alignment) {
         --held_;
         ::operator delete (memory, std::align_val_t{alignment});
     }
-    bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
 
+private:
     std::uint64_t fails_at_;
     std::atomic<std::uint64_t> asked_{0};
     std::atomic<std::int64_t> held_{0};
@@ -46,33 +45,33 @@ constexpr std::uint64_t never = ~std::uint64_t{0};
 
 /// Runs `call` until it succeeds, the first failing allocation being `step` later each time. `call` says with which code it
 /// failed, or nothing.
-using Call = std::function<std::optional<Code>(std::pmr::memory_resource*)>;
+using Call = std::function<std::optional<ErrorCode>(const Memory*)>;
 
 void fail_everywhere(const Call& call, std::uint64_t step = 1) {
     std::uint64_t failures = 0;
     for (std::uint64_t at = 1;; at += step) {
         FailingMemory memory(at);
-        const std::optional<Code> code = call(&memory);
+        const std::optional<ErrorCode> code = call(&memory);
         INFO("allocation " << at);
         REQUIRE(memory.held() == 0);
         if (!code) {
             break;
         }
-        REQUIRE(*code == Code::out_of_memory);
+        REQUIRE(*code == ErrorCode::out_of_memory);
         ++failures;
     }
     CHECK(failures > 0);
 }
 
 template <class Outcome>
-std::optional<Code> code_of(const Outcome& outcome) {
-    return outcome.ok() ? std::optional<Code>() : outcome.error().code;
+std::optional<ErrorCode> code_of(const Outcome& outcome) {
+    return outcome.ok() ? std::optional<ErrorCode>() : outcome.error().code;
 }
 
 void fail_slicing_everywhere(const shapes::Soup& soup, SliceOptions options, std::uint64_t step = 1) {
     fail_everywhere(
-        [&](std::pmr::memory_resource* memory) {
-            options.memory = memory;
+        [&](const Memory* memory) {
+            options.control.memory = memory;
             return code_of(slice(view_of(soup), options));
         },
         step);
@@ -104,16 +103,16 @@ shapes::Soup wide_plane() {
 
 TEST_CASE("a slice fails cleanly at each of its allocations", "[engine][faults]") {
     SliceOptions options = uniform(0.4);
-    options.form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
-    options.threads = GENERATE(1, 3);
-    options.band_planes = GENERATE(0, 5);
+    options.tuning.form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
+    options.control.threads = GENERATE(1, 3);
+    options.tuning.band_planes = GENERATE(0, 5);
     fail_slicing_everywhere(everything(), options);
 }
 
 TEST_CASE("a slice by random planes fails cleanly at each of its allocations", "[engine][faults]") {
     SliceOptions options;
     options.plan.spacing = lamella::RandomLayers{0.2, 0.6, 4};
-    options.threads = 1;
+    options.control.threads = 1;
     fail_slicing_everywhere(everything(), options);
 }
 
@@ -122,7 +121,7 @@ TEST_CASE("filling and closing gaps fail cleanly at each of their allocations", 
     options.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::even_odd, lamella::FillRule::non_zero,
                                  lamella::FillRule::positive);
     options.close_gaps_mm = 2;
-    options.threads = 2;
+    options.control.threads = 2;
     fail_slicing_everywhere(everything(), options);
 }
 
@@ -130,9 +129,9 @@ TEST_CASE("a wide plane fails cleanly at its allocations", "[engine][faults][wid
     const shapes::Soup soup = wide_plane();
     SliceOptions options;
     options.plan.spacing = lamella::ExplicitPlanes{{0.5}};
-    options.threads = 2;
+    options.control.threads = 2;
     FailingMemory counting(never);
-    options.memory = &counting;
+    options.control.memory = &counting;
     REQUIRE(slice(view_of(soup), options).ok());
     // Each costs a slice of 2^18 segments: a dozen, spread over all.
     fail_slicing_everywhere(soup, options, std::max<std::uint64_t>(1, counting.asked() / 12));
@@ -141,15 +140,15 @@ TEST_CASE("a wide plane fails cleanly at its allocations", "[engine][faults][wid
 TEST_CASE("a workspace whose memory ran out slices again", "[engine][faults]") {
     const shapes::Soup soup = everything();
     SliceOptions options = uniform(0.4);
-    options.threads = 2;
+    options.control.threads = 2;
     const std::uint64_t expected = output_hash(sliced(soup, options));
     for (std::uint64_t at = 1; at < 200; at += 7) {
         lamella::Workspace workspace;
         lamella::SliceResult result;
         FailingMemory memory(at);
-        options.memory = &memory;
+        options.control.memory = &memory;
         (void)slice(view_of(soup), options, workspace, result);
-        options.memory = nullptr;
+        options.control.memory = nullptr;
         INFO("allocation " << at);
         REQUIRE(slice(view_of(soup), options, workspace, result).ok());
         CHECK(output_hash(result) == expected);
@@ -159,7 +158,7 @@ TEST_CASE("a workspace whose memory ran out slices again", "[engine][faults]") {
 
 TEST_CASE("welding fails cleanly at each of its allocations", "[engine][faults]") {
     const shapes::Soup soup = everything();
-    fail_everywhere([&](std::pmr::memory_resource* memory) { return code_of(weld(view_of(soup), 0.01, memory)); });
+    fail_everywhere([&](const Memory* memory) { return code_of(weld(view_of(soup), {.control = {.memory = memory}})); });
 }
 
 TEST_CASE("assembling fails cleanly at each of its allocations", "[engine][faults]") {
@@ -168,10 +167,10 @@ TEST_CASE("assembling fails cleanly at each of its allocations", "[engine][fault
         const auto at = static_cast<std::int32_t>(i);
         segments.push_back({{i, 0, 0}, {i % 3 == 2 ? i - 2 : i + 1, 0, 0}, {at, at % 7}, {at + 1, at % 5}, 0, 0});
     }
-    fail_everywhere([&](std::pmr::memory_resource* memory) {
-        lamella::AssembleOptions options;
-        options.memory = memory;
-        return code_of(assemble(segments, options));
+    fail_everywhere([&](const Memory* memory) {
+        lamella::Control control;
+        control.memory = memory;
+        return code_of(assemble(segments, control));
     });
 }
 
@@ -181,9 +180,9 @@ TEST_CASE("reading fails cleanly at each of its allocations", "[engine][faults]"
     const bool text = GENERATE(false, true);
     const auto path = folder.write(text ? "text.stl" : "binary.stl",
                                    text ? lamella::input_test::ascii_stl(facets) : lamella::input_test::binary_stl(facets));
-    fail_everywhere([&](std::pmr::memory_resource* memory) {
+    fail_everywhere([&](const Memory* memory) {
         lamella::ReadOptions options;
-        options.memory = memory;
+        options.control.memory = memory;
         return code_of(read_mesh(path, options));
     });
 }

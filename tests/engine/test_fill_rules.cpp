@@ -163,9 +163,9 @@ TEST_CASE("fill rules: the same bytes on any thread count, band size and order o
         options.fill_rule = rule;
         const std::uint64_t hash = output_hash(sliced(soup, options));
         for (int turn = 0; turn < 3; ++turn) {
-            options.threads = turn + 1;
-            options.band_planes = turn * 7;
-            options.form = turn == 2 ? lamella::ContourForm::assembled : lamella::ContourForm::swept;
+            options.control.threads = turn + 1;
+            options.tuning.band_planes = turn * 7;
+            options.tuning.form = turn == 2 ? lamella::ContourForm::assembled : lamella::ContourForm::swept;
             for (std::size_t t = soup.size() / 9 - 1; t > 0; --t) {
                 const std::size_t other = random() % (t + 1);
                 std::swap_ranges(&soup[9 * t], &soup[9 * t] + 9, &soup[9 * other]);
@@ -233,9 +233,9 @@ TEST_CASE("closing gaps gives the same bytes on any thread count, band size and 
     CHECK(closed.summary.open_contours < open / 2);
     CHECK(closed.closed_gaps.size() >= open - closed.summary.open_contours);
     for (int turn = 0; turn < 3; ++turn) {
-        options.threads = turn + 1;
-        options.band_planes = turn * 9;
-        options.form = turn == 1 ? lamella::ContourForm::assembled : lamella::ContourForm::swept;
+        options.control.threads = turn + 1;
+        options.tuning.band_planes = turn * 9;
+        options.tuning.form = turn == 1 ? lamella::ContourForm::assembled : lamella::ContourForm::swept;
         for (std::size_t t = soup.size() / 9 - 1; t > 0; --t) {
             const std::size_t other = random() % (t + 1);
             std::swap_ranges(&soup[9 * t], &soup[9 * t] + 9, &soup[9 * other]);
@@ -249,7 +249,7 @@ TEST_CASE("closing gaps gives the same bytes on any thread count, band size and 
     }
     for (const double reach : {-1.0, std::nan(""), HUGE_VAL}) {
         options.close_gaps_mm = reach;
-        CHECK(failure_of(view_of(soup), options).code == lamella::Code::invalid_argument);
+        CHECK(failure_of(view_of(soup), options).code == lamella::ErrorCode::invalid_argument);
     }
 }
 
@@ -263,10 +263,10 @@ TEST_CASE("fill rules: rods across each other by the hundred are refused, by the
     for (const int threads : {1, 2, 3}) {
         lamella::SliceOptions options = at_heights({2, 4, 6, 7, 8});
         options.fill_rule = FillRule::even_odd;
-        options.threads = threads;
-        options.band_planes = threads;
+        options.control.threads = threads;
+        options.tuning.band_planes = threads;
         const lamella::Error error = failure_of(view_of(soup), options);
-        CHECK(error.code == lamella::Code::too_entangled);
+        CHECK(error.code == lamella::ErrorCode::too_entangled);
         CHECK(error.plane == 2);
         CHECK(error.message == "layer 2 at 6 mm: its contours are too entangled for the fill rule even-odd");
     }

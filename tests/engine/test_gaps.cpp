@@ -7,8 +7,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "6_contours/gaps.hpp"
 #include "engine/counting_memory.hpp"
+#include "slicing/repair/gaps.hpp"
 
 using lamella::Gap;
 using lamella::GapCloser;
@@ -86,7 +86,7 @@ std::vector<PolylineEnds> random_polylines(std::mt19937& random, std::size_t cou
 
 TEST_CASE("the same pairs are joined, in the same order, as from a list of all pairs", "[engine][gaps]") {
     std::mt19937 random(21);
-    GapCloser closer(std::pmr::get_default_resource());
+    GapCloser closer(nullptr);
     std::size_t joined = 0;
     for (int turn = 0; turn < 6000; ++turn) {
         const std::int32_t side = 1 << random() % 9;  // few places: many equal points and equal distances
@@ -106,7 +106,7 @@ TEST_CASE("the same pairs are joined, in the same order, as from a list of all p
 
 TEST_CASE("ends in two heaps far apart are joined as from a list of all pairs", "[engine][gaps]") {
     std::mt19937 random(22);
-    GapCloser closer(std::pmr::get_default_resource());
+    GapCloser closer(nullptr);
     for (const std::int32_t apart : {3, 100, 1 << 29}) {
         auto polylines = random_polylines(random, 300, 0, 1, 20);
         for (PolylineEnds& polyline : polylines) {

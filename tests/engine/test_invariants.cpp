@@ -260,11 +260,11 @@ TEST_CASE("parts of a list of planes give what the whole list gives", "[engine][
 
 TEST_CASE("planes at the height of every vertex lose nothing", "[engine][invariants]") {
     for (const auto& [name, mesh] : meshes()) {
-        for (const lamella::Side side : {lamella::Side::below, lamella::Side::above}) {
+        for (const lamella::PlaneSide side : {lamella::PlaneSide::below, lamella::PlaneSide::above}) {
             SliceOptions options = at_explicit(vertex_heights(mesh, unit_mm));
             options.plan.side = side;
             const SliceResult result = sliced(mesh, options);
-            INFO(name << ", above " << (side == lamella::Side::above));
+            INFO(name << ", above " << (side == lamella::PlaneSide::above));
             CHECK(lost_at_vertex_heights(result, mesh).empty());
             CHECK((result.summary.open_contours == 0) == is_whole(name));
             CHECK(output_hash(sliced(shapes::shuffled(mesh, 1), options)) == output_hash(result));

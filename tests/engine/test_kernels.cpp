@@ -6,7 +6,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/kernels.hpp"
+#include "slicing/contours/kernels.hpp"
 
 using lamella::Kernels;
 using lamella::Point;
@@ -34,7 +34,7 @@ void check_ring(const Kernels& form, std::size_t count, std::int32_t reach, bool
     const lamella::RingFacts expected = portable.trace(points.data(), slots.data(), count, expected_ring.data());
     CHECK(facts.box_min == expected.box_min);
     CHECK(facts.box_max == expected.box_max);
-    CHECK(lamella::to_wide(facts.twice_area) == lamella::to_wide(expected.twice_area));
+    CHECK(lamella::to_integer128(facts.twice_area) == lamella::to_integer128(expected.twice_area));
     CHECK(facts.has_repeats == expected.has_repeats);
     CHECK((expected.has_repeats || !repeats));
     ring.resize(count);
@@ -80,8 +80,8 @@ TEST_CASE("boxes that only one axis makes too wide for vectors have exact areas"
         }
         for (const Kernels& form : lamella::supported_kernels()) {
             std::vector<Point> ring(40);
-            CHECK(lamella::to_wide(form.trace(points.data(), slots.data(), 12, ring.data()).twice_area) ==
-                  lamella::to_wide(expected));
+            CHECK(lamella::to_integer128(form.trace(points.data(), slots.data(), 12, ring.data()).twice_area) ==
+                  lamella::to_integer128(expected));
         }
     }
 }
@@ -101,7 +101,7 @@ TEST_CASE("areas beyond 64 bits are exact in every form", "[engine][kernels]") {
     for (const Kernels& form : lamella::supported_kernels()) {
         std::vector<Point> ring(slots.size());
         const lamella::RingFacts facts = form.trace(points.data(), slots.data(), points.size(), ring.data());
-        CHECK(lamella::to_wide(facts.twice_area) == lamella::to_wide(expected));
+        CHECK(lamella::to_integer128(facts.twice_area) == lamella::to_integer128(expected));
     }
 }
 

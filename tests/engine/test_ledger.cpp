@@ -11,9 +11,9 @@
 #include "oracle/oracle.hpp"
 
 using lamella::Ledger;
-using lamella::Piece;
-using lamella::PieceKind;
 using lamella::SliceResult;
+using lamella::SurfacePiece;
+using lamella::SurfacePieceKind;
 
 namespace {
 
@@ -88,7 +88,7 @@ bool same(const Ledger& a, const Ledger& b) {
 }
 
 Ledger booked(const shapes::Soup& soup, const SliceResult& result) {
-    const lamella::Result<Ledger> ledger = lamella::ledger(view_of(soup), result);
+    const lamella::Result<Ledger> ledger = lamella::make_ledger(view_of(soup), result);
     REQUIRE(ledger.ok());
     const Ledger& books = ledger.value();
     CHECK(books.triangles == soup.size() / 9);
@@ -154,7 +154,7 @@ TEST_CASE("ledger: degenerate triangles, meshes in any order, turned ones and re
     }
     const SliceResult result = sliced(soup, uniform(1));
     const shapes::Soup other = shapes::box({0, 0, 0}, {1, 1, 1});
-    CHECK(lamella::ledger(view_of(other), result).error().code == lamella::Code::invalid_argument);
+    CHECK(lamella::make_ledger(view_of(other), result).error().code == lamella::ErrorCode::invalid_argument);
 }
 
 TEST_CASE("ledger: shells, peaks and pits are told with their places", "[engine][ledger]") {
@@ -166,21 +166,21 @@ TEST_CASE("ledger: shells, peaks and pits are told with their places", "[engine]
     });
     const SliceResult result = sliced(soup, at_heights({3, 6, 9, 12}));
     const Ledger books = booked(soup, result);
-    CHECK(books.shells == lamella::PieceCount{1, 8});
-    CHECK(books.peaks == lamella::PieceCount{3, 6});
-    CHECK(books.pits == lamella::PieceCount{3, 2});
+    CHECK(books.shells == lamella::SurfacePieceCount{1, 8});
+    CHECK(books.peaks == lamella::SurfacePieceCount{3, 6});
+    CHECK(books.pits == lamella::SurfacePieceCount{3, 2});
     REQUIRE(books.pieces.size() == 7);
-    CHECK(books.pieces[0] == Piece{PieceKind::pit, 0, {0, 0, 0}, 2.5, 2});
-    CHECK(books.pieces[1] == Piece{PieceKind::pit, 1, {30, 0, 5}, 0.5, 0});
-    CHECK(books.pieces[2] == Piece{PieceKind::shell, 3, {20, 0, 9}, 2, 8});
-    CHECK(books.pieces[3] == Piece{PieceKind::peak, 3, {0, 0, 10}, 1.5, 2});
-    CHECK(books.pieces[4] == Piece{PieceKind::peak, 3, {30, 0, 11}, 2.5, 0});
-    CHECK(books.pieces[5] == Piece{PieceKind::pit, 3, {40, 0, 10}, 1.5, 0});
-    CHECK(books.pieces[6] == Piece{PieceKind::peak, 4, {40, 0, 14}, 2.5, 4});
+    CHECK(books.pieces[0] == SurfacePiece{SurfacePieceKind::pit, 0, {0, 0, 0}, 2.5, 2});
+    CHECK(books.pieces[1] == SurfacePiece{SurfacePieceKind::pit, 1, {30, 0, 5}, 0.5, 0});
+    CHECK(books.pieces[2] == SurfacePiece{SurfacePieceKind::shell, 3, {20, 0, 9}, 2, 8});
+    CHECK(books.pieces[3] == SurfacePiece{SurfacePieceKind::peak, 3, {0, 0, 10}, 1.5, 2});
+    CHECK(books.pieces[4] == SurfacePiece{SurfacePieceKind::peak, 3, {30, 0, 11}, 2.5, 0});
+    CHECK(books.pieces[5] == SurfacePiece{SurfacePieceKind::pit, 3, {40, 0, 10}, 1.5, 0});
+    CHECK(books.pieces[6] == SurfacePiece{SurfacePieceKind::peak, 4, {40, 0, 14}, 2.5, 4});
     REQUIRE(books.slabs.size() == 4);
     CHECK(books.slabs[2] == lamella::Slab{3, 10, 100, 0, 1, 2, 1});
-    CHECK(name_of(PieceKind::shell) == "shell");
-    CHECK(name_of(PieceKind::pit) == "pit");
+    CHECK(name_of(SurfacePieceKind::shell) == "shell");
+    CHECK(name_of(SurfacePieceKind::pit) == "pit");
 }
 
 TEST_CASE("ledger: a bump on what goes on is no piece, one that ends is", "[engine][ledger]") {
@@ -194,7 +194,7 @@ TEST_CASE("ledger: a bump on what goes on is no piece, one that ends is", "[engi
     CHECK(booked(towers, sliced(towers, at_heights({5, 12}))).peaks.count == 2);
     // Without planes everything is one shell.
     const Ledger whole = booked(towers, sliced(towers, at_heights({})));
-    CHECK(whole.shells == lamella::PieceCount{1, 24});
+    CHECK(whole.shells == lamella::SurfacePieceCount{1, 24});
 }
 
 TEST_CASE("ledger: pieces are those of the definition", "[engine][ledger]") {
@@ -216,11 +216,11 @@ TEST_CASE("ledger: the same on any number of threads, and in another order", "[e
     // Enough for several parts.
     const shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 0}, 10, 6), shapes::octasphere({3, 4, 5}, 10, 6)});
     const SliceResult result = sliced(soup, uniform(0.05));
-    const Ledger one = lamella::ledger(view_of(soup), result, 1).value();
+    const Ledger one = lamella::make_ledger(view_of(soup), result, {.threads = 1}).value();
     CHECK(one.pieces.size() >= 4);
     for (const int threads : {2, 3, 0}) {
-        CHECK(same(one, lamella::ledger(view_of(soup), result, threads).value()));
+        CHECK(same(one, lamella::make_ledger(view_of(soup), result, {.threads = threads}).value()));
     }
-    CHECK(same(one, lamella::ledger(view_of(shapes::shuffled(soup, 5)), result, 2).value()));
-    CHECK(lamella::ledger(view_of(soup), result, -1).error().code == lamella::Code::invalid_argument);
+    CHECK(same(one, lamella::make_ledger(view_of(shapes::shuffled(soup, 5)), result, 2).value()));
+    CHECK(lamella::make_ledger(view_of(soup), result, {.threads = -1}).error().code == lamella::ErrorCode::invalid_argument);
 }

@@ -7,8 +7,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "8_result/placement.hpp"
 #include "base/parallel.hpp"
+#include "slicing/result/placement.hpp"
 
 using lamella::BandOutput;
 using lamella::Point;
@@ -32,7 +32,7 @@ void fill(BandOutput& output, std::int32_t band, std::uint32_t contours) {
 
 TEST_CASE("bands are placed in order, in whatever order they are done", "[engine][placement]") {
     const std::vector<lamella::Band> bands{{0, 1, 2, false}, {1, 2, 3, false}, {2, 3, 4, false}};
-    const std::function<void(double)> no_progress;
+    lamella::ProgressMeter no_progress{lamella::Progress{}};
     for (const std::vector<std::size_t>& done : {std::vector<std::size_t>{0, 1, 2}, {2, 1, 0}, {1, 2, 0}, {1, 0, 2}}) {
         std::vector<Point> points(9);
         lamella::Placement placement(nullptr);
@@ -51,7 +51,7 @@ TEST_CASE("bands are placed in order, in whatever order they are done", "[engine
         REQUIRE(placement.contour_count() == 9);
         std::vector<lamella::Contour> contours(9);
         std::vector<lamella::Layer> layers(3);
-        placement.write_contours(lamella::Parallel(1), contours, layers);
+        placement.write_contours(lamella::Parallel({.threads = 1}), contours, layers);
         std::vector<std::int64_t> parents;
         for (std::size_t c = 0; c < contours.size(); ++c) {
             CHECK(contours[c].first_point == c);
@@ -92,7 +92,7 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
         }
     }
     std::vector<Point> points(std::max<std::size_t>(expected.size(), segments));
-    const std::function<void(double)> no_progress;
+    lamella::ProgressMeter no_progress{lamella::Progress{}};
     lamella::Placement placement(nullptr);
     constexpr int threads = 3;
     placement.begin(bands, threads, segments, points, no_progress);

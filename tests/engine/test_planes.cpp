@@ -6,9 +6,9 @@
 #include "engine/slicing.hpp"
 #include "oracle/compare.hpp"
 
-using lamella::Code;
 using lamella::Datum;
-using lamella::Side;
+using lamella::ErrorCode;
+using lamella::PlaneSide;
 using shapes::box;
 
 namespace {
@@ -58,7 +58,7 @@ TEST_CASE("the first height counts from the datum", "[engine][planes]") {
     CHECK(planes_of(sliced(soup, options)) == Planes{3, 9, 15});
     uniform_of(options).datum = Datum::zero;
     CHECK(planes_of(sliced(soup, options)) == Planes{7, 13});
-    options.plan.side = Side::above;
+    options.plan.side = PlaneSide::above;
     CHECK(planes_of(sliced(soup, options)) == Planes{3, 9, 15});
 }
 
@@ -66,7 +66,7 @@ TEST_CASE("planes are strictly inside the mesh", "[engine][planes]") {
     lamella::SliceOptions options = uniform(1, coarse_unit_mm);
     uniform_of(options).first_height_mm = 1;
     CHECK(planes_of(sliced(box({0, 0, 0}, {4, 4, 4}), options)) == Planes{1, 3, 5, 7});
-    options.plan.side = Side::above;
+    options.plan.side = PlaneSide::above;
     CHECK(planes_of(sliced(box({0, 0, 0}, {4, 4, 4}), options)) == Planes{3, 5, 7});
 }
 
@@ -90,15 +90,15 @@ TEST_CASE("explicit heights outside the mesh give empty layers", "[engine][plane
 TEST_CASE("explicit heights that are not ascending and distinct name the pair", "[engine][planes]") {
     const shapes::Soup soup = box({0, 0, 0}, {4, 4, 4});
     const lamella::Error unsorted = failure_of(view_of(soup), at_heights({1, 3, 2}));
-    CHECK(unsorted.code == Code::bad_planes);
+    CHECK(unsorted.code == ErrorCode::bad_planes);
     CHECK(unsorted.plane == 2);
     CHECK_THAT(unsorted.message, Catch::Contains("3") && Catch::Contains("2"));
     const lamella::Error equal = failure_of(view_of(soup), at_heights({1, 1.75, 2.25, 3}));
-    CHECK(equal.code == Code::bad_planes);
+    CHECK(equal.code == ErrorCode::bad_planes);
     CHECK(equal.plane == 2);
     CHECK_THAT(equal.message, Catch::Contains("1.75") && Catch::Contains("2.25"));
     CHECK(failure_of(view_of(soup), at_heights({3, 1})).plane == 1);
-    CHECK(failure_of(view_of(soup), at_heights({1, std::nan(""), 3})).code == Code::bad_planes);
+    CHECK(failure_of(view_of(soup), at_heights({1, std::nan(""), 3})).code == ErrorCode::bad_planes);
 }
 
 TEST_CASE("flat faces at every plane height are always on the same side", "[engine][planes]") {
@@ -111,7 +111,7 @@ TEST_CASE("flat faces at every plane height are always on the same side", "[engi
         count, +[](int k) { return 0.1 * k; }, +[](int) { return 6.0; });
     const bool in_float = GENERATE(true, false);
     const bool is_uniform = GENERATE(true, false);
-    const Side side = GENERATE(Side::below, Side::above);
+    const PlaneSide side = GENERATE(PlaneSide::below, PlaneSide::above);
     lamella::SliceOptions options = at_heights({});
     options.unit_mm = 0;
     options.plan.side = side;
@@ -130,9 +130,9 @@ TEST_CASE("flat faces at every plane height are always on the same side", "[engi
     const lamella::SliceResult tops = outers(standing);
     const lamella::SliceResult undersides = outers(hanging);
     // Layer k cuts the boxes whose top is above it, or at it when the plane lies below.
-    const int missing_tops = side == Side::below ? 1 : 0;
+    const int missing_tops = side == PlaneSide::below ? 1 : 0;
     for (int k = 1; k <= count; ++k) {
-        INFO("height " << k << ", side " << (side == Side::below ? "below" : "above"));
+        INFO("height " << k << ", side " << (side == PlaneSide::below ? "below" : "above"));
         const auto layer_at = [&](const lamella::SliceResult& result) -> const lamella::Layer* {
             for (const lamella::Layer& layer : result.layers) {
                 if (std::abs(layer.plane_mm - at(k)) < 1e-9) {
@@ -205,16 +205,16 @@ TEST_CASE("random heights stay between their bounds and repeat by seed", "[engin
 
 TEST_CASE("steps under two units and too many planes are refused", "[engine][planes]") {
     const shapes::Soup soup = box({0, 0, 0}, {4, 4, 100});
-    CHECK(failure_of(view_of(soup), uniform(0.9, coarse_unit_mm)).code == Code::bad_planes);
-    CHECK(failure_of(view_of(soup), uniform(1e-12)).code == Code::bad_planes);
+    CHECK(failure_of(view_of(soup), uniform(0.9, coarse_unit_mm)).code == ErrorCode::bad_planes);
+    CHECK(failure_of(view_of(soup), uniform(1e-12)).code == ErrorCode::bad_planes);
     lamella::SliceOptions random;
     random.plan.spacing = lamella::RandomLayers{1e-7, 1e-3, 1};
-    CHECK(failure_of(view_of(soup), random).code == Code::bad_planes);
-    CHECK(failure_of(view_of(soup), uniform(0)).code == Code::invalid_argument);
-    CHECK(failure_of(view_of(soup), uniform(-1)).code == Code::invalid_argument);
-    CHECK(failure_of(view_of(soup), uniform(std::nan(""))).code == Code::invalid_argument);
+    CHECK(failure_of(view_of(soup), random).code == ErrorCode::bad_planes);
+    CHECK(failure_of(view_of(soup), uniform(0)).code == ErrorCode::invalid_argument);
+    CHECK(failure_of(view_of(soup), uniform(-1)).code == ErrorCode::invalid_argument);
+    CHECK(failure_of(view_of(soup), uniform(std::nan(""))).code == ErrorCode::invalid_argument);
     random.plan.spacing = lamella::RandomLayers{2, 1, 1};
-    CHECK(failure_of(view_of(soup), random).code == Code::invalid_argument);
+    CHECK(failure_of(view_of(soup), random).code == ErrorCode::invalid_argument);
 }
 
 TEST_CASE("planes far beyond the grid give empty layers", "[engine][planes]") {

@@ -23,7 +23,7 @@ lamella::SliceOptions through_all(std::uint64_t range, ContourForm form) {
     }
     lamella::SliceOptions options = at_heights(heights);
     options.unit_mm = fine_unit_mm;
-    options.form = form;
+    options.tuning.form = form;
     return options;
 }
 
@@ -47,9 +47,9 @@ void check_assembled(const shapes::Soup& soup, std::int32_t z, std::uint64_t see
     const oracle::Layer expected = oracle::slice_at(triangles, z);
     const std::vector<lamella::Segment> segments = shuffled(oracle::segments_at(triangles, z), seed);
     for (const int threads : {1, 3}) {
-        lamella::AssembleOptions options;
-        options.threads = threads;
-        const lamella::Result<lamella::LayerContours> layer = assemble(segments, options);
+        lamella::Control control;
+        control.threads = threads;
+        const lamella::Result<lamella::LayerContours> layer = assemble(segments, control);
         REQUIRE(layer.ok());
         REQUIRE_THAT(oracle::difference(*layer, expected), Catch::Equals(""));
     }
@@ -89,8 +89,8 @@ TEST_CASE("tetrahedra that share edges agree with the oracle and close", "[engin
 TEST_CASE("many bands agree with the oracle where everything coincides", "[engine][random]") {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
         lamella::SliceOptions options = through_all(5, ContourForm::swept);
-        options.threads = 2;
-        options.band_planes = 1 + static_cast<int>(seed % 5);
+        options.control.threads = 2;
+        options.tuning.band_planes = 1 + static_cast<int>(seed % 5);
         INFO("seed " << seed);
         check_against_oracle(shapes::joined({shapes::random_tetrahedra(seed, 10, 5), shapes::random_soup(seed, 10, 5)}),
                              options);
@@ -104,7 +104,7 @@ TEST_CASE("generated meshes agree with the oracle", "[engine][random]") {
     REQUIRE_FALSE(soup.empty());
     for (const ContourForm form : {ContourForm::swept, ContourForm::assembled}) {
         lamella::SliceOptions options = uniform(0.25);
-        options.form = form;
+        options.tuning.form = form;
         check_against_oracle(soup, options);
         options.plan.spacing = lamella::RandomLayers{0.1, 0.5, 3};
         check_against_oracle(soup, options);

@@ -32,9 +32,9 @@ TEST_CASE("a tall prism of 400,000 facets is not copied once per band", "[engine
     for (const int band : {0, 1, 3}) {
         CountingMemory memory;
         lamella::SliceOptions options = uniform(5);
-        options.memory = &memory;
-        options.threads = 2;
-        options.band_planes = band;
+        options.control.memory = &memory;
+        options.control.threads = 2;
+        options.tuning.band_planes = band;
         const lamella::Result<lamella::SliceResult> result = slice(view_of(prism), options);
         REQUIRE(result.ok());
         if (band == 1) {
@@ -57,7 +57,7 @@ TEST_CASE("a wide base under a thin spire", "[engine][scale]") {
     const shapes::Soup spire = box({-0.1, -0.1, 0.1}, {0.1, 0.1, 60});
     const shapes::Soup mesh = shapes::joined({base, spire});
     lamella::SliceOptions options = uniform(0.05);
-    options.threads = 1;
+    options.control.threads = 1;
     const lamella::SliceResult result = sliced(mesh, options);
     REQUIRE(result.layers.size() == 1204);
     for (std::size_t l = 8; l < result.layers.size(); ++l) {
@@ -71,7 +71,7 @@ TEST_CASE("a wide base under a thin spire", "[engine][scale]") {
         CHECK_THAT(oracle::difference(result, layer, oracle::slice_at(triangles, layer.plane.z())), Catch::Equals(""));
     }
     for (const int threads : {2, 3, 8}) {
-        options.threads = threads;
+        options.control.threads = threads;
         CHECK(output_hash(sliced(mesh, options)) == output_hash(result));
     }
 }
@@ -79,13 +79,13 @@ TEST_CASE("a wide base under a thin spire", "[engine][scale]") {
 TEST_CASE("one plane through very many facets", "[engine][scale]") {
     const shapes::Soup prism = shapes::prism(20'000, 50, 1);
     lamella::SliceOptions options = uniform(1);
-    options.threads = 1;
+    options.control.threads = 1;
     const lamella::SliceResult result = sliced(prism, options);
     REQUIRE(result.layers.size() == 1);
     CHECK(result.layers[0].segments == 160'000);
     CHECK(result.contours.size() == 1);
     for (const int threads : {2, 5}) {
-        options.threads = threads;
+        options.control.threads = threads;
         CHECK(output_hash(sliced(prism, options)) == output_hash(result));
     }
 }
@@ -147,8 +147,8 @@ TEST_CASE("facets that share no edge, more than the edge map expects", "[engine]
     const lamella::SliceResult result = sliced(soup, options);
     CHECK(result.summary.open_contours == count);
     CHECK(result.points.size() == 2 * std::size_t{count});
-    options.form = lamella::ContourForm::assembled;
-    options.threads = 1;
+    options.tuning.form = lamella::ContourForm::assembled;
+    options.control.threads = 1;
     CHECK(output_hash(sliced(soup, options)) == output_hash(result));
 }
 

@@ -223,8 +223,8 @@ TEST_CASE("areas are summed exactly", "[result]") {
     CHECK(result.area_mm2(result.layers[1]) == 0);
     CHECK(result.area_mm2(result.layers[2]) == (400 - 16 - 16) * 0.25);
     CHECK(result.contours[1].twice_area.to_double() == -288);
-    CHECK(lamella::Wide{0, -1}.to_double() == -0x1p64);
-    CHECK(lamella::Wide{~std::uint64_t{0}, -1}.to_double() == -1);
+    CHECK(lamella::Integer128{0, -1}.to_double() == -0x1p64);
+    CHECK(lamella::Integer128{~std::uint64_t{0}, -1}.to_double() == -1);
 }
 
 TEST_CASE("the hash sees everything that it covers", "[result][hash]") {

@@ -7,8 +7,8 @@
 #include "engine/slicing.hpp"
 #include "oracle/compare.hpp"
 
+using lamella::CoordinateType;
 using lamella::MeshView;
-using lamella::Number;
 using lamella::Transform;
 
 namespace {
@@ -76,12 +76,13 @@ TEST_CASE("records of any stride at any address are read", "[engine][views]") {
     const std::vector<float> soup = shapes::floats(ball);
     const std::uint64_t expected = hash_of(MeshView::soup(std::span<const float>(soup)));
     const std::vector<std::byte> facets = records(soup, 9, 50);
-    CHECK(hash_of(MeshView::strided_soup(facets.data() + 1, soup.size() / 9, 50, Number::f32)) == expected);
+    CHECK(hash_of(MeshView::strided_soup(facets.data() + 1, soup.size() / 9, 50, CoordinateType::f32)) == expected);
     const std::vector<std::byte> doubles = records(ball, 9, 91);
-    CHECK(hash_of(MeshView::strided_soup(doubles.data() + 1, ball.size() / 9, 91, Number::f64)) == hash_of(view_of(ball)));
+    CHECK(hash_of(MeshView::strided_soup(doubles.data() + 1, ball.size() / 9, 91, CoordinateType::f64)) ==
+          hash_of(view_of(ball)));
     const shapes::Indexed mesh = shapes::indexed(ball);
     const std::vector<std::byte> vertices = records(mesh.xyz, 3, 33);
-    CHECK(hash_of(MeshView::indexed(vertices.data() + 1, mesh.xyz.size() / 3, 33, Number::f64, mesh.indices)) ==
+    CHECK(hash_of(MeshView::indexed(vertices.data() + 1, mesh.xyz.size() / 3, 33, CoordinateType::f64, mesh.indices)) ==
           hash_of(view_of(ball)));
 }
 

@@ -30,11 +30,11 @@ void add_ring(shapes::Soup& soup, std::size_t facets, double x, double y, double
 lamella::SliceResult same_every_way(const shapes::Soup& soup) {
     lamella::SliceOptions options;
     options.plan.spacing = lamella::ExplicitPlanes{{0.5}};
-    options.threads = 1;
+    options.control.threads = 1;
     lamella::SliceResult result = sliced(soup, options);
-    options.threads = 3;
+    options.control.threads = 3;
     CHECK(output_hash(sliced(soup, options)) == output_hash(result));
-    options.form = lamella::ContourForm::assembled;
+    options.tuning.form = lamella::ContourForm::assembled;
     CHECK(output_hash(sliced(soup, options)) == output_hash(result));
     return result;
 }

@@ -319,8 +319,8 @@ lamella::SliceOptions through_vertices(const Soup& soup, double unit_mm, std::ui
     heights.erase(std::unique(heights.begin(), heights.end(), equal), heights.end());
     lamella::SliceOptions options;
     options.plan.spacing = lamella::ExplicitPlanes{heights};
-    options.plan.side = seed % 2 == 0 ? lamella::Side::below : lamella::Side::above;
-    options.form = seed / 2 % 2 == 0 ? lamella::ContourForm::swept : lamella::ContourForm::assembled;
+    options.plan.side = seed % 2 == 0 ? lamella::PlaneSide::below : lamella::PlaneSide::above;
+    options.tuning.form = seed / 2 % 2 == 0 ? lamella::ContourForm::swept : lamella::ContourForm::assembled;
     options.unit_mm = unit_mm;
     return options;
 }

@@ -4,7 +4,7 @@
 #include "engine/slicing.hpp"
 #include "exact/judge.hpp"
 #include "exact/meshes.hpp"
-#include "lamella/inspect.hpp"
+#include "lamella/mesh/inspect.hpp"
 #include "models_shared/real_meshes.hpp"
 
 namespace {

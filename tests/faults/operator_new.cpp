@@ -99,32 +99,32 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
 
 namespace {
 
-using lamella::Code;
+using lamella::ErrorCode;
 
 /// The code with which a call failed, or nothing.
-using Call = std::function<std::optional<Code>()>;
+using Call = std::function<std::optional<ErrorCode>()>;
 
 template <class Outcome>
-std::optional<Code> code_of(const Outcome& outcome) {
-    return outcome.ok() ? std::optional<Code>() : outcome.error().code;
+std::optional<ErrorCode> code_of(const Outcome& outcome) {
+    return outcome.ok() ? std::optional<ErrorCode>() : outcome.error().code;
 }
 
 /// Runs `call` with its first, second, ... allocation failing, until it needs no more of them.
 void fail_everywhere(const Call& call, bool once) {
-    const std::optional<Code> expected = call();  // threads that start now keep what they take
+    const std::optional<ErrorCode> expected = call();  // threads that start now keep what they take
     std::int64_t succeed = 0;
     for (bool failed = true; failed; ++succeed) {
         const std::int64_t held = blocks_held;
         fails_once = once;
         failures = 0;
         left_until_failure = succeed;
-        const std::optional<Code> code = call();
+        const std::optional<ErrorCode> code = call();
         left_until_failure = never;
         const std::int64_t kept = blocks_held - held;
         failed = failures > 0;
         INFO("after " << succeed << " allocations, failing " << (once ? "once" : "for good"));
         REQUIRE(kept == 0);
-        REQUIRE((code == expected || (failed && code == Code::out_of_memory)));
+        REQUIRE((code == expected || (failed && code == ErrorCode::out_of_memory)));
     }
     CHECK(succeed > 1);
 }
@@ -153,8 +153,8 @@ std::size_t files_in(const TempFolder& folder) {
 TEST_CASE("operator new fails: slicing", "[faults]") {
     const shapes::Soup soup = everything();
     lamella::SliceOptions options = uniform(0.4);
-    options.form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
-    options.threads = GENERATE(1, 3);
+    options.tuning.form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
+    options.control.threads = GENERATE(1, 3);
     options.close_gaps_mm = 2;
     fail_everywhere([&] { return code_of(slice(view_of(soup), options)); });
 }
@@ -162,7 +162,7 @@ TEST_CASE("operator new fails: slicing", "[faults]") {
 TEST_CASE("operator new fails: slicing what is refused", "[faults]") {
     shapes::Soup soup = everything();
     lamella::SliceOptions options = uniform(0.4);
-    options.threads = 1;
+    options.control.threads = 1;
     SECTION("a coordinate") {
         soup[100] = 1e300;
     }
@@ -173,7 +173,7 @@ TEST_CASE("operator new fails: slicing what is refused", "[faults]") {
         options.memory_limit_bytes = 1000;
     }
     SECTION("an option") {
-        options.threads = -1;
+        options.control.threads = -1;
     }
     fail_everywhere([&] { return code_of(slice(view_of(soup), options)); });
 }
@@ -181,8 +181,9 @@ TEST_CASE("operator new fails: slicing what is refused", "[faults]") {
 TEST_CASE("operator new fails: examining, welding, assembling", "[faults]") {
     const shapes::Soup soup = everything();
     const int threads = GENERATE(1, 3);
-    fail_everywhere([&] { return code_of(inspect(view_of(soup), {.unit_mm = 0, .threads = threads, .transform = {}})); });
-    fail_everywhere([&] { return code_of(lamella::weld(view_of(soup), 0.01)); });
+    fail_everywhere(
+        [&] { return code_of(inspect(view_of(soup), {.unit_mm = 0, .transform = {}, .control = {.threads = threads}})); });
+    fail_everywhere([&] { return code_of(lamella::weld(view_of(soup), {.tolerance_mm = 0.01})); });
     const std::vector<lamella::Segment> segments(9, {{1, 0, 0}, {2, 0, 0}, {0, 0}, {1, 1}, 0, 0});
     fail_everywhere([&] { return code_of(lamella::assemble(segments)); });
 }
@@ -204,7 +205,7 @@ TEST_CASE("operator new fails: reading", "[faults]") {
         for (const bool map : {false, true}) {
             INFO(path.string());
             lamella::ReadOptions options;
-            options.threads = 2;
+            options.control.threads = 2;
             options.map_file = map;
             fail_everywhere([&] { return code_of(read_mesh(path, options)); });
         }
@@ -236,10 +237,10 @@ TEST_CASE("operator new fails: going through a result", "[faults]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 5, 2);
     const lamella::SliceResult closed = sliced(ball, uniform(0.4));
     const int threads = GENERATE(1, 3);
-    fail_everywhere([&] { return code_of(ledger(mesh, result, threads)); });
-    fail_everywhere([&] { return code_of(certify_volume(mesh, result, threads)); });
-    fail_everywhere([&] { return code_of(certify_volume(view_of(ball), closed, threads)); });
-    fail_everywhere([&] { return code_of(find_crossings(result, threads)); });
+    fail_everywhere([&] { return code_of(make_ledger(mesh, result, {.threads = threads})); });
+    fail_everywhere([&] { return code_of(certify_volume(mesh, result, {.threads = threads})); });
+    fail_everywhere([&] { return code_of(certify_volume(view_of(ball), closed, {.threads = threads})); });
+    fail_everywhere([&] { return code_of(find_crossings(result, {.threads = threads})); });
 }
 
 TEST_CASE("operator new fails: reports", "[faults]") {
@@ -251,8 +252,8 @@ TEST_CASE("operator new fails: reports", "[faults]") {
     const lamella::SliceResult result = sliced(soup, options);
     const auto file =
         lamella::read_mesh(folder.write("a.stl", lamella::input_test::binary_stl(lamella::input_test::numbered_facets(5))));
-    const auto welded = lamella::weld(mesh, 0.01);
-    const auto books = ledger(mesh, result);
+    const auto welded = lamella::weld(mesh, {.tolerance_mm = 0.01});
+    const auto books = make_ledger(mesh, result);
     const auto volume = certify_volume(mesh, result);
     const auto crossings = find_crossings(result);
     const lamella::ReportContext context = {.mesh_file = "a \xff name that is longer than a short string is",

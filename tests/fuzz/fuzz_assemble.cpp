@@ -57,7 +57,7 @@ void check_contour(const LayerContours& layer, const Contour& contour, std::uint
         const Role role = layer.contours[static_cast<std::size_t>(contour.parent)].role;
         fuzz::require(role == Role::outer || role == Role::hole, "parents have an inside");
     }
-    const bool flat = contour.twice_area == lamella::Wide{};
+    const bool flat = contour.twice_area == lamella::Integer128{};
     fuzz::require(flat == (contour.role == Role::flat || contour.role == Role::open), "what has no area is flat or open");
     fuzz::require(flat || (contour.twice_area.high < 0) == (contour.role == Role::hole), "outers turn left, holes right");
 }

@@ -28,7 +28,7 @@ void check_places(const MeshCheck& found, const CheckOptions& options, std::size
     for (const lamella::Finding& finding : found.findings) {
         fuzz::require(finding.places.size() == std::min<std::uint64_t>(finding.count, options.most_places),
                       "as many places as were asked for");
-        for (const lamella::Place& place : finding.places) {
+        for (const lamella::FaultPlace& place : finding.places) {
             fuzz::require(place.point_count >= 1 && place.point_count <= 3, "a place has points");
             for (const std::int64_t triangle : place.triangles) {
                 fuzz::require(triangle >= -1 && triangle < static_cast<std::int64_t>(triangles), "triangles of the input");
@@ -39,7 +39,7 @@ void check_places(const MeshCheck& found, const CheckOptions& options, std::size
 
 void check_shells(const MeshCheck& found) {
     std::uint64_t triangles = found.of(Fault::collapsed_face).count;
-    for (const lamella::Shell& shell : found.shells) {
+    for (const lamella::MeshShell& shell : found.shells) {
         triangles += shell.triangles;
         fuzz::require((shell.depth == 0) == (shell.parent < 0), "what lies within shells has one next to it");
         fuzz::require(shell.parent < 0 || found.shells[static_cast<std::size_t>(shell.parent)].closed,
@@ -65,7 +65,7 @@ void check_census(const MeshCheck& found) {
 }
 
 MeshCheck found_in(const std::vector<fuzz::Triangle>& triangles, CheckOptions options, int threads) {
-    options.threads = threads;
+    options.control.threads = threads;
     const std::vector<double> soup = fuzz::soup_of<double>(triangles);
     lamella::Result<MeshCheck> found = check(lamella::MeshView::soup(std::span<const double>(soup)), options);
     fuzz::require(found.ok(), found.ok() ? "" : found.error().message);
@@ -79,11 +79,11 @@ std::string text_of(const MeshCheck& found) {
 /// Which triangle stands for a place may depend on the order of the input; nothing else may.
 MeshCheck without_triangles(MeshCheck found) {
     for (lamella::Finding& finding : found.findings) {
-        for (lamella::Place& place : finding.places) {
+        for (lamella::FaultPlace& place : finding.places) {
             place.triangles = {-1, -1};
         }
     }
-    for (lamella::Shell& shell : found.shells) {
+    for (lamella::MeshShell& shell : found.shells) {
         shell.triangle = -1;
     }
     return found;

@@ -69,7 +69,7 @@ void check_same(const Result<MeshFile>& first, const Result<MeshFile>& second) {
 
 /// The bytes that hold coordinates are where the view says.
 void check_extent(const MeshFile& mesh) {
-    const std::size_t number = mesh.number == lamella::Number::f32 ? sizeof(float) : sizeof(double);
+    const std::size_t number = mesh.number == lamella::CoordinateType::f32 ? sizeof(float) : sizeof(double);
     const bool soup = mesh.indices.empty();
     const std::uint64_t items = soup ? mesh.triangle_count : mesh.vertex_count;
     const std::size_t item = (soup ? 9 : 3) * number;
@@ -88,7 +88,7 @@ void check_slice(const MeshFile& mesh, const MeshInfo& info) {
     options.plan.spacing = lamella::UniformLayers{height / layers};
     options.transform = mesh.to_mm();
     options.memory_limit_bytes = memory_limit_bytes;
-    options.threads = 1;
+    options.control.threads = 1;
     const Result<lamella::SliceResult> result = slice(mesh.view(), options);
     if (!result) {
         check_error(result.error());
@@ -100,7 +100,7 @@ void check_slice(const MeshFile& mesh, const MeshInfo& info) {
 
 void check_mesh(const MeshFile& mesh) {
     check_extent(mesh);
-    const Result<MeshInfo> info = inspect(mesh.view(), {.unit_mm = 0, .threads = 1, .transform = mesh.to_mm()});
+    const Result<MeshInfo> info = inspect(mesh.view(), {.unit_mm = 0, .transform = mesh.to_mm(), .control = {.threads = 1}});
     if (!info) {
         check_error(info.error());
         return;
@@ -118,10 +118,10 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const fs::path path = folder.write(extensions[choice % extensions.size()], bytes.rest());
     ReadOptions options;
     options.memory_limit_bytes = memory_limit_bytes;
-    options.threads = 1;
+    options.control.threads = 1;
     const Result<MeshFile> mesh = read_mesh(path, options);
     if (choice / 8 % 4 == 3) {  // not always: another file's worth of time
-        options.threads = 3;
+        options.control.threads = 3;
         options.map_file = choice / 32 % 2 != 0;
         check_same(mesh, read_mesh(path, options));
     }
@@ -129,8 +129,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         check_mesh(*mesh);
     } else {
         check_error(mesh.error());
-        fuzz::require(mesh.error().message.starts_with(path.string()) || mesh.error().code == lamella::Code::out_of_memory,
-                      "the error names the file: " + mesh.error().message);
+        fuzz::require(
+            mesh.error().message.starts_with(path.string()) || mesh.error().code == lamella::ErrorCode::out_of_memory,
+            "the error names the file: " + mesh.error().message);
     }
     return 0;
 }

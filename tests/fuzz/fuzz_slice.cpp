@@ -33,7 +33,7 @@ struct Case {
 lamella::LayerPlan plan(fuzz::Bytes& bytes, double step_mm) {
     lamella::LayerPlan plan;
     const unsigned kind = bytes.next();
-    plan.side = kind % 2 == 0 ? lamella::Side::below : lamella::Side::above;
+    plan.side = kind % 2 == 0 ? lamella::PlaneSide::below : lamella::PlaneSide::above;
     if (kind / 2 % 4 == 0) {
         plan.spacing = lamella::UniformLayers{step_mm * (1 + kind / 8 % 8) / 4, {}, lamella::Datum::mesh_min};
     } else if (kind / 2 % 4 == 1) {
@@ -58,8 +58,8 @@ Case drawn(fuzz::Bytes& bytes) {
     drawn.seed = form;
     drawn.floats = form % 2 != 0;
     drawn.options.unit_mm = scale.unit_mm;
-    drawn.options.threads = 1 + static_cast<int>(form / 16 % 3);
-    drawn.options.band_planes = static_cast<int>(form / 64);
+    drawn.options.control.threads = 1 + static_cast<int>(form / 16 % 3);
+    drawn.options.tuning.band_planes = static_cast<int>(form / 64);
     drawn.options.fill_rule = static_cast<lamella::FillRule>(mending % 4);
     drawn.options.close_gaps_mm = scale.step_mm * (mending / 4 % 4);
     if (mending / 16 % 4 == 3) {
@@ -83,7 +83,7 @@ std::uint64_t outcome(const Case& drawn) {
     const lamella::Result<SliceResult> result = drawn.floats ? sliced_as<float>(drawn) : sliced_as<double>(drawn);
     if (!result) {
         // That is what an exception from within would become.
-        fuzz::require(result.error().code != lamella::Code::cancelled, result.error().message);
+        fuzz::require(result.error().code != lamella::ErrorCode::cancelled, result.error().message);
         return static_cast<std::uint64_t>(result.error().code);
     }
     const lamella::Status valid = validate(*result);
@@ -93,11 +93,11 @@ std::uint64_t outcome(const Case& drawn) {
 
 void check_ways(Case drawn) {
     const std::uint64_t expected = outcome(drawn);
-    drawn.options.form = ContourForm::assembled;
+    drawn.options.tuning.form = ContourForm::assembled;
     fuzz::require(outcome(drawn) == expected, "both forms give the same");
-    drawn.options.form = ContourForm::swept;
-    drawn.options.band_planes = 3 - drawn.options.band_planes;
-    drawn.options.threads = 4 - drawn.options.threads;
+    drawn.options.tuning.form = ContourForm::swept;
+    drawn.options.tuning.band_planes = 3 - drawn.options.tuning.band_planes;
+    drawn.options.control.threads = 4 - drawn.options.control.threads;
     fuzz::require(outcome(drawn) == expected, "neither bands nor threads matter");
     fuzz::shuffle_soup(drawn.triangles, drawn.seed);
     fuzz::require(outcome(drawn) == expected, "the order of triangles and corners does not matter");

@@ -36,7 +36,7 @@ Case drawn(fuzz::Bytes& bytes, unsigned form) {
 
 template <class Number>
 WeldedMesh welded(const std::vector<Number>& soup, double tolerance) {
-    lamella::Result<WeldedMesh> mesh = weld(MeshView::soup(std::span<const Number>(soup)), tolerance);
+    lamella::Result<WeldedMesh> mesh = weld(MeshView::soup(std::span<const Number>(soup)), {.tolerance_mm = tolerance});
     fuzz::require(mesh.ok(), mesh.ok() ? "" : mesh.error().message);
     return std::move(mesh).value();
 }
@@ -86,7 +86,8 @@ void check_weld(Case drawn, std::uint32_t seed) {
         fuzz::require(mesh.indices[i] < vertices.size(), "indices are vertices");
         largest_move = std::max(largest_move, squared_distance(corners[i], vertices[mesh.indices[i]]));
     }
-    fuzz::require(std::sqrt(largest_move) == mesh.largest_move && mesh.largest_move <= drawn.tolerance, "moves are told");
+    fuzz::require(std::sqrt(largest_move) == mesh.largest_move_mm && mesh.largest_move_mm <= drawn.tolerance,
+                  "moves are told");
     check_vertices(vertices, corners, drawn.tolerance);
     std::sort(corners.begin(), corners.end());
     const auto distinct = std::unique(corners.begin(), corners.end()) - corners.begin();
@@ -94,7 +95,7 @@ void check_weld(Case drawn, std::uint32_t seed) {
     fuzz::shuffle_soup(drawn.triangles, seed);
     const WeldedMesh again = welded(fuzz::soup_of<Number>(drawn.triangles), drawn.tolerance);
     fuzz::require(vertices_of<Number>(again) == vertices, "the order of triangles and corners does not matter");
-    lamella::Result<WeldedMesh> twice = weld(mesh.view(), drawn.tolerance);
+    lamella::Result<WeldedMesh> twice = weld(mesh.view(), {.tolerance_mm = drawn.tolerance});
     fuzz::require(twice.ok() && twice->joined == 0, "what has been welded stays");
 }
 

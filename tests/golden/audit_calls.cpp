@@ -23,7 +23,7 @@ std::uint64_t hash_of_ledger(const lamella::Ledger& ledger) {
         hash.word(slab.layer).word(slab.triangles).real(slab.flat_up_mm2).real(slab.flat_down_mm2);
         hash.word(slab.shells).word(slab.peaks).word(slab.pits);
     }
-    for (const lamella::Piece& piece : ledger.pieces) {
+    for (const lamella::SurfacePiece& piece : ledger.pieces) {
         hash.text(name_of(piece.kind)).word(piece.layer).reals(piece.at_mm).real(piece.height_mm).word(piece.triangles);
     }
     for (const std::uint64_t layer : ledger.gaps) {
@@ -83,7 +83,7 @@ std::string bytes_written(const TempFolder& folder, const lamella::Status& writt
 std::uint64_t hash_of_file(const lamella::MeshFile& file) {
     Hash hash;
     const MeshView view = file.view();
-    const std::size_t number = view.number == lamella::Number::f32 ? sizeof(float) : sizeof(double);
+    const std::size_t number = view.number == lamella::CoordinateType::f32 ? sizeof(float) : sizeof(double);
     const std::size_t rows = view.indices == nullptr ? view.triangle_count : view.vertex_count;
     const std::size_t row_bytes = number * (view.indices == nullptr ? 9 : 3);
     for (std::size_t row = 0; row < rows; ++row) {
@@ -104,9 +104,9 @@ void add_audit(Group& group, const std::string& name, const MeshView& mesh, cons
     const SliceResult result = sliced(mesh, options);
     std::array<std::array<std::uint64_t, 3>, 2> hashes{};
     for (const int threads : {1, 3}) {
-        hashes[threads == 1 ? 0 : 1] = {hash_of_ledger(answer(ledger(mesh, result, threads))),
-                                        hash_of_volume(answer(certify_volume(mesh, result, threads))),
-                                        hash_of_crossings(answer(find_crossings(result, threads)))};
+        hashes[threads == 1 ? 0 : 1] = {hash_of_ledger(answer(make_ledger(mesh, result, {.threads = threads}))),
+                                        hash_of_volume(answer(certify_volume(mesh, result, {.threads = threads}))),
+                                        hash_of_crossings(answer(find_crossings(result, {.threads = threads})))};
     }
     CHECK(hashes[0] == hashes[1]);
     group.output(name + ", ledger", hashes[0][0]);
@@ -116,10 +116,10 @@ void add_audit(Group& group, const std::string& name, const MeshView& mesh, cons
 
 void add_written(Group& group, const std::string& name, const MeshView& mesh, const Options& options) {
     const SliceResult result = sliced(mesh, options);
-    const lamella::Ledger found = answer(ledger(mesh, result));
+    const lamella::Ledger found = answer(make_ledger(mesh, result));
     const lamella::VolumeCertificate volume = answer(certify_volume(mesh, result));
     const lamella::Crossings crossings = answer(find_crossings(result));
-    const lamella::WeldedMesh welded = answer(weld(mesh, 0.03125));
+    const lamella::WeldedMesh welded = answer(weld(mesh, {.tolerance_mm = 0.03125}));
     lamella::ReportContext context;
     context.mesh_file = "mesh.stl";
     context.output_file = "layers.svg";
@@ -136,16 +136,16 @@ void add_written(Group& group, const std::string& name, const MeshView& mesh, co
     context.weld_mm = 0.03125;
     group.output(name + ", report of welding", hash_of(without_times(answer(report_json(result, context)))));
     group.output(name + ", SVG of welding",
-                 hash_of(bytes_written(folder, write_svg(result, folder / "layers.svg", {}, context), "layers.svg")));
+                 hash_of(bytes_written(folder, write_svg(result, folder / "layers.svg", context), "layers.svg")));
 }
 
 void add_check(Group& group, const std::string& name, const MeshView& mesh) {
     std::array<std::array<std::uint64_t, 3>, 2> hashes{};
     for (const int threads : {1, 3}) {
         lamella::InspectOptions inspecting;
-        inspecting.threads = threads;
+        inspecting.control.threads = threads;
         lamella::CheckOptions checking;
-        checking.threads = threads;
+        checking.control.threads = threads;
         checking.tolerance_mm = 0.0625;
         checking.most_places = 40;
         const lamella::MeshCheck found = answer(check(mesh, checking));
@@ -179,7 +179,7 @@ void add_read(Group& group, const std::string& name, const std::filesystem::path
     for (const bool map : {false, true}) {
         for (const int threads : {1, 3}) {
             lamella::ReadOptions options;
-            options.threads = threads;
+            options.control.threads = threads;
             options.map_file = map;
             options.mm_per_unit = 0.5;
             hashes.push_back(hash_of_file(answer(read_mesh(path, options))));

@@ -61,9 +61,9 @@ constexpr Way other_ways[] = {{1, 1, ContourForm::swept},
                               {3, 1, ContourForm::assembled}};
 
 Options by(const Way& way, Options options) {
-    options.threads = way.threads;
-    options.band_planes = way.band_planes;
-    options.form = way.form;
+    options.control.threads = way.threads;
+    options.tuning.band_planes = way.band_planes;
+    options.tuning.form = way.form;
     return options;
 }
 
@@ -111,7 +111,7 @@ Options random_layers(double min_mm, double max_mm, std::uint64_t seed) {
 }
 
 Options above(Options options) {
-    options.plan.side = lamella::Side::above;
+    options.plan.side = lamella::PlaneSide::above;
     return options;
 }
 
@@ -166,7 +166,7 @@ MeshView HeldMesh::view() const {
             return MeshView::indexed(std::span<const float>(f32_), indices_);
         default:
             return MeshView::strided_soup(reinterpret_cast<const std::byte*>(strided_.data()) + 84 + 12, f32_.size() / 9, 50,
-                                          lamella::Number::f32);
+                                          lamella::CoordinateType::f32);
     }
 }
 
@@ -192,13 +192,13 @@ std::uint64_t add_slices(Group& group, const std::string& name, const MeshView& 
 }
 
 void add_weld(Group& group, const std::string& name, const MeshView& mesh, double tolerance_mm) {
-    const lamella::WeldedMesh welded = answer(weld(mesh, tolerance_mm));
+    const lamella::WeldedMesh welded = answer(weld(mesh, {.tolerance_mm = tolerance_mm}));
     Hash hash;
     hash.text({reinterpret_cast<const char*>(welded.coordinates.data()), welded.coordinates.size()});
     for (const std::uint32_t index : welded.indices) {
         hash.word(index);
     }
-    hash.integer(static_cast<int>(welded.number)).word(welded.vertices).word(welded.joined).real(welded.largest_move);
+    hash.integer(static_cast<int>(welded.number)).word(welded.vertices).word(welded.joined).real(welded.largest_move_mm);
     group.output(name + ", welded", hash.value());
     add_slices(group, name + ", slices", welded.view(), uniform(0.375));
 }

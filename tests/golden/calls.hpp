@@ -15,7 +15,8 @@
 #include "golden/golden_file.hpp"
 #include "golden/inputs.hpp"
 #include "lamella/assemble.hpp"
-#include "lamella/check_report.hpp"
+#include "lamella/io.hpp"
+#include "lamella/io/check_report.hpp"
 #include "lamella/lamella.hpp"
 
 namespace golden {

@@ -44,7 +44,7 @@ std::map<std::string, lamella::SliceOptions> plans() {
     plans["coarse grid"] = uniform(0.25, 0x1p-8);
     plans["random"].plan.spacing = lamella::RandomLayers{0.1, 0.4, 1};
     plans["explicit"].plan.spacing = lamella::ExplicitPlanes{{-8.5, -3, -1, 0, 0.5, 1, 2, 3, 3.0625, 4, 7, 9, 15}};
-    plans["explicit"].plan.side = lamella::Side::above;
+    plans["explicit"].plan.side = lamella::PlaneSide::above;
     return plans;
 }
 

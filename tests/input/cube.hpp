@@ -40,7 +40,7 @@ inline std::string cube_corner_text(std::size_t v) {
 inline std::vector<std::array<double, 9>> read_triangles(const std::filesystem::path& path) {
     return same_every_way(path, [](const MeshFile& mesh) {
         const MeshView view = mesh.view();
-        REQUIRE(view.number == Number::f64);
+        REQUIRE(view.number == CoordinateType::f64);
         REQUIRE(view.indices != nullptr);
         const std::span<const std::uint32_t> indices(view.indices, 3 * view.triangle_count);
         REQUIRE(std::all_of(indices.begin(), indices.end(), [&](std::uint32_t i) { return i < view.vertex_count; }));

@@ -9,7 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "files.hpp"
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
 
 namespace lamella::input_test {
 
@@ -19,7 +19,7 @@ void read_every_way(const std::filesystem::path& path, const Look& look) {
     for (const bool map : {false, true}) {
         for (const int threads : {1, 3}) {
             ReadOptions options;
-            options.threads = threads;
+            options.control.threads = threads;
             options.map_file = map;
             look(read_mesh(path, options));
         }

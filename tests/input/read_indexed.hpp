@@ -9,7 +9,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
 
 namespace lamella::input_test {
 
@@ -19,7 +19,7 @@ using Corners = std::array<std::array<double, 3>, 3>;
 inline std::vector<Corners> corners_of(const MeshFile& mesh) {
     const MeshView view = mesh.view();
     REQUIRE(view.indices != nullptr);
-    REQUIRE(view.number == Number::f64);
+    REQUIRE(view.number == CoordinateType::f64);
     REQUIRE(std::all_of(view.indices, view.indices + 3 * view.triangle_count,
                         [&view](std::uint32_t index) { return index < view.vertex_count; }));
     std::vector<Corners> triangles(view.triangle_count);
@@ -39,7 +39,7 @@ inline MeshFile read_indexed(const std::filesystem::path& path) {
     for (const bool map : {true, false}) {
         for (const int threads : {3, 1}) {
             ReadOptions options;
-            options.threads = threads;
+            options.control.threads = threads;
             options.map_file = map;
             Result<MeshFile> mesh = read_mesh(path, options);
             INFO((mesh ? "" : mesh.error().message));

@@ -3,7 +3,7 @@
 
 #include "engine/counting_memory.hpp"
 #include "files.hpp"
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
 #include "read.hpp"
 #include "zip.hpp"
 
@@ -18,12 +18,12 @@ std::string good_model() {
 
 ReadOptions one_thread() {
     ReadOptions options;
-    options.threads = 1;
+    options.control.threads = 1;
     return options;
 }
 
 /// The message of the package's refusal, without the file's name.
-std::string refusal(const TempFolder& dir, const std::string& bytes, Code code = Code::malformed_mesh) {
+std::string refusal(const TempFolder& dir, const std::string& bytes, ErrorCode code = ErrorCode::malformed_mesh) {
     const auto path = dir.write("a.3mf", bytes);
     const Error error = read_error(path);
     CHECK(error.code == code);
@@ -49,7 +49,7 @@ TEST_CASE("a 3MF file that ends anywhere but at its end is refused", "[input][3m
         const Result<MeshFile> mesh = read_mesh(dir.write("a.3mf", bytes.substr(0, length)), one_thread());
         REQUIRE_FALSE(mesh.ok());
         INFO(mesh.error().message);
-        REQUIRE(mesh.error().code == Code::malformed_mesh);
+        REQUIRE(mesh.error().code == ErrorCode::malformed_mesh);
         REQUIRE(mesh.error().message.find("is truncated or no zip archive") != std::string::npos);
     }
 }
@@ -198,13 +198,14 @@ TEST_CASE("a build of nothing is an empty mesh", "[input][3mf]") {
     const TempFolder dir;
     const std::string empty =
         object(1, "<mesh><vertices/><triangles/></mesh>") + object(2, "") + object(3, cube_mesh(), "type=\"support\"");
-    CHECK(refusal(dir, package(model_text(empty, "")), Code::empty_mesh) ==
+    CHECK(refusal(dir, package(model_text(empty, "")), ErrorCode::empty_mesh) ==
           "part '3D/3dmodel.model' has nothing in its build");
     const std::string unprintable = model_text(object(1, cube_mesh()), item(1, "printable=\"0\""));
-    CHECK(refusal(dir, package(unprintable), Code::empty_mesh) ==
+    CHECK(refusal(dir, package(unprintable), ErrorCode::empty_mesh) ==
           "part '3D/3dmodel.model' has nothing in its build but items marked as not printable");
-    CHECK(refusal(dir, package(model_text(empty, item(1) + item(2) + item(3))), Code::empty_mesh) == "holds no triangles");
-    CHECK(refusal(dir, package("<model xmlns=\"" + core_space + "\"/>"), Code::empty_mesh).find("nothing") !=
+    CHECK(refusal(dir, package(model_text(empty, item(1) + item(2) + item(3))), ErrorCode::empty_mesh) ==
+          "holds no triangles");
+    CHECK(refusal(dir, package("<model xmlns=\"" + core_space + "\"/>"), ErrorCode::empty_mesh).find("nothing") !=
           std::string::npos);
     const std::string other = model_text(object(1, cube_mesh(), "type=\"other\""), item(1));
     CHECK(refusal(dir, package(other)) ==
@@ -251,12 +252,12 @@ std::string tower(int levels, int times, const std::string& seed) {
 
 TEST_CASE("more instances than any machine holds are counted and refused", "[input][3mf]") {
     const TempFolder dir;
-    CHECK(refusal(dir, package(tower(41, 2, cube_mesh())), Code::out_of_memory)
+    CHECK(refusal(dir, package(tower(41, 2, cube_mesh())), ErrorCode::out_of_memory)
               .find("builds 13194139533312 triangles, which take more than") != std::string::npos);
-    CHECK(refusal(dir, package(tower(200, 9, cube_mesh())), Code::out_of_memory)
+    CHECK(refusal(dir, package(tower(200, 9, cube_mesh())), ErrorCode::out_of_memory)
               .find("builds more than 18446744073709551615 triangles") != std::string::npos);
     // Of nothing there may be any number.
-    CHECK(refusal(dir, package(tower(200, 9, "<mesh/>")), Code::empty_mesh) == "holds no triangles");
+    CHECK(refusal(dir, package(tower(200, 9, "<mesh/>")), ErrorCode::empty_mesh) == "holds no triangles");
     // A chain is as deep as it is long, and each link is one step.
     const Result<MeshFile> chain = read_mesh(dir.write("a.3mf", package(tower(20000, 1, cube_mesh()))));
     INFO((chain ? "" : chain.error().message));
@@ -274,7 +275,7 @@ TEST_CASE("steps to few triangles count too", "[input][3mf]") {
         items += item(3000);
     }
     model.insert(model.find("</build>"), items);
-    CHECK(refusal(dir, package(model), Code::out_of_memory).find("builds 2001 triangles, which take more than") !=
+    CHECK(refusal(dir, package(model), ErrorCode::out_of_memory).find("builds 2001 triangles, which take more than") !=
           std::string::npos);
 }
 
@@ -287,7 +288,7 @@ TEST_CASE("text that expands enormously is refused while it streams", "[input][3
     options.memory_limit_bytes = std::uint64_t{8} << 20;
     const Result<MeshFile> bomb = read_mesh(path, options);
     REQUIRE_FALSE(bomb.ok());
-    CHECK(bomb.error().code == Code::out_of_memory);
+    CHECK(bomb.error().code == ErrorCode::out_of_memory);
     CHECK(bomb.error().message.find("part '3D/3dmodel.model' expands to more than the ") != std::string::npos);
     // Nothing of it is kept, so that the default allows it.
     CHECK(read_mesh(path).ok());
@@ -312,7 +313,7 @@ TEST_CASE("what is kept of a 3MF file stays within the limit", "[input][3mf]") {
         options.memory_limit_bytes = std::uint64_t{1} << 20;
         const Result<MeshFile> mesh = read_mesh(path, options);
         REQUIRE_FALSE(mesh.ok());
-        CHECK(mesh.error().code == Code::out_of_memory);
+        CHECK(mesh.error().code == ErrorCode::out_of_memory);
         CHECK(mesh.error().message.find(": takes more than the 1048576 bytes that reading it may") != std::string::npos);
         CHECK(read_mesh(path).ok());
     }
@@ -326,12 +327,12 @@ TEST_CASE("3MF without the memory for it is an error and leaves nothing behind",
         CountingMemory memory(limit);
         {
             ReadOptions options;
-            options.memory = &memory;
+            options.control.memory = &memory;
             const Result<MeshFile> mesh = read_mesh(path, options);
             if (mesh.ok()) {
                 break;
             }
-            REQUIRE(mesh.error().code == Code::out_of_memory);
+            REQUIRE(mesh.error().code == ErrorCode::out_of_memory);
         }
         REQUIRE(memory.held() == 0);
         ++failures;

@@ -3,8 +3,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "1_input/input_file.hpp"
 #include "files.hpp"
+#include "io/read/input_file.hpp"
 
 namespace lamella::input_test {
 
@@ -17,9 +17,9 @@ TEST_CASE("a file that shrinks while it is read is an error", "[input]") {
     REQUIRE(file.ok());
     std::filesystem::resize_file(path, 10);
     std::vector<std::byte> bytes(file.value().size());
-    const Status status = file.value().read(bytes, Parallel(2));
+    const Status status = file.value().read(bytes, Parallel({.threads = 2}));
     REQUIRE_FALSE(status.ok());
-    CHECK(status.error().code == Code::unreadable_file);
+    CHECK(status.error().code == ErrorCode::unreadable_file);
     CHECK_THAT(status.error().message, Contains("shrank"));
 }
 
@@ -38,7 +38,7 @@ TEST_CASE("a file that changes after it was opened is an error", "[input]") {
         std::filesystem::last_write_time(path, std::filesystem::last_write_time(path) + std::chrono::seconds(1));
     }
     REQUIRE_FALSE(file.value().unchanged().ok());
-    CHECK(file.value().unchanged().error().code == Code::unreadable_file);
+    CHECK(file.value().unchanged().error().code == ErrorCode::unreadable_file);
 }
 
 }  // namespace lamella::input_test

@@ -9,7 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "lamella/grid.hpp"
-#include "lamella/inspect.hpp"
+#include "lamella/mesh/inspect.hpp"
 
 namespace lamella::input_test {
 
@@ -39,18 +39,19 @@ Soup operator+(Soup a, const Soup& b) {
 }
 
 MeshView view_of(const Soup& soup) {
-    return MeshView::strided_soup(reinterpret_cast<const std::byte*>(soup.data()), soup.size(), sizeof soup[0], Number::f32);
+    return MeshView::strided_soup(reinterpret_cast<const std::byte*>(soup.data()), soup.size(), sizeof soup[0],
+                                  CoordinateType::f32);
 }
 
 /// The answer, which must not depend on threads.
 MeshInfo info_of(const MeshView& mesh, double unit_mm = 0) {
     InspectOptions options;
     options.unit_mm = unit_mm;
-    options.threads = 1;
+    options.control.threads = 1;
     const Result<MeshInfo> one = inspect(mesh, options);
     INFO((one ? "" : one.error().message));
     REQUIRE(one.ok());
-    options.threads = 3;
+    options.control.threads = 3;
     const MeshInfo three = inspect(mesh, options).value();
     CHECK(three.volume_mm3 == one.value().volume_mm3);
     CHECK(three.area_mm2 == one.value().area_mm2);
@@ -216,7 +217,7 @@ TEST_CASE("beyond 1,024 mm the unit doubles", "[input]") {
 }
 
 TEST_CASE("unusable input is refused with the triangle", "[input]") {
-    CHECK(inspect(MeshView{}).error().code == Code::empty_mesh);
+    CHECK(inspect(MeshView{}).error().code == ErrorCode::empty_mesh);
 
     const float value = GENERATE(std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                                  -std::numeric_limits<float>::infinity(), 3e38F, -1.1e9F);
@@ -225,7 +226,7 @@ TEST_CASE("unusable input is refused with the triangle", "[input]") {
     soup[25'000][0][0] = value;
     const Result<MeshInfo> info = inspect(view_of(soup));
     REQUIRE_FALSE(info.ok());
-    CHECK(info.error().code == Code::bad_coordinate);
+    CHECK(info.error().code == ErrorCode::bad_coordinate);
     CHECK(info.error().triangle == 20'000);
     CHECK_THAT(info.error().message, Catch::Contains("triangle 20000"));
 }
@@ -235,7 +236,7 @@ TEST_CASE("an index beyond the vertices and an unusable unit are refused", "[inp
     const std::vector<std::uint32_t> indices = {0, 1, 2, 0, 1, 3};
     const Result<MeshInfo> info = inspect(MeshView::indexed(std::span<const float>(xyz), indices));
     REQUIRE_FALSE(info.ok());
-    CHECK(info.error().code == Code::invalid_argument);
+    CHECK(info.error().code == ErrorCode::invalid_argument);
     CHECK(info.error().triangle == 1);
 
     const Soup soup = cube({0, 0, 0}, 2);

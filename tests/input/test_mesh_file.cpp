@@ -49,13 +49,14 @@ TEST_CASE("gzip data that end too early or are damaged are refused", "[input][gz
     const std::string packed = gzipped(binary_stl(numbered_facets(40)));
     for (std::size_t length = 2; length < packed.size(); ++length) {
         const Error error = read_error(dir.write("a.stl.gz", packed.substr(0, length)));
-        CHECK(error.code == Code::malformed_mesh);
+        CHECK(error.code == ErrorCode::malformed_mesh);
         CHECK(error.message.find("is truncated: its gzip data end too early") != std::string::npos);
     }
     std::string damaged = packed;
     damaged[packed.size() - 6] ^= 1;  // the checksum
     CHECK(read_error(dir.write("a.stl.gz", damaged)).message.find("is damaged: no valid gzip data") != std::string::npos);
-    CHECK(read_error(dir.write("a.stl.gz", std::string("\x1F\x8B") + std::string(100, 'x'))).code == Code::malformed_mesh);
+    CHECK(read_error(dir.write("a.stl.gz", std::string("\x1F\x8B") + std::string(100, 'x'))).code ==
+          ErrorCode::malformed_mesh);
 }
 
 TEST_CASE("a file that expands enormously is refused before it is unpacked whole", "[input][gzip]") {
@@ -65,7 +66,7 @@ TEST_CASE("a file that expands enormously is refused before it is unpacked whole
     options.memory_limit_bytes = std::uint64_t{6} << 20;
     const Result<MeshFile> mesh = read_mesh(path, options);
     REQUIRE_FALSE(mesh.ok());
-    CHECK(mesh.error().code == Code::out_of_memory);
+    CHECK(mesh.error().code == ErrorCode::out_of_memory);
     CHECK(mesh.error().message == path.string() + ": expands to more than the 6291456 bytes that reading it may take");
 }
 
@@ -74,7 +75,7 @@ TEST_CASE("what is in gzip data is judged like any file", "[input][gzip]") {
     CHECK(read_error(dir.write("a.stl.gz", gzipped(""))).message.find("is empty") != std::string::npos);
     CHECK(read_error(dir.write("a.stl.gz", gzipped("<html>"))).message.find("'<html>'") != std::string::npos);
     const Error twice = read_error(dir.write("a.stl.gz", gzipped(gzipped(binary_stl(numbered_facets(1))))));
-    CHECK(twice.code == Code::malformed_mesh);
+    CHECK(twice.code == ErrorCode::malformed_mesh);
     CHECK(twice.message.find("is compressed twice") != std::string::npos);
 }
 

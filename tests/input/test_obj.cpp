@@ -129,7 +129,7 @@ TEST_CASE("malformed OBJ coordinates are refused with line and byte", "[input][o
     const std::string number = GENERATE(as<std::string>(), "nan", "inf", "-inf", "1e999", "1,5", "1.2.3", "--1", "+-1", "+",
                                         "-", ".", "e5", "0x10", "abc", "1\\", "\\1", "1/2");
     const Error error = read_error(dir.write("a.obj", "# x\nv 0 " + number + " 0\nv 1 1 1\nf 1 2 1\n"));
-    CHECK(error.code == Code::malformed_mesh);
+    CHECK(error.code == ErrorCode::malformed_mesh);
     CHECK(error.byte_offset == 8);
     CHECK_THAT(error.message, Contains(": line 2, byte 8: ") && Contains("'" + number + "'"));
 }
@@ -149,7 +149,7 @@ TEST_CASE("OBJ faces that cannot be are refused with line and byte", "[input][ob
     const TempFolder dir;
     const auto refused = [&](const std::string& face) {
         const Error error = read_error(dir.write("a.obj", with_face(face)));
-        CHECK(error.code == Code::malformed_mesh);
+        CHECK(error.code == ErrorCode::malformed_mesh);
         CHECK_THAT(error.message, Contains(": line 4, byte "));
         return error.message.substr(error.message.find("byte"));
     };
@@ -176,7 +176,7 @@ TEST_CASE("OBJ faces of fewer than three corners are left out and warned of", "[
     CHECK(read_mesh(path)->warnings ==
           std::vector<std::string>{path.string() + ": left out 3 faces of fewer than three corners, the first in line 4"});
     const Error error = read_error(dir.write("b.obj", with_face("f 1 2")));
-    CHECK(error.code == Code::empty_mesh);
+    CHECK(error.code == ErrorCode::empty_mesh);
     CHECK_THAT(error.message, Contains("holds no face of three corners or more"));
 }
 
@@ -238,7 +238,7 @@ TEST_CASE("an OBJ file cut anywhere is read or refused, never misread", "[input]
             CHECK(mesh->vertex_count == 8);
             CHECK(mesh->triangle_count <= 12);
         } else {
-            CHECK((mesh.error().code == Code::malformed_mesh || mesh.error().code == Code::empty_mesh));
+            CHECK((mesh.error().code == ErrorCode::malformed_mesh || mesh.error().code == ErrorCode::empty_mesh));
         }
     }
 }
@@ -256,8 +256,8 @@ TEST_CASE("pieces of OBJ text end neither within a statement nor within a commen
 
 TEST_CASE("OBJ text without faces is empty", "[input][obj]") {
     const TempFolder dir;
-    CHECK(read_error(dir.write("a.obj", vertices_text())).code == Code::empty_mesh);
-    CHECK(read_error(dir.write("b.obj", "# nothing\n")).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("a.obj", vertices_text())).code == ErrorCode::empty_mesh);
+    CHECK(read_error(dir.write("b.obj", "# nothing\n")).code == ErrorCode::empty_mesh);
     CHECK_THAT(read_error(dir.write("c.obj", "o part\n")).message, Contains("holds no faces"));
 }
 
@@ -272,7 +272,7 @@ TEST_CASE("an OBJ face that expands beyond the memory limit is refused before it
     options.memory_limit_bytes = 4'000'000;
     const Result<MeshFile> mesh = read_mesh(path, options);
     REQUIRE_FALSE(mesh.ok());
-    CHECK(mesh.error().code == Code::out_of_memory);
+    CHECK(mesh.error().code == ErrorCode::out_of_memory);
     CHECK_THAT(mesh.error().message, Contains("more than the 4000000 that reading it may take"));
 }
 

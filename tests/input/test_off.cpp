@@ -90,7 +90,7 @@ TEST_CASE("OFF counts that do not fit the text are refused", "[input][off]") {
     const TempFolder dir;
     const auto refused = [&](const std::string& counts) {
         const Error error = read_error(dir.write("a.off", "OFF\n" + counts + "\n" + body()));
-        CHECK(error.code == Code::malformed_mesh);
+        CHECK(error.code == ErrorCode::malformed_mesh);
         return error.message.substr(error.message.find(": line") + 2);
     };
     CHECK_THAT(refused("9 6 0"), Contains("expected 9 vertices and 6 faces, found the end of the file") ||
@@ -111,7 +111,7 @@ TEST_CASE("OFF faces that cannot be are refused with line and byte", "[input][of
     const TempFolder dir;
     const auto refused = [&](const std::string& face) {
         const Error error = read_error(dir.write("a.off", with_face(face)));
-        CHECK(error.code == Code::malformed_mesh);
+        CHECK(error.code == ErrorCode::malformed_mesh);
         CHECK_THAT(error.message, Contains(": line 6, byte "));
         return error.message.substr(error.message.find("byte"));
     };
@@ -139,7 +139,7 @@ TEST_CASE("OFF faces of fewer than three corners are left out and warned of", "[
     CHECK(read_mesh(path)->warnings ==
           std::vector<std::string>{path.string() + ": left out 3 faces of fewer than three corners, the first in line 7"});
     const Error error = read_error(dir.write("b.off", with_face("2 0 1")));
-    CHECK(error.code == Code::empty_mesh);
+    CHECK(error.code == ErrorCode::empty_mesh);
     CHECK_THAT(error.message, Contains("holds no face of three corners or more"));
 
     std::string face = "30000";
@@ -179,7 +179,7 @@ TEST_CASE("an OFF file cut anywhere is refused, unless nothing is lost", "[input
         const Result<MeshFile> mesh = read_mesh(dir.write("a.off", whole.substr(0, length)));
         INFO(length);
         REQUIRE_FALSE(mesh.ok());
-        CHECK((mesh.error().code == Code::malformed_mesh));
+        CHECK((mesh.error().code == ErrorCode::malformed_mesh));
     }
 }
 
@@ -194,8 +194,8 @@ TEST_CASE("forms of OFF that are not read say so", "[input][off]") {
 
 TEST_CASE("OFF without faces is empty", "[input][off]") {
     const TempFolder dir;
-    CHECK(read_error(dir.write("a.off", "OFF\n0 0 0\n")).code == Code::empty_mesh);
-    CHECK(read_error(dir.write("b.off", "OFF 1 0 0\n1 2 3\n")).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("a.off", "OFF\n0 0 0\n")).code == ErrorCode::empty_mesh);
+    CHECK(read_error(dir.write("b.off", "OFF 1 0 0\n1 2 3\n")).code == ErrorCode::empty_mesh);
 }
 
 TEST_CASE("an OFF head states the patient frame", "[input][off]") {

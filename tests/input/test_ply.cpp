@@ -31,7 +31,7 @@ shapes::Soup soup_of(const MeshFile& mesh) {
         for (int axis = 0; axis < 3; ++axis) {
             float single = 0;
             double number = 0;
-            if (view.number == Number::f32) {
+            if (view.number == CoordinateType::f32) {
                 std::memcpy(&single, at + axis * 4, 4);
                 number = single;
             } else {
@@ -45,7 +45,7 @@ shapes::Soup soup_of(const MeshFile& mesh) {
 
 MeshFile read_ply_file(const std::filesystem::path& path, bool map, int threads) {
     ReadOptions options;
-    options.threads = threads;
+    options.control.threads = threads;
     options.map_file = map;
     Result<MeshFile> mesh = read_mesh(path, options);
     INFO((mesh ? "" : mesh.error().message));
@@ -167,7 +167,7 @@ TEST_CASE("PLY coordinates keep their precision", "[input][ply]") {
         how.coordinate = type;
         const MeshFile mesh =
             read_ply_file(dir.write("a.ply", ply(how, {x, 0, 0, 1, 0, 0, 0, 1, 0}, {{0, 1, 2}})), false, 1);
-        CHECK((mesh.number == Number::f64) == (type == "double" || type == "int" || type == "uint"));
+        CHECK((mesh.number == CoordinateType::f64) == (type == "double" || type == "int" || type == "uint"));
         CHECK(mesh.text == (encoding == "ascii"));
         return soup_of(mesh)[0];
     };
@@ -226,7 +226,7 @@ TEST_CASE("PLY faces of fewer than three vertices are left out and told", "[inpu
     const MeshFile mesh = read_ply_file(path, false, 1);
     REQUIRE(mesh.warnings.size() == 1);
     CHECK(mesh.warnings[0] == path.string() + ": left out 3 faces of fewer than three vertices");
-    CHECK(read_error(dir.write("b.ply", ply(how, cube().xyz, {{0, 1}}))).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("b.ply", ply(how, cube().xyz, {{0, 1}}))).code == ErrorCode::empty_mesh);
 }
 
 TEST_CASE("PLY triangle strips alternate and begin again after -1", "[input][ply]") {

@@ -31,7 +31,7 @@ const std::string four_vertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
 
 Error malformed(const TempFolder& dir, const std::string& bytes) {
     const Error error = read_error(dir.write("a.ply", bytes));
-    CHECK(error.code == Code::malformed_mesh);
+    CHECK(error.code == ErrorCode::malformed_mesh);
     CHECK(error.message.size() < 400);
     return error;
 }
@@ -134,10 +134,10 @@ TEST_CASE("a PLY header without end is refused", "[input][ply]") {
 TEST_CASE("PLY without faces holds no mesh", "[input][ply]") {
     const TempFolder dir;
     const std::string points = header_of("ascii", "4", "0") + four_vertices;
-    CHECK(read_error(dir.write("a.ply", points)).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("a.ply", points)).code == ErrorCode::empty_mesh);
     const std::string no_face = "ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nend_header\n0\n";
-    CHECK(read_error(dir.write("a.ply", "ply\nformat ascii 1.0\nend_header\n")).code == Code::empty_mesh);
-    CHECK(read_error(dir.write("a.ply", no_face)).code == Code::malformed_mesh);
+    CHECK(read_error(dir.write("a.ply", "ply\nformat ascii 1.0\nend_header\n")).code == ErrorCode::empty_mesh);
+    CHECK(read_error(dir.write("a.ply", no_face)).code == ErrorCode::malformed_mesh);
 }
 
 TEST_CASE("PLY counts are held against the bytes that are left", "[input][ply]") {
@@ -256,7 +256,7 @@ TEST_CASE("PLY that expands to more than reading may take is refused", "[input][
     const auto path = dir.write("a.ply", bytes);
     const Result<MeshFile> mesh = read_mesh(path, options);
     REQUIRE_FALSE(mesh.ok());
-    CHECK(mesh.error().code == Code::out_of_memory);
+    CHECK(mesh.error().code == ErrorCode::out_of_memory);
     CHECK_THAT(mesh.error().message,
                Contains(path.string() + ": expands to ") && Contains("more than the 20000 that reading"));
 }

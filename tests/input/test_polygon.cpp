@@ -11,8 +11,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "1_input/polygon.hpp"
-#include "base/wide.hpp"
+#include "base/int128.hpp"
+#include "io/read/polygon.hpp"
 
 namespace lamella {
 namespace {
@@ -57,7 +57,8 @@ std::vector<T> standing(const Outline& outline, std::size_t axis, double tilt) {
 
 template <class T>
 VertexCoordinates coordinates(const std::vector<T>& xyz) {
-    return {reinterpret_cast<const std::byte*>(xyz.data()), 3 * sizeof(T), sizeof(T) == 4 ? Number::f32 : Number::f64};
+    return {reinterpret_cast<const std::byte*>(xyz.data()), 3 * sizeof(T),
+            sizeof(T) == 4 ? CoordinateType::f32 : CoordinateType::f64};
 }
 
 /// Each edge of the outline once, and every other one as often as its reverse.

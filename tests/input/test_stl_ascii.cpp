@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "files.hpp"
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
 #include "read.hpp"
 
 namespace lamella::input_test {
@@ -132,7 +132,7 @@ TEST_CASE("malformed coordinates are refused with line and byte", "[input]") {
         GENERATE(as<std::string>(), "nan", "NaN", "inf", "-inf", "+infinity", "1e400", "-1e39", "1,5", "1.5f", "1.2.3",
                  "--1", "+-1", "+", "-", ".", "e5", "0x10", "1e", "abc", std::string(5000, '9'));
     const Error error = read_error(dir.write("a.stl", with_number(number)));
-    CHECK(error.code == Code::malformed_mesh);
+    CHECK(error.code == ErrorCode::malformed_mesh);
     CHECK(error.byte_offset == 45);
     CHECK_THAT(error.message, Contains(": line 4, byte 45: ") && Contains("'" + number.substr(0, 32)));
     CHECK(error.message.size() < 300);
@@ -166,7 +166,7 @@ TEST_CASE("ASCII cut within a facet is refused wherever the cut is", "[input]") 
         INFO(length);
         const Result<MeshFile> mesh = read_mesh(dir.write("a.stl", whole.substr(0, length)));
         REQUIRE_FALSE(mesh.ok());
-        CHECK(mesh.error().code == Code::malformed_mesh);
+        CHECK(mesh.error().code == ErrorCode::malformed_mesh);
     }
     CHECK_THAT(read_error(dir.write("a.stl", whole.substr(0, end - 9))).message, Contains("the end of the file"));
 }
@@ -206,8 +206,8 @@ TEST_CASE("stray words are refused", "[input]") {
 
 TEST_CASE("ASCII without triangles", "[input]") {
     const TempFolder dir;
-    CHECK(read_error(dir.write("a.stl", "solid nothing\nendsolid nothing\n")).code == Code::empty_mesh);
-    CHECK(read_error(dir.write("b.stl", "solid")).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("a.stl", "solid nothing\nendsolid nothing\n")).code == ErrorCode::empty_mesh);
+    CHECK(read_error(dir.write("b.stl", "solid")).code == ErrorCode::empty_mesh);
 }
 
 TEST_CASE("ASCII that ends without 'endsolid' is read with a warning that names the line", "[input]") {
@@ -250,7 +250,7 @@ TEST_CASE("ASCII all on one line is read: a name ends where a facet begins", "[i
     CHECK(reads(ascii_stl({facets[0]}, "one") + ascii_stl({facets[1], facets[2]}, "two")));
     const Error error = read_error(dir.write("b.stl", replaced(replaced(ascii_stl(facets), "\n", " "), "endloop", "end")));
     CHECK_THAT(error.message, Contains("line 1, ") && Contains("expected 'endloop'"));
-    CHECK(read_error(dir.write("c.stl", "solid x facet normal 0 0 1 endsolid")).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("c.stl", "solid x facet normal 0 0 1 endsolid")).code == ErrorCode::empty_mesh);
 }
 
 TEST_CASE("one line longer than the pieces of text gives every facet", "[input]") {

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "files.hpp"
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
 #include "read.hpp"
 
 namespace lamella::input_test {
@@ -68,7 +68,7 @@ TEST_CASE("a count that the file does not hold is refused", "[input]") {
     const std::string header = GENERATE(as<std::string>(), "", "solid part");
     const std::uint32_t counted = GENERATE(6U, 1U << 24, std::numeric_limits<std::uint32_t>::max());
     const Error error = read_error(dir.write("a.stl", binary_stl(numbered_facets(5), counted, header)));
-    CHECK(error.code == Code::malformed_mesh);
+    CHECK(error.code == ErrorCode::malformed_mesh);
     CHECK(error.byte_offset == 80);
     CHECK_THAT(error.message, Contains(std::to_string(counted) + " triangles") && Contains("has 334"));
 }
@@ -81,23 +81,23 @@ TEST_CASE("a binary file cut anywhere is refused", "[input]") {
         const Result<MeshFile> mesh = read_mesh(dir.write("a.stl", whole.substr(0, length)));
         REQUIRE_FALSE(mesh.ok());
         const bool reads_as_ascii = length >= 5 && length <= 10;  // what is left of the header is a solid without facets
-        CHECK(mesh.error().code == (reads_as_ascii ? Code::empty_mesh : Code::malformed_mesh));
+        CHECK(mesh.error().code == (reads_as_ascii ? ErrorCode::empty_mesh : ErrorCode::malformed_mesh));
     }
 }
 
 TEST_CASE("no triangles", "[input]") {
     const TempFolder dir;
-    CHECK(read_error(dir.write("a.stl", "")).code == Code::empty_mesh);
-    CHECK(read_error(dir.write("b.stl", binary_stl({}))).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("a.stl", "")).code == ErrorCode::empty_mesh);
+    CHECK(read_error(dir.write("b.stl", binary_stl({}))).code == ErrorCode::empty_mesh);
     const Error behind = read_error(dir.write("c.stl", binary_stl(numbered_facets(2), 0)));
-    CHECK(behind.code == Code::malformed_mesh);
+    CHECK(behind.code == ErrorCode::malformed_mesh);
     CHECK_THAT(behind.message, Contains("0 triangles") && Contains("100 bytes"));
 }
 
 TEST_CASE("what is no file is refused without waiting", "[input]") {
     const TempFolder dir;
     const Error missing = read_error(dir / "missing.stl");
-    CHECK(missing.code == Code::unreadable_file);
+    CHECK(missing.code == ErrorCode::unreadable_file);
     CHECK_THAT(missing.message, Contains("No such file"));
 
     std::filesystem::create_directory(dir / "directory.stl");
@@ -107,7 +107,7 @@ TEST_CASE("what is no file is refused without waiting", "[input]") {
     CHECK_THAT(read_error(dir / "fifo.stl").message, Contains("is a FIFO"));
 
     CHECK_THAT(read_error("/dev/zero").message, Contains("is a device"));
-    CHECK(read_error("/dev/zero").code == Code::unreadable_file);
+    CHECK(read_error("/dev/zero").code == ErrorCode::unreadable_file);
 }
 
 TEST_CASE("a link to a file is read", "[input]") {
@@ -126,13 +126,13 @@ TEST_CASE("random bytes are refused, whatever their length", "[input]") {
     for (char& c : bytes) {
         c = static_cast<char>(random());
     }
-    CHECK(read_error(dir.write("random.stl", bytes)).code == Code::malformed_mesh);
+    CHECK(read_error(dir.write("random.stl", bytes)).code == ErrorCode::malformed_mesh);
 }
 
 TEST_CASE("text that is no STL is quoted in the error", "[input]") {
     const TempFolder dir;
     const Error error = read_error(dir.write("a.stl", "<!DOCTYPE html>\r\n<html>\n" + std::string(500, 'x')));
-    CHECK(error.code == Code::malformed_mesh);
+    CHECK(error.code == ErrorCode::malformed_mesh);
     CHECK_THAT(error.message, Contains("'<!DOCTYPE html>'"));
 }
 
@@ -141,7 +141,7 @@ TEST_CASE("a header of 2^32 - 1 triangles is refused at once", "[input]") {
     const auto path = dir.write("sparse.stl", binary_stl({}, std::numeric_limits<std::uint32_t>::max()));
     std::filesystem::resize_file(path, std::uintmax_t{100} << 30);  // sparse: takes no room
     const auto start = std::chrono::steady_clock::now();
-    CHECK(read_error(path).code == Code::malformed_mesh);
+    CHECK(read_error(path).code == ErrorCode::malformed_mesh);
     CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(1));
 }
 

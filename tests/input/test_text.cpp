@@ -4,7 +4,7 @@
 #include <charconv>
 #include <string>
 
-#include "1_input/text.hpp"
+#include "io/text/text.hpp"
 
 namespace lamella {
 namespace {

@@ -110,7 +110,7 @@ TEST_CASE("legacy VTK takes points of every type", "[input][vtk]") {
     PolyData fine = cube();
     fine.points[0][0] = 1.0 / 3;  // no float
     const MeshFile mesh = read_one(dir.write("b.vtk", Legacy{false, 4, "double"}(fine)));
-    CHECK(mesh.number == Number::f64);
+    CHECK(mesh.number == CoordinateType::f64);
     double x = 0;
     std::memcpy(&x, mesh.view().vertices, sizeof x);
     CHECK(x == 1.0 / 3);
@@ -240,10 +240,10 @@ TEST_CASE("legacy VTK without triangles", "[input][vtk]") {
     const TempFolder dir;
     PolyData data = cube();
     data.polygons.clear();
-    CHECK(read_error(dir.write("a.vtk", Legacy{}(data))).code == Code::empty_mesh);
-    CHECK(read_error(dir.write("a.vtk", Legacy{true, 5}(data) + "POLYGONS 0 0\n")).code == Code::empty_mesh);
-    CHECK(read_error(dir.write("a.vtk", Legacy{false}(data) + "POLYGONS 0 0\n")).code == Code::empty_mesh);
-    CHECK(read_error(dir.write("a.vtk", Legacy{}({}))).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("a.vtk", Legacy{}(data))).code == ErrorCode::empty_mesh);
+    CHECK(read_error(dir.write("a.vtk", Legacy{true, 5}(data) + "POLYGONS 0 0\n")).code == ErrorCode::empty_mesh);
+    CHECK(read_error(dir.write("a.vtk", Legacy{false}(data) + "POLYGONS 0 0\n")).code == ErrorCode::empty_mesh);
+    CHECK(read_error(dir.write("a.vtk", Legacy{}({}))).code == ErrorCode::empty_mesh);
 }
 
 TEST_CASE("legacy VTK that ends anywhere too early is refused", "[input][vtk]") {
@@ -266,7 +266,7 @@ TEST_CASE("legacy VTK that ends anywhere too early is refused", "[input][vtk]") 
         const Result<MeshFile> mesh = read_mesh(dir.write("a.vtk", whole.substr(0, length)));
         REQUIRE_FALSE(mesh.ok());
         // Where a section ends, nothing is wrong but what is missing.
-        CHECK((mesh.error().code == Code::malformed_mesh || mesh.error().code == Code::empty_mesh));
+        CHECK((mesh.error().code == ErrorCode::malformed_mesh || mesh.error().code == ErrorCode::empty_mesh));
     }
 }
 
@@ -363,7 +363,7 @@ TEST_CASE("a polygon of VTK with a corner that is not finite is refused", "[inpu
     PolyData data = cube();
     data.points[3][1] = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
     const Error error = read_error(dir.write("a.vtk", Legacy{false, 5}(data)));
-    CHECK(error.code == Code::malformed_mesh);
+    CHECK(error.code == ErrorCode::malformed_mesh);
     CHECK_THAT(error.message, Contains("point 3 of POLYGONS has a coordinate that is not finite"));
 }
 
@@ -379,7 +379,7 @@ TEST_CASE("what legacy VTK expands to is counted before it is allocated", "[inpu
     options.memory_limit_bytes = 200'000;
     const Result<MeshFile> mesh = read_mesh(path, options);
     REQUIRE_FALSE(mesh.ok());
-    CHECK(mesh.error().code == Code::out_of_memory);
+    CHECK(mesh.error().code == ErrorCode::out_of_memory);
     CHECK_THAT(mesh.error().message, Contains("expands to more than the 200000 bytes that reading it may take"));
     options.memory_limit_bytes = 2'000'000;
     CHECK(read_mesh(path, options).ok());

@@ -172,7 +172,7 @@ TEST_CASE("VTP takes arrays of every type", "[input][vtp]") {
             Xml xml{format, false, big_endian, true, "Float64"};
             const auto path = dir.write("a.vtp", xml({data}));
             CHECK(read_triangles(path) == triangles_of(data));
-            CHECK(read_one(path).number == Number::f64);
+            CHECK(read_one(path).number == CoordinateType::f64);
         }
     }
 }
@@ -254,7 +254,7 @@ TEST_CASE("VTP that ends anywhere too early is refused", "[input][vtp]") {
         INFO(length);
         const Result<MeshFile> mesh = read_mesh(dir.write("a.vtp", whole.substr(0, length)));
         REQUIRE_FALSE(mesh.ok());
-        CHECK(mesh.error().code == Code::malformed_mesh);
+        CHECK(mesh.error().code == ErrorCode::malformed_mesh);
     }
     CHECK(read_triangles(dir.write("a.vtp", whole.substr(0, complete))) == triangles_of(data));
 }
@@ -270,7 +270,7 @@ TEST_CASE("appended data of VTP that are cut short are refused", "[input][vtp]")
         INFO(length);
         const Result<MeshFile> mesh = read_mesh(dir.write("a.vtp", whole.substr(0, length) + whole.substr(end + 1)));
         REQUIRE_FALSE(mesh.ok());
-        CHECK(mesh.error().code == Code::malformed_mesh);
+        CHECK(mesh.error().code == ErrorCode::malformed_mesh);
     }
 }
 
@@ -323,7 +323,7 @@ TEST_CASE("malformed VTP is refused with the place", "[input][vtp]") {
     const std::size_t closing = plain.find("</DataArray>", text);
     CHECK_THAT(complaint(plain.substr(0, text) + "/>" + plain.substr(closing + 12)),
                Contains("line ") && Contains("expected 6 numbers of offsets of Polys, found 0"));
-    CHECK(read_error(dir.write("a.vtp", Xml{}({}))).code == Code::empty_mesh);
+    CHECK(read_error(dir.write("a.vtp", Xml{}({}))).code == ErrorCode::empty_mesh);
     CHECK_THAT(with("NumberOfPolys=\"6\"", "NumberOfPolys=\"0\""), Contains("holds no triangles"));
 }
 
@@ -395,7 +395,7 @@ TEST_CASE("compressed blocks of VTP are never believed", "[input][vtp]") {
         for (const std::size_t word : {0U, 1U, 2U, 3U, 4U}) {
             INFO(word << " " << value);
             const Error error = with(word, value);
-            CHECK(error.code == Code::malformed_mesh);
+            CHECK(error.code == ErrorCode::malformed_mesh);
             CHECK_THAT(error.message, Contains("Points"));
         }
     }
@@ -418,18 +418,18 @@ TEST_CASE("VTP that expands enormously is refused before it is unpacked", "[inpu
     options.memory_limit_bytes = 500'000;
     const Result<MeshFile> mesh = read_mesh(path, options);
     REQUIRE_FALSE(mesh.ok());
-    CHECK(mesh.error().code == Code::out_of_memory);
+    CHECK(mesh.error().code == ErrorCode::out_of_memory);
     CHECK_THAT(mesh.error().message, Contains("expands to more than the 500000 bytes that reading it may take"));
     // A count that the compressed bytes cannot hold is not asked of the limit.
     const std::string few = replaced(Xml{"raw", true}({cube()}), "NumberOfPoints=\"8\"", "NumberOfPoints=\"1000000\"");
-    CHECK(read_error(dir.write("b.vtp", few)).code == Code::malformed_mesh);
+    CHECK(read_error(dir.write("b.vtp", few)).code == ErrorCode::malformed_mesh);
     std::string pieces;
     for (int i = 0; i < 5000; ++i) {
         pieces += "<Piece NumberOfPoints=\"0\"/>";
     }
     const auto many = dir.write("c.vtp", replaced(Xml{}({cube()}), "<PolyData>", "<PolyData>" + pieces));
     CHECK(read_one(many).triangle_count == 12);
-    CHECK(read_mesh(many, options).error().code == Code::out_of_memory);
+    CHECK(read_mesh(many, options).error().code == ErrorCode::out_of_memory);
 }
 
 TEST_CASE("compressed integers of 64 bits are held in 32, unless they are larger", "[input][vtp]") {

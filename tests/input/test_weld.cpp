@@ -11,13 +11,13 @@
 
 #include "engine/shapes.hpp"
 #include "engine/slicing.hpp"
-#include "lamella/weld.hpp"
+#include "lamella/mesh/weld.hpp"
 
 namespace lamella {
 namespace {
 
 WeldedMesh welded(const shapes::Soup& soup, double tolerance) {
-    Result<WeldedMesh> mesh = weld(view_of(soup), tolerance);
+    Result<WeldedMesh> mesh = weld(view_of(soup), {.tolerance_mm = tolerance});
     REQUIRE(mesh.ok());
     return std::move(mesh).value();
 }
@@ -40,7 +40,7 @@ TEST_CASE("a tolerance of zero joins equal vertices and changes no slice", "[inp
     const shapes::Soup soup = shapes::octasphere({1, 2, 3}, 10, 4);
     const WeldedMesh mesh = welded(soup, 0);
     CHECK(mesh.joined == 0);
-    CHECK(mesh.largest_move == 0);
+    CHECK(mesh.largest_move_mm == 0);
     CHECK(mesh.indices.size() == soup.size() / 3);
     CHECK(mesh.vertices == soup.size() / 9 / 2 + 2);  // Euler, on a sphere
     CHECK(output_hash(slice_of(mesh.view(), 0.3)) == output_hash(slice_of(view_of(soup), 0.3)));
@@ -53,8 +53,8 @@ TEST_CASE("a cracked sphere closes when it is welded", "[input][weld]") {
     const WeldedMesh mesh = welded(soup, 0.01);
     CHECK(mesh.vertices == whole.size() / 9 / 2 + 2);
     CHECK(mesh.joined == soup.size() / 3 - mesh.vertices);
-    CHECK(mesh.largest_move <= 0.01);
-    CHECK(mesh.largest_move > 0.001);
+    CHECK(mesh.largest_move_mm <= 0.01);
+    CHECK(mesh.largest_move_mm > 0.001);
     const SliceResult result = slice_of(mesh.view(), 0.3);
     CHECK(result.summary.open_contours == 0);
     CHECK(result.summary.degenerate == 0);
@@ -85,7 +85,7 @@ TEST_CASE("a chain of close vertices does not collapse", "[input][weld]") {
     }
     const WeldedMesh mesh = welded(soup, 1);
     CHECK(mesh.joined == 5);
-    CHECK(mesh.largest_move == 1);
+    CHECK(mesh.largest_move_mm == 1);
     CHECK(welded(soup, 0.999).joined == 0);
 }
 
@@ -143,17 +143,17 @@ TEST_CASE("vertices by the hundred thousand in one cell are no trouble", "[input
 TEST_CASE("what cannot be welded is an error", "[input][weld]") {
     shapes::Soup soup = shapes::octasphere({0, 0, 0}, 1, 1);
     for (const double tolerance : {-1.0, 1e-10, std::nan(""), std::numeric_limits<double>::infinity()}) {
-        CHECK(weld(view_of(soup), tolerance).error().code == Code::invalid_argument);
+        CHECK(weld(view_of(soup), {.tolerance_mm = tolerance}).error().code == ErrorCode::invalid_argument);
     }
-    CHECK(weld(view_of({}), 0).error().code == Code::empty_mesh);
+    CHECK(weld(view_of({}), {.tolerance_mm = 0}).error().code == ErrorCode::empty_mesh);
     soup[9 * 3 + 4] = std::nan("");
-    const Result<WeldedMesh> broken = weld(view_of(soup), 0.1);
+    const Result<WeldedMesh> broken = weld(view_of(soup), {.tolerance_mm = 0.1});
     REQUIRE_FALSE(broken.ok());
-    CHECK(broken.error().code == Code::bad_coordinate);
+    CHECK(broken.error().code == ErrorCode::bad_coordinate);
     CHECK(broken.error().triangle == 3);
     const std::vector<float> xyz(9);
     const std::vector<std::uint32_t> indices{0, 1, 3};
-    CHECK(weld(MeshView::indexed(std::span(xyz), indices), 0).error().code == Code::invalid_argument);
+    CHECK(weld(MeshView::indexed(std::span(xyz), indices), {.tolerance_mm = 0}).error().code == ErrorCode::invalid_argument);
 }
 
 }  // namespace

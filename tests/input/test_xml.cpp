@@ -3,8 +3,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "1_input/xml.hpp"
 #include "engine/counting_memory.hpp"
+#include "io/xml/xml.hpp"
 
 namespace lamella {
 namespace {

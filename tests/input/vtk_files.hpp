@@ -87,7 +87,7 @@ inline std::vector<Facet> triangles_of(const MeshFile& mesh) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             double value = 0;
             float single = 0;
-            if (view.number == Number::f64) {
+            if (view.number == CoordinateType::f64) {
                 std::memcpy(&value, vertex + axis * sizeof value, sizeof value);
             } else {
                 std::memcpy(&single, vertex + axis * sizeof single, sizeof single);

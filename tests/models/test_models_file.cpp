@@ -93,7 +93,7 @@ TEST_CASE("a recipe that cannot be followed is refused and leaves no file", "[mo
     recipe.shape = GENERATE(Shape::sphere, Shape::torus, Shape::gyroid, Shape::bone, Shape::prism);
     const auto refuses = [&](const Recipe& bad) {
         const auto written = write_stl(bad, folder / "mesh.stl");
-        return !written && written.error().code == Code::invalid_argument && !written.error().message.empty() &&
+        return !written && written.error().code == ErrorCode::invalid_argument && !written.error().message.empty() &&
                make_soup(bad).empty() && folder.names().empty();
     };
     for (const std::uint64_t triangles : {std::uint64_t{0}, fewest_triangles - 1, most_triangles + 1}) {
@@ -127,7 +127,7 @@ TEST_CASE("a file that cannot be written is an error that names it", "[models]")
     const auto path = folder / "absent" / "mesh.stl";
     const auto written = write_stl(recipe, path);
     REQUIRE_FALSE(written.ok());
-    CHECK(written.error().code == Code::unwritable_file);
+    CHECK(written.error().code == ErrorCode::unwritable_file);
     CHECK(written.error().message.find(path.string()) != std::string::npos);
 
     std::filesystem::create_directories(folder / "folder.stl" / "inside");
@@ -140,11 +140,11 @@ TEST_CASE("a stopped writer leaves no file", "[models]") {
     Recipe recipe;
     recipe.triangles = 5000;
     recipe.order = GENERATE(Order::z, Order::random);
-    std::stop_source source;
-    source.request_stop();
-    const auto written = write_stl(recipe, folder / "mesh.stl", source.get_token());
+    std::atomic<bool> stop = false;
+    stop = true;
+    const auto written = write_stl(recipe, folder / "mesh.stl", lamella::StopCheck::when(stop));
     REQUIRE_FALSE(written.ok());
-    CHECK(written.error().code == Code::cancelled);
+    CHECK(written.error().code == ErrorCode::cancelled);
     CHECK(folder.names().empty());
 }
 

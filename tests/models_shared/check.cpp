@@ -21,7 +21,7 @@ lamella::MeshCheck findings_of(const std::filesystem::path& file, int threads) {
     INFO((mesh ? std::string() : mesh.error().message));
     REQUIRE(mesh.ok());
     lamella::CheckOptions options;
-    options.threads = threads;
+    options.control.threads = threads;
     lamella::Result<lamella::MeshCheck> found = check(mesh->view(), options);
     INFO((found ? std::string() : found.error().message));
     REQUIRE(found.ok());

@@ -53,7 +53,7 @@ TEST_CASE("counts are those of the paper's program and its table", "[counts]") {
     std::get<lamella::UniformLayers>(options.plan.spacing).first_height_mm = 0.008;
     options.unit_mm = 0.004;
     const auto form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
-    options.form = form;
+    options.tuning.form = form;
     const SliceResult result = sliced(mesh, options);
     INFO(known.file);
     CHECK(result.summary.triangles - result.summary.degenerate == known.kept);

@@ -9,7 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/shapes.hpp"
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
 
 inline const std::filesystem::path folder = LAMELLA_SHARED_MODELS;
 
@@ -29,7 +29,7 @@ inline shapes::Soup soup_of(const std::filesystem::path& file) {
     const lamella::Result<lamella::MeshFile> mesh = lamella::read_mesh(file);
     REQUIRE(mesh.ok());
     const lamella::MeshView view = mesh->view();
-    REQUIRE(view.number == lamella::Number::f32);
+    REQUIRE(view.number == lamella::CoordinateType::f32);
     REQUIRE(view.indices == nullptr);
     shapes::Soup soup;
     for (std::size_t t = 0; t < view.triangle_count; ++t) {

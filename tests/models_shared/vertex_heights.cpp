@@ -1,7 +1,7 @@
 // Real meshes at the heights of their own vertices.
 #include "engine/vertex_heights.hpp"
 #include "engine/slicing.hpp"
-#include "lamella/inspect.hpp"
+#include "lamella/mesh/inspect.hpp"
 #include "models_shared/real_meshes.hpp"
 
 namespace {
@@ -32,12 +32,12 @@ TEST_CASE("planes at the heights of all vertices lose nothing of real meshes", "
         const lamella::MeshInfo info = *inspect(view_of(soup));
         std::uint64_t open = 0;
         for (const std::vector<double>& part : parts_of(vertex_heights(soup, info.unit_mm))) {
-            for (const lamella::Side side : {lamella::Side::below, lamella::Side::above}) {
+            for (const lamella::PlaneSide side : {lamella::PlaneSide::below, lamella::PlaneSide::above}) {
                 lamella::SliceOptions options;
                 options.plan.spacing = lamella::ExplicitPlanes{part};
                 options.plan.side = side;
                 const lamella::SliceResult result = sliced(soup, options);
-                INFO(file << ", from " << part.front() << " mm, above " << (side == lamella::Side::above));
+                INFO(file << ", from " << part.front() << " mm, above " << (side == lamella::PlaneSide::above));
                 CHECK(lost_at_vertex_heights(result, soup).empty());
                 open += result.summary.open_contours;
             }

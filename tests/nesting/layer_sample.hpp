@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "7_nesting/nest.hpp"
+#include "slicing/nesting/nest.hpp"
 
 namespace lamella::test {
 

@@ -252,19 +252,17 @@ TEST_CASE("ten thousand contours", "[nesting]") {
 }
 
 TEST_CASE("scratch is kept from layer to layer", "[nesting]") {
-    class Counter : public std::pmr::memory_resource {
-    public:
+    struct Counter : lamella::Memory {
+        Counter() : Memory(lamella::memory_of(*this)) {}
         int allocations = 0;
 
-    private:
-        void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+        void* allocate(std::size_t bytes, std::size_t alignment) {
             ++allocations;
-            return std::pmr::new_delete_resource()->allocate(bytes, alignment);
+            return ::operator new (bytes, std::align_val_t{alignment});
         }
-        void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
-            std::pmr::new_delete_resource()->deallocate(memory, bytes, alignment);
+        void deallocate(void* memory, std::size_t, std::size_t alignment) {
+            ::operator delete (memory, std::align_val_t{alignment});
         }
-        bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
     };
     std::mt19937 random(3);
     LayerSample nested;

@@ -4,10 +4,10 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "7_nesting/order.hpp"
-#include "7_nesting/start_tree.hpp"
-#include "7_nesting/starts.hpp"
 #include "layer_sample.hpp"
+#include "slicing/nesting/order.hpp"
+#include "slicing/nesting/start_tree.hpp"
+#include "slicing/nesting/starts.hpp"
 
 using lamella::Point;
 using lamella::nesting::ManyInside;
@@ -18,7 +18,7 @@ using lamella::test::below;
 
 namespace {
 
-using Keys = std::pmr::vector<SortKey>;
+using Keys = Vector<SortKey>;
 
 bool before(const SortKey& a, const SortKey& b) {
     return a.key != b.key ? a.key < b.key : a.index < b.index;
@@ -64,7 +64,7 @@ std::vector<std::uint32_t> expected_within(const Keys& starts, const std::vector
     return within;
 }
 
-std::vector<std::uint32_t> sorted(const std::pmr::vector<std::uint32_t>& found) {
+std::vector<std::uint32_t> sorted(const Vector<std::uint32_t>& found) {
     std::vector<std::uint32_t> copy(found.begin(), found.end());
     std::sort(copy.begin(), copy.end());
     return copy;
@@ -123,8 +123,8 @@ TEST_CASE("the line and the tree find the starts within a box", "[nesting]") {
     const int size = GENERATE(3, 60, 1 << 30);
     const double slimness = GENERATE(0.0, 1.0, 1e9);
     const Keys starts = random_starts(random, count, size);
-    StartLine line(std::pmr::new_delete_resource());
-    StartTree tree(std::pmr::new_delete_resource());
+    StartLine line(nullptr);
+    StartTree tree(nullptr);
     line.assign(random_starts(random, 40, size));  // what was there before leaves no trace
     tree.assign(random_starts(random, 6000, size), 1.0);
     line.assign(starts);
@@ -135,8 +135,8 @@ TEST_CASE("the line and the tree find the starts within a box", "[nesting]") {
         Box box = random_box(random, size);
         box.min.x = point_of(starts[corner]).x;
         const StartLine::Window window = line.window(line.first_right_of(corner, corner), box.max.x, box.min.y, box.max.y);
-        std::pmr::vector<std::uint32_t> in_line;
-        std::pmr::vector<std::uint32_t> in_tree;
+        Vector<std::uint32_t> in_line;
+        Vector<std::uint32_t> in_tree;
         line.find(window, box.min.y, box.max.y, in_line);
         tree.find(box.min, box.max, in_tree);
         const std::vector<std::uint32_t> expected = expected_within(starts, taken_off, box);
@@ -155,7 +155,7 @@ TEST_CASE("the line and the tree find the starts within a box", "[nesting]") {
 
 TEST_CASE("many points at once are inside where they are one by one", "[nesting]") {
     std::mt19937 random(GENERATE(5U, 6U));
-    ManyInside many(std::pmr::new_delete_resource());
+    ManyInside many(nullptr);
     for (int round = 0; round < 400; ++round) {
         const int size = 2 + (1 << below(random, 25));
         const std::vector<Point> points = lamella::test::random_walk(random, size);
@@ -170,7 +170,7 @@ TEST_CASE("many points at once are inside where they are one by one", "[nesting]
                 expected.push_back(static_cast<std::uint32_t>(i));
             }
         }
-        std::pmr::vector<std::uint32_t> inside;
+        Vector<std::uint32_t> inside;
         many.test(points.data(), static_cast<std::uint32_t>(points.size()), inside);
         REQUIRE(sorted(inside) == expected);
     }
@@ -179,13 +179,13 @@ TEST_CASE("many points at once are inside where they are one by one", "[nesting]
 TEST_CASE("many points at once at the ends of the grid", "[nesting]") {
     constexpr std::int32_t far = lamella::grid_limit;
     const std::vector<Point> points = {{-far, -far}, {far, -far}, {far, far}, {-far, far}};
-    ManyInside many(std::pmr::new_delete_resource());
+    ManyInside many(nullptr);
     const Point queries[] = {{0, -far}, {0, 1 - far}, {0, far - 1}, {0, far},
                              {-far, 0}, {far, 0},     {far - 1, 0}, {1 - far, 0}};
     for (std::uint32_t i = 0; i < std::size(queries); ++i) {
         many.add(queries[i], i);
     }
-    std::pmr::vector<std::uint32_t> inside;
+    Vector<std::uint32_t> inside;
     many.test(points.data(), 4, inside);
     CHECK(sorted(inside) == std::vector<std::uint32_t>{1, 2, 6, 7});
 }

@@ -8,7 +8,7 @@
 int main() {
     int shared = 0;
     std::atomic<int> begun{0};
-    const lamella::Parallel parallel(2);
+    const lamella::Parallel parallel({.threads = 2});
     parallel.run(2, [&](std::size_t, int) {
         // Both run at once; relaxed, so that waiting orders nothing.
         begun.fetch_add(1, std::memory_order_relaxed);

@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "9_write/json.hpp"
+#include "io/write/json.hpp"
 
 using lamella::JsonText;
 using nlohmann::json;

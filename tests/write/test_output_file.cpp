@@ -3,8 +3,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "9_write/output_file.hpp"
-#include "lamella/write.hpp"
+#include "io/write/output_file.hpp"
+#include "lamella/io/write.hpp"
 #include "temp_folder.hpp"
 #include "write/samples.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 void require_unwritable(const Status& status, const std::filesystem::path& path, const std::string& reason) {
     REQUIRE_FALSE(status.ok());
-    CHECK(status.error().code == Code::unwritable_file);
+    CHECK(status.error().code == ErrorCode::unwritable_file);
     CHECK(status.error().message == "cannot write '" + path.string() + "': " + reason);
 }
 

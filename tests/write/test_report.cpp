@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "lamella/write.hpp"
+#include "lamella/io/write.hpp"
 #include "write/samples.hpp"
 
 using namespace lamella;
@@ -92,7 +92,7 @@ TEST_CASE("report: every kind of plan says what it was", "[write]") {
         CHECK(report_of(result).at("plan").at("datum") == "mesh-min");
     }
     SECTION("explicit") {
-        result.plan = {ExplicitPlanes{{1, 2, 5}}, Side::above};
+        result.plan = {ExplicitPlanes{{1, 2, 5}}, PlaneSide::above};
         const json plan = report_of(result).at("plan");
         CHECK(plan.at("kind") == "explicit");
         CHECK(plan.at("heights") == 3);

@@ -1,13 +1,13 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <regex>
-#include <stop_token>
 #include <string>
 
 #include <catch2/catch.hpp>
 
-#include "lamella/write.hpp"
+#include "lamella/io/write.hpp"
 #include "temp_folder.hpp"
 #include "write/samples.hpp"
 
@@ -92,7 +92,7 @@ TEST_CASE("svg: flat contours are kept under a type of their own", "[write]") {
 TEST_CASE("svg: grid, rounding rule, datum and frame are stated", "[write]") {
     SliceResult result = write_test::square_with_hole();
     result.plan.spacing = UniformLayers{.layer_height_mm = 0.5, .first_height_mm = 0.25, .datum = Datum::zero};
-    result.plan.side = Side::above;
+    result.plan.side = PlaneSide::above;
     result.frame.m = {0, 1, 0, 2.5, -1, 0, 0, 0, 0, 0, 1, -7};
     const std::string svg = svg_of(result);
     const std::string desc = svg.substr(svg.find("<desc>"), svg.find("</desc>") - svg.find("<desc>"));
@@ -135,10 +135,11 @@ TEST_CASE("svg: more points than fit the buffer arrive in order", "[write]") {
 
 TEST_CASE("svg: a stop request leaves nothing", "[write]") {
     const TempFolder folder;
-    std::stop_source source;
-    source.request_stop();
-    const Status status = write_svg(write_test::square_with_hole(), folder / "a.svg", source.get_token());
+    std::atomic<bool> stop = false;
+    stop = true;
+    const Status status =
+        write_svg(write_test::square_with_hole(), folder / "a.svg", {}, {.stop = lamella::StopCheck::when(stop)});
     REQUIRE_FALSE(status.ok());
-    CHECK(status.error().code == Code::cancelled);
+    CHECK(status.error().code == ErrorCode::cancelled);
     CHECK(folder.names().empty());
 }

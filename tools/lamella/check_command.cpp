@@ -10,9 +10,9 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "failure.hpp"
-#include "lamella/check.hpp"
-#include "lamella/check_report.hpp"
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/check_report.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "lamella/mesh/check.hpp"
 #include "mesh_input.hpp"
 #include "output_path.hpp"
 
@@ -46,7 +46,7 @@ void require_outputs(const CheckArguments& arguments) {
 
 MeshCheck checked(const CheckArguments& arguments, const MeshFile& mesh) {
     CheckOptions options;
-    options.threads = arguments.threads;
+    options.control.threads = arguments.threads;
     options.transform = mesh.to_mm();
     options.tolerance_mm = arguments.tolerance_mm;
     options.most_places = arguments.marks.empty() ? arguments.places : std::max(arguments.places, most_marks);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "console.hpp"
-#include "lamella/check_report.hpp"
+#include "lamella/io/check_report.hpp"
 #include "mesh_input.hpp"
 
 namespace lamella::cli {
@@ -22,7 +22,7 @@ std::string point(const std::array<double, 3>& mm) {
 }
 
 /// What is particular to the kind.
-std::string detail(Fault fault, const Place& place) {
+std::string detail(Fault fault, const FaultPlace& place) {
     switch (fault) {
         case Fault::overfull_balanced:
         case Fault::overfull_unbalanced:
@@ -45,7 +45,7 @@ std::string detail(Fault fault, const Place& place) {
     }
 }
 
-std::string words(Fault fault, const Place& place) {
+std::string words(Fault fault, const FaultPlace& place) {
     std::string text = "  ";
     for (std::size_t i = 0; i < static_cast<std::size_t>(place.point_count); ++i) {
         text += (i == 0 ? "" : " ") + point(place.points_mm[i]);
@@ -72,7 +72,7 @@ std::string words(Fault fault, const Finding& finding, std::size_t most) {
     return text + more(finding.count, shown);
 }
 
-std::string words(const Shell& shell) {
+std::string words(const MeshShell& shell) {
     const std::string kind = !shell.closed     ? "not closed"
                              : shell.sense > 0 ? "solid"
                              : shell.sense < 0 ? "cavity"

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string>
 
-#include "lamella/check.hpp"
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "lamella/mesh/check.hpp"
 
 namespace lamella::cli {
 

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "lamella/status.hpp"
+#include "lamella/error.hpp"
 
 namespace lamella::cli {
 
@@ -27,19 +27,19 @@ private:
 /// What the library's error means for a command line.
 inline Failure failure_of(const Error& error) {
     switch (error.code) {
-        case Code::invalid_argument:
-        case Code::bad_planes:
-        case Code::result_too_large:
+        case ErrorCode::invalid_argument:
+        case ErrorCode::bad_planes:
+        case ErrorCode::result_too_large:
             return {bad_usage, error.message};
-        case Code::unwritable_file:
+        case ErrorCode::unwritable_file:
             return {bad_output, error.message};
-        case Code::unreadable_file:
-        case Code::malformed_mesh:
-        case Code::empty_mesh:
-        case Code::bad_coordinate:
-        case Code::too_entangled:
-        case Code::out_of_memory:
-        case Code::cancelled:
+        case ErrorCode::unreadable_file:
+        case ErrorCode::malformed_mesh:
+        case ErrorCode::empty_mesh:
+        case ErrorCode::bad_coordinate:
+        case ErrorCode::too_entangled:
+        case ErrorCode::out_of_memory:
+        case ErrorCode::cancelled:
             break;
     }
     return {bad_input, error.message};

@@ -5,8 +5,8 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "failure.hpp"
-#include "lamella/inspect.hpp"
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "lamella/mesh/inspect.hpp"
 #include "mesh_input.hpp"
 
 namespace lamella::cli {
@@ -35,7 +35,7 @@ std::string words(const std::string& path, const MeshFile& mesh, const MeshInfo&
 void run(const MeshArguments& arguments) {
     const MeshFile mesh = read_mesh_and_warn(arguments);
     const Result<MeshInfo> info =
-        inspect(mesh.view(), {.unit_mm = 0, .threads = arguments.threads, .transform = mesh.to_mm()});
+        inspect(mesh.view(), {.unit_mm = 0, .transform = mesh.to_mm(), .control = {.threads = arguments.threads}});
     if (!info) {
         throw Failure(failure_of(info.error()).status(), arguments.mesh + ": " + info.error().message);
     }

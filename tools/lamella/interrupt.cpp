@@ -7,7 +7,7 @@
 
 #include "console.hpp"
 #include "failure.hpp"
-#include "lamella/write.hpp"
+#include "lamella/io/write.hpp"
 
 namespace lamella::cli {
 
@@ -54,9 +54,9 @@ void Interrupt::tidy(std::vector<std::filesystem::path> outputs) {
     outputs_ = std::move(outputs);
 }
 
-std::stop_token Interrupt::defer() noexcept {
+StopCheck Interrupt::defer() noexcept {
     deferring_ = true;
-    return source_.get_token();
+    return StopCheck::when(stop_);
 }
 
 void Interrupt::wait_for_signals() {
@@ -69,7 +69,7 @@ void Interrupt::wait_for_signals() {
             die_by(signal_number);
         }
         signal_ = signal_number;
-        source_.request_stop();
+        stop_ = true;
     }
 }
 

@@ -4,11 +4,12 @@
 #include <atomic>
 #include <filesystem>
 #include <mutex>
-#include <stop_token>
 #include <thread>
 #include <vector>
 
 #include <csignal>
+
+#include "lamella/control.hpp"
 
 namespace lamella::cli {
 
@@ -26,7 +27,7 @@ public:
 
     /// From here on a signal becomes a stop request; until here it ends the process, and so does always the second one. One
     /// that comes when all is written is too late: the command ends as it would have.
-    std::stop_token defer() noexcept;
+    StopCheck defer() noexcept;
 
     /// Ends the process as the deferred signal would have, if one came.
     void die_if_interrupted() noexcept;
@@ -35,7 +36,7 @@ private:
     void wait_for_signals();
     void die_by(int signal_number) noexcept;
 
-    std::stop_source source_;
+    std::atomic<bool> stop_ = false;
     std::atomic<bool> deferring_ = false;
     std::atomic<bool> finished_ = false;
     std::atomic<int> signal_ = 0;

@@ -13,6 +13,7 @@
 #include "console.hpp"
 #include "failure.hpp"
 #include "interrupt.hpp"
+#include "lamella/version.hpp"
 
 namespace lamella::cli {
 
@@ -33,7 +34,7 @@ std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
 int run(int count, char** words) {
     Interrupt interrupt;
     CLI::App app("Slices triangle meshes into closed, oriented, nested contours", "lamella");
-    app.set_version_flag("--version", LAMELLA_VERSION);
+    app.set_version_flag("--version", lamella::version);
     app.require_subcommand(1);
     add_slice_command(app, interrupt);
     add_info_command(app);

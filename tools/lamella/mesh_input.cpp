@@ -46,14 +46,13 @@ MeshFile read_mesh_of(const MeshArguments& arguments) {
     if (arguments.map_file) {
         explain_bus_errors(arguments.mesh);
     }
-    Result<MeshFile> mesh = read_mesh(arguments.mesh, {.threads = arguments.threads,
-                                                       .memory = nullptr,
-                                                       .map_file = arguments.map_file,
-                                                       .mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit")});
+    Result<MeshFile> mesh = read_mesh(arguments.mesh, {.map_file = arguments.map_file,
+                                                       .mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit"),
+                                                       .control = {.threads = arguments.threads}});
     if (!mesh) {
         const Failure failure = failure_of(mesh.error());
         // Where memory ran out there was none left to say in which file.
-        throw mesh.error().code == Code::out_of_memory && std::string_view(failure.what()) == "out of memory"
+        throw mesh.error().code == ErrorCode::out_of_memory && std::string_view(failure.what()) == "out of memory"
             ? Failure(failure.status(), arguments.mesh + ": " + failure.what())
             : failure;
     }

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
 
 namespace lamella::cli {
 

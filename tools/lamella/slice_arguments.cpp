@@ -140,8 +140,8 @@ void declare_planes(CLI::App& command, SliceArguments& arguments) {
     random->type_name("MIN:MAX")->check(given)->excludes(first)->excludes(datum);
     first->type_name("MM");
     command.add_option("--seed", arguments.seed, "Of the random heights (1)")->type_name("N")->needs(random);
-    declare_choice<Side>(command, "--side", arguments.side, {{"below", Side::below}, {"above", Side::above}},
-                         "The side of a plane on which vertices of its very height are not (below)");
+    declare_choice<PlaneSide>(command, "--side", arguments.side, {{"below", PlaneSide::below}, {"above", PlaneSide::above}},
+                              "The side of a plane on which vertices of its very height are not (below)");
 }
 
 }  // namespace
@@ -203,9 +203,9 @@ SliceRequest request_of(const SliceArguments& arguments) {
     }
     request.options.close_gaps_mm = arguments.close_gaps_mm.value_or(0);
     request.options.fill_rule = arguments.fill_rule;
-    request.options.threads = arguments.threads;
-    request.options.band_planes = arguments.band_planes;
-    request.options.form = arguments.form;
+    request.options.control.threads = arguments.threads;
+    request.options.tuning.band_planes = arguments.band_planes;
+    request.options.tuning.form = arguments.form;
     return request;
 }
 

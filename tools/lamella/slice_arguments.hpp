@@ -24,7 +24,7 @@ struct SliceArguments : MeshArguments {
     std::uint64_t seed = 1;
     std::optional<double> first_height_mm;
     Datum datum = Datum::mesh_min;
-    Side side = Side::below;
+    PlaneSide side = PlaneSide::below;
     std::optional<double> grid_mm;
     std::optional<double> weld_mm;
     std::optional<double> close_gaps_mm;

@@ -81,10 +81,10 @@ private:
     }
 
     SliceResult slice_mesh(const MeshFile& mesh, SliceRequest& request) {
-        request.options.stop = interrupt_.defer();
+        request.options.control.stop = interrupt_.defer();
         request.options.transform = request.options.transform * mesh.to_mm();
         if (bar_.shown()) {
-            request.options.progress = [this](double fraction) { bar_.show("slicing", fraction); };
+            request.options.control.progress = Progress::to(show_slicing_);
         }
         if (arguments_.weld_mm) {
             weld_vertices(mesh);
@@ -99,14 +99,13 @@ private:
 
     void weld_vertices(const MeshFile& mesh) {
         bar_.show("welding", 0);
-        const double tolerance = *arguments_.weld_mm / mesh.mm_per_unit;
-        Result<WeldedMesh> welded = weld(mesh.view(), tolerance);
+        Result<WeldedMesh> welded =
+            weld(mesh.view(), {.tolerance_mm = *arguments_.weld_mm, .mm_per_unit = mesh.mm_per_unit});
         bar_.wipe();
         if (!welded) {
             throw Failure(failure_of(welded.error()).status(), arguments_.mesh + ": " + welded.error().message);
         }
         welded_ = std::move(welded).value();
-        welded_->largest_move *= mesh.mm_per_unit;
         context_.welded = &*welded_;
         context_.weld_mm = *arguments_.weld_mm;
     }
@@ -115,7 +114,7 @@ private:
         interrupt_.die_if_interrupted();
         const Failure failure = failure_of(error);
         const auto plane = static_cast<std::size_t>(error.plane);
-        if (error.code == Code::bad_planes && plane < request.plane_lines.size()) {
+        if (error.code == ErrorCode::bad_planes && plane < request.plane_lines.size()) {
             return {bad_input, arguments_.planes + ":" + std::to_string(request.plane_lines[plane]) + ": " + error.message};
         }
         // Of an option the message says all; of a mesh it must say which.
@@ -128,7 +127,7 @@ private:
         }
         bar_.show("writing", 0);
         const Stopwatch watch;
-        const Status status = write_svg(result, arguments_.output, interrupt_.defer(), context_);
+        const Status status = write_svg(result, arguments_.output, context_, {.stop = interrupt_.defer()});
         bar_.wipe();
         if (!status) {
             throw failure_of(status.error());
@@ -143,9 +142,9 @@ private:
             return;
         }
         const MeshView sliced = welded_ ? welded_->view() : mesh.view();
-        const auto books = found(ledger(sliced, result, arguments_.threads));
-        const auto volume = found(certify_volume(sliced, result, arguments_.threads));
-        const auto crossings = found(find_crossings(result, arguments_.threads));
+        const auto books = found(make_ledger(sliced, result, {.threads = arguments_.threads}));
+        const auto volume = found(certify_volume(sliced, result, {.threads = arguments_.threads}));
+        const auto crossings = found(find_crossings(result, {.threads = arguments_.threads}));
         interrupt_.die_if_interrupted();
         ReportContext context = context_;
         context.file = &mesh;
@@ -179,6 +178,10 @@ private:
     const SliceArguments& arguments_;
     Interrupt& interrupt_;
     ProgressBar bar_;
+    struct ShowSlicing {
+        ProgressBar& bar;
+        void operator()(double fraction) const noexcept { bar.show("slicing", fraction); }
+    } show_slicing_{bar_};
     std::optional<WeldedMesh> welded_;
     ReportContext context_;
     Stopwatch total_;

@@ -41,8 +41,9 @@ std::string mesh_line(const SliceSummary& counts, const MeshFile& mesh, const Re
 std::string planes_line(const SliceResult& result) {
     return "planes    " + grouped(result.layers.size()) + ": " +
            std::visit([](const auto& spacing) { return words(spacing); }, result.plan.spacing) +
-           "\nrounding  as a vertex, then " + (result.plan.side == Side::below ? "down (side below)" : "up (side above)") +
-           ", grid " + exact_text(result.unit_mm) + " mm\n";
+           "\nrounding  as a vertex, then " +
+           (result.plan.side == PlaneSide::below ? "down (side below)" : "up (side above)") + ", grid " +
+           exact_text(result.unit_mm) + " mm\n";
 }
 
 /// What was done beyond cutting, if anything.
@@ -50,7 +51,8 @@ std::string mending(const SliceResult& result, const ReportContext& context) {
     std::string text;
     if (context.welded != nullptr) {
         text += "welded    " + counted(context.welded->joined, "vertex", "vertices") + " onto others at most " +
-                exact_text(context.weld_mm) + " mm away, the farthest " + rounded(context.welded->largest_move, 6) + " mm\n";
+                exact_text(context.weld_mm) + " mm away, the farthest " + rounded(context.welded->largest_move_mm, 6) +
+                " mm\n";
     }
     if (result.close_gaps_mm > 0) {
         double longest = 0;

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "lamella/mesh_file.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "lamella/io/write.hpp"
 #include "lamella/result.hpp"
-#include "lamella/write.hpp"
 
 namespace lamella::cli {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "9_write/output_file.hpp"
+#include "io/write/output_file.hpp"
 #include "models/numbers.hpp"
 #include "models/surface.hpp"
 
@@ -34,7 +34,7 @@ static_assert(record_bytes == 50);
 
 Status check(const Recipe& recipe) {
     const auto out_of_range = [](const char* what, const char* range) {
-        return Error{Code::invalid_argument, std::string(what) + ": must lie " + range};
+        return Error{ErrorCode::invalid_argument, std::string(what) + ": must lie " + range};
     };
     const auto length_ok = [](double mm) { return mm >= 1e-3 && mm <= 1e6; };
     if (recipe.triangles < fewest_triangles || recipe.triangles > most_triangles) {
@@ -114,7 +114,7 @@ void append(std::span<const Triangle> triangles, OutputFile& file) {
 
 }  // namespace
 
-Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path, const std::stop_token& stop) try {
+Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path, const StopCheck& stop) try {
     Plan planned = plan(recipe);
     if (!planned) {
         return planned.error();
@@ -134,14 +134,14 @@ Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::pat
         });
     }
     if (stop.stop_requested()) {
-        return Error{Code::cancelled, path.string() + ": interrupted"};
+        return Error{ErrorCode::cancelled, path.string() + ": interrupted"};
     }
     if (const Status status = file->commit(); !status) {
         return status.error();
     }
     return surface.triangles();
 } catch (const std::bad_alloc&) {
-    return Error{Code::out_of_memory, path.string() + ": out of memory while making the mesh"};
+    return Error{ErrorCode::out_of_memory, path.string() + ": out of memory while making the mesh"};
 }
 
 std::vector<float> make_soup(const Recipe& recipe) {

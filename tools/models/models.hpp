@@ -7,11 +7,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <stop_token>
 #include <string_view>
 #include <vector>
 
-#include "lamella/status.hpp"
+#include "lamella/control.hpp"
+#include "lamella/error.hpp"
 
 namespace lamella::models {
 
@@ -55,7 +55,7 @@ struct Recipe {
 /// Order::z streams with memory O(cross-section); Order::random holds 36 bytes a triangle. Errors: invalid_argument (a
 /// number out of range, or segments that this shape cannot give), unwritable_file, out_of_memory, cancelled. `stop` is read
 /// while the file is being written, of which nothing then stays.
-Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path, const std::stop_token& stop = {});
+Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::path& path, const StopCheck& stop = {});
 
 /// The same mesh in memory, nine floats a triangle. Empty where write_stl would give invalid_argument.
 std::vector<float> make_soup(const Recipe& recipe);

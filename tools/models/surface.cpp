@@ -66,7 +66,7 @@ Error unreachable(const Recipe& recipe, double nearest) {
         message += " with " + std::to_string(*recipe.segments) + " segments at this layer height: the nearest tried has " +
                    std::to_string(static_cast<std::uint64_t>(nearest));
     }
-    return {Code::invalid_argument, std::move(message)};
+    return {ErrorCode::invalid_argument, std::move(message)};
 }
 
 }  // namespace lamella::models

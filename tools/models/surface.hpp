@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "lamella/status.hpp"
+#include "lamella/error.hpp"
 #include "models/models.hpp"
 
 namespace lamella::models {

@@ -1,0 +1,232 @@
+#include "lamella/audit/ledger.hpp"
+
+#include <algorithm>
+
+#include "audit/pair.hpp"
+#include "audit/slab_pieces.hpp"
+#include "base/guard.hpp"
+#include "slicing/grid/quantise.hpp"
+#include "slicing/planes/plane_set.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t grain = 4096;
+constexpr std::size_t part_triangles = 1 << 14;  ///< whose vertices stay in the cache
+constexpr std::size_t most_samples = 1 << 16;
+
+/// Slabs in ranges that hold about as many triangles each, so that threads can take one after the other.
+class Parts {
+public:
+    /// `samples`: slabs of vertices from all over the mesh.
+    Parts(std::vector<PlaneIndex> samples, std::size_t triangles, PlaneIndex planes) : part_of_(std::size_t{planes} + 1) {
+        std::sort(samples.begin(), samples.end());
+        const std::size_t parts = std::clamp<std::size_t>(triangles / part_triangles, 1, samples.size());
+        std::uint32_t part = 0;
+        std::size_t next = 1;  // part that is due to begin
+        for (PlaneIndex slab = 0; slab <= planes; ++slab) {
+            const auto below =
+                static_cast<std::size_t>(std::lower_bound(samples.begin(), samples.end(), slab) - samples.begin());
+            if (slab > 0 && below >= samples.size() * next / parts) {
+                ++part;
+                next = below * parts / samples.size() + 1;
+            }
+            part_of_[slab] = part;
+        }
+    }
+
+    std::size_t size() const noexcept { return std::size_t{part_of_.back()} + 1; }
+    std::uint32_t of(PlaneIndex slab) const noexcept { return part_of_[slab]; }
+    /// Slabs [first, last].
+    std::pair<PlaneIndex, PlaneIndex> slabs(std::size_t part) const noexcept {
+        const auto [begin, end] = std::equal_range(part_of_.begin(), part_of_.end(), static_cast<std::uint32_t>(part));
+        return {static_cast<PlaneIndex>(begin - part_of_.begin()), static_cast<PlaneIndex>(end - part_of_.begin() - 1)};
+    }
+
+private:
+    std::vector<std::uint32_t> part_of_;  // ascending
+};
+
+/// What one worker counts, and the triangles that it found for each part.
+struct Share {
+    std::uint64_t cut = 0;
+    std::uint64_t degenerate = 0;
+    std::uint64_t horizontal = 0;
+    std::vector<std::vector<std::uint32_t>> parts;
+};
+
+struct PartEntries {
+    std::vector<Slab> slabs;
+    std::vector<SurfacePiece> pieces;
+};
+
+template <class Reader>
+class Bookkeeping {
+public:
+    Bookkeeping(const Reader& read, const SliceResult& result, const PlaneSet& planes, const Parallel& parallel)
+        : read_(read),
+          result_(result),
+          planes_(planes),
+          parallel_(parallel),
+          triangles_(result.summary.triangles),
+          parts_(sample(), triangles_, planes.size()),
+          shares_(static_cast<std::size_t>(parallel.threads())) {}
+
+    Ledger run() {
+        share_out();
+        std::vector<PartEntries> entries = go_through_parts();
+        return close(entries);
+    }
+
+private:
+    std::vector<PlaneIndex> sample() const {
+        std::vector<PlaneIndex> samples(std::min(most_samples, triangles_));
+        parallel_.run_ranges(samples.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i < end; ++i) {
+                samples[i] = planes_.first_above(read_(triangles_ * i / samples.size())[0].z);
+            }
+        });
+        return samples;
+    }
+
+    /// Each triangle to the parts of its vertices.
+    void share_out() {
+        for (Share& share : shares_) {
+            share.parts.resize(parts_.size());
+        }
+        parallel_.run_ranges(triangles_, grain, [&](std::size_t begin, std::size_t end, int worker) {
+            Share& share = shares_[static_cast<std::size_t>(worker)];
+            for (std::size_t t = begin; t < end; ++t) {
+                enter(share, static_cast<std::uint32_t>(t));
+            }
+        });
+    }
+
+    void enter(Share& share, std::uint32_t t) const {
+        const GridTriangle corners = read_(t);
+        if (is_degenerate(corners)) {
+            ++share.degenerate;
+            return;
+        }
+        const SlabTriangle triangle(corners, planes_);
+        share.cut += triangle.within_one() ? 0 : 1;
+        share.horizontal += triangle.is_horizontal() ? 1 : 0;
+        const std::array<std::uint32_t, 3> own = {parts_.of(triangle.slabs[0]), parts_.of(triangle.slabs[1]),
+                                                  parts_.of(triangle.slabs[2])};
+        share.parts[own[0]].push_back(t);
+        if (own[1] != own[0]) {
+            share.parts[own[1]].push_back(t);
+        }
+        if (own[2] != own[0] && own[2] != own[1]) {
+            share.parts[own[2]].push_back(t);
+        }
+    }
+
+    std::size_t triangles_of(std::size_t part) const {
+        std::size_t triangles = 0;
+        for (const Share& share : shares_) {
+            triangles += share.parts[part].size();
+        }
+        return triangles;
+    }
+
+    std::vector<PartEntries> go_through_parts() {
+        std::vector<PartEntries> entries(parts_.size());
+        std::vector<SlabPieces> workers(shares_.size(), SlabPieces(planes_, result_.unit_mm));
+        parallel_.run(parts_.size(), [&](std::size_t part, int worker) {
+            SlabPieces& pieces = workers[static_cast<std::size_t>(worker)];
+            const auto [first, last] = parts_.slabs(part);
+            pieces.begin(first, last, triangles_of(part));
+            for (const Share& share : shares_) {
+                for (const std::uint32_t t : share.parts[part]) {
+                    pieces.add(SlabTriangle(read_(t), planes_));
+                }
+            }
+            pieces.finish(entries[part].slabs, entries[part].pieces);
+        });
+        return entries;
+    }
+
+    Ledger close(const std::vector<PartEntries>& entries) const {
+        Ledger ledger;
+        ledger.triangles = triangles_;
+        for (const Share& share : shares_) {
+            ledger.cut += share.cut;
+            ledger.degenerate += share.degenerate;
+            ledger.horizontal += share.horizontal;
+        }
+        ledger.between = ledger.triangles - ledger.cut - ledger.degenerate;
+        for (const PartEntries& part : entries) {
+            ledger.slabs.insert(ledger.slabs.end(), part.slabs.begin(), part.slabs.end());
+            ledger.pieces.insert(ledger.pieces.end(), part.pieces.begin(), part.pieces.end());
+        }
+        for (const Slab& slab : ledger.slabs) {
+            ledger.flat_up_mm2 += slab.flat_up_mm2;
+            ledger.flat_down_mm2 += slab.flat_down_mm2;
+        }
+        for (const SurfacePiece& piece : ledger.pieces) {
+            SurfacePieceCount& kind = piece.kind == SurfacePieceKind::shell  ? ledger.shells
+                                      : piece.kind == SurfacePieceKind::peak ? ledger.peaks
+                                                                             : ledger.pits;
+            ++kind.count;
+            kind.triangles += piece.triangles;
+        }
+        ledger.gaps = find_gaps();
+        return ledger;
+    }
+
+    std::vector<std::uint64_t> find_gaps() const {
+        std::vector<std::uint64_t> gaps;
+        std::vector<std::uint64_t> empty;
+        bool begun = false;
+        for (std::size_t l = 0; l < result_.layers.size(); ++l) {
+            if (result_.layers[l].contour_count == 0) {
+                empty.push_back(l);
+                continue;
+            }
+            if (begun) {
+                gaps.insert(gaps.end(), empty.begin(), empty.end());
+            }
+            begun = true;
+            empty.clear();
+        }
+        return gaps;
+    }
+
+    const Reader& read_;
+    const SliceResult& result_;
+    const PlaneSet& planes_;
+    const Parallel& parallel_;
+    std::size_t triangles_;
+    Parts parts_;
+    std::vector<Share> shares_;  // by worker
+};
+
+Result<Ledger> ledger_or_throw(const MeshView& mesh, const SliceResult& result, const Control& control) {
+    if (control.threads < 0) {
+        return Error{ErrorCode::invalid_argument, "threads must not be negative"};
+    }
+    const Parallel parallel(control);
+    if (const Result<Bounds> bounds = examine(mesh, result, parallel); !bounds) {
+        return bounds.error();
+    }
+    PlaneSet planes(nullptr);
+    planes.build(result.layers);
+    return with_reader(mesh, result.frame, result.unit_mm, [&](const auto& read) -> Result<Ledger> {
+        return Bookkeeping(read, result, planes, parallel).run();
+    });
+}
+
+}  // namespace
+
+std::string_view name_of(SurfacePieceKind kind) noexcept {
+    constexpr std::array<std::string_view, 3> names = {"shell", "peak", "pit"};
+    return names[static_cast<std::size_t>(kind)];
+}
+
+Result<Ledger> make_ledger(const MeshView& mesh, const SliceResult& result, const Control& control) noexcept {
+    return guarded([&] { return ledger_or_throw(mesh, result, control); });
+}
+
+}  // namespace lamella

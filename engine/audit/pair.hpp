@@ -1,0 +1,18 @@
+// What every call that goes through a finished result begins with: that it can be gone through.
+#pragma once
+
+#include "base/parallel.hpp"
+#include "lamella/error.hpp"
+#include "lamella/mesh.hpp"
+#include "lamella/result.hpp"
+#include "slicing/grid/bounds.hpp"
+
+namespace lamella {
+
+/// Planes ascend, and the contours of layers and the points of contours lie within their arrays. Less than validate().
+Status examine(const SliceResult& result);
+
+/// The same, and the mesh can be what was sliced: as many triangles, each index in range, coordinates within the grid.
+Result<Bounds> examine(const MeshView& mesh, const SliceResult& result, const Parallel& parallel);
+
+}  // namespace lamella

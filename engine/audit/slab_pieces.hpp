@@ -1,0 +1,80 @@
+// The pieces of the surface within a few slabs. A piece that does not join two planes has a vertex in its slab, and all its
+// vertices there are joined by edges that stay in the slab: so it is a set of vertices, and the edges that leave the slab
+// tell which planes it meets.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/int128.hpp"
+#include "lamella/audit/ledger.hpp"
+#include "slicing/grid/quantise.hpp"
+#include "slicing/planes/plane_set.hpp"
+
+namespace lamella {
+
+/// A triangle, and the slab of each vertex: the first plane above it.
+struct SlabTriangle {
+    GridTriangle corners;
+    std::array<PlaneIndex, 3> slabs;
+
+    SlabTriangle(const GridTriangle& t, const PlaneSet& planes) noexcept
+        : corners(t), slabs{planes.first_above(t[0].z), planes.first_above(t[1].z), planes.first_above(t[2].z)} {}
+
+    bool within_one() const noexcept { return slabs[0] == slabs[1] && slabs[1] == slabs[2]; }
+    bool is_horizontal() const noexcept { return corners[0].z == corners[1].z && corners[1].z == corners[2].z; }
+};
+
+/// Goes through one range of slabs after another; its memory is kept.
+class SlabPieces {
+public:
+    SlabPieces(const PlaneSet& planes, double unit_mm) noexcept : planes_(planes), unit_mm_(unit_mm) {}
+
+    /// Forgets all, for slabs [first, last] and about so many triangles.
+    void begin(PlaneIndex first, PlaneIndex last, std::size_t triangles);
+    /// Every triangle with a vertex in the range must come, once, in any order.
+    void add(const SlabTriangle& triangle);
+    /// Appends what the range holds; the slabs from below, their pieces by kind and place.
+    void finish(std::vector<Slab>& slabs, std::vector<SurfacePiece>& pieces);
+
+private:
+    static constexpr std::uint32_t none = 0xffffffff;
+    static constexpr std::uint8_t meets_below = 1;
+    static constexpr std::uint8_t meets_above = 2;
+
+    /// A vertex, and, if it is its own parent once all edges are in, the set that it stands for.
+    struct Node {
+        GridVertex lowest;
+        GridVertex highest;
+        std::uint32_t parent;
+        PlaneIndex slab;
+        std::uint32_t triangles;
+        std::uint8_t meets;
+    };
+    struct Total {
+        std::uint64_t triangles = 0;
+        Int128 up = 0;  ///< twice the areas of horizontal faces, square units
+        Int128 down = 0;
+        std::uint64_t shells = 0;
+        std::uint64_t peaks = 0;
+        std::uint64_t pits = 0;
+    };
+
+    bool holds(PlaneIndex slab) const noexcept { return first_ <= slab && slab <= last_; }
+    std::uint32_t node_at(const GridVertex& vertex, PlaneIndex slab);
+    void grow();
+    std::uint32_t root_of(std::uint32_t node) noexcept;
+    void unite(std::uint32_t a, std::uint32_t b) noexcept;
+    void gather();
+    void close(const Node& set, std::vector<SurfacePiece>& pieces);
+
+    const PlaneSet& planes_;
+    double unit_mm_;
+    PlaneIndex first_ = 0;
+    PlaneIndex last_ = 0;
+    std::vector<std::uint32_t> table_;  // of nodes by vertex, open addressing; a power of two, at most half full
+    std::vector<Node> nodes_;
+    std::vector<Total> totals_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,23 @@
+// Where exceptions end: what a public call does inside may throw, the call itself does not.
+#pragma once
+
+#include <utility>
+
+#include "base/parallel.hpp"
+#include "lamella/error.hpp"
+
+namespace lamella {
+
+/// What `call` returns, a Result or a Status, or the Error that its exception stands for.
+template <class Call>
+auto guarded(Call&& call) noexcept -> decltype(call()) {
+    try {
+        return std::forward<Call>(call)();
+    } catch (const Stopped&) {
+        return Error{ErrorCode::cancelled, "cancelled"};
+    } catch (...) {  // bad_alloc, or length_error where a text cannot be that long
+        return Error{ErrorCode::out_of_memory, "out of memory"};  // short enough to need no memory
+    }
+}
+
+}  // namespace lamella

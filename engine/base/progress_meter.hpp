@@ -1,0 +1,32 @@
+// Progress told to the host: by one thread at a time and never falling, whoever gets how far.
+#pragma once
+
+#include <mutex>
+
+#include "lamella/control.hpp"
+
+namespace lamella {
+
+class ProgressMeter {
+public:
+    explicit ProgressMeter(const Progress& sink) noexcept : sink_(sink) {}
+
+    /// From any thread, which does not wait: while another one reports, this is left out.
+    void reach(double fraction) noexcept {
+        if (sink_.report == nullptr) {
+            return;
+        }
+        const std::unique_lock lock(mutex_, std::try_to_lock);
+        if (lock.owns_lock() && fraction > reported_) {
+            reported_ = fraction;
+            sink_.report(sink_.context, fraction);
+        }
+    }
+
+private:
+    Progress sink_;
+    std::mutex mutex_;
+    double reported_ = -1;
+};
+
+}  // namespace lamella

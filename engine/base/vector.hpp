@@ -1,0 +1,58 @@
+// std::vector over the host's memory.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <new>
+#include <type_traits>
+#include <vector>
+
+#include "lamella/memory.hpp"
+
+namespace lamella {
+
+/// Takes from `memory`, or from operator new where it is null.
+template <class T>
+class Allocator {
+public:
+    using value_type = T;
+    using propagate_on_container_move_assignment = std::true_type;
+    using propagate_on_container_swap = std::true_type;
+
+    // Implicit, as a vector is constructed from where its memory comes from.
+    Allocator(const Memory* memory = nullptr) noexcept : memory_(memory) {}  // NOLINT(google-explicit-constructor)
+    template <class U>
+    Allocator(const Allocator<U>& other) noexcept : memory_(other.memory()) {}  // NOLINT(google-explicit-constructor)
+
+    T* allocate(std::size_t count) {
+        if (count > std::numeric_limits<std::size_t>::max() / sizeof(T)) {
+            throw std::bad_array_new_length();
+        }
+        const std::size_t bytes = count * sizeof(T);
+        void* const taken =
+            memory_ == nullptr ? ::operator new(bytes) : memory_->allocate(memory_->context, bytes, alignof(T));
+        if (taken == nullptr) {
+            throw std::bad_alloc();
+        }
+        return static_cast<T*>(taken);
+    }
+    void deallocate(T* taken, std::size_t count) noexcept {
+        if (memory_ == nullptr) {
+            ::operator delete(taken);
+        } else {
+            memory_->release(memory_->context, taken, count * sizeof(T), alignof(T));
+        }
+    }
+
+    const Memory* memory() const noexcept { return memory_; }
+    friend bool operator==(const Allocator&, const Allocator&) = default;
+
+private:
+    static_assert(alignof(T) <= alignof(std::max_align_t), "operator new aligns no further");
+    const Memory* memory_;
+};
+
+template <class T>
+using Vector = std::vector<T, Allocator<T>>;
+
+}  // namespace lamella

@@ -1,0 +1,132 @@
+#include "io/read/gzip.hpp"
+#include "lamella/memory.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t chunk_bytes = std::size_t{4} << 20;
+constexpr int gzip_window = 16 + MAX_WBITS;  // 16: the format is gzip, not zlib
+
+/// What has been decompressed so far, in chunks: the whole size is known only in the end.
+class Chunks {
+public:
+    explicit Chunks(const Memory* memory) : memory_(memory) {}
+
+    std::uint64_t size() const noexcept { return chunks_.empty() ? 0 : (chunks_.size() - 1) * chunk_bytes + used_; }
+
+    /// Where the next bytes go; never empty.
+    std::span<std::byte> room() {
+        if (chunks_.empty() || used_ == chunk_bytes) {
+            chunks_.emplace_back(memory_).resize_discarding(chunk_bytes);
+            used_ = 0;
+        }
+        return chunks_.back().span().subspan(used_);
+    }
+    void used(std::size_t bytes) noexcept { used_ += bytes; }
+
+    /// All in one piece; each chunk is given back once it is copied.
+    Array<std::byte> joined() {
+        Array<std::byte> whole(memory_);
+        if (size() == 0) {
+            return whole;  // without memory that bytes could be copied to
+        }
+        whole.resize_discarding(size());
+        std::byte* to = whole.data();
+        for (std::size_t c = 0; c < chunks_.size(); ++c) {
+            const std::size_t bytes = c + 1 < chunks_.size() ? chunk_bytes : used_;
+            std::memcpy(to, chunks_[c].data(), bytes);
+            to += bytes;
+            chunks_[c] = Array<std::byte>(memory_);
+        }
+        chunks_.clear();
+        return whole;
+    }
+
+private:
+    const Memory* memory_;
+    std::vector<Array<std::byte>> chunks_;
+    std::size_t used_ = 0;  // of the last chunk
+};
+
+class Inflater {
+public:
+    explicit Inflater(std::span<const std::byte> file) : left_(file) {
+        if (inflateInit2(&stream_, gzip_window) != Z_OK) {
+            throw std::bad_alloc();
+        }
+    }
+    ~Inflater() { inflateEnd(&stream_); }
+    Inflater(const Inflater&) = delete;
+    Inflater& operator=(const Inflater&) = delete;
+
+    /// Decompresses one step into `chunks`; zlib's answer.
+    int step(Chunks& chunks) {
+        const std::span<std::byte> room = chunks.room();
+        const std::size_t offered = std::min<std::size_t>(left_.size(), chunk_bytes);
+        stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(left_.data()));  // zlib does not write there
+        stream_.avail_in = static_cast<uInt>(offered);
+        stream_.next_out = reinterpret_cast<Bytef*>(room.data());
+        stream_.avail_out = static_cast<uInt>(room.size());
+        const int answer = inflate(&stream_, Z_NO_FLUSH);
+        left_ = left_.subspan(offered - stream_.avail_in);
+        chunks.used(room.size() - stream_.avail_out);
+        return answer;
+    }
+
+    /// After a member's end: whether another one follows, which the next step() begins.
+    bool next_member() {
+        if (left_.size() < gzip_magic.size() || std::memcmp(left_.data(), gzip_magic.data(), gzip_magic.size()) != 0) {
+            return false;
+        }
+        return inflateReset(&stream_) == Z_OK;
+    }
+
+    std::uint64_t left() const noexcept { return left_.size(); }
+    std::string complaint() const { return stream_.msg != nullptr ? std::string(": ") + stream_.msg : std::string(); }
+
+private:
+    z_stream stream_{};
+    std::span<const std::byte> left_;
+};
+
+}  // namespace
+
+Unzipped unzip(std::span<const std::byte> file, std::uint64_t limit_bytes, const Memory* memory) {
+    Unzipped result{Array<std::byte>(memory), 0, {}, ErrorCode::malformed_mesh};
+    Inflater inflater(file);
+    Chunks chunks(memory);
+    for (;;) {
+        const int answer = inflater.step(chunks);
+        if (chunks.size() > limit_bytes) {
+            result.problem = "expands to more than the " + std::to_string(limit_bytes) + " bytes that reading it may take";
+            result.code = ErrorCode::out_of_memory;
+            return result;
+        }
+        if (answer == Z_STREAM_END && !inflater.next_member()) {
+            break;
+        }
+        if (answer == Z_MEM_ERROR) {
+            throw std::bad_alloc();
+        }
+        if (answer == Z_BUF_ERROR && inflater.left() == 0) {
+            result.problem = "is truncated: its gzip data end too early";
+            return result;
+        }
+        if (answer != Z_OK && answer != Z_STREAM_END && answer != Z_BUF_ERROR) {
+            result.problem = "is damaged: no valid gzip data" + inflater.complaint();
+            return result;
+        }
+    }
+    result.ignored_bytes = inflater.left();
+    result.contents = chunks.joined();
+    return result;
+}
+
+}  // namespace lamella

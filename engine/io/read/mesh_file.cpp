@@ -1,0 +1,278 @@
+// Stage 1: from a file to a mesh in memory, whatever the format.
+#include "lamella/io/mesh_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <new>
+#include <optional>
+#include <stdexcept>
+
+#include "base/clock.hpp"
+#include "base/guard.hpp"
+#include "base/words.hpp"
+#include "io/read/gzip.hpp"
+#include "io/read/reader.hpp"
+#include "io/text/text.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::array all_readers = {
+    Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, read_stl},
+    Reader{MeshFormat::obj, "OBJ", ".obj", looks_like_obj, read_obj},
+    Reader{MeshFormat::off, "OFF", ".off", looks_like_off, read_off, looks_like_headless_off},
+    Reader{MeshFormat::ply, "PLY", ".ply", looks_like_ply, read_ply},
+    Reader{MeshFormat::vtk, "VTK", ".vtk", looks_like_vtk, read_vtk},
+    Reader{MeshFormat::vtp, "VTP", ".vtp", looks_like_vtp, read_vtp},
+    Reader{MeshFormat::three_mf, "3MF", ".3mf", looks_like_3mf, read_3mf},
+};
+
+/// How much of the file decides what it is.
+constexpr std::size_t sample_bytes = std::size_t{64} << 10;
+
+std::uint64_t memory_limit(const ReadOptions& options, std::uint64_t file_bytes) {
+    constexpr std::uint64_t allowance = std::uint64_t{256} << 20;
+    return options.memory_limit_bytes != 0 ? options.memory_limit_bytes : 3 * file_bytes + allowance;
+}
+
+std::string lower_case_extension(const std::filesystem::path& path) {
+    std::string text = path.extension().string();
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c; });
+    return text;
+}
+
+bool is_named_gz(const std::filesystem::path& path) {
+    return lower_case_extension(path) == ".gz";
+}
+
+/// The name's extension in lower case, ".gz" left out.
+std::string extension_of(const std::filesystem::path& path) {
+    return lower_case_extension(is_named_gz(path) ? path.stem() : path);
+}
+
+const Reader* reader_for_extension(std::string_view extension) {
+    const auto* const found = std::find_if(all_readers.begin(), all_readers.end(), [extension](const Reader& reader) {
+        for (std::size_t at = reader.extensions.find(extension); at != std::string_view::npos;
+             at = reader.extensions.find(extension, at + 1)) {
+            const std::size_t end = at + extension.size();
+            if (end == reader.extensions.size() || reader.extensions[end] == '.') {
+                return true;
+            }
+        }
+        return false;
+    });
+    return extension.empty() || found == all_readers.end() ? nullptr : &*found;
+}
+
+std::string known_formats() {
+    std::string names;
+    for (const Reader& reader : all_readers) {
+        names += (names.empty() ? "" : (&reader == &all_readers.back() ? " or " : ", ")) + std::string(reader.name);
+    }
+    return names;
+}
+
+Error unrecognised(const FileSource& source) {
+    const std::string_view sample = without_byte_order_mark(source.sample());
+    constexpr std::size_t quoted = 32;
+    const std::string_view line = sample.substr(0, std::min(sample.find_first_of("\r\n"), quoted));
+    return source.error(ErrorCode::malformed_mesh,
+                        "is no " + known_formats() + " file: " +
+                            (is_text(source.sample()) ? "text that begins with '" + printable(std::string(line)) + "'"
+                                                      : "unknown binary data"),
+                        0);
+}
+
+/// By content, else by name. A name that says otherwise than the content is warned of.
+const Reader* choose_reader(const FileSource& source, const std::filesystem::path& path,
+                            std::vector<std::string>& warnings) {
+    const Reader* const by_name = reader_for_extension(extension_of(path));
+    // The name is asked first: where more than one format could begin like this, it decides.
+    if (by_name != nullptr && by_name->recognises(source)) {
+        return by_name;
+    }
+    const auto* const found = std::find_if(all_readers.begin(), all_readers.end(),
+                                           [&](const Reader& reader) { return reader.recognises(source); });
+    if (found == all_readers.end()) {
+        if (by_name != nullptr && by_name->recognises_by_name != nullptr && by_name->recognises_by_name(source)) {
+            return by_name;
+        }
+        // What is not text may be a damaged file of the format in its name, whose reader will say what is wrong.
+        return is_text(source.sample()) ? nullptr : by_name;
+    }
+    if (by_name != nullptr) {
+        warnings.push_back(source.name() + ": is a file of format " + std::string(found->name) + ", not " +
+                           std::string(by_name->name) + " as its name says");
+    }
+    return &*found;
+}
+
+Result<MeshFile> read_source(FileSource& source, const std::filesystem::path& path, const ReadOptions& options) {
+    if (source.size() == 0) {
+        return source.error(ErrorCode::empty_mesh, "is empty");
+    }
+    if (Status got = source.read_sample(); !got) {
+        return got.error();
+    }
+    std::vector<std::string> warnings;
+    const Reader* const reader = choose_reader(source, path, warnings);
+    if (reader == nullptr) {
+        return unrecognised(source);
+    }
+    Result<MeshFile> mesh = reader->read(source);
+    if (mesh) {
+        mesh->format = reader->format;
+        mesh->mm_per_unit = mesh->states_unit ? mesh->mm_per_unit : options.mm_per_unit;
+        mesh->warnings.insert(mesh->warnings.begin(), warnings.begin(), warnings.end());
+    }
+    return mesh;
+}
+
+Result<MeshFile> read_compressed(FileSource& packed, const InputFile& file, const std::filesystem::path& path,
+                                 const ReadOptions& options, const Parallel& parallel) {
+    const Result<Array<std::byte>> bytes = packed.take(file.size());
+    if (!bytes) {
+        return bytes.error();
+    }
+    const Clock::time_point start = Clock::now();
+    Unzipped unzipped = unzip(bytes.value().span(), packed.memory_limit(), options.control.memory);
+    if (!unzipped.problem.empty()) {
+        return file.error(unzipped.code, unzipped.problem);
+    }
+    if (as_text(unzipped.contents.span()).starts_with(gzip_magic)) {
+        return file.error(ErrorCode::malformed_mesh, "is compressed twice: its gzip data are gzip data again");
+    }
+    const double unzip_ms = milliseconds_since(start);
+    FileSource source(file, std::move(unzipped.contents), options, parallel);
+    Result<MeshFile> mesh = read_source(source, path, options);
+    if (mesh) {
+        mesh->compressed = true;
+        mesh->parse_ms += unzip_ms;
+        if (unzipped.ignored_bytes > 0) {
+            mesh->warnings.push_back(file.name() + ": ignored " + counted(unzipped.ignored_bytes, "byte") +
+                                     " after the gzip data");
+        }
+    }
+    return mesh;
+}
+
+Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& options) {
+    const Clock::time_point start = Clock::now();
+    const Result<InputFile> opened = InputFile::open(path);
+    if (!opened) {
+        return opened.error();
+    }
+    const InputFile& file = opened.value();
+    const Parallel parallel(options.control);
+    FileSource source(file, options, parallel);
+    if (Status got = source.read_sample(); !got) {
+        return got.error();
+    }
+    Result<MeshFile> mesh = source.sample().starts_with(gzip_magic) ? read_compressed(source, file, path, options, parallel)
+                                                                    : read_source(source, path, options);
+    if (mesh) {
+        if (mesh->compressed != is_named_gz(path)) {
+            mesh->warnings.insert(mesh->warnings.begin(),
+                                  file.name() + (mesh->compressed ? ": is compressed by gzip, which its name does not say"
+                                                                  : ": is not compressed by gzip, as its name says"));
+        }
+        mesh->file_bytes = file.size();
+        mesh->read_ms = milliseconds_since(start) - mesh->parse_ms;
+    }
+    return mesh;
+}
+
+}  // namespace
+
+std::string_view name_of(MeshFormat format) noexcept {
+    return std::find_if(all_readers.begin(), all_readers.end(), [format](const Reader& r) { return r.format == format; })
+        ->name;
+}
+
+std::span<const std::string_view> format_names() noexcept {
+    static constexpr auto names = [] {
+        std::array<std::string_view, all_readers.size()> each{};
+        std::transform(all_readers.begin(), all_readers.end(), each.begin(), [](const Reader& r) { return r.name; });
+        return each;
+    }();
+    return names;
+}
+
+std::string_view name_of(PatientFrame frame) noexcept {
+    constexpr std::array<std::string_view, 3> names = {"", "LPS", "RAS"};
+    return names[static_cast<std::size_t>(frame)];
+}
+
+bool is_text(std::string_view sample) noexcept {
+    return std::none_of(sample.begin(), sample.end(), [](char c) { return c >= 0 && c < ' ' && !(c >= '\t' && c <= '\r'); });
+}
+
+// --- FileSource
+
+FileSource::FileSource(const InputFile& file, const ReadOptions& options, const Parallel& parallel)
+    : file_(file),
+      options_(options),
+      parallel_(parallel),
+      memory_limit_(lamella::memory_limit(options, file.size())),
+      contents_(options.control.memory) {}
+
+FileSource::FileSource(const InputFile& file, Array<std::byte> contents, const ReadOptions& options,
+                       const Parallel& parallel)
+    : file_(file),
+      options_(options),
+      parallel_(parallel),
+      memory_limit_(lamella::memory_limit(options, contents.size())),
+      compressed_(true),
+      contents_(std::move(contents)) {}
+
+Status FileSource::read_sample() {
+    const std::size_t count = std::min<std::uint64_t>(size(), sample_bytes);
+    if (compressed_) {
+        sample_ = as_text(contents_.span().first(count));
+        return {};
+    }
+    sample_.resize(count);
+    return file_.read(std::as_writable_bytes(std::span(sample_)), parallel_);
+}
+
+Result<Array<std::byte>> FileSource::take(std::size_t count) {
+    if (compressed_) {
+        contents_.set_size(count);
+        return std::move(contents_);
+    }
+    if (options_.map_file && count > 0) {
+        Result<Array<std::byte>> mapped = file_.map(count);
+        if (!mapped) {
+            return mapped;
+        }
+        if (Status same = file_.unchanged(); !same) {
+            return same.error();
+        }
+        return mapped;
+    }
+    Array<std::byte> bytes(options_.control.memory);
+    bytes.resize_discarding(count);
+    if (Status got = file_.read(bytes.span(), parallel_); !got) {
+        return got.error();
+    }
+    if (Status same = file_.unchanged(); !same) {
+        return same.error();
+    }
+    return bytes;
+}
+
+Error FileSource::error_in_text(std::string_view text, std::size_t offset, const std::string& what) const {
+    return error(ErrorCode::malformed_mesh,
+                 "line " + std::to_string(line_of(text, offset)) + ", byte " + std::to_string(offset) + ": " + what,
+                 static_cast<std::int64_t>(offset));
+}
+
+// ---
+
+Result<MeshFile> read_mesh(const std::filesystem::path& path, const ReadOptions& options) noexcept {
+    return guarded([&] { return read(path, options); });
+}
+
+}  // namespace lamella

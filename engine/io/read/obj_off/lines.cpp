@@ -1,0 +1,173 @@
+#include "io/read/obj_off/lines.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstdint>
+#include <utility>
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t piece_bytes = std::size_t{1} << 20;
+
+/// Behind the first line end at or after `from` at which a piece may end.
+const char* next_cut(const char* from, const char* end) {
+    for (const char* p = skip_line(from, end); p != end; p = skip_line(p + 1, end)) {
+        // A CR that an LF follows is no end yet.
+        if (p[-1] != '\\' && !(*p == '\r' && p + 1 != end && p[1] == '\n') &&
+            !(*p == '\n' && p[-1] == '\r' && p[-2] == '\\')) {
+            return p + 1;
+        }
+    }
+    return end;
+}
+
+}  // namespace
+
+std::string_view head_comments(std::string_view text) {
+    const char* const end = text.data() + text.size();
+    const char* p = skip_space(text.data(), end);
+    while (p != end && *p == '#') {
+        p = skip_space(skip_line(p, end), end);
+    }
+    return text.substr(0, static_cast<std::size_t>(p - text.data()));
+}
+
+std::vector<TextPiece> cut_at_lines(std::string_view text) {
+    std::vector<TextPiece> pieces;
+    const char* const end = text.data() + text.size();
+    for (const char* begin = text.data(); begin != end;) {
+        const auto left = static_cast<std::size_t>(end - begin);
+        const char* const cut = left > piece_bytes ? next_cut(begin + piece_bytes, end) : end;
+        pieces.push_back({.text = {begin, static_cast<std::size_t>(cut - begin)}});
+        begin = cut;
+    }
+    return pieces;
+}
+
+std::size_t number_pieces(std::vector<TextPiece>& pieces) {
+    std::size_t all = 0;
+    for (TextPiece& piece : pieces) {
+        piece.first = std::exchange(all, all + piece.count);
+    }
+    return all;
+}
+
+TextFailure parse_pieces(std::size_t count, const Parallel& parallel,
+                         FunctionRef<TextFailure(std::size_t piece, int worker)> parse) {
+    std::vector<TextFailure> failures(count);
+    std::atomic<std::size_t> failed{count};
+    parallel.run(count, [&](std::size_t i, int worker) {
+        if (i > failed.load(std::memory_order_relaxed)) {
+            return;  // an earlier piece fails, and only the first failure is told
+        }
+        failures[i] = parse(i, worker);
+        if (failures[i].at != nullptr) {
+            std::size_t first = failed.load();
+            while (i < first && !failed.compare_exchange_weak(first, i)) {
+            }
+        }
+    });
+    const auto first = std::find_if(failures.begin(), failures.end(), [](const TextFailure& f) { return f.at != nullptr; });
+    return first == failures.end() ? TextFailure() : *first;
+}
+
+/// Of a line of words and single blanks, eight characters at a time; nothing where there is more to it than that.
+std::optional<std::size_t> LineParser::count_plain_words() {
+    std::size_t words = 0;
+    std::uint64_t before = 0;  // whether the last character was part of a word
+    for (const char* p = p_; end_ - p >= 8; p += 8) {
+        const std::uint64_t eight = load_eight(p);
+        const std::uint64_t low_bits = eight & ~eight_of('\x80');
+        const std::uint64_t control = ~((low_bits + eight_of('\x60')) | eight) & eight_of('\x80');
+        const std::uint64_t stops = control | bits_where(eight, '#') | bits_where(eight, '\\');
+        const int stop = std::countr_zero(stops) & ~7;
+        std::uint64_t letters = ((low_bits + eight_of('\x5F')) | eight) & eight_of('\x80');
+        letters &= stops != 0 ? (std::uint64_t{1} << stop) - 1 : ~std::uint64_t{0};
+        const std::uint64_t begins = letters & ~(letters << 8 | before);
+        words += begins / 0x80 * eight_of(1) >> 56;
+        before = letters >> 56;
+        if (stops != 0) {
+            p += stop / 8;
+            p_ = ends_line(*p) ? p : p_;
+            return ends_line(*p) ? std::optional(words) : std::nullopt;
+        }
+    }
+    return std::nullopt;
+}
+
+std::size_t LineParser::count_words() {
+    if (const std::optional<std::size_t> plain = count_plain_words()) {
+        return *plain;
+    }
+    std::size_t words = 0;
+    for (; to_word(); skip_word()) {
+        ++words;
+    }
+    return words;
+}
+
+void LineParser::skip_rest() {
+    if (p_ != end_ && ends_line(*p_)) {
+        return;
+    }
+    const char* const line_end = skip_line(p_, end_);
+    if (continued_ && line_end != p_ && line_end[-1] == '\\') {
+        count_words();  // leaves a comment, if that is where the backslash is
+        p_ = skip_line(p_, end_);
+    } else {
+        p_ = line_end;
+    }
+}
+
+bool LineParser::vertex(double* xyz, int others) {
+    return coordinate(xyz[0]) && coordinate(xyz[1]) && coordinate(xyz[2]) && other_numbers(others);
+}
+
+bool LineParser::coordinate(double& value) {
+    if (!to_word()) {
+        return fail("expected a coordinate (a vertex has three), found " + found());
+    }
+    const NumberText got = number(value);
+    return got == NumberText::read || fail(coordinate_problem(got, "double", found()));
+}
+
+bool LineParser::other_numbers(int most) {
+    for (int i = 0; to_word(); ++i) {
+        double ignored = 0;
+        if (i == most) {
+            return fail("expected the end of the line, found " + found());
+        }
+        if (number(ignored) == NumberText::malformed) {
+            return fail("expected a number or the end of the line, found " + found());
+        }
+        skip_word();  // where the number is not finite
+    }
+    return true;
+}
+
+NumberText LineParser::number(double& value) {
+    const NumberText got = read_number(p_, end_, value);
+    if (got != NumberText::malformed || !continued_) {
+        return got;
+    }
+    // It may end at a backslash that continues the line.
+    const char* word_end = p_;
+    while (!word_ends(word_end)) {
+        ++word_end;
+    }
+    return read_number(p_, word_end, value);
+}
+
+bool LineParser::fail(const std::string& what) {
+    failure_ = {p_, what};
+    return false;
+}
+
+std::string LineParser::found() const {
+    return p_ != end_ && ends_line(*p_) ? "the end of the line" : word_at(p_, end_);
+}
+
+}  // namespace lamella

@@ -1,0 +1,136 @@
+// Text whose statements are lines, cut into pieces that are parsed in parallel.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "io/text/text.hpp"
+
+namespace lamella {
+
+/// White space within a line.
+constexpr bool is_blank(char c) {
+    return (c == ' ') | (c == '\t') | (c == '\v') | (c == '\f');
+}
+
+/// The bytes of a backslash and the line end behind it, which join two lines; 0 where there is none at `p`.
+inline std::size_t continuation_at(const char* p, const char* end) {
+    if (p == end || *p != '\\' || p + 1 == end || !ends_line(p[1])) {
+        return 0;
+    }
+    return p + 2 != end && p[1] == '\r' && p[2] == '\n' ? 3 : 2;
+}
+
+inline const char* skip_blank(const char* p, const char* end) {
+    while (p != end && is_blank(*p)) {
+        ++p;
+    }
+    return p;
+}
+
+/// The comments and empty lines that `text` begins with.
+std::string_view head_comments(std::string_view text);
+
+/// A piece of text, and which of the file's vertices (of an OBJ file) or lines (of an OFF file) are in it.
+struct TextPiece {
+    std::string_view text;
+    std::size_t first = 0;
+    std::size_t count = 0;
+
+    std::size_t end() const noexcept { return first + count; }
+};
+
+/// The pieces of `text`, about 1 MB each. Every one ends behind a line end that no backslash precedes, or with the text.
+/// They depend on the text alone, so that errors do not depend on threads.
+std::vector<TextPiece> cut_at_lines(std::string_view text);
+
+/// Numbers what the pieces have counted. Returns how many there are in all.
+std::size_t number_pieces(std::vector<TextPiece>& pieces);
+
+/// What a reader leaves out of a piece or of the whole text.
+struct LeftOut {
+    std::size_t count = 0;
+    const char* first = nullptr;
+
+    void add(const char* at) { add({1, at}); }
+    /// Precondition: what `next` counts comes behind what was counted.
+    void add(const LeftOut& next) {
+        first = first != nullptr ? first : next.first;
+        count += next.count;
+    }
+};
+
+struct TextFailure {
+    const char* at = nullptr;  ///< null: none
+    std::string what;
+};
+
+/// Calls parse(piece, worker) for pieces in [0, count), in parallel. The failure of the first that fails; pieces behind one
+/// that is known to fail may be left out.
+TextFailure parse_pieces(std::size_t count, const Parallel& parallel,
+                         FunctionRef<TextFailure(std::size_t piece, int worker)> parse);
+
+/// Words and numbers of one line after the other. What is wrong goes to failure(), and false comes back.
+class LineParser {
+public:
+    /// Precondition: `end` is behind a line end, or the end of the text.
+    LineParser(const char* begin, const char* end, bool continued) : p_(begin), end_(end), continued_(continued) {}
+
+    const TextFailure& failure() const { return failure_; }
+
+protected:
+    /// To the next word of the line, over line ends that a backslash precedes. False: there is none.
+    bool to_word() {
+        p_ = skip_blank(p_, end_);
+        while (continued_ && p_ != end_ && *p_ == '\\' && continuation_at(p_, end_) != 0) {
+            p_ = skip_blank(p_ + continuation_at(p_, end_), end_);
+        }
+        return p_ != end_ && !ends_line(*p_) && *p_ != '#';
+    }
+
+    /// Whether a word may end at `p`.
+    bool word_ends(const char* p) const {
+        return p == end_ || is_space(*p) || (continued_ && continuation_at(p, end_) != 0);
+    }
+
+    /// Behind the word at p_.
+    void skip_word() {
+        const char* p = p_;
+        do {
+            while (p != end_ && !is_space(*p) && *p != '\\') {
+                ++p;
+            }
+        } while (!word_ends(p) && ++p);
+        p_ = p;
+    }
+
+    /// The words of the line from p_ on, which is not within one, read over.
+    std::size_t count_words();
+
+    /// To the end of the line, the lines that continue it included. Comments are not continued.
+    void skip_rest();
+
+    /// The three coordinates of a vertex, and then at most `others` numbers that are read over.
+    bool vertex(double* xyz, int others);
+    bool other_numbers(int most);
+
+    bool fail(const std::string& what);
+    std::string found() const;
+
+    const char* p_;
+    const char* end_;
+
+private:
+    std::optional<std::size_t> count_plain_words();
+    bool coordinate(double& value);
+    NumberText number(double& value);
+
+    bool continued_;  // by a backslash
+    TextFailure failure_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,254 @@
+// Wavefront OBJ: vertices and faces; all other statements are read over, with a warning where they may hold a shape.
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "base/clock.hpp"
+#include "base/words.hpp"
+#include "io/read/obj_off/faces.hpp"
+#include "io/read/obj_off/lines.hpp"
+#include "io/read/reader.hpp"
+#include "io/read/stated_frame.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// Reads the statements of one piece, twice: what it counts first is what it writes then.
+///
+///     v X Y Z [W | R G B [A]]
+///     f CORNER CORNER CORNER ...          with CORNER = V[/[VT][/[VN]]]; also fo, of old
+class ObjParser : private LineParser {
+public:
+    explicit ObjParser(std::string_view piece) : LineParser(piece.data(), piece.data() + piece.size(), true) {}
+
+    /// Statements that may hold a shape and are not read go to `skipped`.
+    void count(TextPiece& piece, FaceRange& faces, LeftOut& skipped);
+
+    /// `vertex_count` is the whole file's, as faces may refer to vertices behind them.
+    bool parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces);
+
+    /// Where the piece's face of this number begins, of those with three corners or more. Precondition: it has so many.
+    const char* place_of_face(std::size_t number);
+
+    using LineParser::failure;
+
+private:
+    enum class Statement { vertex, face, other, none };
+
+    /// To the next statement and, of those that are read, behind its first word.
+    Statement next();
+    bool skips_silently();
+    bool face(FaceWriter& faces);
+    bool corner(FaceWriter& faces);
+    bool references();
+    bool out_of_range(bool from_here);
+
+    std::size_t vertex_count_ = 0;
+    std::size_t seen_ = 0;             // vertices before this statement, in the whole file
+    const char* statement_ = nullptr;  // where it begins
+};
+
+ObjParser::Statement ObjParser::next() {
+    for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
+        if (p_ == end_) {
+            return Statement::none;
+        }
+    }
+    statement_ = p_;
+    if (word_ends(p_ + 1) && (*p_ == 'v' || *p_ == 'f')) {
+        return *p_++ == 'v' ? Statement::vertex : Statement::face;
+    }
+    if (*p_ == 'f' && p_[1] == 'o' && word_ends(p_ + 2)) {
+        p_ += 2;
+        return Statement::face;
+    }
+    return Statement::other;
+}
+
+/// Whether the statement, which is not read, is known to hold no shape, or is part of one that is warned of. Goes over its
+/// first word.
+bool ObjParser::skips_silently() {
+    constexpr std::array<std::string_view, 34> known = {
+        "vt",        "vn",     "vp",     "l",      "p",     "g",        "o",        "s",    "mg",
+        "usemtl",    "mtllib", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod",  "shadow_obj",
+        "trace_obj", "ctech",  "stech",  "cstype", "deg",   "bmat",     "step",     "parm", "trim",
+        "hole",      "scrv",   "sp",     "end",    "con",   "res",      "csh"};
+    skip_word();
+    const std::string_view word(statement_, static_cast<std::size_t>(p_ - statement_));
+    return std::find(known.begin(), known.end(), word) != known.end();
+}
+
+void ObjParser::count(TextPiece& piece, FaceRange& faces, LeftOut& skipped) {
+    for (Statement statement = next(); statement != Statement::none; statement = next()) {
+        if (statement == Statement::face) {
+            faces.add(count_words(), statement_);
+        } else if (statement == Statement::vertex) {
+            ++piece.count;
+        } else if (!skips_silently()) {
+            skipped.add(statement_);
+        }
+        skip_rest();
+    }
+}
+
+bool ObjParser::parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces) {
+    constexpr int weight_or_colour = 4;
+    vertex_count_ = vertex_count;
+    seen_ = piece.first;
+    for (Statement statement = next(); statement != Statement::none; statement = next()) {
+        if (statement == Statement::vertex) {
+            double xyz[3];
+            if (!vertex(xyz, weight_or_colour)) {
+                return false;
+            }
+            std::memcpy(coordinates + seen_ * sizeof xyz, xyz, sizeof xyz);
+            ++seen_;
+        } else if (statement == Statement::face && !face(faces)) {
+            return false;
+        }
+        skip_rest();
+    }
+    return true;
+}
+
+const char* ObjParser::place_of_face(std::size_t number) {
+    for (Statement statement = next();; statement = next()) {
+        if (statement == Statement::face && count_words() >= 3 && number-- == 0) {
+            return statement_;
+        }
+        skip_rest();
+    }
+}
+
+bool ObjParser::face(FaceWriter& faces) {
+    while (to_word()) {
+        if (!corner(faces)) {
+            return false;
+        }
+    }
+    if (faces.corners() >= polygon_mark) {
+        p_ = statement_;
+        return fail("the face has " + std::to_string(faces.corners()) + " corners, too many to be cut into triangles");
+    }
+    if (faces.corners() < 3) {
+        faces.drop_face();
+    } else {
+        faces.end_face();
+    }
+    return true;
+}
+
+bool ObjParser::corner(FaceWriter& faces) {
+    const char* const begin = p_;
+    const bool from_here = *p_ == '-';
+    p_ += static_cast<int>(from_here);
+    const char* const digits = p_;
+    std::uint64_t number = 0;
+    p_ = read_digits(digits, end_, number);
+    if (p_ == digits || !references() || !word_ends(p_)) {
+        p_ = begin;
+        return fail("malformed vertex number " + found());
+    }
+    if (number == 0 || number > (from_here ? seen_ : vertex_count_)) {
+        p_ = begin;
+        return out_of_range(from_here);
+    }
+    faces.add_corner(static_cast<std::uint32_t>(from_here ? seen_ - number : number - 1));
+    return true;
+}
+
+/// The numbers of a corner's texture vertex and normal, which may be left out.
+bool ObjParser::references() {
+    const char* p = p_;
+    bool good = true;
+    for (int i = 0; i < 2 && good && p != end_ && *p == '/'; ++i) {
+        ++p;
+        const bool from_here = p != end_ && *p == '-';
+        p += static_cast<int>(from_here);
+        const char* const digits = p;
+        while (p != end_ && is_digit(*p)) {
+            ++p;
+        }
+        good = !from_here || p != digits;
+    }
+    p_ = p;
+    return good;
+}
+
+bool ObjParser::out_of_range(bool from_here) {
+    return fail("vertex number out of range: " +
+                (from_here ? std::to_string(seen_) + " vertices precede, found "
+                           : "the file has " + counted(vertex_count_, "vertex", "vertices") + ", found ") +
+                found());
+}
+
+void warn_of_skipped(const FileSource& source, std::string_view text, std::span<const LeftOut> pieces, MeshFile& mesh) {
+    LeftOut skipped;
+    for (const LeftOut& piece : pieces) {
+        skipped.add(piece);
+    }
+    if (skipped.count > 0) {
+        const auto offset = static_cast<std::size_t>(skipped.first - text.data());
+        mesh.warnings.push_back(source.name() + ": ignored " + std::to_string(skipped.count) +
+                                " statements that are not read, the first in line " + std::to_string(line_of(text, offset)) +
+                                ": " + word_at(skipped.first, text.data() + text.size()));
+    }
+}
+
+}  // namespace
+
+/// By its first statement, as nothing marks the format.
+bool looks_like_obj(const FileSource& source) {
+    constexpr std::array<std::string_view, 18> statements = {"v",      "vt",     "vn",     "vp",     "f",      "fo",
+                                                             "l",      "p",      "g",      "o",      "s",      "mg",
+                                                             "mtllib", "usemtl", "usemap", "cstype", "maplib", "deg"};
+    const std::string_view text = without_byte_order_mark(source.sample());
+    const std::string_view head = head_comments(text);
+    if (!is_text(text) || head.find("# vtk") != std::string_view::npos) {
+        return false;
+    }
+    const char* const begin = text.data() + head.size();
+    const char* const end = text.data() + text.size();
+    if (begin == end) {
+        return !head.empty();  // nothing but comments
+    }
+    const char* const word_end = skip_word(begin, end);
+    const std::string_view word(begin, static_cast<std::size_t>(word_end - begin));
+    // A statement says something: other text may begin, or be cut off, with a single letter.
+    return word_end != end && std::find(statements.begin(), statements.end(), word) != statements.end();
+}
+
+Result<MeshFile> read_obj(FileSource& source) {
+    const Result<Array<std::byte>> bytes = source.take(source.size());
+    if (!bytes) {
+        return bytes.error();
+    }
+    const Clock::time_point start = Clock::now();
+    const std::string_view whole = as_text(bytes.value().span());
+    const std::string_view text = without_byte_order_mark(whole);
+    std::vector<TextPiece> pieces = cut_at_lines(text);
+    std::vector<FaceRange> faces(pieces.size());
+    std::vector<LeftOut> skipped(pieces.size());
+    source.parallel().run(pieces.size(),
+                          [&](std::size_t i, int) { ObjParser(pieces[i].text).count(pieces[i], faces[i], skipped[i]); });
+    const std::size_t vertices = number_pieces(pieces);
+    Result<MeshFile> mesh = read_faces(
+        source, whole, vertices, faces,
+        [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {
+            ObjParser parser(pieces[i].text);
+            parser.parse(pieces[i], vertices, coordinates, writer);
+            return parser.failure();
+        },
+        [&](std::size_t i, std::size_t face) { return ObjParser(pieces[i].text).place_of_face(face); });
+    if (mesh) {
+        give_stated_frame(head_comments(text), source, mesh.value());
+        warn_of_skipped(source, whole, skipped, mesh.value());
+        mesh->parse_ms = milliseconds_since(start);
+    }
+    return mesh;
+}
+
+}  // namespace lamella

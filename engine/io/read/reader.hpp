@@ -1,0 +1,97 @@
+// What a reader of one format is given and what it must say of itself. all_readers in mesh_file.cpp lists them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/parallel.hpp"
+#include "io/read/input_file.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "lamella/memory.hpp"
+
+namespace lamella {
+
+/// A file as a reader sees it: its name for messages, how it begins, and its bytes once they are asked for.
+class FileSource {
+public:
+    /// The bytes come from `file`.
+    FileSource(const InputFile& file, const ReadOptions& options, const Parallel& parallel);
+    /// The bytes are `contents`, decompressed from `file`.
+    FileSource(const InputFile& file, Array<std::byte> contents, const ReadOptions& options, const Parallel& parallel);
+
+    const std::string& name() const noexcept { return file_.name(); }
+    std::uint64_t size() const noexcept { return compressed_ ? contents_.size() : file_.size(); }
+    bool compressed() const noexcept { return compressed_; }
+    const Parallel& parallel() const noexcept { return parallel_; }
+    const Memory* memory() const noexcept { return options_.control.memory; }
+    std::uint64_t memory_limit() const noexcept { return memory_limit_; }
+
+    /// Reads how the file begins; the rest of this class needs it.
+    Status read_sample();
+    /// The first 64 KiB, or all.
+    std::string_view sample() const noexcept { return sample_; }
+
+    /// The first `count` bytes, checked not to have changed while they were read. Once. Precondition: count <= size().
+    Result<Array<std::byte>> take(std::size_t count);
+
+    /// An error that names the file, and the byte where one is given.
+    Error error(ErrorCode code, const std::string& what, std::int64_t byte_offset = -1) const {
+        return file_.error(code, what, byte_offset);
+    }
+
+    /// An error at byte `offset` of the contents `text`, that names the line too.
+    Error error_in_text(std::string_view text, std::size_t offset, const std::string& what) const;
+
+private:
+    const InputFile& file_;
+    const ReadOptions& options_;
+    const Parallel& parallel_;
+    std::uint64_t memory_limit_;
+    bool compressed_ = false;
+    Array<std::byte> contents_;
+    std::string sample_;
+};
+
+/// A format: how it is recognised and read.
+struct Reader {
+    MeshFormat format;
+    std::string_view name;
+    std::string_view extensions;                   ///< ".abc.def"
+    bool (*recognises)(const FileSource& source);  ///< by its size and how it begins
+    Result<MeshFile> (*read)(FileSource& source);  ///< everything but what read_mesh() fills in for all
+    /// Where no reader recognises the file and its name is one of this format. Null: never.
+    bool (*recognises_by_name)(const FileSource& source) = nullptr;
+};
+
+// The readers, each in its file.
+bool looks_like_stl(const FileSource& source);
+Result<MeshFile> read_stl(FileSource& source);
+bool looks_like_obj(const FileSource& source);
+Result<MeshFile> read_obj(FileSource& source);
+bool looks_like_off(const FileSource& source);
+bool looks_like_headless_off(const FileSource& source);
+Result<MeshFile> read_off(FileSource& source);
+bool looks_like_ply(const FileSource& source);
+Result<MeshFile> read_ply(FileSource& source);
+bool looks_like_vtk(const FileSource& source);
+Result<MeshFile> read_vtk(FileSource& source);
+bool looks_like_vtp(const FileSource& source);
+Result<MeshFile> read_vtp(FileSource& source);
+bool looks_like_3mf(const FileSource& source);
+Result<MeshFile> read_3mf(FileSource& source);
+
+inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// `text` without the UTF-8 byte-order mark that it may begin with.
+inline std::string_view without_byte_order_mark(std::string_view text) noexcept {
+    return text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
+}
+
+/// No control characters but white space: every binary mesh has some in its first 64 KiB.
+bool is_text(std::string_view sample) noexcept;
+
+}  // namespace lamella

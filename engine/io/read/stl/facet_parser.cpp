@@ -1,0 +1,120 @@
+#include "io/read/stl/facet_parser.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace lamella {
+
+namespace {
+
+bool is_number_character(char c) {
+    return (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '+' || c == 'e' || c == 'E';
+}
+
+/// A component of a normal: digits, or how some C library spells what is not a number ("-nan(ind)", "1.#QNAN", "inf").
+/// Normals are not used, so that no more is asked of them.
+bool passes_for_number(std::string_view word) {
+    if (std::all_of(word.begin(), word.end(), is_number_character)) {
+        return true;
+    }
+    std::string lower(word.substr(0, 16));
+    std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) { return static_cast<char>(c | 0x20); });
+    return lower.find("nan") != std::string::npos || lower.find("inf") != std::string::npos ||
+           lower.find(".#") != std::string::npos;
+}
+
+/// Whether `facet normal N N N outer` begins at `p`: `facet normal` alone may be words of a name.
+bool begins_facet(const char* p, const char* end) {
+    if (!is_word<"facet">(p, end)) {
+        return false;
+    }
+    p = skip_space(skip_word(p, end), end);
+    if (!is_word<"normal">(p, end)) {
+        return false;
+    }
+    for (int word = 0; word < 4; ++word) {
+        p = skip_space(skip_word(p, end), end);
+    }
+    return is_word<"outer">(p, end);
+}
+
+}  // namespace
+
+bool FacetParser::fail(const std::string& what) {
+    failure_ = {p_, what};
+    return false;
+}
+
+template <Keyword keyword>
+inline bool FacetParser::word(const char* place) {
+    p_ = skip_space(p_, end_);
+    if (!is_word<keyword>(p_, end_)) {
+        return fail(std::string("expected '") + keyword.text + "' " + place + ", found " + found());
+    }
+    p_ += keyword.length;
+    return true;
+}
+
+bool FacetParser::next_facet(const char* stop, float* nine) {
+    for (p_ = skip_space(p_, end_); p_ < stop; p_ = skip_space(p_, end_)) {
+        solid_ended_ = is_word<"endsolid">(p_, end_);
+        if (is_word<"facet">(p_, end_)) {
+            const bool read = facet(nine);
+            last_end_ = p_;
+            return read;
+        }
+        if (!solid_ended_ && !is_word<"solid">(p_, end_)) {
+            return fail("expected 'facet', 'solid' or 'endsolid', found " + found());
+        }
+        p_ = last_end_ = name_end();
+    }
+    return false;
+}
+
+/// Of the name behind `solid` or `endsolid`: the line's end, or where a facet begins on the same line.
+const char* FacetParser::name_end() const {
+    const char* p = skip_word(p_, end_);
+    while (p != end_ && !ends_line(*p)) {
+        if (begins_facet(p, end_)) {
+            return p;
+        }
+        p = is_space(*p) ? p + 1 : skip_word(p, end_);
+    }
+    return p;
+}
+
+bool FacetParser::facet(float* nine) {
+    return word<"facet">("") && normal() && word<"outer">("after the normal") && word<"loop">("after 'outer'") &&
+           vertex(nine) && vertex(nine + 3) && vertex(nine + 6) && word<"endloop">("after three vertices") &&
+           word<"endfacet">("after 'endloop'");
+}
+
+bool FacetParser::normal() {
+    if (!word<"normal">("after 'facet'")) {
+        return false;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        p_ = skip_space(p_, end_);
+        const char* word_end = skip_word(p_, end_);
+        if (p_ == word_end || !passes_for_number({p_, static_cast<std::size_t>(word_end - p_)})) {
+            return fail("expected a number of the normal, found " + found());
+        }
+        p_ = word_end;
+    }
+    return true;
+}
+
+bool FacetParser::vertex(float* xyz) {
+    return word<"vertex">("(a facet has three)") && number(xyz[0]) && number(xyz[1]) && number(xyz[2]);
+}
+
+bool FacetParser::number(float& value) {
+    p_ = skip_space(p_, end_);
+    if (p_ == end_) {
+        return fail("expected a coordinate, found the end of the file");
+    }
+    const NumberText got = read_number(p_, end_, value);
+    return got == NumberText::read || fail(coordinate_problem(got, "float", found()));
+}
+
+}  // namespace lamella

@@ -1,0 +1,82 @@
+// The words of ASCII STL and a parser that goes from facet to facet.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include "io/text/text.hpp"
+
+namespace lamella {
+
+/// A word of at most eight lower-case letters, compared as one integer.
+template <std::size_t N>
+struct Keyword {
+    static constexpr std::size_t length = N - 1;
+    static_assert(length >= 1 && length <= 8, "the word is held in 64 bits");
+    std::uint64_t letters = 0;
+    char text[N] = {};
+
+    consteval Keyword(const char (&word)[N]) {  // NOLINT(google-explicit-constructor): a template argument
+        for (std::size_t i = 0; i < length; ++i) {
+            letters |= static_cast<std::uint64_t>(word[i]) << (8 * i);
+            text[i] = word[i];
+        }
+    }
+};
+
+/// Whether the text at `p` is `keyword`, in any case, and ends there.
+template <Keyword keyword>
+inline bool is_word(const char* p, const char* end) {
+    static_assert(std::endian::native == std::endian::little, "letters are compared in the order of memory");
+    constexpr std::size_t length = keyword.length;
+    const auto left = static_cast<std::size_t>(end - p);
+    if (left < length) {
+        return false;
+    }
+    std::uint64_t letters = 0;
+    std::memcpy(&letters, p, left < 8 ? length : 8);
+    letters |= 0x2020202020202020;
+    return (letters ^ keyword.letters) << (8 * (8 - length)) == 0 && (left == length || is_space(p[length]));
+}
+
+/// Reads facets from [begin, end) until it meets what is none of them; the failure then says what and where.
+class FacetParser {
+public:
+    struct Failure {
+        const char* at = nullptr;  ///< null: none
+        std::string what;
+    };
+
+    FacetParser(const char* begin, const char* end) : p_(begin), end_(end) {}
+
+    /// The nine coordinates of the next facet that begins before `stop`. False: there is none, or failure() tells.
+    bool next_facet(const char* stop, float* nine);
+
+    const Failure& failure() const { return failure_; }
+
+    /// Whether the last statement was `endsolid`, and where the last one ended.
+    bool solid_ended() const { return solid_ended_; }
+    const char* last_end() const { return last_end_; }
+
+private:
+    const char* name_end() const;
+    bool facet(float* nine);
+    bool normal();
+    bool vertex(float* xyz);
+    bool number(float& value);
+    template <Keyword keyword>
+    bool word(const char* place);
+    bool fail(const std::string& what);
+    std::string found() const { return word_at(p_, end_); }
+
+    const char* p_;
+    const char* end_;
+    const char* last_end_ = nullptr;
+    bool solid_ended_ = false;
+    Failure failure_;
+};
+
+}  // namespace lamella

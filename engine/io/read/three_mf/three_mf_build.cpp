@@ -1,0 +1,298 @@
+#include "io/read/three_mf/three_mf_build.hpp"
+#include "lamella/memory.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+namespace lamella::three_mf {
+
+namespace {
+
+constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+
+std::uint64_t sum(std::uint64_t a, std::uint64_t b) {
+    return b > most - a ? most : a + b;
+}
+
+std::uint64_t product(std::uint64_t a, std::uint64_t b) {
+    return a != 0 && b > most / a ? most : a * b;
+}
+
+/// What an object amounts to with all that is in it. Sums stop at `most`: forty objects, each of them the one before twice,
+/// make 2^40.
+struct Tally {
+    std::uint64_t visits = 0;  ///< of objects that come to triangles, each time they are met
+    std::uint64_t vertices = 0;
+    std::uint64_t triangles = 0;
+
+    void add(const Tally& other) {
+        visits = sum(visits, other.visits);
+        vertices = sum(vertices, other.vertices);
+        triangles = sum(triangles, other.triangles);
+    }
+
+    std::uint64_t bytes() const {
+        return sum(product(visits, sizeof(Instance)),
+                   sum(product(vertices, sizeof(Vertex)), product(triangles, sizeof(Triangle))));
+    }
+};
+
+/// Adds up the tallies of all objects that the build comes to, each once and its components before it.
+class Census {
+public:
+    explicit Census(Model& model) : model_(model), tallies_(model.objects.size()), states_(model.objects.size()) {}
+
+    std::optional<BuildProblem> run() {
+        for (const Reference& item : model_.items) {
+            const std::optional<std::uint32_t> object = enter(item);
+            if (!object || !finish_open()) {
+                return problem_;
+            }
+            total_.add(tallies_[*object]);
+        }
+        return std::nullopt;
+    }
+
+    const Tally& of(std::uint32_t object) const { return tallies_[object]; }
+    const Tally& total() const { return total_; }
+
+private:
+    enum class State : std::uint8_t { untouched, open, done };
+    /// An object whose components are being tallied. A stack of our own: a file may nest a million deep.
+    struct Open {
+        std::uint32_t object;
+        std::size_t next_component;
+    };
+
+    /// The index of the object referred to, which is opened unless it is done; nothing after a problem.
+    std::optional<std::uint32_t> enter(const Reference& reference) {
+        const auto found = model_.object_index.find(Model::key(reference.part, reference.id));
+        if (found == model_.object_index.end()) {
+            return refuse(reference, "there is no object " + std::to_string(reference.id) +
+                                         (reference.part == reference.place.part ? "" : " in the part that it names"));
+        }
+        const std::uint32_t index = found->second;
+        const Object& object = model_.objects[index];
+        if (object.type == ObjectType::other) {
+            return refuse(reference, "the build comes to object " + std::to_string(object.id) +
+                                         " of type 'other', which is not to be built");
+        }
+        if (states_[index] == State::open) {
+            return refuse(reference, "object " + std::to_string(object.id) + " is a component of itself");
+        }
+        if (states_[index] == State::untouched) {
+            open(index);
+        }
+        return index;
+    }
+
+    std::optional<std::uint32_t> refuse(const Reference& reference, std::string what) {
+        problem_ = {ErrorCode::malformed_mesh, reference.place, std::move(what)};
+        return std::nullopt;
+    }
+
+    void open(std::uint32_t index) {
+        const Object& object = model_.objects[index];
+        if (object.type == ObjectType::support) {
+            states_[index] = State::done;  // its tally stays empty, so that it is not placed
+            model_.warnings.push_back("ignored object " + std::to_string(object.id) + " of type 'support'");
+            return;
+        }
+        states_[index] = State::open;
+        open_.push_back({index, 0});
+        if (object.triangles.size() > 0) {
+            tallies_[index] = {0, object.vertices.size(), object.triangles.size()};
+        }
+    }
+
+    /// Until nothing is open. False after a problem.
+    bool finish_open() {
+        while (!open_.empty()) {
+            const std::uint32_t index = open_.back().object;
+            const Object& object = model_.objects[index];
+            if (open_.back().next_component < object.components.size()) {
+                // Met again when it is done, and added then.
+                const std::size_t depth = open_.size();
+                const std::optional<std::uint32_t> component = enter(object.components[open_.back().next_component]);
+                if (!component) {
+                    return false;
+                }
+                if (open_.size() == depth) {
+                    tallies_[index].add(tallies_[*component]);
+                    ++open_.back().next_component;
+                }
+                continue;
+            }
+            tallies_[index].visits = sum(tallies_[index].visits, tallies_[index].triangles > 0 ? 1 : 0);
+            states_[index] = State::done;
+            open_.pop_back();
+        }
+        return true;
+    }
+
+    Model& model_;
+    std::vector<Tally> tallies_;
+    std::vector<State> states_;
+    std::vector<Open> open_;
+    Tally total_;
+    std::optional<BuildProblem> problem_;
+};
+
+/// Lists instances by going through the components of every item. Objects without triangles are not met, so that the steps
+/// are those that the census counted.
+class Lister {
+public:
+    Lister(const Model& model, const Census& census, std::vector<Instance>& instances)
+        : model_(model), census_(census), instances_(instances) {}
+
+    void run() {
+        for (const Reference& item : model_.items) {
+            meet(item, Transform{}, false);
+            while (!open_.empty()) {
+                Open& last = open_.back();
+                const std::vector<Reference>& components = model_.objects[last.at.object].components;
+                if (last.next_component == components.size()) {
+                    open_.pop_back();
+                } else {
+                    const Reference& component = components[last.next_component++];
+                    const Instance at = last.at;  // the stack may move
+                    meet(component, at.transform, at.mirrored);
+                }
+            }
+        }
+    }
+
+private:
+    struct Open {
+        Instance at;
+        std::size_t next_component;
+    };
+
+    void meet(const Reference& reference, const Transform& outer, bool mirrored) {
+        const std::uint32_t index = model_.object_index.at(Model::key(reference.part, reference.id));
+        if (census_.of(index).triangles == 0) {
+            return;
+        }
+        const Instance instance{index, outer * reference.transform, mirrored != reference.mirrors};
+        if (model_.objects[index].triangles.size() > 0) {
+            instances_.push_back(instance);
+        } else {
+            open_.push_back({instance, 0});
+        }
+    }
+
+    const Model& model_;
+    const Census& census_;
+    std::vector<Instance>& instances_;
+    std::vector<Open> open_;
+};
+
+void put_vertices(std::span<const Vertex> vertices, const Transform& transform, std::byte* to) {
+    if (transform.is_identity()) {
+        std::memcpy(to, vertices.data(), vertices.size_bytes());
+        return;
+    }
+    const std::array<double, 12>& m = transform.m;
+    for (const Vertex& v : vertices) {
+        const Vertex placed{m[0] * v.x + m[1] * v.y + m[2] * v.z + m[3], m[4] * v.x + m[5] * v.y + m[6] * v.z + m[7],
+                            m[8] * v.x + m[9] * v.y + m[10] * v.z + m[11]};
+        std::memcpy(to, &placed, sizeof placed);
+        to += sizeof placed;
+    }
+}
+
+void put_triangles(std::span<const Triangle> triangles, std::uint32_t first_vertex, bool mirrored, std::uint32_t* to) {
+    for (const Triangle& triangle : triangles) {
+        *to++ = first_vertex + triangle[0];
+        *to++ = first_vertex + triangle[mirrored ? 2 : 1];
+        *to++ = first_vertex + triangle[mirrored ? 1 : 2];
+    }
+}
+
+/// Gives back the meshes that the build does not come to.
+void release_unused(Model& model, const std::vector<Instance>& instances) {
+    auto next = instances.begin();
+    for (std::uint32_t index = 0; index < model.objects.size(); ++index) {
+        next = std::find_if(next, instances.end(), [index](const Instance& i) { return i.object >= index; });
+        if (next == instances.end() || next->object != index) {
+            model.objects[index].vertices = ChunkList<Vertex>();
+            model.objects[index].triangles = ChunkList<Triangle>();
+        }
+    }
+}
+
+/// Writes the instances of one mesh behind what `mesh` holds, chunk by chunk, so that no mesh is in memory twice for long.
+void place_object(Object& object, std::span<const Instance> instances, MeshFile& mesh) {
+    std::uint64_t done = 0;
+    for (std::size_t c = 0; c < object.vertices.chunk_count(); ++c) {
+        const std::span<const Vertex> chunk = object.vertices.chunk(c);
+        for (std::size_t i = 0; i < instances.size(); ++i) {
+            const std::uint64_t first = mesh.vertex_count + i * object.vertices.size() + done;
+            put_vertices(chunk, instances[i].transform, mesh.bytes.data() + first * sizeof(Vertex));
+        }
+        done += chunk.size();
+        object.vertices.release(c);
+    }
+    done = 0;
+    for (std::size_t c = 0; c < object.triangles.chunk_count(); ++c) {
+        const std::span<const Triangle> chunk = object.triangles.chunk(c);
+        for (std::size_t i = 0; i < instances.size(); ++i) {
+            const std::uint64_t first = mesh.triangle_count + i * object.triangles.size() + done;
+            put_triangles(chunk, static_cast<std::uint32_t>(mesh.vertex_count + i * object.vertices.size()),
+                          instances[i].mirrored, mesh.indices.data() + 3 * first);
+        }
+        done += chunk.size();
+        object.triangles.release(c);
+    }
+    mesh.vertex_count += instances.size() * object.vertices.size();
+    mesh.triangle_count += instances.size() * object.triangles.size();
+}
+
+}  // namespace
+
+std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, std::vector<Instance>& instances) {
+    Census census(model);
+    if (std::optional<BuildProblem> problem = census.run()) {
+        return problem;
+    }
+    const Tally& total = census.total();
+    if (total.bytes() > limit_bytes) {
+        return BuildProblem{ErrorCode::out_of_memory, Place{},
+                            "builds " + std::string(total.triangles == most ? "more than " : "") +
+                                std::to_string(total.triangles) + " triangles, which take more than the " +
+                                std::to_string(limit_bytes) + " bytes that reading it may"};
+    }
+    if (total.vertices > std::numeric_limits<std::uint32_t>::max()) {
+        return BuildProblem{ErrorCode::out_of_memory, Place{}, "builds more vertices than 32-bit indices can tell apart"};
+    }
+    Lister(model, census, instances).run();
+    std::stable_sort(instances.begin(), instances.end(),
+                     [](const Instance& a, const Instance& b) { return a.object < b.object; });
+    return std::nullopt;
+}
+
+void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, MeshFile& mesh) {
+    std::uint64_t vertices = 0;
+    std::uint64_t triangles = 0;
+    for (const Instance& instance : instances) {
+        vertices += model.objects[instance.object].vertices.size();
+        triangles += model.objects[instance.object].triangles.size();
+    }
+    release_unused(model, instances);
+    mesh.bytes = Array<std::byte>(memory);
+    mesh.bytes.resize_discarding(vertices * sizeof(Vertex));
+    mesh.indices = Array<std::uint32_t>(memory);
+    mesh.indices.resize_discarding(3 * triangles);
+    mesh.number = CoordinateType::f64;
+    mesh.stride = sizeof(Vertex);
+    for (auto first = instances.begin(); first != instances.end();) {
+        const auto last =
+            std::find_if(first, instances.end(), [first](const Instance& other) { return other.object != first->object; });
+        place_object(model.objects[first->object], {first, last}, mesh);
+        first = last;
+    }
+}
+
+}  // namespace lamella::three_mf

@@ -1,0 +1,37 @@
+// From the objects and the build of a 3MF model to the mesh that they amount to.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/read/three_mf/three_mf_model.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "lamella/memory.hpp"
+
+namespace lamella::three_mf {
+
+/// What is wrong with a build, and where in the package.
+struct BuildProblem {
+    ErrorCode code = ErrorCode::malformed_mesh;
+    Place place;
+    std::string what;
+};
+
+/// A mesh object where the build wants it.
+struct Instance {
+    std::uint32_t object = 0;  ///< index
+    Transform transform;
+    bool mirrored = false;  ///< its triangles are turned round, so that they are seen from outside again
+};
+
+/// All that the build places, by object. Instances, of which components can nest more than any machine can hold, are counted
+/// before they are listed, and refused where they and their mesh would take more than `limit_bytes`. Types that are no part
+/// of the solid are left out, with a warning added to the model's.
+std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, std::vector<Instance>& instances);
+
+/// The mesh of all instances. The model's meshes are given back as they are copied.
+void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, MeshFile& mesh);
+
+}  // namespace lamella::three_mf

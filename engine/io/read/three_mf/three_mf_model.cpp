@@ -1,0 +1,126 @@
+#include "io/read/three_mf/three_mf_model.hpp"
+
+#include <optional>
+#include <utility>
+
+#include "io/read/three_mf/three_mf_part.hpp"
+#include "io/xml/xml.hpp"
+#include "lamella/memory.hpp"
+
+namespace lamella::three_mf {
+
+namespace {
+
+constexpr std::string_view package_relationships = "_rels/.rels";
+constexpr std::string_view content_types = "[Content_Types].xml";
+
+/// Finds the root model part among the relationships of a package.
+class RelationshipReader : public XmlReader {
+public:
+    using XmlReader::XmlReader;
+
+    const std::string& root() const noexcept { return root_; }  ///< empty: none
+
+private:
+    void begin_element(const XmlName& name, const XmlAttributes& attributes) override {
+        constexpr XmlName relationship{"http://schemas.openxmlformats.org/package/2006/relationships", "Relationship"};
+        constexpr std::string_view model_type = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
+        if (name != relationship || attributes.find("Type") != model_type) {
+            return;
+        }
+        const std::optional<std::string_view> target = attributes.find("Target");
+        const std::optional<std::string> part = target ? part_name(*target) : std::nullopt;
+        if (!part || attributes.find("TargetMode") == "External") {
+            fail("the model is no part of the package");
+        } else if (!root_.empty()) {
+            fail("a second model");
+        } else {
+            root_ = *part;
+        }
+    }
+    void end_element(const XmlName&) override {}
+    void text(std::string_view) override {}
+
+    std::string root_;
+};
+
+/// Streams a part through `reader` by feed(piece), which may fail without this being an error of the archive: a damaged part
+/// can fail as XML before its checksum is known, and that it is damaged says more.
+Status stream(ZipArchive& package, const std::string& part, XmlReader& reader,
+              FunctionRef<bool(std::string_view piece)> feed) {
+    Status read = package.read(part, feed);
+    if (read) {
+        reader.finish();
+    }
+    return read;
+}
+
+Error failure_of(const ZipArchive& package, const std::string& part, const XmlReader& reader, ErrorCode code) {
+    return package.error(code, part, reader.failure()->line, reader.failure()->what);
+}
+
+Result<std::string> find_root(ZipArchive& package, const Memory* memory) {
+    RelationshipReader relationships(memory);
+    const std::string part(package_relationships);
+    if (Status read =
+            stream(package, part, relationships, [&](std::string_view piece) { return relationships.feed(piece); });
+        !read) {
+        return read.error();
+    }
+    if (relationships.failure()) {
+        return failure_of(package, part, relationships, ErrorCode::malformed_mesh);
+    }
+    if (relationships.root().empty()) {
+        return package.error(ErrorCode::malformed_mesh, part, 0, "names no model: is no 3MF package");
+    }
+    return relationships.root();
+}
+
+Status read_part(ZipArchive& package, Model& model, Part part, Budget& budget, const Memory* memory) {
+    PartReader reader(model, part, budget, memory);
+    const std::string name = model.parts[part];
+    if (Status read = stream(package, name, reader, [&](std::string_view piece) { return reader.feed_part(piece); });
+        !read) {
+        return read;
+    }
+    if (reader.failure()) {
+        return failure_of(package, name, reader, reader.failure_code());
+    }
+    if (part == 0) {
+        model.mm_per_unit = reader.mm_per_unit();
+    } else if (reader.mm_per_unit() != model.mm_per_unit) {
+        return package.error(ErrorCode::malformed_mesh, name, 0, "has another unit than the root part");
+    }
+    return {};
+}
+
+}  // namespace
+
+Part Model::part_of(const std::string& name) {
+    const auto [at, is_new] = part_index.emplace(name, static_cast<Part>(parts.size()));
+    if (is_new) {
+        parts.push_back(name);
+    }
+    return at->second;
+}
+
+Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, const Memory* memory) {
+    const Result<std::string> root = find_root(package, memory);
+    if (!root) {
+        return root.error();
+    }
+    Model model;
+    if (!package.contains(content_types)) {
+        model.warnings.push_back("has no part '" + std::string(content_types) + "', as a 3MF package must");
+    }
+    model.part_of(root.value());
+    Budget budget(limit_bytes);
+    for (Part part = 0; part < model.parts.size(); ++part) {  // the root part adds to them
+        if (Status read = read_part(package, model, part, budget, memory); !read) {
+            return read.error();
+        }
+    }
+    return model;
+}
+
+}  // namespace lamella::three_mf

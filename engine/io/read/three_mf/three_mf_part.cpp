@@ -1,0 +1,361 @@
+#include "io/read/three_mf/three_mf_part.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "io/read/input_file.hpp"
+#include "io/read/three_mf/three_mf_numbers.hpp"
+#include "io/text/text.hpp"
+#include "lamella/memory.hpp"
+
+namespace lamella::three_mf {
+
+namespace {
+
+constexpr std::string_view core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
+constexpr std::string_view production = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
+constexpr std::string_view compatibility = "http://schemas.openxmlformats.org/markup-compatibility/2006";
+
+/// What a file may require of its readers: that which is read here, and that which says nothing of the geometry.
+constexpr std::array supported_extensions = {
+    core,
+    production,
+    std::string_view("http://schemas.microsoft.com/3dmanufacturing/material/2015/02"),
+    std::string_view("http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"),
+};
+
+struct Unit {
+    std::string_view name;
+    double mm;
+};
+constexpr std::array units = {Unit{"micron", 0.001}, Unit{"millimeter", 1}, Unit{"centimeter", 10},
+                              Unit{"inch", 25.4},    Unit{"foot", 304.8},   Unit{"meter", 1000}};
+
+/// In the order of ObjectType.
+constexpr std::array<std::string_view, 5> type_names = {"model", "solidsupport", "support", "surface", "other"};
+
+std::string in_quotes(std::string_view text) {
+    constexpr std::size_t longest = 64;
+    return "'" + printable(std::string(text.substr(0, longest))) + (text.size() > longest ? "...'" : "'");
+}
+
+double determinant(const std::array<double, 12>& m) {
+    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
+}
+
+}  // namespace
+
+std::optional<std::string> part_name(std::string_view path) {
+    path.remove_prefix(path.starts_with('/') ? 1 : 0);
+    for (std::size_t begin = 0; begin <= path.size();) {
+        const std::size_t end = std::min(path.find('/', begin), path.size());
+        const std::string_view segment = path.substr(begin, end - begin);
+        if (segment.empty() || segment == "." || segment == ".." || segment.find_first_of("\\:") != std::string_view::npos) {
+            return std::nullopt;
+        }
+        begin = end + 1;
+    }
+    return std::string(path);
+}
+
+/// Row i says what state i + 1 is: which element of the core namespace, in which other.
+struct PartReader::Element {
+    State parent;
+    State state;
+    std::string_view name;
+    void (PartReader::*begin)(const XmlAttributes&);
+};
+
+const PartReader::Element PartReader::elements[] = {
+    {State::document, State::model, "model", &PartReader::begin_model},
+    {State::model, State::resources, "resources", &PartReader::begin_nothing},
+    {State::resources, State::object, "object", &PartReader::begin_object},
+    {State::object, State::mesh, "mesh", &PartReader::begin_mesh},
+    {State::mesh, State::vertices, "vertices", &PartReader::begin_list},
+    {State::vertices, State::vertex, "vertex", &PartReader::begin_vertex},
+    {State::mesh, State::triangles, "triangles", &PartReader::begin_list},
+    {State::triangles, State::triangle, "triangle", &PartReader::begin_triangle},
+    {State::object, State::components, "components", &PartReader::begin_nothing},
+    {State::components, State::component, "component", &PartReader::begin_component},
+    {State::model, State::build, "build", &PartReader::begin_nothing},
+    {State::build, State::item, "item", &PartReader::begin_item},
+};
+
+PartReader::PartReader(Model& model, Part part, Budget& budget, const Memory* memory)
+    : XmlReader(memory), model_(model), part_(part), budget_(budget), memory_(memory) {}
+
+void PartReader::begin_element(const XmlName& name, const XmlAttributes& attributes) {
+    if (passed_over_ > 0) {
+        ++passed_over_;
+        return;
+    }
+    const auto* const element = std::find_if(std::begin(elements), std::end(elements), [&](const Element& row) {
+        return row.parent == state_ && row.name == name.local && name.space == core;
+    });
+    if (element == std::end(elements)) {
+        pass_over(name);
+        return;
+    }
+    state_ = element->state;
+    (this->*element->begin)(attributes);
+}
+
+void PartReader::end_element(const XmlName&) {
+    if (passed_over_ > 0) {
+        --passed_over_;
+        return;
+    }
+    state_ = elements[static_cast<std::size_t>(state_) - 1].parent;
+    if (in_list()) {
+        parsed_ = event_end();
+    }
+}
+
+/// An element that is not read. Extensions put shapes of their own into objects, which is worth a warning.
+void PartReader::pass_over(const XmlName& name) {
+    if (state_ == State::document) {
+        fail("expected a 'model' of the namespace " + std::string(core) + ", found " + in_quotes(name.local) +
+             (name.space.empty() ? std::string(" of none") : " of " + in_quotes(name.space)));
+        return;
+    }
+    passed_over_ = 1;
+    constexpr std::size_t most_warnings = 8;
+    const bool shapes = (state_ == State::object || state_ == State::mesh) && name.space != core;
+    if (shapes && warned_of_.size() < most_warnings &&
+        std::find(warned_of_.begin(), warned_of_.end(), name.space) == warned_of_.end()) {
+        warned_of_.emplace_back(name.space);
+        warn("ignored " + in_quotes(name.local) + " in an object, of the extension " + in_quotes(name.space));
+    }
+}
+
+void PartReader::declare_namespace(std::string_view prefix, std::string_view space) {
+    if (state_ == State::document) {
+        namespaces_[std::string(prefix)] = space;
+    }
+}
+
+// --- The model element
+
+void PartReader::begin_model(const XmlAttributes& attributes) {
+    check_required(attributes.find("requiredextensions").value_or(""));
+    check_required(attributes.find(XmlName{compatibility, "MustUnderstand"}).value_or(""));
+    set_unit(attributes.find("unit").value_or("millimeter"));
+}
+
+void PartReader::check_required(std::string_view prefixes) {
+    const char* const end = prefixes.data() + prefixes.size();
+    for (const char* p = skip_space(prefixes.data(), end); p != end; p = skip_space(p, end)) {
+        const char* const word_end = skip_word(p, end);
+        const std::string prefix(p, word_end);
+        p = word_end;
+        const auto declared = namespaces_.find(prefix);
+        if (declared == namespaces_.end()) {
+            fail("requires the extension " + in_quotes(prefix) + ", a prefix that it does not declare");
+            return;
+        }
+        const std::string& space = declared->second;
+        if (std::find(supported_extensions.begin(), supported_extensions.end(), space) == supported_extensions.end()) {
+            fail("requires the extension " + in_quotes(prefix) + ", " + in_quotes(space) + ", which is not supported");
+            return;
+        }
+    }
+}
+
+void PartReader::set_unit(std::string_view name) {
+    const auto* const unit =
+        std::find_if(units.begin(), units.end(), [name](const Unit& known) { return known.name == name; });
+    if (unit == units.end()) {
+        fail("unknown unit " + in_quotes(name));
+        return;
+    }
+    mm_per_unit_ = unit->mm;
+}
+
+// --- Objects
+
+void PartReader::begin_object(const XmlAttributes& attributes) {
+    const std::uint32_t id = resource_id(attributes, "id");
+    const std::string_view type = attributes.find("type").value_or("model");
+    const auto* const known = std::find(type_names.begin(), type_names.end(), type);
+    if (known == type_names.end()) {
+        fail("unknown object type " + in_quotes(type));
+    }
+    constexpr std::uint64_t index_entry_bytes = 64;
+    if (failure() || !keep(2 * sizeof(Object) + index_entry_bytes)) {
+        return;
+    }
+    if (!model_.object_index.emplace(Model::key(part_, id), static_cast<std::uint32_t>(model_.objects.size())).second) {
+        fail("a second object with id " + std::to_string(id));
+        return;
+    }
+    const auto index = static_cast<std::uint8_t>(known - type_names.begin());
+    model_.objects.push_back({id,
+                              static_cast<ObjectType>(index),
+                              {part_, event_line()},
+                              ChunkList<Vertex>(memory_),
+                              ChunkList<Triangle>(memory_),
+                              {}});
+}
+
+void PartReader::begin_mesh(const XmlAttributes&) {
+    if (object().vertices.size() > 0 || !object().components.empty()) {
+        fail("a mesh in an object that has a mesh or components already");
+    }
+}
+
+void PartReader::begin_vertex(const XmlAttributes& attributes) {
+    Vertex vertex{};
+    if (coordinate(attributes, "x", vertex.x) && coordinate(attributes, "y", vertex.y) &&
+        coordinate(attributes, "z", vertex.z) && keep(object().vertices.next_bytes())) {
+        object().vertices.push_back(vertex);
+    }
+}
+
+void PartReader::begin_triangle(const XmlAttributes& attributes) {
+    Triangle triangle{};
+    if (vertex_index(attributes, "v1", triangle[0]) && vertex_index(attributes, "v2", triangle[1]) &&
+        vertex_index(attributes, "v3", triangle[2]) && keep(object().triangles.next_bytes())) {
+        object().triangles.push_back(triangle);
+    }
+}
+
+bool PartReader::coordinate(const XmlAttributes& attributes, std::string_view name, double& value) {
+    const std::optional<std::string_view> text = attributes.find(name);
+    if (!text) {
+        fail("a vertex without " + in_quotes(name));
+        return false;
+    }
+    const NumberText got = number_in(*text, value);
+    if (got != NumberText::read) {
+        fail(coordinate_problem(got, "number", in_quotes(*text)));
+    }
+    return got == NumberText::read;
+}
+
+bool PartReader::vertex_index(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value) {
+    const std::optional<std::string_view> text = attributes.find(name);
+    if (!text) {
+        fail("a triangle without " + in_quotes(name));
+    } else if (!integer_in(*text, value)) {
+        fail("malformed vertex index " + in_quotes(*text));
+    } else if (value >= object().vertices.size()) {
+        fail("vertex index " + std::to_string(value) + " of a mesh with " + std::to_string(object().vertices.size()) +
+             " vertices");
+    }
+    return !failure();
+}
+
+std::uint32_t PartReader::resource_id(const XmlAttributes& attributes, std::string_view name) {
+    constexpr std::uint32_t largest = std::numeric_limits<std::int32_t>::max();
+    const std::optional<std::string_view> text = attributes.find(name);
+    std::uint32_t id = 0;
+    if (!text) {
+        fail("expected an " + in_quotes(name));
+    } else if (!integer_in(*text, id) || id == 0 || id > largest) {
+        fail("malformed " + std::string(name) + " " + in_quotes(*text));
+        id = 0;
+    }
+    return id;
+}
+
+// --- Components and items
+
+void PartReader::begin_component(const XmlAttributes& attributes) {
+    if (object().vertices.size() > 0) {
+        fail("components in an object that has a mesh already");
+        return;
+    }
+    if (const std::optional<Reference> component = reference(attributes)) {
+        object().components.push_back(*component);
+    }
+}
+
+void PartReader::begin_item(const XmlAttributes& attributes) {
+    if (part_ != 0) {
+        return;  // only the root part's build counts
+    }
+    const std::optional<Reference> item = reference(attributes);
+    if (!item) {
+        return;
+    }
+    // Not of the standard, but how a slicer says that an item stands beside the build plate.
+    if (attributes.find("printable") == "0") {
+        warn("ignored an item of the build that is marked as not printable");
+        ++model_.unprintable_items;
+        return;
+    }
+    model_.items.push_back(*item);
+}
+
+std::optional<Reference> PartReader::reference(const XmlAttributes& attributes) {
+    Reference reference;
+    reference.part = part_;
+    reference.place = {part_, event_line()};
+    reference.id = resource_id(attributes, "objectid");
+    if (reference.id == 0 || !keep(2 * sizeof(Reference))) {
+        return std::nullopt;
+    }
+    const std::optional<std::string_view> path = attributes.find(XmlName{production, "path"});
+    const std::optional<std::string_view> numbers = attributes.find("transform");
+    if ((path && !set_part(*path, reference)) || (numbers && !set_transform(*numbers, reference))) {
+        return std::nullopt;
+    }
+    return reference;
+}
+
+bool PartReader::set_part(std::string_view path, Reference& reference) {
+    const std::optional<std::string> name = part_name(path);
+    if (part_ != 0) {
+        fail("refers to another part, which only the root part may");
+    } else if (!name) {
+        fail("refers to a part outside the package: " + in_quotes(path));
+    } else if (constexpr std::uint64_t index_entry_bytes = 128; keep(index_entry_bytes + 2 * name->size())) {
+        reference.part = model_.part_of(*name);
+    }
+    return !failure();
+}
+
+/// 3MF multiplies row vectors from the left, and lists the matrix by rows: "m00 m01 m02 m10 ... m32", m30 and so on the
+/// translation.
+bool PartReader::set_transform(std::string_view numbers, Reference& reference) {
+    const char* const end = numbers.data() + numbers.size();
+    const char* p = skip_space(numbers.data(), end);
+    std::array<double, 12>& m = reference.transform.m;
+    for (std::size_t row = 0; row < 4; ++row) {
+        for (std::size_t column = 0; column < 3; ++column) {
+            if (p == end || read_number(p, end, m[4 * column + row]) != NumberText::read) {
+                fail("a transform that is not twelve finite numbers: " + in_quotes(numbers));
+                return false;
+            }
+            p = skip_space(p, end);
+        }
+    }
+    const double scale = determinant(m);
+    if (p != end || !std::isfinite(scale) || scale == 0) {
+        fail(p != end ? "a transform of more than twelve numbers: " + in_quotes(numbers)
+                      : "a transform that flattens what it places: " + in_quotes(numbers));
+        return false;
+    }
+    reference.mirrors = scale < 0;
+    return true;
+}
+
+// ---
+
+bool PartReader::keep(std::uint64_t bytes) {
+    if (budget_.take(bytes)) {
+        return true;
+    }
+    code_ = ErrorCode::out_of_memory;
+    fail("takes more than the " + std::to_string(budget_.limit_bytes()) + " bytes that reading it may");
+    return false;
+}
+
+void PartReader::warn(const std::string& what) {
+    model_.warnings.push_back("part '" + printable(model_.parts[part_]) + "', line " + std::to_string(event_line()) + ": " +
+                              what);
+}
+
+}  // namespace lamella::three_mf

@@ -1,0 +1,122 @@
+// One model part of a 3MF package as it streams by.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "io/read/three_mf/three_mf_model.hpp"
+#include "io/xml/xml.hpp"
+#include "lamella/memory.hpp"
+
+namespace lamella::three_mf {
+
+/// What may still be kept of the file.
+class Budget {
+public:
+    explicit Budget(std::uint64_t limit_bytes) noexcept : limit_bytes_(limit_bytes) {}
+    std::uint64_t limit_bytes() const noexcept { return limit_bytes_; }
+    bool has(std::uint64_t bytes) const noexcept {
+        return used_bytes_ <= limit_bytes_ && bytes <= limit_bytes_ - used_bytes_;
+    }
+    bool take(std::uint64_t bytes) noexcept {
+        used_bytes_ += bytes;
+        return used_bytes_ <= limit_bytes_;
+    }
+
+private:
+    std::uint64_t limit_bytes_;
+    std::uint64_t used_bytes_ = 0;
+};
+
+/// The name of a part by how another part refers to it, without the leading slash; nothing if it leaves the package.
+std::optional<std::string> part_name(std::string_view path);
+
+/// Adds the part `part` of `model` to it, and to its list of parts those that the root refers to.
+class PartReader : public XmlReader {
+public:
+    PartReader(Model& model, Part part, Budget& budget, const Memory* memory);
+
+    /// feed() for the part, which goes over vertices and triangles of the usual form without parsing them as XML.
+    bool feed_part(std::string_view piece);
+
+    /// What a failure() amounts to.
+    ErrorCode failure_code() const noexcept { return code_; }
+    double mm_per_unit() const noexcept { return mm_per_unit_; }
+
+    /// Where in the document: only what a state below lists as its child is read, all else is passed over.
+    enum class State : std::uint8_t {
+        document,
+        model,
+        resources,
+        object,
+        mesh,
+        vertices,
+        vertex,
+        triangles,
+        triangle,
+        components,
+        component,
+        build,
+        item,
+    };
+
+private:
+    struct Element;
+    static const Element elements[];
+
+    void begin_element(const XmlName& name, const XmlAttributes& attributes) override;
+    void end_element(const XmlName& name) override;
+    void text(std::string_view) override {}
+    void declare_namespace(std::string_view prefix, std::string_view space) override;
+
+    void begin_model(const XmlAttributes& attributes);
+    void begin_object(const XmlAttributes& attributes);
+    void begin_mesh(const XmlAttributes& attributes);
+    void begin_vertex(const XmlAttributes& attributes);
+    void begin_triangle(const XmlAttributes& attributes);
+    void begin_component(const XmlAttributes& attributes);
+    void begin_item(const XmlAttributes& attributes);
+    void begin_list(const XmlAttributes&) { parsed_ = event_end(); }
+    void begin_nothing(const XmlAttributes&) {}
+
+    bool in_list() const noexcept { return passed_over_ == 0 && (state_ == State::vertices || state_ == State::triangles); }
+    std::size_t feed_length(std::string_view piece) const noexcept;
+    std::size_t read_plain_elements(std::string_view piece, std::uint64_t& lines);
+    bool add_plain_vertex(const std::array<std::string_view, 3>& values);
+    bool add_plain_triangle(const std::array<std::string_view, 3>& values);
+
+    void check_required(std::string_view prefixes);
+    void set_unit(std::string_view unit);
+    void pass_over(const XmlName& name);
+    std::optional<Reference> reference(const XmlAttributes& attributes);
+    bool set_part(std::string_view path, Reference& reference);
+    bool set_transform(std::string_view numbers, Reference& reference);
+    bool coordinate(const XmlAttributes& attributes, std::string_view name, double& value);
+    bool vertex_index(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value);
+    /// 0, which none has, after a failure.
+    std::uint32_t resource_id(const XmlAttributes& attributes, std::string_view name);
+    bool keep(std::uint64_t bytes);
+    void warn(const std::string& what);
+    Object& object() { return model_.objects.back(); }
+
+    Model& model_;
+    Part part_;
+    Budget& budget_;
+    const Memory* memory_;
+    State state_ = State::document;
+    std::uint64_t passed_over_ = 0;  // depth within an element that is
+    bool plain_list_ = false;        // in a list whose elements so far were of the usual form
+    std::uint64_t fed_ = 0;          // bytes, those gone over included
+    std::uint64_t parsed_ = 0;       // behind the last tag after which an element of a list may come
+    double mm_per_unit_ = 1;
+    ErrorCode code_ = ErrorCode::malformed_mesh;
+    std::unordered_map<std::string, std::string> namespaces_;  // by prefix, as the model element declares them
+    std::vector<std::string> warned_of_;                       // namespaces whose geometry is passed over
+};
+
+}  // namespace lamella::three_mf

@@ -1,0 +1,76 @@
+// A zip archive in memory, read part by part as a stream. minizip does the work: it seeks the directory once, backwards, and
+// allocates nothing by what the archive says of itself.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "io/read/reader.hpp"
+#include "lamella/error.hpp"
+
+namespace lamella {
+
+inline constexpr std::string_view zip_magic = "PK\x03\x04";
+
+/// An error in a part of a zip archive, at `line` of it if that is not 0.
+Error error_in_part(const FileSource& file, ErrorCode code, std::string_view part, std::uint64_t line,
+                    const std::string& what);
+
+/// What lies in a file around a zip archive.
+struct OtherBytes {
+    std::uint64_t before = 0;
+    std::uint64_t after = 0;
+};
+
+/// Of a file that opens as a ZipArchive.
+OtherBytes other_bytes(std::string_view file);
+
+/// Names of parts are equal in any case, as the Open Packaging Conventions have it.
+class ZipArchive {
+public:
+    /// Of the bytes of `file`, both of which must outlive the archive. All parts together may expand to `limit_bytes`.
+    static Result<ZipArchive> open(const FileSource& file, std::span<const std::byte> bytes, std::uint64_t limit_bytes);
+
+    bool contains(std::string_view part) const { return find(part) != nullptr; }
+
+    /// Hands the part to `take`, piece by piece, until it answers false; the rest is then only checked to be undamaged.
+    /// Errors, which name the part: there is none of that name, it is damaged or encrypted, or it expands too far.
+    Status read(std::string_view part, FunctionRef<bool(std::string_view piece)> take);
+
+    Error error(ErrorCode code, std::string_view part, std::uint64_t line, const std::string& what) const {
+        return error_in_part(*file_, code, part, line, what);
+    }
+
+private:
+    /// Where in the archive's directory a part stands.
+    struct Entry {
+        std::string key;  // the name in lower case
+        std::uint64_t directory_offset;
+        std::uint64_t index;
+    };
+    struct Stream;
+    struct StreamDeleter {
+        void operator()(Stream* stream) const noexcept;
+    };
+
+    ZipArchive(const FileSource& file, std::uint64_t limit_bytes) : file_(&file), limit_bytes_(limit_bytes) {}
+
+    Status list_parts();
+    const Entry* find(std::string_view part) const;
+    Status open_part(std::string_view part, std::uint64_t& bytes);
+    Status close_part(std::string_view part);
+
+    const FileSource* file_;
+    std::uint64_t limit_bytes_;
+    std::uint64_t expanded_bytes_ = 0;
+    std::unique_ptr<Stream, StreamDeleter> stream_;
+    std::vector<Entry> entries_;  // sorted by key
+};
+
+}  // namespace lamella

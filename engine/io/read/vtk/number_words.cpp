@@ -1,0 +1,140 @@
+#include "io/read/vtk/number_words.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <type_traits>
+
+namespace lamella {
+
+namespace {
+
+constexpr std::ptrdiff_t words_bytes = std::ptrdiff_t{256} << 10;
+
+/// Most numbers with the space behind them are no longer; what is counted in vain beyond the run is no more than that.
+constexpr std::uint64_t usual_word_bytes = 12;
+
+/// Words that begin in [begin, end), the first of which no word reaches over. In blocks whose sum fits a byte, so that it
+/// runs at the speed of memory.
+std::uint64_t count_words(const char* begin, const char* end) {
+    if (begin == end) {
+        return 0;
+    }
+    constexpr std::ptrdiff_t block = 240;
+    std::uint64_t words = is_space(*begin) ? 0 : 1;
+    for (const char* p = begin + 1; p < end;) {
+        const std::ptrdiff_t length = std::min(block, end - p);
+        std::uint8_t begun = 0;
+        for (std::ptrdiff_t i = 0; i < length; ++i) {
+            begun = static_cast<std::uint8_t>(
+                begun + (static_cast<std::uint8_t>(is_space(p[i - 1])) & static_cast<std::uint8_t>(!is_space(p[i]))));
+        }
+        words += begun;
+        p += length;
+    }
+    return words;
+}
+
+/// Behind the `count` words that follow, which exist.
+const char* skip_words(const char* p, const char* end, std::uint64_t count) {
+    for (; count > 0; --count) {
+        p = skip_word(skip_space(p, end), end);
+    }
+    return p;
+}
+
+/// Cuts [p, end) behind words and counts those of each piece.
+std::vector<WordRun::Piece> cut_window(const char* p, const char* end, const Parallel& parallel) {
+    std::vector<WordRun::Piece> pieces;
+    while (p != end) {
+        pieces.push_back({p, 0, 0});
+        p = end - p > words_bytes ? skip_word(p + words_bytes, end) : end;
+    }
+    parallel.run(pieces.size(), [&](std::size_t i, int) {
+        pieces[i].count = count_words(pieces[i].begin, i + 1 < pieces.size() ? pieces[i + 1].begin : end);
+    });
+    return pieces;
+}
+
+bool read_word(const char*& p, const char* end, std::floating_point auto& value, BadWord& bad) {
+    bad.why = read_number(p, end, value);
+    return bad.why == NumberText::read;
+}
+
+template <std::unsigned_integral Value>
+bool read_word(const char*& p, const char* end, Value& value, BadWord& /*bad*/) {
+    constexpr std::ptrdiff_t surely_exact = 9;  // digits, of any type
+    std::uint64_t number = 0;
+    const char* word_end = read_digits(p, end, number);
+    value = static_cast<Value>(number);
+    if (word_end - p > surely_exact) {
+        const std::from_chars_result got = std::from_chars(p, end, value);
+        if (got.ec != std::errc()) {
+            return false;
+        }
+    }
+    if (word_end == p || (word_end != end && !is_space(*word_end))) {
+        return false;
+    }
+    p = word_end;
+    return true;
+}
+
+}  // namespace
+
+WordRun find_words(const char* p, const char* end, std::uint64_t count, const Parallel& parallel) {
+    WordRun run;
+    run.end = p;
+    run.text_end = end;
+    while (run.count < count && p != end) {
+        const auto left = static_cast<std::uint64_t>(end - p);
+        const std::uint64_t wanted = std::min(count - run.count, left);
+        const std::uint64_t window = std::min(left, wanted * usual_word_bytes);
+        const char* const window_end = skip_word(p + window, end);
+        for (WordRun::Piece& piece : cut_window(p, window_end, parallel)) {
+            piece.first = run.count;
+            piece.count = std::min(piece.count, count - run.count);
+            run.count += piece.count;
+            if (piece.count > 0) {
+                run.pieces.push_back(piece);
+            }
+        }
+        p = window_end;
+    }
+    if (!run.pieces.empty()) {
+        run.end = skip_words(run.pieces.back().begin, end, run.pieces.back().count);
+    }
+    return run;
+}
+
+const char* find_word(const char* p, const char* end, std::uint64_t index) {
+    p = skip_space(p, end);
+    for (; index > 0 && p != end; --index) {
+        p = skip_space(skip_word(p, end), end);
+    }
+    return p;
+}
+
+template <class Value>
+BadWord read_words(const WordRun& run, Value* out, const Parallel& parallel) {
+    std::vector<BadWord> bad(run.pieces.size());
+    parallel.run(run.pieces.size(), [&](std::size_t i, int) {
+        const WordRun::Piece& piece = run.pieces[i];
+        const char* p = piece.begin;
+        for (std::uint64_t k = 0; k < piece.count; ++k) {
+            p = skip_space(p, run.text_end);
+            if (!read_word(p, run.text_end, out[piece.first + k], bad[i])) {
+                bad[i].at = p;
+                return;
+            }
+        }
+    });
+    const auto first = std::find_if(bad.begin(), bad.end(), [](const BadWord& word) { return word.at != nullptr; });
+    return first == bad.end() ? BadWord{} : *first;
+}
+
+template BadWord read_words(const WordRun&, float*, const Parallel&);
+template BadWord read_words(const WordRun&, double*, const Parallel&);
+template BadWord read_words(const WordRun&, std::uint32_t*, const Parallel&);
+template BadWord read_words(const WordRun&, std::uint64_t*, const Parallel&);
+
+}  // namespace lamella

@@ -1,0 +1,48 @@
+// Runs of numbers in text, parsed in parallel. The words are counted first, so that memory is taken for what is there.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "io/text/text.hpp"
+
+namespace lamella {
+
+/// Words that follow each other in a text, in pieces for parallel use.
+struct WordRun {
+    struct Piece {
+        const char* begin = nullptr;  ///< space, a word's first letter, or the end
+        std::uint64_t first = 0;      ///< of its words, in the run
+        std::uint64_t count = 0;
+    };
+    std::vector<Piece> pieces;
+    std::uint64_t count = 0;
+    const char* end = nullptr;       ///< behind the last word
+    const char* text_end = nullptr;  ///< words are read to there, so that a cut never looks like the end
+};
+
+/// The next `count` words of [p, end), or as many as there are. O(the text that they take). Precondition: no word reaches
+/// over `p`.
+WordRun find_words(const char* p, const char* end, std::uint64_t count, const Parallel& parallel);
+
+/// The word of that index in [p, end), or `end`.
+const char* find_word(const char* p, const char* end, std::uint64_t index);
+
+/// The first word that is no number of the wanted type; null where all are.
+struct BadWord {
+    const char* at = nullptr;
+    NumberText why = NumberText::malformed;
+};
+
+/// Integers must not be negative.
+template <class Value>
+BadWord read_words(const WordRun& run, Value* out, const Parallel& parallel);
+
+extern template BadWord read_words(const WordRun&, float*, const Parallel&);
+extern template BadWord read_words(const WordRun&, double*, const Parallel&);
+extern template BadWord read_words(const WordRun&, std::uint32_t*, const Parallel&);
+extern template BadWord read_words(const WordRun&, std::uint64_t*, const Parallel&);
+
+}  // namespace lamella

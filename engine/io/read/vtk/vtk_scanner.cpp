@@ -1,0 +1,211 @@
+#include "io/read/vtk/vtk_scanner.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <charconv>
+
+#include "io/text/text.hpp"
+
+namespace lamella {
+
+namespace {
+
+struct TypeName {
+    std::string_view name;
+    NumberType type;
+};
+
+/// Of 64-bit Unix where they depend on the machine; a vtkIdType has 32 bits in these files, whatever it had in memory.
+constexpr std::array type_names = {
+    TypeName{"FLOAT", NumberType::float32},
+    TypeName{"DOUBLE", NumberType::float64},
+    TypeName{"CHAR", NumberType::int8},
+    TypeName{"SIGNED_CHAR", NumberType::int8},
+    TypeName{"UNSIGNED_CHAR", NumberType::uint8},
+    TypeName{"SHORT", NumberType::int16},
+    TypeName{"UNSIGNED_SHORT", NumberType::uint16},
+    TypeName{"INT", NumberType::int32},
+    TypeName{"UNSIGNED_INT", NumberType::uint32},
+    TypeName{"LONG", NumberType::int64},
+    TypeName{"UNSIGNED_LONG", NumberType::uint64},
+    TypeName{"VTKIDTYPE", NumberType::int32},
+    TypeName{"VTKTYPEINT8", NumberType::int8},
+    TypeName{"VTKTYPEUINT8", NumberType::uint8},
+    TypeName{"VTKTYPEINT16", NumberType::int16},
+    TypeName{"VTKTYPEUINT16", NumberType::uint16},
+    TypeName{"VTKTYPEINT32", NumberType::int32},
+    TypeName{"VTKTYPEUINT32", NumberType::uint32},
+    TypeName{"VTKTYPEINT64", NumberType::int64},
+    TypeName{"VTKTYPEUINT64", NumberType::uint64},
+};
+
+constexpr char in_upper_case(char c) {
+    return c >= 'a' && c <= 'z' ? static_cast<char>(c - ('a' - 'A')) : c;
+}
+
+/// Whether `word`, in any case, is `keyword`, which is upper case.
+bool is_keyword(std::string_view word, std::string_view keyword) {
+    return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
+                      [](char a, char b) { return in_upper_case(a) == b; });
+}
+
+}  // namespace
+
+// --- words
+
+std::string_view VtkScanner::peek() {
+    p_ = skip_space(p_, end_);
+    return {p_, static_cast<std::size_t>(skip_word(p_, end_) - p_)};
+}
+
+std::string_view VtkScanner::line() {
+    const char* const begin = p_;
+    p_ = skip_line(p_, end_);
+    const std::string_view line(begin, static_cast<std::size_t>(p_ - begin));
+    const std::string_view rest(p_, static_cast<std::size_t>(end_ - p_));
+    p_ += rest.starts_with("\r\n") ? 2 : (rest.empty() ? 0 : 1);
+    return line;
+}
+
+std::string_view VtkScanner::word() {
+    const std::string_view word = peek();
+    p_ += word.size();
+    return word;
+}
+
+bool VtkScanner::accept(std::string_view keyword) {
+    const std::string_view word = peek();
+    if (!is_keyword(word, keyword)) {
+        return false;
+    }
+    p_ += word.size();
+    return true;
+}
+
+Status VtkScanner::count(std::string_view what, std::uint64_t& value) {
+    const std::string_view digits = peek();
+    const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (digits.empty() || failure != std::errc() || end != digits.data() + digits.size()) {
+        return expected("the number of " + std::string(what));
+    }
+    p_ = end;
+    return {};
+}
+
+Status VtkScanner::type(NumberType& type, bool of_integers) {
+    const std::string_view name = peek();
+    const auto* const found = std::find_if(type_names.begin(), type_names.end(),
+                                           [name](const TypeName& known) { return is_keyword(name, known.name); });
+    if (found == type_names.end() || (of_integers && !is_integer(found->type))) {
+        return expected(of_integers ? "a type of integers" : "a type of numbers");
+    }
+    p_ += name.size();
+    type = found->type;
+    return {};
+}
+
+// --- arrays
+
+/// Checks that `count` elements follow the end of the line.
+Status VtkScanner::begin_bytes(std::uint64_t count, std::size_t bytes_each, std::string_view name) {
+    while (p_ != end_ && *p_ != '\n' && is_space(*p_)) {
+        ++p_;
+    }
+    if (p_ == end_ || *p_ != '\n') {
+        return expected("the end of the line before the bytes of " + std::string(name));
+    }
+    ++p_;
+    const auto left = static_cast<std::uint64_t>(end_ - p_);
+    if (count > left / bytes_each) {
+        return error_at(p_, "is truncated: expected " + std::to_string(count) + " numbers of " + std::string(name) + " at " +
+                                std::to_string(bytes_each) + " bytes, found " + std::to_string(left) + " bytes");
+    }
+    return {};
+}
+
+Result<NumberArray> VtkScanner::bytes(std::uint64_t count, NumberType type, std::string_view name) {
+    if (Status begun = begin_bytes(count, bytes_of(type), name); !begun) {
+        return begun.error();
+    }
+    const NumberArray numbers{
+        reinterpret_cast<const std::byte*>(p_), count, type, true, {NumberPlace::Form::bytes, file_.offset_of(p_)}};
+    p_ += count * bytes_of(type);
+    return numbers;
+}
+
+Status VtkScanner::skip_numbers(std::uint64_t count, NumberType type, std::string_view name) {
+    if (!binary_) {
+        return skip_text_array(file_, p_, end_, count, name);
+    }
+    const Result<NumberArray> skipped = bytes(count, type, name);
+    return skipped ? Status() : skipped.error();
+}
+
+/// Eight to a byte, or as words.
+Status VtkScanner::skip_bits(std::uint64_t count, std::string_view name) {
+    return skip_numbers(binary_ ? count / 8 + (count % 8 != 0 ? 1 : 0) : count, NumberType::uint8, name);
+}
+
+/// Each on a line of its own, or behind its length.
+Status VtkScanner::strings(std::uint64_t count, std::string_view name, std::string_view& last) {
+    line();
+    for (; count > 0; --count) {
+        if (p_ == end_) {
+            return truncated_strings(name);
+        }
+        if (!binary_) {
+            last = line();
+        } else if (Status read = binary_string(name, last); !read) {
+            return read;
+        }
+    }
+    return {};
+}
+
+/// The first two bits tell how many bytes the length has, of which they are part: 8, 4, 2 or 1.
+Status VtkScanner::binary_string(std::string_view name, std::string_view& string) {
+    const auto left = [this] { return static_cast<std::uint64_t>(end_ - p_); };
+    assert(left() > 0);
+    const std::uint64_t length_bytes = std::uint64_t{8} >> (static_cast<unsigned char>(*p_) >> 6);
+    if (left() < length_bytes) {
+        return truncated_strings(name);
+    }
+    std::uint64_t length = static_cast<unsigned char>(*p_++) & 0x3F;
+    for (std::uint64_t i = 1; i < length_bytes; ++i) {
+        length = length << 8 | static_cast<unsigned char>(*p_++);
+    }
+    if (left() < length) {
+        return truncated_strings(name);
+    }
+    string = {p_, length};
+    p_ += length;
+    return {};
+}
+
+Error VtkScanner::truncated_strings(std::string_view name) const {
+    return error_at(p_, "is truncated within the strings of " + std::string(name));
+}
+
+// --- errors
+
+Error VtkScanner::error_at(const char* p, const std::string& what) const {
+    if (!binary_) {
+        return file_.error_at(p, what);
+    }
+    const std::uint64_t byte = file_.offset_of(p);
+    return file_.source.error(ErrorCode::malformed_mesh, "byte " + std::to_string(byte) + ": " + what,
+                              static_cast<std::int64_t>(byte));
+}
+
+Error VtkScanner::error(const std::string& what) {
+    peek();
+    return error_at(p_, what);
+}
+
+Error VtkScanner::expected(const std::string& what) {
+    peek();
+    return error_at(p_, "expected " + what + ", found " + word_at(p_, end_));
+}
+
+}  // namespace lamella

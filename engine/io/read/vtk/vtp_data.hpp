@@ -1,0 +1,56 @@
+// The arrays of a VTP file: as decimals, or as bytes that are raw, in base64 or compressed, where their element is or
+// appended to the document.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <string_view>
+
+#include "io/read/vtk/vtk_file.hpp"
+
+namespace lamella {
+
+/// An element DataArray.
+struct VtpArray {
+    enum class Format : std::uint8_t { ascii, binary, appended };
+    std::string_view name;  ///< for messages
+    NumberType type = NumberType::float32;
+    Format format = Format::ascii;
+    std::uint64_t element = 0;          ///< where in the file it begins
+    std::uint64_t appended_offset = 0;  ///< where in the appended data it lies
+    std::string_view content;           ///< the text in the element, up to the next tag
+};
+
+/// What the file says of the form of its data.
+struct VtpForm {
+    bool big_endian = false;
+    std::size_t header_bytes = 4;    ///< of each of the numbers before the data of an array
+    std::string compressor;          ///< empty: none
+    bool appended_as_base64 = true;  ///< else raw
+    std::string_view appended;       ///< the appended data, behind their underscore
+};
+
+/// Loads arrays and keeps those that do not lie in the file as they are.
+class VtpData {
+public:
+    VtpData(VtkFile& file, const VtpForm& form) : file_(file), form_(form) {}
+
+    /// The `count` numbers of `array`, which must be as many. Decimals are read as Value.
+    template <class Value>
+    Result<NumberArray> load(const VtpArray& array, std::uint64_t count);
+
+    /// The memory of the array that was loaded last, if it does not lie in the file.
+    Array<std::byte>& last_storage() noexcept { return storage_.back(); }
+
+private:
+    template <class Value>
+    Result<NumberArray> load_decimals(const VtpArray& array, std::uint64_t count);
+    Result<NumberArray> load_bytes(const VtpArray& array, std::uint64_t count);
+
+    VtkFile& file_;
+    const VtpForm& form_;
+    std::deque<Array<std::byte>> storage_;
+};
+
+}  // namespace lamella

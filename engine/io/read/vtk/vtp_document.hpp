@@ -1,0 +1,37 @@
+// The XML of a VTP file: which pieces it has, and where their arrays are.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "io/read/vtk/vtk_file.hpp"
+#include "io/read/vtk/vtp_data.hpp"
+
+namespace lamella {
+
+/// Polygons or strips.
+struct VtpCells {
+    std::uint64_t count = 0;
+    std::optional<VtpArray> connectivity;
+    std::optional<VtpArray> offsets;
+};
+
+struct VtpPiece {
+    std::uint64_t element = 0;  ///< where in the file it begins
+    std::uint64_t point_count = 0;
+    std::optional<VtpArray> points;
+    VtpCells polygons;
+    VtpCells strips;
+};
+
+struct VtpDocument {
+    VtpForm form;
+    std::deque<VtpPiece> pieces;
+    std::optional<VtpArray> space;  ///< the string of that name among the field data, as 3D Slicer writes it
+};
+
+/// Reads the document up to the appended data, which are no XML.
+Result<VtpDocument> read_vtp_document(VtkFile& file);
+
+}  // namespace lamella

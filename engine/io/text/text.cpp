@@ -1,0 +1,35 @@
+#include "io/text/text.hpp"
+
+#include <algorithm>
+
+#include "io/read/input_file.hpp"
+
+namespace lamella {
+
+std::string word_at(const char* p, const char* end) {
+    if (p == end) {
+        return "the end of the file";
+    }
+    constexpr std::ptrdiff_t longest = 32;
+    const char* shown_end = skip_word(p, p + std::min(longest, end - p));
+    std::string quoted("'");
+    quoted += printable(std::string(p, shown_end));
+    quoted += shown_end == end || is_space(*shown_end) ? "'" : "...'";
+    return quoted;
+}
+
+std::string coordinate_problem(NumberText got, const std::string& type, const std::string& found) {
+    return got == NumberText::malformed ? "malformed coordinate " + found
+                                        : "coordinate is not a finite " + type + ": " + found;
+}
+
+std::size_t line_of(std::string_view text, std::size_t offset) {
+    std::size_t lines = 1;
+    for (std::size_t i = 0; i < offset; ++i) {
+        const bool carriage_return_alone = text[i] == '\r' && (i + 1 == text.size() || text[i + 1] != '\n');
+        lines += static_cast<std::size_t>(text[i] == '\n') + static_cast<std::size_t>(carriage_return_alone);
+    }
+    return lines;
+}
+
+}  // namespace lamella

@@ -1,0 +1,143 @@
+// The diagnosis of a mesh as JSON.
+#include <algorithm>
+
+#include "io/write/file_json.hpp"
+#include "io/write/json.hpp"
+#include "lamella/io/check_report.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// What FaultPlace::number and FaultPlace::measure are called, or null where the kind has none.
+struct Fields {
+    const char* number = nullptr;
+    const char* measure = nullptr;
+};
+
+Fields fields_of(Fault fault) {
+    switch (fault) {
+        case Fault::boundary_edge:
+        case Fault::overfull_balanced:
+        case Fault::overfull_unbalanced:
+        case Fault::mismatched_edge:
+            return {"faces", nullptr};
+        case Fault::boundary_loop:
+            return {"edges", "length_mm"};
+        case Fault::split_vertex:
+            return {"fans", nullptr};
+        case Fault::needle_face:
+        case Fault::cap_face:
+            return {nullptr, "ratio"};
+        case Fault::wrong_sense_shell:
+            return {nullptr, "volume_mm3"};
+        case Fault::t_junction:
+        case Fault::crack:
+            return {nullptr, "width_mm"};
+        default:
+            return {};
+    }
+}
+
+void write_place(JsonText& json, Fault fault, const FaultPlace& place) {
+    json.object([&] {
+        json.list("points_mm", place.points_mm, static_cast<std::size_t>(place.point_count),
+                  [&](const auto& point) { json.value(point); });
+        const auto triangles = std::count_if(place.triangles.begin(), place.triangles.end(), [](auto t) { return t >= 0; });
+        json.list("triangles", place.triangles, static_cast<std::size_t>(triangles),
+                  [&](std::int64_t triangle) { json.value(triangle); });
+        const Fields fields = fields_of(fault);
+        if (fields.number != nullptr) {
+            json.member(fields.number, place.number);
+        }
+        if (fields.measure != nullptr) {
+            json.member(fields.measure, place.measure);
+        }
+        if (fault == Fault::boundary_loop) {
+            json.member("closed", place.closed);
+        }
+    });
+}
+
+void write_finding(JsonText& json, Fault fault, const Finding& finding, std::size_t most_places) {
+    json.object(key_of(fault), [&] {
+        json.member("count", finding.count);
+        json.member("at_least", finding.at_least);
+        json.list("places", finding.places, most_places, [&](const FaultPlace& place) { write_place(json, fault, place); });
+    });
+}
+
+void write_shell(JsonText& json, const MeshShell& shell) {
+    json.object([&] {
+        json.member("first_mm", shell.first_mm);
+        json.member("triangle", shell.triangle);
+        json.member("triangles", shell.triangles);
+        json.member("closed", shell.closed);
+        json.member_if(shell.closed, "volume_mm3", shell.volume_mm3);
+        json.member("sense", shell.sense);
+        json.member("depth", shell.depth);
+        json.member_if(shell.parent >= 0, "parent", shell.parent);
+    });
+}
+
+void write_report(JsonText& json, const MeshCheck& check, const ReportContext& context, std::size_t most_places) {
+    const MeshInfo& info = check.info;
+    json.member("mesh", context.mesh_file);
+    if (context.file != nullptr) {
+        write_file(json, *context.file);
+    }
+    json.member("triangles", info.triangles);
+    json.member("edges", info.edges);
+    json.member("grid_mm", info.unit_mm);
+    json.member("tolerance_mm", check.tolerance_mm);
+    json.member("sliver_ratio", check.sliver_ratio);
+    write_box(json, info.min_mm, info.max_mm);
+    json.member("closed", info.closed);
+    json.member("clean", check.clean());
+    json.member("verdict", verdict(check));
+    json.object("findings", [&] {
+        for (std::size_t i = 0; i < fault_count; ++i) {
+            write_finding(json, static_cast<Fault>(i), check.findings[i], most_places);
+        }
+    });
+    json.object("shells", [&] {
+        json.member("count", check.shells.size());
+        json.member("nesting_complete", check.nesting_complete);
+        json.list("first", check.shells, most_places, [&](const MeshShell& shell) { write_shell(json, shell); });
+    });
+    json.list("warnings", context.warnings);
+}
+
+bool is_sliver(Fault fault) {
+    return fault == Fault::needle_face || fault == Fault::cap_face;
+}
+
+}  // namespace
+
+std::string verdict(const MeshCheck& check) {
+    const bool clean = check.clean();
+    std::string text = clean ? "closed and clean" : "not clean";
+    const char* before = clean ? ", with " : ": ";
+    for (std::size_t i = 0; i < fault_count; ++i) {
+        const Finding& finding = check.findings[i];
+        const Fault fault = static_cast<Fault>(i);
+        if (finding.count > 0 && (clean || !is_sliver(fault))) {
+            text += before + std::string(finding.at_least ? "at least " : "") + std::to_string(finding.count) + " " +
+                    std::string(words_for(fault, finding.count));
+            before = ", ";
+        }
+    }
+    return text + (check.complete() ? "" : ", as far as was searched");
+}
+
+Result<std::string> check_json(const MeshCheck& check, const ReportContext& context, std::size_t most_places) noexcept {
+    try {
+        JsonText json;
+        json.object([&] { write_report(json, check, context, most_places); });
+        return std::move(json).take();
+    } catch (...) {  // bad_alloc, or length_error where a text cannot be that long
+        return Error{.code = ErrorCode::out_of_memory, .message = "out of memory"};
+    }
+}
+
+}  // namespace lamella

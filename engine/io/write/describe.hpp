@@ -1,0 +1,25 @@
+// The rules that a result was made by, in words: every output carries them.
+#pragma once
+
+#include <string>
+
+#include "base/words.hpp"
+#include "lamella/mesh/weld.hpp"
+#include "lamella/planes.hpp"
+#include "lamella/result.hpp"
+
+namespace lamella {
+
+const char* name_of(PlaneSide side) noexcept;
+const char* name_of(Datum datum) noexcept;
+
+/// Where the planes lie and how each was rounded, as one sentence.
+std::string describe(const LayerPlan& plan);
+
+/// What was joined before slicing, as a sentence.
+std::string describe_weld(const WeldedMesh& welded, double tolerance_mm);
+
+/// What is inside, and which gaps were closed, as a sentence or two.
+std::string describe_rules(const SliceResult& result);
+
+}  // namespace lamella

@@ -1,0 +1,58 @@
+// A file that appears whole or not at all: written aside under a unique name, renamed into place when complete.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "lamella/error.hpp"
+
+namespace lamella {
+
+/// Move-only. Whatever ends before commit() leaves no trace. A target that is no regular file (a device, a pipe) cannot be
+/// renamed onto and is written in place. Errors stick: the first is kept, later output is dropped, commit() reports it.
+class OutputFile {
+public:
+    /// Largest request that room() serves.
+    static constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
+
+    /// Creates the file aside. Errors: unwritable_file. Throws std::bad_alloc.
+    static Result<OutputFile> create(const std::filesystem::path& target);
+
+    OutputFile(OutputFile&& other) noexcept;
+    OutputFile& operator=(OutputFile&&) = delete;
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+    ~OutputFile();
+
+    /// Space for `bytes` at the end of what is written; what was used of it is told to advance(), before any other call.
+    char* room(std::size_t bytes);
+    void advance(const char* end) noexcept;
+
+    void append(std::string_view text);
+
+    /// Writes what is left and puts the file in its place. Errors: unwritable_file.
+    Status commit();
+
+private:
+    OutputFile(std::filesystem::path target, std::filesystem::path destination);
+    int open_in_place() noexcept;  ///< these two give an error number, or 0
+    int open_aside();
+    void write_out(const char* from, std::size_t bytes) noexcept;
+    void flush() noexcept;
+
+    std::filesystem::path target_;       ///< as the caller named it, for messages
+    std::filesystem::path destination_;  ///< where links lead
+    std::filesystem::path aside_;        ///< empty when the target is written in place
+    std::unique_ptr<char[]> buffer_;
+    std::size_t used_ = 0;
+    int descriptor_ = -1;
+    int error_number_ = 0;
+};
+
+/// "cannot write 'PATH': REASON"
+Error unwritable(const std::filesystem::path& path, int error_number);
+
+}  // namespace lamella

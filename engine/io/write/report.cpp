@@ -1,0 +1,318 @@
+// The report: what was asked, what was found, what it cost, as JSON.
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <new>
+#include <string>
+
+#include "io/write/describe.hpp"
+#include "io/write/file_json.hpp"
+#include "io/write/json.hpp"
+#include "io/write/output_file.hpp"
+#include "lamella/io/write.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// So many places of a kind are listed; the counts are of all.
+constexpr std::size_t most_places = 100;
+constexpr std::size_t most_open_in_layer = 10;
+
+void write_spacing(JsonText& json, const UniformLayers& layers) {
+    json.member("kind", "uniform");
+    json.member("layer_height_mm", layers.layer_height_mm);
+    json.member_if(layers.first_height_mm.has_value(), "first_height_mm", layers.first_height_mm.value_or(0));
+    json.member("datum", name_of(layers.datum));
+}
+
+void write_spacing(JsonText& json, const ExplicitPlanes& planes) {
+    json.member("kind", "explicit");
+    json.member("heights", planes.heights_mm.size());
+}
+
+void write_spacing(JsonText& json, const RandomLayers& layers) {
+    json.member("kind", "random");
+    json.member("min_height_mm", layers.min_height_mm);
+    json.member("max_height_mm", layers.max_height_mm);
+    json.member("seed", layers.seed);
+    json.member("datum", name_of(Datum::mesh_min));
+}
+
+void write_plan(JsonText& json, const LayerPlan& plan) {
+    json.object("plan", [&] {
+        std::visit([&](const auto& spacing) { write_spacing(json, spacing); }, plan.spacing);
+        json.member("side", name_of(plan.side));
+        json.member("rule", describe(plan));
+    });
+}
+
+double solid_volume_mm3(const SliceResult& result) {
+    double volume = 0;
+    for (const Layer& layer : result.layers) {
+        volume += result.area_mm2(layer) * (layer.top_mm - layer.bottom_mm);
+    }
+    return volume;
+}
+
+/// As text: readers of JSON keep 53 bits of a number.
+std::string hex(std::uint64_t value) {
+    std::array<char, 16> digits{};
+    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value, 16);
+    const std::string text(digits.data(), error == std::errc() ? end : digits.data());
+    return std::string(digits.size() - text.size(), '0') + text;
+}
+
+void write_counts(JsonText& json, const SliceResult& result) {
+    const SliceSummary& summary = result.summary;
+    json.member("triangles", summary.triangles);
+    json.member("degenerate", summary.degenerate);
+    json.member("crossed", summary.crossed);
+    json.member("planes", result.layers.size());
+    json.member("segments", summary.segments);
+    json.member("points", result.points.size());
+    json.member("contours", result.contours.size());
+    json.member("open_contours", summary.open_contours);
+    json.member("holes", summary.holes);
+    json.member("flat_contours", summary.flat_contours);
+    json.member("overruled_contours", summary.overruled_contours);
+}
+
+void write_times(JsonText& json, const StageTimes& stages, const ReportContext& context) {
+    json.object("ms", [&] {
+        json.member("read", context.read_ms);
+        json.member("parse", context.parse_ms);
+        json.member("bucket", stages.bucket);
+        json.member("sweep", stages.sweep);
+        json.member("contours", stages.contours);
+        json.member("nesting", stages.nesting);
+        json.member("write", context.write_ms);
+        json.member("total", context.total_ms);
+    });
+}
+
+/// A place in a layer, mm.
+std::array<double, 2> place_mm(const SliceResult& result, const Point& point) {
+    return {point.x * result.unit_mm, point.y * result.unit_mm};
+}
+
+/// Which layer, and the height asked for.
+void write_layer(JsonText& json, const SliceResult& result, std::size_t layer) {
+    json.member("layer", layer);
+    json.member("plane_mm", result.layers[layer].plane_mm);
+}
+
+/// Its ends, and how far apart they are by that name.
+void write_gap(JsonText& json, const SliceResult& result, const ClosedGap& gap, std::string_view length) {
+    json.member("from_mm", place_mm(result, gap.from));
+    json.member("to_mm", place_mm(result, gap.to));
+    json.member(length, result.length_mm(gap));
+}
+
+/// All of them: nothing is closed unsaid.
+void write_gaps(JsonText& json, const SliceResult& result) {
+    double longest = 0;
+    double total = 0;
+    for (const ClosedGap& gap : result.closed_gaps) {
+        longest = std::max(longest, result.length_mm(gap));
+        total += result.length_mm(gap);
+    }
+    json.object("gaps", [&] {
+        json.member("reach_mm", result.close_gaps_mm);
+        json.member("closed", result.closed_gaps.size());
+        json.member("longest_mm", longest);
+        json.member("total_mm", total);
+        json.list("closings", result.closed_gaps, result.closed_gaps.size(), [&](const ClosedGap& gap) {
+            json.object([&] {
+                write_layer(json, result, gap.layer);
+                write_gap(json, result, gap, "length_mm");
+            });
+        });
+    });
+}
+
+/// A layer's open polylines: where each ends and where it starts, between which the mesh lacks faces.
+void write_open_layer(JsonText& json, const SliceResult& result, const std::vector<ClosedGap>& gaps) {
+    json.object([&] {
+        write_layer(json, result, gaps.front().layer);
+        json.member("count", gaps.size());
+        json.list("first", gaps, most_open_in_layer,
+                  [&](const ClosedGap& gap) { json.object([&] { write_gap(json, result, gap, "gap_mm"); }); });
+        json.member("not_listed", gaps.size() - std::min(gaps.size(), most_open_in_layer));
+    });
+}
+
+/// Every layer that has open polylines.
+void write_open(JsonText& json, const SliceResult& result) {
+    std::vector<ClosedGap> gaps;  // of one layer
+    json.list("open_layers", result.layers, result.layers.size(), [&](const Layer& layer) {
+        gaps.clear();
+        for (const Contour& contour : result.contours_of(layer)) {
+            if (contour.role == Role::open) {
+                const std::span<const Point> points = result.points_of(contour);
+                gaps.push_back({static_cast<std::uint64_t>(&layer - result.layers.data()), points.back(), points.front()});
+            }
+        }
+        if (!gaps.empty()) {
+            write_open_layer(json, result, gaps);
+        }
+    });
+}
+
+void write_pieces(JsonText& json, std::string_view name, const SurfacePieceCount& pieces) {
+    json.object(name, [&] {
+        json.member("count", pieces.count);
+        json.member("triangles", pieces.triangles);
+    });
+}
+
+void write_slab(JsonText& json, const Slab& slab) {
+    json.object([&] {
+        json.member("below_layer", slab.layer);
+        json.member("triangles", slab.triangles);
+        json.member("flat_up_mm2", slab.flat_up_mm2);
+        json.member("flat_down_mm2", slab.flat_down_mm2);
+        json.member("shells", slab.shells);
+        json.member("peaks", slab.peaks);
+        json.member("pits", slab.pits);
+    });
+}
+
+void write_piece(JsonText& json, const SurfacePiece& piece) {
+    json.object([&] {
+        json.member("kind", name_of(piece.kind));
+        json.member("below_layer", piece.layer);
+        json.member("at_mm", piece.at_mm);
+        json.member("height_mm", piece.height_mm);
+        json.member("triangles", piece.triangles);
+    });
+}
+
+void write_ledger(JsonText& json, const Ledger& ledger) {
+    json.object("ledger", [&] {
+        json.member("triangles", ledger.triangles);
+        json.member("cut", ledger.cut);
+        json.member("between_planes", ledger.between);
+        json.member("degenerate", ledger.degenerate);
+        json.member("horizontal", ledger.horizontal);
+        json.member("flat_up_mm2", ledger.flat_up_mm2);
+        json.member("flat_down_mm2", ledger.flat_down_mm2);
+        write_pieces(json, "shells", ledger.shells);
+        write_pieces(json, "peaks", ledger.peaks);
+        write_pieces(json, "pits", ledger.pits);
+        json.list("first_pieces", ledger.pieces, most_places, [&](const SurfacePiece& piece) { write_piece(json, piece); });
+        json.member("slabs", ledger.slabs.size());
+        json.list("first_slabs", ledger.slabs, most_places, [&](const Slab& slab) { write_slab(json, slab); });
+        json.member("empty_layers_inside", ledger.gaps.size());
+        json.list("first_empty_layers", ledger.gaps, most_places, [&](std::uint64_t layer) { json.value(layer); });
+    });
+}
+
+void write_volume(JsonText& json, const VolumeCertificate& volume) {
+    const bool closed = volume.verdict != VolumeVerdict::open_mesh;
+    const bool compared = volume.applies() && !volume.slab_mm3.empty();
+    json.object("volume", [&] {
+        json.member("verdict", name_of(volume.verdict));
+        json.member_if(closed, "mesh_mm3", volume.mesh_mm3);
+        json.member_if(closed, "slabs_mm3", volume.slabs_mm3);
+        json.member_if(compared, "worst_layer", volume.worst_layer);
+        json.member_if(compared, "worst_difference_mm2", volume.worst_difference_mm2);
+        json.member_if(compared, "worst_allowed_mm2", volume.worst_allowed_mm2);
+    });
+}
+
+void write_crossings(JsonText& json, const SliceResult& result, const Crossings& crossings) {
+    json.object("crossings", [&] {
+        json.member("count", crossings.count);
+        json.member("at_least", crossings.at_least);
+        json.list("layers", crossings.layers, crossings.layers.size(), [&](const LayerCrossings& layer) {
+            json.object([&] {
+                const std::uint64_t first = result.layers[layer.layer].first_contour;
+                write_layer(json, result, layer.layer);
+                json.member("count", layer.count);
+                json.member("at_least", layer.at_least);
+                json.member_if(layer.count > 0, "first_mm", place_mm(result, layer.first));
+                json.member_if(layer.count > 0, "contours",
+                               std::array{layer.contours[0] - first, layer.contours[1] - first});
+            });
+        });
+    });
+}
+
+void write_weld(JsonText& json, const ReportContext& context) {
+    json.object("weld", [&] {
+        json.member("tolerance_mm", context.weld_mm);
+        json.member("vertices", context.welded->vertices);
+        json.member("joined", context.welded->joined);
+        json.member("largest_move_mm", context.welded->largest_move_mm);
+    });
+}
+
+/// What was found out about the result, where it was looked for.
+void write_findings(JsonText& json, const SliceResult& result, const ReportContext& context) {
+    write_open(json, result);
+    json.member("fill_rule", name_of(result.fill_rule));
+    write_gaps(json, result);
+    if (context.ledger != nullptr) {
+        write_ledger(json, *context.ledger);
+    }
+    if (context.volume != nullptr) {
+        write_volume(json, *context.volume);
+    }
+    if (context.crossings != nullptr) {
+        write_crossings(json, result, *context.crossings);
+    }
+    if (context.welded != nullptr) {
+        write_weld(json, context);
+    }
+}
+
+void write_report(JsonText& json, const SliceResult& result, const ReportContext& context) {
+    const SliceSummary& summary = result.summary;
+    json.member("mesh", context.mesh_file);
+    json.member_if(!context.output_file.empty(), "output", context.output_file);
+    if (context.file != nullptr) {
+        write_file(json, *context.file);
+    }
+    write_counts(json, result);
+    write_findings(json, result, context);
+    json.member("grid_mm", result.unit_mm);
+    write_plan(json, result.plan);
+    json.member("frame", result.frame.m);
+    write_box(json, summary.min_mm, summary.max_mm);
+    json.member("solid_volume_mm3", solid_volume_mm3(result));
+    json.member("threads", summary.threads);
+    json.member("bands", summary.bands);
+    write_times(json, summary.ms, context);
+    json.member("peak_rss_bytes", context.peak_rss_bytes);
+    json.member("output_hash", hex(output_hash(result)));
+    json.list("warnings", context.warnings);
+}
+
+}  // namespace
+
+Result<std::string> report_json(const SliceResult& result, const ReportContext& context) noexcept {
+    try {
+        JsonText json;
+        json.object([&] { write_report(json, result, context); });
+        return std::move(json).take();
+    } catch (...) {  // bad_alloc, or length_error where a text cannot be that long
+        return Error{.code = ErrorCode::out_of_memory, .message = "out of memory"};
+    }
+}
+
+Status write_text_file(const std::filesystem::path& path, const std::string& text) noexcept {
+    try {
+        Result<OutputFile> file = OutputFile::create(path);
+        if (!file) {
+            return file.error();
+        }
+        file->append(text);
+        return file->commit();
+    } catch (const std::bad_alloc&) {
+        return Error{.code = ErrorCode::out_of_memory, .message = "out of memory"};
+    }
+}
+
+}  // namespace lamella

@@ -1,0 +1,252 @@
+// Layered SVG. Layers are painted from the lowest up, each opaque and lighter than the one below, so that a viewer which
+// shows all of them at once shows the part from above as a relief; one that shows a layer at a time shows dark on white.
+//
+// Holes are polygons of their own in Slic3r's convention and cannot be cut out of another one, so they are painted white
+// over the contour around them. The canonical order (outer, then its holes, then what starts inside these) makes that right
+// wherever contours do not cross.
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <string>
+#include <string_view>
+
+#include "base/guard.hpp"
+#include "base/words.hpp"
+#include "io/write/describe.hpp"
+#include "io/write/output_file.hpp"
+#include "lamella/io/write.hpp"
+
+namespace lamella {
+
+namespace {
+
+using Shade = std::array<int, 3>;
+constexpr Shade lowest_colour{16, 32, 51};
+constexpr Shade highest_colour{112, 160, 198};
+constexpr std::string_view warning_colour = "#d9302c";
+
+constexpr double margin = 0.02;           ///< around the mesh, of its larger extent
+constexpr double warning_stroke = 0.002;  ///< of the same
+
+/// Grid coordinates as decimal mm: enough digits to be within half a grid unit, or within 1e-6 mm where the grid is finer.
+class MmFormat {
+public:
+    static constexpr int most_decimals = 6;
+    static constexpr std::size_t most_chars = 24;
+
+    explicit MmFormat(double unit_mm) noexcept {
+        double step = 1;
+        while (step > unit_mm && decimals_ < most_decimals) {
+            ++decimals_;
+            ten_power_ *= 10;
+            step = 1 / static_cast<double>(ten_power_);
+        }
+        scale_ = unit_mm * static_cast<double>(ten_power_);
+    }
+
+    char* write(char* to, std::int32_t grid_units) const noexcept { return fixed(to, scale_ * grid_units); }
+    char* write_mm(char* to, double mm) const noexcept { return fixed(to, mm * static_cast<double>(ten_power_)); }
+
+private:
+    /// `scaled` / 10^decimals, without trailing zeros.
+    char* fixed(char* to, double scaled) const noexcept {
+        if (scaled < 0) {
+            *to = '-';
+        }
+        const auto magnitude = static_cast<std::uint64_t>(std::llround(std::abs(scaled)));
+        to += static_cast<int>(scaled < 0 && magnitude != 0);
+        char* const limit = to + most_chars;
+        char* end = std::to_chars(to, limit, magnitude / ten_power_).ptr;
+        const std::uint64_t fraction = magnitude % ten_power_;
+        if (fraction != 0) {
+            // A leading one keeps the zeros after the point; the point then takes its place.
+            char* const point = end;
+            end = std::to_chars(point, limit, fraction + ten_power_).ptr;
+            *point = '.';
+            while (end[-1] == '0') {
+                --end;
+            }
+        }
+        return end;
+    }
+
+    std::uint64_t ten_power_ = 1;
+    int decimals_ = 0;
+    double scale_ = 1;
+};
+
+struct Frame2d {
+    double min_x, min_y, width, height, extent;
+};
+
+/// What the picture shows: the mesh's box and a margin.
+Frame2d frame_of(const SliceResult& result) {
+    const auto& low = result.summary.min_mm;
+    const auto& high = result.summary.max_mm;
+    const double extent = std::max({high[0] - low[0], high[1] - low[1], result.unit_mm});
+    const double border = margin * extent;
+    return {low[0] - border, low[1] - border, high[0] - low[0] + 2 * border, high[1] - low[1] + 2 * border, extent};
+}
+
+class SvgWriter {
+public:
+    SvgWriter(const SliceResult& result, const ReportContext& context, OutputFile& out)
+        : result_(result), context_(context), out_(out), format_(result.unit_mm), frame_(frame_of(result)) {}
+
+    void head() {
+        const std::string width = mm(frame_.width);
+        const std::string height = mm(frame_.height);
+        const std::string left = mm(frame_.min_x);
+        const std::string top = mm(-(frame_.min_y + frame_.height));  // y points up in the mesh and down in SVG
+        out_.append(
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" "
+            "xmlns:slic3r=\"http://slic3r.org/namespaces/slic3r\" width=\"" +
+            width + "mm\" height=\"" + height + "mm\" viewBox=\"" + left + " " + top + " " + width + " " + height +
+            "\" fill-rule=\"nonzero\">\n");
+        out_.append("<title>" + counted(result_.layers.size(), "layer") + "</title>\n<desc>" + description() + "</desc>\n");
+        out_.append("<rect x=\"" + left + "\" y=\"" + top + "\" width=\"" + width + "\" height=\"" + height +
+                    "\" fill=\"white\"/>\n");
+    }
+
+    void layer(std::size_t index) {
+        const Layer& layer = result_.layers[index];
+        out_.append("<g id=\"layer" + std::to_string(index) + "\" slic3r:z=\"" + exact_text(layer.plane_mm) +
+                    "\" slic3r:layer-height=\"" + mm(layer.top_mm - layer.bottom_mm) + "\" fill=\"" + colour(index) +
+                    "\" transform=\"scale(1,-1)\">\n");
+        for (std::uint64_t c = layer.first_contour; c < layer.first_contour + layer.contour_count; ++c) {
+            contour(c);
+        }
+        out_.append("</g>\n");
+    }
+
+    /// Open polylines once more, over all layers: a warning must not be hidden by the layers above it.
+    void open_overlay() {
+        bool begun = false;
+        for (std::uint64_t c = 0; c < result_.contours.size(); ++c) {
+            if (result_.contours[c].role != Role::open) {
+                continue;
+            }
+            if (!begun) {
+                out_.append("<g id=\"open\" transform=\"scale(1,-1)\">\n");
+                begun = true;
+            }
+            out_.append("<use xlink:href=\"#open" + std::to_string(c) + "\"/>\n");
+        }
+        if (begun) {
+            out_.append("</g>\n");
+        }
+    }
+
+    void tail() { out_.append("</svg>\n"); }
+
+private:
+    std::string description() const {
+        std::string text = "Coordinates in mm. Grid unit " + exact_text(result_.unit_mm) + " mm. " +
+                           (context_.welded != nullptr ? describe_weld(*context_.welded, context_.weld_mm) + ". " : "") +
+                           "Planes: " + describe(result_.plan) + ". " + describe_rules(result_) +
+                           ". Frame (rows of a 3x4 matrix from mesh to layers):";
+        for (const double entry : result_.frame.m) {
+            text += " " + exact_text(entry);
+        }
+        return text + ".";
+    }
+
+    std::string mm(double value) const {
+        std::array<char, MmFormat::most_chars + 1> text;
+        return {text.data(), MmFormat(std::numeric_limits<double>::min()).write_mm(text.data(), value)};
+    }
+
+    /// As "#rrggbb", from the lowest layer's to the highest's.
+    std::string colour(std::size_t index) const {
+        const std::size_t last = std::max<std::size_t>(result_.layers.size(), 2) - 1;
+        const double share = static_cast<double>(index) / static_cast<double>(last);
+        std::string text = "#";
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            const int low = lowest_colour[channel];
+            const int value = low + static_cast<int>(std::lround(share * (highest_colour[channel] - low)));
+            constexpr std::string_view digits = "0123456789abcdef";
+            text += digits[static_cast<std::size_t>(value / 16)];
+            text += digits[static_cast<std::size_t>(value % 16)];
+        }
+        return text;
+    }
+
+    void contour(std::uint64_t index) {
+        const Contour& contour = result_.contours[index];
+        switch (contour.role) {
+            case Role::outer:
+                out_.append("<polygon slic3r:type=\"contour\" points=\"");
+                break;
+            case Role::hole:
+                out_.append("<polygon slic3r:type=\"hole\" fill=\"white\" points=\"");
+                break;
+            case Role::flat:
+                out_.append("<polygon slic3r:type=\"flat\" points=\"");
+                break;
+            case Role::open:
+                out_.append("<polyline id=\"open" + std::to_string(index) +
+                            "\" slic3r:type=\"open\" fill=\"none\" stroke=\"" + std::string(warning_colour) +
+                            "\" stroke-width=\"" + mm(warning_stroke * frame_.extent) + "\" points=\"");
+                break;
+        }
+        points(result_.points_of(contour));
+        out_.append("\"/>\n");
+    }
+
+    void points(std::span<const Point> all) {
+        constexpr std::size_t points_at_once = 1024;
+        constexpr std::size_t bytes_a_point = 2 * (MmFormat::most_chars + 1);
+        static_assert(points_at_once * bytes_a_point <= OutputFile::buffer_bytes);
+        while (!all.empty()) {
+            const std::size_t count = std::min(all.size(), points_at_once);
+            char* to = out_.room(count * bytes_a_point);
+            for (const Point& point : all.first(count)) {
+                to = format_.write(to, point.x);
+                *to++ = ',';
+                to = format_.write(to, point.y);
+                *to++ = ' ';
+            }
+            all = all.subspan(count);
+            out_.advance(all.empty() ? to - 1 : to);
+        }
+    }
+
+    const SliceResult& result_;
+    const ReportContext& context_;
+    OutputFile& out_;
+    MmFormat format_;
+    Frame2d frame_;
+};
+
+Status write_svg_throwing(const SliceResult& result, const std::filesystem::path& path, const ReportContext& context,
+                          const Control& control) {
+    Result<OutputFile> file = OutputFile::create(path);
+    if (!file) {
+        return file.error();
+    }
+    SvgWriter writer(result, context, *file);
+    writer.head();
+    for (std::size_t index = 0; index < result.layers.size(); ++index) {
+        if (control.stop.stop_requested()) {
+            return Error{.code = ErrorCode::cancelled, .message = "cancelled while writing '" + path.string() + "'"};
+        }
+        writer.layer(index);
+    }
+    writer.open_overlay();
+    writer.tail();
+    return file->commit();
+}
+
+}  // namespace
+
+Status write_svg(const SliceResult& result, const std::filesystem::path& path, const ReportContext& context,
+                 const Control& control) noexcept {
+    return guarded([&] { return write_svg_throwing(result, path, context, control); });
+}
+
+}  // namespace lamella

@@ -1,0 +1,108 @@
+// XML as a stream of elements and text. Nothing of the document is kept, so that its size does not matter. A document type
+// declaration is refused: with it go entities, internal and external, and every way to make a short file long.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "lamella/memory.hpp"
+
+namespace lamella {
+
+/// A name with its namespace: of elements always, of attributes only where they carry a prefix.
+struct XmlName {
+    std::string_view space;  ///< the namespace's address, or empty
+    std::string_view local;
+    friend bool operator==(const XmlName&, const XmlName&) = default;
+};
+
+/// Whether `text` is text in an XML document whatever stands around it: ASCII without markup, and not even a part of some.
+bool is_plain_xml_text(std::string_view text) noexcept;
+
+/// The attributes of an element, as long as its event lasts.
+class XmlAttributes {
+public:
+    explicit XmlAttributes(const char* const* names_and_values) noexcept : list_(names_and_values) {}
+
+    /// The value of the attribute of that name, entities and white space resolved.
+    std::optional<std::string_view> find(const XmlName& name) const noexcept;
+    std::optional<std::string_view> find(std::string_view local) const noexcept { return find(XmlName{{}, local}); }
+
+private:
+    const char* const* list_;  // name, value, name, value, ..., null
+};
+
+/// Where parsing ended before the document did, and why.
+struct XmlFailure {
+    std::uint64_t line = 0;    ///< from 1
+    std::uint64_t offset = 0;  ///< in bytes
+    std::string what;
+};
+
+/// A parser of one document; what reads a format derives from it. Memory: at most parser_memory_limit, taken from `memory`.
+class XmlReader {
+public:
+    /// Throws std::bad_alloc.
+    explicit XmlReader(const Memory* memory = nullptr);
+    virtual ~XmlReader();
+    XmlReader(const XmlReader&) = delete;
+    XmlReader& operator=(const XmlReader&) = delete;
+
+    /// Parses what comes next. False: no more is wanted, because of a failure() or of a stop(). Throws what an event throws.
+    bool feed(std::string_view bytes);
+    /// Goes over what comes next without parsing it. Its bytes count for offsets, and `lines` for lines. Precondition: all
+    /// before it has been parsed, and parsing it too could only succeed and would change nothing that is open.
+    void skip(std::string_view plain, std::uint64_t lines = 0) noexcept {
+        skipped_bytes_ += plain.size();
+        skipped_lines_ += lines;
+    }
+    /// Says that the document ends here. False: a failure() or a stop().
+    bool finish();
+
+    const std::optional<XmlFailure>& failure() const noexcept { return failure_; }
+
+    /// What the stack of open elements, the names seen and the tag at hand may take: far more than any real file needs.
+    static constexpr std::size_t parser_memory_limit = std::size_t{16} << 20;
+
+protected:
+    // The events. They may call fail() or stop(), after which no other event comes.
+    virtual void begin_element(const XmlName& name, const XmlAttributes& attributes) = 0;
+    virtual void end_element(const XmlName& name) = 0;
+    /// A piece of the text between tags; a line of it may come in many.
+    virtual void text(std::string_view piece) = 0;
+    /// A prefix that the next element declares, empty for that of names without one.
+    virtual void declare_namespace(std::string_view /*prefix*/, std::string_view /*space*/) {}
+
+    /// Ends parsing with a failure at the event at hand.
+    void fail(std::string what);
+    /// Ends parsing without one.
+    void stop();
+
+    /// Where in the document the tag or text at hand stands: its line, from 1, and the bytes where it begins and ends.
+    std::uint64_t event_line() const noexcept;
+    std::uint64_t event_offset() const noexcept;
+    std::uint64_t event_end() const noexcept;
+
+private:
+    class ParserMemory;
+    struct Callbacks;
+
+    template <class Event>
+    void deliver(Event&& event) noexcept;
+    bool parse(std::string_view bytes, bool last);
+
+    std::unique_ptr<ParserMemory> memory_;
+    void* parser_ = nullptr;  // an XML_Parser; expat.h stays out of the other readers
+    std::uint64_t skipped_bytes_ = 0;
+    std::uint64_t skipped_lines_ = 0;
+    bool stopped_ = false;
+    std::optional<XmlFailure> failure_;
+    std::exception_ptr thrown_;  // by an event: exceptions must not pass through expat, which is C
+};
+
+}  // namespace lamella

@@ -1,0 +1,115 @@
+#include "mesh/check/box_tree.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <limits>
+
+#include "base/parallel_sort.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr int key_bits = 21;  ///< an axis: three fit 64
+constexpr std::size_t box_grain = 8192;
+
+struct Keyed {
+    std::uint64_t key;
+    std::uint32_t item;
+};
+
+constexpr Box nothing() {
+    constexpr std::int32_t least = std::numeric_limits<std::int32_t>::min();
+    constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max();
+    return {{most, most, most}, {least, least, least}};
+}
+
+/// Two zeros between any two bits.
+std::uint64_t spread(std::uint64_t bits) {
+    bits = (bits | bits << 32) & 0x001F00000000FFFF;
+    bits = (bits | bits << 16) & 0x001F0000FF0000FF;
+    bits = (bits | bits << 8) & 0x100F00F00F00F00F;
+    bits = (bits | bits << 4) & 0x10C30C30C30C30C3;
+    return (bits | bits << 2) & 0x1249249249249249;
+}
+
+/// Of the box's middle, in a cube around everything.
+class MortonKey {
+public:
+    explicit MortonKey(const Box& all) : low_(all.low) {
+        std::int64_t extent = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            extent = std::max(extent, std::int64_t{all.high[axis]} - all.low[axis]);
+        }
+        shift_ = std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(extent))) - key_bits);
+    }
+
+    std::uint64_t operator()(const Box& box) const {
+        std::uint64_t key = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::int64_t middle = (std::int64_t{box.low[axis]} + box.high[axis]) / 2 - low_[axis];
+            key |= spread(static_cast<std::uint64_t>(std::max<std::int64_t>(middle, 0)) >> shift_) << axis;
+        }
+        return key;
+    }
+
+private:
+    std::array<std::int32_t, 3> low_;
+    int shift_ = 0;
+};
+
+}  // namespace
+
+Box Box::around(std::span<const GridVertex> points) noexcept {
+    Box box = nothing();
+    for (const GridVertex& p : points) {
+        box.include({{p.x, p.y, p.z}, {p.x, p.y, p.z}});
+    }
+    return box;
+}
+
+void Box::include(const Box& other) noexcept {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = std::min(low[axis], other.low[axis]);
+        high[axis] = std::max(high[axis], other.high[axis]);
+    }
+}
+
+BoxTree::BoxTree(std::span<const Box> boxes, const Parallel& parallel) {
+    assert(boxes.size() < std::numeric_limits<std::uint32_t>::max());
+    Box all = nothing();
+    for (const Box& box : boxes) {
+        all.include(box);
+    }
+    Array<Keyed> keyed;
+    keyed.resize_discarding(boxes.size());
+    const MortonKey key(boxes.empty() ? Box{} : all);
+    parallel.run_ranges(boxes.size(), box_grain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i != end; ++i) {
+            keyed[i] = {key(boxes[i]), static_cast<std::uint32_t>(i)};
+        }
+    });
+    sort_in_parallel(
+        keyed.span(), [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.item < b.item; },
+        parallel);
+    items_.resize_discarding(boxes.size());
+    levels_.emplace_back().resize_discarding(boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        items_[i] = keyed[i].item;
+        levels_[0][i] = boxes[items_[i]];
+    }
+    while (levels_.back().size() > fan) {
+        const Array<Box>& below = levels_.back();
+        Array<Box> level;
+        level.resize_discarding((below.size() + fan - 1) / fan);
+        std::fill(level.begin(), level.end(), nothing());
+        for (std::size_t i = 0; i < below.size(); ++i) {
+            level[i / fan].include(below[i]);
+        }
+        levels_.push_back(std::move(level));
+    }
+    assert(levels_.size() <= deepest);
+}
+
+}  // namespace lamella

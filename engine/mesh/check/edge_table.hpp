@@ -1,0 +1,51 @@
+// The edges of a grid mesh with the faces at each.
+#pragma once
+
+#include <cassert>
+#include <cstdint>
+#include <span>
+
+#include "mesh/check/grid_mesh.hpp"
+
+namespace lamella {
+
+/// Sides are numbered 3 * face + corner, each running from that corner to the next.
+class EdgeTable {
+public:
+    struct Edge {
+        std::uint32_t lower;
+        std::uint32_t upper;
+        std::uint32_t first_side;
+    };
+
+    /// O(n log(faces at a vertex)). `mesh` must outlive the table. Throws std::bad_alloc.
+    EdgeTable(const GridMesh& mesh, const Parallel& parallel);
+
+    /// By lower vertex, then upper.
+    std::size_t size() const noexcept { return edges_.size() - 1; }
+    const Edge& operator[](std::size_t edge) const noexcept { return edges_[edge]; }
+
+    /// Ascending.
+    std::span<const std::uint32_t> sides(std::size_t edge) const noexcept {
+        return {sides_.data() + edges_[edge].first_side, edges_[edge + 1].first_side - edges_[edge].first_side};
+    }
+    static std::uint32_t face_of(std::uint32_t side) noexcept { return side / 3; }
+
+    /// From the edge's lower vertex to its upper one.
+    bool is_forward(std::uint32_t side) const noexcept {
+        const auto& corners = mesh_.faces[side / 3].corners;
+        return corners[side % 3] < corners[(side % 3 + 1) % 3];
+    }
+    std::size_t forward_count(std::size_t edge) const noexcept;
+    bool is_balanced(std::size_t edge) const noexcept { return 2 * forward_count(edge) == sides(edge).size(); }
+
+    /// Whether two vertices are joined by an edge. O(log n).
+    bool joins(std::uint32_t a, std::uint32_t b) const noexcept;
+
+private:
+    const GridMesh& mesh_;
+    Array<Edge> edges_;  ///< and one past the end, for its first_side
+    Array<std::uint32_t> sides_;
+};
+
+}  // namespace lamella

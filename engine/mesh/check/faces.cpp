@@ -1,0 +1,91 @@
+// Faces that are bad by themselves, and faces on the same vertices.
+#include <algorithm>
+#include <cmath>
+
+#include "mesh/check/finders.hpp"
+#include "slicing/grid/grid_vector.hpp"
+
+namespace lamella {
+
+namespace {
+
+double square(const Vector& v) {
+    return static_cast<double>(dot(v, v));
+}
+
+/// A sliver is a needle when its shortest side is under a tenth of the longest; else two angles are acute and small: a cap.
+constexpr double needle_ratio = 10;
+
+/// Longest side over the height on it, and over the shortest side. The components are exact, the rest is in double.
+struct Shape {
+    double over_height;
+    double over_shortest;
+};
+
+Shape shape_of(const Vector& ab, const Vector& ac, const Vector& bc) {
+    const Vector normal = cross(ab, ac);
+    const double twice_area =
+        std::hypot(static_cast<double>(normal.x), static_cast<double>(normal.y), static_cast<double>(normal.z));
+    const auto [shortest, longest] = std::minmax({square(ab), square(ac), square(bc)});
+    return {longest / twice_area, std::sqrt(longest / shortest)};
+}
+
+void judge_shape(const GridMesh& mesh, const Face& face, double sliver_ratio, Notes& notes) {
+    const std::array<GridVertex, 3> corners = mesh.corners(face);
+    const Vector ab = half(corners[1]) - half(corners[0]);
+    const Vector ac = half(corners[2]) - half(corners[0]);
+    if (cross(ab, ac) == Vector{}) {
+        notes.add(Fault::zero_area_face, [&] { return notes.at(face); });
+        return;
+    }
+    const Shape shape = shape_of(ab, ac, half(corners[2]) - half(corners[1]));
+    if (shape.over_height >= sliver_ratio) {
+        notes.add(shape.over_shortest > needle_ratio ? Fault::needle_face : Fault::cap_face, [&] {
+            FaultPlace place = notes.at(face);
+            place.measure = shape.over_height;
+            return place;
+        });
+    }
+}
+
+FaultPlace place_of_pair(const Face& face, const Face& other, const Notes& notes) {
+    FaultPlace place = notes.at(face);
+    place.triangles[1] = other.source;
+    return place;
+}
+
+/// Faces [begin, end) have the same vertices; they are sorted by sense.
+void judge_group(const GridMesh& mesh, std::size_t begin, std::size_t end, Notes& notes) {
+    const auto same_sense = [&](std::size_t i) { return mesh.faces[i].corners == mesh.faces[begin].corners; };
+    std::size_t middle = begin;
+    while (middle != end && same_sense(middle)) {
+        ++middle;
+    }
+    for (std::size_t i = begin + 1; i < end; ++i) {
+        if (i != middle) {
+            const Face& first = mesh.faces[i < middle ? begin : middle];
+            notes.add(Fault::duplicate_face, [&] { return place_of_pair(first, mesh.faces[i], notes); });
+        }
+    }
+    for (std::size_t i = 0; i < std::min(middle - begin, end - middle); ++i) {
+        notes.add(Fault::opposite_face, [&] { return place_of_pair(mesh.faces[begin + i], mesh.faces[middle + i], notes); });
+    }
+}
+
+}  // namespace
+
+void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes) {
+    for (const Face& face : mesh.collapsed) {
+        notes.add(Fault::collapsed_face, [&] { return notes.at(face); });
+    }
+    for (std::size_t begin = 0; begin < mesh.faces.size();) {
+        std::size_t end = begin;
+        while (end < mesh.faces.size() && vertex_set(mesh.faces[end]) == vertex_set(mesh.faces[begin])) {
+            judge_shape(mesh, mesh.faces[end++], sliver_ratio, notes);
+        }
+        judge_group(mesh, begin, end, notes);
+        begin = end;
+    }
+}
+
+}  // namespace lamella

@@ -1,0 +1,182 @@
+// T-junctions and cracks: vertices of the boundary that nearly meet it elsewhere.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "mesh/check/box_tree.hpp"
+#include "mesh/check/finders.hpp"
+#include "mesh/check/pair_search.hpp"
+#include "slicing/grid/grid_vector.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// A vertex, and the vertex or edge that it is near.
+using Near = std::pair<std::uint32_t, std::uint32_t>;
+using Real = std::array<double, 3>;
+
+Real to_real(const Vector& v) {
+    return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+double dot(const Real& a, const Real& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+double length(const Vector& v) {
+    return std::sqrt(static_cast<double>(dot(v, v)));
+}
+
+Box widened(const GridVertex& p, double reach) {
+    const std::array<std::int32_t, 3> xyz = {p.x, p.y, p.z};
+    const auto by = static_cast<std::int64_t>(std::ceil(std::min(reach, 4.0 * grid_limit)));
+    Box box{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.low[axis] = static_cast<std::int32_t>(std::max<std::int64_t>(xyz[axis] - by, -grid_limit));
+        box.high[axis] = static_cast<std::int32_t>(std::min<std::int64_t>(xyz[axis] + by, grid_limit));
+    }
+    return box;
+}
+
+/// From p to the line through a and b, where the foot lies strictly between them; else -1. On the line exactly 0.
+double distance_to_inside(const Vector& p, const Vector& a, const Vector& b, double& share) {
+    const Real along = to_real(b - a);
+    const Real ap = to_real(p - a);
+    share = dot(along, ap) / dot(along, along);
+    if (!(share > 0 && share < 1)) {
+        return -1;
+    }
+    if (cross(b - a, p - a) == Vector{}) {
+        return 0;
+    }
+    const Real off = {ap[0] - share * along[0], ap[1] - share * along[1], ap[2] - share * along[2]};
+    return std::sqrt(dot(off, off));
+}
+
+class GapSearch {
+public:
+    GapSearch(const GridMesh& mesh, const EdgeTable& edges, double tolerance_mm, Notes& notes, const Parallel& parallel)
+        : mesh_(mesh),
+          edges_(edges),
+          notes_(notes),
+          parallel_(parallel),
+          reach_(tolerance_mm / mesh.unit_mm),
+          half_reach_(reach_ / 2) {
+        for (std::uint32_t edge = 0; edge < edges.size(); ++edge) {
+            if (edges.sides(edge).size() == 1) {
+                boundary_.push_back(edge);
+                vertices_.push_back(edges[edge].lower);
+                vertices_.push_back(edges[edge].upper);
+            }
+        }
+        std::sort(vertices_.begin(), vertices_.end());
+        vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    }
+
+    void find_t_junctions() {
+        std::vector<Box> boxes;
+        for (const std::uint32_t edge : boundary_) {
+            boxes.push_back(Box::around(std::array{mesh_.vertices[edges_[edge].lower], mesh_.vertices[edges_[edge].upper]}));
+        }
+        search(
+            Fault::t_junction, boxes,
+            [&](std::uint32_t vertex, std::uint32_t item, Tally<Near>& tally) {
+                if (is_t_junction(vertex, boundary_[item])) {
+                    tally.add({vertex, boundary_[item]});
+                }
+            },
+            [&](const Near& near) { return place_of_t_junction(near.first, near.second); });
+    }
+
+    void find_cracks() {
+        std::vector<Box> boxes;
+        for (const std::uint32_t vertex : vertices_) {
+            boxes.push_back(Box::around(std::array{mesh_.vertices[vertex]}));
+        }
+        search(
+            Fault::crack, boxes,
+            [&](std::uint32_t vertex, std::uint32_t item, Tally<Near>& tally) {
+                const std::uint32_t other = vertices_[item];
+                if (vertex < other && length(at(other) - at(vertex)) <= half_reach_ && !edges_.joins(vertex, other)) {
+                    tally.add({vertex, other});
+                }
+            },
+            [&](const Near& near) {
+                FaultPlace place = notes_.at({near.first, near.second});
+                place.measure = length(at(near.second) - at(near.first)) * 2 * mesh_.unit_mm;
+                return place;
+            });
+    }
+
+private:
+    Vector at(std::uint32_t vertex) const { return half(mesh_.vertices[vertex]); }
+
+    /// For every vertex of the boundary visits what has a box within reach; what visit() adds to the tally is noted.
+    template <class Visit, class MakePlace>
+    void search(Fault fault, const std::vector<Box>& boxes, Visit visit, MakePlace make_place) {
+        const BoxTree tree(boxes, parallel_);
+        std::vector<Tally<Near>> tallies(static_cast<std::size_t>(parallel_.threads()), Tally<Near>(notes_.most()));
+        Finding& finding = notes_.of(fault);
+        finding.at_least =
+            !search_within_budget(vertices_.size(), parallel_, [&](std::size_t query, std::size_t limit, int worker) {
+                const std::uint32_t vertex = vertices_[query];
+                return tree.search(widened(mesh_.vertices[vertex], reach_), 0, limit, [&](std::uint32_t item) {
+                    visit(vertex, item, tallies[static_cast<std::size_t>(worker)]);
+                });
+            });
+        for (std::size_t worker = 1; worker < tallies.size(); ++worker) {
+            tallies[0].add(tallies[worker]);
+        }
+        finding.count = tallies[0].count();
+        for (const Near& near : tallies[0].smallest()) {
+            finding.places.push_back(make_place(near));
+        }
+    }
+
+    /// Near the ends of the edge the vertex makes a crack with them instead. A face's own corner near its side makes it a
+    /// cap, or leaves it without area.
+    bool is_t_junction(std::uint32_t vertex, std::uint32_t edge) const {
+        const auto [lower, upper, first_side] = edges_[edge];
+        double share = 0;
+        const double distance = distance_to_inside(at(vertex), at(lower), at(upper), share);
+        const Face& face = mesh_.faces[EdgeTable::face_of(edges_.sides(edge)[0])];
+        const bool own = std::find(face.corners.begin(), face.corners.end(), vertex) != face.corners.end();
+        return !own && distance >= 0 && distance <= half_reach_ && length(at(vertex) - at(lower)) > half_reach_ &&
+               length(at(vertex) - at(upper)) > half_reach_;
+    }
+
+    /// The vertex, and the point of the edge next to it.
+    FaultPlace place_of_t_junction(std::uint32_t vertex, std::uint32_t edge) const {
+        const auto [lower, upper, first_side] = edges_[edge];
+        double share = 0;
+        FaultPlace place = notes_.at({vertex});
+        place.measure = distance_to_inside(at(vertex), at(lower), at(upper), share) * 2 * mesh_.unit_mm;
+        place.triangles[0] = mesh_.faces[EdgeTable::face_of(edges_.sides(edge)[0])].source;
+        const Real from = notes_.mm(mesh_.vertices[lower]);
+        const Real to = notes_.mm(mesh_.vertices[upper]);
+        place.point_count = 2;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            place.points_mm[1][axis] = from[axis] + share * (to[axis] - from[axis]);
+        }
+        return place;
+    }
+
+    const GridMesh& mesh_;
+    const EdgeTable& edges_;
+    Notes& notes_;
+    const Parallel& parallel_;
+    double reach_;                         ///< the tolerance in grid units
+    double half_reach_;                    ///< the tolerance in halves of vertices, which are twice the unit
+    std::vector<std::uint32_t> boundary_;  ///< edges
+    std::vector<std::uint32_t> vertices_;  ///< their ends, ascending
+};
+
+}  // namespace
+
+void find_gaps(const GridMesh& mesh, const EdgeTable& edges, double tolerance_mm, Notes& notes, const Parallel& parallel) {
+    GapSearch search(mesh, edges, tolerance_mm, notes, parallel);
+    search.find_t_junctions();
+    search.find_cracks();
+}
+
+}  // namespace lamella

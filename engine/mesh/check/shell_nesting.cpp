@@ -1,0 +1,193 @@
+#include "mesh/check/shell_nesting.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "mesh/check/box_tree.hpp"
+#include "mesh/check/meeting.hpp"
+#include "mesh/check/pair_search.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// What a ray says of a shell at one of its faces.
+struct Hit {
+    std::uint32_t shell;
+    int winding;   ///< 1 where the ray leaves it, -1 where it enters
+    bool touches;  ///< the ray begins on this face
+    bool operator<(const Hit& other) const { return shell < other.shell; }
+};
+
+/// The sense in which a, b and the ray turn, seen from above. The ray stands at p moved by (e, e^2), e infinitely small: it
+/// passes through no edge and no vertex, and the faces around one are counted as they are for a point nearby.
+int turn_from_above(const Vector& a, const Vector& b, const Vector& p) {
+    const std::int64_t turn = (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+    if (turn != 0) {
+        return sign(turn);
+    }
+    return a.y != b.y ? sign(a.y - b.y) : sign(b.x - a.x);
+}
+
+/// The winding that the face adds to p: the sense of the face from above where the ray upwards from p passes through it.
+int winding_of(const ExactFace& face, const Vector& p) {
+    const int sense = sign(face.normal.z);
+    if (sense == 0 || sign(face.height(p)) * sense >= 0) {
+        return 0;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (turn_from_above(face.corners[i], face.corners[i == 2 ? 0 : i + 1], p) != sense) {
+            return 0;
+        }
+    }
+    return sense;
+}
+
+class Nesting {
+public:
+    Nesting(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
+            const Parallel& parallel)
+        : mesh_(mesh), shell_of_(shell_of), shells_(shells), tree_(boxes_of_closed(), parallel) {
+        sort_faces();
+    }
+
+    bool run() {
+        bool complete = true;
+        for (std::uint32_t shell = 0; shell < shells_.size() && complete; ++shell) {
+            complete = find_around(shell);
+            around_.firsts.push_back(around_.shells.size());
+            shells_[shell].depth = static_cast<int>(around_.shells.size() - around_.firsts[shell]);
+        }
+        for (std::uint32_t shell = 0; shell + 1 < around_.firsts.size(); ++shell) {
+            choose_parent(shell);
+        }
+        return complete;
+    }
+
+private:
+    static constexpr std::size_t most_samples = 8;
+    static constexpr std::size_t containers_per_face = 16;
+
+    std::vector<Box> boxes_of_closed() {
+        std::vector<Box> boxes;
+        for (std::uint32_t face = 0; face < mesh_.faces.size(); ++face) {
+            if (shells_[shell_of_[face]].closed) {
+                closed_faces_.push_back(face);
+                boxes.push_back(Box::around(mesh_.corners(mesh_.faces[face])));
+            }
+        }
+        return boxes;
+    }
+
+    void sort_faces() {
+        firsts_.assign(shells_.size() + 1, 0);
+        for (const std::uint32_t shell : shell_of_) {
+            ++firsts_[shell + 1];
+        }
+        for (std::size_t shell = 0; shell < shells_.size(); ++shell) {
+            firsts_[shell + 1] += firsts_[shell];
+        }
+        faces_.resize(shell_of_.size());
+        std::vector<std::size_t> cursors(firsts_.begin(), firsts_.end() - 1);
+        for (std::uint32_t face = 0; face < shell_of_.size(); ++face) {
+            faces_[cursors[shell_of_[face]]++] = face;
+        }
+    }
+
+    /// Vertices spread over the shell.
+    Vector sample(std::uint32_t shell, std::size_t number) const {
+        const std::size_t count = firsts_[shell + 1] - firsts_[shell];
+        const std::uint32_t face = faces_[firsts_[shell] + number * (count - 1) / (most_samples - 1)];
+        return half(mesh_.vertices[mesh_.faces[face].corners[number % 3]]);
+    }
+
+    /// Appends the closed shells around this one to around_.shells; false when that takes too much.
+    bool find_around(std::uint32_t shell) {
+        std::vector<std::uint32_t> unsure;  // shells that all samples so far lie on
+        for (std::size_t number = 0; number < most_samples; ++number) {
+            if (!cast(shell, sample(shell, number))) {
+                return false;
+            }
+            std::vector<std::uint32_t> still_unsure;
+            for (auto hit = hits_.begin(); hit != hits_.end();) {
+                Hit sum = *hit;
+                for (++hit; hit != hits_.end() && hit->shell == sum.shell; ++hit) {
+                    sum.winding += hit->winding;
+                    sum.touches |= hit->touches;
+                }
+                if (number > 0 && !std::binary_search(unsure.begin(), unsure.end(), sum.shell)) {
+                    continue;
+                }
+                if (sum.touches) {
+                    still_unsure.push_back(sum.shell);
+                } else if (sum.winding != 0) {
+                    around_.shells.push_back(sum.shell);
+                }
+            }
+            unsure = std::move(still_unsure);
+            if (unsure.empty()) {
+                break;
+            }
+        }
+        return around_.shells.size() <= containers_per_face * mesh_.faces.size();
+    }
+
+    /// Fills hits_ from the ray upwards from p, by shell.
+    bool cast(std::uint32_t shell, const Vector& p) {
+        const auto on_grid = [](std::int64_t value) { return static_cast<std::int32_t>(2 * value); };
+        const Box ray{{on_grid(p.x), on_grid(p.y), on_grid(p.z)}, {on_grid(p.x), on_grid(p.y), grid_limit}};
+        hits_.clear();
+        spent_ += tree_.search(ray, 0, budget_ - spent_, [&](std::uint32_t item) {
+            const std::uint32_t number = closed_faces_[item];
+            const ExactFace face(mesh_.faces[number].corners, mesh_.corners(mesh_.faces[number]));
+            if (shell_of_[number] == shell || !face.has_area()) {
+                return;
+            }
+            const bool touches = contains(face, p);
+            const int winding = winding_of(face, p);
+            if (touches || winding != 0) {
+                hits_.push_back({shell_of_[number], winding, touches});
+            }
+        });
+        std::sort(hits_.begin(), hits_.end());
+        return spent_ < budget_;
+    }
+
+    /// The deepest of the shells around; of several equally deep ones, which then cross, the first.
+    void choose_parent(std::uint32_t shell) {
+        for (std::size_t i = around_.firsts[shell]; i < around_.firsts[shell + 1]; ++i) {
+            const std::uint32_t other = around_.shells[i];
+            std::int64_t& parent = shells_[shell].parent;
+            const int deepest = parent < 0 ? -1 : shells_[static_cast<std::size_t>(parent)].depth;
+            if (shells_[other].depth > deepest || (shells_[other].depth == deepest && other < parent)) {
+                parent = other;
+            }
+        }
+    }
+
+    const GridMesh& mesh_;
+    const std::vector<std::uint32_t>& shell_of_;
+    std::vector<MeshShell>& shells_;
+    std::vector<std::uint32_t> closed_faces_;  ///< of closed shells, as the tree numbers them
+    BoxTree tree_;
+    std::vector<std::uint32_t> faces_;  ///< by shell
+    std::vector<std::size_t> firsts_;   ///< per shell, into faces_
+    struct {
+        std::vector<std::size_t> firsts = {0};  ///< per shell, into shells
+        std::vector<std::uint32_t> shells;      ///< those around it
+    } around_;
+    std::vector<Hit> hits_;
+    std::size_t budget_ = search_budget(mesh_.faces.size());
+    std::size_t spent_ = 0;
+};
+
+}  // namespace
+
+bool nest_shells(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
+                 const Parallel& parallel) {
+    const bool any_closed = std::any_of(shells.begin(), shells.end(), [](const MeshShell& shell) { return shell.closed; });
+    return shells.size() < 2 || !any_closed || Nesting(mesh, shell_of, shells, parallel).run();
+}
+
+}  // namespace lamella

@@ -1,0 +1,18 @@
+// Which shell lies within which.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lamella/mesh/check.hpp"
+#include "mesh/check/grid_mesh.hpp"
+
+namespace lamella {
+
+/// Fills in depth and parent. Rays upwards from a few vertices of each shell count, exactly, how often each closed shell
+/// winds around them; a vertex on the other shell's surface says nothing of it, and the next is asked. Returns false where
+/// the work would have exceeded search_budget().
+bool nest_shells(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
+                 const Parallel& parallel);
+
+}  // namespace lamella

@@ -1,0 +1,293 @@
+#include "mesh/edge_census.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cassert>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "lamella/array.hpp"
+#include "slicing/grid/quantise.hpp"
+
+namespace lamella {
+
+namespace {
+
+// Every triangle side is noted by its number alone (3 * triangle + corner), in the partition that the hash of its edge
+// gives: count, prefix sum, scatter. All sides of an edge then lie in one partition, which is small enough to be counted in
+// a hash map that stays in cache; its keys are read from the mesh again, so that no quantised copy of it is ever held.
+
+constexpr std::size_t sides_per_partition = std::size_t{1} << 15;
+constexpr std::size_t most_partitions = std::size_t{1} << 14;
+
+/// An edge as its two ends in order, and whether the side runs from the lower to the upper.
+struct Side {
+    GridVertex lower;
+    GridVertex upper;
+    bool forward = true;
+
+    Side(GridVertex from, GridVertex to) : lower(from), upper(to) {
+        if (upper < lower) {
+            std::swap(lower, upper);
+            forward = false;
+        }
+    }
+};
+
+std::uint64_t hash(const Side& side) {
+    const auto word = [](std::int32_t high, std::int32_t low) {
+        return std::uint64_t{static_cast<std::uint32_t>(high)} << 32 | static_cast<std::uint32_t>(low);
+    };
+    std::uint64_t h = 0;
+    for (const std::uint64_t w :
+         {word(side.lower.x, side.lower.y), word(side.lower.z, side.upper.x), word(side.upper.y, side.upper.z)}) {
+        h = (h ^ w) * 0x9E3779B97F4A7C15;  // 2^64 over the golden ratio
+        h ^= h >> 29;
+    }
+    h *= 0xBF58476D1CE4E5B9;  // the finaliser of splitmix64
+    return h ^ (h >> 32);
+}
+
+/// Disjoint sets of triangles that several threads unite. A root is the lowest triangle of its set, so that a link always
+/// goes down and the outcome does not depend on who came first.
+template <class Index>
+class Shells {
+public:
+    explicit Shells(std::size_t count) { parents_.resize_discarding(count); }
+
+    void set_alone(std::size_t i) { parents_[i] = static_cast<Index>(i); }
+    void leave_out(std::size_t i) { parents_[i] = left_out; }
+    bool is_root(std::size_t i) const { return parents_[i] == i; }
+
+    void unite(Index a, Index b) {
+        for (;;) {
+            a = root(a);
+            b = root(b);
+            if (a == b) {
+                return;
+            }
+            if (a > b) {
+                std::swap(a, b);
+            }
+            Index expected = b;
+            if (at(b).compare_exchange_strong(expected, a)) {
+                return;
+            }  // another thread linked b first: look again
+        }
+    }
+
+private:
+    static constexpr Index left_out = std::numeric_limits<Index>::max();
+
+    std::atomic_ref<Index> at(Index i) { return std::atomic_ref<Index>(parents_[i]); }
+
+    Index root(Index i) {
+        for (Index parent = at(i).load(); parent != i; parent = at(i).load()) {
+            const Index grandparent = at(parent).load();
+            Index expected = parent;
+            at(i).compare_exchange_weak(expected, grandparent);  // halves the path; that it may fail does no harm
+            i = grandparent;
+        }
+        return i;
+    }
+
+    Array<Index> parents_;
+};
+
+template <class Index, class Reader>
+class Census {
+public:
+    Census(const Reader& reader, std::size_t triangles, const Parallel& parallel)
+        : reader_(reader), triangles_(triangles), parallel_(parallel), shells_(triangles) {
+        const std::size_t wanted = std::bit_ceil(3 * triangles / sides_per_partition + 1);
+        partitions_ = std::min(wanted, most_partitions);
+        ranges_ = static_cast<std::size_t>(parallel.threads()) * 4;
+    }
+
+    EdgeCensus run() {
+        count_sides();
+        scatter_sides();
+        EdgeCensus census = count_partitions();
+        census.degenerate = degenerate_;
+        for (std::size_t t = 0; t < triangles_; ++t) {
+            census.shells += shells_.is_root(t) ? 1 : 0;
+        }
+        return census;
+    }
+
+private:
+    struct Edge {
+        GridVertex lower;
+        GridVertex upper;
+        Index forward = 0;
+        Index backward = 0;
+        Index triangle = 0;
+    };
+
+    struct Scratch {
+        Array<Edge> edges;
+        Array<std::uint32_t> slots;  ///< open addressing: 1 + index into edges, or 0
+        EdgeCensus census;
+    };
+
+    std::size_t partition_of(const Side& side) const { return (hash(side) >> 32) & (partitions_ - 1); }
+
+    Side side_of(std::size_t side) const {
+        const GridTriangle triangle = reader_(side / 3);
+        return {triangle[side % 3], triangle[(side % 3 + 1) % 3]};
+    }
+
+    /// Calls visit(triangle, three sides) for what is not degenerate, skip(triangle) for the rest.
+    template <class Visit, class Skip>
+    void each_triangle(std::size_t range, Visit visit, Skip skip) const {
+        const std::size_t end = triangles_ * (range + 1) / ranges_;
+        for (std::size_t t = triangles_ * range / ranges_; t != end; ++t) {
+            const GridTriangle triangle = reader_(t);
+            const auto& [a, b, c] = triangle;
+            if (is_degenerate(triangle)) {
+                skip(t);
+            } else {
+                visit(t, std::array<Side, 3>{Side{a, b}, Side{b, c}, Side{c, a}});
+            }
+        }
+    }
+
+    void count_sides() {
+        cursors_.assign(ranges_ * partitions_, 0);
+        std::vector<std::uint64_t> degenerate(ranges_, 0);
+        parallel_.run(ranges_, [&](std::size_t range, int) {
+            std::size_t* counts = cursors_.data() + range * partitions_;
+            each_triangle(
+                range,
+                [&](std::size_t t, const std::array<Side, 3>& sides) {
+                    shells_.set_alone(t);
+                    for (const Side& side : sides) {
+                        ++counts[partition_of(side)];
+                    }
+                },
+                [&](std::size_t t) {
+                    shells_.leave_out(t);
+                    ++degenerate[range];
+                });
+        });
+        for (const std::uint64_t count : degenerate) {
+            degenerate_ += count;
+        }
+    }
+
+    void scatter_sides() {
+        firsts_.assign(partitions_ + 1, 0);
+        std::size_t sum = 0;
+        for (std::size_t partition = 0; partition < partitions_; ++partition) {
+            firsts_[partition] = sum;
+            for (std::size_t range = 0; range < ranges_; ++range) {
+                sum += std::exchange(cursors_[range * partitions_ + partition], sum);
+            }
+        }
+        firsts_[partitions_] = sum;
+        assert(sum == 3 * (triangles_ - degenerate_));
+        sides_.resize_discarding(sum);
+        parallel_.run(ranges_, [&](std::size_t range, int) {
+            std::size_t* cursors = cursors_.data() + range * partitions_;
+            each_triangle(
+                range,
+                [&](std::size_t t, const std::array<Side, 3>& sides) {
+                    for (std::size_t corner = 0; corner < 3; ++corner) {
+                        sides_[cursors[partition_of(sides[corner])]++] = static_cast<Index>(3 * t + corner);
+                    }
+                },
+                [](std::size_t) {});
+        });
+    }
+
+    EdgeCensus count_partitions() {
+        std::vector<Scratch> scratch(static_cast<std::size_t>(parallel_.threads()));
+        parallel_.run(partitions_, [&](std::size_t partition, int worker) {
+            Scratch& own = scratch[static_cast<std::size_t>(worker)];
+            const std::size_t distinct = link_partition(partition, own);
+            for (std::size_t e = 0; e < distinct; ++e) {
+                tally(own.edges[e], own.census);
+            }
+        });
+        EdgeCensus total;
+        for (const Scratch& own : scratch) {
+            total.edges += own.census.edges;
+            total.boundary += own.census.boundary;
+            total.overfull += own.census.overfull;
+            total.mismatched += own.census.mismatched;
+            total.unbalanced += own.census.unbalanced;
+        }
+        return total;
+    }
+
+    /// Gathers the partition's sides into own.edges and unites the triangles that meet; the number of edges.
+    std::size_t link_partition(std::size_t partition, Scratch& own) {
+        const std::span<const Index> sides =
+            std::span<const Index>(sides_.span()).subspan(firsts_[partition], firsts_[partition + 1] - firsts_[partition]);
+        own.edges.resize_discarding(sides.size());
+        own.slots.resize_discarding(std::bit_ceil(2 * sides.size() + 1));
+        std::fill(own.slots.begin(), own.slots.end(), 0U);
+        std::uint32_t distinct = 0;
+        for (const Index number : sides) {
+            const Side side = side_of(number);
+            const Index triangle = static_cast<Index>(number / 3);
+            std::uint32_t& slot = find(side, own);
+            if (slot == 0) {
+                own.edges[distinct] = {side.lower, side.upper, 0, 0, triangle};
+                slot = ++distinct;
+            }
+            Edge& edge = own.edges[slot - 1];
+            ++(side.forward ? edge.forward : edge.backward);
+            shells_.unite(edge.triangle, triangle);
+        }
+        return distinct;
+    }
+
+    /// The slot of the edge, or the free one where it belongs.
+    static std::uint32_t& find(const Side& side, Scratch& own) {
+        const std::size_t mask = own.slots.size() - 1;
+        for (std::size_t slot = hash(side) & mask;; slot = (slot + 1) & mask) {
+            const std::uint32_t entry = own.slots[slot];
+            if (entry == 0 || (own.edges[entry - 1].lower == side.lower && own.edges[entry - 1].upper == side.upper)) {
+                return own.slots[slot];
+            }
+        }
+    }
+
+    static void tally(const Edge& edge, EdgeCensus& census) {
+        const std::uint64_t faces = std::uint64_t{edge.forward} + edge.backward;
+        const bool balanced = edge.forward == edge.backward;
+        ++census.edges;
+        census.boundary += faces == 1 ? 1 : 0;
+        census.overfull += faces > 2 ? 1 : 0;
+        census.mismatched += faces == 2 && !balanced ? 1 : 0;
+        census.unbalanced += balanced ? 0 : 1;
+    }
+
+    Reader reader_;
+    std::size_t triangles_;
+    const Parallel& parallel_;
+    Shells<Index> shells_;
+    std::size_t partitions_ = 1;
+    std::size_t ranges_ = 1;
+    std::uint64_t degenerate_ = 0;
+    std::vector<std::size_t> cursors_;  ///< per range and partition: first a count, then where the next side goes
+    std::vector<std::size_t> firsts_;   ///< per partition, into sides_
+    Array<Index> sides_;
+};
+
+}  // namespace
+
+EdgeCensus count_edges(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel) {
+    return with_reader(mesh, transform, unit_mm, [&]<class Reader>(const Reader& reader) {
+        if (mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3) {
+            return Census<std::uint32_t, Reader>(reader, mesh.triangle_count, parallel).run();
+        }
+        return Census<std::uint64_t, Reader>(reader, mesh.triangle_count, parallel).run();
+    });
+}
+
+}  // namespace lamella

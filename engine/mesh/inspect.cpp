@@ -1,0 +1,113 @@
+#include "lamella/mesh/inspect.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/guard.hpp"
+#include "base/parallel.hpp"
+#include "mesh/edge_census.hpp"
+#include "slicing/grid/bounds.hpp"
+#include "slicing/grid/quantise.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// Sums are made per chunk and then over the chunks in order, so that they do not depend on threads.
+constexpr std::size_t chunk_triangles = 8192;
+
+struct Vector {
+    double x = 0;
+    double y = 0;
+    double z = 0;
+};
+
+Vector operator-(const Vector& a, const Vector& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+double dot(const Vector& a, const Vector& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+Vector cross(const Vector& a, const Vector& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+struct Measure {
+    double six_volumes = 0;
+    double two_areas = 0;
+};
+
+/// Volume as the sum of tetrahedra to the middle of the box: near, so that little cancels.
+Measure measure(const MeshView& mesh, const Transform& transform, const Vector& middle, const Parallel& parallel) {
+    const std::size_t chunks = (mesh.triangle_count + chunk_triangles - 1) / chunk_triangles;
+    const RawReader read(mesh);
+    const bool transformed = !transform.is_identity();
+    std::vector<Measure> parts(chunks);
+    parallel.run(chunks, [&](std::size_t chunk, int) {
+        Measure part;
+        const std::size_t end = std::min(mesh.triangle_count, (chunk + 1) * chunk_triangles);
+        for (std::size_t t = chunk * chunk_triangles; t != end; ++t) {
+            RawTriangle raw = read(t);
+            if (transformed) {
+                apply(transform, raw);
+            }
+            const Vector a{raw.v[0], raw.v[1], raw.v[2]};
+            const Vector normal = cross(Vector{raw.v[3], raw.v[4], raw.v[5]} - a, Vector{raw.v[6], raw.v[7], raw.v[8]} - a);
+            part.six_volumes += dot(a - middle, normal);
+            part.two_areas += std::sqrt(dot(normal, normal));
+        }
+        parts[chunk] = part;
+    });
+    Measure sum;
+    for (const Measure& part : parts) {
+        sum.six_volumes += part.six_volumes;
+        sum.two_areas += part.two_areas;
+    }
+    return sum;
+}
+
+MeshInfo describe(const Bounds& box, const Measure& measured, const EdgeCensus& census) {
+    MeshInfo info;
+    std::copy(std::begin(box.min_mm), std::end(box.min_mm), info.min_mm);
+    std::copy(std::begin(box.max_mm), std::end(box.max_mm), info.max_mm);
+    info.volume_mm3 = measured.six_volumes / 6;
+    info.area_mm2 = measured.two_areas / 2;
+    info.degenerate = census.degenerate;
+    info.edges = census.edges;
+    info.boundary_edges = census.boundary;
+    info.overfull_edges = census.overfull;
+    info.mismatched_edges = census.mismatched;
+    info.shells = census.shells;
+    info.closed = census.edges > 0 && census.unbalanced == 0;
+    return info;
+}
+
+Result<MeshInfo> inspect_or_throw(const MeshView& mesh, const InspectOptions& options) {
+    const Parallel parallel(options.control);
+    BlockTable blocks(nullptr);
+    const Result<Bounds> bounds = measure_bounds(mesh, options.transform, options.unit_mm, parallel, blocks);
+    if (!bounds) {
+        return bounds.error();
+    }
+    const Bounds& box = bounds.value();
+    const Result<double> unit = choose_unit(box, options.unit_mm);
+    if (!unit) {
+        return unit.error();
+    }
+    const Vector middle{(box.min_mm[0] + box.max_mm[0]) / 2, (box.min_mm[1] + box.max_mm[1]) / 2,
+                        (box.min_mm[2] + box.max_mm[2]) / 2};
+    MeshInfo info = describe(box, measure(mesh, options.transform, middle, parallel),
+                             count_edges(mesh, options.transform, unit.value(), parallel));
+    info.triangles = mesh.triangle_count;
+    info.unit_mm = unit.value();
+    return info;
+}
+
+}  // namespace
+
+Result<MeshInfo> inspect(const MeshView& mesh, const InspectOptions& options) noexcept {
+    return guarded([&] { return inspect_or_throw(mesh, options); });
+}
+
+}  // namespace lamella

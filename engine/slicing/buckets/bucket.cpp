@@ -1,0 +1,253 @@
+#include "slicing/buckets/bucket.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cassert>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "slicing/buckets/soup_scan.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// The mesh in as many parts as there are threads, cut between blocks.
+struct Parts {
+    std::size_t triangles;
+    std::size_t count;
+
+    Parts(std::size_t triangle_count, const Parallel& parallel)
+        : triangles(triangle_count),
+          count(std::min<std::size_t>(static_cast<std::size_t>(parallel.threads()), (triangle_count >> 12) + 1)) {}
+    std::size_t blocks() const noexcept { return block_count(triangles); }
+    std::size_t begin_block(std::size_t part) const noexcept { return blocks() * part / count; }
+};
+
+/// Counters of one part: triangles by first plane, and by the plane past their last.
+struct PartCounters {
+    std::uint32_t* first;
+    std::uint32_t* last;
+
+    PartCounters(Buckets& buckets, std::size_t part, std::size_t planes)
+        : first(buckets.counters.data() + part * 2 * (planes + 1)), last(first + planes + 1) {}
+};
+
+/// The count of one part.
+template <class Reader>
+class PartCount {
+public:
+    PartCount(const Reader& read, const SoupScan& scan, const PlaneSet& planes, PartCounters counters)
+        : read_(read), scan_(scan), planes_(planes), counters_(counters) {
+        std::fill_n(counters_.first, 2 * (std::size_t{planes.size()} + 1), 0U);
+    }
+
+    /// Triangles [begin, end), at most 64; returns which of them planes cut. Degenerate ones are looked for if asked.
+    std::uint64_t count(std::size_t begin, std::size_t end, bool may_be_degenerate) {
+        if (!scan_.usable() || end - begin < block_triangles) {
+            return count_each(begin, end, may_be_degenerate);
+        }
+        SoupScan::Ranges ranges;
+        std::uint64_t mask = scan_.ranges(begin, ranges);
+        if (may_be_degenerate) {
+            mask &= ~find_degenerate(begin, end);
+        }
+        for (std::uint64_t crossed = mask; crossed != 0; crossed &= crossed - 1) {
+            const int t = std::countr_zero(crossed);
+            add(ranges.first[t], ranges.last[t]);
+        }
+        return mask;
+    }
+
+    std::uint64_t degenerate() const noexcept { return degenerate_; }
+
+private:
+    std::uint64_t count_each(std::size_t begin, std::size_t end, bool may_be_degenerate) {
+        std::uint64_t mask = 0;
+        for (std::size_t t = begin; t < end; ++t) {
+            const GridTriangle v = read_(t);
+            if (may_be_degenerate && is_degenerate(v)) {
+                ++degenerate_;
+                continue;
+            }
+            const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
+            const PlaneIndex first = planes_.first_above(low);
+            if (planes_.z(first) < high) {
+                add(first, planes_.first_above(high));
+                mask |= std::uint64_t{1} << (t - begin);
+            }
+        }
+        return mask;
+    }
+
+    std::uint64_t find_degenerate(std::size_t begin, std::size_t end) {
+        std::uint64_t mask = 0;
+        for (std::size_t t = begin; t < end; ++t) {
+            mask |= std::uint64_t{is_degenerate(read_(t))} << (t - begin);
+        }
+        degenerate_ += static_cast<std::uint64_t>(std::popcount(mask));
+        return mask;
+    }
+
+    void add(PlaneIndex first, PlaneIndex last) {
+        ++counters_.first[first];
+        ++counters_.last[last];
+    }
+
+    const Reader& read_;
+    const SoupScan& scan_;
+    const PlaneSet& planes_;
+    PartCounters counters_;
+    std::uint64_t degenerate_ = 0;
+};
+
+bool lies_between_planes(const TriangleBlock& block, double unit_mm, const PlaneSet& planes) {
+    return to_even_grid(block.high_mm, unit_mm) < planes.z(planes.first_above(to_even_grid(block.low_mm, unit_mm)));
+}
+
+/// Where parts note triangles that reach beyond their bands, a block's at a time.
+class ReachingOutput {
+public:
+    explicit ReachingOutput(std::span<Reaching> room) : room_(room) {}
+
+    /// Room for `count` more.
+    Reaching* take(std::size_t count) noexcept {
+        const std::size_t at = count_.fetch_add(count, std::memory_order_relaxed);
+        assert(at + count <= room_.size());
+        return room_.data() + at;
+    }
+    std::size_t count() const noexcept { return count_.load(std::memory_order_relaxed); }
+
+private:
+    std::span<Reaching> room_;
+    std::atomic<std::size_t> count_ = 0;
+};
+
+/// The scatter of one part.
+template <class Reader>
+class PartScatter {
+public:
+    PartScatter(const Reader& read, const SoupScan& scan, const PlaneSet& planes, std::span<const PlaneIndex> reach_end,
+                PartCounters counters, Buckets& buckets, ReachingOutput& reaching)
+        : read_(read),
+          scan_(scan),
+          planes_(planes),
+          reach_end_(reach_end),
+          counters_(counters),
+          records_(buckets.records.data()),
+          reaching_(reaching) {}
+
+    /// The triangles of a block with a bit in `crossed`.
+    void scatter(std::size_t begin, std::uint64_t crossed, bool whole) {
+        if (!scan_.usable() || !whole) {
+            return scatter_each(begin, crossed);
+        }
+        SoupScan::Written written;
+        std::uint64_t mask = scan_.write(begin, crossed, reach_end_.data(), counters_.first, records_, written);
+        if (mask == 0) {
+            return;
+        }
+        for (Reaching* out = reaching_.take(static_cast<std::size_t>(std::popcount(mask))); mask != 0; mask &= mask - 1) {
+            const int t = std::countr_zero(mask);
+            *out++ = {written.record[t], written.first[t], written.last[t]};
+        }
+    }
+
+private:
+    void scatter_each(std::size_t begin, std::uint64_t crossed) {
+        for (; crossed != 0; crossed &= crossed - 1) {
+            const std::size_t t = begin + static_cast<std::size_t>(std::countr_zero(crossed));
+            CrossedTriangle record = order_by_height(read_(t), static_cast<std::uint32_t>(t));
+            const PlaneIndex first = planes_.first_above(record.lower.z);
+            record.middle_and_sense |= planes_.first_above(record.middle.z);
+            record.last = planes_.first_above(record.upper.z);
+            const std::uint32_t at = counters_.first[first]++;
+            records_[at] = record;
+            if (record.last > reach_end_[first]) {
+                *reaching_.take(1) = {at, first, record.last};
+            }
+        }
+    }
+
+    const Reader& read_;
+    const SoupScan& scan_;
+    const PlaneSet& planes_;
+    std::span<const PlaneIndex> reach_end_;
+    PartCounters counters_;
+    CrossedTriangle* records_;
+    ReachingOutput& reaching_;
+};
+
+/// Turns counts into list beginnings, for all and for each part, and sums up the segments.
+void prefix_sums(const PlaneSet& planes, const Parts& parts, Buckets& buckets) {
+    const std::size_t k = planes.size();
+    std::uint32_t begin = 0;
+    std::int64_t active = 0;
+    buckets.segment_count = 0;
+    for (std::size_t plane = 0; plane < k; ++plane) {
+        buckets.list_begin[plane] = begin;
+        for (std::size_t part = 0; part < parts.count; ++part) {
+            PartCounters counters(buckets, part, k);
+            active += counters.first[plane];
+            active -= counters.last[plane];
+            begin += std::exchange(counters.first[plane], begin);
+        }
+        buckets.segments[plane] = static_cast<std::uint32_t>(active);
+        buckets.segment_count += static_cast<std::uint64_t>(active);
+    }
+    buckets.list_begin[k] = begin;
+}
+
+}  // namespace
+
+void count_crossings(const MeshView& mesh, const Transform& transform, double unit_mm, const BlockTable& blocks,
+                     const PlaneSet& planes, const Parallel& parallel, Buckets& buckets) {
+    const Parts parts(mesh.triangle_count, parallel);
+    const std::size_t k = planes.size();
+    assert(blocks.blocks.size() == parts.blocks());
+    buckets.crossed_mask.resize_discarding(parts.blocks());
+    buckets.counters.resize_discarding(parts.count * 2 * (k + 1));
+    buckets.list_begin.resize_discarding(k + 1);
+    buckets.segments.resize_discarding(k);
+    std::vector<std::uint64_t> degenerate(parts.count);
+    const SoupScan scan(mesh, transform, unit_mm, planes);
+    with_reader(mesh, transform, unit_mm, [&](const auto& read) {
+        parallel.run(parts.count, [&](std::size_t part, int) {
+            PartCount counter(read, scan, planes, PartCounters(buckets, part, k));
+            for (std::size_t block = parts.begin_block(part); block < parts.begin_block(part + 1); ++block) {
+                const std::size_t begin = block * block_triangles;
+                const std::size_t end = std::min(begin + block_triangles, parts.triangles);
+                const bool may_be_degenerate = blocks.may_be_degenerate(block, unit_mm);
+                const bool skipped = !may_be_degenerate && lies_between_planes(blocks.blocks[block], unit_mm, planes);
+                buckets.crossed_mask[block] = skipped ? 0 : counter.count(begin, end, may_be_degenerate);
+            }
+            degenerate[part] = counter.degenerate();
+        });
+    });
+    buckets.degenerate = std::accumulate(degenerate.begin(), degenerate.end(), std::uint64_t{0});
+    prefix_sums(planes, parts, buckets);
+}
+
+std::size_t scatter_triangles(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes,
+                              std::span<const PlaneIndex> reach_end, const Parallel& parallel, Buckets& buckets,
+                              std::span<Reaching> reaching) {
+    const Parts parts(mesh.triangle_count, parallel);
+    assert(reach_end.size() == std::size_t{planes.size()} + 1);
+    buckets.records.resize_discarding(buckets.list_begin[planes.size()]);
+    ReachingOutput output(reaching);
+    const SoupScan scan(mesh, transform, unit_mm, planes);
+    with_reader(mesh, transform, unit_mm, [&](const auto& read) {
+        parallel.run(parts.count, [&](std::size_t part, int) {
+            PartScatter scatter(read, scan, planes, reach_end, PartCounters(buckets, part, planes.size()), buckets, output);
+            for (std::size_t block = parts.begin_block(part); block < parts.begin_block(part + 1); ++block) {
+                const std::size_t begin = block * block_triangles;
+                scatter.scatter(begin, buckets.crossed_mask[block], begin + block_triangles <= parts.triangles);
+            }
+        });
+    });
+    return output.count();
+}
+
+}  // namespace lamella

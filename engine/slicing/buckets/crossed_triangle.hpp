@@ -1,0 +1,43 @@
+// What the sweep knows of a triangle.
+#pragma once
+
+#include <cstdint>
+
+#include "slicing/grid/quantise.hpp"
+#include "slicing/planes/plane_set.hpp"
+
+namespace lamella {
+
+/// A triangle that at least one plane cuts. Vertices by height; the long edge runs from `lower` to `upper`, the short edges
+/// from `lower` to `middle` and from `middle` to `upper`. A segment leaves the edge that its face walks downwards and
+/// ends on the one that it walks upwards: that way the solid is on its left.
+struct CrossedTriangle {
+    GridVertex lower;
+    GridVertex middle;
+    GridVertex upper;
+    std::uint32_t triangle;          ///< index in the input
+    std::uint32_t middle_and_sense;  ///< first plane above `middle`, and in the top bit whether the long edge is the source
+    PlaneIndex last;                 ///< one past the last plane that cuts it
+
+    PlaneIndex middle_plane() const noexcept { return middle_and_sense & 0x7FFFFFFFU; }
+    bool long_edge_is_source() const noexcept { return (middle_and_sense >> 31) != 0; }
+};
+static_assert(sizeof(CrossedTriangle) == 48, "the memory bound counts 48 bytes a crossed triangle");
+
+/// The order of three vertices by height, and whether it is an odd permutation of them: then the facet walks the long edge
+/// upwards. Indexed by (z1 < z0) + 2 (z2 < z1) + 4 (z2 < z0): comparisons without branches, since nothing predicts them.
+struct HeightOrder {
+    std::uint8_t lower, middle, upper, odd;
+};
+inline constexpr HeightOrder height_orders[8] = {
+    {0, 1, 2, 0}, {1, 0, 2, 1}, {0, 2, 1, 1}, {0, 1, 2, 0}, {0, 1, 2, 0}, {1, 2, 0, 0}, {2, 0, 1, 0}, {2, 1, 0, 1},
+};
+
+/// All but the planes.
+inline CrossedTriangle order_by_height(const GridTriangle& v, std::uint32_t triangle) noexcept {
+    const unsigned index = (v[1].z < v[0].z ? 1U : 0U) + (v[2].z < v[1].z ? 2U : 0U) + (v[2].z < v[0].z ? 4U : 0U);
+    const HeightOrder& order = height_orders[index];
+    return {v[order.lower], v[order.middle], v[order.upper], triangle, order.odd != 0 ? 0U : 1U << 31, 0};
+}
+
+}  // namespace lamella

@@ -1,0 +1,247 @@
+#include "slicing/buckets/soup_scan.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "base/prefetch.hpp"
+#include "base/x86_forms.hpp"
+
+namespace lamella {
+
+#ifdef LAMELLA_X86_FORMS
+
+namespace {
+
+/// A plane found by float arithmetic is off by one at most as long as floats tell planes apart, and rounding of heights (to
+/// 24 bits, then to the grid) moves none by much of a step.
+constexpr PlaneIndex most_by_arithmetic = 1 << 19;
+constexpr double least_step_units = 1024;
+constexpr PlaneIndex most_scanned_planes = 1 << 28;  // indices of gathers are signed, and the table has two cells a plane
+constexpr int table_steps = 4;                       // planes of a cell looked at before the rest of it is searched
+constexpr __mmask16 nine = 0x1FF;                    // numbers of a triangle
+
+}  // namespace
+
+SoupScan::SoupScan(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes) noexcept
+    : vertices_(mesh.vertices),
+      stride_(static_cast<std::int32_t>(mesh.stride)),
+      scale_(static_cast<float>(1 / (2 * unit_mm))),
+      planes_(planes) {
+    int exponent = 0;
+    usable_ = has_avx512() && mesh.number == CoordinateType::f32 && mesh.indices == nullptr && mesh.stride < (1U << 20) &&
+              transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 && planes.size() > 0 &&
+              planes.size() <= most_scanned_planes;
+    if (planes.uniform() && planes.size() <= most_by_arithmetic && planes.planes_per_unit() * least_step_units <= 1) {
+        planes_per_unit_ = static_cast<float>(planes.planes_per_unit());
+    }
+}
+
+/// The code that needs AVX-512.
+struct SoupKernel {
+    struct Heights {
+        __m512i z[3];
+    };
+
+    /// Numbers at `at` and all_lanes stride from there on.
+    LAMELLA_AVX512 static __m512i gather_grid(const SoupScan& scan, const std::byte* at, __m512i offsets) {
+        const __m512 mm =
+            _mm512_mask_i32gather_ps(_mm512_setzero_ps(), all_lanes, offsets, reinterpret_cast<const float*>(at), 1);
+        return round_even(mm, _mm512_set1_ps(scan.scale_));
+    }
+
+    LAMELLA_AVX512 static __m512i round_even(__m512 mm, __m512 scale) {
+        const __m512i half = _mm512_maskz_cvtps_epi32(all_lanes, _mm512_mul_ps(mm, scale));
+        return _mm512_add_epi32(half, half);
+    }
+
+    /// z of triangles [begin, begin + 16).
+    LAMELLA_AVX512 static Heights heights(const SoupScan& scan, std::size_t begin) {
+        const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+        const __m512i offsets = _mm512_mullo_epi32(lanes, _mm512_set1_epi32(scan.stride_));
+        const auto stride = static_cast<std::size_t>(scan.stride_);
+        const std::byte* at = scan.vertices_ + begin * stride + 2 * sizeof(float);
+        prefetch_ahead(at, lanes_of_512 * stride);
+        return {{gather_grid(scan, at, offsets), gather_grid(scan, at + 3 * sizeof(float), offsets),
+                 gather_grid(scan, at + 6 * sizeof(float), offsets)}};
+    }
+
+    LAMELLA_AVX512 static __m512i least(__m512i a, __m512i b) { return _mm512_maskz_min_epi32(all_lanes, a, b); }
+    LAMELLA_AVX512 static __m512i greatest(__m512i a, __m512i b) { return _mm512_maskz_max_epi32(all_lanes, a, b); }
+
+    LAMELLA_AVX512 static __m512i gather(const void* table, __m512i index) {
+        return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), all_lanes, index, table, 4);
+    }
+
+    /// The first plane above each height.
+    LAMELLA_AVX512 static __m512i first_above(const SoupScan& scan, __m512i z) {
+        return scan.planes_per_unit_ > 0 ? by_arithmetic(scan, z) : by_table(scan, z);
+    }
+
+    /// Counted from plane 0, x steps up: with a quarter for all that is inexact, it is plane floor(x - 1/4) + 1 or the next.
+    LAMELLA_AVX512 static __m512i by_arithmetic(const SoupScan& scan, __m512i z) {
+        const std::int32_t* planes = scan.planes_.heights();
+        const __m512 rise = _mm512_maskz_cvtepi32_ps(all_lanes, _mm512_sub_epi32(z, _mm512_set1_epi32(planes[0])));
+        const __m512 steps = _mm512_mul_ps(rise, _mm512_set1_ps(scan.planes_per_unit_));
+        const __m512i guess = _mm512_maskz_cvt_roundps_epi32(all_lanes, _mm512_add_ps(steps, _mm512_set1_ps(0.75F)),
+                                                             _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+        const __m512i end = _mm512_set1_epi32(static_cast<std::int32_t>(scan.planes_.size()));
+        const __m512i first = greatest(_mm512_setzero_si512(), least(end, guess));
+        const __mmask16 below = _mm512_cmpgt_epi32_mask(z, gather(planes, first));
+        return _mm512_mask_add_epi32(first, below, first, _mm512_set1_epi32(1));
+    }
+
+    LAMELLA_AVX512 static __m512i by_table(const SoupScan& scan, __m512i z) {
+        const HeightTable& table = scan.planes_.table();
+        const __m512i lowest = _mm512_set1_epi32(table.lowest);
+        const __m512i clamped = least(_mm512_set1_epi32(table.highest), greatest(lowest, z));
+        const __m512i cell =
+            _mm512_maskz_srl_epi32(all_lanes, _mm512_sub_epi32(clamped, lowest), _mm_cvtsi32_si128(table.shift));
+        __m512i first = gather(table.first.data(), cell);
+        __mmask16 below = all_lanes;
+        for (int step = 0; step < table_steps && below != 0; ++step) {
+            below = _mm512_cmpgt_epi32_mask(z, gather(scan.planes_.heights(), first));
+            first = _mm512_mask_add_epi32(first, below, first, _mm512_set1_epi32(1));
+        }
+        return below == 0 ? first : search(scan, z, first, below);
+    }
+
+    /// Where planes crowd.
+    LAMELLA_AVX512 __attribute__((noinline)) static __m512i search(const SoupScan& scan, __m512i z, __m512i first,
+                                                                   unsigned lanes) {
+        alignas(64) std::int32_t heights[lanes_of_512];
+        alignas(64) PlaneIndex found[lanes_of_512];
+        _mm512_store_si512(heights, z);
+        _mm512_store_si512(found, first);
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const int lane = __builtin_ctz(lanes);
+            found[lane] = scan.planes_.by_table(heights[lane]);
+        }
+        return _mm512_load_si512(found);
+    }
+
+    LAMELLA_AVX512 static std::uint64_t ranges(const SoupScan& scan, std::size_t begin, SoupScan::Ranges& ranges) {
+        std::uint64_t crossed = 0;
+        for (std::size_t group = 0; group < block_triangles; group += lanes_of_512) {
+            const auto [z] = heights(scan, begin + group);
+            const __m512i first = first_above(scan, least(z[0], least(z[1], z[2])));
+            const __m512i last = first_above(scan, greatest(z[0], greatest(z[1], z[2])));
+            _mm512_storeu_si512(ranges.first + group, first);
+            _mm512_storeu_si512(ranges.last + group, last);
+            crossed |= static_cast<std::uint64_t>(_mm512_cmplt_epi32_mask(first, last)) << group;
+        }
+        return crossed;
+    }
+
+    /// For each order of heights, the number of a triangle that each number of its record is.
+    using Lanes = std::array<std::array<std::int32_t, 16>, 8>;
+    static constexpr Lanes make_lanes() {
+        Lanes lanes{};
+        for (std::size_t order = 0; order < 8; ++order) {
+            const HeightOrder& from = height_orders[order];
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                lanes[order][axis] = static_cast<std::int32_t>(3U * from.lower + axis);
+                lanes[order][3 + axis] = static_cast<std::int32_t>(3U * from.middle + axis);
+                lanes[order][6 + axis] = static_cast<std::int32_t>(3U * from.upper + axis);
+            }
+        }
+        return lanes;
+    }
+    static constexpr unsigned even_orders() {
+        unsigned even = 0;
+        for (unsigned order = 0; order < 8; ++order) {
+            even |= (height_orders[order].odd == 0 ? 1U : 0U) << order;
+        }
+        return even;
+    }
+
+    /// What is known of sixteen triangles before their records are written.
+    struct alignas(64) Group {
+        std::uint32_t order[lanes_of_512];
+        std::uint32_t middle_and_sense[lanes_of_512];
+    };
+
+    LAMELLA_AVX512 static unsigned order_group(const SoupScan& scan, std::size_t begin, const PlaneIndex* reach_end,
+                                               Group& group, PlaneIndex* first_out, PlaneIndex* last_out) {
+        const auto [z] = heights(scan, begin);
+        const __m512i order =
+            _mm512_or_epi32(_mm512_maskz_set1_epi32(_mm512_cmplt_epi32_mask(z[1], z[0]), 1),
+                            _mm512_or_epi32(_mm512_maskz_set1_epi32(_mm512_cmplt_epi32_mask(z[2], z[1]), 2),
+                                            _mm512_maskz_set1_epi32(_mm512_cmplt_epi32_mask(z[2], z[0]), 4)));
+        const __m512i low = least(z[0], z[1]);
+        const __m512i high = greatest(z[0], z[1]);
+        const __m512i first = first_above(scan, least(low, z[2]));
+        const __m512i middle = first_above(scan, greatest(low, least(high, z[2])));
+        const __m512i last = first_above(scan, greatest(high, z[2]));
+        // The sense is bit `order` of the even orders.
+        constexpr auto even = static_cast<std::int32_t>(even_orders());
+        const __m512i sense =
+            _mm512_maskz_slli_epi32(all_lanes, _mm512_maskz_srlv_epi32(all_lanes, _mm512_set1_epi32(even), order), 31);
+        _mm512_store_si512(group.order, order);
+        _mm512_store_si512(group.middle_and_sense, _mm512_or_epi32(middle, sense));
+        _mm512_storeu_si512(first_out, first);
+        _mm512_storeu_si512(last_out, last);
+        return _mm512_cmpgt_epi32_mask(last, gather(reach_end, first));
+    }
+
+    LAMELLA_AVX512 static std::uint64_t write(const SoupScan& scan, std::size_t begin, std::uint64_t crossed,
+                                              const PlaneIndex* reach_end, std::uint32_t* list_end, CrossedTriangle* records,
+                                              SoupScan::Written& written) {
+        static constexpr Lanes lanes = make_lanes();
+        const __m512 scale = _mm512_set1_ps(scan.scale_);
+        std::uint64_t reaching = 0;
+        for (std::size_t base = 0; base < block_triangles; base += lanes_of_512) {
+            auto bits = static_cast<unsigned>(crossed >> base) & 0xFFFFU;
+            if (bits == 0) {
+                continue;
+            }
+            Group group;
+            PlaneIndex* first = written.first + base;
+            PlaneIndex* last = written.last + base;
+            reaching |= static_cast<std::uint64_t>(order_group(scan, begin + base, reach_end, group, first, last) & bits)
+                        << base;
+            for (; bits != 0; bits &= bits - 1) {
+                const auto lane = static_cast<std::size_t>(__builtin_ctz(bits));
+                const std::size_t t = begin + base + lane;
+                const __m512 mm = _mm512_maskz_loadu_ps(nine, scan.vertices_ + t * static_cast<std::size_t>(scan.stride_));
+                const __m512i order = _mm512_loadu_si512(lanes[group.order[lane]].data());
+                const std::uint32_t at = list_end[first[lane]]++;
+                CrossedTriangle& record = records[at];
+                __builtin_prefetch(&record + 2, 1);  // of the same list, and mostly the next to be written
+                _mm512_mask_storeu_epi32(&record, nine,
+                                         _mm512_maskz_permutexvar_epi32(all_lanes, order, round_even(mm, scale)));
+                record.triangle = static_cast<std::uint32_t>(t);
+                record.middle_and_sense = group.middle_and_sense[lane];
+                record.last = last[lane];
+                written.record[base + lane] = at;
+            }
+        }
+        return reaching;
+    }
+};
+
+std::uint64_t SoupScan::ranges(std::size_t begin, Ranges& ranges) const noexcept {
+    return SoupKernel::ranges(*this, begin, ranges);
+}
+
+std::uint64_t SoupScan::write(std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end, std::uint32_t* list_end,
+                              CrossedTriangle* records, Written& written) const noexcept {
+    return SoupKernel::write(*this, begin, crossed, reach_end, list_end, records, written);
+}
+
+#else
+
+SoupScan::SoupScan(const MeshView& mesh, const Transform&, double, const PlaneSet& planes) noexcept
+    : vertices_(mesh.vertices), stride_(0), scale_(0), planes_(planes) {}
+
+std::uint64_t SoupScan::ranges(std::size_t, Ranges&) const noexcept {
+    return 0;
+}
+
+std::uint64_t SoupScan::write(std::size_t, std::uint64_t, const PlaneIndex*, std::uint32_t*, CrossedTriangle*,
+                              Written&) const noexcept {
+    return 0;
+}
+
+#endif
+
+}  // namespace lamella

@@ -1,0 +1,52 @@
+// Float soups in blocks of 64 triangles, sixteen at a time where the processor has AVX-512: the planes that cut them, and
+// their records. Gives what looking at triangles one by one gives.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "lamella/mesh.hpp"
+#include "slicing/buckets/crossed_triangle.hpp"
+#include "slicing/grid/blocks.hpp"
+#include "slicing/planes/plane_set.hpp"
+
+namespace lamella {
+
+class SoupScan {
+public:
+    SoupScan(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes) noexcept;
+
+    /// Whether this processor and mesh allow it; else triangles must be looked at one by one.
+    bool usable() const noexcept { return usable_; }
+
+    /// Planes from first[t] up to, but not with, last[t] cut triangle t.
+    struct Ranges {
+        PlaneIndex first[block_triangles];
+        PlaneIndex last[block_triangles];
+    };
+    /// Triangles [begin, begin + 64), all of which must exist; returns which of them planes cut. Precondition: usable().
+    std::uint64_t ranges(std::size_t begin, Ranges& ranges) const noexcept;
+
+    /// Where records were written.
+    struct Written {
+        std::uint32_t record[block_triangles];
+        PlaneIndex first[block_triangles];
+        PlaneIndex last[block_triangles];
+    };
+    /// Writes a record for each triangle begin + t with bit t in `crossed` to records[list_end[its first plane]++]; returns
+    /// which of them reach as far as reach_end[its first plane]. Precondition: usable().
+    std::uint64_t write(std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end, std::uint32_t* list_end,
+                        CrossedTriangle* records, Written& written) const noexcept;
+
+private:
+    friend struct SoupKernel;
+
+    const std::byte* vertices_;
+    std::int32_t stride_;
+    float scale_;  // mm to half grid units
+    const PlaneSet& planes_;
+    float planes_per_unit_ = 0;  // 0: planes are found by the table
+    bool usable_ = false;
+};
+
+}  // namespace lamella

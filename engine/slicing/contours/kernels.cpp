@@ -1,0 +1,392 @@
+#include "slicing/contours/kernels.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "base/rounding.hpp"
+#include "base/x86_forms.hpp"
+
+namespace lamella {
+
+namespace {
+
+// --- Portable
+
+void pierce_portable(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
+    for (std::size_t e = 0; e < count; ++e) {
+        const auto rise = static_cast<double>(std::int64_t{z} - edges.z[e]);
+        points[e] = {round_to_int(edges.x[e] + edges.slope_x[e] * rise), round_to_int(edges.y[e] + edges.slope_y[e] * rise)};
+    }
+}
+
+/// Twice the area is the sum over i of x[i] · (y[i + 1] - y[i - 1]): one product a point, x counted from the first point.
+/// Differences have 32 bits and a sign, so a product fits 64 bits and a sum of them need not: the halves are summed apart.
+class ProductSum {
+public:
+    void add(std::int64_t product) noexcept {
+        low_ += static_cast<std::uint32_t>(product);
+        high_ += product >> 32;
+    }
+    Int128 total() const noexcept { return (Int128{high_} << 32) + Int128{low_}; }
+
+private:
+    std::uint64_t low_ = 0;
+    std::int64_t high_ = 0;
+};
+
+/// point(i) is the ring's i-th point; each is read once.
+template <class PointAt>
+RingFacts facts_of(std::size_t count, const PointAt& point) {
+    const Point first = point(0);
+    RingFacts facts{first, first, 0, 0, false, false};
+    Point smallest = first;
+    ProductSum sum;
+    Point before = point(count - 1);
+    Point here = first;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Point next = i + 1 < count ? point(i + 1) : first;
+        facts.box_min = {std::min(facts.box_min.x, here.x), std::min(facts.box_min.y, here.y)};
+        facts.box_max = {std::max(facts.box_max.x, here.x), std::max(facts.box_max.y, here.y)};
+        facts.has_repeats = facts.has_repeats || here == next;
+        if (here < smallest) {
+            smallest = here;
+            facts.smallest = i;
+            facts.many_smallest = false;
+        } else if (i > 0 && here == smallest) {
+            facts.many_smallest = true;
+        }
+        sum.add((std::int64_t{here.x} - first.x) * (std::int64_t{next.y} - before.y));
+        before = here;
+        here = next;
+    }
+    facts.twice_area = sum.total();
+    return facts;
+}
+
+RingFacts trace_portable(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
+    return facts_of(count, [=](std::size_t i) { return ring[i] = points[slots[i]]; });
+}
+
+std::size_t select_equal_portable(const std::uint32_t* values, std::size_t count, std::uint32_t value,
+                                  std::uint32_t* indices) {
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        indices[found] = static_cast<std::uint32_t>(i);
+        found += values[i] == value ? 1 : 0;
+    }
+    return found;
+}
+
+constexpr Kernels portable{pierce_portable, trace_portable, select_equal_portable};
+
+#ifdef LAMELLA_X86_FORMS
+
+// --- AVX2: four edges, four points a step
+
+LAMELLA_AVX2 __m128i four_ints(const std::int32_t* at) {
+    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at));
+}
+
+LAMELLA_AVX2 void pierce_avx2(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
+    const __m128i plane = _mm_set1_epi32(z);
+    for (std::size_t e = 0; e < count; e += 4) {
+        const __m256d rise = _mm256_cvtepi32_pd(_mm_sub_epi32(plane, four_ints(edges.z + e)));
+        const __m256d x = _mm256_add_pd(_mm256_cvtepi32_pd(four_ints(edges.x + e)),
+                                        _mm256_mul_pd(_mm256_loadu_pd(edges.slope_x + e), rise));
+        const __m256d y = _mm256_add_pd(_mm256_cvtepi32_pd(four_ints(edges.y + e)),
+                                        _mm256_mul_pd(_mm256_loadu_pd(edges.slope_y + e), rise));
+        const __m128i xs = _mm256_cvtpd_epi32(x);
+        const __m128i ys = _mm256_cvtpd_epi32(y);
+        auto* out = reinterpret_cast<__m128i*>(points + e);
+        _mm_storeu_si128(out, _mm_unpacklo_epi32(xs, ys));
+        _mm_storeu_si128(out + 1, _mm_unpackhi_epi32(xs, ys));
+    }
+}
+
+LAMELLA_AVX2 __m256i load_points(const Point* at) {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
+}
+
+/// Whether all differences within the box fit the 32-bit halves that vector multiplication takes.
+bool fits_halves(const RingFacts& facts) {
+    return std::int64_t{facts.box_max.x} - facts.box_min.x <= INT32_MAX &&
+           std::int64_t{facts.box_max.y} - facts.box_min.y <= INT32_MAX;
+}
+
+/// Folds four lanes of lowest and highest points and of sums into `facts`.
+LAMELLA_AVX2 void finish_facts(RingFacts& facts, __m256i low, __m256i high, __m256i low_sum, __m256i high_sum) {
+    const auto point = [](__m128i lane) { return std::bit_cast<Point>(_mm_cvtsi128_si64(lane)); };
+    const __m128i low2 = _mm_min_epi32(_mm256_castsi256_si128(low), _mm256_extracti128_si256(low, 1));
+    const __m128i high2 = _mm_max_epi32(_mm256_castsi256_si128(high), _mm256_extracti128_si256(high, 1));
+    facts.box_min = point(_mm_min_epi32(low2, _mm_unpackhi_epi64(low2, low2)));
+    facts.box_max = point(_mm_max_epi32(high2, _mm_unpackhi_epi64(high2, high2)));
+    const __m128i low_sum2 = _mm_add_epi64(_mm256_castsi256_si128(low_sum), _mm256_extracti128_si256(low_sum, 1));
+    const __m128i high_sum2 = _mm_add_epi64(_mm256_castsi256_si128(high_sum), _mm256_extracti128_si256(high_sum, 1));
+    const std::int64_t low_half = _mm_cvtsi128_si64(_mm_add_epi64(low_sum2, _mm_unpackhi_epi64(low_sum2, low_sum2)));
+    const std::int64_t high_half = _mm_cvtsi128_si64(_mm_add_epi64(high_sum2, _mm_unpackhi_epi64(high_sum2, high_sum2)));
+    facts.twice_area = (Int128{high_half} << 32) + Int128{static_cast<std::uint64_t>(low_half)};
+}
+
+/// Points [at, at + 4) of the ring.
+LAMELLA_AVX2 __m256i gather_four(const Point* points, const std::uint32_t* slots) {
+    const __m128i at = _mm_loadu_si128(reinterpret_cast<const __m128i*>(slots));
+    return _mm256_i32gather_epi64(reinterpret_cast<const long long*>(points), at, sizeof(Point));
+}
+
+/// The first point with the given x, from `from` on, or count.
+LAMELLA_AVX2 std::size_t find_x(const Point* ring, std::size_t from, std::size_t count, std::int32_t x) {
+    const __m256i wanted = _mm256_set1_epi64x(static_cast<std::uint32_t>(x));
+    for (; from + 4 <= count; from += 4) {
+        const __m256i same = _mm256_cmpeq_epi32(load_points(ring + from), wanted);
+        const int bits = _mm256_movemask_ps(_mm256_castsi256_ps(same)) & 0x55;  // the x halves
+        if (bits != 0) {
+            return from + static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(bits))) / 2;
+        }
+    }
+    for (; from < count && ring[from].x != x; ++from) {
+    }
+    return from;
+}
+
+LAMELLA_AVX2 void find_smallest(const Point* ring, std::size_t count, RingFacts& facts) {
+    const std::int32_t x = facts.box_min.x;
+    facts.smallest = find_x(ring, 0, count, x);
+    for (std::size_t i = find_x(ring, facts.smallest + 1, count, x); i < count; i = find_x(ring, i + 1, count, x)) {
+        if (ring[i].y <= ring[facts.smallest].y) {
+            facts.many_smallest = ring[i].y == ring[facts.smallest].y;
+            facts.smallest = facts.many_smallest ? facts.smallest : i;
+        }
+    }
+}
+
+/// Four points a step, as in trace_avx512, for rings that fill a vector; what is left over is looked at one by one. AVX2
+/// shifts no signs: products are biased by 2^63 to be unsigned, and the bias is taken off at the end.
+LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
+    if (count < 8) {
+        return trace_portable(points, slots, count, ring);
+    }
+    const Point first = points[slots[0]];
+    const __m256i origin = _mm256_set1_epi64x(std::bit_cast<std::int64_t>(first));
+    const __m256i bias = _mm256_set1_epi64x(INT64_MIN);
+    const __m256i low_half = _mm256_set1_epi64x(0xFFFFFFFF);
+    __m256i low = origin;
+    __m256i high = origin;
+    __m256i repeats = _mm256_setzero_si256();
+    __m256i low_sum = _mm256_setzero_si256();
+    __m256i high_sum = _mm256_setzero_si256();
+    __m256i before = _mm256_set1_epi64x(std::bit_cast<std::int64_t>(points[slots[count - 1]]));
+    __m256i here = gather_four(points, slots);
+    const std::size_t whole = (count - 4) / 4 * 4;  // a whole vector follows each
+    for (std::size_t i = 0; i < whole; i += 4) {
+        const __m256i next = gather_four(points, slots + i + 4);
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ring + i), here);
+        // Neighbours by shifting registers: loading them back would wait for the stores.
+        const __m256i after = _mm256_permute4x64_epi64(_mm256_blend_epi32(here, next, 0x03), 0x39);
+        const __m256i previous = _mm256_permute4x64_epi64(_mm256_blend_epi32(here, before, 0xC0), 0x93);
+        low = _mm256_min_epi32(low, here);
+        high = _mm256_max_epi32(high, here);
+        repeats = _mm256_or_si256(repeats, _mm256_cmpeq_epi64(here, after));
+        const __m256i dy = _mm256_srli_epi64(_mm256_sub_epi32(after, previous), 32);
+        const __m256i product = _mm256_xor_si256(_mm256_mul_epi32(_mm256_sub_epi32(here, origin), dy), bias);
+        low_sum = _mm256_add_epi64(low_sum, _mm256_and_si256(product, low_half));
+        high_sum = _mm256_add_epi64(high_sum, _mm256_srli_epi64(product, 32));
+        before = here;
+        here = next;
+    }
+    RingFacts facts{};
+    facts.has_repeats = _mm256_testz_si256(repeats, repeats) == 0;
+    finish_facts(facts, low, high, low_sum, high_sum);
+    facts.twice_area -= Int128{whole} << 63;
+    Point last = points[slots[whole > 0 ? whole - 1 : count - 1]];
+    for (std::size_t i = whole; i < count; ++i) {
+        const Point point = points[slots[i]];
+        const Point next = i + 1 < count ? points[slots[i + 1]] : first;
+        ring[i] = point;
+        facts.box_min = {std::min(facts.box_min.x, point.x), std::min(facts.box_min.y, point.y)};
+        facts.box_max = {std::max(facts.box_max.x, point.x), std::max(facts.box_max.y, point.y)};
+        facts.has_repeats = facts.has_repeats || point == next;
+        facts.twice_area += Int128{std::int64_t{point.x} - first.x} * (std::int64_t{next.y} - last.y);
+        last = point;
+    }
+    find_smallest(ring, count, facts);
+    return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
+}
+
+LAMELLA_AVX2 std::size_t select_equal_avx2(const std::uint32_t* values, std::size_t count, std::uint32_t value,
+                                           std::uint32_t* indices) {
+    const __m256i wanted = _mm256_set1_epi32(static_cast<int>(value));
+    std::size_t found = 0;
+    std::size_t i = 0;
+    for (; i + 8 <= count; i += 8) {
+        const __m256i same = _mm256_cmpeq_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(values + i)), wanted);
+        for (auto bits = static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(same))); bits != 0; bits &= bits - 1) {
+            indices[found++] = static_cast<std::uint32_t>(i) + static_cast<std::uint32_t>(std::countr_zero(bits));
+        }
+    }
+    for (; i < count; ++i) {
+        indices[found] = static_cast<std::uint32_t>(i);
+        found += values[i] == value ? 1 : 0;
+    }
+    return found;
+}
+
+constexpr Kernels avx2{pierce_avx2, trace_avx2, select_equal_avx2};
+
+// --- AVX-512: eight edges, eight points a step
+
+LAMELLA_AVX512 __m256i eight_ints(const std::int32_t* at) {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
+}
+
+LAMELLA_AVX512 void pierce_avx512(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points) {
+    const __m256i plane = _mm256_set1_epi32(z);
+    for (std::size_t e = 0; e < count; e += 8) {
+        const __m512d rise = _mm512_maskz_cvtepi32_pd(0xFF, _mm256_sub_epi32(plane, eight_ints(edges.z + e)));
+        const __m512d base_x = _mm512_maskz_cvtepi32_pd(0xFF, eight_ints(edges.x + e));
+        const __m512d base_y = _mm512_maskz_cvtepi32_pd(0xFF, eight_ints(edges.y + e));
+        const __m512d x = _mm512_add_pd(base_x, _mm512_mul_pd(_mm512_loadu_pd(edges.slope_x + e), rise));
+        const __m512d y = _mm512_add_pd(base_y, _mm512_mul_pd(_mm512_loadu_pd(edges.slope_y + e), rise));
+        // 64-bit lanes of y << 32 | x are points as they lie in memory. (Masked forms: GCC 12 warns about the plain ones.)
+        const __m512i xs = _mm512_maskz_cvtepu32_epi64(0xFF, _mm512_maskz_cvtpd_epi32(0xFF, x));
+        const __m512i ys = _mm512_maskz_cvtepu32_epi64(0xFF, _mm512_maskz_cvtpd_epi32(0xFF, y));
+        _mm512_storeu_si512(points + e, _mm512_or_si512(xs, _mm512_maskz_slli_epi64(0xFF, ys, 32)));
+    }
+}
+
+LAMELLA_AVX512 __m512i gather_eight(const Point* points, const std::uint32_t* slots) {
+    const __m256i at = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(slots));
+    return _mm512_mask_i32gather_epi64(_mm512_setzero_si512(), 0xFF, at, points, sizeof(Point));
+}
+
+LAMELLA_AVX512 __m256i lower_half(__m512i v) {
+    return _mm512_maskz_extracti64x4_epi64(0xF, v, 0);
+}
+LAMELLA_AVX512 __m256i upper_half(__m512i v) {
+    return _mm512_maskz_extracti64x4_epi64(0xF, v, 1);
+}
+
+/// The smallest of eight streams of points: as numbers of 64 bits with x above y, they compare as points do.
+struct SmallestOfEight {
+    __m512i point;
+    __m512i index;
+    __mmask8 many = 0;  // lanes that met theirs more than once
+
+    LAMELLA_AVX512 void add(__m512i points, std::size_t first, __mmask8 lanes) {
+        const __m512i y_sign = _mm512_set1_epi64(0x80000000);  // the half below compares without a sign
+        const __m512i key = _mm512_xor_si512(_mm512_maskz_rol_epi64(0xFF, points, 32), y_sign);
+        const __mmask8 smaller = _mm512_mask_cmplt_epi64_mask(lanes, key, point);
+        const __mmask8 equal = _mm512_mask_cmpeq_epi64_mask(lanes, key, point);
+        many = static_cast<__mmask8>((many & ~smaller) | equal);
+        point = _mm512_mask_mov_epi64(point, smaller, key);
+        index = _mm512_mask_mov_epi64(index, smaller, _mm512_set1_epi64(static_cast<std::int64_t>(first)));
+    }
+
+    LAMELLA_AVX512 void finish(RingFacts& facts) const {
+        const __m256i four = _mm256_min_epi64(lower_half(point), upper_half(point));
+        const __m256i two = _mm256_min_epi64(four, _mm256_permute4x64_epi64(four, 0x4E));
+        const __m256i one = _mm256_min_epi64(two, _mm256_shuffle_epi32(two, 0x4E));
+        const unsigned lanes =
+            _mm512_cmpeq_epi64_mask(point, _mm512_maskz_broadcastq_epi64(0xFF, _mm256_castsi256_si128(one)));
+        alignas(64) std::int64_t steps[8];
+        _mm512_store_si512(steps, index);
+        facts.smallest = SIZE_MAX;
+        for (unsigned left = lanes; left != 0; left &= left - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+            facts.smallest = std::min(facts.smallest, static_cast<std::size_t>(steps[lane]) + lane);
+        }
+        facts.many_smallest = (many & lanes) != 0 || std::popcount(lanes) > 1;
+    }
+};
+
+/// Eight points a step. Neighbours come from shifting the vectors before and behind into this one, not from loading them
+/// back from the ring, which would wait for the stores; x lies in the low half of each 64-bit lane and y in the high one:
+///
+///     before  [ .. .. .. .. .. .. .. a ]  here  [ b c d e f g h i ]  next  [ j .. .. .. .. .. .. .. ]
+///     previous                                  [ a b c d e f g h ]
+///     after                                     [ c d e f g h i j ]
+LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
+    const __m512i first = _mm512_set1_epi64(std::bit_cast<std::int64_t>(points[slots[0]]));
+    const __m512i low_half = _mm512_set1_epi64(0xFFFFFFFF);
+    __m512i low = first;
+    __m512i high = first;
+    __m512i low_sum = _mm512_setzero_si512();
+    __m512i high_sum = _mm512_setzero_si512();
+    unsigned repeats = 0;
+    SmallestOfEight smallest{_mm512_set1_epi64(INT64_MAX), _mm512_setzero_si512()};
+    __m512i before = _mm512_set1_epi64(std::bit_cast<std::int64_t>(points[slots[count - 1]]));
+    __m512i here = gather_eight(points, slots);
+    for (std::size_t i = 0; i < count; i += 8) {
+        const std::size_t left = count - i;
+        const auto lanes = static_cast<__mmask8>(left >= 8 ? 0xFF : (1U << left) - 1);
+        const __m512i next = left > 8 ? gather_eight(points, slots + i + 8) : first;
+        here = _mm512_mask_blend_epi64(lanes, first, here);  // what lies behind the last point is the first
+        _mm512_storeu_si512(ring + i, here);
+        smallest.add(here, i, lanes);
+        const __m512i previous = _mm512_maskz_alignr_epi64(0xFF, here, before, 7);
+        const __m512i after = _mm512_maskz_alignr_epi64(0xFF, next, here, 1);
+        low = _mm512_maskz_min_epi32(0xFFFF, low, here);
+        high = _mm512_maskz_max_epi32(0xFFFF, high, here);
+        repeats |= _mm512_mask_cmpeq_epi64_mask(lanes, here, after);
+        const __m512i dy = _mm512_maskz_srli_epi64(0xFF, _mm512_sub_epi32(after, previous), 32);
+        const __m512i product = _mm512_maskz_mul_epi32(0xFF, _mm512_sub_epi32(here, first), dy);
+        low_sum = _mm512_add_epi64(low_sum, _mm512_and_si512(product, low_half));
+        high_sum = _mm512_add_epi64(high_sum, _mm512_maskz_srai_epi64(0xFF, product, 32));
+        before = here;
+        here = next;
+    }
+    RingFacts facts{};
+    facts.has_repeats = repeats != 0;
+    finish_facts(facts, _mm256_min_epi32(lower_half(low), upper_half(low)),
+                 _mm256_max_epi32(lower_half(high), upper_half(high)),
+                 _mm256_add_epi64(lower_half(low_sum), upper_half(low_sum)),
+                 _mm256_add_epi64(lower_half(high_sum), upper_half(high_sum)));
+    smallest.finish(facts);
+    return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
+}
+
+LAMELLA_AVX512 std::size_t select_equal_avx512(const std::uint32_t* values, std::size_t count, std::uint32_t value,
+                                               std::uint32_t* indices) {
+    const __m512i wanted = _mm512_set1_epi32(static_cast<int>(value));
+    __m512i index = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < count; i += 16) {
+        const std::size_t left = count - i;
+        const auto lanes = static_cast<__mmask16>(left >= 16 ? 0xFFFF : (1U << left) - 1);
+        const __mmask16 same = _mm512_mask_cmpeq_epi32_mask(lanes, _mm512_maskz_loadu_epi32(lanes, values + i), wanted);
+        // Nothing predicts whether there is one.
+        _mm512_storeu_si512(indices + found, _mm512_maskz_compress_epi32(same, index));
+        found += static_cast<std::size_t>(std::popcount(same));
+        index = _mm512_add_epi32(index, _mm512_set1_epi32(16));
+    }
+    return found;
+}
+
+constexpr Kernels avx512{pierce_avx512, trace_avx512, select_equal_avx512};
+
+#endif
+
+}  // namespace
+
+RingFacts examine_ring(const Point* ring, std::size_t count) noexcept {
+    return facts_of(count, [ring](std::size_t i) { return ring[i]; });
+}
+
+std::span<const Kernels> supported_kernels() noexcept {
+    static constexpr Kernels forms[] = {
+#ifdef LAMELLA_X86_FORMS
+        avx512, avx2,
+#endif
+        portable};
+    const std::size_t unsupported = (has_avx2() ? 0U : 1U) + (has_avx512() ? 0U : 1U);
+    return std::span(forms).subspan(std::min(unsupported, std::size(forms) - 1));
+}
+
+const Kernels& kernels_for_this_cpu() noexcept {
+    return supported_kernels().front();
+}
+
+const Kernels& portable_kernels() noexcept {
+    return supported_kernels().back();
+}
+
+}  // namespace lamella

@@ -1,0 +1,62 @@
+// The loops that touch every point or edge of every layer, in the widest form that this processor has, chosen at run time:
+// the default build carries no -march. All forms give the same bytes (no contraction, the same operations in the same
+// order).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "base/int128.hpp"
+#include "lamella/grid.hpp"
+
+namespace lamella {
+
+/// The active edges of a plane, one array per quantity: edge e passes through (x, y) at height z and moves by (slope_x,
+/// slope_y) per unit of height. All in grid units.
+struct EdgeArrays {
+    const std::int32_t* x;
+    const std::int32_t* y;
+    const std::int32_t* z;
+    const double* slope_x;
+    const double* slope_y;
+};
+
+/// What one pass over a closed contour tells.
+struct RingFacts {
+    Point box_min;
+    Point box_max;
+    Int128 twice_area;     ///< of what lies left of it, exactly
+    std::size_t smallest;  ///< the first point that no other is smaller than, x before y
+    bool many_smallest;    ///< others are equal to it
+    bool has_repeats;      ///< two consecutive points are equal
+};
+
+struct Kernels {
+    /// points[e] = where edge e pierces the plane at height z, for e in [0, count). Arrays are readable, and points
+    /// writable, up to the next multiple of padded_count.
+    void (*pierce)(const EdgeArrays& edges, std::int32_t z, std::size_t count, Point* points);
+    /// ring[i] = points[slots[i]] for i in [0, count), count > 0, and the facts of the closed ring that this makes. `slots`
+    /// is readable, with numbers below the number of points, and `ring` writable up to the next multiple of padded_count.
+    RingFacts (*trace)(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring);
+    /// Writes to `indices` the i in [0, count), in ascending order, with values[i] == value; returns how many. `indices` is
+    /// writable up to count + select_padding.
+    std::size_t (*select_equal)(const std::uint32_t* values, std::size_t count, std::uint32_t value, std::uint32_t* indices);
+};
+
+/// Room that arrays handed to pierce() need beyond a multiple of it.
+inline constexpr std::size_t padded_count = 8;
+/// Room that select_equal() needs beyond what it finds.
+inline constexpr std::size_t select_padding = 16;
+
+/// The facts of a closed ring of count > 0 points as they lie.
+RingFacts examine_ring(const Point* ring, std::size_t count) noexcept;
+
+/// The forms that this processor runs, the widest first, the portable one last.
+std::span<const Kernels> supported_kernels() noexcept;
+/// The widest of them.
+const Kernels& kernels_for_this_cpu() noexcept;
+/// The portable ones, for comparison.
+const Kernels& portable_kernels() noexcept;
+
+}  // namespace lamella

@@ -1,0 +1,138 @@
+#include "slicing/contours/pairing.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "base/int128.hpp"
+
+namespace lamella {
+
+namespace {
+
+struct Vector {
+    std::int64_t x;
+    std::int64_t y;
+    std::int64_t z;
+};
+
+Vector between(const GridVertex& a, const GridVertex& b) noexcept {
+    return {std::int64_t{b.x} - a.x, std::int64_t{b.y} - a.y, std::int64_t{b.z} - a.z};
+}
+
+/// Differences have 32 bits, products of two 63, sums of three products of three 97.
+std::array<Int128, 3> cross(const Vector& u, const Vector& v) noexcept {
+    return {Int128{u.y} * v.z - Int128{u.z} * v.y, Int128{u.z} * v.x - Int128{u.x} * v.z,
+            Int128{u.x} * v.y - Int128{u.y} * v.x};
+}
+
+int sign(Int128 value) noexcept {
+    return value > 0 ? 1 : (value < 0 ? -1 : 0);
+}
+
+/// Where directions lie round an axis, measured counter-clockwise from a reference.
+class AngleOrder {
+public:
+    AngleOrder(const GridVertex& lower, const GridVertex& upper, const GridVertex& reference)
+        : lower_(lower), axis_(between(lower, upper)), reference_normal_(cross(axis_, between(lower, reference))) {}
+
+    /// 0: at the reference (or on the axis, where there is no angle), 1: within half a turn, 2: half a turn, 3: beyond.
+    int quadrant(const GridVertex& apex) const noexcept {
+        const Vector v = between(lower_, apex);
+        const int side = sign(dot(reference_normal_, v));
+        if (side != 0) {
+            return side > 0 ? 1 : 3;
+        }
+        const auto normal = cross(axis_, v);
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (reference_normal_[i] != 0) {
+                return sign(reference_normal_[i]) * sign(normal[i]) < 0 ? 2 : 0;
+            }
+        }
+        return 0;
+    }
+
+    /// Positive where b lies counter-clockwise of a by less than half a turn.
+    int turn(const GridVertex& a, const GridVertex& b) const noexcept {
+        return sign(dot(cross(axis_, between(lower_, a)), between(lower_, b)));
+    }
+
+    bool on_axis(const GridVertex& apex) const noexcept {
+        const auto normal = cross(axis_, between(lower_, apex));
+        return normal[0] == 0 && normal[1] == 0 && normal[2] == 0;
+    }
+
+private:
+    static Int128 dot(const std::array<Int128, 3>& normal, const Vector& v) noexcept {
+        return normal[0] * v.x + normal[1] * v.y + normal[2] * v.z;
+    }
+
+    GridVertex lower_;
+    Vector axis_;
+    std::array<Int128, 3> reference_normal_;
+};
+
+}  // namespace
+
+void sort_round_edge(const GridVertex& lower, const GridVertex& upper, std::span<FaceAtEdge> faces) {
+    assert(!faces.empty());
+    const AngleOrder any(lower, upper, faces.front().apex);
+    const GridVertex* reference = nullptr;
+    for (const FaceAtEdge& face : faces) {
+        if (!any.on_axis(face.apex) && (reference == nullptr || face.apex < *reference)) {
+            reference = &face.apex;
+        }
+    }
+    const AngleOrder order(lower, upper, reference != nullptr ? *reference : faces.front().apex);
+    std::sort(faces.begin(), faces.end(), [&](const FaceAtEdge& a, const FaceAtEdge& b) {
+        const int quadrant_a = order.quadrant(a.apex);
+        const int quadrant_b = order.quadrant(b.apex);
+        if (quadrant_a != quadrant_b) {
+            return quadrant_a < quadrant_b;
+        }
+        if (quadrant_a % 2 == 1) {
+            if (const int turn = order.turn(a.apex, b.apex); turn != 0) {
+                return turn > 0;
+            }
+        }
+        if (a.end.is_source != b.end.is_source) {
+            return !a.end.is_source;
+        }
+        const FaceAtEdge& first = a.end.is_source ? b : a;
+        const FaceAtEdge& second = a.end.is_source ? a : b;
+        return first.apex != second.apex ? first.apex < second.apex : first.triangle < second.triangle;
+    });
+}
+
+void Pairing::match(std::span<const MeetingEnd> ends) {
+    pairs_.clear();
+    stack_.clear();
+    unmatched_.clear();
+    odd_ = -1;
+    for (std::uint32_t i = 0; i < ends.size(); ++i) {
+        if (ends[i].is_source) {
+            stack_.push_back(i);
+        } else if (!stack_.empty()) {
+            pairs_.emplace_back(i, stack_.back());
+            stack_.pop_back();
+        } else {
+            unmatched_.push_back(i);
+        }
+    }
+    // Round the corner: brackets still open meet the ones that closed before any had been opened.
+    std::size_t closed = 0;
+    for (; closed < unmatched_.size() && !stack_.empty(); ++closed) {
+        pairs_.emplace_back(unmatched_[closed], stack_.back());
+        stack_.pop_back();
+    }
+    unmatched_.erase(unmatched_.begin(), unmatched_.begin() + static_cast<std::ptrdiff_t>(closed));
+    const auto& rest = unmatched_.empty() ? stack_ : unmatched_;
+    for (std::size_t i = 0; i + 1 < rest.size(); i += 2) {
+        pairs_.emplace_back(rest[i], rest[i + 1]);
+    }
+    if (rest.size() % 2 == 1) {
+        odd_ = rest.back();
+    }
+}
+
+}  // namespace lamella

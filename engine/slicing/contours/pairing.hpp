@@ -1,0 +1,64 @@
+// How ends that meet at one edge are paired, where more than two do (or two of the same sense): by sense, then by angle.
+//
+// Seen from above, with the edge pointing up, ends lie counter-clockwise round it. Going round, the solid begins at an end
+// that goes out (its left is the counter-clockwise side) and ends at one that comes in: "out" opens a bracket, "in" closes
+// it. Matching brackets share a wedge of solid, and contours paired so never cross:
+//
+//              out                          four faces, two solids that touch along the edge:
+//               | solid A                       out in out in   ->   (out in) (out in)
+//        -------+------- in
+//     in        |                           a solid with a wedge-shaped gap of solid in its gap ...:
+//       solid B | out                           out out in in   ->   (out (out in) in)
+//
+// What is left has one sense only; it pairs with its neighbour round the edge, and an odd one ends an open polyline.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "lamella/grid.hpp"
+
+namespace lamella {
+
+/// An end of link `link` at an edge.
+struct MeetingEnd {
+    std::uint32_t link;
+    bool is_source;  ///< goes out from the edge
+};
+
+class Pairing {
+public:
+    explicit Pairing(const Memory* memory) : pairs_(memory), stack_(memory), unmatched_(memory) {}
+
+    /// Pairs `ends`, which lie counter-clockwise; bracket matching goes round from the last to the first. O(ends).
+    void match(std::span<const MeetingEnd> ends);
+
+    /// Indices into the ends; where the senses differ, the one that comes in is first.
+    std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs() const noexcept { return pairs_; }
+    /// Index of the end that found no partner, or -1.
+    std::int64_t odd_one() const noexcept { return odd_; }
+
+private:
+    Vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
+    Vector<std::uint32_t> stack_;
+    Vector<std::uint32_t> unmatched_;
+    std::int64_t odd_ = -1;
+};
+
+/// A face at a mesh edge.
+struct FaceAtEdge {
+    GridVertex apex;  ///< its vertex off the edge
+    std::uint32_t triangle;
+    MeetingEnd end;
+};
+
+/// Sorts the faces of the edge from `lower` to `upper` counter-clockwise seen from above, starting at the smallest apex. At
+/// equal angles those that come in are first (they close the solid before them), by apex, then those that go out, in the
+/// opposite order, so that brackets nest. Faces that are the same in all of this are interchangeable; the triangle's index
+/// only keeps each of them in the same place at all its edges. Exact.
+void sort_round_edge(const GridVertex& lower, const GridVertex& upper, std::span<FaceAtEdge> faces);
+
+}  // namespace lamella

@@ -1,0 +1,193 @@
+#include "slicing/grid/bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "base/words.hpp"
+#include "lamella/grid.hpp"
+#include "slicing/grid/quantise.hpp"
+#include "slicing/grid/soup_box.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t grain = (1 << 12) / block_triangles;  // blocks per task
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// A box that grows, and whether something in it was not finite.
+struct Partial {
+    double min[3] = {infinity, infinity, infinity};
+    double max[3] = {-infinity, -infinity, -infinity};
+    bool finite = true;
+
+    void add(int axis, double low, double high) noexcept {
+        min[axis] = std::min(min[axis], low);
+        max[axis] = std::max(max[axis], high);
+    }
+    void add(const Partial& other) noexcept {
+        for (int axis = 0; axis < 3; ++axis) {
+            add(axis, other.min[axis], other.max[axis]);
+        }
+        finite = finite && other.finite;
+    }
+};
+
+/// Whether two vertices of the triangle lie within `reach` of each other on every axis.
+bool has_near_vertices(const RawTriangle& t, double reach) {
+    const auto near = [&](const double* a, const double* b) {
+        return std::abs(a[0] - b[0]) <= reach && std::abs(a[1] - b[1]) <= reach && std::abs(a[2] - b[2]) <= reach;
+    };
+    return near(t.v, t.v + 3) || near(t.v + 3, t.v + 6) || near(t.v + 6, t.v);
+}
+
+/// Blocks [begin, end) of any mesh.
+Partial measure_general(const MeshView& mesh, const Transform& transform, std::size_t begin, std::size_t end,
+                        BlockTable& table) {
+    const RawReader read(mesh);
+    const bool identity = transform.is_identity();
+    Partial all;
+    double poison = 0;  // times zero: becomes NaN, and stays so, at the first value that is not finite
+    for (std::size_t block = begin; block < end; ++block) {
+        Partial box;
+        bool near = false;
+        const std::size_t last = std::min(mesh.triangle_count, (block + 1) * block_triangles);
+        for (std::size_t t = block * block_triangles; t < last; ++t) {
+            RawTriangle raw = read(t);
+            if (!identity) {
+                apply(transform, raw);
+            }
+            for (int i = 0; i < 9; ++i) {
+                box.add(i % 3, raw.v[i], raw.v[i]);
+                poison += raw.v[i] * 0.0;
+            }
+            near = near || has_near_vertices(raw, table.near_mm);
+        }
+        table.blocks[block] = {box.min[2], box.max[2], near};
+        all.add(box);
+    }
+    all.finite = poison == 0;
+    return all;
+}
+
+/// The same for a float soup without a transform.
+Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, BlockTable& table) {
+    const FloatSoup soup{mesh.vertices, mesh.stride, mesh.triangle_count, static_cast<float>(table.near_mm)};
+    const SoupBox found = measure_soup_for_this_cpu()(soup, begin, end, table.blocks.data());
+    Partial box;
+    for (int axis = 0; axis < 3; ++axis) {
+        box.add(axis, static_cast<double>(found.low[axis]), static_cast<double>(found.high[axis]));
+    }
+    box.finite = !found.has_nan;  // infinity shows in the box
+    return box;
+}
+
+std::string axis_text(int i) {
+    return std::string("vertex ") + std::to_string(i / 3) + ", " + "xyz"[i % 3];
+}
+
+/// Finds the triangle that made the measurement unusable. Serial: it runs once, on input that is refused.
+Error first_bad_coordinate(const MeshView& mesh, const Transform& transform) {
+    const RawReader read(mesh);
+    for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
+        RawTriangle raw = read(t);
+        apply(transform, raw);
+        for (int i = 0; i < 9; ++i) {
+            if (!(std::abs(raw.v[i]) <= largest_coordinate_mm)) {
+                const char* what = std::isfinite(raw.v[i]) ? " is beyond 1e9 mm" : " is not finite";
+                return {ErrorCode::bad_coordinate, "triangle " + std::to_string(t) + ", " + axis_text(i) + what,
+                        static_cast<std::int64_t>(t)};
+            }
+        }
+    }
+    return {ErrorCode::bad_coordinate, "a coordinate is not finite or beyond 1e9 mm"};
+}
+
+/// The first triangle with an index that names no vertex, or -1.
+std::int64_t first_bad_index(const MeshView& mesh, std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+        const std::uint32_t* corner = mesh.indices + 3 * t;
+        if (std::max({corner[0], corner[1], corner[2]}) >= mesh.vertex_count) {
+            return static_cast<std::int64_t>(t);
+        }
+    }
+    return -1;
+}
+
+}  // namespace
+
+Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
+                              BlockTable& table) {
+    if (mesh.triangle_count == 0) {
+        return Error{ErrorCode::empty_mesh, "the mesh has no triangles"};
+    }
+    if (mesh.triangle_count >= std::numeric_limits<std::uint32_t>::max()) {
+        return Error{ErrorCode::invalid_argument, "the mesh has more than 2^32 - 2 triangles"};
+    }
+    const bool float_soup = mesh.number == CoordinateType::f32 && mesh.indices == nullptr && transform.is_identity();
+    const auto workers = static_cast<std::size_t>(parallel.threads());
+    std::vector<Partial> partial(workers);
+    std::vector<std::int64_t> bad_index(workers, std::numeric_limits<std::int64_t>::max());
+    table.near_mm = BlockTable::near_mm_for(unit_mm != 0 ? unit_mm : default_unit_mm);
+    table.blocks.resize_discarding(block_count(mesh.triangle_count));
+    parallel.run_ranges(table.blocks.size(), grain, [&](std::size_t begin, std::size_t end, int worker) {
+        const auto w = static_cast<std::size_t>(worker);
+        if (mesh.indices != nullptr) {
+            const std::size_t last = std::min(mesh.triangle_count, end * block_triangles);
+            if (const std::int64_t bad = first_bad_index(mesh, begin * block_triangles, last); bad >= 0) {
+                bad_index[w] = std::min(bad_index[w], bad);
+                return;
+            }
+        }
+        partial[w].add(float_soup ? measure_soup(mesh, begin, end, table)
+                                  : measure_general(mesh, transform, begin, end, table));
+    });
+    if (const std::int64_t bad = *std::min_element(bad_index.begin(), bad_index.end());
+        bad != std::numeric_limits<std::int64_t>::max()) {
+        return Error{ErrorCode::invalid_argument, "triangle " + std::to_string(bad) + " has an index beyond the last vertex",
+                     bad};
+    }
+    Partial all;
+    for (const Partial& p : partial) {
+        all.add(p);
+    }
+    Bounds bounds{};
+    double largest = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        bounds.min_mm[axis] = all.min[axis];
+        bounds.max_mm[axis] = all.max[axis];
+        largest = std::max({largest, std::abs(all.min[axis]), std::abs(all.max[axis])});
+    }
+    if (!all.finite || !(largest <= largest_coordinate_mm)) {
+        return first_bad_coordinate(mesh, transform);
+    }
+    return bounds;
+}
+
+Result<double> choose_unit(const Bounds& bounds, double asked_mm) {
+    double largest = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        largest = std::max({largest, std::abs(bounds.min_mm[axis]), std::abs(bounds.max_mm[axis])});
+    }
+    if (asked_mm == 0) {
+        double unit = default_unit_mm;
+        while (largest > unit * grid_limit) {
+            unit *= 2;
+        }
+        return unit;
+    }
+    if (!(asked_mm > 0) || !(asked_mm <= largest_coordinate_mm) || asked_mm < 1e-15) {
+        return Error{ErrorCode::invalid_argument, "the grid unit must be between 1e-15 and 1e9 mm"};
+    }
+    // Rounding moves a vertex by up to a unit; the limit keeps two of room.
+    if (largest / asked_mm > grid_limit - 2) {
+        return Error{ErrorCode::bad_coordinate, "the mesh reaches " + exact_text(largest) + " mm, which a grid unit of " +
+                                                    exact_text(asked_mm) + " mm cannot hold in 32 bits"};
+    }
+    return asked_mm;
+}
+
+}  // namespace lamella

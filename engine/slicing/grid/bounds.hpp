@@ -1,0 +1,26 @@
+// Stage 2: the one look at the mesh before the grid is chosen: its box, and that every coordinate and index can be used.
+#pragma once
+
+#include "base/parallel.hpp"
+#include "lamella/error.hpp"
+#include "lamella/mesh.hpp"
+#include "slicing/grid/blocks.hpp"
+
+namespace lamella {
+
+struct Bounds {
+    double min_mm[3];
+    double max_mm[3];
+};
+
+/// One parallel streaming read; O(n). The box is that of the transformed mesh. `unit_mm` is the unit asked for, 0 for the
+/// default; `table` is filled in for it, and serves for larger units less well. Errors: empty_mesh, invalid_argument (an
+/// index out of range), bad_coordinate; each names the first such triangle.
+Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
+                              BlockTable& table);
+
+/// The unit to use: `asked_mm`, or when that is 0 the default, doubled until the box fits. Errors: invalid_argument,
+/// bad_coordinate (the box does not fit the unit asked for).
+Result<double> choose_unit(const Bounds& bounds, double asked_mm);
+
+}  // namespace lamella

@@ -1,0 +1,216 @@
+// Stage 2: triangles read from the caller's memory and rounded to the grid (paper 3.1), one at a time and never stored:
+// most triangles of a fine mesh meet no plane, and a quantised copy of them would cost more than slicing.
+#pragma once
+
+#include <array>
+#include <cstring>
+
+#include "base/rounding.hpp"
+#include "lamella/grid.hpp"
+#include "lamella/mesh.hpp"
+
+namespace lamella {
+
+using GridTriangle = std::array<GridVertex, 3>;
+
+inline bool is_degenerate(const GridTriangle& t) noexcept {
+    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
+/// mm to the even grid. Division, not multiplication by a reciprocal: units that are no power of two must round alike
+/// everywhere.
+inline std::int32_t to_even_grid(double mm, double unit_mm) noexcept {
+    return 2 * round_to_int(mm / (2 * unit_mm));
+}
+
+/// Vertices of one triangle as doubles in the caller's space.
+struct RawTriangle {
+    double v[9];
+};
+
+/// Any MeshView, number by number. Precondition: indices have been checked against vertex_count.
+class RawReader {
+public:
+    explicit RawReader(const MeshView& mesh) noexcept : mesh_(mesh) {}
+
+    RawTriangle operator()(std::size_t t) const noexcept {
+        return mesh_.number == CoordinateType::f32 ? read<float>(t) : read<double>(t);
+    }
+
+    CoordinateType number() const noexcept { return mesh_.number; }
+    /// Where a vertex of `vertex_bytes` lies.
+    const std::byte* at(std::size_t t, std::size_t corner, std::size_t vertex_bytes) const noexcept {
+        return mesh_.indices != nullptr ? mesh_.vertices + mesh_.indices[3 * t + corner] * mesh_.stride
+                                        : mesh_.vertices + t * mesh_.stride + corner * vertex_bytes;
+    }
+
+private:
+    template <class T>
+    RawTriangle read(std::size_t t) const noexcept {
+        RawTriangle raw;
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            T xyz[3];
+            std::memcpy(xyz, at(t, corner, 3 * sizeof(T)), sizeof xyz);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                raw.v[3 * corner + axis] = static_cast<double>(xyz[axis]);
+            }
+        }
+        return raw;
+    }
+
+    MeshView mesh_;
+};
+
+inline void apply(const Transform& transform, RawTriangle& t) noexcept {
+    const auto& m = transform.m;
+    for (int corner = 0; corner < 3; ++corner) {
+        double* p = t.v + 3 * corner;
+        const double x = p[0];
+        const double y = p[1];
+        const double z = p[2];
+        for (std::size_t row = 0; row < 3; ++row) {
+            p[row] = m[4 * row] * x + m[4 * row + 1] * y + m[4 * row + 2] * z + m[4 * row + 3];
+        }
+    }
+}
+
+#ifdef __SSE2__
+/// Numbers need no alignment.
+inline __m128d load_double(const std::byte* at) noexcept {
+    double value;
+    std::memcpy(&value, at, sizeof value);
+    return _mm_set_sd(value);
+}
+inline __m128 load_float(const std::byte* at) noexcept {
+    float value;
+    std::memcpy(&value, at, sizeof value);
+    return _mm_set_ss(value);
+}
+inline __m128 load_two_floats(const std::byte* at) noexcept {
+    return _mm_castpd_ps(load_double(at));
+}
+
+/// x, y, z of each, and anything after them. Whoever picks a vertex finds it in what one store left: a load from two of them
+/// would wait until they have reached the cache.
+inline void store_vertices(GridTriangle& grid, __m128i first, __m128i second, __m128i third) noexcept {
+    static_assert(sizeof(GridTriangle) == 9 * sizeof(std::int32_t), "nine coordinates without padding");
+    auto* out = reinterpret_cast<std::int32_t*>(grid.data());
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(out), first);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(out + 3), second);
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(out + 6), third);
+    out[8] = _mm_cvtsi128_si32(_mm_shuffle_epi32(third, _MM_SHUFFLE(2, 2, 2, 2)));
+}
+#endif
+
+/// Any mesh, transform and unit.
+class GeneralReader {
+public:
+    GeneralReader(const MeshView& mesh, const Transform& transform, double unit_mm) noexcept
+        : raw_(mesh), transform_(transform), identity_(transform.is_identity()), unit_mm_(unit_mm) {}
+
+    GridTriangle operator()(std::size_t t) const noexcept {
+        GridTriangle grid;
+#ifdef __SSE2__
+        if (identity_) {
+            store_vertices(grid, even_vertex(t, 0), even_vertex(t, 1), even_vertex(t, 2));
+            return grid;
+        }
+#endif
+        RawTriangle raw = raw_(t);
+        if (!identity_) {
+            apply(transform_, raw);
+        }
+        for (std::size_t i = 0; i < 3; ++i) {
+            grid[i] = {to_even_grid(raw.v[3 * i], unit_mm_), to_even_grid(raw.v[3 * i + 1], unit_mm_),
+                       to_even_grid(raw.v[3 * i + 2], unit_mm_)};
+        }
+        return grid;
+    }
+
+private:
+#ifdef __SSE2__
+    /// to_even_grid() of a vertex as it lies.
+    __m128i even_vertex(std::size_t t, std::size_t corner) const noexcept {
+        __m128d xy;
+        __m128d z;
+        if (raw_.number() == CoordinateType::f64) {
+            const std::byte* at = raw_.at(t, corner, 3 * sizeof(double));
+            xy = _mm_loadu_pd(reinterpret_cast<const double*>(at));
+            z = load_double(at + 2 * sizeof(double));
+        } else {
+            const std::byte* at = raw_.at(t, corner, 3 * sizeof(float));
+            xy = _mm_cvtps_pd(load_two_floats(at));
+            z = _mm_cvtps_pd(load_float(at + 2 * sizeof(float)));
+        }
+        const __m128d spacing = _mm_set1_pd(2 * unit_mm_);
+        const __m128i half =
+            _mm_unpacklo_epi64(_mm_cvtpd_epi32(_mm_div_pd(xy, spacing)), _mm_cvtpd_epi32(_mm_div_pd(z, spacing)));
+        return _mm_add_epi32(half, half);
+    }
+#endif
+
+    RawReader raw_;
+    Transform transform_;
+    bool identity_;
+    double unit_mm_;
+};
+
+#ifdef __SSE2__
+/// Float vertices, no transform, a unit that is a power of two: scaling is then exact in float, and a vertex is one
+/// multiplication and one conversion. Nothing is read beyond a triangle:
+///
+///     x0 y0 z0 x1 y1 z1 x2 y2 z2
+///     [---a-----]    [---c-----]
+///              [---b-----]
+class FloatReader {
+public:
+    FloatReader(const MeshView& mesh, double unit_mm) noexcept
+        : mesh_(mesh), scale_(_mm_set1_ps(static_cast<float>(1 / (2 * unit_mm)))) {}
+
+    GridTriangle operator()(std::size_t t) const noexcept { return mesh_.indices == nullptr ? soup(t) : indexed(t); }
+
+private:
+    __m128i round_even(__m128 mm) const noexcept {
+        const __m128i half = _mm_cvtps_epi32(_mm_mul_ps(mm, scale_));
+        return _mm_add_epi32(half, half);
+    }
+
+    GridTriangle soup(std::size_t t) const noexcept {
+        const auto* at = reinterpret_cast<const float*>(mesh_.vertices + t * mesh_.stride);
+        const __m128 c = _mm_loadu_ps(at + 5);
+        GridTriangle grid;
+        store_vertices(grid, round_even(_mm_loadu_ps(at)), round_even(_mm_loadu_ps(at + 3)),
+                       round_even(_mm_shuffle_ps(c, c, _MM_SHUFFLE(3, 3, 2, 1))));
+        return grid;
+    }
+
+    __m128i vertex(std::size_t index) const noexcept {
+        const std::byte* at = mesh_.vertices + index * mesh_.stride;
+        return round_even(_mm_movelh_ps(load_two_floats(at), load_float(at + 2 * sizeof(float))));
+    }
+
+    GridTriangle indexed(std::size_t t) const noexcept {
+        const std::uint32_t* corner = mesh_.indices + 3 * t;
+        GridTriangle grid;
+        store_vertices(grid, vertex(corner[0]), vertex(corner[1]), vertex(corner[2]));
+        return grid;
+    }
+
+    MeshView mesh_;
+    __m128 scale_;
+};
+#endif
+
+/// Calls use(reader) with the fastest reader for this input; all give the same grid triangles.
+template <class Use>
+decltype(auto) with_reader(const MeshView& mesh, const Transform& transform, double unit_mm, Use&& use) {
+#ifdef __SSE2__
+    int exponent = 0;
+    if (mesh.number == CoordinateType::f32 && transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5) {
+        return use(FloatReader(mesh, unit_mm));
+    }
+#endif
+    return use(GeneralReader(mesh, transform, unit_mm));
+}
+
+}  // namespace lamella

@@ -1,0 +1,289 @@
+#include "slicing/nesting/nest.hpp"
+#include "lamella/memory.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <compare>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+namespace lamella {
+
+namespace {
+
+using nesting::Container;
+using nesting::Ring;
+using nesting::SortKey;
+using nesting::StartLine;
+
+int sign_of(const Integer128& area) noexcept {
+    if (area.high < 0) {
+        return -1;
+    }
+    return area.high > 0 || area.low > 0 ? 1 : 0;
+}
+
+std::pair<std::uint64_t, std::uint64_t> magnitude(const Integer128& area) noexcept {
+    const auto high = static_cast<std::uint64_t>(area.high);
+    if (area.high >= 0) {
+        return {high, area.low};
+    }
+    return {~high + (area.low == 0 ? 1 : 0), ~area.low + 1};
+}
+
+/// From small to large, never by index: equal only if all points are.
+std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept {
+    if (const auto order = magnitude(a.twice_area) <=> magnitude(b.twice_area); std::is_neq(order)) {
+        return order;
+    }
+    if (const auto order = a.points[a.start] <=> b.points[b.start]; std::is_neq(order)) {
+        return order;
+    }
+    if (const auto order = std::pair(a.box_min, a.box_max) <=> std::pair(b.box_min, b.box_max); std::is_neq(order)) {
+        return order;
+    }
+    return compare_points(a, b);
+}
+
+/// Orders by area; those too large to tell apart come out last.
+std::uint64_t area_key(const Integer128& twice_area) noexcept {
+    const auto [high, low] = magnitude(twice_area);
+    return high != 0 ? std::numeric_limits<std::uint64_t>::max() : low;
+}
+
+void fetch([[maybe_unused]] const void* address) noexcept {
+#if defined(__GNUC__)
+    __builtin_prefetch(address);
+#endif
+}
+
+}  // namespace
+
+std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexcept {
+    if (a.count != b.count) {
+        return a.count <=> b.count;
+    }
+    for (std::uint32_t i = 0, ia = a.start, ib = b.start; i < a.count; ++i) {
+        if (const auto order = a.points[ia] <=> b.points[ib]; std::is_neq(order)) {
+            return order;
+        }
+        ia = ia + 1 == a.count ? 0 : ia + 1;
+        ib = ib + 1 == b.count ? 0 : ib + 1;
+    }
+    return std::strong_ordering::equal;
+}
+
+void NestItem::reset() noexcept {
+    parent = -1;
+    reverse = false;
+    sense = static_cast<std::int8_t>(closed ? sign_of(twice_area) : 0);
+    role = closed ? Role::flat : Role::open;
+}
+
+Nester::Nester(const Memory* memory)
+    : memory_(memory),
+      add_edges_(nesting::supported_add_edges().front()),
+      keys_(memory_),
+      spare_keys_(memory_),
+      rings_(memory_),
+      starts_(memory_),
+      tree_(memory_),
+      containers_(memory_),
+      found_(memory_),
+      many_inside_(memory_) {}
+
+void Nester::nest(std::span<NestItem> items) {
+    assert(items.size() <= std::size_t{std::numeric_limits<std::int32_t>::max()});
+    collect(items);
+    sort_by_start(items);
+    if (rings_.size() > 1) {
+        find_parents(items);
+    }
+    assign_roles(items);
+}
+
+/// Settles what takes no part in nesting and lists the starts of the rest.
+void Nester::collect(std::span<NestItem> items) {
+    keys_.clear();
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        NestItem& item = items[i];
+        item.reset();
+        if (item.sense != 0) {
+            assert(item.start < item.count && item.points[item.start].x == item.box_min.x);
+            const Point start = item.points[item.start];
+            keys_.push_back({nesting::key_of(start), static_cast<std::uint32_t>(i)});
+        }
+    }
+}
+
+/// Rings in the order of starts, of equal starts the smaller first.
+void Nester::sort_by_start(std::span<const NestItem> items) {
+    nesting::sort_keys(keys_, spare_keys_);
+    nesting::sort_equal_keys(keys_, [items](const SortKey& a, const SortKey& b) {
+        const std::strong_ordering order = compare_size(items[a.index], items[b.index]);
+        return std::is_neq(order) ? std::is_lt(order) : a.index < b.index;
+    });
+    rings_.clear();
+    for (const SortKey& key : keys_) {
+        rings_.emplace_back().item = key.index;
+    }
+}
+
+/// Every ring takes in what lies inside it and has no parent yet: the smallest ring first.
+void Nester::find_parents(std::span<const NestItem> items) {
+    starts_.assign(keys_);
+    tree_in_use_ = !find_containers(items);
+    if (tree_in_use_) {
+        tree_.assign(keys_, slimness_of(items));
+        take_all_for_containers();
+    }
+    sort_containers(items);
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+        fetch_ahead(items, i);
+        const Container& container = containers_[keys_[i].index];
+        const NestItem& contour = items[container.item];
+        found_.clear();
+        if (tree_in_use_) {
+            tree_.find(contour.box_min, contour.box_max, found_);
+        } else {
+            starts_.find(container.window, contour.box_min.y, contour.box_max.y, found_);
+        }
+        take_in(contour, container.ring);
+    }
+}
+
+/// Containers come in the order of size, which is none in memory: what the next ones will need is asked for in time.
+void Nester::fetch_ahead(std::span<const NestItem> items, std::size_t place) const {
+    constexpr std::size_t items_ahead = 16;
+    constexpr std::size_t points_ahead = 8;
+    constexpr std::uint32_t line_points = 8;
+    constexpr std::uint32_t most_points = 8 * line_points;
+    if (place + items_ahead >= keys_.size()) {
+        return;
+    }
+    fetch(&items[containers_[keys_[place + items_ahead].index].item]);
+    const NestItem& contour = items[containers_[keys_[place + points_ahead].index].item];
+    for (std::uint32_t i = 0; i < std::min(contour.count, most_points); i += line_points) {
+        fetch(contour.points + i);
+    }
+}
+
+/// False if the windows are so long that a tree is better.
+bool Nester::find_containers(std::span<const NestItem> items) {
+    constexpr std::size_t steps_per_ring = 16;
+    containers_.clear();
+    std::size_t steps = 0;
+    std::uint32_t right = 0;  // the first start right of the ring's
+    for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
+        const NestItem& contour = items[rings_[ring].item];
+        right = right > ring ? right : starts_.first_right_of(ring, ring + 1);
+        const StartLine::Window window = starts_.window(right, contour.box_max.x, contour.box_min.y, contour.box_max.y);
+        if (window.occupied) {
+            containers_.push_back({ring, rings_[ring].item, window});
+        }
+        steps += window.steps();
+        if (steps > 4 * rings_.size() + steps_per_ring * ring) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// The boxes' mean width over their mean height, each as a share of the layer's.
+double Nester::slimness_of(std::span<const NestItem> items) const {
+    Point low = items[rings_[0].item].box_min;
+    Point high = items[rings_[0].item].box_max;
+    double widths = 0;
+    double heights = 0;
+    for (const Ring& ring : rings_) {
+        const NestItem& contour = items[ring.item];
+        low = {std::min(low.x, contour.box_min.x), std::min(low.y, contour.box_min.y)};
+        high = {std::max(high.x, contour.box_max.x), std::max(high.y, contour.box_max.y)};
+        widths += static_cast<double>(contour.box_max.x) - contour.box_min.x;
+        heights += static_cast<double>(contour.box_max.y) - contour.box_min.y;
+    }
+    return widths / heights * (static_cast<double>(high.y) - low.y) / (static_cast<double>(high.x) - low.x);
+}
+
+void Nester::take_all_for_containers() {
+    containers_.clear();
+    for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
+        containers_.push_back({ring, rings_[ring].item, {}});
+    }
+}
+
+/// keys_ becomes the order of containers by size. The rings' order breaks ties: by start, of equal starts the smaller first.
+void Nester::sort_containers(std::span<const NestItem> items) {
+    const auto item_of = [&](const SortKey& key) -> const NestItem& { return items[containers_[key.index].item]; };
+    keys_.clear();
+    for (std::uint32_t i = 0; i < containers_.size(); ++i) {
+        const NestItem& contour = items[containers_[i].item];
+        keys_.push_back({area_key(contour.twice_area), i});
+    }
+    nesting::sort_keys(keys_, spare_keys_);
+    auto huge = keys_.end();
+    while (huge != keys_.begin() && std::prev(huge)->key == std::numeric_limits<std::uint64_t>::max()) {
+        --huge;
+    }
+    std::sort(huge, keys_.end(), [&](const SortKey& a, const SortKey& b) {
+        const std::strong_ordering order = compare_size(item_of(a), item_of(b));
+        return std::is_neq(order) ? std::is_lt(order) : a.index < b.index;
+    });
+}
+
+/// Tests the starts found in the contour's box: those inside are its children.
+void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
+    constexpr std::size_t many = 8;
+    if (found_.size() < many) {
+        for (const std::uint32_t child : found_) {
+            if (nesting::strictly_inside(add_edges_, contour.points, contour.count, starts_.at(child))) {
+                adopt(ring, child);
+            }
+        }
+        return;
+    }
+    many_inside_.clear();
+    for (const std::uint32_t child : found_) {
+        many_inside_.add(starts_.at(child), child);
+    }
+    found_.clear();
+    many_inside_.test(contour.points, contour.count, found_);
+    for (const std::uint32_t child : found_) {
+        adopt(ring, child);
+    }
+}
+
+void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
+    rings_[child].parent = static_cast<std::int32_t>(ring);
+    if (tree_in_use_) {
+        tree_.take_off(child);
+    } else {
+        starts_.take_off(child);
+    }
+}
+
+/// The facets' sense stands as long as no winding number from the outside in is negative; below one that is, the number of
+/// contours around decides.
+void Nester::assign_roles(std::span<NestItem> items) {
+    for (Ring& ring : rings_) {
+        NestItem& item = items[ring.item];
+        ring.winding = item.sense > 0 ? 1 : -1;
+        if (ring.parent >= 0) {
+            const Ring& around = rings_[static_cast<std::size_t>(ring.parent)];
+            item.parent = static_cast<std::int32_t>(around.item);
+            ring.winding += around.winding;
+            ring.depth = around.depth + 1;
+            ring.overruled = around.overruled;
+        }
+        ring.overruled |= ring.winding < 0;
+        const bool outer = ring.overruled ? ring.depth % 2 == 0 : item.sense > 0;
+        item.role = outer ? Role::outer : Role::hole;
+        item.reverse = outer != (item.sense > 0);
+        if (ring.overruled) {
+            item.flags = static_cast<std::uint16_t>(item.flags | sense_overruled);
+        }
+    }
+}
+
+}  // namespace lamella

@@ -1,0 +1,119 @@
+// Stage 7: orientation and nesting of one layer (step 4 of the paper's Fig. 1).
+//
+// The parent of a closed contour is the smallest closed contour (by |area|, ties by start, box and points) whose non-zero
+// winding interior strictly contains its start point. All tests are exact: box tests choose candidates, integer products
+// decide.
+//
+// Parent chains cannot cycle, even where contours cross: a contour's start is the smallest (x, y) of its convex hull, so
+// whatever lies strictly inside it is larger, and starts strictly descend from child to parent.
+//
+// Contours are taken from small to large, and each becomes the parent of the starts strictly inside it that have none yet.
+// The starts in its box come from a line of all starts, or, where boxes see long stretches of it, from a tree: those with a
+// parent have been taken off, so that a nest of any depth costs one test a contour. Starts in the box of one contour are
+// tested together.
+//
+// O(q log q) for q contours and points, deep nests and arrays of contours that lie apart included. What costs more: k
+// contours whose boxes, but not whose insides, lie around a start cost O(k) for it (L shapes, one in the crook of the
+// other), and boxes that are long and thin both ways meet up to the root of q nodes of the tree.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "lamella/grid.hpp"
+#include "lamella/result.hpp"
+#include "slicing/nesting/inside.hpp"
+#include "slicing/nesting/order.hpp"
+#include "slicing/nesting/start_tree.hpp"
+#include "slicing/nesting/starts.hpp"
+
+namespace lamella {
+
+/// One contour of a layer: what nesting reads and what it decides.
+struct NestItem {
+    const Point* points = nullptr;  ///< consecutive ones distinct; closed: the first is not repeated; any may come first
+    std::uint32_t count = 0;
+    std::uint32_t start = 0;  ///< closed: index of its smallest (x, y)
+    Integer128 twice_area;    ///< closed: as walked, square grid units
+    Point box_min, box_max;   ///< closed: of its points
+    bool closed = false;
+
+    bool reverse = false;      ///< out: the points must be stored backwards (outer counter-clockwise, hole clockwise)
+    std::int8_t sense = 0;     ///< out: sign of the area; 0 for flat and open
+    Role role = Role::open;    ///< out
+    std::uint16_t flags = 0;   ///< out: sense_overruled is added to what is there
+    std::int32_t parent = -1;  ///< out: index of an item, -1 for none
+
+    /// The i-th point from the start on, as walked.
+    const Point& from_start(std::uint32_t i) const noexcept { return points[(start + i) % count]; }
+    /// Nothing is known of it but what it is by itself: flat if closed, and its sense.
+    void reset() noexcept;
+};
+
+/// By the number of points, then by the points from the starts on.
+std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexcept;
+
+}  // namespace lamella
+
+namespace lamella::nesting {
+
+/// A closed contour with area. Rings are in the order of starts, of equal ones the smaller first: what lies around one comes
+/// before it.
+struct Ring {
+    std::uint32_t item = 0;
+    std::int32_t parent = -1;  // index of a ring
+    std::int32_t winding = 0;  // just inside, as the senses add up from the outermost
+    std::uint32_t depth = 0;   // number of rings around
+    bool overruled = false;    // a winding below zero, here or around
+};
+
+/// A ring whose box may hold starts.
+struct Container {
+    std::uint32_t ring = 0;
+    std::uint32_t item = 0;
+    StartLine::Window window;
+};
+
+}  // namespace lamella::nesting
+
+namespace lamella {
+
+/// Nests layer after layer; scratch is kept, so that a steady state allocates nothing. One per thread.
+class Nester {
+public:
+    /// `memory` null: operator new.
+    explicit Nester(const Memory* memory);
+
+    /// Fills in the outputs of `items`, at most 2^31 - 1. They do not depend on the order of the items, except that of
+    /// contours equal in every point the first is taken as parent. Throws std::bad_alloc.
+    void nest(std::span<NestItem> items);
+
+private:
+    void collect(std::span<NestItem> items);
+    void sort_by_start(std::span<const NestItem> items);
+    void find_parents(std::span<const NestItem> items);
+    bool find_containers(std::span<const NestItem> items);
+    double slimness_of(std::span<const NestItem> items) const;
+    void take_all_for_containers();
+    void sort_containers(std::span<const NestItem> items);
+    void fetch_ahead(std::span<const NestItem> items, std::size_t place) const;
+    void take_in(const NestItem& contour, std::uint32_t ring);
+    void adopt(std::uint32_t ring, std::uint32_t child);
+    void assign_roles(std::span<NestItem> items);
+
+    const Memory* memory_;
+    nesting::AddEdges add_edges_;
+    Vector<nesting::SortKey> keys_, spare_keys_;
+    Vector<nesting::Ring> rings_;
+    nesting::StartLine starts_;
+    nesting::StartTree tree_;
+    bool tree_in_use_ = false;  // instead of windows
+    Vector<nesting::Container> containers_;
+    Vector<std::uint32_t> found_;  // starts in a container's box
+    nesting::ManyInside many_inside_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,95 @@
+#include "slicing/nesting/order.hpp"
+#include "base/vector.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <iterator>
+#include <numeric>
+
+namespace lamella::nesting {
+
+namespace {
+
+bool before(const SortKey& a, const SortKey& b) noexcept {
+    return a.key != b.key ? a.key < b.key : a.index < b.index;
+}
+
+/// The smallest upper half and the smallest lower half: what is left of keys above it is short, wherever a layer's points
+/// are.
+std::uint64_t smallest_halves(const Vector<SortKey>& keys) noexcept {
+    std::uint64_t upper = keys[0].key >> 32;
+    auto lower = static_cast<std::uint32_t>(keys[0].key);
+    for (const SortKey& key : keys) {
+        upper = std::min(upper, key.key >> 32);
+        lower = std::min(lower, static_cast<std::uint32_t>(key.key));
+    }
+    return upper << 32 | lower;
+}
+
+/// Stable: by the digit of key - base that is `shift` bits up.
+template <int bits>
+void sort_by_digit(Vector<SortKey>& keys, Vector<SortKey>& spare, std::uint64_t base, int shift) {
+    constexpr std::uint64_t mask = (1U << bits) - 1;
+    std::uint32_t ends[mask + 1] = {};
+    for (const SortKey& key : keys) {
+        ++ends[(key.key - base) >> shift & mask];
+    }
+    std::exclusive_scan(std::begin(ends), std::end(ends), std::begin(ends), 0U);
+    spare.resize(keys.size());
+    for (const SortKey& key : keys) {
+        spare[ends[(key.key - base) >> shift & mask]++] = key;
+    }
+    keys.swap(spare);
+}
+
+/// Sorts what is nearly sorted; what turns out not to be is left to std::sort.
+void insert_in_order(Vector<SortKey>& keys) {
+    std::size_t patience = 4 * keys.size();
+    for (std::size_t i = 1; i < keys.size(); ++i) {
+        const SortKey key = keys[i];
+        std::size_t place = i;
+        for (; place > 0 && before(key, keys[place - 1]); --place) {
+            keys[place] = keys[place - 1];
+        }
+        keys[place] = key;
+        if (i - place > patience) {
+            std::sort(keys.begin(), keys.end(), before);
+            return;
+        }
+        patience -= i - place;
+    }
+}
+
+}  // namespace
+
+/// Few keys are spread by the uppermost digit that varies, which leaves little to do; many are sorted digit by digit from
+/// the lowest up, constant digits skipped.
+void sort_keys(Vector<SortKey>& keys, Vector<SortKey>& spare) {
+    constexpr std::size_t very_few = 24;
+    constexpr std::size_t few = 1024;
+    constexpr int digit_bits = 11;
+    if (std::is_sorted(keys.begin(), keys.end(), before)) {
+        return;
+    }
+    if (keys.size() <= very_few) {
+        std::sort(keys.begin(), keys.end(), before);
+        return;
+    }
+    const std::uint64_t base = smallest_halves(keys);
+    std::uint64_t varying = 0;
+    for (const SortKey& key : keys) {
+        varying |= key.key - base;
+    }
+    if (keys.size() < few) {
+        constexpr int bits = 9;
+        sort_by_digit<bits>(keys, spare, base, std::max(0, static_cast<int>(std::bit_width(varying)) - bits));
+        insert_in_order(keys);
+        return;
+    }
+    for (int shift = 0; shift < 64 && varying >> shift != 0; shift += digit_bits) {
+        shift += std::countr_zero(varying >> shift);
+        sort_by_digit<digit_bits>(keys, spare, base, shift);
+    }
+}
+
+}  // namespace lamella::nesting

@@ -1,0 +1,48 @@
+// The starts of a layer's rings in a line, and which of them lie within a box.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "lamella/grid.hpp"
+#include "slicing/nesting/lanes.hpp"
+#include "slicing/nesting/order.hpp"
+
+namespace lamella::nesting {
+
+/// The starts in the order of x, sixteen looked at at a time. A box sees a window of them, those with an x within its own:
+///
+///     starts   [ . . . . . b . . . . . . e . . . ]      b = the first right of min_x, e = the first not left of max_x
+///
+/// Starts can be taken off; windows stay what they are.
+class StartLine {
+public:
+    explicit StartLine(const Memory* memory) : xs_(memory), ys_(memory) {}
+
+    struct Window {
+        std::uint32_t begin;
+        std::uint32_t end;
+        bool occupied;  // a start in it lies between the y's asked for
+        std::uint32_t steps() const noexcept { return (end - begin) / lanes + 1; }
+    };
+
+    /// Throws std::bad_alloc.
+    void assign(std::span<const SortKey> by_start);
+    /// The first start from `from` on that lies right of start `of`.
+    std::uint32_t first_right_of(std::uint32_t of, std::uint32_t from) const noexcept;
+    /// The starts from `begin` on that lie left of max_x.
+    Window window(std::uint32_t begin, std::int32_t max_x, std::int32_t min_y, std::int32_t max_y) const noexcept;
+    /// Appends the starts of the window that are left and lie between min_y and max_y to `found`.
+    void find(const Window& window, std::int32_t min_y, std::int32_t max_y, Vector<std::uint32_t>& found) const;
+    Point at(std::uint32_t start) const noexcept { return {xs_[start], ys_[start]}; }
+    void take_off(std::uint32_t start) noexcept { ys_[start] = nowhere; }
+
+private:
+    static constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::min();
+    Vector<std::int32_t> xs_, ys_;  // `lanes` more than there are starts
+};
+
+}  // namespace lamella::nesting

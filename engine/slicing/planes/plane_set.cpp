@@ -1,0 +1,306 @@
+#include "slicing/planes/plane_set.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/mixed.hpp"
+#include "base/words.hpp"
+#include "lamella/result.hpp"
+#include "slicing/grid/quantise.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::int32_t below_all = std::numeric_limits<std::int32_t>::min();
+constexpr std::int32_t above_all = std::numeric_limits<std::int32_t>::max();
+constexpr double most_planes = 2147483648.0 - 4;
+constexpr std::size_t most_listed = std::size_t{1} << 27;  // as many as find room beyond either end of the grid
+
+std::string mm_text(double mm) {
+    return exact_text(mm) + " mm";
+}
+
+/// SplitMix64: a generator small enough to write out, so that a seed means the same planes on every platform.
+class Generator {
+public:
+    explicit Generator(std::uint64_t seed) : state_(seed) {}
+    /// Uniform in [0, 1), 53 bits.
+    double next() noexcept {
+        state_ += 0x9E3779B97F4A7C15U;
+        return static_cast<double>(mixed(state_) >> 11) * 0x1p-53;
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+}  // namespace
+
+Status PlaneSet::build(const LayerPlan& plan, const Bounds& bounds, double unit_mm, CoordinateType number,
+                       std::uint64_t memory_limit) {
+    plan_ = plan;
+    unit_mm_ = unit_mm;
+    number_ = number;
+    count_ = 0;
+    inverse_step_ = 0;
+    heights_mm_.clear();
+    if (const auto* uniform = std::get_if<UniformLayers>(&plan.spacing)) {
+        return build_uniform(*uniform, bounds, memory_limit);
+    }
+    if (const auto* listed = std::get_if<ExplicitPlanes>(&plan.spacing)) {
+        return build_explicit(*listed);
+    }
+    return build_random(std::get<RandomLayers>(plan.spacing), bounds, memory_limit);
+}
+
+void PlaneSet::build(const Array<Layer>& layers) {
+    count_ = static_cast<PlaneIndex>(layers.size());
+    inverse_step_ = 0;
+    padded_.resize_discarding(layers.size() + 2);
+    padded_[0] = below_all;
+    for (PlaneIndex i = 0; i < count_; ++i) {
+        padded_[i + 1] = layers[i].plane.z();
+    }
+    padded_[count_ + 1] = above_all;
+    make_table();
+}
+
+std::int32_t PlaneSet::round_height(double mm) const noexcept {
+    const double as_vertex = number_ == CoordinateType::f32 ? static_cast<double>(static_cast<float>(mm)) : mm;
+    return to_even_grid(as_vertex, unit_mm_) + (plan_.side == PlaneSide::below ? -1 : 1);
+}
+
+Status PlaneSet::check_count(double planes, std::uint64_t memory_limit) const {
+    if (!(planes <= most_planes)) {
+        return Error{ErrorCode::bad_planes, "more than 2^31 planes"};
+    }
+    if (planes * static_cast<double>(sizeof(Layer) + 4 * sizeof(std::int32_t)) > static_cast<double>(memory_limit)) {
+        return Error{ErrorCode::result_too_large, counted(static_cast<std::uint64_t>(planes), "layer") +
+                                                      " alone exceed the memory limit of " + std::to_string(memory_limit) +
+                                                      " bytes"};
+    }
+    return {};
+}
+
+/// Ascending and distinct after rounding, else the first pair that is not.
+Status PlaneSet::check_distinct() const {
+    for (PlaneIndex i = 1; i < count_; ++i) {
+        const double below = height_mm(i - 1);
+        const double above = height_mm(i);
+        if (above <= below || z(i) <= z(i - 1)) {
+            const char* what = above < below ? " are not in ascending order" : " are the same on the grid";
+            return Error{ErrorCode::bad_planes,
+                         "planes " + std::to_string(i - 1) + " and " + std::to_string(i) + " (" + mm_text(below) + ", " +
+                             mm_text(above) + ")" + what,
+                         -1, static_cast<std::int64_t>(i)};
+        }
+    }
+    return {};
+}
+
+Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit) {
+    const double h = plan.layer_height_mm;
+    if (!(h > 0) || !std::isfinite(h)) {
+        return Error{ErrorCode::invalid_argument, "the layer height must be positive"};
+    }
+    if (plan.first_height_mm && !std::isfinite(*plan.first_height_mm)) {
+        return Error{ErrorCode::invalid_argument, "the first height must be finite"};
+    }
+    if (h < 2 * unit_mm_) {
+        return Error{ErrorCode::bad_planes, "a layer height of " + mm_text(h) + " is under two grid units (" +
+                                                mm_text(2 * unit_mm_) + "); choose a finer grid"};
+    }
+    const double low = bounds.min_mm[2];
+    const double high = bounds.max_mm[2];
+    const double datum = plan.datum == Datum::zero ? 0 : low;
+    first_mm_ = datum + plan.first_height_mm.value_or(h / 2);
+    step_mm_ = h;
+    // Layers go on below the datum only where nothing says where they start.
+    const bool from_first = plan.first_height_mm || plan.datum == Datum::mesh_min;
+    double step = std::floor((low - first_mm_) / h) - 1;
+    step = from_first ? std::max(step, 0.0) : step;
+    const double last_step = std::ceil((high - first_mm_) / h) + 1;
+    const double candidates = std::max(last_step - step + 1, 0.0);
+    if (Status status = check_count(candidates, memory_limit); !status) {
+        return status;
+    }
+    const std::int32_t lowest = to_even_grid(low, unit_mm_);
+    const std::int32_t highest = to_even_grid(high, unit_mm_);
+    padded_.resize_discarding(static_cast<std::size_t>(candidates) + 2);
+    first_step_ = step;
+    for (std::uint32_t n = 0; n < static_cast<std::uint32_t>(candidates); ++n) {
+        const double i = n;
+        const double mm = first_mm_ + (step + i) * h;
+        if (mm > high + h) {
+            break;  // also keeps the rounding in range
+        }
+        if (mm < low - h) {
+            first_step_ = step + i + 1;
+            continue;
+        }
+        const std::int32_t z = round_height(mm);
+        if (z < lowest) {
+            first_step_ = step + i + 1;
+        } else if (z < highest) {
+            padded_[++count_] = z;
+        }
+    }
+    if (Status status = check_distinct(); !status) {
+        return status;
+    }
+    padded_[0] = below_all;
+    padded_[count_ + 1] = above_all;
+    first_z_ = count_ > 0 ? padded_[1] : 0;
+    inverse_step_ = unit_mm_ / h;
+    last_guess_ = count_ > 0 ? static_cast<double>(count_ - 1) : 0;
+    make_table();
+    return {};
+}
+
+Status PlaneSet::build_explicit(const ExplicitPlanes& plan) {
+    if (plan.heights_mm.size() > most_listed) {
+        return Error{ErrorCode::bad_planes, "more than 2^27 planes listed"};
+    }
+    for (std::size_t i = 0; i < plan.heights_mm.size(); ++i) {
+        if (!std::isfinite(plan.heights_mm[i])) {
+            return Error{ErrorCode::bad_planes, "plane " + std::to_string(i) + " is not finite", -1,
+                         static_cast<std::int64_t>(i)};
+        }
+    }
+    heights_mm_ = plan.heights_mm;
+    fill_from_heights();
+    if (Status status = check_distinct(); !status) {
+        return status;
+    }
+    make_table();
+    return {};
+}
+
+Status PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit) {
+    const double least = plan.min_height_mm;
+    const double most = plan.max_height_mm;
+    if (!(least > 0) || !(most >= least) || !std::isfinite(most)) {
+        return Error{ErrorCode::invalid_argument, "random heights need 0 < minimum <= maximum"};
+    }
+    if (least < 2 * unit_mm_) {
+        return Error{ErrorCode::bad_planes, "a step of " + mm_text(least) + " is under two grid units; choose a finer grid"};
+    }
+    const double low = bounds.min_mm[2];
+    const double high = bounds.max_mm[2];
+    if (Status status = check_count((high - low) / least + 2, memory_limit); !status) {
+        return status;
+    }
+    const std::int32_t lowest = to_even_grid(low, unit_mm_);
+    const std::int32_t highest = to_even_grid(high, unit_mm_);
+    Generator random(plan.seed);
+    double above = 0;  // the sum of the steps, so that heights do not depend on where the mesh stands
+    for (;;) {
+        above += least + (most - least) * random.next();
+        if (low + above > high) {
+            break;
+        }
+        const std::int32_t z = round_height(low + above);
+        if (z > lowest && z < highest) {
+            heights_mm_.push_back(low + above);
+        }
+    }
+    fill_from_heights();
+    if (Status status = check_distinct(); !status) {
+        return status;
+    }
+    make_table();
+    return {};
+}
+
+/// Heights far outside the grid cut nothing and need only keep their order: they are counted off from its ends.
+void PlaneSet::fill_from_heights() {
+    count_ = static_cast<PlaneIndex>(heights_mm_.size());
+    padded_.resize_discarding(heights_mm_.size() + 2);
+    padded_[0] = below_all;
+    constexpr double reach = 1.5 * grid_limit;
+    for (PlaneIndex i = 0; i < count_; ++i) {
+        const double mm = heights_mm_[i];
+        if (std::abs(mm / unit_mm_) < reach) {
+            padded_[i + 1] = round_height(mm);
+        } else {
+            padded_[i + 1] = mm < 0 ? below_all + 3 + 2 * static_cast<std::int32_t>(i)
+                                    : above_all - 2 - 2 * static_cast<std::int32_t>(count_ - 1 - i);
+        }
+    }
+    padded_[count_ + 1] = above_all;
+}
+
+void PlaneSet::make_table() {
+    if (count_ == 0) {
+        return;
+    }
+    table_.lowest = z(0);
+    table_.highest = z(count_ - 1);
+    const auto span = static_cast<std::uint64_t>(std::int64_t{table_.highest} - table_.lowest) + 1;
+    table_.shift = 0;
+    while ((span >> table_.shift) > 4 * static_cast<std::uint64_t>(count_)) {
+        ++table_.shift;
+    }
+    const std::size_t cells = table_.cell(table_.highest) + 1;
+    table_.first.resize_discarding(cells + 1);
+    // Backwards: each plane is the first of its own cell and of those after the plane before it, until one below says else.
+    std::size_t open = cells + 1;
+    for (PlaneIndex plane = count_; plane-- > 0;) {
+        const std::size_t cell = table_.cell(z(plane));
+        for (; open > cell + 1; --open) {
+            table_.first[open - 1] = plane + 1;
+        }
+        table_.first[cell] = plane;
+    }
+}
+
+PlaneIndex PlaneSet::by_table(std::int32_t z) const noexcept {
+    if (count_ == 0) {
+        return 0;
+    }
+    const std::int32_t* plane = padded_.data() + 1;
+    const std::size_t cell = table_.cell(z);
+    PlaneIndex low = table_.first[cell];
+    low += plane[low] < z ? 1 : 0;  // no branch: nothing would predict it
+    low += plane[low] < z ? 1 : 0;
+    if (plane[low] > z) {
+        return low;
+    }
+    PlaneIndex length = table_.first[cell + 1] - low;
+    // Invariant: the answer lies in [low, low + length].
+    while (length > 0) {
+        const PlaneIndex half = length / 2;
+        const bool above = plane[low + half] < z;
+        low = above ? low + half + 1 : low;
+        length = above ? length - half - 1 : half;
+    }
+    return low;
+}
+
+double PlaneSet::bottom_mm(PlaneIndex i) const noexcept {
+    if (const auto* uniform = std::get_if<UniformLayers>(&plan_.spacing)) {
+        return height_mm(i) - uniform->layer_height_mm / 2;
+    }
+    const double here = height_mm(i);
+    if (i > 0) {
+        return (height_mm(i - 1) + here) / 2;
+    }
+    return count_ > 1 ? here - (height_mm(1) - here) / 2 : here;
+}
+
+double PlaneSet::top_mm(PlaneIndex i) const noexcept {
+    if (const auto* uniform = std::get_if<UniformLayers>(&plan_.spacing)) {
+        return height_mm(i) + uniform->layer_height_mm / 2;
+    }
+    const double here = height_mm(i);
+    if (i + 1 < count_) {
+        return (here + height_mm(i + 1)) / 2;
+    }
+    return i > 0 ? here + (here - height_mm(i - 1)) / 2 : here;
+}
+
+}  // namespace lamella

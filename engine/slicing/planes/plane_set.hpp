@@ -1,0 +1,122 @@
+// Stage 3: the planes on the grid, and which of them lies first above a vertex.
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <vector>
+
+#include "lamella/array.hpp"
+#include "lamella/error.hpp"
+#include "lamella/grid.hpp"
+#include "lamella/memory.hpp"
+#include "lamella/planes.hpp"
+#include "slicing/grid/bounds.hpp"
+
+namespace lamella {
+
+struct Layer;
+
+/// Index of a plane, or one past the last. Plans with more than 2^31 planes are refused, so 32 bits hold it.
+using PlaneIndex = std::uint32_t;
+
+/// Heights cut into cells of 2^shift units, two to four a plane, from the lowest plane to the highest: a vertex's cell tells
+/// the first plane above it but for those within the cell.
+///
+///     planes       |  |          |  |||          |
+///     cells      [   |   |   |   |   |   |   |   ]
+///     first        0   2   2   2   3   6   6   6   7
+struct HeightTable {
+    explicit HeightTable(const Memory* memory) : first(memory) {}
+
+    /// The cell of a height. Precondition: there are planes.
+    std::size_t cell(std::int32_t z) const noexcept {
+        const std::int32_t clamped = std::clamp(z, lowest, highest);
+        return (static_cast<std::uint32_t>(clamped) - static_cast<std::uint32_t>(lowest)) >> shift;
+    }
+
+    Array<PlaneIndex> first;  ///< first plane at or above the start of each cell, and of one more
+    std::int32_t lowest = 0;  ///< of the planes
+    std::int32_t highest = 0;
+    int shift = 0;
+};
+
+/// k planes, ascending. Immutable once made, shared by all threads.
+class PlaneSet {
+public:
+    explicit PlaneSet(const Memory* memory) : padded_(memory), table_(memory) {}
+
+    PlaneIndex size() const noexcept { return count_; }
+    bool uniform() const noexcept { return inverse_step_ > 0; }
+    /// z of plane i in grid units; -1 and size() are sentinels beyond every vertex.
+    std::int32_t z(PlaneIndex i) const noexcept { return padded_[i + 1]; }
+    /// z of planes -1 to size(), from plane 0 on.
+    const std::int32_t* heights() const noexcept { return padded_.data() + 1; }
+    /// 0 when not uniform.
+    double planes_per_unit() const noexcept { return inverse_step_; }
+    /// The height asked for, before rounding.
+    double height_mm(PlaneIndex i) const noexcept {
+        return heights_mm_.empty() ? first_mm_ + (first_step_ + static_cast<double>(i)) * step_mm_ : heights_mm_[i];
+    }
+    /// Bottom and top of the slab that plane i stands for.
+    double bottom_mm(PlaneIndex i) const noexcept;
+    double top_mm(PlaneIndex i) const noexcept;
+
+    /// The first plane above a vertex at height z. Uniform planes by arithmetic, corrected by one either way (Algorithm 2,
+    /// first case); others by a table of heights and a few steps from there, a binary search where planes crowd (Algorithm
+    /// 3).
+    PlaneIndex first_above(std::int32_t z) const noexcept { return uniform() ? by_division(z) : by_table(z); }
+    /// The same by the table, whatever the spacing.
+    PlaneIndex by_table(std::int32_t z) const noexcept;
+    const HeightTable& table() const noexcept { return table_; }
+
+    /// Makes the planes of `plan` for a mesh within `bounds`. `number`: the type in which a vertex of a plane's height would
+    /// have been written. O(k). Errors: invalid_argument, bad_planes, result_too_large (k layers alone exceed the limit).
+    Status build(const LayerPlan& plan, const Bounds& bounds, double unit_mm, CoordinateType number,
+                 std::uint64_t memory_limit);
+    /// The planes that a result was cut by, for heights on the grid alone. Precondition: they ascend. O(k).
+    void build(const Array<Layer>& layers);
+
+private:
+    Status build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
+    Status build_explicit(const ExplicitPlanes& plan);
+    Status build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
+    Status check_count(double planes, std::uint64_t memory_limit) const;
+    Status check_distinct() const;
+    void fill_from_heights();
+    void make_table();
+    std::int32_t round_height(double mm) const noexcept;
+
+    PlaneIndex by_division(std::int32_t z) const noexcept {
+        const double guess = (static_cast<double>(z) - first_z_) * inverse_step_;
+        const double clamped = guess < 0 ? 0 : (guess > last_guess_ ? last_guess_ : guess);
+        auto i = static_cast<std::int32_t>(clamped);
+        const std::int32_t* plane = padded_.data() + 1;
+        // Off by one at most unless steps are a few units, where each plane's own rounding weighs in.
+        while (plane[i] < z) {
+            ++i;
+        }
+        while (plane[i - 1] > z) {
+            --i;
+        }
+        assert(plane[i] > z && plane[i - 1] < z);
+        return static_cast<PlaneIndex>(i);
+    }
+
+    LayerPlan plan_;
+    double unit_mm_ = default_unit_mm;
+    CoordinateType number_ = CoordinateType::f32;
+    PlaneIndex count_ = 0;
+    Array<std::int32_t> padded_;  // [lowest, plane 0, ..., plane k-1, highest]
+    // uniform: plane i is at first_mm_ + (first_step_ + i) * step_mm_
+    double first_mm_ = 0;
+    double first_step_ = 0;
+    double step_mm_ = 0;
+    double first_z_ = 0;       // of plane 0, grid units
+    double inverse_step_ = 0;  // planes per grid unit; 0 when not uniform
+    double last_guess_ = 0;
+    std::vector<double> heights_mm_;  // when not uniform
+    HeightTable table_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,77 @@
+// A k-d tree over the ends of polylines, from which they are taken one by one.
+#pragma once
+
+#include <cassert>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "lamella/grid.hpp"
+
+namespace lamella {
+
+/// Where a polyline starts and ends, in grid units.
+struct PolylineEnds {
+    Point first;
+    Point last;
+};
+
+inline double squared_distance(Point a, Point b) noexcept {
+    const double dx = static_cast<double>(a.x) - b.x;
+    const double dy = static_cast<double>(a.y) - b.y;
+    return dx * dx + dy * dy;
+}
+
+/// Ends at the same point are one site, so that many of them cost a search no more than one. Sites are named by their place
+/// in the tree. Boxes are of what is left and shrink with it.
+class EndTree {
+public:
+    explicit EndTree(const Memory* memory) : polylines_(memory), sites_(memory), boxes_(memory) {}
+
+    /// Of each polyline the end that `end` names. O(n log n). Throws std::bad_alloc.
+    void assign(std::span<const PolylineEnds> polylines, Point PolylineEnds::*end);
+
+    std::uint32_t site_count() const noexcept { return static_cast<std::uint32_t>(sites_.size()); }
+    Point at(std::uint32_t site) const noexcept { return sites_[site].at; }
+    bool holds(std::uint32_t site) const noexcept { return sites_[site].next != sites_[site].end; }
+
+    static constexpr std::uint32_t none = ~0U;
+    /// The nearest site with an end left, not farther than the root of `most_squared`; at equal distances the smallest
+    /// point.
+    std::uint32_t nearest(Point to, double most_squared) const;
+
+    /// Takes the end of the first polyline of those left there and returns which polyline that is. O(log n).
+    std::uint32_t take(std::uint32_t site) noexcept;
+    /// Takes all of them.
+    void take_all(std::uint32_t site) noexcept;
+
+private:
+    struct Site {
+        Point at;
+        std::uint32_t next, end;  // into polylines_: those left
+    };
+    struct Box {
+        Point min, max;  // nothing: min beyond max
+    };
+    struct Nearest {
+        double squared;
+        Point at;
+        std::uint32_t site;
+    };
+
+    std::uint32_t first_site(std::uint32_t leaf) const noexcept;
+    void order(std::uint32_t first_leaf, std::uint32_t leaf_count);
+    Box box_of(std::uint32_t first, std::uint32_t end) const noexcept;
+    void measure(std::uint32_t node) noexcept;
+    void shrink(std::uint32_t site) noexcept;
+    static double squared_distance_to(const Box& box, Point point) noexcept;
+    void search(std::uint32_t node, Point to, Nearest& best) const;
+
+    Vector<std::uint32_t> polylines_;  // by where they end, then by number
+    Vector<Site> sites_;               // leaf by leaf
+    Vector<Box> boxes_;                // 1: the root's; 2 i and 2 i + 1: those below i; the last half: the leaves'
+    std::uint32_t leaf_count_ = 0;     // a power of two
+};
+
+}  // namespace lamella

@@ -1,0 +1,66 @@
+#include "slicing/repair/gaps.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+namespace lamella {
+
+/// An end and a start that are each other's nearest are a pair, whatever else is joined first: whatever would take one of
+/// them lies farther off. So the pairs need not be found from the nearest on, which would take a list of all.
+std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, double reach) {
+    const double reach_squared = std::min(reach * reach, std::numeric_limits<double>::max());
+    ends_.assign(polylines, &PolylineEnds::last);
+    starts_.assign(polylines, &PolylineEnds::first);
+    next_.assign(polylines.size(), -1);
+    taken_.assign(polylines.size(), 0);
+    gaps_.clear();
+    for (std::uint32_t end = 0; end < ends_.site_count(); ++end) {
+        while (ends_.holds(end)) {
+            follow_chain(end, reach_squared);
+        }
+    }
+    std::sort(gaps_.begin(), gaps_.end(), [polylines](const Gap& a, const Gap& b) {
+        const auto key = [polylines](const Gap& gap) {
+            const Point end = polylines[gap.from].last;
+            const Point start = polylines[gap.to].first;
+            return std::tuple(squared_distance(end, start), end, start, gap.from, gap.to);
+        };
+        return key(a) < key(b);
+    });
+    return gaps_;
+}
+
+/// From `end` to the start nearest to it, the end nearest to that, and so on: ever less far, until two are each other's
+/// nearest. They are joined and the chain goes on from the site before them, so that no search is done in vain. Returns
+/// with `end` joined, or taken where nothing is within reach of it.
+void GapCloser::follow_chain(std::uint32_t end, double reach_squared) {
+    chain_.assign(1, end);
+    while (!chain_.empty()) {
+        const bool at_end = chain_.size() % 2 == 1;
+        const std::uint32_t site = chain_.back();
+        const EndTree& others = at_end ? starts_ : ends_;
+        const std::uint32_t nearest = others.nearest((at_end ? ends_ : starts_).at(site), reach_squared);
+        if (nearest == EndTree::none) {
+            ends_.take_all(site);  // the first of the chain: all others are within reach of the one before them
+            chain_.pop_back();
+        } else if (chain_.size() > 1 && nearest == chain_.end()[-2]) {
+            join(at_end ? site : nearest, at_end ? nearest : site);
+            chain_.resize(chain_.size() - 2);
+        } else {
+            chain_.push_back(nearest);
+        }
+    }
+}
+
+/// As many as both sites hold: they are equally far from each other, and so come by number.
+void GapCloser::join(std::uint32_t end, std::uint32_t start) {
+    while (ends_.holds(end) && starts_.holds(start)) {
+        const Gap gap{ends_.take(end), starts_.take(start)};
+        next_[gap.from] = gap.to;
+        taken_[gap.to] = 1;
+        gaps_.push_back(gap);
+    }
+}
+
+}  // namespace lamella

@@ -1,0 +1,47 @@
+// Stage 6, where asked for: the ends of a plane's open polylines joined over gaps, nearest first. Never by itself: a mesh
+// that lacks faces says so.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "slicing/repair/end_tree.hpp"
+
+namespace lamella {
+
+/// From where one polyline ends to where the next one starts, in grid units.
+struct Gap {
+    std::uint32_t from;  ///< index of the polyline that ends there
+    std::uint32_t to;    ///< index of the one that starts there; may be the same
+};
+
+/// One per thread; scratch is kept.
+class GapCloser {
+public:
+    explicit GapCloser(const Memory* memory)
+        : ends_(memory), starts_(memory), chain_(memory), next_(memory), taken_(memory), gaps_(memory) {}
+
+    /// Which of `polylines` follow each other over gaps of at most `reach` grid units: each pair of an end and a start, from
+    /// the nearest on, while neither has been taken; at equal distances by coordinates. At most about three searches in a
+    /// k-d tree for each polyline: O(o log o) for o polylines unless they lie so that these are slow. O(o) memory.
+    std::span<const Gap> close(std::span<const PolylineEnds> polylines, double reach);
+
+    /// After close(): the polyline that follows `polyline`, or -1.
+    std::int64_t next(std::uint32_t polyline) const noexcept { return next_[polyline]; }
+    /// After close(): whether it follows another one, or itself.
+    bool follows(std::uint32_t polyline) const noexcept { return taken_[polyline] != 0; }
+
+private:
+    void follow_chain(std::uint32_t end, double reach_squared);
+    void join(std::uint32_t end, std::uint32_t start);
+
+    EndTree ends_, starts_;        // of the polylines, while they are free
+    Vector<std::uint32_t> chain_;  // sites of ends_ and starts_ in turn, each the nearest to the one before it
+    Vector<std::int64_t> next_;
+    Vector<std::uint8_t> taken_;
+    Vector<Gap> gaps_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,218 @@
+#include "slicing/result/placement.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace lamella {
+
+void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
+                      ProgressMeter& progress) {
+    bands_ = bands;
+    points_ = points;
+    progress_ = &progress;
+    segments_ = segments;
+    segments_placed_ = 0;
+    lead_ = 2 * static_cast<std::size_t>(threads);
+    shared_ = threads > 1;
+    outgrown_ = false;
+    head_ = 0;
+    point_count_ = 0;
+    contour_count_ = 0;
+    counts_ = {};
+    refused_plane_ = -1;
+    aborted_ = false;
+    placed_.clear();
+    placed_.reserve(bands.size());
+    for (std::size_t b = 0; b < bands.size(); ++b) {
+        placed_.emplace_back(memory_);
+    }
+    idle_.clear();
+    for (const auto& buffer : buffers_) {
+        idle_.push_back(buffer.get());
+    }
+}
+
+BandOutput* Placement::acquire(std::size_t band) {
+    std::unique_lock lock(mutex_);
+    head_moved_.wait(lock, [&] { return aborted_ || band <= head_ + lead_; });
+    if (aborted_) {
+        return nullptr;
+    }
+    if (idle_.empty()) {
+        buffers_.push_back(std::make_unique<BandOutput>(memory_));
+        idle_.push_back(buffers_.back().get());
+    }
+    BandOutput* output = idle_.back();
+    idle_.pop_back();
+    placed_[band].output = output;
+    if (const auto room = placed_[band].room = find_room(band); room) {
+        output->begin(points_.subspan(room->begin, room->end - room->begin));
+        return output;
+    }
+    lock.unlock();
+    if (output->buffer.capacity() < bands_[band].segments) {
+        output->buffer.resize_discarding(bands_[band].segments);
+    }
+    output->begin({output->buffer.data(), output->buffer.capacity()});
+    return output;
+}
+
+/// None if another band's points may come to lie in it.
+std::optional<Placement::Room> Placement::find_room(std::size_t band) {
+    if (outgrown_ && band != head_) {
+        return {};
+    }
+    Room room{point_count_, 0};
+    for (std::size_t b = head_; b < band; ++b) {
+        room.begin += bands_[b].segments;
+    }
+    // The only band in the result may have more points than segments.
+    room.end = shared_ && !outgrown_ ? room.begin + bands_[band].segments : points_.size();
+    if (room.begin > room.end || room.end > points_.size()) {
+        return {};
+    }
+    for (const Placed& other : begun()) {
+        if (other.room && other.room->begin < room.end && room.begin < other.room->end) {
+            return {};
+        }
+    }
+    return room;
+}
+
+/// The head, and all beyond it that may have been begun.
+std::span<Placement::Placed> Placement::begun() {
+    return std::span(placed_).subspan(head_, std::min(lead_ + 1, placed_.size() - head_));
+}
+
+void Placement::give_back(std::size_t band) {
+    const std::lock_guard lock(mutex_);
+    placed_[band].room.reset();
+    idle_.push_back(std::exchange(placed_[band].output, nullptr));
+}
+
+void Placement::submit(std::size_t band) {
+    std::unique_lock lock(mutex_);
+    Placed& own = placed_[band];
+    own.done = true;
+    outgrown_ = outgrown_ || own.output->point_count > bands_[band].segments;
+    if (own.output->in_buffer()) {
+        own.room.reset();
+    }
+    // Fix the places of all that are ready under the lock, copy outside it; the next head may be placed meanwhile.
+    const std::size_t begin = head_;
+    while (head_ < placed_.size() && placed_[head_].done && clear_rooms(point_count_ + placed_[head_].output->point_count)) {
+        place_head();
+    }
+    const std::size_t end = head_;
+    if (begin == end) {
+        return;
+    }
+    const double fraction = segments_ == 0 ? 1.0 : static_cast<double>(segments_placed_) / static_cast<double>(segments_);
+    lock.unlock();
+    head_moved_.notify_all();
+    progress_->reach(fraction);
+    for (std::size_t b = begin; b < end; ++b) {
+        copy_points(placed_[b]);
+        const std::lock_guard relock(mutex_);
+        idle_.push_back(std::exchange(placed_[b].output, nullptr));
+    }
+}
+
+/// Moves what lies below `end` of bands beyond the head, which has outgrown its room, to buffers. False if one of them is
+/// still being swept: its thread will try again.
+bool Placement::clear_rooms(std::uint64_t end) {
+    for (Placed& other : begun().subspan(1)) {
+        if (other.room && other.room->begin < end) {
+            assert(outgrown_);
+            if (!other.done) {
+                return false;
+            }
+            other.output->move_to_buffer(0);
+            other.room.reset();
+        }
+    }
+    return true;
+}
+
+void Placement::place_head() {
+    Placed& placed = placed_[head_];
+    placed.first_point = point_count_;
+    placed.first_contour = contour_count_;
+    placed.contours.swap(placed.output->contours);
+    placed.layer_contours.swap(placed.output->layer_contours);
+    placed.closed_gaps.swap(placed.output->closed_gaps);
+    if (placed.room && placed.room->begin != point_count_) {
+        assert(placed.room->begin > point_count_);
+        std::memmove(points_.data() + point_count_, placed.output->points, placed.output->point_count * sizeof(Point));
+    }
+    placed.room.reset();
+    point_count_ += placed.output->point_count;
+    contour_count_ += placed.contours.size();
+    counts_.add(placed.output->counts);
+    if (placed.output->refused >= 0 && refused_plane_ < 0) {  // bands are placed in order: nothing below was
+        refused_plane_ = bands_[head_].first + placed.output->refused;
+        aborted_ = true;
+    }
+    segments_placed_ += bands_[head_].segments;
+    ++head_;
+}
+
+/// From a buffer to the band's place.
+void Placement::copy_points(const Placed& placed) const {
+    const BandOutput& output = *placed.output;
+    const bool fits = placed.first_point + output.point_count <= points_.size();
+    if (fits && output.in_buffer() && output.point_count > 0) {
+        std::memcpy(points_.data() + placed.first_point, output.points, output.point_count * sizeof(Point));
+    }
+}
+
+void Placement::abort() {
+    {
+        const std::lock_guard lock(mutex_);
+        aborted_ = true;
+    }
+    head_moved_.notify_all();
+}
+
+std::uint64_t Placement::closed_gap_count() const noexcept {
+    return std::accumulate(placed_.begin(), placed_.end(), std::uint64_t{0},
+                           [](std::uint64_t sum, const Placed& placed) { return sum + placed.closed_gaps.size(); });
+}
+
+void Placement::write_closed_gaps(std::span<ClosedGap> gaps) const {
+    ClosedGap* out = gaps.data();
+    for (std::size_t b = 0; b < placed_.size(); ++b) {
+        for (const ClosedGap& gap : placed_[b].closed_gaps) {
+            *out++ = {bands_[b].first + gap.layer, gap.from, gap.to};
+        }
+    }
+    std::sort(gaps.begin(), gaps.end(), [](const ClosedGap& a, const ClosedGap& b) {
+        return std::tie(a.layer, a.from, a.to) < std::tie(b.layer, b.from, b.to);
+    });
+}
+
+void Placement::write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const {
+    assert(head_ == bands_.size());
+    parallel.run(bands_.size(), [&](std::size_t b, int) {
+        const Placed& placed = placed_[b];
+        Contour* out = contours.data() + placed.first_contour;
+        for (const Contour& contour : placed.contours) {
+            *out = contour;
+            out->first_point += placed.first_point;
+            out->parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(placed.first_contour);
+            ++out;
+        }
+        std::uint64_t first = placed.first_contour;
+        for (PlaneIndex plane = bands_[b].first; plane < bands_[b].last; ++plane) {
+            layers[plane].first_contour = first;
+            layers[plane].contour_count = placed.layer_contours[plane - bands_[b].first];
+            first += layers[plane].contour_count;
+        }
+    });
+}
+
+}  // namespace lamella

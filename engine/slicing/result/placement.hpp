@@ -1,0 +1,109 @@
+// Stage 8: bands finish in any order and are placed in theirs. How many points a band has is known only when it is done,
+// since equal consecutive points are stored once and open polylines have one more than segments. But nearly every band has
+// one for each segment, so a band is swept straight to where its points will lie if the unfinished ones before it have:
+//
+//     band        0       1          2           3
+//               placed  placed   swept, head    done
+//     points  [  0   |   1    |   2 ...       |  3        ]     2 has lost a point: 3 is moved down by one
+//
+// Where that room might be another band's, a band is swept into a buffer. No thread runs further ahead than a few bands.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "base/progress_meter.hpp"
+#include "base/vector.hpp"
+#include "lamella/result.hpp"
+#include "slicing/contours/layer_builder.hpp"
+#include "slicing/sweep/bands.hpp"
+
+namespace lamella {
+
+class Placement {
+public:
+    explicit Placement(const Memory* memory) : memory_(memory) {}
+
+    /// For a new run over `bands`; points go to `points`, up to its size.
+    void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
+               ProgressMeter& progress);
+
+    /// Where `band` puts its output; waits while it is too far ahead of the head. Null after abort(). Bands must be asked
+    /// for in ascending order, each by a thread that goes on to submit it or to abort().
+    BandOutput* acquire(std::size_t band);
+    /// Takes back what acquire() gave, unused.
+    void give_back(std::size_t band);
+    /// The band is done: places it, and any that waited for it.
+    void submit(std::size_t band);
+    /// The run has failed: wakes all that wait.
+    void abort();
+
+    /// Points of all bands: where they exceed what begin() was given, those beyond are lost and the run must be repeated
+    /// with room.
+    std::uint64_t point_count() const noexcept { return point_count_; }
+    std::uint64_t contour_count() const noexcept { return contour_count_; }
+    const ContourCounts& contour_counts() const noexcept { return counts_; }
+    std::uint64_t closed_gap_count() const noexcept;
+    /// The first plane whose contours a fill rule could not be applied to, or -1. The run is aborted then.
+    std::int64_t refused_plane() const noexcept { return refused_plane_; }
+
+    /// Writes contours and the layers' contour ranges, after all bands were submitted. layers[i] is plane i's.
+    void write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const;
+    /// Writes the gaps that were closed, by layer, then by where they lead from and to.
+    void write_closed_gaps(std::span<ClosedGap> gaps) const;
+
+private:
+    /// Points [begin, end) of the result.
+    struct Room {
+        std::uint64_t begin;
+        std::uint64_t end;
+    };
+    struct Placed {
+        explicit Placed(const Memory* memory) : contours(memory), layer_contours(memory), closed_gaps(memory) {}
+
+        std::uint64_t first_point = 0;
+        std::uint64_t first_contour = 0;
+        Vector<Contour> contours;
+        Vector<std::uint32_t> layer_contours;
+        Vector<ClosedGap> closed_gaps;
+        BandOutput* output = nullptr;  // from acquire() until the band is placed
+        bool done = false;
+        std::optional<Room> room;  // until the band is placed, or leaves it for a buffer
+    };
+
+    std::optional<Room> find_room(std::size_t band);
+    std::span<Placed> begun();
+    bool clear_rooms(std::uint64_t end);
+    void place_head();
+    void copy_points(const Placed& placed) const;
+
+    const Memory* memory_;
+    std::span<const Band> bands_;
+    std::span<Point> points_;
+    ProgressMeter* progress_ = nullptr;
+    std::mutex mutex_;
+    std::condition_variable head_moved_;
+    std::vector<std::unique_ptr<BandOutput>> buffers_;
+    std::vector<BandOutput*> idle_;
+    std::vector<Placed> placed_;
+    std::size_t head_ = 0;
+    std::size_t lead_ = 0;  // how many bands beyond the head may be begun
+    bool shared_ = false;   // by several threads
+    /// Some band had more points than segments, as open polylines make it: places can no longer be told ahead.
+    bool outgrown_ = false;
+    std::uint64_t point_count_ = 0;
+    std::uint64_t contour_count_ = 0;
+    ContourCounts counts_;
+    std::uint64_t segments_ = 0;
+    std::uint64_t segments_placed_ = 0;
+    std::int64_t refused_plane_ = -1;
+    bool aborted_ = false;
+};
+
+}  // namespace lamella

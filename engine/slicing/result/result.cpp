@@ -1,0 +1,30 @@
+#include "lamella/result.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "base/int128.hpp"
+
+namespace lamella {
+
+std::string_view name_of(FillRule rule) noexcept {
+    constexpr std::array<std::string_view, 4> names = {"contours", "even-odd", "non-zero", "positive"};
+    return names[static_cast<std::size_t>(rule)];
+}
+
+double SliceResult::area_mm2(const Layer& layer) const noexcept {
+    // Areas carry their sign, so outers minus holes is a plain sum; rounding happens once, at its end.
+    Int128 twice_area = 0;
+    for (const Contour& contour : contours_of(layer)) {
+        twice_area += to_int128(contour.twice_area);
+    }
+    return static_cast<double>(twice_area) / 2 * unit_mm * unit_mm;
+}
+
+double SliceResult::length_mm(const ClosedGap& gap) const noexcept {
+    const double dx = static_cast<double>(gap.to.x) - gap.from.x;
+    const double dy = static_cast<double>(gap.to.y) - gap.from.y;
+    return std::sqrt(dx * dx + dy * dy) * unit_mm;
+}
+
+}  // namespace lamella

@@ -1,0 +1,357 @@
+// The pipeline: one stage after the other, in the order of the folders.
+#include "lamella/slice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
+
+#include "base/clock.hpp"
+#include "base/guard.hpp"
+#include "base/parallel.hpp"
+#include "base/words.hpp"
+#include "lamella/memory.hpp"
+#include "slicing/buckets/bucket.hpp"
+#include "slicing/grid/bounds.hpp"
+#include "slicing/planes/plane_set.hpp"
+#include "slicing/result/placement.hpp"
+#include "slicing/sweep/band_sweep.hpp"
+#include "slicing/sweep/bands.hpp"
+#include "slicing/sweep/wide_plane.hpp"
+
+namespace lamella {
+
+namespace {
+
+std::uint64_t memory_limit(const SliceOptions& options) {
+    if (options.memory_limit_bytes != 0) {
+        return options.memory_limit_bytes;
+    }
+    const auto pages = static_cast<std::uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
+    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
+}
+
+Error cancelled() {
+    return {ErrorCode::cancelled, "cancelled"};
+}
+
+}  // namespace
+
+/// Everything that is kept from call to call.
+struct detail::WorkspaceParts {
+    explicit WorkspaceParts(const Memory* memory)
+        : memory(memory), blocks(memory), planes(memory), buckets(memory), bands(memory), placement(memory) {}
+
+    /// Threads that have left an arena a moment ago are sooner back in it than in a new
+    /// one.
+    const Parallel& parallel_for(const Control& control) {
+        if (parallel == nullptr || !parallel->serves(control)) {
+            parallel = std::make_unique<Parallel>(control);
+        }
+        parallel->follow(control.stop);
+        return *parallel;
+    }
+
+    const Memory* memory;
+    std::unique_ptr<Parallel> parallel;
+    BlockTable blocks;
+    PlaneSet planes;
+    Buckets buckets;
+    BandPlan bands;
+    std::vector<std::unique_ptr<BandSweep>> sweeps;  // by worker
+    Placement placement;
+};
+
+Workspace::Workspace() : parts_(std::make_unique<detail::WorkspaceParts>(nullptr)) {}
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+
+namespace {
+
+/// One call of slice().
+class Slicing {
+public:
+    Slicing(const MeshView& mesh, const SliceOptions& options, detail::WorkspaceParts& kept, SliceResult& result)
+        : mesh_(mesh),
+          options_(options),
+          kept_(kept),
+          result_(result),
+          progress_(options.control.progress),
+          parallel_(kept.parallel_for(options.control)) {}
+
+    Status run() {
+        const auto start = Clock::now();
+        if (Status status = choose_grid_and_planes(); !status) {
+            return status;
+        }
+        if (Status status = bucket_triangles(); !status) {
+            return status;
+        }
+        result_.summary.ms.bucket = milliseconds_since(start);
+        if (Status status = sweep_bands(); !status) {
+            return status;
+        }
+        finish_result();
+        return {};
+    }
+
+private:
+    Status choose_grid_and_planes();
+    Status bucket_triangles();
+    Status sweep_bands();
+    bool sweep_all_into(std::span<Point> points);
+    void sweep_band(std::size_t band, int worker);
+    void sweep_wide(std::size_t band);
+    Error too_entangled(std::int64_t plane) const;
+    LayerRules rules() const noexcept { return {options_.fill_rule, options_.close_gaps_mm / result_.unit_mm}; }
+    void split_time(double sweep_ms);
+    void finish_result();
+    void fill_layers();
+    void summarise();
+
+    const MeshView& mesh_;
+    const SliceOptions& options_;
+    detail::WorkspaceParts& kept_;
+    SliceResult& result_;
+    ProgressMeter progress_;
+    const Parallel& parallel_;
+};
+
+/// Stages 2 and 3.
+Status Slicing::choose_grid_and_planes() {
+    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, options_.unit_mm, parallel_, kept_.blocks);
+    if (!bounds) {
+        return bounds.error();
+    }
+    const Result<double> unit = choose_unit(*bounds, options_.unit_mm);
+    if (!unit) {
+        return unit.error();
+    }
+    result_.unit_mm = *unit;
+    result_.frame = options_.transform;
+    result_.plan = options_.plan;
+    result_.fill_rule = options_.fill_rule;
+    result_.close_gaps_mm = options_.close_gaps_mm;
+    result_.summary = {};
+    std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
+    std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
+    const CoordinateType number = options_.transform.is_identity() ? mesh_.number : CoordinateType::f64;
+    return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
+}
+
+/// Stage 4, and the bands of stage 5, so that the triangles that reach beyond theirs are seen as they pass. The size of the
+/// result is known, and refused if too large, before anything of that size is allocated.
+Status Slicing::bucket_triangles() {
+    Buckets& buckets = kept_.buckets;
+    count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
+    const auto cutting =
+        std::count_if(buckets.segments.begin(), buckets.segments.end(), [](auto count) { return count > 0; });
+    const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + kept_.planes.size() * sizeof(Layer) +
+                                static_cast<std::uint64_t>(cutting) * sizeof(Contour);
+    if (bytes > memory_limit(options_)) {
+        return Error{ErrorCode::result_too_large, counted(kept_.planes.size(), "layer") + " with " +
+                                                      counted(buckets.segment_count, "segment") + " need " +
+                                                      std::to_string(bytes) + " bytes, more than the memory limit of " +
+                                                      std::to_string(memory_limit(options_))};
+    }
+    if (options_.control.stop.stop_requested()) {
+        return cancelled();
+    }
+    BandPlan& bands = kept_.bands;
+    bands.cut(buckets, kept_.planes.size(), options_.tuning.band_planes, parallel_.threads());
+    const std::size_t reaching = scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes, bands.band_end,
+                                                   parallel_, buckets, bands.reaching.span());
+    bands.find_seeds(kept_.planes.size(), reaching);
+    return {};
+}
+
+/// Stages 5 to 7, band by band.
+Status Slicing::sweep_bands() {
+    const auto start = Clock::now();
+    kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
+
+    // A closed contour has at most as many points as segments; an open one has one more, for which there is some room. Only
+    // a mesh that is mostly holes needs more, and is swept again with what the first sweep counted.
+    std::uint64_t room = kept_.buckets.segment_count + kept_.buckets.segment_count / 64 + 64;
+    for (;;) {
+        result_.points.resize_discarding(room);
+        const bool all = sweep_all_into(result_.points.span());
+        if (kept_.placement.refused_plane() >= 0) {
+            return too_entangled(kept_.placement.refused_plane());
+        }
+        if (!all) {
+            return cancelled();
+        }
+        const std::uint64_t needed = kept_.placement.point_count();
+        if (needed <= room) {
+            result_.points.set_size(needed);
+            break;
+        }
+        room = needed;
+    }
+    kept_.bands.forget_many_seeds();  // before the result's contours are added to what is held
+    split_time(milliseconds_since(start));
+    return {};
+}
+
+Error Slicing::too_entangled(std::int64_t plane) const {
+    const double height = kept_.planes.height_mm(static_cast<PlaneIndex>(plane));
+    Error error{ErrorCode::too_entangled, "layer " + std::to_string(plane) + " at " + exact_text(height) + " mm" +
+                                              ": its contours are too entangled for the fill rule " +
+                                              std::string(name_of(options_.fill_rule))};
+    error.plane = plane;
+    return error;
+}
+
+/// Stretches of bands for one thread each, and wide planes between them for all. False if the caller asked to stop.
+bool Slicing::sweep_all_into(std::span<Point> points) {
+    const auto& bands = kept_.bands.bands;
+    kept_.placement.begin(bands, parallel_.threads(), kept_.buckets.segment_count, points, progress_);
+    for (std::size_t begin = 0; begin < bands.size() && !options_.control.stop.stop_requested();) {
+        if (bands[begin].wide && options_.tuning.form == ContourForm::swept) {
+            sweep_wide(begin++);
+            continue;
+        }
+        std::size_t end = begin + 1;
+        while (end < bands.size() && !bands[end].wide) {
+            ++end;
+        }
+        parallel_.run(end - begin, [&](std::size_t i, int worker) { sweep_band(begin + i, worker); });
+        begin = end;
+    }
+    return !options_.control.stop.stop_requested();
+}
+
+void Slicing::sweep_band(std::size_t band, int worker) {
+    auto& sweep = kept_.sweeps[static_cast<std::size_t>(worker)];
+    Placement& placement = kept_.placement;
+    try {
+        if (sweep == nullptr) {
+            sweep = std::make_unique<BandSweep>(kept_.memory);
+        }
+        sweep->set_rules(rules());
+        BandOutput* output = placement.acquire(band);
+        if (output != nullptr && sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes,
+                                            options_.tuning.form, options_.control.stop, *output)) {
+            placement.submit(band);
+        } else {
+            placement.abort();
+        }
+    } catch (...) {
+        placement.abort();
+        throw;
+    }
+}
+
+void Slicing::sweep_wide(std::size_t band) {
+    WidePlane wide(kept_.memory, parallel_, rules());
+    BandOutput* output = kept_.placement.acquire(band);
+    if (output == nullptr) {
+        return;
+    }
+    if (wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, *output)) {
+        kept_.placement.submit(band);
+    } else {
+        kept_.placement.give_back(band);
+        sweep_band(band, 0);
+    }
+}
+
+/// Wall time of the fused stages, in proportion to the thread time that each took in sampled layers.
+void Slicing::split_time(double sweep_ms) {
+    SweepTicks spent;
+    for (const auto& sweep : kept_.sweeps) {
+        if (sweep != nullptr) {
+            const SweepTicks own = sweep->take_ticks();
+            spent.sweep += own.sweep;
+            spent.contours += own.contours;
+            spent.nesting += own.nesting;
+        }
+    }
+    const auto all = static_cast<double>(std::max<std::uint64_t>(1, spent.sweep + spent.contours + spent.nesting));
+    result_.summary.ms.contours = sweep_ms * static_cast<double>(spent.contours) / all;
+    result_.summary.ms.nesting = sweep_ms * static_cast<double>(spent.nesting) / all;
+    result_.summary.ms.sweep = sweep_ms - result_.summary.ms.contours - result_.summary.ms.nesting;
+}
+
+/// Stage 8.
+void Slicing::finish_result() {
+    const auto start = Clock::now();
+    result_.contours.resize_discarding(kept_.placement.contour_count());
+    result_.layers.resize_discarding(kept_.planes.size());
+    result_.closed_gaps.resize_discarding(kept_.placement.closed_gap_count());
+    kept_.placement.write_closed_gaps(result_.closed_gaps.span());
+    fill_layers();
+    kept_.placement.write_contours(parallel_, result_.contours.span(), result_.layers.span());
+    summarise();
+    result_.summary.ms.contours += milliseconds_since(start);
+}
+
+void Slicing::fill_layers() {
+    const PlaneSet& planes = kept_.planes;
+    parallel_.run_ranges(planes.size(), 1 << 10, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto plane = static_cast<PlaneIndex>(i);
+            result_.layers[i] = {planes.bottom_mm(plane),   planes.height_mm(plane),     planes.top_mm(plane), 0, 0,
+                                 kept_.buckets.segments[i], PlaneHeight(planes.z(plane))};
+        }
+    });
+}
+
+void Slicing::summarise() {
+    SliceSummary& summary = result_.summary;
+    summary.triangles = mesh_.triangle_count;
+    summary.degenerate = kept_.buckets.degenerate;
+    summary.crossed = kept_.buckets.records.size();
+    summary.segments = kept_.buckets.segment_count;
+    summary.bands = kept_.bands.bands.size();
+    summary.threads = parallel_.threads();
+    const ContourCounts& counts = kept_.placement.contour_counts();
+    summary.holes = counts.of(Role::hole);
+    summary.open_contours = counts.of(Role::open);
+    summary.flat_contours = counts.of(Role::flat);
+    summary.overruled_contours = counts.overruled;
+}
+
+Status slice_or_throw(const MeshView& mesh, const SliceOptions& options, std::unique_ptr<detail::WorkspaceParts>& kept,
+                      SliceResult& result) {
+    if (options.control.threads < 0 || options.tuning.band_planes < 0) {
+        return Error{ErrorCode::invalid_argument, "threads and band planes must not be negative"};
+    }
+    if (!(options.close_gaps_mm >= 0) || !std::isfinite(options.close_gaps_mm)) {
+        return Error{ErrorCode::invalid_argument, "the length up to which gaps are closed must be finite and not negative"};
+    }
+    if (kept->memory != options.control.memory) {
+        kept = std::make_unique<detail::WorkspaceParts>(options.control.memory);
+    }
+    if (result.points.memory() != options.control.memory) {
+        result = SliceResult(options.control.memory);
+    }
+    return Slicing(mesh, options, *kept, result).run();
+}
+
+}  // namespace
+
+void Workspace::reset(const Memory* memory) {
+    parts_ = std::make_unique<detail::WorkspaceParts>(memory);
+}
+
+Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
+    return guarded([&] { return slice_or_throw(mesh, options, workspace.parts_, result); });
+}
+
+Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options) noexcept {
+    return guarded([&]() -> Result<SliceResult> {
+        auto kept = std::make_unique<detail::WorkspaceParts>(options.control.memory);
+        SliceResult result(options.control.memory);
+        if (Status status = slice_or_throw(mesh, options, kept, result); !status) {
+            return status.error();
+        }
+        return result;
+    });
+}
+
+}  // namespace lamella

@@ -1,0 +1,331 @@
+#include "slicing/sweep/band_sweep.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+#include "base/clock.hpp"
+#include "lamella/memory.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// One layer in so many is timed; clocks at every layer would be felt on small ones.
+constexpr PlaneIndex timing_stride = 8;
+
+}  // namespace
+
+BandSweep::BandSweep(const Memory* memory)
+    : kernels_(kernels_for_this_cpu()),
+      graph_(memory),
+      edges_(memory),
+      layers_(memory),
+      links_(memory),
+      pending_(memory),
+      pending_plane_(memory),
+      passing_(memory),
+      passing_at_(memory),
+      active_(memory),
+      faces_(memory),
+      points_(memory) {}
+
+bool BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
+                    ContourForm form, const StopCheck& stop, BandOutput& out) {
+    begin(band, buckets);
+    for (PlaneIndex plane = band.first; plane < band.last; ++plane) {
+        if (stop.stop_requested()) {
+            return false;
+        }
+        const bool timed = plane % timing_stride == 0;
+        layers_.timed = timed;
+        const std::uint64_t start = timed ? ticks() : 0;
+        const auto seeds_here = plane == band.first ? seeds : std::span<const std::uint32_t>{};
+        if (form == ContourForm::assembled) {
+            begin_plane_afresh();
+            gather_active(plane, seeds_here);
+            enter_active(plane);
+        } else {
+            take_events(plane, seeds_here);
+        }
+        link_events();
+        graph_.walk();
+        const std::uint64_t linked = timed ? ticks() : 0;
+        emit(plane, planes, out);
+        if (timed) {
+            ticks_.sweep += linked - start;
+            ticks_.contours += ticks() - linked;
+        }
+        compact();
+    }
+    return true;
+}
+
+void BandSweep::begin(const Band& band, const Buckets& buckets) {
+    band_ = band;
+    buckets_ = &buckets;
+    // In a closed mesh a plane has as many edges as segments.
+    const std::size_t edges = *std::max_element(buckets.segments.begin() + band.first, buckets.segments.begin() + band.last);
+    graph_.clear();
+    graph_.reserve(edges + 128);
+    pending_count_ = 0;
+    active_.clear();
+}
+
+// --- Events
+
+/// Takes a plane's events. What each of them changes is a member here, as in LinkGraph::Attaching and for the same reason.
+class BandSweep::Events {
+public:
+    Events(BandSweep& sweep, std::size_t attachments)
+        : attaching_(sweep.graph_.begin_attaching(attachments)),
+          records_(sweep.buckets_->records.data()),
+          links_(sweep.links_.data()),
+          pending_(sweep.pending_.data()),
+          pending_plane_(sweep.pending_plane_.data()),
+          pending_count_(sweep.pending_count_),
+          band_last_(sweep.band_.last) {}
+
+    void enter(std::uint32_t record, PlaneIndex plane) {
+        const CrossedTriangle& t = records_[record];
+        const PlaneIndex middle = t.middle_plane();
+        const auto above_middle = static_cast<std::uint32_t>(middle <= plane);
+        const int long_port = t.long_edge_is_source() ? source_port : target_port;
+        const PortRef long_end = attach(long_edge(t), t.last, long_port);
+        // Nothing predicts where the middle vertex lies: `middle` or `last`, and below 0 or 1, without a branch.
+        const PlaneIndex end = middle ^ ((middle ^ t.last) & (0U - above_middle));
+        const PortRef short_end = attach(short_edge(t, above_middle != 0), end, 1 - long_port);
+        link(long_port, long_end, short_end);
+        pending_[pending_count_] = {record, long_end};
+        pending_plane_[pending_count_] = middle;
+        // No plane may lie between the middle vertex and the upper one.
+        const auto has_middle_event = static_cast<std::uint32_t>(middle < std::min(t.last, band_last_));
+        pending_count_ += has_middle_event & (1U - above_middle);
+    }
+
+    void pass_middle(const Pending& pending) {
+        const CrossedTriangle& t = records_[pending.record];
+        const int long_port = t.long_edge_is_source() ? source_port : target_port;
+        link(long_port, pending.long_end, attach(short_edge(t, true), t.last, 1 - long_port));
+    }
+
+    std::uint32_t link_count() const noexcept { return link_count_; }
+    std::uint32_t pending_count() const noexcept { return pending_count_; }
+    const LinkGraph::Attaching& attaching() const noexcept { return attaching_; }
+
+private:
+    PortRef attach(const MeshEdge& edge, PlaneIndex end, int port) {
+        return attaching_.attach(attaching_.find_or_add(edge, end), port, link_count_);
+    }
+
+    /// The long edge is source or target as the triangle says, the short one the other.
+    void link(int long_port, PortRef long_end, PortRef short_end) {
+        // Stored by index, as nothing predicts which is which. They are read one by one too: loading both at once would wait
+        // for the stores.
+        links_[link_count_].ends[long_port] = long_end;
+        links_[link_count_].ends[1 - long_port] = short_end;
+        ++link_count_;
+    }
+
+    LinkGraph::Attaching attaching_;
+    const CrossedTriangle* records_;
+    Link* links_;
+    Pending* pending_;
+    PlaneIndex* pending_plane_;
+    std::uint32_t link_count_ = 0;
+    std::uint32_t pending_count_;
+    PlaneIndex band_last_;
+};
+
+/// Swept form: edges that end leave, middle vertices are passed, triangles of the plane's list enter.
+void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
+    graph_.release_ended(plane);
+    const std::uint32_t list_begin = buckets_->list_begin[plane];
+    const std::uint32_t list_end = buckets_->list_begin[plane + 1];
+    const std::span<const Pending> passing = take_passing(plane);
+    const std::size_t entering = seeds.size() + list_end - list_begin;
+    link_count_ = 0;
+    if (entering + passing.size() == 0) {
+        return;
+    }
+    reserve_events(entering + passing.size(), most_middles(plane, seeds));
+    Events events(*this, 2 * entering + passing.size());
+    for (const Pending& pending : passing) {
+        events.pass_middle(pending);
+    }
+    first_entering_ = events.link_count();
+    entering_seeds_ = seeds;
+    entering_list_ = list_begin;
+    for (const std::uint32_t record : seeds) {
+        events.enter(record, plane);
+    }
+    for (std::uint32_t record = list_begin; record < list_end; ++record) {
+        events.enter(record, plane);
+    }
+    link_count_ = events.link_count();
+    first_new_pending_ = std::exchange(pending_count_, events.pending_count());
+    graph_.end_attaching(events.attaching(), 2 * entering + passing.size());
+}
+
+/// Takes the triangles whose middle vertex lies below `plane` and not below the one before. Their records, read when they
+/// entered and maybe long ago, are sent for.
+std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
+    if (passing_at_.size() < pending_count_ + select_padding) {
+        resize_exactly(passing_at_, pending_plane_.size() + select_padding);
+    }
+    const std::size_t count = kernels_.select_equal(pending_plane_.data(), pending_count_, plane, passing_at_.data());
+    if (passing_.size() < count) {
+        passing_.resize(count);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        passing_[i] = pending_[passing_at_[i]];
+        const auto* record = reinterpret_cast<const char*>(&buckets_->records[passing_[i].record]);
+        __builtin_prefetch(record);
+        __builtin_prefetch(record + sizeof(CrossedTriangle) - 1);
+    }
+    for (std::size_t i = count; i-- > 0;) {  // the last ones take their places
+        --pending_count_;
+        pending_[passing_at_[i]] = pending_[pending_count_];
+        pending_plane_[passing_at_[i]] = pending_plane_[pending_count_];
+    }
+    return {passing_.data(), count};
+}
+
+/// At most so many of the triangles that enter have a middle event. Where a whole band's active set enters at once, they are
+/// counted: facets as tall as the part have none, and room for all of them would be most of the memory of the sweep.
+std::size_t BandSweep::most_middles(PlaneIndex plane, std::span<const std::uint32_t> seeds) const {
+    const auto list = buckets_->records.span().subspan(buckets_->list_begin[plane],
+                                                       buckets_->list_begin[plane + 1] - buckets_->list_begin[plane]);
+    if (seeds.size() + list.size() < (std::size_t{1} << 14)) {
+        return seeds.size() + list.size();
+    }
+    const auto has_middle = [plane](const CrossedTriangle& t) {
+        return plane < t.middle_plane() && t.middle_plane() < t.last;
+    };
+    const auto of_seeds = std::count_if(seeds.begin(), seeds.end(),
+                                        [&](std::uint32_t record) { return has_middle(buckets_->records[record]); });
+    return static_cast<std::size_t>(of_seeds + std::count_if(list.begin(), list.end(), has_middle));
+}
+
+void BandSweep::reserve_events(std::size_t links, std::size_t middles) {
+    if (links_.size() < links) {
+        resize_exactly(links_, links);
+    }
+    if (const std::size_t pending = pending_count_ + middles + 1; pending_.size() < pending) {
+        resize_exactly(pending_, pending + pending / 8);
+        resize_exactly(pending_plane_, pending_.size());
+    }
+}
+
+/// The triangle whose link it is: those that pass come first, then seeds, then the plane's list.
+std::uint32_t BandSweep::record_of(std::uint32_t link) const noexcept {
+    if (link < first_entering_) {
+        return passing_[link].record;
+    }
+    const std::uint32_t entering = link - first_entering_;
+    const auto seeds = static_cast<std::uint32_t>(entering_seeds_.size());
+    return entering < seeds ? entering_seeds_[entering] : entering_list_ + (entering - seeds);
+}
+
+/// Assembled form: the links of the plane before are forgotten, ...
+void BandSweep::begin_plane_afresh() {
+    graph_.clear();
+    pending_count_ = 0;
+    link_count_ = 0;
+    first_entering_ = 0;
+}
+
+/// ... the active set is brought up to date (Algorithm 1, steps 7 to 12), ...
+void BandSweep::gather_active(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
+    active_.insert(active_.end(), seeds.begin(), seeds.end());
+    for (std::uint32_t record = buckets_->list_begin[plane]; record < buckets_->list_begin[plane + 1]; ++record) {
+        active_.push_back(record);
+    }
+    std::erase_if(active_, [&](std::uint32_t record) { return buckets_->records[record].last <= plane; });
+}
+
+/// ... and every triangle in it enters anew.
+void BandSweep::enter_active(PlaneIndex plane) {
+    reserve_events(active_.size(), active_.size());
+    entering_seeds_ = active_;
+    Events events(*this, 2 * active_.size());
+    for (const std::uint32_t record : active_) {
+        events.enter(record, plane);
+    }
+    link_count_ = events.link_count();
+    graph_.end_attaching(events.attaching(), 2 * active_.size());
+}
+
+void BandSweep::link_events() {
+    if (link_count_ == 0) {
+        return;
+    }
+    const std::span<Link> links{links_.data(), link_count_};
+    if (graph_.settle(
+            links, [this](Slot slot, std::span<MeetingEnd> ends) { sort_meeting(slot, ends); }, [](Slot, Slot) {})) {
+        correct_pending();
+    }
+    graph_.connect(links);
+    edges_.reserve(graph_.capacity());
+    for (const Slot slot : graph_.fresh()) {
+        edges_.put(slot, graph_.edge(slot));
+    }
+}
+
+/// The new links' long edges may have got other slots where more than two faces meet.
+void BandSweep::correct_pending() {
+    std::uint32_t link = first_entering_;
+    for (std::uint32_t p = first_new_pending_; p < pending_count_; ++p, ++link) {
+        while (record_of(link) != pending_[p].record) {
+            ++link;
+        }
+        const CrossedTriangle& t = buckets_->records[pending_[p].record];
+        pending_[p].long_end = links_[link].ends[t.long_edge_is_source() ? source_port : target_port];
+    }
+}
+
+/// Where more than two faces meet at an edge: the faces of the ends, sorted round it.
+void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
+    faces_.clear();
+    const GridVertex lower = graph_.edge(slot).lower();
+    const GridVertex upper = graph_.edge(slot).upper();
+    for (const MeetingEnd& end : ends) {
+        const CrossedTriangle& t = buckets_->records[record_of(end.link)];
+        const bool has_lowest = t.lower == lower || t.lower == upper;
+        const bool has_middle = t.middle == lower || t.middle == upper;
+        faces_.push_back({!has_lowest ? t.lower : (has_middle ? t.upper : t.middle), t.triangle, end});
+    }
+    sort_round_edge(lower, upper, faces_);
+    std::transform(faces_.begin(), faces_.end(), ends.begin(), [](const FaceAtEdge& face) { return face.end; });
+}
+
+// --- The plane
+
+void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) {
+    if (graph_.live() == 0) {
+        LayerBuilder::skip(out);
+        return;
+    }
+    if (points_.size() < edges_.capacity()) {
+        resize_exactly(points_, edges_.capacity());
+    }
+    kernels_.pierce(edges_.arrays(), planes.z(plane), graph_.slot_end(), points_.data());
+    layers_.build(graph_, points_.data(), out);
+}
+
+void BandSweep::compact() {
+    graph_.compact([&](std::span<const Slot> new_to_old) {
+        for (std::uint32_t p = 0; p < pending_count_; ++p) {
+            pending_[p].long_end = graph_.moved(pending_[p].long_end);
+        }
+        edges_.compact(new_to_old);
+    });
+}
+
+SweepTicks BandSweep::take_ticks() noexcept {
+    SweepTicks spent = std::exchange(ticks_, {});
+    spent.nesting = std::exchange(layers_.nesting_ticks, 0);
+    spent.contours -= std::min(spent.contours, spent.nesting);
+    return spent;
+}
+
+}  // namespace lamella

@@ -1,0 +1,99 @@
+// Stage 5: the sweep of one band (Algorithm 1), with its contours (Algorithm 4) as it goes.
+//
+// A crossed triangle joins its long edge to one of its short edges, and changes over once, at its middle vertex:
+//
+//         upper
+//          |`.           planes above `middle` join the long edge and the upper short one
+//     long |  `.
+//          |  middle     one event: the link is written anew
+//          |  .'
+//          |.'           planes below join the long edge and the lower short one
+//         lower          the triangle enters at the first plane above
+//
+// Between events nothing is done for a triangle: a plane costs one interpolation per active edge and one copy along the
+// contours.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "lamella/slice.hpp"
+#include "slicing/buckets/bucket.hpp"
+#include "slicing/contours/layer_builder.hpp"
+#include "slicing/contours/link_graph.hpp"
+#include "slicing/sweep/active_edges.hpp"
+#include "slicing/sweep/bands.hpp"
+
+namespace lamella {
+
+/// Thread time by phase, in ticks of sampled layers.
+struct SweepTicks {
+    std::uint64_t sweep = 0;
+    std::uint64_t contours = 0;
+    std::uint64_t nesting = 0;
+};
+
+/// One per thread; scratch is kept from band to band.
+class BandSweep {
+public:
+    explicit BandSweep(const Memory* memory);
+
+    /// Appends the band's layers to `out`. Returns false if `stop` was requested, `out` then being incomplete.
+    /// Throws std::bad_alloc.
+    bool run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
+             ContourForm form, const StopCheck& stop, BandOutput& out);
+
+    /// Of the bands to come.
+    void set_rules(const LayerRules& rules) noexcept { layers_.rules = rules; }
+
+    /// What was spent since the last call.
+    SweepTicks take_ticks() noexcept;
+
+private:
+    class Events;
+    /// A triangle whose middle vertex lies ahead.
+    struct Pending {
+        std::uint32_t record;
+        PortRef long_end;
+    };
+
+    void begin(const Band& band, const Buckets& buckets);
+    void begin_plane_afresh();
+    void gather_active(PlaneIndex plane, std::span<const std::uint32_t> seeds);
+    void enter_active(PlaneIndex plane);
+    void take_events(PlaneIndex plane, std::span<const std::uint32_t> seeds);
+    std::span<const Pending> take_passing(PlaneIndex plane);
+    std::size_t most_middles(PlaneIndex plane, std::span<const std::uint32_t> seeds) const;
+    void reserve_events(std::size_t links, std::size_t middles);
+    std::uint32_t record_of(std::uint32_t link) const noexcept;
+    void link_events();
+    void sort_meeting(Slot slot, std::span<MeetingEnd> ends);
+    void correct_pending();
+    void compact();
+    void emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out);
+
+    const Kernels& kernels_;
+    LinkGraph graph_;
+    ActiveEdges edges_;
+    LayerBuilder layers_;
+    Band band_{};
+    const Buckets* buckets_ = nullptr;
+    Vector<Link> links_;  // of the plane's events: triangles that pass their middle vertex, then ...
+    std::uint32_t link_count_ = 0;
+    std::uint32_t first_entering_ = 0;  // ... from here on, triangles that enter
+    std::span<const std::uint32_t> entering_seeds_;
+    std::uint32_t entering_list_ = 0;
+    Vector<Pending> pending_;
+    Vector<PlaneIndex> pending_plane_;  // the first plane above each one's middle vertex
+    std::uint32_t pending_count_ = 0;
+    std::uint32_t first_new_pending_ = 0;
+    Vector<Pending> passing_;           // scratch: those that pass at a plane, ...
+    Vector<std::uint32_t> passing_at_;  // ... and where they were
+    Vector<std::uint32_t> active_;      // assembled form: records that the plane cuts
+    Vector<FaceAtEdge> faces_;
+    Vector<Point> points_;  // by slot
+    SweepTicks ticks_;
+};
+
+}  // namespace lamella

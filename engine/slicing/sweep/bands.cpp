@@ -1,0 +1,137 @@
+#include "slicing/sweep/bands.hpp"
+#include "base/vector.hpp"
+
+#include <algorithm>
+
+namespace lamella {
+
+namespace {
+
+/// Segments that make a band worth its start: about 2 MB of points, which stay in a core's cache until they are placed.
+constexpr std::uint64_t least_segments = 1 << 18;
+/// Work, in segments, of a triangle that enters: its edges are looked up and its links written.
+constexpr std::uint64_t segments_per_entry = 24;
+/// A band has at least so much work for each seed, which costs what an entry does: seeds then take a twenty-fifth.
+constexpr std::uint64_t work_per_seed = 25 * segments_per_entry;
+
+/// A plane is worth all threads when it is large and there are few such, or its segments are mostly its own: links kept from
+/// plane to plane gain little there, and bands would leave threads without work.
+bool is_wide(const Buckets& buckets, PlaneIndex plane) noexcept {
+    constexpr std::uint32_t large = 1 << 18;
+    constexpr std::uint64_t few = 16;
+    const std::uint64_t segments = buckets.segments[plane];
+    const std::uint64_t entering = buckets.list_begin[plane + 1] - buckets.list_begin[plane];
+    return segments >= large && (few * segments >= buckets.segment_count || 2 * entering >= segments);
+}
+
+std::uint64_t work_of(const Buckets& buckets, PlaneIndex plane) noexcept {
+    return buckets.segments[plane] + segments_per_entry * (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
+}
+
+/// Triangles that the plane cuts and that are in the list of a plane below: seeds of a band that begins with it.
+std::uint64_t reaching_into(const Buckets& buckets, PlaneIndex plane) noexcept {
+    return buckets.segments[plane] - (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
+}
+
+/// Bands of the planes asked for, or of 2, 4, ... times as many: until all their seeds are at most the triangles, or few.
+std::size_t planes_a_band(const Buckets& buckets, PlaneIndex planes, std::size_t asked) {
+    constexpr std::uint64_t few_seeds = 1 << 21;
+    const std::uint64_t most_seeds = std::max<std::uint64_t>(buckets.list_begin[planes], few_seeds);
+    for (;; asked *= 2) {
+        std::uint64_t seeds = 0;
+        for (std::size_t plane = asked; plane < planes; plane += asked) {
+            seeds += reaching_into(buckets, static_cast<PlaneIndex>(plane));
+        }
+        if (seeds <= most_seeds) {
+            return asked;
+        }
+    }
+}
+
+/// Arrays that only very many bands or tall triangles make large are not kept.
+template <class T>
+void give_back_many(Array<T>& array) {
+    constexpr std::size_t many_bytes = std::size_t{1} << 23;
+    if (array.capacity() * sizeof(T) > many_bytes) {
+        array = Array<T>(array.memory());
+    }
+}
+
+}  // namespace
+
+void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads) {
+    bands.clear();
+    const std::size_t fixed = asked_planes > 0 ? planes_a_band(buckets, planes, static_cast<std::size_t>(asked_planes)) : 0;
+    std::uint64_t all_work = 0;
+    for (PlaneIndex plane = 0; plane < planes; ++plane) {
+        all_work += work_of(buckets, plane);
+    }
+    // Some bands for each thread so that an uneven one can be evened out; on one thread they only serve the cache.
+    const std::uint64_t share = all_work / (16 * static_cast<std::uint64_t>(threads)) + 1;
+    Band band{0, 0, 0, false};
+    std::uint64_t work = 0;
+    for (PlaneIndex plane = 0; plane < planes; ++plane) {
+        const std::uint64_t enough = std::clamp(work_per_seed * buckets.segments[plane], std::min(share, least_segments),
+                                                std::max(share, least_segments));
+        const bool full = fixed > 0 ? plane - band.first >= fixed : work >= enough;
+        const bool wide = is_wide(buckets, plane);
+        if ((full || wide || band.wide) && plane > band.first) {
+            bands.push_back(band);
+            band = {plane, plane, 0, false};
+            work = 0;
+        }
+        band.last = plane + 1;
+        band.wide = wide;
+        band.segments += buckets.segments[plane];
+        work += work_of(buckets, plane);
+    }
+    if (planes > 0) {
+        bands.push_back(band);
+    }
+    make_room(buckets, planes);
+}
+
+void BandPlan::make_room(const Buckets& buckets, PlaneIndex planes) {
+    band_end.assign(std::size_t{planes} + 1, planes);
+    std::size_t most_reaching = 0;
+    for (const Band& band : bands) {
+        std::fill(band_end.begin() + band.first, band_end.begin() + band.last, band.last);
+        most_reaching += reaching_into(buckets, band.first);
+    }
+    reaching.resize_discarding(std::min<std::size_t>(most_reaching, buckets.list_begin[planes]));
+}
+
+void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count) {
+    const std::span<const Reaching> found{reaching.data(), reaching_count};
+    Vector<std::uint32_t> band_of(planes, bands.get_allocator());
+    for (std::uint32_t b = 0; b < bands.size(); ++b) {
+        std::fill(band_of.begin() + bands[b].first, band_of.begin() + bands[b].last, b);
+    }
+    // Count, prefix sum, scatter. A triangle adds one in the band after its first and takes it off after its last.
+    Vector<std::int64_t> change(bands.size() + 1, 0, bands.get_allocator());
+    for (const Reaching& triangle : found) {
+        ++change[band_of[triangle.first] + 1];
+        --change[band_of[triangle.last - 1] + 1];
+    }
+    seed_begin.assign(bands.size() + 2, 0);
+    std::int64_t active = 0;
+    for (std::size_t b = 0; b < bands.size(); ++b) {
+        active += change[b];
+        seed_begin[b + 2] = seed_begin[b + 1] + static_cast<std::uint64_t>(active);
+    }
+    seeds.resize_discarding(seed_begin.back());
+    for (const Reaching& triangle : found) {
+        const std::uint32_t last = band_of[triangle.last - 1];
+        for (std::uint32_t b = band_of[triangle.first] + 1; b <= last; ++b) {
+            seeds[seed_begin[b + 1]++] = triangle.record;
+        }
+    }
+    seed_begin.pop_back();
+    give_back_many(reaching);
+}
+
+void BandPlan::forget_many_seeds() {
+    give_back_many(seeds);
+}
+
+}  // namespace lamella

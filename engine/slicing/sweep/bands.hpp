@@ -1,0 +1,55 @@
+// Stage 5: the planes cut into z-bands that are swept independently, and for each band the triangles that reach into it from
+// below.
+//
+//     planes      0 1 2 3 | 4 5 6 7 | 8 9 ...
+//     triangle      [-----------]            in the list of plane 1, and a seed of the second band
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "slicing/buckets/bucket.hpp"
+
+namespace lamella {
+
+struct Band {
+    PlaneIndex first;
+    PlaneIndex last;  ///< one past
+    std::uint64_t segments;
+    bool wide = false;  ///< one plane that all threads work on together
+};
+
+struct BandPlan {
+    /// Null: operator new.
+    explicit BandPlan(const Memory* memory)
+        : bands(memory), band_end(memory), reaching(memory), seed_begin(memory), seeds(memory) {}
+
+    Vector<Band> bands;
+    Vector<PlaneIndex> band_end;       ///< k + 1: the end of each plane's band, and k
+    Array<Reaching> reaching;          ///< room for what scatter_triangles() finds to reach beyond its band
+    Vector<std::uint64_t> seed_begin;  ///< bands + 1: where each band's seeds begin
+    Array<std::uint32_t> seeds;        ///< indices of records
+
+    std::span<const std::uint32_t> seeds_of(std::size_t band) const noexcept {
+        return {seeds.data() + seed_begin[band], seeds.data() + seed_begin[band + 1]};
+    }
+
+    /// Cuts the planes into bands: every `asked_planes` of them, or of twice, four times ... as many while the bands would
+    /// have more than 2^21 seeds and more than there are triangles; when `asked_planes` is 0 by the work in the planes.
+    /// Makes `band_end`, and `reaching` large enough. O(k).
+    void cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads);
+
+    /// Finds every band's seeds in the first `reaching_count` of `reaching`. O(k + reaching_count + seeds), and a seed has
+    /// at least one segment in its band.
+    void find_seeds(PlaneIndex planes, std::size_t reaching_count);
+
+    /// Gives the memory of many seeds back; that of few is kept. To be called when they have served.
+    void forget_many_seeds();
+
+private:
+    void make_room(const Buckets& buckets, PlaneIndex planes);
+};
+
+}  // namespace lamella

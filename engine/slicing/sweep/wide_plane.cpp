@@ -1,0 +1,278 @@
+#include "slicing/sweep/wide_plane.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "base/rounding.hpp"
+#include "lamella/memory.hpp"
+#include "slicing/contours/mesh_edge.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t grain = 1 << 13;         // segments per task
+constexpr std::size_t block = 16;              // segments whose table entries are fetched ahead
+constexpr std::uint32_t piece_stride = 64;     // every so manieth segment begins a piece
+constexpr std::uint32_t small_contour = 1024;  // contours without such a segment are looked for up to this length
+
+}  // namespace
+
+/// Where ends wait for each other. An entry is 0, or
+///
+///     [ 30 bits of the hash | both ends have come | 1 | segment of the first, 31 bits | whether it leaves ]
+class WidePlane::Table {
+public:
+    Table(std::size_t segments, const Memory* memory, const Parallel& parallel) : entries_(memory) {
+        const std::size_t size = std::bit_ceil(segments + segments / 4 + 16);
+        shift_ = 64 - std::countr_zero(size);
+        entries_.resize_discarding(size);
+        parallel.run_ranges(size, std::size_t{1} << 16, [this](std::size_t begin, std::size_t end, int) {
+            std::fill(entries_.data() + begin, entries_.data() + end, 0);
+        });
+    }
+
+    void prefetch(std::uint64_t hash) const noexcept { __builtin_prefetch(entries_.data() + (hash >> shift_), 1); }
+
+    enum class Met { waits, linked, irregular };
+
+    /// Puts an end there or meets the one that waits, whose segment is then in `partner`. `same_edge(segment, source)`
+    /// compares.
+    template <class SameEdge>
+    Met meet(std::uint64_t hash, std::uint32_t segment, bool source, std::uint32_t& partner,
+             const SameEdge& same_edge) noexcept {
+        const std::uint64_t tag = (hash << 34) | present;
+        const std::uint64_t mine = tag | (std::uint64_t{segment} << 1) | (source ? 1 : 0);
+        const std::size_t mask = entries_.size() - 1;
+        for (std::size_t i = hash >> shift_;; i = (i + 1) & mask) {
+            std::atomic_ref<std::uint64_t> place(entries_[i]);
+            std::uint64_t entry = place.load(std::memory_order_relaxed);
+            // A failed exchange means that another thread has just put an end here: look again.
+            while (entry == 0 && !place.compare_exchange_weak(entry, mine, std::memory_order_relaxed)) {
+            }
+            if (entry == 0) {
+                return Met::waits;
+            }
+            const bool other_source = (entry & 1) != 0;
+            const auto other = static_cast<std::uint32_t>((entry & 0xFFFFFFFFU) >> 1);
+            if (((entry ^ tag) & ~(complete | 0xFFFFFFFFU)) != 0 || !same_edge(other, other_source)) {
+                continue;
+            }
+            // A failed exchange here means a third end: only the second one completes an entry.
+            if ((entry & complete) != 0 || other_source == source ||
+                !place.compare_exchange_strong(entry, entry | complete, std::memory_order_relaxed)) {
+                return Met::irregular;
+            }
+            partner = other;
+            return Met::linked;
+        }
+    }
+
+private:
+    static constexpr std::uint64_t present = std::uint64_t{1} << 32;
+    static constexpr std::uint64_t complete = std::uint64_t{1} << 33;
+
+    Array<std::uint64_t> entries_;
+    int shift_ = 0;
+};
+
+bool WidePlane::build(PlaneIndex plane, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
+                      BandOutput& out) {
+    plane_ = plane;
+    seeds_ = seeds;
+    buckets_ = &buckets;
+    list_begin_ = buckets.list_begin[plane];
+    count_ = static_cast<std::uint32_t>(seeds.size()) + buckets.list_begin[plane + 1] - list_begin_;
+    if (!link()) {
+        return false;
+    }
+    cut_into_pieces();
+    string_together();
+    trace(planes.z(plane));
+    layer_.build_traced(
+        rings_.data(), contours_, [this](std::uint32_t at) { return to_key(edge_at(order_[at], true)); }, parallel_, out);
+    return true;
+}
+
+/// The edge that a segment leaves or enters.
+MeshEdge WidePlane::edge_at(std::uint32_t segment, bool source) const noexcept {
+    const CrossedTriangle& t = triangle(segment);
+    return source == t.long_edge_is_source() ? long_edge(t) : short_edge(t, t.middle_plane() <= plane_);
+}
+
+/// Where the edge that a segment leaves pierces the plane; the arithmetic of Kernels::pierce.
+Point WidePlane::source_point(std::uint32_t segment, std::int32_t z) const noexcept {
+    const MeshEdge edge = edge_at(segment, true);
+    const GridVertex lower = edge.lower();
+    const GridVertex upper = edge.upper();
+    const double height = static_cast<double>(upper.z) - lower.z;
+    const double slope_x = (static_cast<double>(upper.x) - lower.x) / height;
+    const double slope_y = (static_cast<double>(upper.y) - lower.y) / height;
+    const auto rise = static_cast<double>(std::int64_t{z} - lower.z);
+    return {round_to_int(lower.x + slope_x * rise), round_to_int(lower.y + slope_y * rise)};
+}
+
+/// next_[i] = the segment that leaves the edge which segment i enters. False if an edge has not exactly one face either way.
+bool WidePlane::link() {
+    next_.resize_discarding(count_);
+    Table table(count_, memory_, parallel_);
+    std::atomic<bool> regular{true};
+    std::atomic<std::uint64_t> linked{0};
+    parallel_.run_ranges(count_, grain, [&](std::size_t begin, std::size_t end, int) {
+        std::uint64_t own = 0;
+        for (std::size_t at = begin; at < end && regular.load(std::memory_order_relaxed); at += block) {
+            const std::int64_t links =
+                link_block(table, static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(std::min(at + block, end)));
+            if (links < 0) {
+                regular.store(false, std::memory_order_relaxed);
+            } else {
+                own += static_cast<std::uint64_t>(links);
+            }
+        }
+        linked.fetch_add(own, std::memory_order_relaxed);
+    });
+    return regular.load() && linked.load() == count_;
+}
+
+/// The entries of a block are fetched together: one at a time, each would be waited for. Returns the links made, or -1.
+std::int64_t WidePlane::link_block(Table& table, std::uint32_t begin, std::uint32_t end) {
+    MeshEdge edges[block][2];
+    std::uint64_t hashes[block][2];
+    for (std::uint32_t segment = begin; segment < end; ++segment) {
+        for (const bool source : {false, true}) {
+            MeshEdge& edge = edges[segment - begin][source ? 1 : 0];
+            edge = edge_at(segment, source);
+            table.prefetch(hashes[segment - begin][source ? 1 : 0] = edge.hash());
+        }
+    }
+    std::int64_t links = 0;
+    for (std::uint32_t segment = begin; segment < end; ++segment) {
+        for (const bool source : {false, true}) {
+            const MeshEdge& edge = edges[segment - begin][source ? 1 : 0];
+            std::uint32_t partner = 0;
+            const auto met =
+                table.meet(hashes[segment - begin][source ? 1 : 0], segment, source, partner,
+                           [&](std::uint32_t other, bool other_source) { return edge_at(other, other_source) == edge; });
+            if (met == Table::Met::irregular) {
+                return -1;
+            }
+            if (met == Table::Met::linked) {
+                next_[source ? partner : segment] = source ? segment : partner;
+                ++links;
+            }
+        }
+    }
+    return links;
+}
+
+// --- Walking
+
+void WidePlane::cut_into_pieces() {
+    pieces_.assign((count_ + piece_stride - 1) / piece_stride, Piece{});
+    order_.resize_discarding(count_);  // until the walk: whether a segment lies on a piece found
+    parallel_.run_ranges(count_, grain, [&](std::size_t begin, std::size_t end, int) {
+        std::fill(order_.data() + begin, order_.data() + end, 0U);
+    });
+    walk_pieces();
+    std::vector<std::vector<Piece>> small(static_cast<std::size_t>(parallel_.threads()));
+    parallel_.run_ranges(count_, grain, [&](std::size_t begin, std::size_t end, int worker) {
+        find_small_contours(begin, end, small[static_cast<std::size_t>(worker)]);
+    });
+    for (const auto& found : small) {
+        pieces_.insert(pieces_.end(), found.begin(), found.end());
+        for (const Piece& piece : found) {
+            std::uint32_t segment = piece.first;
+            for (std::uint32_t i = 0; i < piece.count; ++i, segment = next_[segment]) {
+                order_[segment] = 1;
+            }
+        }
+    }
+    // What is left are long contours in which no number is divisible by 64.
+    for (std::uint32_t first = 0; first < count_; ++first) {
+        if (order_[first] == 0) {
+            Piece piece{first, 0, first, 0};
+            std::uint32_t segment = first;
+            do {
+                order_[segment] = 1;
+                segment = next_[segment];
+                ++piece.count;
+            } while (segment != first);
+            pieces_.push_back(piece);
+        }
+    }
+}
+
+/// Each segment lies on one piece at most, so the pieces are walked independently.
+void WidePlane::walk_pieces() {
+    parallel_.run_ranges(pieces_.size(), grain / piece_stride, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t p = begin; p < end; ++p) {
+            Piece piece{static_cast<std::uint32_t>(p) * piece_stride, 0, 0, 0};
+            std::uint32_t segment = piece.first;
+            do {
+                order_[segment] = 1;
+                segment = next_[segment];
+                ++piece.count;
+            } while (segment % piece_stride != 0);
+            piece.next = segment;
+            pieces_[p] = piece;
+        }
+    });
+}
+
+/// Contours on no piece, each found from its smallest segment.
+void WidePlane::find_small_contours(std::size_t begin, std::size_t end, std::vector<Piece>& found) const {
+    for (std::size_t i = begin; i < end; ++i) {
+        const auto first = static_cast<std::uint32_t>(i);
+        if (order_[first] != 0) {
+            continue;
+        }
+        std::uint32_t length = 1;
+        std::uint32_t segment = next_[first];
+        while (segment > first && length < small_contour) {
+            segment = next_[segment];
+            ++length;
+        }
+        if (segment == first) {
+            found.push_back({first, length, first, 0});
+        }
+    }
+}
+
+/// Pieces into contours: a piece's successor begins where it ends. Offsets follow the walk.
+void WidePlane::string_together() {
+    const std::size_t numbered = (count_ + piece_stride - 1) / piece_stride;
+    contours_.clear();
+    std::uint64_t offset = 0;
+    for (Piece& piece : pieces_) {
+        piece.offset = ~std::uint64_t{0};
+    }
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+        const std::uint64_t begin = offset;
+        for (std::size_t at = p; pieces_[at].offset == ~std::uint64_t{0};) {
+            pieces_[at].offset = offset;
+            offset += pieces_[at].count;
+            at = at < numbered ? pieces_[at].next / piece_stride : at;
+        }
+        if (offset > begin) {
+            contours_.push_back(
+                {static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(offset - begin), true, false});
+        }
+    }
+}
+
+/// The second walk: segments and points to their places.
+void WidePlane::trace(std::int32_t z) {
+    rings_.resize_discarding(count_);
+    parallel_.run_ranges(pieces_.size(), grain / piece_stride, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t p = begin; p < end; ++p) {
+            std::uint32_t segment = pieces_[p].first;
+            for (std::uint64_t at = pieces_[p].offset; at < pieces_[p].offset + pieces_[p].count;
+                 ++at, segment = next_[segment]) {
+                order_[at] = segment;
+                rings_[at] = source_point(segment, z);
+            }
+        }
+    });
+}
+
+}  // namespace lamella

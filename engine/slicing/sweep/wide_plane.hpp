@@ -1,0 +1,87 @@
+// Stage 6 for a plane that holds so many segments, few of them shared with its neighbours, that all threads work on it
+// together.
+//
+// The nodes are the segments, each linked to the one that leaves the edge it enters. Ends meet in one open-addressing table,
+// by compare-and-swap: the first of an edge's two ends waits there, the second links both. Contours are then walked in
+// pieces, from every 64th segment to the next of those, the pieces strung together, and walked again to where their points
+// belong:
+//
+//     segments     64 -> 7 -> 130 -> 192 -> 3 -> 65 -> 64      two pieces: 64 7 130 | 192 3 65
+//
+// Only planes where each edge has one face either way are done here; what is open or crowded goes the general way.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "base/vector.hpp"
+#include "slicing/buckets/bucket.hpp"
+#include "slicing/contours/layer_builder.hpp"
+
+namespace lamella {
+
+class WidePlane {
+public:
+    WidePlane(const Memory* memory, const Parallel& parallel, const LayerRules& rules)
+        : parallel_(parallel),
+          next_(memory),
+          order_(memory),
+          rings_(memory),
+          pieces_(memory),
+          contours_(memory),
+          layer_(memory),
+          memory_(memory) {
+        layer_.rules = rules;
+    }
+
+    /// Appends the layer of `plane` to `out`; `seeds` are the triangles that cut it besides those of its own list. False,
+    /// with nothing appended, if an edge is open or crowded. O(q) expected for linking, O(q log q) for order and nesting.
+    /// Throws std::bad_alloc.
+    bool build(PlaneIndex plane, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
+               BandOutput& out);
+
+private:
+    /// A stretch of a contour, from a segment divisible by 64 up to the next, or a whole contour that holds none.
+    struct Piece {
+        std::uint32_t first;
+        std::uint32_t count;
+        std::uint32_t next;    // the segment after the last
+        std::uint64_t offset;  // of its first point among all
+    };
+    class Table;
+
+    const CrossedTriangle& triangle(std::uint32_t segment) const noexcept {
+        return segment < seeds_.size()
+                   ? buckets_->records[seeds_[segment]]
+                   : buckets_->records[list_begin_ + (segment - static_cast<std::uint32_t>(seeds_.size()))];
+    }
+    MeshEdge edge_at(std::uint32_t segment, bool source) const noexcept;
+    Point source_point(std::uint32_t segment, std::int32_t z) const noexcept;
+
+    bool link();
+    std::int64_t link_block(Table& table, std::uint32_t begin, std::uint32_t end);
+    void cut_into_pieces();
+    void walk_pieces();
+    void find_small_contours(std::size_t begin, std::size_t end, std::vector<Piece>& found) const;
+    void string_together();
+    void trace(std::int32_t z);
+
+    const Parallel& parallel_;
+    const Buckets* buckets_ = nullptr;
+    std::span<const std::uint32_t> seeds_;
+    std::uint32_t list_begin_ = 0;
+    std::uint32_t count_ = 0;  // segments
+    PlaneIndex plane_ = 0;
+    Array<std::uint32_t> next_;
+    Array<std::uint32_t> order_;
+    Array<Point> rings_;
+    Vector<Piece> pieces_;
+    Vector<WalkedContour> contours_;
+    LayerBuilder layer_;
+    const Memory* memory_;
+};
+
+}  // namespace lamella

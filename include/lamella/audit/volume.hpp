@@ -1,0 +1,60 @@
+// A certificate for a result: the area in every layer and the volume between every two planes, computed from the mesh alone,
+// and whether the contours and the mesh's volume agree with them.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "lamella/control.hpp"
+#include "lamella/error.hpp"
+#include "lamella/mesh.hpp"
+#include "lamella/result.hpp"
+
+namespace lamella {
+
+enum class VolumeVerdict : std::uint8_t {
+    holds,
+    areas_differ,    ///< some layer's contours enclose another area than the mesh has there
+    volumes_differ,  ///< the slabs do not sum to the mesh's volume
+    open_mesh,       ///< does not apply: some edge has more faces one way than the other, so there is no volume
+    not_as_walked,   ///< does not apply: a fill rule or closed gaps made the contours others than the mesh's
+};
+
+/// "holds", "areas differ", ...
+std::string_view name_of(VolumeVerdict verdict) noexcept;
+
+/// Areas and volumes count what lies inside as often as shells wind round it, as the facets say: what an inverted shell
+/// encloses is negative.
+struct VolumeCertificate {
+    VolumeVerdict verdict = VolumeVerdict::open_mesh;
+    double mesh_mm3 = 0;   ///< sum of signed tetrahedra, exact but for one rounding; 0 for an open mesh, as all below
+    double slabs_mm3 = 0;  ///< sum of `slab_mm3`; differs from mesh_mm3 by at most 1e-12 of it (see certify_volume())
+    std::vector<double> slab_mm3;   ///< [i]: between planes i - 1 and i; the first and last: below and above all planes
+    std::uint64_t worst_layer = 0;  ///< where area and contours differ most, as a share of what rounding allows; the lowest
+    double worst_difference_mm2 = 0;
+    double worst_allowed_mm2 = 0;
+
+    bool applies() const noexcept { return verdict <= VolumeVerdict::volumes_differ; }
+};
+
+/// Computes the cross-section at every plane and the volume of every slab by Gauss's theorem, from what the faces and parts
+/// of faces below each height cover seen from above; nothing is shared with the stages of slicing but the rounding to the
+/// grid. A layer agrees if the area of its points is within what moving each point by half a unit along both axes can
+/// change:
+///
+///     (|dx| + |dy|) / 2 summed over its edges, and a quarter for each crossed triangle
+///
+/// which is at most one unit x perimeter where edges are longer than a unit. Volumes agree if they differ by at most 1e-12
+/// of the mesh's, or by what rounding each face's share to 2^-49 of itself can change where that is more (shells that
+/// cancel). A mesh is taken for closed if the sum of its directed edges' hashes vanishes, which an open one's does with a
+/// chance of 2^-64.
+///
+/// `mesh` must be what was sliced. n triangles, k planes, m crossings: O(n + k + m), 80 bytes a plane and thread. All sums
+/// are of integers: the answer does not depend on threads. Errors: invalid_argument (the mesh has not the
+/// result's number of triangles, or does not fit its grid; layers, contours and points do not follow one another),
+/// out_of_memory.
+Result<VolumeCertificate> certify_volume(const MeshView& mesh, const SliceResult& result,
+                                         const Control& control = {}) noexcept;
+
+}  // namespace lamella

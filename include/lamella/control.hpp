@@ -1,0 +1,78 @@
+// What a long call may use of its host, and how the host follows and ends it. Every long function of the library takes one.
+//
+//     std::atomic<bool> cancelled = false;
+//     const auto show = [](double fraction) noexcept { std::printf("%.0f %%\n", 100 * fraction); };
+//     lamella::Control control;
+//     control.threads = 4;
+//     control.stop = lamella::StopCheck::when(cancelled);
+//     control.progress = lamella::Progress::to(show);
+//
+// All members are plain function pointers with a context, so that any language and any host can fill them in. The functions
+// must not throw, which their types say. What a context points to must outlive the call.
+#pragma once
+
+#include <atomic>
+#include <type_traits>
+
+#include "lamella/memory.hpp"
+
+namespace lamella {
+
+/// The host's threads. Without one, oneTBB's are used, within the task arena of the calling thread.
+struct Executor {
+    /// Calls body(argument) up to `workers` times and returns when every call that has begun has returned. The calls may run
+    /// at once, on any threads, or one after the other. The library hands out the work within them, and a worker never waits
+    /// for one that has not begun: fewer calls, or none, only mean fewer threads.
+    void (*run)(void* context, int workers, void (*body)(void* argument) noexcept, void* argument) noexcept = nullptr;
+    void* context = nullptr;
+    int threads = 1;  ///< how many calls it can run at once: the workers asked for where Control::threads is 0
+
+    /// `pool(workers, body)` calls body() as above; `pool` must outlive the Executor.
+    template <class Pool>
+    static Executor on(Pool& pool, int threads) noexcept {
+        return {[](void* context, int workers, void (*body)(void*) noexcept, void* argument) noexcept {
+                    (*static_cast<Pool*>(context))(workers, [body, argument]() noexcept { body(argument); });
+                },
+                &pool, threads};
+    }
+};
+
+/// Whether the host wants the call to end. Asked often, by several threads at once.
+struct StopCheck {
+    bool (*requested)(void* context) noexcept = nullptr;
+    void* context = nullptr;
+
+    bool stop_requested() const noexcept { return requested != nullptr && requested(context); }
+
+    /// Ends the call once `flag` is true.
+    static StopCheck when(std::atomic<bool>& flag) noexcept {
+        return {
+            [](void* context) noexcept { return static_cast<std::atomic<bool>*>(context)->load(std::memory_order_relaxed); },
+            &flag};
+    }
+};
+
+/// Where the call says how far it is.
+struct Progress {
+    /// `fraction` in [0, 1], never falling; from any thread, never from two at once.
+    void (*report)(void* context, double fraction) noexcept = nullptr;
+    void* context = nullptr;
+
+    /// `sink(fraction)`, which must be noexcept.
+    template <class Sink>
+    static Progress to(Sink& sink) noexcept {
+        static_assert(std::is_nothrow_invocable_v<Sink&, double>, "an exception could not pass through the library");
+        return {[](void* context, double fraction) noexcept { (*static_cast<Sink*>(context))(fraction); },
+                const_cast<std::remove_const_t<Sink>*>(&sink)};
+    }
+};
+
+struct Control {
+    int threads = 0;                 ///< at most so many; 0: all that the executor has
+    Executor executor{};             ///< none: oneTBB
+    const Memory* memory = nullptr;  ///< for results and scratch; null: operator new
+    StopCheck stop{};
+    Progress progress{};
+};
+
+}  // namespace lamella

@@ -1,0 +1,76 @@
+// Errors as values. The library never throws across its interface, prints, aborts or exits: every call that can fail
+// returns a Result, and what went wrong is one line of text plus the evidence as data.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace lamella {
+
+enum class ErrorCode : std::uint8_t {
+    invalid_argument,  ///< an option that contradicts itself or lies outside its range
+    unreadable_file,   ///< missing, a directory, no permission, or it changed while it was read
+    malformed_mesh,    ///< the bytes are not a mesh in the format that they claim
+    empty_mesh,        ///< no triangle at all
+    bad_coordinate,    ///< a coordinate that is not finite, or beyond 1e9 mm
+    bad_planes,        ///< heights not sorted or not distinct on the grid, a step under two units, too many planes
+    result_too_large,  ///< the result is known to exceed the memory limit; nothing was allocated for it
+    too_entangled,     ///< the contours of a layer are beyond what a fill rule can be applied to
+    out_of_memory,     ///< an allocation failed
+    cancelled,         ///< the caller's stop token was triggered
+    unwritable_file,   ///< the output could not be created or written
+};
+
+/// What went wrong, as one line for a person (it names file and place where there are any) and as data for a program.
+struct Error {
+    ErrorCode code = ErrorCode::invalid_argument;
+    std::string message;
+    std::int64_t triangle = -1;     ///< index of the offending triangle in the input, or -1
+    std::int64_t plane = -1;        ///< index of the offending plane, or -1
+    std::int64_t byte_offset = -1;  ///< where in the file, or -1
+};
+
+/// Either a value or an Error. `Result<void>` is spelled `Status`.
+template <class T>
+class [[nodiscard]] Result {
+public:
+    Result(T value) : value_(std::move(value)) {}      // NOLINT(google-explicit-constructor): `return value;` reads best
+    Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
+
+    explicit operator bool() const noexcept { return value_.has_value(); }
+    bool ok() const noexcept { return value_.has_value(); }
+
+    /// Precondition of value access: ok().
+    T& value() & { return *value_; }
+    const T& value() const& { return *value_; }
+    T&& value() && { return std::move(*value_); }
+    T& operator*() & { return *value_; }
+    const T& operator*() const& { return *value_; }
+    T* operator->() { return &*value_; }
+    const T* operator->() const { return &*value_; }
+
+    /// Precondition: not ok().
+    const Error& error() const { return error_; }
+
+private:
+    std::optional<T> value_;
+    Error error_;
+};
+
+/// Success, or an Error.
+class [[nodiscard]] Status {
+public:
+    Status() = default;
+    Status(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
+
+    explicit operator bool() const noexcept { return !error_.has_value(); }
+    bool ok() const noexcept { return !error_.has_value(); }
+    const Error& error() const { return *error_; }
+
+private:
+    std::optional<Error> error_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,81 @@
+// Mesh files: one call for every format. Which format a file has is decided by its content, then by its name; where the two
+// disagree the content is believed and a warning says so.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lamella/array.hpp"
+#include "lamella/control.hpp"
+#include "lamella/error.hpp"
+#include "lamella/mesh.hpp"
+
+namespace lamella {
+
+enum class MeshFormat : std::uint8_t { stl, obj, off, ply, vtk, vtp, three_mf };
+
+/// "STL", ...
+std::string_view name_of(MeshFormat format) noexcept;
+
+/// Of all formats that can be read.
+std::span<const std::string_view> format_names() noexcept;
+
+/// In which directions a medical mesh's axes run through the patient: towards left, posterior and superior, or towards
+/// right, anterior and superior. Read where a file states it, and never guessed.
+enum class PatientFrame : std::uint8_t { unstated, lps, ras };
+
+/// "LPS", "RAS" or "".
+std::string_view name_of(PatientFrame frame) noexcept;
+
+/// A mesh read from a file, with its memory: triangle soup as it lies in the file, or vertices and indices.
+struct MeshFile {
+    Array<std::byte> bytes;        ///< what holds the coordinates; a binary STL file is kept as it is (no parse, no copy)
+    std::size_t first_offset = 0;  ///< of the first triangle's (soup) or vertex's coordinates in `bytes`
+    std::size_t stride = 0;        ///< bytes from one triangle (soup) or vertex to the next
+    CoordinateType number = CoordinateType::f32;
+    std::uint64_t vertex_count = 0;  ///< 0 for soup
+    Array<std::uint32_t> indices;    ///< three a triangle; empty for soup
+    std::uint64_t triangle_count = 0;
+
+    MeshFormat format = MeshFormat::stl;
+    bool text = false;         ///< numbers were written out in decimals
+    bool compressed = false;   ///< by gzip, as a whole
+    double mm_per_unit = 1;    ///< of the coordinates: what the file states, else what the caller asked for
+    bool states_unit = false;  ///< the file does
+    PatientFrame patient_frame = PatientFrame::unstated;
+    std::vector<std::string> warnings;  ///< one line each, naming the file
+    std::uint64_t file_bytes = 0;
+    double read_ms = 0;   ///< getting the bytes
+    double parse_ms = 0;  ///< making triangles of them, and decompression
+
+    MeshView view() const noexcept {
+        if (indices.empty()) {
+            return MeshView::strided_soup(bytes.data() + first_offset, triangle_count, stride, number);
+        }
+        return MeshView::indexed(bytes.data() + first_offset, vertex_count, stride, number, indices.span());
+    }
+
+    /// From the coordinates to mm: what SliceOptions::transform must begin with.
+    Transform to_mm() const noexcept { return Transform::scale(mm_per_unit); }
+};
+
+struct ReadOptions {
+    /// Map the file instead of reading it. Saves the copy; a file that shrinks while it is mapped kills the process, so this
+    /// is for programs that own their input.
+    bool map_file = false;
+    double mm_per_unit = 1;  ///< for files that state no unit
+    /// What reading may take beside the file's own bytes; more is an error before it is allocated. 0: three times the file
+    /// and 256 MiB, which only files that expand enormously exceed.
+    std::uint64_t memory_limit_bytes = 0;
+    Control control{};
+};
+
+/// Reads `path`. Errors: unreadable_file, malformed_mesh (with the byte offset, and for text the line, in the message),
+/// empty_mesh, out_of_memory. Never allocates by a count that the file does not hold.
+Result<MeshFile> read_mesh(const std::filesystem::path& path, const ReadOptions& options = {}) noexcept;
+
+}  // namespace lamella

@@ -1,0 +1,113 @@
+// What is wrong with a mesh, and where: every departure from a closed, oriented surface without self-intersections
+// (paper 1.3), found on the grid that slicing would use.
+//
+// Exact, by integer arithmetic on the grid: all edges, vertices, duplicates, senses, volumes' signs, faces without area, and
+// whether two triangles cross, overlap or touch. Approximate, in double (relative error below 1e-12): the ratio of slivers,
+// the distance of T-junctions and cracks, lengths, volumes, and the point at which crossing triangles are said to meet.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "lamella/error.hpp"
+#include "lamella/mesh.hpp"
+#include "lamella/mesh/inspect.hpp"
+
+namespace lamella {
+
+/// What can be wrong. An edge is ordinary when it has two faces that run opposite ways.
+enum class Fault : std::uint8_t {
+    boundary_edge,        ///< an edge with one face
+    boundary_loop,        ///< boundary edges joined end to end; closed unless an edge with three or more faces breaks in
+    overfull_balanced,    ///< an edge with more than two faces, as many one way as the other: solids that touch
+    overfull_unbalanced,  ///< with more one way than the other
+    mismatched_edge,      ///< with two faces that run the same way
+    split_vertex,         ///< its triangles, joined over edges with two faces, form several fans: not one cone
+    flipped_face,       ///< against most faces of its patch (joined over edges with two faces; at a tie the first is right)
+    one_sided_patch,    ///< no choice of senses agrees, as on a Moebius strip; its faces are not judged as flipped
+    duplicate_face,     ///< a further face with the same vertices and sense
+    opposite_face,      ///< two faces with the same vertices and opposite senses
+    collapsed_face,     ///< two vertices are one on the grid; slicing drops it, and no other count includes it
+    zero_area_face,     ///< three distinct vertices on a line; not tested against other faces
+    needle_face,        ///< a sliver whose shortest side is under a tenth of the longest
+    cap_face,           ///< any other sliver: one angle is nearly half a turn
+    wrong_sense_shell,  ///< a closed shell that is a cavity by its sense and a solid by its depth, or the reverse; deeper
+                        ///< than 0 only where neither it nor a shell around it meets another
+    crossing_faces,     ///< two faces whose insides cross
+    overlapping_faces,  ///< two faces of one plane whose insides overlap (duplicates are counted as such)
+    touching_faces,     ///< two faces that meet elsewhere than in a common edge or vertex, and neither cross nor overlap
+    t_junction,         ///< a vertex of the boundary, within the tolerance of the inside of another face's boundary edge
+    crack,              ///< two vertices of the boundary within the tolerance of one another, not joined by an edge
+};
+inline constexpr std::size_t fault_count = 20;
+
+/// "boundary_edges", ...: the key in reports.
+std::string_view key_of(Fault fault) noexcept;
+/// "boundary edges", ...; for a count of one, "boundary edge".
+std::string_view words_for(Fault fault, std::uint64_t count) noexcept;
+
+/// Where a fault is. Points are in mm, after the transform.
+struct FaultPlace {
+    std::array<std::array<double, 3>, 3> points_mm{};  ///< a point, the ends of an edge or gap, or a face's corners
+    int point_count = 1;
+    std::array<std::int64_t, 2> triangles{-1, -1};  ///< faces that are part of it, as numbered in the input, or -1
+    std::uint64_t number = 0;                       ///< faces at an edge, edges of a loop, fans at a vertex; else 0
+    double measure = 0;   ///< a loop's length and a gap's width in mm, a sliver's ratio, a shell's volume in mm³; else 0
+    bool closed = false;  ///< of a loop
+};
+
+struct Finding {
+    std::uint64_t count = 0;
+    bool at_least = false;  ///< the search was cut short: the true count may be larger
+    /// The first, by smallest coordinates: no order of triangles or vertices and no number of threads changes them. At most
+    /// CheckOptions::most_places.
+    std::vector<FaultPlace> places;
+};
+
+/// A set of triangles connected over edges.
+struct MeshShell {
+    std::array<double, 3> first_mm{};  ///< its vertex with the smallest x, then y, then z
+    std::int64_t triangle = -1;        ///< one of its triangles at that vertex
+    std::uint64_t triangles = 0;
+    bool closed = false;       ///< every edge has as many faces one way as the other
+    double volume_mm3 = 0;     ///< signed; 0 unless closed
+    int sense = 0;             ///< sign of the volume: 1 a solid, -1 a cavity, 0 neither or not closed
+    int depth = 0;             ///< number of closed shells around it
+    std::int64_t parent = -1;  ///< the innermost of them, as an index into MeshCheck::shells, or -1
+};
+
+struct MeshCheck {
+    MeshInfo info;
+    std::array<Finding, fault_count> findings{};
+    std::vector<MeshShell> shells;  ///< all, by first_mm
+    bool nesting_complete = true;   ///< false: rays through too many triangles; depths are then too small for some
+    double tolerance_mm = 0;
+    double sliver_ratio = 0;
+
+    const Finding& of(Fault fault) const noexcept { return findings[static_cast<std::size_t>(fault)]; }
+    /// No search was cut short.
+    bool complete() const noexcept;
+    /// No fault was found but slivers, which slicing does not mind.
+    bool clean() const noexcept;
+};
+
+struct CheckOptions {
+    double unit_mm = 0;            ///< 0: as slicing would choose
+    Transform transform{};         ///< to mm, as in SliceOptions
+    double tolerance_mm = 0.01;    ///< for T-junctions and cracks
+    double sliver_ratio = 100;     ///< longest side over the height on it, from which on a face is a sliver
+    std::size_t most_places = 10;  ///< kept of each kind; all are counted
+    Control control{};
+};
+
+/// O(n log n) for meshes whose triangles are spread out; about 150 bytes a triangle beside the mesh. Where triangles pile up
+/// the search for pairs stops after some eight million exact tests and sixteen for each triangle, which take a second or
+/// two, and says so: Finding::at_least. Of faces on the same vertices one is tested. Shells are nested exactly where they do
+/// not cross; one that touches another wherever it was probed counts as outside. Errors: those of inspect(), and
+/// result_too_large from 2^32 / 3 triangles on.
+Result<MeshCheck> check(const MeshView& mesh, const CheckOptions& options = {}) noexcept;
+
+}  // namespace lamella

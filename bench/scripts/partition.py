@@ -1,7 +1,7 @@
 """The speed-up that the partition allows: computed from the measured times of single bands and parts, not measured.
 
 Bands are claimed in ascending order by whichever thread is free, and none runs further ahead of the first unfinished one
-than the placement lets it (engine/8_result/placement.hpp). Every other stage takes as long as its slowest part; what is
+than the placement lets it (engine/slicing/result/placement.hpp). Every other stage takes as long as its slowest part; what is
 done by one thread is added in full. Taken for granted: that a core is as fast among many as alone, memory included."""
 import heapq
 

@@ -78,12 +78,12 @@ Result<Files::File> Files::get(const MeshWriter& writer) {
 }
 
 std::array<float, 3> corner_of(const MeshView& view, std::uint64_t triangle, std::size_t corner) {
-    const std::uint64_t number_bytes = view.number == CoordinateType::f32 ? sizeof(float) : sizeof(double);
+    const std::uint64_t number_bytes = view.coordinate_type == CoordinateType::f32 ? sizeof(float) : sizeof(double);
     const std::byte* const at = view.indices != nullptr ? view.vertices + view.indices[3 * triangle + corner] * view.stride
                                                         : view.vertices + triangle * view.stride + 3 * corner * number_bytes;
     std::array<float, 3> floats;
     std::array<double, 3> doubles;
-    if (view.number == CoordinateType::f32) {
+    if (view.coordinate_type == CoordinateType::f32) {
         std::memcpy(floats.data(), at, sizeof floats);
     } else {
         std::memcpy(doubles.data(), at, sizeof doubles);

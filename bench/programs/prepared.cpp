@@ -50,7 +50,7 @@ std::string Prepared::check_case(const Case& wanted) {
     layer_count_ = result.layers.size();
     contour_count_ = result.contours.size();
     point_count_ = result.points.size();
-    hash_ = output_hash(result);
+    hash_ = hash_result(result);
     if (wanted.segments != 0 && !within(summary_.segments, wanted.segments, 0.05)) {
         return differs("segments", summary_.segments, wanted.segments);
     }
@@ -85,7 +85,7 @@ std::string Prepared::check(ContourForm form, int threads) {
     if (Status status = slice(mesh_->view(), options(form, threads), workspace, result); !status) {
         return status.error().message;
     }
-    if (output_hash(result) != hash_) {
+    if (hash_result(result) != hash_) {
         return "the answer differs from that of one thread, swept form";
     }
     checked_.insert({form, threads});

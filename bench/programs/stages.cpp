@@ -25,7 +25,7 @@ Status Stages::measure() {
 }
 
 Status Stages::plan_planes() {
-    return planes_.build(plan_, bounds_, unit_mm_, mesh_.number, std::numeric_limits<std::uint64_t>::max());
+    return planes_.build(plan_, bounds_, unit_mm_, mesh_.coordinate_type, std::numeric_limits<std::uint64_t>::max());
 }
 
 void Stages::count() {

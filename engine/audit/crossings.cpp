@@ -117,9 +117,6 @@ private:
 };
 
 Result<Crossings> find_or_throw(const SliceResult& result, const Control& control) {
-    if (control.threads < 0) {
-        return Error{ErrorCode::invalid_argument, "threads must not be negative"};
-    }
     if (Status status = examine(result); !status) {
         return status.error();
     }
@@ -152,7 +149,7 @@ Result<Crossings> find_or_throw(const SliceResult& result, const Control& contro
 }  // namespace
 
 Result<Crossings> find_crossings(const SliceResult& result, const Control& control) noexcept {
-    return guarded([&] { return find_or_throw(result, control); });
+    return guarded(control, [&] { return find_or_throw(result, control); });
 }
 
 }  // namespace lamella

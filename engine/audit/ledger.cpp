@@ -204,9 +204,6 @@ private:
 };
 
 Result<Ledger> ledger_or_throw(const MeshView& mesh, const SliceResult& result, const Control& control) {
-    if (control.threads < 0) {
-        return Error{ErrorCode::invalid_argument, "threads must not be negative"};
-    }
     const Parallel parallel(control);
     if (const Result<Bounds> bounds = examine(mesh, result, parallel); !bounds) {
         return bounds.error();
@@ -226,7 +223,7 @@ std::string_view name_of(SurfacePieceKind kind) noexcept {
 }
 
 Result<Ledger> make_ledger(const MeshView& mesh, const SliceResult& result, const Control& control) noexcept {
-    return guarded([&] { return ledger_or_throw(mesh, result, control); });
+    return guarded(control, [&] { return ledger_or_throw(mesh, result, control); });
 }
 
 }  // namespace lamella

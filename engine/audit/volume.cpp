@@ -332,9 +332,6 @@ private:
 };
 
 Result<VolumeCertificate> certify_or_throw(const MeshView& mesh, const SliceResult& result, const Control& control) {
-    if (control.threads < 0) {
-        return Error{ErrorCode::invalid_argument, "threads must not be negative"};
-    }
     const Parallel parallel(control);
     const Result<Bounds> bounds = examine(mesh, result, parallel);
     if (!bounds) {
@@ -356,7 +353,7 @@ std::string_view name_of(VolumeVerdict verdict) noexcept {
 }
 
 Result<VolumeCertificate> certify_volume(const MeshView& mesh, const SliceResult& result, const Control& control) noexcept {
-    return guarded([&] { return certify_or_throw(mesh, result, control); });
+    return guarded(control, [&] { return certify_or_throw(mesh, result, control); });
 }
 
 }  // namespace lamella

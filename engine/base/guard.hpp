@@ -20,4 +20,22 @@ auto guarded(Call&& call) noexcept -> decltype(call()) {
     }
 }
 
+/// The same for a call that takes `control`.
+template <class Call>
+auto guarded(const Control& control, Call&& call) noexcept -> decltype(call()) {
+    return guarded([&]() -> decltype(call()) {
+        if (control.threads < 0) {
+            return Error{ErrorCode::invalid_argument, "threads must not be negative"};
+        }
+        return std::forward<Call>(call)();
+    });
+}
+
+/// Ends a call that works on one thread, between two of its steps.
+inline void stop_if_asked(const Control& control) {
+    if (control.stop.stop_requested()) {
+        throw Stopped();
+    }
+}
+
 }  // namespace lamella

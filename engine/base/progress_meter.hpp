@@ -1,4 +1,4 @@
-// Progress told to the host: by one thread at a time and never falling, whoever gets how far.
+// Progress reported to the host: by one thread at a time, and never falling.
 #pragma once
 
 #include <mutex>
@@ -11,15 +11,23 @@ class ProgressMeter {
 public:
     explicit ProgressMeter(const Progress& sink) noexcept : sink_(sink) {}
 
-    /// From any thread, which does not wait: while another one reports, this is left out.
+    /// From any thread, which does not wait: while another one reports, this is left out. So is what is not below 1, since
+    /// the call may still fail.
     void reach(double fraction) noexcept {
         if (sink_.report == nullptr) {
             return;
         }
         const std::unique_lock lock(mutex_, std::try_to_lock);
-        if (lock.owns_lock() && fraction > reported_) {
+        if (lock.owns_lock() && fraction > reported_ && fraction < 1) {
             reported_ = fraction;
             sink_.report(sink_.context, fraction);
+        }
+    }
+
+    /// The call has succeeded, and no thread works on it any more.
+    void finish() noexcept {
+        if (sink_.report != nullptr) {
+            sink_.report(sink_.context, 1);
         }
     }
 

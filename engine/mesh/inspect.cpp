@@ -107,7 +107,7 @@ Result<MeshInfo> inspect_or_throw(const MeshView& mesh, const InspectOptions& op
 }  // namespace
 
 Result<MeshInfo> inspect(const MeshView& mesh, const InspectOptions& options) noexcept {
-    return guarded([&] { return inspect_or_throw(mesh, options); });
+    return guarded(options.control, [&] { return inspect_or_throw(mesh, options); });
 }
 
 }  // namespace lamella

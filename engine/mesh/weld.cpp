@@ -9,9 +9,9 @@
 #include <tuple>
 #include <unordered_map>
 #include <utility>
-#include <vector>
 
 #include "base/guard.hpp"
+#include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/memory.hpp"
 
@@ -49,7 +49,8 @@ public:
     static constexpr double cells_per_tolerance = 1.0 / 16;
     static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-    explicit KeptVertices(double tolerance) : tolerance_(tolerance) {}
+    KeptVertices(double tolerance, const Memory* memory)
+        : tolerance_(tolerance), head_(HeadAllocator(memory)), next_(memory), coordinates_(memory) {}
 
     /// The nearest kept vertex within the tolerance, the first kept of those as near; or `none`.
     std::uint32_t nearest(const double* at) {
@@ -92,7 +93,7 @@ public:
         return sum;
     }
     std::size_t size() const noexcept { return next_.size(); }
-    const std::vector<double>& coordinates() const noexcept { return coordinates_; }
+    const Vector<double>& coordinates() const noexcept { return coordinates_; }
 
 private:
     /// With a tolerance of zero any cell does.
@@ -113,17 +114,19 @@ private:
         }
     }
 
+    using HeadAllocator = Allocator<std::pair<const Cell, std::uint32_t>>;
+
     double tolerance_;
-    std::unordered_map<Cell, std::uint32_t, CellHash> head_;
-    std::vector<std::uint32_t> next_;
-    std::vector<double> coordinates_;
+    std::unordered_map<Cell, std::uint32_t, CellHash, std::equal_to<>, HeadAllocator> head_;  // the last kept in each cell
+    Vector<std::uint32_t> next_;                                                              // the one kept before it there
+    Vector<double> coordinates_;
     std::uint32_t nearest_ = none;
     double nearest_squared_ = 0;
 };
 
 template <class Number>
-Result<std::vector<Corner<Number>>> sorted_corners(const MeshView& mesh) {
-    std::vector<Corner<Number>> corners(3 * mesh.triangle_count);
+Result<Vector<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory* memory) {
+    Vector<Corner<Number>> corners(3 * mesh.triangle_count, memory);
     for (std::size_t i = 0; i < corners.size(); ++i) {
         if (mesh.indices != nullptr && mesh.indices[i] >= mesh.vertex_count) {
             return Error{ErrorCode::invalid_argument,
@@ -151,14 +154,16 @@ Result<std::vector<Corner<Number>>> sorted_corners(const MeshView& mesh) {
 }
 
 template <class Number>
-Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Memory* memory) {
-    const Result<std::vector<Corner<Number>>> corners = sorted_corners<Number>(mesh);
+Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Control& control) {
+    const Memory* const memory = control.memory;
+    const Result<Vector<Corner<Number>>> corners = sorted_corners<Number>(mesh, memory);
     if (!corners) {
         return corners.error();
     }
-    WeldedMesh welded{Array<std::byte>(memory), Array<std::uint32_t>(memory), mesh.number, 0, 0, 0};
+    stop_if_asked(control);
+    WeldedMesh welded{Array<std::byte>(memory), Array<std::uint32_t>(memory), mesh.coordinate_type};
     welded.indices.resize_discarding(corners.value().size());
-    KeptVertices kept(tolerance);
+    KeptVertices kept(tolerance, memory);
     const Corner<Number>* last = nullptr;
     std::uint32_t vertex = 0;
     for (const Corner<Number>& corner : corners.value()) {
@@ -177,7 +182,7 @@ Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Me
         welded.indices[corner.index] = vertex;
         last = &corner;
     }
-    welded.vertices = kept.size();
+    welded.vertex_count = kept.size();
     welded.coordinates.resize_discarding(kept.coordinates().size() * sizeof(Number));
     for (std::size_t i = 0; i < kept.coordinates().size(); ++i) {
         const auto coordinate = static_cast<Number>(kept.coordinates()[i]);  // which it was before
@@ -188,6 +193,9 @@ Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Me
 
 Result<WeldedMesh> weld_or_throw(const MeshView& mesh, const WeldOptions& options) {
     constexpr double smallest = 1e-9;  // so that the cells of all coordinates have 64-bit numbers
+    if (!(options.mm_per_unit > 0) || !std::isfinite(options.mm_per_unit)) {
+        return Error{ErrorCode::invalid_argument, "the mesh's unit must be a positive number of mm"};
+    }
     const double tolerance = options.tolerance_mm / options.mm_per_unit;
     if (!(tolerance == 0 || tolerance >= smallest) || !std::isfinite(tolerance)) {
         return Error{ErrorCode::invalid_argument, "the welding tolerance must be 0 or between 1e-9 and what is finite"};
@@ -198,10 +206,13 @@ Result<WeldedMesh> weld_or_throw(const MeshView& mesh, const WeldOptions& option
     if (mesh.triangle_count > std::numeric_limits<std::uint32_t>::max() / 3) {
         return Error{ErrorCode::invalid_argument, "more than 2^32 / 3 triangles cannot be welded"};
     }
-    const Memory* const memory = options.control.memory;
-    Result<WeldedMesh> welded = mesh.number == CoordinateType::f32 ? weld_corners<float>(mesh, tolerance, memory)
-                                                                   : weld_corners<double>(mesh, tolerance, memory);
+    stop_if_asked(options.control);
+    Result<WeldedMesh> welded = mesh.coordinate_type == CoordinateType::f32
+                                    ? weld_corners<float>(mesh, tolerance, options.control)
+                                    : weld_corners<double>(mesh, tolerance, options.control);
     if (welded) {
+        welded->tolerance_mm = options.tolerance_mm;
+        welded->mm_per_unit = options.mm_per_unit;
         welded->largest_move_mm *= options.mm_per_unit;
     }
     return welded;
@@ -210,7 +221,15 @@ Result<WeldedMesh> weld_or_throw(const MeshView& mesh, const WeldOptions& option
 }  // namespace
 
 Result<WeldedMesh> weld(const MeshView& mesh, const WeldOptions& options) noexcept {
-    return guarded([&] { return weld_or_throw(mesh, options); });
+    return guarded(options.control, [&] { return weld_or_throw(mesh, options); });
+}
+
+Result<SliceResult> slice(const WeldedMesh& mesh, const SliceOptions& options) noexcept {
+    return guarded([&] {
+        SliceOptions in_mm = options;
+        in_mm.transform = options.transform * mesh.to_mm();
+        return slice(mesh.view(), in_mm);
+    });
 }
 
 }  // namespace lamella

@@ -64,7 +64,7 @@ struct detail::WorkspaceParts {
     Placement placement;
 };
 
-Workspace::Workspace() : parts_(std::make_unique<detail::WorkspaceParts>(nullptr)) {}
+Workspace::Workspace() noexcept = default;
 Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 Workspace& Workspace::operator=(Workspace&&) noexcept = default;
@@ -95,6 +95,7 @@ public:
             return status;
         }
         finish_result();
+        progress_.finish();
         return {};
     }
 
@@ -138,7 +139,7 @@ Status Slicing::choose_grid_and_planes() {
     result_.summary = {};
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
     std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
-    const CoordinateType number = options_.transform.is_identity() ? mesh_.number : CoordinateType::f64;
+    const CoordinateType number = options_.transform.is_identity() ? mesh_.coordinate_type : CoordinateType::f64;
     return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
 }
 
@@ -318,13 +319,13 @@ void Slicing::summarise() {
 
 Status slice_or_throw(const MeshView& mesh, const SliceOptions& options, std::unique_ptr<detail::WorkspaceParts>& kept,
                       SliceResult& result) {
-    if (options.control.threads < 0 || options.tuning.band_planes < 0) {
-        return Error{ErrorCode::invalid_argument, "threads and band planes must not be negative"};
+    if (options.tuning.band_planes < 0) {
+        return Error{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"};
     }
     if (!(options.close_gaps_mm >= 0) || !std::isfinite(options.close_gaps_mm)) {
         return Error{ErrorCode::invalid_argument, "the length up to which gaps are closed must be finite and not negative"};
     }
-    if (kept->memory != options.control.memory) {
+    if (kept == nullptr || kept->memory != options.control.memory) {
         kept = std::make_unique<detail::WorkspaceParts>(options.control.memory);
     }
     if (result.points.memory() != options.control.memory) {
@@ -335,17 +336,17 @@ Status slice_or_throw(const MeshView& mesh, const SliceOptions& options, std::un
 
 }  // namespace
 
-void Workspace::reset(const Memory* memory) {
-    parts_ = std::make_unique<detail::WorkspaceParts>(memory);
+void Workspace::reset() noexcept {
+    parts_.reset();
 }
 
 Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
-    return guarded([&] { return slice_or_throw(mesh, options, workspace.parts_, result); });
+    return guarded(options.control, [&] { return slice_or_throw(mesh, options, workspace.parts_, result); });
 }
 
 Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options) noexcept {
-    return guarded([&]() -> Result<SliceResult> {
-        auto kept = std::make_unique<detail::WorkspaceParts>(options.control.memory);
+    return guarded(options.control, [&]() -> Result<SliceResult> {
+        std::unique_ptr<detail::WorkspaceParts> kept;
         SliceResult result(options.control.memory);
         if (Status status = slice_or_throw(mesh, options, kept, result); !status) {
             return status.error();

@@ -1,5 +1,15 @@
-// A flat array of plain values: like std::vector, but sized without touching its memory (writing fresh pages is the largest
-// single cost of slicing), and taken from the caller's memory.
+// A flat array of plain values, as results hold them.
+//
+//     lamella::Array<lamella::Point> points;
+//     points.resize_discarding(2);  // two points of unspecified value
+//     points[0] = {0, 0};
+//     points[1] = {4, 2};
+//     for (const lamella::Point& point : points) {
+//         std::printf("%d %d\n", point.x, point.y);
+//     }
+//
+// It differs from std::vector in two things. Its memory comes from the host where the host gives one (memory.hpp), and a new
+// size leaves the elements unwritten: writing fresh pages is the largest single cost of slicing.
 #pragma once
 
 #include <cassert>
@@ -43,7 +53,8 @@ public:
     Array& operator=(const Array&) = delete;
     ~Array() { detail::give_memory(memory_, data_, capacity_ * sizeof(T)); }
 
-    /// Size `count`, contents unspecified. O(1) when the capacity suffices. Throws std::bad_alloc.
+    /// Size `count`, contents unspecified. O(1) where the capacity suffices. The one call of the public headers that throws:
+    /// std::bad_alloc, after which the array is as it was.
     void resize_discarding(std::size_t count) {
         if (count > capacity_) {
             T* fresh = static_cast<T*>(detail::take_memory(memory_, count * sizeof(T)));

@@ -1,4 +1,15 @@
-// Contour construction for callers who bring their own segments (paper, Algorithm 4).
+// Contours from segments that the caller brings: for programs that cut something else than triangles.
+//
+//     // A square. Two segments meet where their keys are equal, here the number of the corner.
+//     const lamella::Point corners[4] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+//     std::vector<lamella::Segment> segments;
+//     for (std::uint64_t i = 0; i < 4; ++i) {
+//         const std::uint64_t next = (i + 1) % 4;
+//         segments.push_back({.from_key = {i}, .to_key = {next}, .from = corners[i], .to = corners[next]});
+//     }
+//     const lamella::Result<lamella::LayerContours> square = lamella::assemble(segments);
+//
+// Source: the paper's Algorithm 4, with keys for what it calls vertices.
 #pragma once
 
 #include <compare>
@@ -43,10 +54,14 @@ struct LayerContours {
     Array<Point> points;
 };
 
-/// Links q segments of one plane, in any order, into contours. Every segment is used exactly once. Ends are paired by
-/// sense, then by rank (each segment that comes in with the next one clockwise that goes out, so that the solid between them
-/// is on the left and contours do not cross); what is left pairs ignoring sense, and an odd one ends an open polyline.
-/// O(q) expected for linking, O(q log q) for order and nesting. Errors: out_of_memory.
+/// Links q segments of one plane, given in any order, into contours. Every segment is used exactly once. Ends that meet are
+/// paired by orientation, then by rank: each segment that comes in with the next one clockwise that goes out, so that the
+/// solid between them is on the left and contours do not cross. What is left is paired whatever its orientation, and an odd
+/// end becomes the end of an open polyline. Points are in grid units: their magnitude is at most grid_limit.
+///
+/// O(q) expected for linking, O(q log q) for order and nesting. It works on the calling thread: of `control` it uses
+/// `memory`, for the result and all scratch, and `stop`, which it asks before each of its steps. Errors: invalid_argument
+/// (more than 2^30 segments, negative threads), out_of_memory, cancelled.
 Result<LayerContours> assemble(std::span<const Segment> segments, const Control& control = {}) noexcept;
 
 }  // namespace lamella

@@ -1,4 +1,4 @@
-// What a long call may use of its host, and how the host follows and ends it. Every long function of the library takes one.
+// What a call may use of its host, and how the host follows and ends it. Every long function of the library takes one.
 //
 //     std::atomic<bool> cancelled = false;
 //     const auto show = [](double fraction) noexcept { std::printf("%.0f %%\n", 100 * fraction); };
@@ -9,6 +9,20 @@
 //
 // All members are plain function pointers with a context, so that any language and any host can fill them in. The functions
 // must not throw, which their types say. What a context points to must outlive the call.
+//
+// Which call uses what:
+//
+//     call                                           threads, executor  stop                progress  memory
+//     slice()                                        yes                at every layer      yes       result and scratch
+//     assemble()                                     calling thread     between its steps   -         result and scratch
+//     read_mesh()                                    yes                yes                 -         mesh and scratch
+//     weld()                                         calling thread     between its steps   -         the welded mesh
+//     inspect(), check()                             yes                yes                 -         -
+//     make_ledger(), certify_volume(),
+//     find_crossings()                               yes                yes                 -         -
+//     write_svg()                                    calling thread     at every layer      -         -
+//
+// A negative number of threads is invalid_argument in all of them.
 #pragma once
 
 #include <atomic>
@@ -22,7 +36,7 @@ namespace lamella {
 struct Executor {
     /// Calls body(argument) up to `workers` times and returns when every call that has begun has returned. The calls may run
     /// at once, on any threads, or one after the other. The library hands out the work within them, and a worker never waits
-    /// for one that has not begun: fewer calls, or none, only mean fewer threads.
+    /// for one that has not begun: fewer calls, or none, only mean fewer threads, and further ones return at once.
     void (*run)(void* context, int workers, void (*body)(void* argument) noexcept, void* argument) noexcept = nullptr;
     void* context = nullptr;
     int threads = 1;  ///< how many calls it can run at once: the workers asked for where Control::threads is 0
@@ -54,7 +68,9 @@ struct StopCheck {
 
 /// Where the call says how far it is.
 struct Progress {
-    /// `fraction` in [0, 1], never falling; from any thread, never from two at once.
+    /// `fraction` rises from one call to the next and is 1 in the last, which a call that succeeds makes before it returns.
+    /// Called on any of the working threads, never on two at once, and while none of the library's locks is held that work
+    /// waits for: a slow sink slows only the thread that it is called on.
     void (*report)(void* context, double fraction) noexcept = nullptr;
     void* context = nullptr;
 
@@ -68,10 +84,10 @@ struct Progress {
 };
 
 struct Control {
-    int threads = 0;                 ///< at most so many; 0: all that the executor has
-    Executor executor{};             ///< none: oneTBB
-    const Memory* memory = nullptr;  ///< for results and scratch; null: operator new
-    StopCheck stop{};
+    int threads = 0;                 ///< at most this many; 0: all that the executor has
+    Executor executor{};             ///< without one: oneTBB
+    const Memory* memory = nullptr;  ///< null: operator new
+    StopCheck stop{};                ///< ends the call with ErrorCode::cancelled
     Progress progress{};
 };
 

@@ -1,5 +1,18 @@
-// Errors as values. The library never throws across its interface, prints, aborts or exits: every call that can fail
-// returns a Result, and what went wrong is one line of text plus the evidence as data.
+// Errors as values: every call that can fail returns a Result or a Status.
+//
+//     const lamella::Result<lamella::SliceResult> sliced = lamella::slice(mesh);
+//     if (!sliced) {
+//         const lamella::Error& error = sliced.error();
+//         std::fprintf(stderr, "%s\n", error.message.c_str());
+//         if (error.code == lamella::ErrorCode::bad_coordinate) {
+//             std::fprintf(stderr, "look at triangle %lld\n", static_cast<long long>(error.triangle));
+//         }
+//         return;
+//     }
+//     std::printf("%zu layers\n", sliced->layers.size());
+//
+// The library never throws across its interface, prints, aborts or exits. What went wrong is one line of text for a person,
+// and the evidence as data for a program.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +32,7 @@ enum class ErrorCode : std::uint8_t {
     result_too_large,  ///< the result is known to exceed the memory limit; nothing was allocated for it
     too_entangled,     ///< the contours of a layer are beyond what a fill rule can be applied to
     out_of_memory,     ///< an allocation failed
-    cancelled,         ///< the caller's stop token was triggered
+    cancelled,         ///< the caller's StopCheck said so
     unwritable_file,   ///< the output could not be created or written
 };
 

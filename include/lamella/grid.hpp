@@ -1,6 +1,13 @@
-// The integer grid (paper 3.1): vertices are rounded to even multiples of the unit and planes to odd ones, so that no vertex
-// ever lies on a plane and every intersection is a proper segment. Parity is in the types: a GridVertex cannot be odd and a
-// PlaneHeight cannot be even.
+// The integer grid that everything is computed on.
+//
+//     const lamella::Point point = result.points[0];               // grid units
+//     const double x_mm = point.x * result.unit_mm;                // or result.to_mm(point).x
+//     const lamella::PlaneHeight plane = result.layers[0].plane;   // an odd number of grid units
+//     std::printf("%g mm at height %g mm\n", x_mm, plane.z() * result.unit_mm);
+//
+// Source: section 3.1 of the paper. Vertices are rounded to even multiples of the unit and planes to odd ones, so that no
+// vertex ever lies on a plane and every intersection is a proper segment. Parity is in the types: a GridVertex cannot be odd
+// and a PlaneHeight cannot be even.
 //
 // The grid is anchored at absolute zero and its unit is a power of two that does not depend on the mesh's size or place:
 // 2^-20 mm (about 1 nm) for anything within ±1,024 mm, else the next power of two that fits. Equal parts therefore give

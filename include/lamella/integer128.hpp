@@ -1,11 +1,17 @@
-// A signed 128-bit integer in the public results: areas on the grid are exact, and compilers' own types are not portable.
+// A signed 128-bit integer, which holds the exact area of a contour.
+//
+//     const lamella::Integer128 twice_area = result.contours[0].twice_area;  // square grid units
+//     const double mm2 = twice_area.to_double() / 2 * result.unit_mm * result.unit_mm;
+//     std::printf("%g mm2\n", mm2);
+//
+// Compilers have such a type of their own, but it is not portable.
 #pragma once
 
 #include <cstdint>
 
 namespace lamella {
 
-/// A signed 128-bit integer as two words, so that areas are exact and the layout is plain.
+/// high * 2^64 + low.
 struct Integer128 {
     std::uint64_t low = 0;
     std::int64_t high = 0;

@@ -1,6 +1,16 @@
 // lamella::io: mesh files, layered SVG and reports.
+//
+//     const lamella::Result<lamella::MeshFile> file = lamella::read_mesh("liver.stl");
+//     if (file) {
+//         const lamella::Result<lamella::SliceResult> sliced = lamella::slice(*file);
+//         if (sliced && lamella::write_svg(*sliced, "liver.svg")) {
+//             std::printf("%zu layers\n", sliced->layers.size());
+//         }
+//     }
 #pragma once
 
 #include "lamella/io/check_report.hpp"
 #include "lamella/io/mesh_file.hpp"
-#include "lamella/io/write.hpp"
+#include "lamella/io/report.hpp"
+#include "lamella/io/svg.hpp"
+#include "lamella/io/text_file.hpp"

@@ -1,7 +1,16 @@
-// Where the library takes its memory from: the host's functions, or operator new where it gives none.
+// Where the library takes its memory from: the host's functions, or operator new where the host gives none.
 //
-//     lamella::Memory memory = lamella::memory_of(pool);    // pool: a std::pmr::memory_resource, or anything like it
+//     struct Pool {  // a std::pmr::memory_resource, or anything that has these two functions
+//         void* allocate(std::size_t bytes, std::size_t alignment) { return std::aligned_alloc(alignment, bytes); }
+//         void deallocate(void* memory, std::size_t, std::size_t) { std::free(memory); }
+//     } pool;
+//     const lamella::Memory memory = lamella::memory_of(pool);
 //     options.control.memory = &memory;
+//
+// control.hpp lists which calls take it. What they take from it: the arrays of the answer, and all scratch that grows with
+// the mesh or with a layer. What stays with operator new is small and does not grow with them: a few words a thread and
+// band, lists of given heights, and the texts of errors. One thing more does: fill rules other than FillRule::contours clip
+// by a library that knows operator new only, one cluster of contours that meet at a time.
 #pragma once
 
 #include <cstddef>

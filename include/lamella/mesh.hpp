@@ -1,5 +1,13 @@
-// The mesh as the caller holds it: a view, never a copy. Triangles are read as three vertices each, counter-clockwise as
-// seen from outside the solid (the convention of STL); nothing about their order or about shared vertices is assumed.
+// The mesh as the caller holds it: a view, never a copy.
+//
+//     // A tetrahedron: four vertices of three numbers, and three indices a triangle.
+//     const std::vector<float> xyz = {0, 0, 0, 10, 0, 0, 0, 10, 0, 0, 0, 10};
+//     const std::vector<std::uint32_t> indices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+//     const lamella::MeshView tetrahedron = lamella::MeshView::indexed(xyz, indices);
+//     const lamella::Result<lamella::SliceResult> sliced = lamella::slice(tetrahedron);
+//
+// A triangle is three vertices, counter-clockwise as seen from outside the solid, as in STL. Nothing is assumed about the
+// order of triangles or about shared vertices. Coordinates are in mm once SliceOptions::transform has been applied to them.
 #pragma once
 
 #include <array>
@@ -38,16 +46,16 @@ struct MeshView {
     std::size_t vertex_count = 0;            ///< indexed only; indices are checked against it
     const std::uint32_t* indices = nullptr;  ///< null for soup
     std::size_t triangle_count = 0;
-    CoordinateType number = CoordinateType::f32;
+    CoordinateType coordinate_type = CoordinateType::f32;
 
     static MeshView soup(std::span<const float> coordinates) noexcept;   ///< nine numbers a triangle
     static MeshView soup(std::span<const double> coordinates) noexcept;  ///< nine numbers a triangle
     /// `stride` in bytes between triangles: 50 with `first` at offset 84 + 12 views a binary STL file where it lies.
     static MeshView strided_soup(const std::byte* first, std::size_t triangles, std::size_t stride,
-                                 CoordinateType number) noexcept;
+                                 CoordinateType coordinate_type) noexcept;
     static MeshView indexed(std::span<const float> xyz, std::span<const std::uint32_t> indices) noexcept;
     static MeshView indexed(std::span<const double> xyz, std::span<const std::uint32_t> indices) noexcept;
-    static MeshView indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType number,
+    static MeshView indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType coordinate_type,
                             std::span<const std::uint32_t> indices) noexcept;
 };
 

@@ -1,5 +1,10 @@
-// Where to cut. A layer is a slab of material with a bottom, a top and one plane between them; the plane's cross-section
-// stands for the slab. Heights are absolute, in mm along the slicing direction.
+// Where to cut.
+//
+//     options.plan.spacing = lamella::UniformLayers{.layer_height_mm = 0.1};          // every 0.1 mm
+//     options.plan.spacing = lamella::ExplicitPlanes{.heights_mm = {1.5, 2, 7.25}};   // or at these heights
+//
+// A layer is a slab of material with a bottom, a top and one plane between them, whose cross-section stands for the slab.
+// Heights are absolute, in mm along the slicing direction.
 //
 // Rounding rule: every plane's height is computed by itself (z0 + i·h, never by adding rounded steps), rounded first exactly
 // as a vertex of that height would be (to the mesh's number type, then to the even grid), then moved one unit down
@@ -31,8 +36,8 @@ struct UniformLayers {
 };
 
 /// Planes at the given absolute heights, ascending and distinct after rounding. Heights outside the mesh give empty layers
-/// (beyond the grid's reach, `Layer::plane` only keeps their order).
-/// A layer reaches from the middle between its plane and the one below to the middle between it and the one above.
+/// (beyond the grid's reach, `Layer::plane` only keeps their order). A layer reaches from the middle between its plane and
+/// the one below to the middle between it and the one above.
 struct ExplicitPlanes {
     std::vector<double> heights_mm;
 };

@@ -1,5 +1,16 @@
-// What slicing gives: three flat arrays, layers -> contours -> points, in one canonical order that does not depend on
-// threads, bands, or the order of the triangles and of their vertices.
+// What slicing gives: layers, contours and points.
+//
+//     for (const lamella::Layer& layer : result.layers) {
+//         std::printf("z %g mm: %g mm2\n", layer.plane_mm, result.area_mm2(layer));
+//         for (const lamella::Contour& contour : result.contours_of(layer)) {
+//             for (const lamella::Point& point : result.points_of(contour)) {
+//                 const lamella::PointMm mm = result.to_mm(point);
+//                 std::printf("  %g %g\n", mm.x, mm.y);
+//             }
+//         }
+//     }
+//
+// Three flat arrays, in one order that does not depend on threads, bands, or the order of triangles and of their vertices:
 //
 //     layers    [ L0 | L1 | L2 | ... ]              one per plane, ascending
 //                 |    `------.
@@ -112,6 +123,13 @@ struct SliceSummary {
     StageTimes ms;
 };
 
+/// A point of a contour, in mm within its plane.
+struct PointMm {
+    double x = 0;
+    double y = 0;
+};
+
+/// Heights, points and areas are in the frame of the slicing: after SliceOptions::transform.
 struct SliceResult {
     /// Its arrays will take their memory from `memory`; null: operator new.
     explicit SliceResult(const Memory* memory = nullptr) noexcept
@@ -123,7 +141,7 @@ struct SliceResult {
     Array<ClosedGap> closed_gaps;  ///< by layer, then by `from` and `to`
     FillRule fill_rule = FillRule::contours;
     double close_gaps_mm = 0;          ///< ends at most so far apart were joined
-    double unit_mm = default_unit_mm;  ///< grid units times this give mm
+    double unit_mm = default_unit_mm;  ///< grid units times this give mm; to_mm() does it
     Transform frame;                   ///< from the caller's space to the space of layers and points
     LayerPlan plan;
     SliceSummary summary;
@@ -134,8 +152,13 @@ struct SliceResult {
     std::span<const Point> points_of(const Contour& contour) const noexcept {
         return {points.data() + contour.first_point, contour.point_count};
     }
+    PointMm to_mm(Point point) const noexcept { return {point.x * unit_mm, point.y * unit_mm}; }
+    /// Where a layer was really cut: `to_mm(layer.plane)`, within two grid units of the height asked for.
+    double to_mm(PlaneHeight height) const noexcept { return height.z() * unit_mm; }
     /// Net solid area of a layer, mm²: outers minus holes. O(contours).
     double area_mm2(const Layer& layer) const noexcept;
+    /// Area within a contour, mm²: positive for an outer one, negative for a hole, 0 for flat and open ones.
+    double area_mm2(const Contour& contour) const noexcept;
     double length_mm(const ClosedGap& gap) const noexcept;
 };
 
@@ -143,6 +166,6 @@ struct SliceResult {
 /// contours; per contour role, sense and flags (one word: role | (sense & 0xff) << 8 | flags << 16), segments, point_count,
 /// parent minus the layer's first contour (or -1), area low, area high; per point x and y (one word: x low, y high). Equal
 /// on every platform, thread count and band size.
-std::uint64_t output_hash(const SliceResult& result) noexcept;
+std::uint64_t hash_result(const SliceResult& result) noexcept;
 
 }  // namespace lamella

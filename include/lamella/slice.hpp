@@ -1,4 +1,18 @@
-// The engine: slicing (paper, Algorithms 1 to 3), contour construction (Algorithm 4), orientation and nesting, in parallel.
+// Slicing a mesh that is in memory.
+//
+//     const std::vector<double> soup = {0, 0, 0, 0, 9, 0, 9, 0, 0,   // nine numbers a triangle,
+//                                       0, 0, 0, 9, 0, 0, 0, 0, 9,   // counter-clockwise as seen from outside
+//                                       9, 0, 0, 0, 9, 0, 0, 0, 9,
+//                                       0, 9, 0, 0, 0, 0, 0, 0, 9};
+//     options.plan.spacing = lamella::UniformLayers{.layer_height_mm = 0.5};
+//     const lamella::Result<lamella::SliceResult> sliced = lamella::slice(lamella::MeshView::soup(soup), options);
+//     if (sliced) {
+//         for (const lamella::Layer& layer : sliced->layers) {
+//             std::printf("z %g mm: %g mm2\n", layer.plane_mm, sliced->area_mm2(layer));
+//         }
+//     }
+//
+// Source: the paper's Algorithms 1 to 3 (slicing) and 4 (contours), with orientation and nesting, in parallel.
 #pragma once
 
 #include <memory>
@@ -18,24 +32,24 @@ struct WorkspaceParts;
 
 struct SliceOptions {
     LayerPlan plan{};
-    double unit_mm = 0;  ///< grid unit; 0 chooses the default (see grid.hpp)
-    Transform transform{};
+    double unit_mm = 0;     ///< grid unit; 0 chooses the default (see grid.hpp)
+    Transform transform{};  ///< from the mesh's coordinates to mm and to the slicing direction, which is z
     FillRule fill_rule = FillRule::contours;
     double close_gaps_mm = 0;              ///< join ends of open polylines at most so far apart; 0 joins none
     std::uint64_t memory_limit_bytes = 0;  ///< larger results are refused before allocation; 0: half of physical memory
-    Control control{};                     ///< stop is asked at every layer; the result and all scratch are in its memory
-    Tuning tuning{};                       ///< for experiments
+    Control control{};
+    Tuning tuning{};  ///< for experiments
 };
 
 /// Scratch memory kept from call to call: the second slice of a similar mesh touches no fresh page. One per concurrent call.
 class Workspace {
 public:
-    Workspace();
+    Workspace() noexcept;
     ~Workspace();
     Workspace(Workspace&&) noexcept;
     Workspace& operator=(Workspace&&) noexcept;
-    /// Gives all memory back; what comes next is taken from `memory`.
-    void reset(const Memory* memory);
+    /// Gives all memory back: before the host's Memory that it came from goes.
+    void reset() noexcept;
 
 private:
     friend Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace,
@@ -46,7 +60,7 @@ private:
 /// Slices `mesh` at the planes of `options.plan`.
 ///
 /// n triangles, k planes, m crossings, q points in a layer: O(n + k + m) for uniform planes, O(n log k + k + m) otherwise,
-/// and O(q log q) per layer for ordering and nesting. Memory: O(n + k + m), allocated from `options.memory`.
+/// and O(q log q) per layer for ordering and nesting. Memory: O(n + k + m), from `options.control.memory`.
 ///
 /// A result is refused as too large by what is known before anything is linked: 64 bytes a layer, a point of 8 bytes a
 /// crossing, and a contour of 48 in each layer that has crossings. How many contours more there are is known only once they
@@ -55,10 +69,11 @@ private:
 /// out_of_memory. Errors:
 /// invalid_argument, empty_mesh, bad_coordinate (with the triangle), bad_planes (with the plane), result_too_large,
 /// out_of_memory, cancelled.
-Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options) noexcept;
+Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options = {}) noexcept;
 
-/// The same into an existing result and with scratch that is kept: for callers that slice again and again. On error `result`
-/// is left valid but unspecified.
+/// The same into an existing result and with scratch that is kept: for programs that slice again and again. Where
+/// `options.control.memory` differs from call to call, what is kept of the other memory is given back first. On error
+/// `result` is left valid but unspecified.
 Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept;
 
 }  // namespace lamella

@@ -1,6 +1,7 @@
 // The library's version, in the one place where it is written down: the build reads it from here.
 //
 //     static_assert(lamella::version_major == 0 && lamella::version_minor >= 2);
+//     std::printf("lamella %s\n", lamella::version);
 #pragma once
 
 namespace lamella {

@@ -3,7 +3,7 @@
 namespace lamella::check_test {
 
 std::string text_without_triangles(MeshCheck check) {
-    for (Finding& finding : check.findings) {
+    for (FaultFinding& finding : check.findings) {
         for (FaultPlace& place : finding.places) {
             place.triangles = {-1, -1};
         }
@@ -11,7 +11,7 @@ std::string text_without_triangles(MeshCheck check) {
     for (MeshShell& shell : check.shells) {
         shell.triangle = -1;
     }
-    const Result<std::string> json = check_json(check, {}, 1000);
+    const Result<std::string> json = make_check_json(check, {}, 1000);
     REQUIRE(json.ok());
     return json.value();
 }
@@ -25,7 +25,7 @@ MeshCheck findings_of(const Soup& soup, CheckOptions options) {
     options.control.threads = 3;
     const Result<MeshCheck> three = check(view, options);
     REQUIRE(three.ok());
-    CHECK(check_json(one.value(), {}, 1000).value() == check_json(three.value(), {}, 1000).value());
+    CHECK(make_check_json(one.value(), {}, 1000).value() == make_check_json(three.value(), {}, 1000).value());
     return one.value();
 }
 

@@ -154,14 +154,14 @@ TEST_CASE("piled up triangles are searched only so far, and it is said", "[check
     options.tolerance_mm = 0;
     const MeshCheck fewer = findings_of(only(soup, 0, 1000), options);
     CHECK(fewer.complete());
-    CHECK(verdict(fewer).find("as far as") == std::string::npos);
+    CHECK(make_verdict(fewer).value().find("as far as") == std::string::npos);
     const MeshCheck check = findings_of(soup, options);
     CHECK(check.of(Fault::crossing_faces).at_least);
     CHECK(check.of(Fault::touching_faces).at_least);
     CHECK(check.of(Fault::crossing_faces).count == 0);
     CHECK_FALSE(check.of(Fault::boundary_edge).at_least);
     CHECK_FALSE(check.complete());
-    CHECK(verdict(check) == "not clean: 18000 boundary edges, 6000 boundary loops, as far as was searched");
+    CHECK(make_verdict(check).value() == "not clean: 18000 boundary edges, 6000 boundary loops, as far as was searched");
 }
 
 TEST_CASE("a body exported a thousand times meets another as often as if exported once", "[check]") {

@@ -43,7 +43,7 @@ TEST_CASE("indexed meshes and soup give the same report", "[check]") {
     const shapes::Indexed mesh = shapes::indexed(soup);
     const Result<MeshCheck> found = check(mesh.view());
     REQUIRE(found.ok());
-    CHECK(check_json(found.value(), {}, 1000).value() == check_json(findings_of(soup), {}, 1000).value());
+    CHECK(make_check_json(found.value(), {}, 1000).value() == make_check_json(findings_of(soup), {}, 1000).value());
 }
 
 TEST_CASE("counts agree with the census", "[check]") {

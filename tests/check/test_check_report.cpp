@@ -22,7 +22,10 @@ std::string text_of(const std::filesystem::path& path) {
 
 TEST_CASE("the report holds every kind, its count and its first places", "[check]") {
     const MeshCheck check = findings_of(without(shapes::box({0, 0, 0}, {2, 2, 2}), 2, 2));
-    const auto json = nlohmann::json::parse(check_json(check, {.mesh_file = "a\xff.stl", .warnings = {"w"}}, 3).value());
+    const std::vector<std::string> lines = {"w"};
+    const ReportMember warnings{.key = "warnings", .value = std::span<const std::string>(lines)};
+    const ReportParts parts{.mesh_name = "a\xff.stl", .members = {&warnings, 1}};
+    const auto json = nlohmann::json::parse(make_check_json(check, parts, 3).value());
     CHECK(json["mesh"] == "a\xEF\xBF\xBD.stl");
     CHECK(json["warnings"][0] == "w");
     CHECK(json["triangles"] == 10);
@@ -43,13 +46,13 @@ TEST_CASE("the report holds every kind, its count and its first places", "[check
     CHECK(json["shells"]["first"][0]["volume_mm3"].is_null());
     CHECK_FALSE(json.contains("file"));
     const MeshFile file;
-    CHECK(nlohmann::json::parse(check_json(check, {.file = &file}).value())["file"]["mm_per_unit"] == 1.0);
+    CHECK(nlohmann::json::parse(make_check_json(check, {.file = &file}).value())["file"]["mm_per_unit"] == 1.0);
 }
 
 TEST_CASE("a finding cut short is said to be at least so many", "[check]") {
     MeshCheck check;
     check.findings[static_cast<std::size_t>(Fault::crossing_faces)] = {.count = 7, .at_least = true, .places = {}};
-    CHECK(verdict(check) == "not clean: at least 7 crossings of faces, as far as was searched");
+    CHECK(make_verdict(check).value() == "not clean: at least 7 crossings of faces, as far as was searched");
 }
 
 TEST_CASE("marks are an ASCII PLY of points and edges", "[check]") {

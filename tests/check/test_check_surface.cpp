@@ -35,7 +35,7 @@ TEST_CASE("a box is closed and clean", "[check]") {
     CHECK(counts(check).empty());
     CHECK(check.clean());
     CHECK(check.info.closed);
-    CHECK(verdict(check) == "closed and clean");
+    CHECK(make_verdict(check).value() == "closed and clean");
     REQUIRE(check.shells.size() == 1);
     CHECK(check.shells[0].volume_mm3 == 8);
     CHECK(check.shells[0].first_mm == Xyz{1, 2, 3});
@@ -49,13 +49,13 @@ TEST_CASE("a missing face is four boundary edges in a loop", "[check]") {
     CHECK(edge.point_count == 2);
     CHECK(edge.points_mm[0] == Xyz{0, 0, 2});
     CHECK(edge.points_mm[1] == Xyz{0, 2, 2});
-    CHECK(edge.number == 1);
+    CHECK(edge.parts == 1);
     const FaultPlace& loop = first(check, Fault::boundary_loop);
     CHECK(loop.points_mm[0] == Xyz{0, 0, 2});
-    CHECK(loop.number == 4);
+    CHECK(loop.parts == 4);
     CHECK(loop.measure == 8);
     CHECK(loop.closed);
-    CHECK(verdict(check) == "not clean: 4 boundary edges, 1 boundary loop");
+    CHECK(make_verdict(check).value() == "not clean: 4 boundary edges, 1 boundary loop");
     CHECK_FALSE(check.shells.at(0).closed);
 }
 
@@ -66,7 +66,7 @@ TEST_CASE("holes that touch at a vertex are separate loops", "[check]") {
     CHECK(check.of(Fault::boundary_loop).count == 2);
     CHECK(check.of(Fault::split_vertex).count == 1);
     for (const FaultPlace& loop : check.of(Fault::boundary_loop).places) {
-        CHECK(loop.number == 3);
+        CHECK(loop.parts == 3);
         CHECK(loop.measure == Approx(3 * std::sqrt(2)));
         CHECK(loop.closed);
     }
@@ -82,7 +82,7 @@ TEST_CASE("boundary edges that end at an edge with three faces are an open chain
     std::uint64_t closed = 0;
     for (const FaultPlace& loop : check.of(Fault::boundary_loop).places) {
         closed += loop.closed ? 1 : 0;
-        CHECK(loop.number == (loop.closed ? 4 : 2));
+        CHECK(loop.parts == (loop.closed ? 4 : 2));
     }
     CHECK(closed == 1);
 }
@@ -93,8 +93,8 @@ TEST_CASE("cubes that share an edge", "[check]") {
     const FaultPlace& edge = first(check, Fault::overfull_balanced);
     CHECK(edge.points_mm[0] == Xyz{1, 1, 0});
     CHECK(edge.points_mm[1] == Xyz{1, 1, 1});
-    CHECK(edge.number == 4);
-    CHECK(first(check, Fault::split_vertex).number == 2);
+    CHECK(edge.parts == 4);
+    CHECK(first(check, Fault::split_vertex).parts == 2);
     CHECK(check.shells.size() == 1);
     CHECK(check.shells[0].closed);
     CHECK(check.shells[0].volume_mm3 == 2);
@@ -106,7 +106,7 @@ TEST_CASE("cubes that share a vertex", "[check]") {
     const FaultPlace& vertex = first(check, Fault::split_vertex);
     CHECK(vertex.point_count == 1);
     CHECK(vertex.points_mm[0] == Xyz{1, 1, 1});
-    CHECK(vertex.number == 2);
+    CHECK(vertex.parts == 2);
     CHECK(check.shells.size() == 2);
 }
 
@@ -194,10 +194,10 @@ TEST_CASE("needles and caps from the ratio on", "[check]") {
     // Slivers alone leave a mesh clean, and are named.
     const MeshCheck thin = findings_of(box({0, 0, 0}, {1, 1, 200}));
     CHECK(thin.clean());
-    CHECK(verdict(thin) == "closed and clean, with 8 needles");
+    CHECK(make_verdict(thin).value() == "closed and clean, with 8 needles");
     CheckOptions patient;
     patient.sliver_ratio = 201;
-    CHECK(verdict(findings_of(box({0, 0, 0}, {1, 1, 200}), patient)) == "closed and clean");
+    CHECK(make_verdict(findings_of(box({0, 0, 0}, {1, 1, 200}), patient)).value() == "closed and clean");
 }
 
 TEST_CASE("only as many places as asked for are kept, all are counted", "[check]") {

@@ -66,7 +66,7 @@ struct Bucketed {
         const lamella::Transform none;
         const auto bounds = lamella::measure_bounds(mesh, none, unit_mm, parallel, blocks);
         REQUIRE(bounds);
-        REQUIRE(planes.build(plan, *bounds, unit_mm, mesh.number, no_limit));
+        REQUIRE(planes.build(plan, *bounds, unit_mm, mesh.coordinate_type, no_limit));
         lamella::count_crossings(mesh, none, unit_mm, blocks, planes, parallel, buckets);
         bands.cut(buckets, planes.size(), band_planes, threads);
         const std::size_t reaching = lamella::scatter_triangles(mesh, none, unit_mm, planes, bands.band_end, parallel,

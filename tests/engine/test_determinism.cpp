@@ -14,7 +14,7 @@ TEST_CASE("threads, bands and forms do not change the output", "[engine][determi
     for (const auto& [mesh_name, mesh] : meshes()) {
         lamella::SliceOptions options = uniform(0.125);
         options.control.threads = 1;
-        const std::uint64_t expected = output_hash(sliced(mesh, options));
+        const std::uint64_t expected = hash_result(sliced(mesh, options));
         for (const int threads : {1, 2, 3, 8}) {
             for (const int band : {0, 1, 2, 7, 1000}) {
                 for (const ContourForm form : {ContourForm::swept, ContourForm::assembled}) {
@@ -25,7 +25,7 @@ TEST_CASE("threads, bands and forms do not change the output", "[engine][determi
                     INFO(mesh_name << ", threads " << threads << ", band " << band << ", assembled "
                                    << (form == ContourForm::assembled));
                     REQUIRE(result.ok());
-                    REQUIRE(output_hash(*result) == expected);
+                    REQUIRE(hash_result(*result) == expected);
                 }
             }
         }
@@ -35,10 +35,10 @@ TEST_CASE("threads, bands and forms do not change the output", "[engine][determi
 TEST_CASE("the order of triangles and of their vertices does not change the output", "[engine][determinism]") {
     for (const auto& [mesh_name, mesh] : meshes()) {
         for (const auto& [plan_name, options] : plans()) {
-            const std::uint64_t expected = output_hash(sliced(mesh, options));
+            const std::uint64_t expected = hash_result(sliced(mesh, options));
             for (const std::uint64_t seed : {1U, 2U, 3U}) {
                 INFO(mesh_name << ", " << plan_name << ", shuffle " << seed);
-                CHECK(output_hash(sliced(shapes::shuffled(mesh, seed), options)) == expected);
+                CHECK(hash_result(sliced(shapes::shuffled(mesh, seed), options)) == expected);
             }
         }
     }
@@ -54,7 +54,7 @@ TEST_CASE("triangles that are there several times may lie in any order", "[engin
         CHECK(result.summary.open_contours == 0);
         for (std::uint64_t seed = 0; seed < 20; ++seed) {
             INFO("shuffle " << seed);
-            REQUIRE(output_hash(sliced(shapes::shuffled(mesh, seed), uniform(0.25))) == output_hash(result));
+            REQUIRE(hash_result(sliced(shapes::shuffled(mesh, seed), uniform(0.25))) == hash_result(result));
         }
     }
 }

@@ -151,7 +151,7 @@ TEST_CASE("a workspace and a result can be used again, after errors too", "[engi
         for (const shapes::Soup* soup : {&large, &small}) {
             REQUIRE(slice(view_of(*soup), options, workspace, result).ok());
             CHECK(validate(result).ok());
-            CHECK(output_hash(result) == output_hash(sliced(*soup, options)));
+            CHECK(hash_result(result) == hash_result(sliced(*soup, options)));
             CHECK_FALSE(slice(view_of(broken), options, workspace, result).ok());
         }
     }

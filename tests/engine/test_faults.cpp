@@ -141,7 +141,7 @@ TEST_CASE("a workspace whose memory ran out slices again", "[engine][faults]") {
     const shapes::Soup soup = everything();
     SliceOptions options = uniform(0.4);
     options.control.threads = 2;
-    const std::uint64_t expected = output_hash(sliced(soup, options));
+    const std::uint64_t expected = hash_result(sliced(soup, options));
     for (std::uint64_t at = 1; at < 200; at += 7) {
         lamella::Workspace workspace;
         lamella::SliceResult result;
@@ -151,7 +151,7 @@ TEST_CASE("a workspace whose memory ran out slices again", "[engine][faults]") {
         options.control.memory = nullptr;
         INFO("allocation " << at);
         REQUIRE(slice(view_of(soup), options, workspace, result).ok());
-        CHECK(output_hash(result) == expected);
+        CHECK(hash_result(result) == expected);
         CHECK(memory.held() == 0);
     }
 }

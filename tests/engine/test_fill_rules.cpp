@@ -161,7 +161,7 @@ TEST_CASE("fill rules: the same bytes on any thread count, band size and order o
     for (const FillRule rule : all_rules) {
         lamella::SliceOptions options = uniform(0.05);
         options.fill_rule = rule;
-        const std::uint64_t hash = output_hash(sliced(soup, options));
+        const std::uint64_t hash = hash_result(sliced(soup, options));
         for (int turn = 0; turn < 3; ++turn) {
             options.control.threads = turn + 1;
             options.tuning.band_planes = turn * 7;
@@ -170,7 +170,7 @@ TEST_CASE("fill rules: the same bytes on any thread count, band size and order o
                 const std::size_t other = random() % (t + 1);
                 std::swap_ranges(&soup[9 * t], &soup[9 * t] + 9, &soup[9 * other]);
             }
-            CHECK(output_hash(sliced(soup, options)) == hash);
+            CHECK(hash_result(sliced(soup, options)) == hash);
         }
     }
 }
@@ -182,7 +182,7 @@ TEST_CASE("gaps up to the length asked for are closed, and each is told", "[engi
     CHECK(open.contours[0].role == Role::open);
     CHECK(open.closed_gaps.empty());
     const SliceResult short_reach = filled(soup, FillRule::contours, 9.9);
-    CHECK(output_hash(short_reach) == output_hash(open));
+    CHECK(hash_result(short_reach) == hash_result(open));
     CHECK(short_reach.closed_gaps.empty());
 
     const SliceResult closed = filled(soup, FillRule::contours, 10);
@@ -241,7 +241,7 @@ TEST_CASE("closing gaps gives the same bytes on any thread count, band size and 
             std::swap_ranges(&soup[9 * t], &soup[9 * t] + 9, &soup[9 * other]);
         }
         const SliceResult again = sliced(soup, options);
-        CHECK(output_hash(again) == output_hash(closed));
+        CHECK(hash_result(again) == hash_result(closed));
         REQUIRE(again.closed_gaps.size() == closed.closed_gaps.size());
         CHECK(
             std::equal(again.closed_gaps.begin(), again.closed_gaps.end(), closed.closed_gaps.begin(),

@@ -267,7 +267,7 @@ TEST_CASE("planes at the height of every vertex lose nothing", "[engine][invaria
             INFO(name << ", above " << (side == lamella::PlaneSide::above));
             CHECK(lost_at_vertex_heights(result, mesh).empty());
             CHECK((result.summary.open_contours == 0) == is_whole(name));
-            CHECK(output_hash(sliced(shapes::shuffled(mesh, 1), options)) == output_hash(result));
+            CHECK(hash_result(sliced(shapes::shuffled(mesh, 1), options)) == hash_result(result));
         }
     }
 }

@@ -198,9 +198,9 @@ TEST_CASE("random heights stay between their bounds and repeat by seed", "[engin
     CHECK(least >= 0.016 - 1e-9);
     CHECK(most <= 0.032 + 1e-9);
     CHECK(most - least > 0.015);
-    CHECK(output_hash(sliced(soup, options)) == output_hash(result));
+    CHECK(hash_result(sliced(soup, options)) == hash_result(result));
     options.plan.spacing = lamella::RandomLayers{0.016, 0.032, 8};
-    CHECK(output_hash(sliced(soup, options)) != output_hash(result));
+    CHECK(hash_result(sliced(soup, options)) != hash_result(result));
 }
 
 TEST_CASE("steps under two units and too many planes are refused", "[engine][planes]") {

@@ -40,8 +40,8 @@ TEST_CASE("a tall prism of 400,000 facets is not copied once per band", "[engine
         if (band == 1) {
             CHECK(result->summary.bands == 10);  // of one plane each they would have 3.8 million seeds
         }
-        expected = band == 0 ? output_hash(*result) : expected;
-        CHECK(output_hash(*result) == expected);
+        expected = band == 0 ? hash_result(*result) : expected;
+        CHECK(hash_result(*result) == expected);
         CHECK(static_cast<double>(memory.peak()) < allowance(*result));
         REQUIRE(result->layers.size() == 20);
         for (const lamella::Layer& layer : result->layers) {
@@ -72,7 +72,7 @@ TEST_CASE("a wide base under a thin spire", "[engine][scale]") {
     }
     for (const int threads : {2, 3, 8}) {
         options.control.threads = threads;
-        CHECK(output_hash(sliced(mesh, options)) == output_hash(result));
+        CHECK(hash_result(sliced(mesh, options)) == hash_result(result));
     }
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("one plane through very many facets", "[engine][scale]") {
     CHECK(result.contours.size() == 1);
     for (const int threads : {2, 5}) {
         options.control.threads = threads;
-        CHECK(output_hash(sliced(prism, options)) == output_hash(result));
+        CHECK(hash_result(sliced(prism, options)) == hash_result(result));
     }
 }
 
@@ -149,7 +149,7 @@ TEST_CASE("facets that share no edge, more than the edge map expects", "[engine]
     CHECK(result.points.size() == 2 * std::size_t{count});
     options.tuning.form = lamella::ContourForm::assembled;
     options.control.threads = 1;
-    CHECK(output_hash(sliced(soup, options)) == output_hash(result));
+    CHECK(hash_result(sliced(soup, options)) == hash_result(result));
 }
 
 TEST_CASE("an edge map that grows keeps what it holds", "[engine][scale]") {

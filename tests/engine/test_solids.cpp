@@ -157,7 +157,7 @@ TEST_CASE("degenerate triangles are dropped and counted", "[engine][solids]") {
                 shapes::triangle({3, 3, 3}, {3, 3, 3}, {3, 3, 3})});
     const lamella::SliceResult clean = sliced(cube, at_heights({1, 3}));
     const lamella::SliceResult dirty = sliced(joined({extra, cube}), at_heights({1, 3}));
-    CHECK(output_hash(clean) == output_hash(dirty));
+    CHECK(hash_result(clean) == hash_result(dirty));
     CHECK(dirty.summary.degenerate == 3);
     CHECK(dirty.summary.triangles == 15);
     CHECK(clean.summary.degenerate == 0);

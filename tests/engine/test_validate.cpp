@@ -228,8 +228,8 @@ TEST_CASE("areas are summed exactly", "[result]") {
 }
 
 TEST_CASE("the hash sees everything that it covers", "[result][hash]") {
-    const std::uint64_t whole = output_hash(sound());
-    CHECK(whole == output_hash(sound()));
+    const std::uint64_t whole = hash_result(sound());
+    CHECK(whole == hash_result(sound()));
     const std::vector<std::function<void(SliceResult&)>> changes = {
         [](SliceResult& r) { r.layers[1].plane = lamella::PlaneHeight(-1); },
         [](SliceResult& r) { r.layers[1].contour_count = 1; },
@@ -248,7 +248,7 @@ TEST_CASE("the hash sees everything that it covers", "[result][hash]") {
     for (const auto& change : changes) {
         SliceResult result = sound();
         change(result);
-        CHECK(output_hash(result) != whole);
+        CHECK(hash_result(result) != whole);
     }
 }
 
@@ -260,13 +260,13 @@ TEST_CASE("the hash is that of its documented layout", "[result][hash]") {
         }
         return state;
     };
-    CHECK(output_hash(SliceResult()) == fnv({0}));
+    CHECK(hash_result(SliceResult()) == fnv({0}));
     SliceResult result;
     add_layer(result, -3);
     add_contour(result, Role::hole, -1, -1, {{-1, 2}, {0, 3}, {0, 2}}, lamella::sense_mixed);
     const std::uint64_t kind = 1 | 0xffU << 8 | 2U << 16;
     const std::uint64_t minus_one = ~std::uint64_t{0};
-    CHECK(output_hash(result) ==
+    CHECK(hash_result(result) ==
           fnv({1, minus_one - 2, 1, kind, 3, 3, minus_one, minus_one, minus_one, 0x2'ffffffff, 0x3'00000000, 0x2'00000000}));
 }
 
@@ -281,7 +281,7 @@ TEST_CASE("the hash counts parents from the first contour of their layer", "[res
         add_layer(result, 3);
         add_contour(result, Role::outer, 1, -1, {{0, 0}, {4, 0}, {0, 4}});
         add_contour(result, Role::hole, -1, static_cast<std::int64_t>(contours_below), {{1, 1}, {1, 2}, {2, 1}});
-        return output_hash(result);
+        return hash_result(result);
     };
     CHECK(with_hole(0) == with_hole(2));
 }

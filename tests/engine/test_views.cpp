@@ -16,7 +16,7 @@ namespace {
 const shapes::Soup ball = shapes::octasphere({1, 2, 3}, 10, 3);
 
 std::uint64_t hash_of(const MeshView& view, const lamella::SliceOptions& options = uniform(0.25)) {
-    return output_hash(sliced(view, options));
+    return hash_result(sliced(view, options));
 }
 
 /// The numbers of `soup` in records of `stride` bytes, `per_record` numbers in each, at an odd address.
@@ -68,7 +68,7 @@ TEST_CASE("float meshes are cut where their numbers are", "[engine][views]") {
     for (const double unit : {0.004, 0.1, 0.25}) {
         const lamella::SliceResult other = sliced(MeshView::soup(std::span<const float>(soup)), uniform(1, unit));
         CHECK_THAT(oracle::difference(other, oracle::quantise(widened, unit)), Catch::Equals(""));
-        CHECK(output_hash(sliced(widened, uniform(1, unit))) == output_hash(other));
+        CHECK(hash_result(sliced(widened, uniform(1, unit))) == hash_result(other));
     }
 }
 

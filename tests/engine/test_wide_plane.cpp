@@ -33,9 +33,9 @@ lamella::SliceResult same_every_way(const shapes::Soup& soup) {
     options.control.threads = 1;
     lamella::SliceResult result = sliced(soup, options);
     options.control.threads = 3;
-    CHECK(output_hash(sliced(soup, options)) == output_hash(result));
+    CHECK(hash_result(sliced(soup, options)) == hash_result(result));
     options.tuning.form = lamella::ContourForm::assembled;
-    CHECK(output_hash(sliced(soup, options)) == output_hash(result));
+    CHECK(hash_result(sliced(soup, options)) == hash_result(result));
     return result;
 }
 

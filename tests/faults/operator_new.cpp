@@ -256,16 +256,16 @@ TEST_CASE("operator new fails: reports", "[faults]") {
     const auto books = make_ledger(mesh, result);
     const auto volume = certify_volume(mesh, result);
     const auto crossings = find_crossings(result);
-    const lamella::ReportContext context = {.mesh_file = "a \xff name that is longer than a short string is",
-                                            .file = &file.value(),
-                                            .ledger = &books.value(),
-                                            .volume = &volume.value(),
-                                            .crossings = &crossings.value(),
-                                            .welded = &welded.value(),
-                                            .weld_mm = 0.01,
-                                            .output_file = "out.svg",
-                                            .warnings = {"a warning that is longer than a short string is"}};
-    fail_everywhere([&] { return code_of(report_json(result, context)); });
+    const std::vector<std::string> warnings = {"a warning that is longer than a short string is"};
+    const lamella::ReportMember member{.key = "warnings", .value = std::span<const std::string>(warnings)};
+    const lamella::ReportParts parts = {.mesh_name = "a \xff name that is longer than a short string is",
+                                        .file = &file.value(),
+                                        .welded = &welded.value(),
+                                        .ledger = &books.value(),
+                                        .volume = &volume.value(),
+                                        .crossings = &crossings.value(),
+                                        .members = {&member, 1}};
+    fail_everywhere([&] { return code_of(make_report_json(result, parts)); });
     const auto check = lamella::check(mesh);
-    fail_everywhere([&] { return code_of(check_json(check.value(), context)); });
+    fail_everywhere([&] { return code_of(make_check_json(check.value(), parts)); });
 }

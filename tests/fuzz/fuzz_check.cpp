@@ -25,7 +25,7 @@ CheckOptions drawn_options(fuzz::Bytes& bytes) {
 }
 
 void check_places(const MeshCheck& found, const CheckOptions& options, std::size_t triangles) {
-    for (const lamella::Finding& finding : found.findings) {
+    for (const lamella::FaultFinding& finding : found.findings) {
         fuzz::require(finding.places.size() == std::min<std::uint64_t>(finding.count, options.most_places),
                       "as many places as were asked for");
         for (const lamella::FaultPlace& place : finding.places) {
@@ -73,12 +73,12 @@ MeshCheck found_in(const std::vector<fuzz::Triangle>& triangles, CheckOptions op
 }
 
 std::string text_of(const MeshCheck& found) {
-    return lamella::check_json(found, {}, 1000).value();
+    return lamella::make_check_json(found, {}, 1000).value();
 }
 
 /// Which triangle stands for a place may depend on the order of the input; nothing else may.
 MeshCheck without_triangles(MeshCheck found) {
-    for (lamella::Finding& finding : found.findings) {
+    for (lamella::FaultFinding& finding : found.findings) {
         for (lamella::FaultPlace& place : finding.places) {
             place.triangles = {-1, -1};
         }

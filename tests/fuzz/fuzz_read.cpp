@@ -69,7 +69,7 @@ void check_same(const Result<MeshFile>& first, const Result<MeshFile>& second) {
 
 /// The bytes that hold coordinates are where the view says.
 void check_extent(const MeshFile& mesh) {
-    const std::size_t number = mesh.number == lamella::CoordinateType::f32 ? sizeof(float) : sizeof(double);
+    const std::size_t number = mesh.coordinate_type == lamella::CoordinateType::f32 ? sizeof(float) : sizeof(double);
     const bool soup = mesh.indices.empty();
     const std::uint64_t items = soup ? mesh.triangle_count : mesh.vertex_count;
     const std::size_t item = (soup ? 9 : 3) * number;

@@ -88,7 +88,7 @@ std::uint64_t outcome(const Case& drawn) {
     }
     const lamella::Status valid = validate(*result);
     fuzz::require(valid.ok(), valid.ok() ? "" : valid.error().message);
-    return output_hash(*result);
+    return hash_result(*result);
 }
 
 void check_ways(Case drawn) {

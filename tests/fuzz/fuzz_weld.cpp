@@ -43,8 +43,8 @@ WeldedMesh welded(const std::vector<Number>& soup, double tolerance) {
 
 template <class Number>
 std::vector<Corner> vertices_of(const WeldedMesh& mesh) {
-    fuzz::require(mesh.coordinates.size() == 3 * mesh.vertices * sizeof(Number), "three numbers a vertex");
-    std::vector<Corner> vertices(mesh.vertices);
+    fuzz::require(mesh.coordinates.size() == 3 * mesh.vertex_count * sizeof(Number), "three numbers a vertex");
+    std::vector<Corner> vertices(mesh.vertex_count);
     for (std::size_t i = 0; i < 3 * vertices.size(); ++i) {
         Number number{};
         std::memcpy(&number, mesh.coordinates.data() + i * sizeof number, sizeof number);
@@ -91,7 +91,7 @@ void check_weld(Case drawn, std::uint32_t seed) {
     check_vertices(vertices, corners, drawn.tolerance);
     std::sort(corners.begin(), corners.end());
     const auto distinct = std::unique(corners.begin(), corners.end()) - corners.begin();
-    fuzz::require(mesh.joined + mesh.vertices == static_cast<std::uint64_t>(distinct), "vertices are joined or left");
+    fuzz::require(mesh.joined + mesh.vertex_count == static_cast<std::uint64_t>(distinct), "vertices are joined or left");
     fuzz::shuffle_soup(drawn.triangles, seed);
     const WeldedMesh again = welded(fuzz::soup_of<Number>(drawn.triangles), drawn.tolerance);
     fuzz::require(vertices_of<Number>(again) == vertices, "the order of triangles and corners does not matter");

@@ -83,7 +83,7 @@ std::string bytes_written(const TempFolder& folder, const lamella::Status& writt
 std::uint64_t hash_of_file(const lamella::MeshFile& file) {
     Hash hash;
     const MeshView view = file.view();
-    const std::size_t number = view.number == lamella::CoordinateType::f32 ? sizeof(float) : sizeof(double);
+    const std::size_t number = view.coordinate_type == lamella::CoordinateType::f32 ? sizeof(float) : sizeof(double);
     const std::size_t rows = view.indices == nullptr ? view.triangle_count : view.vertex_count;
     const std::size_t row_bytes = number * (view.indices == nullptr ? 9 : 3);
     for (std::size_t row = 0; row < rows; ++row) {
@@ -120,23 +120,24 @@ void add_written(Group& group, const std::string& name, const MeshView& mesh, co
     const lamella::VolumeCertificate volume = answer(certify_volume(mesh, result));
     const lamella::Crossings crossings = answer(find_crossings(result));
     const lamella::WeldedMesh welded = answer(weld(mesh, {.tolerance_mm = 0.03125}));
-    lamella::ReportContext context;
-    context.mesh_file = "mesh.stl";
-    context.output_file = "layers.svg";
-    context.ledger = &found;
-    context.volume = &volume;
-    context.crossings = &crossings;
-    context.warnings = {"one \"warning\""};
-    const std::string report = answer(report_json(result, context));
+    const std::vector<std::string> warnings = {"one \"warning\""};
+    using lamella::ReportPlace;
+    const std::vector<lamella::ReportMember> members = {
+        {ReportPlace::after_mesh, "output", std::string_view("layers.svg")},
+        {ReportPlace::after_times, "peak_rss_bytes", std::uint64_t{0}},
+        {ReportPlace::at_end, "warnings", std::span<const std::string>(warnings)}};
+    lamella::ReportParts parts{.mesh_name = "mesh.stl", .ledger = &found, .volume = &volume, .crossings = &crossings};
+    parts.members = members;
+    const std::string report = answer(make_report_json(result, parts));
     CHECK(without_times(report).size() < report.size());
     group.output(name + ", report", hash_of(without_times(report)));
     const TempFolder folder;
     group.output(name + ", SVG", hash_of(bytes_written(folder, write_svg(result, folder / "layers.svg"), "layers.svg")));
-    context.welded = &welded;
-    context.weld_mm = 0.03125;
-    group.output(name + ", report of welding", hash_of(without_times(answer(report_json(result, context)))));
-    group.output(name + ", SVG of welding",
-                 hash_of(bytes_written(folder, write_svg(result, folder / "layers.svg", context), "layers.svg")));
+    parts.welded = &welded;
+    group.output(name + ", report of welding", hash_of(without_times(answer(make_report_json(result, parts)))));
+    group.output(
+        name + ", SVG of welding",
+        hash_of(bytes_written(folder, write_svg(result, folder / "layers.svg", {.welded = &welded}), "layers.svg")));
 }
 
 void add_check(Group& group, const std::string& name, const MeshView& mesh) {
@@ -149,11 +150,11 @@ void add_check(Group& group, const std::string& name, const MeshView& mesh) {
         checking.tolerance_mm = 0.0625;
         checking.most_places = 40;
         const lamella::MeshCheck found = answer(check(mesh, checking));
-        lamella::ReportContext context;
-        context.mesh_file = "mesh.stl";
+        const lamella::ReportMember no_warnings{.key = "warnings", .value = std::span<const std::string>()};
+        const lamella::ReportParts parts{.mesh_name = "mesh.stl", .members = {&no_warnings, 1}};
         const TempFolder folder;
         hashes[threads == 1 ? 0 : 1] = {
-            hash_of_info(answer(inspect(mesh, inspecting))), hash_of(answer(check_json(found, context, 30))),
+            hash_of_info(answer(inspect(mesh, inspecting))), hash_of(answer(make_check_json(found, parts, 30))),
             hash_of(bytes_written(folder, write_marks(found, folder / "marks.ply"), "marks.ply"))};
     }
     CHECK(hashes[0] == hashes[1]);

@@ -21,7 +21,7 @@ std::uint64_t hash_of_shapes(const SliceResult& result) {
         hash.integer(layer.plane.z()).word(layer.first_contour).word(layer.contour_count);
     }
     add_contours(hash, result.contours.span(), result.points.span());
-    return hash.word(output_hash(result)).value();
+    return hash.word(hash_result(result)).value();
 }
 
 void add_summary(Hash& hash, const lamella::SliceSummary& summary) {
@@ -198,7 +198,10 @@ void add_weld(Group& group, const std::string& name, const MeshView& mesh, doubl
     for (const std::uint32_t index : welded.indices) {
         hash.word(index);
     }
-    hash.integer(static_cast<int>(welded.number)).word(welded.vertices).word(welded.joined).real(welded.largest_move_mm);
+    hash.integer(static_cast<int>(welded.coordinate_type))
+        .word(welded.vertex_count)
+        .word(welded.joined)
+        .real(welded.largest_move_mm);
     group.output(name + ", welded", hash.value());
     add_slices(group, name + ", slices", welded.view(), uniform(0.375));
 }

@@ -16,7 +16,6 @@
 #include "golden/inputs.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/io.hpp"
-#include "lamella/io/check_report.hpp"
 #include "lamella/lamella.hpp"
 
 namespace golden {

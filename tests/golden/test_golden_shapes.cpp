@@ -17,13 +17,13 @@ TEST_CASE("outputs are those committed", "[engine][golden]") {
             continue;
         }
         for (const auto& [plan_name, options] : shape_cases::plans()) {
-            group.output(std::string(mesh_name).append(", ").append(plan_name), output_hash(sliced(mesh, options)));
+            group.output(std::string(mesh_name).append(", ").append(plan_name), hash_result(sliced(mesh, options)));
         }
         const std::vector<float> floats = shapes::floats(mesh);
         lamella::SliceOptions options = uniform(0.25);
         options.transform = lamella::Transform::from_normal(1, 2, 3);
         group.output(mesh_name + ", float, turned",
-                     output_hash(sliced(lamella::MeshView::soup(std::span<const float>(floats)), options)));
+                     hash_result(sliced(lamella::MeshView::soup(std::span<const float>(floats)), options)));
     }
     group.finish();
 }

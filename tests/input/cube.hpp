@@ -40,7 +40,7 @@ inline std::string cube_corner_text(std::size_t v) {
 inline std::vector<std::array<double, 9>> read_triangles(const std::filesystem::path& path) {
     return same_every_way(path, [](const MeshFile& mesh) {
         const MeshView view = mesh.view();
-        REQUIRE(view.number == CoordinateType::f64);
+        REQUIRE(view.coordinate_type == CoordinateType::f64);
         REQUIRE(view.indices != nullptr);
         const std::span<const std::uint32_t> indices(view.indices, 3 * view.triangle_count);
         REQUIRE(std::all_of(indices.begin(), indices.end(), [&](std::uint32_t i) { return i < view.vertex_count; }));
@@ -57,7 +57,7 @@ inline std::uint64_t hash_of(const std::filesystem::path& path) {
     const Result<MeshFile> mesh = read_mesh(path);
     INFO((mesh ? "" : mesh.error().message));
     REQUIRE(mesh.ok());
-    return output_hash(sliced(mesh.value().view(), uniform(0.7)));
+    return hash_result(sliced(mesh.value().view(), uniform(0.7)));
 }
 
 /// Of the cube as STL.

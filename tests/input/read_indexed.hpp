@@ -19,7 +19,7 @@ using Corners = std::array<std::array<double, 3>, 3>;
 inline std::vector<Corners> corners_of(const MeshFile& mesh) {
     const MeshView view = mesh.view();
     REQUIRE(view.indices != nullptr);
-    REQUIRE(view.number == CoordinateType::f64);
+    REQUIRE(view.coordinate_type == CoordinateType::f64);
     REQUIRE(std::all_of(view.indices, view.indices + 3 * view.triangle_count,
                         [&view](std::uint32_t index) { return index < view.vertex_count; }));
     std::vector<Corners> triangles(view.triangle_count);

@@ -60,13 +60,13 @@ TEST_CASE("a cube slices to the same bytes from 3MF and from STL", "[input][3mf]
     const SliceOptions options = uniform(0.25);
     Result<MeshFile> from_stl = read_mesh(dir.write("a.stl", binary_stl(cube_facets())));
     REQUIRE(from_stl.ok());
-    const std::uint64_t expected = output_hash(sliced(from_stl->view(), options));
+    const std::uint64_t expected = hash_result(sliced(from_stl->view(), options));
     // The same cube through a component that is turned about z and an item that turns it back.
     const std::string assembly = object(2, components({"objectid=\"1\" transform=\"0 1 0 -1 0 0 0 0 1 10 0 0\""}));
     const std::string resources = cube() + assembly;
     for (const std::string& build : {item(1), item(2, "transform=\"0 -1 0 1 0 0 0 0 1 0 10 0\"")}) {
         const MeshFile mesh = read_indexed(dir.write("a.3mf", package(model_text(resources, build))));
-        CHECK(output_hash(sliced(mesh.view(), options)) == expected);
+        CHECK(hash_result(sliced(mesh.view(), options)) == expected);
     }
 }
 

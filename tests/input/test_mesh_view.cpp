@@ -36,24 +36,24 @@ TEST_CASE("views describe the caller's memory", "[input]") {
     CHECK(soup.triangle_count == 2);
     CHECK(soup.stride == 36);
     CHECK(soup.indices == nullptr);
-    CHECK(soup.number == CoordinateType::f32);
+    CHECK(soup.coordinate_type == CoordinateType::f32);
 
     const MeshView wide = MeshView::soup(std::span<const double>(doubles).first(9));
     CHECK(wide.triangle_count == 1);
     CHECK(wide.stride == 72);
-    CHECK(wide.number == CoordinateType::f64);
+    CHECK(wide.coordinate_type == CoordinateType::f64);
 
     const MeshView indexed = MeshView::indexed(std::span<const double>(doubles), indices);
     CHECK(indexed.triangle_count == 3);
     CHECK(indexed.vertex_count == 4);
     CHECK(indexed.stride == 24);
     CHECK(indexed.indices == indices.data());
-    CHECK(indexed.number == CoordinateType::f64);
+    CHECK(indexed.coordinate_type == CoordinateType::f64);
 
     const MeshView packed = MeshView::indexed(std::span<const float>(floats), indices);
     CHECK(packed.vertex_count == 6);
     CHECK(packed.stride == 12);
-    CHECK(packed.number == CoordinateType::f32);
+    CHECK(packed.coordinate_type == CoordinateType::f32);
 
     const auto* bytes = reinterpret_cast<const std::byte*>(floats.data());
     const MeshView strided = MeshView::strided_soup(bytes + 4, 1, 50, CoordinateType::f32);

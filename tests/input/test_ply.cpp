@@ -31,7 +31,7 @@ shapes::Soup soup_of(const MeshFile& mesh) {
         for (int axis = 0; axis < 3; ++axis) {
             float single = 0;
             double number = 0;
-            if (view.number == CoordinateType::f32) {
+            if (view.coordinate_type == CoordinateType::f32) {
                 std::memcpy(&single, at + axis * 4, 4);
                 number = single;
             } else {
@@ -142,7 +142,7 @@ TEST_CASE("PLY slices to the same bytes as STL", "[input][ply]") {
     const Result<MeshFile> stl = read_mesh(dir.write("a.stl", binary_stl(facets)));
     REQUIRE(stl.ok());
     const SliceOptions options = uniform(0.7);
-    const std::uint64_t expected = output_hash(sliced(stl.value().view(), options));
+    const std::uint64_t expected = hash_result(sliced(stl.value().view(), options));
     for (const std::string_view encoding : ply_encodings) {
         for (const std::string_view type : ply_types) {
             for (const bool faces_first : {false, true}) {
@@ -152,7 +152,7 @@ TEST_CASE("PLY slices to the same bytes as STL", "[input][ply]") {
                 how.faces_first = faces_first;
                 CAPTURE(encoding, type, faces_first);
                 const MeshFile mesh = read_ply_file(dir.write("a.ply", ply(how, cube())), false, 1);
-                CHECK(output_hash(sliced(mesh.view(), options)) == expected);
+                CHECK(hash_result(sliced(mesh.view(), options)) == expected);
             }
         }
     }
@@ -167,7 +167,7 @@ TEST_CASE("PLY coordinates keep their precision", "[input][ply]") {
         how.coordinate = type;
         const MeshFile mesh =
             read_ply_file(dir.write("a.ply", ply(how, {x, 0, 0, 1, 0, 0, 0, 1, 0}, {{0, 1, 2}})), false, 1);
-        CHECK((mesh.number == CoordinateType::f64) == (type == "double" || type == "int" || type == "uint"));
+        CHECK((mesh.coordinate_type == CoordinateType::f64) == (type == "double" || type == "int" || type == "uint"));
         CHECK(mesh.text == (encoding == "ascii"));
         return soup_of(mesh)[0];
     };

@@ -110,7 +110,7 @@ TEST_CASE("legacy VTK takes points of every type", "[input][vtk]") {
     PolyData fine = cube();
     fine.points[0][0] = 1.0 / 3;  // no float
     const MeshFile mesh = read_one(dir.write("b.vtk", Legacy{false, 4, "double"}(fine)));
-    CHECK(mesh.number == CoordinateType::f64);
+    CHECK(mesh.coordinate_type == CoordinateType::f64);
     double x = 0;
     std::memcpy(&x, mesh.view().vertices, sizeof x);
     CHECK(x == 1.0 / 3);

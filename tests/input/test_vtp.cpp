@@ -172,7 +172,7 @@ TEST_CASE("VTP takes arrays of every type", "[input][vtp]") {
             Xml xml{format, false, big_endian, true, "Float64"};
             const auto path = dir.write("a.vtp", xml({data}));
             CHECK(read_triangles(path) == triangles_of(data));
-            CHECK(read_one(path).number == CoordinateType::f64);
+            CHECK(read_one(path).coordinate_type == CoordinateType::f64);
         }
     }
 }

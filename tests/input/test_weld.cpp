@@ -42,8 +42,8 @@ TEST_CASE("a tolerance of zero joins equal vertices and changes no slice", "[inp
     CHECK(mesh.joined == 0);
     CHECK(mesh.largest_move_mm == 0);
     CHECK(mesh.indices.size() == soup.size() / 3);
-    CHECK(mesh.vertices == soup.size() / 9 / 2 + 2);  // Euler, on a sphere
-    CHECK(output_hash(slice_of(mesh.view(), 0.3)) == output_hash(slice_of(view_of(soup), 0.3)));
+    CHECK(mesh.vertex_count == soup.size() / 9 / 2 + 2);  // Euler, on a sphere
+    CHECK(hash_result(slice_of(mesh.view(), 0.3)) == hash_result(slice_of(view_of(soup), 0.3)));
 }
 
 TEST_CASE("a cracked sphere closes when it is welded", "[input][weld]") {
@@ -51,8 +51,8 @@ TEST_CASE("a cracked sphere closes when it is welded", "[input][weld]") {
     const shapes::Soup soup = cracked(whole, 0.001, 5);
     CHECK(slice_of(view_of(soup), 0.3).summary.open_contours > 0);
     const WeldedMesh mesh = welded(soup, 0.01);
-    CHECK(mesh.vertices == whole.size() / 9 / 2 + 2);
-    CHECK(mesh.joined == soup.size() / 3 - mesh.vertices);
+    CHECK(mesh.vertex_count == whole.size() / 9 / 2 + 2);
+    CHECK(mesh.joined == soup.size() / 3 - mesh.vertex_count);
     CHECK(mesh.largest_move_mm <= 0.01);
     CHECK(mesh.largest_move_mm > 0.001);
     const SliceResult result = slice_of(mesh.view(), 0.3);
@@ -62,7 +62,7 @@ TEST_CASE("a cracked sphere closes when it is welded", "[input][weld]") {
 
 TEST_CASE("the outcome does not depend on the order of the triangles", "[input][weld]") {
     shapes::Soup soup = cracked(shapes::octasphere({0, 0, 0}, 10, 3), 0.2, 9);
-    const std::uint64_t hash = output_hash(slice_of(welded(soup, 0.25).view(), 0.3));
+    const std::uint64_t hash = hash_result(slice_of(welded(soup, 0.25).view(), 0.3));
     std::mt19937 random(3);
     for (int turn = 0; turn < 5; ++turn) {
         const std::size_t triangles = soup.size() / 9;
@@ -72,7 +72,7 @@ TEST_CASE("the outcome does not depend on the order of the triangles", "[input][
                              soup.begin() + static_cast<std::ptrdiff_t>(9 * t + 9),
                              soup.begin() + static_cast<std::ptrdiff_t>(9 * other));
         }
-        CHECK(output_hash(slice_of(welded(soup, 0.25).view(), 0.3)) == hash);
+        CHECK(hash_result(slice_of(welded(soup, 0.25).view(), 0.3)) == hash);
     }
 }
 
@@ -121,7 +121,7 @@ TEST_CASE("the nearest vertex wins, across cells of the search too", "[input][we
     }
     CHECK(kept.size() > 200);
     CHECK(mesh.joined == corners.size() - kept.size());
-    REQUIRE(mesh.vertices == kept.size());
+    REQUIRE(mesh.vertex_count == kept.size());
     REQUIRE(mesh.coordinates.size() == kept.size() * sizeof kept[0]);
     CHECK(std::memcmp(mesh.coordinates.data(), kept.data(), mesh.coordinates.size()) == 0);
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -136,8 +136,8 @@ TEST_CASE("vertices by the hundred thousand in one cell are no trouble", "[input
     for (double& coordinate : soup) {
         coordinate = place(random);
     }
-    CHECK(welded(soup, 0).vertices == 390'000);
-    CHECK(welded(soup, 0.01).vertices < 390'000);
+    CHECK(welded(soup, 0).vertex_count == 390'000);
+    CHECK(welded(soup, 0.01).vertex_count < 390'000);
 }
 
 TEST_CASE("what cannot be welded is an error", "[input][weld]") {

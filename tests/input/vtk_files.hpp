@@ -87,7 +87,7 @@ inline std::vector<Facet> triangles_of(const MeshFile& mesh) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             double value = 0;
             float single = 0;
-            if (view.number == CoordinateType::f64) {
+            if (view.coordinate_type == CoordinateType::f64) {
                 std::memcpy(&value, vertex + axis * sizeof value, sizeof value);
             } else {
                 std::memcpy(&single, vertex + axis * sizeof single, sizeof single);
@@ -139,7 +139,7 @@ inline std::uint64_t hash_of(const std::filesystem::path& path) {
     options.plan.spacing = UniformLayers{0.4};
     const Result<SliceResult> result = slice(mesh.view(), options);
     REQUIRE(result.ok());
-    return output_hash(result.value());
+    return hash_result(result.value());
 }
 
 inline std::string replaced(std::string text, const std::string& what, const std::string& by) {

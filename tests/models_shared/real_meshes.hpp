@@ -29,7 +29,7 @@ inline shapes::Soup soup_of(const std::filesystem::path& file) {
     const lamella::Result<lamella::MeshFile> mesh = lamella::read_mesh(file);
     REQUIRE(mesh.ok());
     const lamella::MeshView view = mesh->view();
-    REQUIRE(view.number == lamella::CoordinateType::f32);
+    REQUIRE(view.coordinate_type == lamella::CoordinateType::f32);
     REQUIRE(view.indices == nullptr);
     shapes::Soup soup;
     for (std::size_t t = 0; t < view.triangle_count; ++t) {

@@ -4,7 +4,8 @@
 #include <catch2/catch.hpp>
 
 #include "io/write/output_file.hpp"
-#include "lamella/io/write.hpp"
+#include "lamella/io/svg.hpp"
+#include "lamella/io/text_file.hpp"
 #include "temp_folder.hpp"
 #include "write/samples.hpp"
 

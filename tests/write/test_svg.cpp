@@ -7,7 +7,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "lamella/io/write.hpp"
+#include "lamella/io/svg.hpp"
 #include "temp_folder.hpp"
 #include "write/samples.hpp"
 
@@ -138,7 +138,7 @@ TEST_CASE("svg: a stop request leaves nothing", "[write]") {
     std::atomic<bool> stop = false;
     stop = true;
     const Status status =
-        write_svg(write_test::square_with_hole(), folder / "a.svg", {}, {.stop = lamella::StopCheck::when(stop)});
+        write_svg(write_test::square_with_hole(), folder / "a.svg", {.control = {.stop = lamella::StopCheck::when(stop)}});
     REQUIRE_FALSE(status.ok());
     CHECK(status.error().code == ErrorCode::cancelled);
     CHECK(folder.names().empty());

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "failure.hpp"
 #include "lamella/io/check_report.hpp"
 #include "lamella/io/mesh_file.hpp"
+#include "lamella/io/text_file.hpp"
 #include "lamella/mesh/check.hpp"
 #include "mesh_input.hpp"
 #include "output_path.hpp"
@@ -47,10 +49,9 @@ void require_outputs(const CheckArguments& arguments) {
 MeshCheck checked(const CheckArguments& arguments, const MeshFile& mesh) {
     CheckOptions options;
     options.control.threads = arguments.threads;
-    options.transform = mesh.to_mm();
     options.tolerance_mm = arguments.tolerance_mm;
     options.most_places = arguments.marks.empty() ? arguments.places : std::max(arguments.places, most_marks);
-    Result<MeshCheck> result = check(mesh.view(), options);
+    Result<MeshCheck> result = check(mesh, options);
     if (!result) {
         const Failure failure = failure_of(result.error());
         throw failure.status() == bad_input ? Failure(bad_input, arguments.mesh + ": " + failure.what()) : failure;
@@ -85,8 +86,9 @@ void run(const CheckArguments& arguments, Interrupt& interrupt) {
         print(words);
         return;
     }
+    const ReportMember warnings{.key = "warnings", .value = std::span<const std::string>(mesh.warnings)};
     const Result<std::string> json =
-        check_json(found, {.mesh_file = arguments.mesh, .file = &mesh, .warnings = mesh.warnings}, arguments.places);
+        make_check_json(found, {.mesh_name = arguments.mesh, .file = &mesh, .members = {&warnings, 1}}, arguments.places);
     if (!json) {
         throw failure_of(json.error());
     }
@@ -105,15 +107,15 @@ void add_check_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("check", "Say what is wrong with a mesh, and where");
     const auto arguments = std::make_shared<CheckArguments>();
     declare_mesh(*command, *arguments);
-    command->add_option("--report", arguments->report, "JSON report; - for standard output, then without the words")
+    command->add_option("--report", arguments->report, "JSON report to write; - for standard output")
         ->type_name("FILE|-")
         ->check(given_path);
-    command->add_option("--marks", arguments->marks, "PLY that marks every place with coloured points and edges")
+    command->add_option("--marks", arguments->marks, "PLY file of coloured points and edges at every place")
         ->type_name("FILE.ply")
         ->check(given_path);
-    command->add_option("--tolerance", arguments->tolerance_mm, "Up to which gaps are cracks and T-junctions (0.01)")
+    command->add_option("--tolerance", arguments->tolerance_mm, "Widest gap that counts as a crack or T-junction (0.01)")
         ->type_name("MM");
-    command->add_option("--places", arguments->places, "How many places of each kind to list (10)")
+    command->add_option("--places", arguments->places, "List at most N places of each kind (10)")
         ->type_name("N")
         ->check(CLI::Range(0, static_cast<int>(most_marks)));
     command->callback([arguments, &interrupt] { run(*arguments, interrupt); });

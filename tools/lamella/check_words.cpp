@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "console.hpp"
+#include "failure.hpp"
 #include "lamella/io/check_report.hpp"
 #include "mesh_input.hpp"
 
@@ -26,12 +27,12 @@ std::string detail(Fault fault, const FaultPlace& place) {
     switch (fault) {
         case Fault::overfull_balanced:
         case Fault::overfull_unbalanced:
-            return ", " + counted(place.number, "face");
+            return ", " + counted(place.parts, "face");
         case Fault::boundary_loop:
-            return ", " + counted(place.number, "edge") + ", " + rounded(place.measure, 3) + " mm" +
+            return ", " + counted(place.parts, "edge") + ", " + rounded(place.measure, 3) + " mm" +
                    (place.closed ? "" : ", not closed");
         case Fault::split_vertex:
-            return ", " + counted(place.number, "fan");
+            return ", " + counted(place.parts, "fan");
         case Fault::needle_face:
         case Fault::cap_face:
             return ", " + rounded(place.measure, 0) + " : 1";
@@ -62,7 +63,7 @@ std::string more(std::uint64_t count, std::size_t shown) {
     return count > shown ? "  ... and " + grouped(count - shown) + " more\n" : "";
 }
 
-std::string words(Fault fault, const Finding& finding, std::size_t most) {
+std::string words(Fault fault, const FaultFinding& finding, std::size_t most) {
     const std::size_t shown = std::min(most, finding.places.size());
     std::string text =
         line(std::string(words_for(fault, 0)), (finding.at_least ? "at least " : "") + grouped(finding.count));
@@ -102,7 +103,11 @@ std::string check_words(const std::string& path, const MeshFile& mesh, const Mes
     for (std::size_t i = 0; i < fault_count; ++i) {
         text += words(static_cast<Fault>(i), check.findings[i], most);
     }
-    return text + shell_words(check, most) + verdict(check) + "\n";
+    const Result<std::string> verdict = make_verdict(check);
+    if (!verdict) {
+        throw failure_of(verdict.error());
+    }
+    return text + shell_words(check, most) + *verdict + "\n";
 }
 
 }  // namespace lamella::cli

@@ -34,8 +34,7 @@ std::string words(const std::string& path, const MeshFile& mesh, const MeshInfo&
 
 void run(const MeshArguments& arguments) {
     const MeshFile mesh = read_mesh_and_warn(arguments);
-    const Result<MeshInfo> info =
-        inspect(mesh.view(), {.unit_mm = 0, .transform = mesh.to_mm(), .control = {.threads = arguments.threads}});
+    const Result<MeshInfo> info = inspect(mesh, {.control = {.threads = arguments.threads}});
     if (!info) {
         throw Failure(failure_of(info.error()).status(), arguments.mesh + ": " + info.error().message);
     }

@@ -7,7 +7,7 @@
 
 #include "console.hpp"
 #include "failure.hpp"
-#include "lamella/io/write.hpp"
+#include "lamella/io/text_file.hpp"
 
 namespace lamella::cli {
 

@@ -56,17 +56,18 @@ void add_make_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("make", "Make a closed sample mesh");
     const auto arguments = std::make_shared<MakeArguments>();
     models::Recipe& recipe = arguments->recipe;
-    command->add_option("shape", arguments->shape, "What to make")->required()->type_name(shape_list());
-    command->add_option("--triangles", recipe.triangles, "How many, within 1 %")->required()->type_name("N");
-    command->add_option("--height", recipe.height_mm, "Along z (150)")->type_name("MM");
-    command->add_option("--width", recipe.width_mm, "Along x (the shape's own proportions)")->type_name("MM");
+    command->add_option("shape", arguments->shape, "Shape to make")->required()->type_name(shape_list());
+    command->add_option("--triangles", recipe.triangles, "Number of triangles, within 1 %")->required()->type_name("N");
+    command->add_option("--height", recipe.height_mm, "Height, along z (150)")->type_name("MM");
+    command->add_option("--width", recipe.width_mm, "Width, along x (by the shape's proportions)")->type_name("MM");
     CLI::Option* const segments =
-        command->add_option("--segments", recipe.segments, "Crossings wanted at --layer-height")->type_name("M");
+        command->add_option("--segments", recipe.segments, "Number of segments wanted at --layer-height")->type_name("M");
     CLI::Option* const layer_height =
-        command->add_option("--layer-height", recipe.layer_height_mm, "For --segments (0.032)")->type_name("MM");
+        command->add_option("--layer-height", recipe.layer_height_mm, "Layer height that --segments counts at (0.032)")
+            ->type_name("MM");
     layer_height->needs(segments);
-    command->add_option("--order", arguments->order, "Of the triangles in the file (z)")->type_name("z|random");
-    command->add_option("--seed", recipe.seed, "Varies the shape, draws the random order (1)")->type_name("N");
+    command->add_option("--order", arguments->order, "Order of the triangles in the file (z)")->type_name("z|random");
+    command->add_option("--seed", recipe.seed, "Seed of the shape and of the random order (1)")->type_name("N");
     command->add_option("-o,--output", arguments->output, "STL file to write")
         ->required()
         ->type_name("FILE.stl")

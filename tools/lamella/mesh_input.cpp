@@ -35,9 +35,9 @@ void declare_mesh(CLI::App& command, MeshArguments& arguments) {
         ->required()
         ->type_name("MESH")
         ->check(given_path);
-    command.add_option("--unit", arguments.unit, "What a mesh that states no unit is measured in (mm)")
+    command.add_option("--unit", arguments.unit, "Unit of meshes that do not state one (default mm)")
         ->type_name("mm|um|cm|m|in|ft|MM");
-    command.add_option("--threads", arguments.threads, "At most this many (0: all)")
+    command.add_option("--threads", arguments.threads, "Use at most N threads (0: all)")
         ->type_name("N")
         ->check(CLI::Range(0, most_threads));
 }

@@ -16,6 +16,9 @@ namespace lamella::cli {
 
 namespace {
 
+/// The heading in the help of what neither prints nor pictures need.
+constexpr const char* experiments = "Experiments";
+
 void require_positive(const std::optional<double>& value_mm, const std::string& option) {
     if (value_mm && !(*value_mm > 0 && std::isfinite(*value_mm))) {
         throw Failure(bad_usage, option + ": not a positive number of mm");
@@ -125,23 +128,26 @@ CLI::Option* declare_choice(CLI::App& command, const std::string& flag, Enum& va
 
 void declare_planes(CLI::App& command, SliceArguments& arguments) {
     CLI::Option* const layers =
-        command.add_option("--layer-height", arguments.layer_height_mm, "Uniform layers of MM (0.2)");
+        command.add_option("--layer-height", arguments.layer_height_mm, "Height of uniform layers (0.2)");
     CLI::Option* const planes =
-        command.add_option("--planes", arguments.planes, "Absolute heights in mm, from a file or as a list Z,Z,...");
+        command.add_option("--planes", arguments.planes, "Cut at these heights in mm: a file, or a list Z,Z,...");
     CLI::Option* const random =
-        command.add_option("--random-heights", arguments.random_heights, "Steps drawn between MIN and MAX mm");
-    CLI::Option* const first =
-        command.add_option("--first-height", arguments.first_height_mm, "First plane MM above the datum (half a layer)");
+        command.add_option("--random-heights", arguments.random_heights, "Random steps between MIN and MAX mm");
+    CLI::Option* const first = command.add_option("--first-height", arguments.first_height_mm,
+                                                  "Height of the first plane above the datum (half a layer)");
     CLI::Option* const datum =
         declare_choice<Datum>(command, "--datum", arguments.datum, {{"mesh-min", Datum::mesh_min}, {"zero", Datum::zero}},
                               "Where heights count from (mesh-min)");
     layers->type_name("MM")->excludes(planes)->excludes(random);
     planes->type_name("FILE|Z,Z,...")->check(given)->excludes(random)->excludes(first)->excludes(datum);
-    random->type_name("MIN:MAX")->check(given)->excludes(first)->excludes(datum);
+    random->type_name("MIN:MAX")->check(given)->excludes(first)->excludes(datum)->group(experiments);
     first->type_name("MM");
-    command.add_option("--seed", arguments.seed, "Of the random heights (1)")->type_name("N")->needs(random);
+    command.add_option("--seed", arguments.seed, "Seed of the random heights (1)")
+        ->type_name("N")
+        ->needs(random)
+        ->group(experiments);
     declare_choice<PlaneSide>(command, "--side", arguments.side, {{"below", PlaneSide::below}, {"above", PlaneSide::above}},
-                              "The side of a plane on which vertices of its very height are not (below)");
+                              "Where a plane passes a vertex of exactly its height (below)");
 }
 
 }  // namespace
@@ -150,8 +156,9 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     declare_mesh(command, arguments);
     command.add_option("-o,--output", arguments.output, "Layered SVG to write")->type_name("OUT.svg")->check(given_path);
     declare_planes(command, arguments);
-    command.add_option("--grid", arguments.grid_mm, "Grid unit (2^-20 mm, or what the mesh needs)")->type_name("MM");
-    command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart, nearest first (off)")->type_name("MM");
+    command.add_option("--grid", arguments.grid_mm, "Unit of the integer grid (2^-20 mm, or more if the mesh needs it)")
+        ->type_name("MM");
+    command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart before slicing (off)")->type_name("MM");
     command.add_option("--close-gaps", arguments.close_gaps_mm, "Join ends of open polylines at most MM apart (off)")
         ->type_name("MM");
     declare_choice<FillRule>(command, "--fill-rule", arguments.fill_rule,
@@ -159,20 +166,22 @@ void declare(CLI::App& command, SliceArguments& arguments) {
                               {"even-odd", FillRule::even_odd},
                               {"non-zero", FillRule::non_zero},
                               {"positive", FillRule::positive}},
-                             "What is inside where shells overlap (contours: as walked, no union)");
+                             "What is solid where shells overlap (contours: nothing is joined)");
     CLI::Option* const normal = command.add_option("--normal", arguments.normal, "Cut perpendicular to this direction");
-    CLI::Option* const transform =
-        command.add_option("--transform", arguments.transform, "3x4 matrix, row by row, applied to the mesh first");
+    CLI::Option* const transform = command.add_option("--transform", arguments.transform,
+                                                      "File of a 3x4 matrix, row by row, that is applied to the mesh first");
     normal->type_name("X,Y,Z")->check(given)->excludes(transform);
     transform->type_name("FILE")->check(given_path);
-    command.add_option("--band", arguments.band_planes, "Planes per band (0: by the work in them)")
+    command.add_option("--band", arguments.band_planes, "Planes swept as one task (0: chosen by the work)")
         ->type_name("N")
-        ->check(CLI::Range(0, std::numeric_limits<int>::max()));
+        ->check(CLI::Range(0, std::numeric_limits<int>::max()))
+        ->group(experiments);
     declare_choice<ContourForm>(command, "--form", arguments.form,
                                 {{"swept", ContourForm::swept}, {"assembled", ContourForm::assembled}},
-                                "Contour construction (swept); results are identical");
-    command.add_flag("--map", arguments.map_file, "Map the mesh file instead of reading it");
-    command.add_option("--report", arguments.report, "JSON report to write; - is standard output")
+                                "How contours are built (swept); the results are identical")
+        ->group(experiments);
+    command.add_flag("--map", arguments.map_file, "Map the mesh file into memory instead of reading it");
+    command.add_option("--report", arguments.report, "JSON report to write; - for standard output")
         ->type_name("FILE|-")
         ->check(given_path);
     declare_choice<ProgressBar::When>(

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "failure.hpp"
+#include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "mesh_input.hpp"
 #include "output_path.hpp"
@@ -34,8 +35,8 @@ public:
             note(why_nothing_is_cut(result.summary));
         }
         write(result);
-        context_.total_ms = total_.ms();
-        context_.peak_rss_bytes = peak_rss_bytes();
+        run_.total_ms = total_.ms();
+        run_.peak_rss_bytes = peak_rss_bytes();
         report(result, mesh);
     }
 
@@ -65,7 +66,7 @@ private:
     void note(const std::string& warning) {
         bar_.wipe();
         warn(warning);
-        context_.warnings.push_back(warning);
+        run_.warnings.push_back(warning);
     }
 
     MeshFile read() {
@@ -74,22 +75,18 @@ private:
         for (const std::string& warning : mesh.warnings) {
             note(warning);
         }
-        context_.mesh_file = arguments_.mesh;
-        context_.read_ms = mesh.read_ms;
-        context_.parse_ms = mesh.parse_ms;
         return mesh;
     }
 
     SliceResult slice_mesh(const MeshFile& mesh, SliceRequest& request) {
         request.options.control.stop = interrupt_.defer();
-        request.options.transform = request.options.transform * mesh.to_mm();
         if (bar_.shown()) {
             request.options.control.progress = Progress::to(show_slicing_);
         }
         if (arguments_.weld_mm) {
             weld_vertices(mesh);
         }
-        Result<SliceResult> result = slice(welded_ ? welded_->view() : mesh.view(), request.options);
+        Result<SliceResult> result = welded_ ? slice(*welded_, request.options) : slice(mesh, request.options);
         bar_.wipe();
         if (!result) {
             throw slicing_failure(result.error(), request);
@@ -99,15 +96,12 @@ private:
 
     void weld_vertices(const MeshFile& mesh) {
         bar_.show("welding", 0);
-        Result<WeldedMesh> welded =
-            weld(mesh.view(), {.tolerance_mm = *arguments_.weld_mm, .mm_per_unit = mesh.mm_per_unit});
+        Result<WeldedMesh> welded = weld(mesh, {.tolerance_mm = *arguments_.weld_mm});
         bar_.wipe();
         if (!welded) {
             throw Failure(failure_of(welded.error()).status(), arguments_.mesh + ": " + welded.error().message);
         }
         welded_ = std::move(welded).value();
-        context_.welded = &*welded_;
-        context_.weld_mm = *arguments_.weld_mm;
     }
 
     Failure slicing_failure(const Error& error, const SliceRequest& request) const {
@@ -127,32 +121,36 @@ private:
         }
         bar_.show("writing", 0);
         const Stopwatch watch;
-        const Status status = write_svg(result, arguments_.output, context_, {.stop = interrupt_.defer()});
+        const Status status =
+            write_svg(result, arguments_.output, {.welded = welded(), .control = {.stop = interrupt_.defer()}});
         bar_.wipe();
         if (!status) {
             throw failure_of(status.error());
         }
-        context_.output_file = arguments_.output;
-        context_.write_ms = watch.ms();
+        run_.output = arguments_.output;
+        run_.write_ms = watch.ms();
     }
 
     void report(const SliceResult& result, const MeshFile& mesh) {
+        ReportParts parts{.mesh_name = arguments_.mesh, .file = &mesh, .welded = welded()};
         if (arguments_.report.empty()) {
-            print(summary(result, mesh, context_));
+            print(summary(result, parts, run_));
             return;
         }
         const MeshView sliced = welded_ ? welded_->view() : mesh.view();
-        const auto books = found(make_ledger(sliced, result, {.threads = arguments_.threads}));
+        const auto ledger = found(make_ledger(sliced, result, {.threads = arguments_.threads}));
         const auto volume = found(certify_volume(sliced, result, {.threads = arguments_.threads}));
         const auto crossings = found(find_crossings(result, {.threads = arguments_.threads}));
         interrupt_.die_if_interrupted();
-        ReportContext context = context_;
-        context.file = &mesh;
-        context.ledger = &books;
-        context.volume = &volume;
-        context.crossings = &crossings;
-        write_report(summary(result, mesh, context), found(report_json(result, context)));
+        const std::vector<ReportMember> members = members_of(run_, mesh);
+        parts.ledger = &ledger;
+        parts.volume = &volume;
+        parts.crossings = &crossings;
+        parts.members = members;
+        write_report(summary(result, parts, run_), found(make_report_json(result, parts)));
     }
+
+    const WeldedMesh* welded() const noexcept { return welded_ ? &*welded_ : nullptr; }
 
     template <class T>
     static T found(Result<T> result) {
@@ -183,7 +181,7 @@ private:
         void operator()(double fraction) const noexcept { bar.show("slicing", fraction); }
     } show_slicing_{bar_};
     std::optional<WeldedMesh> welded_;
-    ReportContext context_;
+    ToolRun run_;
     Stopwatch total_;
 };
 

@@ -29,9 +29,9 @@ std::string words(const RandomLayers& layers) {
            std::to_string(layers.seed) + ", from the mesh's lowest vertex up";
 }
 
-std::string mesh_line(const SliceSummary& counts, const MeshFile& mesh, const ReportContext& context) {
-    std::string text =
-        "mesh      " + context.mesh_file + ", " + counted(counts.triangles, "triangle") + ", " + description(mesh);
+std::string mesh_line(const SliceSummary& counts, const ReportParts& parts) {
+    std::string text = "mesh      " + std::string(parts.mesh_name) + ", " + counted(counts.triangles, "triangle") + ", " +
+                       description(*parts.file);
     if (counts.degenerate > 0) {
         text += "; " + grouped(counts.degenerate) + " degenerate, dropped";
     }
@@ -47,12 +47,12 @@ std::string planes_line(const SliceResult& result) {
 }
 
 /// What was done beyond cutting, if anything.
-std::string mending(const SliceResult& result, const ReportContext& context) {
+std::string mending(const SliceResult& result, const ReportParts& parts) {
     std::string text;
-    if (context.welded != nullptr) {
-        text += "welded    " + counted(context.welded->joined, "vertex", "vertices") + " onto others at most " +
-                exact_text(context.weld_mm) + " mm away, the farthest " + rounded(context.welded->largest_move_mm, 6) +
-                " mm\n";
+    if (parts.welded != nullptr) {
+        text += "welded    " + counted(parts.welded->joined, "vertex", "vertices") + " onto others at most " +
+                exact_text(parts.welded->tolerance_mm) + " mm away, the farthest " +
+                rounded(parts.welded->largest_move_mm, 6) + " mm\n";
     }
     if (result.close_gaps_mm > 0) {
         double longest = 0;
@@ -68,15 +68,15 @@ std::string mending(const SliceResult& result, const ReportContext& context) {
     return text;
 }
 
-std::string times(const SliceSummary& summary, const ReportContext& context) {
-    std::string text = "time      " + rounded(context.total_ms, 1) + " ms: read " + rounded(context.read_ms, 1);
-    if (context.parse_ms > 0) {
-        text += ", parse " + rounded(context.parse_ms, 1);
+std::string times(const SliceSummary& summary, const MeshFile& mesh, const ToolRun& run) {
+    std::string text = "time      " + rounded(run.total_ms, 1) + " ms: read " + rounded(mesh.read_ms, 1);
+    if (mesh.parse_ms > 0) {
+        text += ", parse " + rounded(mesh.parse_ms, 1);
     }
     text += ", bucket " + rounded(summary.ms.bucket, 1) + ", sweep " + rounded(summary.ms.sweep, 1) + ", contours " +
             rounded(summary.ms.contours, 1) + ", nesting " + rounded(summary.ms.nesting, 1);
-    if (context.write_ms > 0) {
-        text += ", write " + rounded(context.write_ms, 1);
+    if (run.write_ms > 0) {
+        text += ", write " + rounded(run.write_ms, 1);
     }
     return text + " (" + counted(static_cast<std::uint64_t>(summary.threads), "thread") + ", " +
            counted(summary.bands, "band") + ")\n";
@@ -112,36 +112,46 @@ std::string volume_line(const VolumeCertificate& volume) {
     return text + "\n";
 }
 
-/// What was found out for the report, if there is one.
-std::string findings(const ReportContext& context) {
+/// What the report tells of the result, if there is a report.
+std::string findings(const ReportParts& parts) {
     std::string text;
-    if (context.ledger != nullptr) {
-        const Ledger& books = *context.ledger;
+    if (parts.ledger != nullptr) {
+        const Ledger& books = *parts.ledger;
         text += "unseen    between planes: shells " + grouped(books.shells.count) + ", peaks " + grouped(books.peaks.count) +
                 ", pits " + grouped(books.pits.count) + ", triangles " + grouped(books.between) + "\n";
     }
-    if (context.volume != nullptr) {
-        text += volume_line(*context.volume);
+    if (parts.volume != nullptr) {
+        text += volume_line(*parts.volume);
     }
-    if (context.crossings != nullptr && context.crossings->count > 0) {
-        text += "crossings " + std::string(context.crossings->at_least ? "at least " : "") +
-                grouped(context.crossings->count) + " of contours, in layers " + grouped(context.crossings->layers.size()) +
-                "\n";
+    if (parts.crossings != nullptr && parts.crossings->count > 0) {
+        text += "crossings " + std::string(parts.crossings->at_least ? "at least " : "") + grouped(parts.crossings->count) +
+                " of contours, in layers " + grouped(parts.crossings->layers.size()) + "\n";
     }
     return text;
 }
 
 }  // namespace
 
-std::string summary(const SliceResult& result, const MeshFile& mesh, const ReportContext& context) {
-    std::string text = mesh_line(result.summary, mesh, context) + planes_line(result) + mending(result, context) +
-                       "segments  " + grouped(result.summary.segments) + "\ncontours  " + contour_counts(result) + "\n" +
-                       findings(context) + times(result.summary, context) + "memory    " +
-                       file_size_text(context.peak_rss_bytes) + " at the peak\n";
-    if (!context.output_file.empty()) {
+std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh) {
+    const auto output = run.output.empty() ? decltype(ReportMember::value)(nullptr) : std::string_view(run.output);
+    return {{ReportPlace::after_mesh, "output", output},
+            {ReportPlace::in_times, "read", mesh.read_ms},
+            {ReportPlace::in_times, "parse", mesh.parse_ms},
+            {ReportPlace::in_times, "write", run.write_ms},
+            {ReportPlace::in_times, "total", run.total_ms},
+            {ReportPlace::after_times, "peak_rss_bytes", run.peak_rss_bytes},
+            {ReportPlace::at_end, "warnings", std::span<const std::string>(run.warnings)}};
+}
+
+std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run) {
+    std::string text = mesh_line(result.summary, parts) + planes_line(result) + mending(result, parts) + "segments  " +
+                       grouped(result.summary.segments) + "\ncontours  " + contour_counts(result) + "\n" + findings(parts) +
+                       times(result.summary, *parts.file, run) + "memory    " + file_size_text(run.peak_rss_bytes) +
+                       " at the peak\n";
+    if (!run.output.empty()) {
         std::error_code unknown;
-        const std::uintmax_t bytes = std::filesystem::file_size(context.output_file, unknown);
-        text += "wrote     " + context.output_file + (unknown ? "" : ", " + file_size_text(bytes)) + "\n";
+        const std::uintmax_t bytes = std::filesystem::file_size(run.output, unknown);
+        text += "wrote     " + run.output + (unknown ? "" : ", " + file_size_text(bytes)) + "\n";
     }
     return text;
 }

@@ -1,15 +1,29 @@
-// What a person is told of a slicing.
+// What the tool tells a person of a slicing, and what it adds to the report.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "lamella/io/mesh_file.hpp"
-#include "lamella/io/write.hpp"
+#include "lamella/io/report.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella::cli {
 
+/// What the tool itself did, and what that took.
+struct ToolRun {
+    std::string output;  ///< the SVG file, if one was written
+    double write_ms = 0;
+    double total_ms = 0;
+    std::uint64_t peak_rss_bytes = 0;
+    std::vector<std::string> warnings{};
+};
+
+/// The members that the tool adds to the report. They refer to `run`.
+std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh);
+
 /// Some lines, each a keyword and what there is to say, with a final newline.
-std::string summary(const SliceResult& result, const MeshFile& mesh, const ReportContext& context);
+std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run);
 
 }  // namespace lamella::cli

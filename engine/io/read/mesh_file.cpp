@@ -272,7 +272,7 @@ Error FileSource::error_in_text(std::string_view text, std::size_t offset, const
 // ---
 
 Result<MeshFile> read_mesh(const std::filesystem::path& path, const ReadOptions& options) noexcept {
-    return guarded([&] { return read(path, options); });
+    return guarded(options.control, [&] { return read(path, options); });
 }
 
 }  // namespace lamella

@@ -1,6 +1,7 @@
 // The diagnosis of a mesh as JSON.
 #include <algorithm>
 
+#include "base/guard.hpp"
 #include "io/write/file_json.hpp"
 #include "io/write/json.hpp"
 #include "lamella/io/check_report.hpp"
@@ -9,9 +10,9 @@ namespace lamella {
 
 namespace {
 
-/// What FaultPlace::number and FaultPlace::measure are called, or null where the kind has none.
+/// What FaultPlace::parts and FaultPlace::measure are called, or null where the kind has none.
 struct Fields {
-    const char* number = nullptr;
+    const char* parts = nullptr;
     const char* measure = nullptr;
 };
 
@@ -47,8 +48,8 @@ void write_place(JsonText& json, Fault fault, const FaultPlace& place) {
         json.list("triangles", place.triangles, static_cast<std::size_t>(triangles),
                   [&](std::int64_t triangle) { json.value(triangle); });
         const Fields fields = fields_of(fault);
-        if (fields.number != nullptr) {
-            json.member(fields.number, place.number);
+        if (fields.parts != nullptr) {
+            json.member(fields.parts, place.parts);
         }
         if (fields.measure != nullptr) {
             json.member(fields.measure, place.measure);
@@ -59,7 +60,7 @@ void write_place(JsonText& json, Fault fault, const FaultPlace& place) {
     });
 }
 
-void write_finding(JsonText& json, Fault fault, const Finding& finding, std::size_t most_places) {
+void write_finding(JsonText& json, Fault fault, const FaultFinding& finding, std::size_t most_places) {
     json.object(key_of(fault), [&] {
         json.member("count", finding.count);
         json.member("at_least", finding.at_least);
@@ -80,46 +81,16 @@ void write_shell(JsonText& json, const MeshShell& shell) {
     });
 }
 
-void write_report(JsonText& json, const MeshCheck& check, const ReportContext& context, std::size_t most_places) {
-    const MeshInfo& info = check.info;
-    json.member("mesh", context.mesh_file);
-    if (context.file != nullptr) {
-        write_file(json, *context.file);
-    }
-    json.member("triangles", info.triangles);
-    json.member("edges", info.edges);
-    json.member("grid_mm", info.unit_mm);
-    json.member("tolerance_mm", check.tolerance_mm);
-    json.member("sliver_ratio", check.sliver_ratio);
-    write_box(json, info.min_mm, info.max_mm);
-    json.member("closed", info.closed);
-    json.member("clean", check.clean());
-    json.member("verdict", verdict(check));
-    json.object("findings", [&] {
-        for (std::size_t i = 0; i < fault_count; ++i) {
-            write_finding(json, static_cast<Fault>(i), check.findings[i], most_places);
-        }
-    });
-    json.object("shells", [&] {
-        json.member("count", check.shells.size());
-        json.member("nesting_complete", check.nesting_complete);
-        json.list("first", check.shells, most_places, [&](const MeshShell& shell) { write_shell(json, shell); });
-    });
-    json.list("warnings", context.warnings);
-}
-
 bool is_sliver(Fault fault) {
     return fault == Fault::needle_face || fault == Fault::cap_face;
 }
 
-}  // namespace
-
-std::string verdict(const MeshCheck& check) {
+std::string verdict_of(const MeshCheck& check) {
     const bool clean = check.clean();
     std::string text = clean ? "closed and clean" : "not clean";
     const char* before = clean ? ", with " : ": ";
     for (std::size_t i = 0; i < fault_count; ++i) {
-        const Finding& finding = check.findings[i];
+        const FaultFinding& finding = check.findings[i];
         const Fault fault = static_cast<Fault>(i);
         if (finding.count > 0 && (clean || !is_sliver(fault))) {
             text += before + std::string(finding.at_least ? "at least " : "") + std::to_string(finding.count) + " " +
@@ -130,14 +101,43 @@ std::string verdict(const MeshCheck& check) {
     return text + (check.complete() ? "" : ", as far as was searched");
 }
 
-Result<std::string> check_json(const MeshCheck& check, const ReportContext& context, std::size_t most_places) noexcept {
-    try {
+void write_report(JsonText& json, const MeshCheck& check, const ReportParts& parts, std::size_t most_places) {
+    const MeshInfo& info = check.info;
+    write_mesh(json, parts);
+    json.member("triangles", info.triangles);
+    json.member("edges", info.edges);
+    json.member("grid_mm", info.unit_mm);
+    json.member("tolerance_mm", check.tolerance_mm);
+    json.member("sliver_ratio", check.sliver_ratio);
+    write_box(json, info.min_mm, info.max_mm);
+    json.member("closed", info.closed);
+    json.member("clean", check.clean());
+    json.member("verdict", verdict_of(check));
+    json.object("findings", [&] {
+        for (std::size_t i = 0; i < fault_count; ++i) {
+            write_finding(json, static_cast<Fault>(i), check.findings[i], most_places);
+        }
+    });
+    json.object("shells", [&] {
+        json.member("count", check.shells.size());
+        json.member("nesting_complete", check.nesting_complete);
+        json.list("first", check.shells, most_places, [&](const MeshShell& shell) { write_shell(json, shell); });
+    });
+    write_members(json, parts, ReportPlace::at_end);
+}
+
+}  // namespace
+
+Result<std::string> make_verdict(const MeshCheck& check) noexcept {
+    return guarded([&]() -> Result<std::string> { return verdict_of(check); });
+}
+
+Result<std::string> make_check_json(const MeshCheck& check, const ReportParts& parts, std::size_t most_places) noexcept {
+    return guarded([&]() -> Result<std::string> {
         JsonText json;
-        json.object([&] { write_report(json, check, context, most_places); });
+        json.object([&] { write_report(json, check, parts, most_places); });
         return std::move(json).take();
-    } catch (...) {  // bad_alloc, or length_error where a text cannot be that long
-        return Error{.code = ErrorCode::out_of_memory, .message = "out of memory"};
-    }
+    });
 }
 
 }  // namespace lamella

@@ -40,9 +40,9 @@ std::string describe(const LayerPlan& plan) {
            (plan.side == PlaneSide::below ? "down" : "up") + " (side " + name_of(plan.side) + ")";
 }
 
-std::string describe_weld(const WeldedMesh& welded, double tolerance_mm) {
-    return "Vertices at most " + exact_text(tolerance_mm) + " mm apart welded before: " + std::to_string(welded.joined) +
-           " moved";
+std::string describe_weld(const WeldedMesh& welded) {
+    return "Vertices at most " + exact_text(welded.tolerance_mm) +
+           " mm apart welded before: " + std::to_string(welded.joined) + " moved";
 }
 
 std::string describe_rules(const SliceResult& result) {

@@ -17,7 +17,7 @@ const char* name_of(Datum datum) noexcept;
 std::string describe(const LayerPlan& plan);
 
 /// What was joined before slicing, as a sentence.
-std::string describe_weld(const WeldedMesh& welded, double tolerance_mm);
+std::string describe_weld(const WeldedMesh& welded);
 
 /// What is inside, and which gaps were closed, as a sentence or two.
 std::string describe_rules(const SliceResult& result);

@@ -1,9 +1,9 @@
 // What a diagnosis found, as a PLY file to be shown over the mesh.
 #include <array>
 #include <cstdint>
-#include <new>
 #include <string>
 
+#include "base/guard.hpp"
 #include "io/write/describe.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/io/check_report.hpp"
@@ -89,7 +89,7 @@ void write_edges(const MeshCheck& check, OutputFile& file) {
 }  // namespace
 
 Status write_marks(const MeshCheck& check, const std::filesystem::path& path) noexcept {
-    try {
+    return guarded([&]() -> Status {
         Result<OutputFile> file = OutputFile::create(path);
         if (!file) {
             return file.error();
@@ -98,9 +98,7 @@ Status write_marks(const MeshCheck& check, const std::filesystem::path& path) no
         write_points(check, file.value());
         write_edges(check, file.value());
         return file->commit();
-    } catch (const std::bad_alloc&) {
-        return Error{.code = ErrorCode::out_of_memory, .message = "out of memory"};
-    }
+    });
 }
 
 }  // namespace lamella

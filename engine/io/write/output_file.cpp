@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "lamella/io/write.hpp"
+#include "lamella/io/text_file.hpp"
 
 namespace lamella {
 

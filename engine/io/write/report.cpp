@@ -1,16 +1,17 @@
-// The report: what was asked, what was found, what it cost, as JSON.
+// The report of a slicing: what was asked, what was found, and how long each stage took, as JSON.
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdint>
-#include <new>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "base/guard.hpp"
 #include "io/write/describe.hpp"
 #include "io/write/file_json.hpp"
 #include "io/write/json.hpp"
-#include "io/write/output_file.hpp"
-#include "lamella/io/write.hpp"
+#include "lamella/io/report.hpp"
 
 namespace lamella {
 
@@ -79,16 +80,13 @@ void write_counts(JsonText& json, const SliceResult& result) {
     json.member("overruled_contours", summary.overruled_contours);
 }
 
-void write_times(JsonText& json, const StageTimes& stages, const ReportContext& context) {
+void write_times(JsonText& json, const StageTimes& stages, const ReportParts& parts) {
     json.object("ms", [&] {
-        json.member("read", context.read_ms);
-        json.member("parse", context.parse_ms);
         json.member("bucket", stages.bucket);
         json.member("sweep", stages.sweep);
         json.member("contours", stages.contours);
         json.member("nesting", stages.nesting);
-        json.member("write", context.write_ms);
-        json.member("total", context.total_ms);
+        write_members(json, parts, ReportPlace::in_times);
     });
 }
 
@@ -110,7 +108,7 @@ void write_gap(JsonText& json, const SliceResult& result, const ClosedGap& gap, 
     json.member(length, result.length_mm(gap));
 }
 
-/// All of them: nothing is closed unsaid.
+/// Every gap that was closed.
 void write_gaps(JsonText& json, const SliceResult& result) {
     double longest = 0;
     double total = 0;
@@ -240,43 +238,39 @@ void write_crossings(JsonText& json, const SliceResult& result, const Crossings&
     });
 }
 
-void write_weld(JsonText& json, const ReportContext& context) {
+void write_weld(JsonText& json, const WeldedMesh& welded) {
     json.object("weld", [&] {
-        json.member("tolerance_mm", context.weld_mm);
-        json.member("vertices", context.welded->vertices);
-        json.member("joined", context.welded->joined);
-        json.member("largest_move_mm", context.welded->largest_move_mm);
+        json.member("tolerance_mm", welded.tolerance_mm);
+        json.member("vertices", welded.vertex_count);
+        json.member("joined", welded.joined);
+        json.member("largest_move_mm", welded.largest_move_mm);
     });
 }
 
-/// What was found out about the result, where it was looked for.
-void write_findings(JsonText& json, const SliceResult& result, const ReportContext& context) {
+/// The answers about the result that the program has asked for.
+void write_findings(JsonText& json, const SliceResult& result, const ReportParts& parts) {
     write_open(json, result);
     json.member("fill_rule", name_of(result.fill_rule));
     write_gaps(json, result);
-    if (context.ledger != nullptr) {
-        write_ledger(json, *context.ledger);
+    if (parts.ledger != nullptr) {
+        write_ledger(json, *parts.ledger);
     }
-    if (context.volume != nullptr) {
-        write_volume(json, *context.volume);
+    if (parts.volume != nullptr) {
+        write_volume(json, *parts.volume);
     }
-    if (context.crossings != nullptr) {
-        write_crossings(json, result, *context.crossings);
+    if (parts.crossings != nullptr) {
+        write_crossings(json, result, *parts.crossings);
     }
-    if (context.welded != nullptr) {
-        write_weld(json, context);
+    if (parts.welded != nullptr) {
+        write_weld(json, *parts.welded);
     }
 }
 
-void write_report(JsonText& json, const SliceResult& result, const ReportContext& context) {
+void write_report(JsonText& json, const SliceResult& result, const ReportParts& parts) {
     const SliceSummary& summary = result.summary;
-    json.member("mesh", context.mesh_file);
-    json.member_if(!context.output_file.empty(), "output", context.output_file);
-    if (context.file != nullptr) {
-        write_file(json, *context.file);
-    }
+    write_mesh(json, parts);
     write_counts(json, result);
-    write_findings(json, result, context);
+    write_findings(json, result, parts);
     json.member("grid_mm", result.unit_mm);
     write_plan(json, result.plan);
     json.member("frame", result.frame.m);
@@ -284,35 +278,20 @@ void write_report(JsonText& json, const SliceResult& result, const ReportContext
     json.member("solid_volume_mm3", solid_volume_mm3(result));
     json.member("threads", summary.threads);
     json.member("bands", summary.bands);
-    write_times(json, summary.ms, context);
-    json.member("peak_rss_bytes", context.peak_rss_bytes);
-    json.member("output_hash", hex(output_hash(result)));
-    json.list("warnings", context.warnings);
+    write_times(json, summary.ms, parts);
+    write_members(json, parts, ReportPlace::after_times);
+    json.member("output_hash", hex(hash_result(result)));
+    write_members(json, parts, ReportPlace::at_end);
 }
 
 }  // namespace
 
-Result<std::string> report_json(const SliceResult& result, const ReportContext& context) noexcept {
-    try {
+Result<std::string> make_report_json(const SliceResult& result, const ReportParts& parts) noexcept {
+    return guarded([&]() -> Result<std::string> {
         JsonText json;
-        json.object([&] { write_report(json, result, context); });
+        json.object([&] { write_report(json, result, parts); });
         return std::move(json).take();
-    } catch (...) {  // bad_alloc, or length_error where a text cannot be that long
-        return Error{.code = ErrorCode::out_of_memory, .message = "out of memory"};
-    }
-}
-
-Status write_text_file(const std::filesystem::path& path, const std::string& text) noexcept {
-    try {
-        Result<OutputFile> file = OutputFile::create(path);
-        if (!file) {
-            return file.error();
-        }
-        file->append(text);
-        return file->commit();
-    } catch (const std::bad_alloc&) {
-        return Error{.code = ErrorCode::out_of_memory, .message = "out of memory"};
-    }
+    });
 }
 
 }  // namespace lamella

@@ -18,7 +18,7 @@
 #include "base/words.hpp"
 #include "io/write/describe.hpp"
 #include "io/write/output_file.hpp"
-#include "lamella/io/write.hpp"
+#include "lamella/io/svg.hpp"
 
 namespace lamella {
 
@@ -94,8 +94,8 @@ Frame2d frame_of(const SliceResult& result) {
 
 class SvgWriter {
 public:
-    SvgWriter(const SliceResult& result, const ReportContext& context, OutputFile& out)
-        : result_(result), context_(context), out_(out), format_(result.unit_mm), frame_(frame_of(result)) {}
+    SvgWriter(const SliceResult& result, const WeldedMesh* welded, OutputFile& out)
+        : result_(result), welded_(welded), out_(out), format_(result.unit_mm), frame_(frame_of(result)) {}
 
     void head() {
         const std::string width = mm(frame_.width);
@@ -147,9 +147,8 @@ public:
 private:
     std::string description() const {
         std::string text = "Coordinates in mm. Grid unit " + exact_text(result_.unit_mm) + " mm. " +
-                           (context_.welded != nullptr ? describe_weld(*context_.welded, context_.weld_mm) + ". " : "") +
-                           "Planes: " + describe(result_.plan) + ". " + describe_rules(result_) +
-                           ". Frame (rows of a 3x4 matrix from mesh to layers):";
+                           (welded_ != nullptr ? describe_weld(*welded_) + ". " : "") + "Planes: " + describe(result_.plan) +
+                           ". " + describe_rules(result_) + ". Frame (rows of a 3x4 matrix from mesh to layers):";
         for (const double entry : result_.frame.m) {
             text += " " + exact_text(entry);
         }
@@ -217,22 +216,21 @@ private:
     }
 
     const SliceResult& result_;
-    const ReportContext& context_;
+    const WeldedMesh* welded_;
     OutputFile& out_;
     MmFormat format_;
     Frame2d frame_;
 };
 
-Status write_svg_throwing(const SliceResult& result, const std::filesystem::path& path, const ReportContext& context,
-                          const Control& control) {
+Status write_svg_throwing(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options) {
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();
     }
-    SvgWriter writer(result, context, *file);
+    SvgWriter writer(result, options.welded, *file);
     writer.head();
     for (std::size_t index = 0; index < result.layers.size(); ++index) {
-        if (control.stop.stop_requested()) {
+        if (options.control.stop.stop_requested()) {
             return Error{.code = ErrorCode::cancelled, .message = "cancelled while writing '" + path.string() + "'"};
         }
         writer.layer(index);
@@ -244,9 +242,8 @@ Status write_svg_throwing(const SliceResult& result, const std::filesystem::path
 
 }  // namespace
 
-Status write_svg(const SliceResult& result, const std::filesystem::path& path, const ReportContext& context,
-                 const Control& control) noexcept {
-    return guarded([&] { return write_svg_throwing(result, path, context, control); });
+Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options) noexcept {
+    return guarded(options.control, [&] { return write_svg_throwing(result, path, options); });
 }
 
 }  // namespace lamella

@@ -114,19 +114,19 @@ std::string_view words_for(Fault fault, std::uint64_t count) noexcept {
 
 bool MeshCheck::complete() const noexcept {
     return nesting_complete &&
-           std::none_of(findings.begin(), findings.end(), [](const Finding& finding) { return finding.at_least; });
+           std::none_of(findings.begin(), findings.end(), [](const FaultFinding& finding) { return finding.at_least; });
 }
 
 bool MeshCheck::clean() const noexcept {
     std::uint64_t faults = 0;
-    for (const Finding& finding : findings) {
+    for (const FaultFinding& finding : findings) {
         faults += finding.count;
     }
     return info.closed && faults == of(Fault::needle_face).count + of(Fault::cap_face).count;
 }
 
 Result<MeshCheck> check(const MeshView& mesh, const CheckOptions& options) noexcept {
-    return guarded([&] { return check_or_throw(mesh, options); });
+    return guarded(options.control, [&] { return check_or_throw(mesh, options); });
 }
 
 }  // namespace lamella

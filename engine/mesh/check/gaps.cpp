@@ -116,7 +116,7 @@ private:
     void search(Fault fault, const std::vector<Box>& boxes, Visit visit, MakePlace make_place) {
         const BoxTree tree(boxes, parallel_);
         std::vector<Tally<Near>> tallies(static_cast<std::size_t>(parallel_.threads()), Tally<Near>(notes_.most()));
-        Finding& finding = notes_.of(fault);
+        FaultFinding& finding = notes_.of(fault);
         finding.at_least =
             !search_within_budget(vertices_.size(), parallel_, [&](std::size_t query, std::size_t limit, int worker) {
                 const std::uint32_t vertex = vertices_[query];

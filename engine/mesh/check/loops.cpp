@@ -157,7 +157,7 @@ void find_loops(const GridMesh& mesh, const EdgeTable& edges, Notes& notes) {
         notes.add(Fault::boundary_loop, [&] {
             FaultPlace place = notes.at({loop.vertex});
             place.triangles[0] = mesh.faces[EdgeTable::face_of(loop.side)].source;
-            place.number = loop.edges;
+            place.parts = loop.edges;
             place.measure = loop.length * mesh.unit_mm;
             place.closed = loop.closed;
             return place;

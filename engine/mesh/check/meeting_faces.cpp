@@ -128,7 +128,7 @@ std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const std::ve
     for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
         const auto& [meeting, fault] = kinds[kind];
         Tally<FacePair>& total = search.total(kind);
-        Finding& finding = notes.of(fault);
+        FaultFinding& finding = notes.of(fault);
         finding.count = total.count();
         finding.at_least = !complete;
         for (const FacePair& pair : total.smallest()) {

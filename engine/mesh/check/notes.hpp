@@ -17,14 +17,14 @@ public:
     /// Counts one; make() gives its FaultPlace where it is one of the first. Faults of a kind come in their order.
     template <class Make>
     void add(Fault fault, Make make) {
-        Finding& finding = of(fault);
+        FaultFinding& finding = of(fault);
         ++finding.count;
         if (finding.places.size() < most_) {
             finding.places.push_back(make());
         }
     }
 
-    Finding& of(Fault fault) noexcept { return check_.findings[static_cast<std::size_t>(fault)]; }
+    FaultFinding& of(Fault fault) noexcept { return check_.findings[static_cast<std::size_t>(fault)]; }
 
     std::array<double, 3> mm(const GridVertex& vertex) const noexcept {
         return {vertex.x * mesh_.unit_mm, vertex.y * mesh_.unit_mm, vertex.z * mesh_.unit_mm};

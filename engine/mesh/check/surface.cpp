@@ -16,7 +16,7 @@ FaultPlace place_of_edge(const GridMesh& mesh, const EdgeTable& edges, std::size
     for (std::size_t i = 0; i < std::min(sides.size(), place.triangles.size()); ++i) {
         place.triangles[i] = mesh.faces[EdgeTable::face_of(sides[i])].source;
     }
-    place.number = sides.size();
+    place.parts = sides.size();
     return place;
 }
 
@@ -79,7 +79,7 @@ void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, Notes& no
             notes.add(Fault::split_vertex, [&] {
                 FaultPlace place = notes.at({vertex});
                 place.triangles[0] = mesh.faces[first_faces[vertex]].source;
-                place.number = counts[vertex];
+                place.parts = counts[vertex];
                 return place;
             });
         }

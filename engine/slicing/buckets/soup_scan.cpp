@@ -28,9 +28,9 @@ SoupScan::SoupScan(const MeshView& mesh, const Transform& transform, double unit
       scale_(static_cast<float>(1 / (2 * unit_mm))),
       planes_(planes) {
     int exponent = 0;
-    usable_ = has_avx512() && mesh.number == CoordinateType::f32 && mesh.indices == nullptr && mesh.stride < (1U << 20) &&
-              transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 && planes.size() > 0 &&
-              planes.size() <= most_scanned_planes;
+    usable_ = has_avx512() && mesh.coordinate_type == CoordinateType::f32 && mesh.indices == nullptr &&
+              mesh.stride < (1U << 20) && transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 &&
+              planes.size() > 0 && planes.size() <= most_scanned_planes;
     if (planes.uniform() && planes.size() <= most_by_arithmetic && planes.planes_per_unit() * least_step_units <= 1) {
         planes_per_unit_ = static_cast<float>(planes.planes_per_unit());
     }

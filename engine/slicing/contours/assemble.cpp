@@ -102,12 +102,14 @@ EndKey EndKey::of_edge(GridVertex u, GridVertex v) noexcept {
 }
 
 Result<LayerContours> assemble(std::span<const Segment> segments, const Control& control) noexcept {
-    return guarded([&]() -> Result<LayerContours> {
+    return guarded(control, [&]() -> Result<LayerContours> {
         if (segments.size() > most_segments) {
             return Error{ErrorCode::invalid_argument, "more than 2^30 segments in one plane"};
         }
+        stop_if_asked(control);
         Assembly assembly(segments, control.memory);
         assembly.link();
+        stop_if_asked(control);
         return assembly.build(control.memory);
     });
 }

@@ -127,7 +127,8 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, 
     if (mesh.triangle_count >= std::numeric_limits<std::uint32_t>::max()) {
         return Error{ErrorCode::invalid_argument, "the mesh has more than 2^32 - 2 triangles"};
     }
-    const bool float_soup = mesh.number == CoordinateType::f32 && mesh.indices == nullptr && transform.is_identity();
+    const bool float_soup =
+        mesh.coordinate_type == CoordinateType::f32 && mesh.indices == nullptr && transform.is_identity();
     const auto workers = static_cast<std::size_t>(parallel.threads());
     std::vector<Partial> partial(workers);
     std::vector<std::int64_t> bad_index(workers, std::numeric_limits<std::int64_t>::max());

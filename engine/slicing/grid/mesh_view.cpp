@@ -33,12 +33,12 @@ MeshView MeshView::soup(std::span<const double> coordinates) noexcept {
 }
 
 MeshView MeshView::strided_soup(const std::byte* first, std::size_t triangles, std::size_t stride,
-                                CoordinateType number) noexcept {
+                                CoordinateType coordinate_type) noexcept {
     MeshView view;
     view.vertices = first;
     view.stride = stride;
     view.triangle_count = triangles;
-    view.number = number;
+    view.coordinate_type = coordinate_type;
     return view;
 }
 
@@ -50,7 +50,7 @@ MeshView MeshView::indexed(std::span<const double> xyz, std::span<const std::uin
     return indexed_of(xyz, indices, CoordinateType::f64);
 }
 
-MeshView MeshView::indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType number,
+MeshView MeshView::indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType coordinate_type,
                            std::span<const std::uint32_t> indices) noexcept {
     assert(indices.size() % 3 == 0);
     MeshView view;
@@ -59,7 +59,7 @@ MeshView MeshView::indexed(const std::byte* first, std::size_t vertices, std::si
     view.vertex_count = vertices;
     view.indices = indices.data();
     view.triangle_count = indices.size() / 3;
-    view.number = number;
+    view.coordinate_type = coordinate_type;
     return view;
 }
 

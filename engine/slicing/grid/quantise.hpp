@@ -34,10 +34,10 @@ public:
     explicit RawReader(const MeshView& mesh) noexcept : mesh_(mesh) {}
 
     RawTriangle operator()(std::size_t t) const noexcept {
-        return mesh_.number == CoordinateType::f32 ? read<float>(t) : read<double>(t);
+        return mesh_.coordinate_type == CoordinateType::f32 ? read<float>(t) : read<double>(t);
     }
 
-    CoordinateType number() const noexcept { return mesh_.number; }
+    CoordinateType number() const noexcept { return mesh_.coordinate_type; }
     /// Where a vertex of `vertex_bytes` lies.
     const std::byte* at(std::size_t t, std::size_t corner, std::size_t vertex_bytes) const noexcept {
         return mesh_.indices != nullptr ? mesh_.vertices + mesh_.indices[3 * t + corner] * mesh_.stride
@@ -206,7 +206,7 @@ template <class Use>
 decltype(auto) with_reader(const MeshView& mesh, const Transform& transform, double unit_mm, Use&& use) {
 #ifdef __SSE2__
     int exponent = 0;
-    if (mesh.number == CoordinateType::f32 && transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5) {
+    if (mesh.coordinate_type == CoordinateType::f32 && transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5) {
         return use(FloatReader(mesh, unit_mm));
     }
 #endif

@@ -1,4 +1,4 @@
-// The layout that is hashed is documented with output_hash(). It is made of values, not of memory, so padding and byte
+// The layout that is hashed is documented with hash_result(). It is made of values, not of memory, so padding and byte
 // order play no part.
 #include "lamella/result.hpp"
 
@@ -40,7 +40,7 @@ void add_contour(WordHash& hash, const SliceResult& result, const Layer& layer, 
 
 }  // namespace
 
-std::uint64_t output_hash(const SliceResult& result) noexcept {
+std::uint64_t hash_result(const SliceResult& result) noexcept {
     WordHash hash;
     hash.add(result.layers.size());
     for (const Layer& layer : result.layers) {

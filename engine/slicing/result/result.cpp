@@ -21,6 +21,10 @@ double SliceResult::area_mm2(const Layer& layer) const noexcept {
     return static_cast<double>(twice_area) / 2 * unit_mm * unit_mm;
 }
 
+double SliceResult::area_mm2(const Contour& contour) const noexcept {
+    return contour.twice_area.to_double() / 2 * unit_mm * unit_mm;
+}
+
 double SliceResult::length_mm(const ClosedGap& gap) const noexcept {
     const double dx = static_cast<double>(gap.to.x) - gap.from.x;
     const double dy = static_cast<double>(gap.to.y) - gap.from.y;

@@ -1,4 +1,11 @@
 // Where contours of a layer cross one another or themselves: the mesh runs through itself there.
+//
+//     const lamella::Result<lamella::Crossings> crossings = lamella::find_crossings(result);
+//     if (crossings && crossings->count > 0) {
+//         const lamella::LayerCrossings& first = crossings->layers[0];
+//         const lamella::PointMm at = result.to_mm(first.first);
+//         std::printf("layer %zu, first at %g %g\n", static_cast<std::size_t>(first.layer), at.x, at.y);
+//     }
 #pragma once
 
 #include <array>
@@ -27,16 +34,15 @@ struct Crossings {
     std::vector<LayerCrossings> layers;  ///< ascending
 };
 
-/// Counts where one path goes from one side of another to the other, on the points of the result, exactly: edges whose
+/// Counts where one path goes from one side of another to the other, exactly, on the points of the result: edges whose
 /// insides cross, and corners in which a path passes through another's edge or corner. A path that only touches another, or
-/// runs along a stretch of it, does not cross it there; where open polylines end nothing is passed through. An outline
+/// runs along a stretch of it, does not cross it there. The end of an open polyline crosses nothing. An outline that is
 /// traced twice, as flat contours may be, crosses another twice.
 ///
-/// O(c log c) for a layer of c runs of edges that rise and fall neither in x nor in y between, and for runs whose boxes meet
-/// as many steps as their edges lie close to each other. A layer in which that is more than 1,024 steps an edge, as only
-/// long slanting edges side by side by the thousand make it, is not gone through to its end: at_least. The answer does not
-/// depend on threads. Errors: invalid_argument (layers, contours and points do not follow one another),
-/// out_of_memory.
+/// O(c log c) for a layer of c monotone runs of edges, and for two runs whose boxes meet as many steps as they have edges
+/// close to each other. A layer that takes more than 1,024 steps an edge is not searched to its end: at_least. Only
+/// thousands of long slanting edges side by side make that happen. The answer does not depend on threads. Errors:
+/// invalid_argument (layers, contours and points do not follow one another, negative threads), out_of_memory, cancelled.
 Result<Crossings> find_crossings(const SliceResult& result, const Control& control = {}) noexcept;
 
 }  // namespace lamella

@@ -1,4 +1,12 @@
-// Where every triangle of a sliced mesh went, so that nothing vanishes unsaid: what lies between two planes is in no layer.
+// Accounts for every triangle of a sliced mesh: what lies between two planes is in no layer.
+//
+//     const lamella::Result<lamella::Ledger> ledger = lamella::make_ledger(mesh, result);
+//     if (ledger) {
+//         std::printf("%zu triangles are in no layer\n", static_cast<std::size_t>(ledger->between));
+//         for (const lamella::SurfacePiece& piece : ledger->pieces) {
+//             std::printf("%s below layer %zu\n", name_of(piece.kind).data(), static_cast<std::size_t>(piece.layer));
+//         }
+//     }
 //
 // Between two neighbouring planes (and below the first, and above the last) the surface falls into pieces, connected over
 // its vertices. Those that join both planes go on in the layers below and above. The others end here, unseen by one layer or
@@ -78,9 +86,9 @@ struct Ledger {
     std::vector<std::uint64_t> gaps;   ///< layers without a contour that have some below and above
 };
 
-/// Counts again, from the mesh and the result's planes alone. `mesh` must be what was sliced. O(n + k) expected, and O(log
-/// k) a triangle where planes crowd; 8 bytes a triangle and 4 a plane, and 24 a triangle while its slab is gone through. The
-/// answer does not depend on threads. Errors: those of certify_volume().
+/// Counts again, from the mesh and the result's planes alone. `mesh` must be what was sliced. O(n + k) expected for n
+/// triangles and k planes, O(log k) a triangle where planes crowd; 8 bytes a triangle and 4 a plane, and 24 a triangle while
+/// its slab is examined. The answer does not depend on threads. Errors: those of certify_volume().
 Result<Ledger> make_ledger(const MeshView& mesh, const SliceResult& result, const Control& control = {}) noexcept;
 
 }  // namespace lamella

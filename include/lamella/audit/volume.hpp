@@ -1,5 +1,12 @@
-// A certificate for a result: the area in every layer and the volume between every two planes, computed from the mesh alone,
-// and whether the contours and the mesh's volume agree with them.
+// A certificate for a result: whether its areas and the volume between its planes are those of the mesh.
+//
+//     const lamella::Result<lamella::VolumeCertificate> certificate = lamella::certify_volume(mesh, result);
+//     if (certificate && certificate->verdict == lamella::VolumeVerdict::holds) {
+//         std::printf("certified: %g mm3\n", certificate->mesh_mm3);
+//     }
+//
+// The area in every layer and the volume between every two planes are computed from the mesh alone and compared with the
+// contours and with the mesh's volume.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +25,7 @@ enum class VolumeVerdict : std::uint8_t {
     areas_differ,    ///< some layer's contours enclose another area than the mesh has there
     volumes_differ,  ///< the slabs do not sum to the mesh's volume
     open_mesh,       ///< does not apply: some edge has more faces one way than the other, so there is no volume
-    not_as_walked,   ///< does not apply: a fill rule or closed gaps made the contours others than the mesh's
+    not_as_walked,   ///< does not apply: a fill rule or closed gaps changed the contours
 };
 
 /// "holds", "areas differ", ...
@@ -52,8 +59,8 @@ struct VolumeCertificate {
 ///
 /// `mesh` must be what was sliced. n triangles, k planes, m crossings: O(n + k + m), 80 bytes a plane and thread. All sums
 /// are of integers: the answer does not depend on threads. Errors: invalid_argument (the mesh has not the
-/// result's number of triangles, or does not fit its grid; layers, contours and points do not follow one another),
-/// out_of_memory.
+/// result's number of triangles, or does not fit its grid; layers, contours and points do not follow one another;
+/// negative threads), out_of_memory, cancelled.
 Result<VolumeCertificate> certify_volume(const MeshView& mesh, const SliceResult& result,
                                          const Control& control = {}) noexcept;
 

@@ -1,5 +1,14 @@
-// Mesh files: one call for every format. Which format a file has is decided by its content, then by its name; where the two
-// disagree the content is believed and a warning says so.
+// Mesh files: one call reads every format.
+//
+//     const lamella::Result<lamella::MeshFile> file = lamella::read_mesh("liver.stl");
+//     if (!file) {
+//         std::fprintf(stderr, "%s\n", file.error().message.c_str());
+//         return;
+//     }
+//     const lamella::Result<lamella::SliceResult> sliced = lamella::slice(*file);  // in mm, whatever the file's unit is
+//
+// The content of a file decides its format, then its name. Where the two disagree, the content decides and a warning says
+// so.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +22,10 @@
 #include "lamella/control.hpp"
 #include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
+#include "lamella/mesh/check.hpp"
+#include "lamella/mesh/inspect.hpp"
+#include "lamella/mesh/weld.hpp"
+#include "lamella/slice.hpp"
 
 namespace lamella {
 
@@ -24,8 +37,8 @@ std::string_view name_of(MeshFormat format) noexcept;
 /// Of all formats that can be read.
 std::span<const std::string_view> format_names() noexcept;
 
-/// In which directions a medical mesh's axes run through the patient: towards left, posterior and superior, or towards
-/// right, anterior and superior. Read where a file states it, and never guessed.
+/// The directions in which a medical mesh's axes run through the patient: towards left, posterior and superior (LPS), or
+/// towards right, anterior and superior (RAS). Read where a file states it, and never guessed.
 enum class PatientFrame : std::uint8_t { unstated, lps, ras };
 
 /// "LPS", "RAS" or "".
@@ -36,7 +49,7 @@ struct MeshFile {
     Array<std::byte> bytes;        ///< what holds the coordinates; a binary STL file is kept as it is (no parse, no copy)
     std::size_t first_offset = 0;  ///< of the first triangle's (soup) or vertex's coordinates in `bytes`
     std::size_t stride = 0;        ///< bytes from one triangle (soup) or vertex to the next
-    CoordinateType number = CoordinateType::f32;
+    CoordinateType coordinate_type = CoordinateType::f32;
     std::uint64_t vertex_count = 0;  ///< 0 for soup
     Array<std::uint32_t> indices;    ///< three a triangle; empty for soup
     std::uint64_t triangle_count = 0;
@@ -54,18 +67,18 @@ struct MeshFile {
 
     MeshView view() const noexcept {
         if (indices.empty()) {
-            return MeshView::strided_soup(bytes.data() + first_offset, triangle_count, stride, number);
+            return MeshView::strided_soup(bytes.data() + first_offset, triangle_count, stride, coordinate_type);
         }
-        return MeshView::indexed(bytes.data() + first_offset, vertex_count, stride, number, indices.span());
+        return MeshView::indexed(bytes.data() + first_offset, vertex_count, stride, coordinate_type, indices.span());
     }
 
-    /// From the coordinates to mm: what SliceOptions::transform must begin with.
+    /// From the coordinates to mm. The calls below apply it; a call that takes view() needs it in its options.
     Transform to_mm() const noexcept { return Transform::scale(mm_per_unit); }
 };
 
 struct ReadOptions {
-    /// Map the file instead of reading it. Saves the copy; a file that shrinks while it is mapped kills the process, so this
-    /// is for programs that own their input.
+    /// Map the file instead of reading it, which saves the copy. A file that shrinks while it is mapped ends the process:
+    /// this is for programs that own their input.
     bool map_file = false;
     double mm_per_unit = 1;  ///< for files that state no unit
     /// What reading may take beside the file's own bytes; more is an error before it is allocated. 0: three times the file
@@ -74,8 +87,21 @@ struct ReadOptions {
     Control control{};
 };
 
-/// Reads `path`. Errors: unreadable_file, malformed_mesh (with the byte offset, and for text the line, in the message),
-/// empty_mesh, out_of_memory. Never allocates by a count that the file does not hold.
+/// Reads `path`. O(bytes). It never allocates by a count that the file claims but does not hold. Errors: unreadable_file,
+/// malformed_mesh (with the byte offset, and for text the line, in the message), empty_mesh, invalid_argument (negative
+/// threads), out_of_memory, cancelled.
 Result<MeshFile> read_mesh(const std::filesystem::path& path, const ReadOptions& options = {}) noexcept;
+
+// The calls on meshes, with the file's unit applied before `options.transform`.
+
+/// See slice.hpp.
+Result<SliceResult> slice(const MeshFile& file, const SliceOptions& options = {}) noexcept;
+Status slice(const MeshFile& file, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept;
+/// See mesh/inspect.hpp.
+Result<MeshInfo> inspect(const MeshFile& file, const InspectOptions& options = {}) noexcept;
+/// See mesh/check.hpp.
+Result<MeshCheck> check(const MeshFile& file, const CheckOptions& options = {}) noexcept;
+/// See mesh/weld.hpp; the file's unit takes the place of `options.mm_per_unit`.
+Result<WeldedMesh> weld(const MeshFile& file, const WeldOptions& options = {}) noexcept;
 
 }  // namespace lamella

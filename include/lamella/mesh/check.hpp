@@ -1,5 +1,16 @@
-// What is wrong with a mesh, and where: every departure from a closed, oriented surface without self-intersections
-// (paper 1.3), found on the grid that slicing would use.
+// What is wrong with a mesh, and where.
+//
+//     const lamella::Result<lamella::MeshCheck> check = lamella::check(mesh);
+//     if (check && !check->clean()) {
+//         const lamella::FaultFinding& edges = check->of(lamella::Fault::boundary_edge);
+//         std::printf("%zu boundary edges\n", static_cast<std::size_t>(edges.count));
+//         for (const lamella::FaultPlace& place : edges.places) {
+//             std::printf("  at %g %g %g mm\n", place.points_mm[0][0], place.points_mm[0][1], place.points_mm[0][2]);
+//         }
+//     }
+//
+// It finds every departure from a closed, oriented surface without self-intersections (section 1.3 of the paper), on the
+// grid that slicing would use.
 //
 // Exact, by integer arithmetic on the grid: all edges, vertices, duplicates, senses, volumes' signs, faces without area, and
 // whether two triangles cross, overlap or touch. Approximate, in double (relative error below 1e-12): the ratio of slivers,
@@ -54,12 +65,13 @@ struct FaultPlace {
     std::array<std::array<double, 3>, 3> points_mm{};  ///< a point, the ends of an edge or gap, or a face's corners
     int point_count = 1;
     std::array<std::int64_t, 2> triangles{-1, -1};  ///< faces that are part of it, as numbered in the input, or -1
-    std::uint64_t number = 0;                       ///< faces at an edge, edges of a loop, fans at a vertex; else 0
+    std::uint64_t parts = 0;                        ///< faces at an edge, edges of a loop, fans at a vertex; else 0
     double measure = 0;   ///< a loop's length and a gap's width in mm, a sliver's ratio, a shell's volume in mm³; else 0
     bool closed = false;  ///< of a loop
 };
 
-struct Finding {
+/// All faults of one kind.
+struct FaultFinding {
     std::uint64_t count = 0;
     bool at_least = false;  ///< the search was cut short: the true count may be larger
     /// The first, by smallest coordinates: no order of triangles or vertices and no number of threads changes them. At most
@@ -81,13 +93,13 @@ struct MeshShell {
 
 struct MeshCheck {
     MeshInfo info;
-    std::array<Finding, fault_count> findings{};
+    std::array<FaultFinding, fault_count> findings{};
     std::vector<MeshShell> shells;  ///< all, by first_mm
     bool nesting_complete = true;   ///< false: rays through too many triangles; depths are then too small for some
     double tolerance_mm = 0;
     double sliver_ratio = 0;
 
-    const Finding& of(Fault fault) const noexcept { return findings[static_cast<std::size_t>(fault)]; }
+    const FaultFinding& of(Fault fault) const noexcept { return findings[static_cast<std::size_t>(fault)]; }
     /// No search was cut short.
     bool complete() const noexcept;
     /// No fault was found but slivers, which slicing does not mind.
@@ -105,9 +117,10 @@ struct CheckOptions {
 
 /// O(n log n) for meshes whose triangles are spread out; about 150 bytes a triangle beside the mesh. Where triangles pile up
 /// the search for pairs stops after some eight million exact tests and sixteen for each triangle, which take a second or
-/// two, and says so: Finding::at_least. Of faces on the same vertices one is tested. Shells are nested exactly where they do
-/// not cross; one that touches another wherever it was probed counts as outside. Errors: those of inspect(), and
-/// result_too_large from 2^32 / 3 triangles on.
+/// two, and says so: FaultFinding::at_least. Of several faces on the same vertices one is tested. Shells are nested exactly
+/// where they do not cross; one that touches another wherever it was probed counts as outside. The answer does not depend on
+/// threads. Errors: those of inspect(), invalid_argument (a tolerance or ratio out of range), and result_too_large from
+/// 2^32 / 3 triangles on.
 Result<MeshCheck> check(const MeshView& mesh, const CheckOptions& options = {}) noexcept;
 
 }  // namespace lamella

@@ -1,4 +1,11 @@
-// What a mesh is before it is cut: counts that tell whether it is closed (paper 1.3).
+// What a mesh is before it is cut: counts that tell whether it is closed.
+//
+//     const lamella::Result<lamella::MeshInfo> info = lamella::inspect(mesh);
+//     if (info && !info->closed) {
+//         std::printf("%zu edges with one face\n", static_cast<std::size_t>(info->boundary_edges));
+//     }
+//
+// Source: section 1.3 of the paper, for what a closed mesh is. Where the faults are, check() says (mesh/check.hpp).
 #pragma once
 
 #include <cstdint>
@@ -34,8 +41,8 @@ struct InspectOptions {
 };
 
 /// O(n) expected; 16 bytes a triangle beside the mesh. The answer does not depend on threads. Errors: empty_mesh,
-/// invalid_argument (an index beyond the vertices, a unit that is none), bad_coordinate (also: too large for the unit asked
-/// for), out_of_memory.
+/// invalid_argument (an index beyond the vertices, an unusable unit, negative threads), bad_coordinate (also: too large for
+/// the unit asked for), out_of_memory, cancelled.
 Result<MeshInfo> inspect(const MeshView& mesh, const InspectOptions& options = {}) noexcept;
 
 }  // namespace lamella

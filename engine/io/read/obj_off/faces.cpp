@@ -66,7 +66,7 @@ std::size_t place_triangles(std::span<FaceRange> pieces) {
 
 TextFailure cut_faces(std::span<const FaceRange> pieces, MeshFile& mesh, const Parallel& parallel,
                       FunctionRef<const char*(std::size_t piece, std::size_t face)> place) {
-    const VertexCoordinates vertices{mesh.bytes.data(), mesh.stride, mesh.number};
+    const VertexCoordinates vertices{mesh.bytes.data(), mesh.stride, mesh.coordinate_type};
     std::vector<FaceCutter> cutters(static_cast<std::size_t>(parallel.threads()));
     return parse_pieces(pieces.size(), parallel, [&](std::size_t i, int worker) {
         const std::span<std::uint32_t> own =
@@ -97,7 +97,7 @@ Result<MeshFile> read_faces(const FileSource& source, std::string_view text, std
     }
     MeshFile mesh;
     mesh.text = true;
-    mesh.number = CoordinateType::f64;
+    mesh.coordinate_type = CoordinateType::f64;
     mesh.stride = vertex_bytes;
     mesh.vertex_count = vertices;
     mesh.triangle_count = triangles;

@@ -46,10 +46,10 @@ MeshFile mesh_of(PlyMesh body, Array<std::byte> bytes, const PlyHeader& header, 
     mesh.bytes = std::move(body.coordinates.empty() ? bytes : body.coordinates);
     mesh.first_offset = body.first_offset;
     mesh.stride = body.stride;
-    mesh.number = body.number;
+    mesh.coordinate_type = body.coordinate_type;
     mesh.vertex_count = body.vertex_count;
     if (body.swapped) {
-        swap_vertices(mesh.bytes.data() + mesh.first_offset, mesh.stride, mesh.number, mesh.vertex_count, parallel);
+        swap_vertices(mesh.bytes.data() + mesh.first_offset, mesh.stride, mesh.coordinate_type, mesh.vertex_count, parallel);
     }
     mesh.triangle_count = body.indices.size() / 3;
     mesh.indices = std::move(body.indices);

@@ -172,7 +172,7 @@ void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char
             const auto use = static_cast<PlyUse>(axis);
             const char* const from = rows + begin * row_bytes + offset_in_row(vertices, use);
             std::byte* const to = const_cast<std::byte*>(mesh.coordinates.data()) + begin * mesh.stride;
-            if (mesh.number == CoordinateType::f64) {
+            if (mesh.coordinate_type == CoordinateType::f64) {
                 copy_axis<double>(vertices.used(use), is_swapped(input.header), from, row_bytes, end - begin,
                                   to + axis * sizeof(double));
             } else {

@@ -78,7 +78,7 @@ bool BodyReader<Numbers>::read_all(const Numbers& numbers) {
     }
     const std::byte* const first =
         mesh_.coordinates.empty() ? reinterpret_cast<const std::byte*>(input_.file.data()) : mesh_.coordinates.data();
-    PlyTriangles triangles({first + mesh_.first_offset, mesh_.stride, mesh_.number}, mesh_.indices.span());
+    PlyTriangles triangles({first + mesh_.first_offset, mesh_.stride, mesh_.coordinate_type}, mesh_.indices.span());
     for (const PlyRole role : {PlyRole::faces, PlyRole::strips}) {
         const Place* const place = place_of(role);
         if (place != nullptr && !read_lists(*place, triangles)) {
@@ -228,7 +228,7 @@ bool BodyReader<Numbers>::read_vertices(const Place& place) {
             mesh_.swapped = swapped;
             mesh_.first_offset = *offset;
             mesh_.stride = place.element.least_row_bytes(input_.header.encoding);
-            mesh_.number = number_for(place.element);
+            mesh_.coordinate_type = number_for(place.element);
             mesh_.vertex_count = place.element.count;
             return true;
         }
@@ -240,7 +240,7 @@ bool BodyReader<Numbers>::read_vertices(const Place& place) {
             return true;
         }
     }
-    return mesh_.number == CoordinateType::f64 ? read_vertex_rows<double>(place) : read_vertex_rows<float>(place);
+    return mesh_.coordinate_type == CoordinateType::f64 ? read_vertex_rows<double>(place) : read_vertex_rows<float>(place);
 }
 
 template <class Numbers>
@@ -301,8 +301,8 @@ CoordinateType number_for(const PlyElement& vertices) noexcept {
 }
 
 void allocate_vertices(const PlyElement& vertices, PlyMesh& mesh) {
-    mesh.number = number_for(vertices);
-    mesh.stride = 3 * size_of(mesh.number);
+    mesh.coordinate_type = number_for(vertices);
+    mesh.stride = 3 * size_of(mesh.coordinate_type);
     mesh.first_offset = 0;
     mesh.vertex_count = vertices.count;
     mesh.coordinates.resize_discarding(vertices.count * mesh.stride);

@@ -25,7 +25,7 @@ struct PlyMesh {
     Array<std::byte> coordinates;  ///< empty where they are used where they lie
     std::size_t first_offset = 0;  ///< in `coordinates` or the file
     std::size_t stride = 0;
-    CoordinateType number = CoordinateType::f32;
+    CoordinateType coordinate_type = CoordinateType::f32;
     bool swapped = false;  ///< the file's byte order is not the machine's, and the coordinates are still the file's
     std::uint64_t vertex_count = 0;
     Array<std::uint32_t> indices;

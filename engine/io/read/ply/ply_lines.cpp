@@ -201,7 +201,7 @@ bool LineReader::read_element(const RowRange& rows) {
         return true;
     }
     if (rows.element->role == PlyRole::vertices) {
-        return mesh_.number == CoordinateType::f64 ? read_vertices<double>(rows) : read_vertices<float>(rows);
+        return mesh_.coordinate_type == CoordinateType::f64 ? read_vertices<double>(rows) : read_vertices<float>(rows);
     }
     return rows.element->role == PlyRole::faces ? read_faces(rows) : read_over(rows);
 }
@@ -239,7 +239,7 @@ bool LineReader::read_vertices(const RowRange& rows) {
 }
 
 bool LineReader::read_faces(const RowRange& rows) {
-    const VertexCoordinates vertices = {mesh_.coordinates.data(), mesh_.stride, mesh_.number};
+    const VertexCoordinates vertices = {mesh_.coordinates.data(), mesh_.stride, mesh_.coordinate_type};
     return for_pieces(rows, [&](Piece& piece, const char* line, std::uint64_t begin, std::uint64_t end) {
         PlyTriangles triangles(vertices, mesh_.indices.span().subspan(3 * piece.first_triangle, 3 * piece.capacity));
         std::vector<std::uint32_t> list;

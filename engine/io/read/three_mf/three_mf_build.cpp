@@ -285,7 +285,7 @@ void place(Model& model, const std::vector<Instance>& instances, const Memory* m
     mesh.bytes.resize_discarding(vertices * sizeof(Vertex));
     mesh.indices = Array<std::uint32_t>(memory);
     mesh.indices.resize_discarding(3 * triangles);
-    mesh.number = CoordinateType::f64;
+    mesh.coordinate_type = CoordinateType::f64;
     mesh.stride = sizeof(Vertex);
     for (auto first = instances.begin(); first != instances.end();) {
         const auto last =

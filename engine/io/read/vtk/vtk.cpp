@@ -332,24 +332,24 @@ void LegacyVtk::metadata() {
 
 Status LegacyVtk::give_points(Array<std::byte>& bytes, MeshFile& mesh) {
     const NumberArray& points = *points_;
-    mesh.number = coordinates_of(points.type);
-    mesh.stride = 3 * bytes_of(mesh.number);
+    mesh.coordinate_type = coordinates_of(points.type);
+    mesh.stride = 3 * bytes_of(mesh.coordinate_type);
     mesh.vertex_count = points.count / 3;
     if (!scanner_.binary()) {
         mesh.bytes = std::move(point_storage_);
         return {};
     }
     if (is_integer(points.type)) {
-        if (Status room = file_.budget.take(points.count, bytes_of(mesh.number)); !room) {
+        if (Status room = file_.budget.take(points.count, bytes_of(mesh.coordinate_type)); !room) {
             return room;
         }
         mesh.bytes = Array<std::byte>(file_.source.memory());
-        mesh.bytes.resize_discarding(points.count * bytes_of(mesh.number));
+        mesh.bytes.resize_discarding(points.count * bytes_of(mesh.coordinate_type));
     } else {
         mesh.bytes = std::move(bytes);
         mesh.first_offset = points.place.offset;
     }
-    convert_coordinates(points, mesh.number, mesh.bytes.data() + mesh.first_offset, file_.source.parallel());
+    convert_coordinates(points, mesh.coordinate_type, mesh.bytes.data() + mesh.first_offset, file_.source.parallel());
     return {};
 }
 

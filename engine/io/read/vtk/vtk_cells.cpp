@@ -278,7 +278,7 @@ Status cut_cells(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mes
     }
     mesh.indices = Array<std::uint32_t>(file.source.memory());
     mesh.indices.resize_discarding(3 * mesh.triangle_count);
-    const VertexCoordinates vertices{mesh.bytes.data() + mesh.first_offset, mesh.stride, mesh.number};
+    const VertexCoordinates vertices{mesh.bytes.data() + mesh.first_offset, mesh.stride, mesh.coordinate_type};
     std::vector<Cutter> cutters(static_cast<std::size_t>(file.source.parallel().threads()), Cutter(vertices));
     std::uint32_t* out = mesh.indices.data();
     for (const Plan& plan : plans) {

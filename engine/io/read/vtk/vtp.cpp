@@ -77,8 +77,8 @@ Status Vtp::give_points(Array<std::byte>& bytes, MeshFile& mesh) {
     });
     mesh.text = std::any_of(points.begin(), points.end(),
                             [](const NumberArray& numbers) { return numbers.place.form == NumberPlace::Form::text; });
-    mesh.number = floats ? CoordinateType::f32 : CoordinateType::f64;
-    mesh.stride = 3 * bytes_of(mesh.number);
+    mesh.coordinate_type = floats ? CoordinateType::f32 : CoordinateType::f64;
+    mesh.stride = 3 * bytes_of(mesh.coordinate_type);
     if (points.size() == 1 && !is_integer(points[0].type)) {
         const bool in_file = points[0].place.form == NumberPlace::Form::bytes;
         mesh.first_offset = in_file ? points[0].place.offset : 0;
@@ -92,8 +92,8 @@ Status Vtp::give_points(Array<std::byte>& bytes, MeshFile& mesh) {
     }
     std::byte* out = mesh.bytes.data() + mesh.first_offset;
     for (const NumberArray& numbers : points) {
-        convert_coordinates(numbers, mesh.number, out, file_.source.parallel());
-        out += numbers.count * bytes_of(mesh.number);
+        convert_coordinates(numbers, mesh.coordinate_type, out, file_.source.parallel());
+        out += numbers.count * bytes_of(mesh.coordinate_type);
     }
     return {};
 }

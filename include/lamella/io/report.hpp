@@ -1,0 +1,61 @@
+// Reports as JSON: what was asked, what came of it, and what the program that writes it adds.
+//
+//     const lamella::Result<lamella::Ledger> ledger = lamella::make_ledger(mesh, result);
+//     const lamella::ReportMember mine{.place = lamella::ReportPlace::at_end, .key = "machine", .value = "printer 3"};
+//     const lamella::Result<std::string> report =
+//         lamella::make_report_json(result, {.ledger = ledger ? &*ledger : nullptr, .members = {&mine, 1}});
+//     if (report) {
+//         std::printf("%s", report->c_str());
+//     }
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "lamella/audit/crossings.hpp"
+#include "lamella/audit/ledger.hpp"
+#include "lamella/audit/volume.hpp"
+#include "lamella/error.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "lamella/mesh/check.hpp"
+#include "lamella/mesh/weld.hpp"
+#include "lamella/result.hpp"
+
+namespace lamella {
+
+/// Where a member that the program adds stands in a report. The report of a check has no "ms": there the two in the middle
+/// are left out.
+enum class ReportPlace : std::uint8_t {
+    after_mesh,  ///< after the members "mesh" and before "file"
+    in_times,    ///< within "ms", after the times of slicing
+    after_times,
+    at_end,
+};
+
+/// A member that the program adds: its own times, paths, warnings. It refers to what must outlive the call that it is passed
+/// to. Text that is not UTF-8 is made so.
+struct ReportMember {
+    ReportPlace place = ReportPlace::at_end;
+    std::string_view key;
+    std::variant<std::nullptr_t, std::uint64_t, double, std::string_view, std::span<const std::string>> value;
+};
+
+/// What a report tells beside the result: each part only if it is there.
+struct ReportParts {
+    std::string_view mesh_name{};               ///< "mesh"
+    const MeshFile* file = nullptr;             ///< "file": format, unit, size
+    const WeldedMesh* welded = nullptr;         ///< "weld", if that is what was sliced
+    const Ledger* ledger = nullptr;             ///< "ledger"
+    const VolumeCertificate* volume = nullptr;  ///< "volume"
+    const Crossings* crossings = nullptr;       ///< "crossings"
+    std::span<const ReportMember> members{};    ///< those of the program
+};
+
+/// The report of a slicing, indented, with a final newline. Errors: out_of_memory.
+Result<std::string> make_report_json(const SliceResult& result, const ReportParts& parts = {}) noexcept;
+
+}  // namespace lamella

@@ -1,0 +1,33 @@
+// Layered SVG: a picture of a result that printers and viewers of layers read too.
+//
+//     const lamella::Status written = lamella::write_svg(result, "layers.svg");
+//     if (!written) {
+//         std::fprintf(stderr, "%s\n", written.error().message.c_str());
+//     }
+#pragma once
+
+#include <filesystem>
+
+#include "lamella/control.hpp"
+#include "lamella/error.hpp"
+#include "lamella/mesh/weld.hpp"
+#include "lamella/result.hpp"
+
+namespace lamella {
+
+struct SvgOptions {
+    const WeldedMesh* welded = nullptr;  ///< what was sliced, if it was welded: the file then says so
+    Control control{};
+};
+
+/// Writes `result` in the convention of Slic3r: a `<g id="layerN" slic3r:z="mm">` per layer, in it a `<polygon>` of
+/// `slic3r:type` contour, hole or flat per contour, and a `<polyline>` of type open per open one. Coordinates are in mm,
+/// rounded to 1e-6 mm or to the grid, whichever is coarser. A transform turns y up, and the viewBox lies around the mesh.
+/// `<desc>` holds the grid, the rounding rule, the datum and the frame.
+///
+/// The file is written aside and renamed when complete, so that no half-written one is left; a device or a pipe is written
+/// in place. O(points) time and 1 MiB of memory, on the calling thread. Errors: unwritable_file, invalid_argument (negative
+/// threads), cancelled, out_of_memory.
+Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options = {}) noexcept;
+
+}  // namespace lamella

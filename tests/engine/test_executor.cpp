@@ -1,0 +1,150 @@
+// The host's threads: whatever they do within what control.hpp asks of them, every call ends with the same answer.
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "lamella/io/check_report.hpp"
+
+using lamella::Control;
+using lamella::Executor;
+
+namespace {
+
+/// Shells that overlap and a hole, in enough planes for several bands.
+const shapes::Soup& parts() {
+    static const shapes::Soup soup = [] {
+        shapes::Soup all = shapes::joined({shapes::octasphere({0, 0, 0}, 10, 5), shapes::box({5, 5, -9}, {15, 15, 9}),
+                                           shapes::random_tetrahedra(7, 40, 9)});
+        all.erase(all.end() - 9 * 3, all.end());
+        return all;
+    }();
+    return soup;
+}
+
+/// What every call that takes threads answers, as text.
+std::string answers(const Control& control) {
+    lamella::SliceOptions options = uniform(0.05);
+    options.control = control;
+    options.tuning.band_planes = 7;
+    const lamella::SliceResult result = sliced(parts(), options);
+    const lamella::MeshView mesh = view_of(parts());
+    const auto ledger = make_ledger(mesh, result, control);
+    const auto volume = certify_volume(mesh, result, control);
+    const auto crossings = find_crossings(result, control);
+    lamella::CheckOptions checking;
+    checking.control = control;
+    const auto found = lamella::check(mesh, checking);
+    REQUIRE((ledger.ok() && volume.ok() && crossings.ok() && found.ok()));
+    return std::to_string(hash_result(result)) + " " + std::to_string(ledger->between) + " " +
+           std::to_string(volume->mesh_mm3) + " " + std::to_string(crossings->count) + "\n" +
+           make_check_json(*found).value();
+}
+
+/// Any object that calls bodies, as an executor of so many threads.
+template <class Pool>
+void require_same(Pool pool, int threads) {
+    Control alone;
+    alone.threads = 1;
+    Control control;
+    control.executor = Executor::on(pool, threads);
+    REQUIRE(answers(control) == answers(alone));
+}
+
+}  // namespace
+
+TEST_CASE("an executor of std::thread gives the same answers", "[engine][executor]") {
+    require_same(
+        [](int workers, const auto& body) noexcept {
+            std::vector<std::thread> threads;
+            for (int i = 0; i < workers; ++i) {
+                threads.emplace_back([&] { body(); });
+            }
+            for (std::thread& thread : threads) {
+                thread.join();
+            }
+        },
+        3);
+}
+
+TEST_CASE("an executor that runs bodies one after the other gives the same answers", "[engine][executor]") {
+    require_same(
+        [](int workers, const auto& body) noexcept {
+            for (int i = 0; i < workers; ++i) {
+                body();
+            }
+        },
+        4);
+}
+
+TEST_CASE("an executor that runs no body leaves the work to the caller", "[engine][executor]") {
+    require_same([](int, const auto&) noexcept {}, 4);
+}
+
+TEST_CASE("an executor may run fewer or more bodies than asked for", "[engine][executor]") {
+    const int change = GENERATE(-3, -1, 1, 9);
+    require_same(
+        [change](int workers, const auto& body) noexcept {
+            std::vector<std::thread> threads;
+            for (int i = 0; i < workers + change; ++i) {
+                threads.emplace_back([&] { body(); });
+            }
+            for (std::thread& thread : threads) {
+                thread.join();
+            }
+        },
+        4);
+}
+
+TEST_CASE("an executor whose threads begin late gives the same answers", "[engine][executor]") {
+    require_same(
+        [](int workers, const auto& body) noexcept {
+            std::thread late([&] {
+                std::this_thread::sleep_for(std::chrono::microseconds(200));
+                body();
+            });
+            for (int i = 1; i < workers; ++i) {
+                body();
+            }
+            late.join();
+        },
+        3);
+}
+
+TEST_CASE("the number of threads may differ from the executor's", "[engine][executor]") {
+    int most = 0;
+    auto pool = [&most](int workers, const auto& body) noexcept {
+        most = std::max(most, workers);
+        body();
+    };
+    Control control;
+    control.executor = Executor::on(pool, GENERATE(-1, 0, 1, 2, 64));
+    control.threads = 5;
+    Control alone;
+    alone.threads = 1;
+    CHECK(answers(control) == answers(alone));
+    CHECK(most == 5);
+}
+
+TEST_CASE("a call may be made from within a task of another one's executor", "[engine][executor]") {
+    std::atomic<int> nested = 0;
+    Control alone;
+    alone.threads = 1;
+    const std::string expected = answers(alone);
+    std::string inner;
+    auto pool = [&](int, const auto& body) noexcept {
+        if (nested++ == 0) {
+            inner = answers({});
+        }
+        body();
+    };
+    Control control;
+    control.executor = Executor::on(pool, 2);
+    CHECK(answers(control) == expected);
+    CHECK(inner == expected);
+}

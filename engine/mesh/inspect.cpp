@@ -17,19 +17,19 @@ namespace {
 /// Sums are made per chunk and then over the chunks in order, so that they do not depend on threads.
 constexpr std::size_t chunk_triangles = 8192;
 
-struct Vector {
+struct VectorMm {
     double x = 0;
     double y = 0;
     double z = 0;
 };
 
-Vector operator-(const Vector& a, const Vector& b) {
+VectorMm operator-(const VectorMm& a, const VectorMm& b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-double dot(const Vector& a, const Vector& b) {
+double dot(const VectorMm& a, const VectorMm& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-Vector cross(const Vector& a, const Vector& b) {
+VectorMm cross(const VectorMm& a, const VectorMm& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
@@ -39,7 +39,7 @@ struct Measure {
 };
 
 /// Volume as the sum of tetrahedra to the middle of the box: near, so that little cancels.
-Measure measure(const MeshView& mesh, const Transform& transform, const Vector& middle, const Parallel& parallel) {
+Measure measure(const MeshView& mesh, const Transform& transform, const VectorMm& middle, const Parallel& parallel) {
     const std::size_t chunks = (mesh.triangle_count + chunk_triangles - 1) / chunk_triangles;
     const RawReader read(mesh);
     const bool transformed = !transform.is_identity();
@@ -52,8 +52,9 @@ Measure measure(const MeshView& mesh, const Transform& transform, const Vector& 
             if (transformed) {
                 apply(transform, raw);
             }
-            const Vector a{raw.v[0], raw.v[1], raw.v[2]};
-            const Vector normal = cross(Vector{raw.v[3], raw.v[4], raw.v[5]} - a, Vector{raw.v[6], raw.v[7], raw.v[8]} - a);
+            const VectorMm a{raw.v[0], raw.v[1], raw.v[2]};
+            const VectorMm normal =
+                cross(VectorMm{raw.v[3], raw.v[4], raw.v[5]} - a, VectorMm{raw.v[6], raw.v[7], raw.v[8]} - a);
             part.six_volumes += dot(a - middle, normal);
             part.two_areas += std::sqrt(dot(normal, normal));
         }
@@ -95,8 +96,8 @@ Result<MeshInfo> inspect_or_throw(const MeshView& mesh, const InspectOptions& op
     if (!unit) {
         return unit.error();
     }
-    const Vector middle{(box.min_mm[0] + box.max_mm[0]) / 2, (box.min_mm[1] + box.max_mm[1]) / 2,
-                        (box.min_mm[2] + box.max_mm[2]) / 2};
+    const VectorMm middle{(box.min_mm[0] + box.max_mm[0]) / 2, (box.min_mm[1] + box.max_mm[1]) / 2,
+                          (box.min_mm[2] + box.max_mm[2]) / 2};
     MeshInfo info = describe(box, measure(mesh, options.transform, middle, parallel),
                              count_edges(mesh, options.transform, unit.value(), parallel));
     info.triangles = mesh.triangle_count;

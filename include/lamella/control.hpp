@@ -16,7 +16,7 @@
 //     slice()                                        yes                at every layer      yes       result and scratch
 //     assemble()                                     calling thread     between its steps   -         result and scratch
 //     read_mesh()                                    yes                yes                 -         mesh and scratch
-//     weld()                                         calling thread     between its steps   -         the welded mesh
+//     weld()                                         calling thread     between its steps   -         mesh and scratch
 //     inspect(), check()                             yes                yes                 -         -
 //     make_ledger(), certify_volume(),
 //     find_crossings()                               yes                yes                 -         -

@@ -7,10 +7,10 @@
 //     const lamella::Memory memory = lamella::memory_of(pool);
 //     options.control.memory = &memory;
 //
-// control.hpp lists which calls take it. What they take from it: the arrays of the answer, and all scratch that grows with
-// the mesh or with a layer. What stays with operator new is small and does not grow with them: a few words a thread and
-// band, lists of given heights, and the texts of errors. One thing more does: fill rules other than FillRule::contours clip
-// by a library that knows operator new only, one cluster of contours that meet at a time.
+// control.hpp lists which calls take what from it. With exceptions, which take operator new: by a fill rule other than
+// FillRule::contours, the search for contours that meet and all of the clipping library; the list of contours in a plane
+// that all threads work on together; the heights of planes that are not uniform; the texts of errors and warnings; and
+// objects of a fixed size, some a call, a thread and a band.
 #pragma once
 
 #include <cstddef>

@@ -4,12 +4,14 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "base/vector.hpp"
 #include "layer_sample.hpp"
 #include "slicing/nesting/order.hpp"
 #include "slicing/nesting/start_tree.hpp"
 #include "slicing/nesting/starts.hpp"
 
 using lamella::Point;
+using lamella::Vector;
 using lamella::nesting::ManyInside;
 using lamella::nesting::SortKey;
 using lamella::nesting::StartLine;

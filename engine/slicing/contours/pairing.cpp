@@ -10,18 +10,18 @@ namespace lamella {
 
 namespace {
 
-struct Vector {
+struct Difference {
     std::int64_t x;
     std::int64_t y;
     std::int64_t z;
 };
 
-Vector between(const GridVertex& a, const GridVertex& b) noexcept {
+Difference between(const GridVertex& a, const GridVertex& b) noexcept {
     return {std::int64_t{b.x} - a.x, std::int64_t{b.y} - a.y, std::int64_t{b.z} - a.z};
 }
 
 /// Differences have 32 bits, products of two 63, sums of three products of three 97.
-std::array<Int128, 3> cross(const Vector& u, const Vector& v) noexcept {
+std::array<Int128, 3> cross(const Difference& u, const Difference& v) noexcept {
     return {Int128{u.y} * v.z - Int128{u.z} * v.y, Int128{u.z} * v.x - Int128{u.x} * v.z,
             Int128{u.x} * v.y - Int128{u.y} * v.x};
 }
@@ -38,7 +38,7 @@ public:
 
     /// 0: at the reference (or on the axis, where there is no angle), 1: within half a turn, 2: half a turn, 3: beyond.
     int quadrant(const GridVertex& apex) const noexcept {
-        const Vector v = between(lower_, apex);
+        const Difference v = between(lower_, apex);
         const int side = sign(dot(reference_normal_, v));
         if (side != 0) {
             return side > 0 ? 1 : 3;
@@ -63,12 +63,12 @@ public:
     }
 
 private:
-    static Int128 dot(const std::array<Int128, 3>& normal, const Vector& v) noexcept {
+    static Int128 dot(const std::array<Int128, 3>& normal, const Difference& v) noexcept {
         return normal[0] * v.x + normal[1] * v.y + normal[2] * v.z;
     }
 
     GridVertex lower_;
-    Vector axis_;
+    Difference axis_;
     std::array<Int128, 3> reference_normal_;
 };
 

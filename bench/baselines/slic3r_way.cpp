@@ -162,8 +162,8 @@ private:
 
     static constexpr std::uint32_t no_end = 0xFFFFFFFF;
     std::vector<OpenChain> chains_;
-    std::vector<std::uint32_t>
-        partner_;  // by chain end, numbered 2 * chain for the first point and 2 * chain + 1 for the last
+    // By chain end, numbered 2 * chain for the first point and 2 * chain + 1 for the last.
+    std::vector<std::uint32_t> partner_;
     std::vector<bool> is_used_;
 };
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The paper's experiments on this machine: makes its models, runs every algorithm that it names, and writes its tables and
-# figures to bench/results/paper.md. Rows that are finished are kept in build/paper and not run again.
+# Runs the paper's experiments on this machine: makes the models, runs every algorithm that the paper names, and writes
+# tables and figures to bench/results/paper.md. Finished rows are kept in build/paper and not measured again.
 #
 #     bench/paper.sh                 everything; takes an hour or two
 #     bench/paper.sh --quick         liver, femur and bunny
-#     bench/paper.sh --help          which models, threads and limit may be asked for
+#     bench/paper.sh --help          options for models, threads and time limit
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh

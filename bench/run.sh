@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
-# Builds, runs every benchmark and makes the tables of bench/README.md and a plot of scaling. Ends with the table of bars.
+# Builds, runs every benchmark, and makes the tables of bench/README.md and a plot of scaling. Prints the table of bars
+# last.
 #
 #     bench/run.sh            everything; takes tens of minutes, the first time some more for the meshes
-#     bench/run.sh --quick    a hundredth of the sizes, into build/bench-quick: tells only that the benchmarks work
+#     bench/run.sh --quick    a hundredth of the sizes, into build/bench-quick: shows only that the benchmarks run
 #
-# What the programs write (Google Benchmark's JSON and the like, and every single run as a row of runs.csv) goes to
-# build/bench-runs; bench/results gets the medians (summary.json), from which the tables are made.
+# The raw output goes to build/bench-runs: Google Benchmark's JSON and the like, and every measurement as a row of
+# runs.csv. The medians go to bench/results/summary.json, from which the tables are made.
 #
-# PIN=LIST pins the whole process to these cores (taskset -c LIST). FILTER=REGEX runs only the benchmarks that match (-REGEX:
-# that do not); the medians of all others stay as they are, if they were measured on the same machine.
+# PIN=LIST pins the whole process to these cores (taskset -c LIST). FILTER=REGEX runs only the benchmarks that match,
+# FILTER=-REGEX only those that do not. The medians of all others stay, if they were measured on the same machine.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
@@ -34,7 +35,7 @@ generator=()
 cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON > /dev/null
 cmake --build build --parallel --target lamella_bench lamella_partition lamella_peak | tail -n 1
 
-# Meshes made by another version of the generator are not the stated ones.
+# Delete cached meshes that an older version of the generator made.
 cache=build/bench-models
 if [[ -d "$cache" && -n "$(find tools/models -newer "$cache/made" 2> /dev/null || echo unknown)" ]]; then
     rm -rf "$cache"
@@ -76,6 +77,6 @@ fi
 status=0
 python3 bench/scripts/bars.py "$results" || status=$?
 if ((status == 1 && ${#quick[@]} > 0)); then
-    status=0 # bars are for full sizes
+    status=0 # bars hold for full sizes only
 fi
 exit "$status"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds the command-line tool, slices a made bone into layers, and draws a cut along it. All files go to build/demo.
+# Builds the command-line tool, slices a generated bone into layers, and draws a cut along its length. All files go to
+# build/demo.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
@@ -10,7 +11,7 @@ readonly layer_height_mm=0.2
 readonly out=build/demo
 readonly lamella=build/tools/lamella
 
-# step WHAT COMMAND...: says what is done, does it, and says how long it took.
+# step WHAT COMMAND...: prints what is done, does it, and prints how long it took.
 step() {
     local what=$1 start=$EPOCHREALTIME
     shift
@@ -19,9 +20,9 @@ step() {
     awk -v start="$start" -v end="$EPOCHREALTIME" 'BEGIN { printf "    %.1f s\n", end - start }'
 }
 
-# quietly COMMAND...: what it prints goes to a log, which a failure names.
+# quietly COMMAND...: sends the output to a log. If the command fails, the error message names the log.
 quietly() {
-    "$@" >> "$out/log.txt" 2>&1 || stop "$1 failed; what it said is in $out/log.txt"
+    "$@" >> "$out/log.txt" 2>&1 || stop "$1 failed; its output is in $out/log.txt"
 }
 
 build() {
@@ -37,8 +38,8 @@ slice_into_layers() {
     "$lamella" slice "$out/bone.stl" --layer-height "$layer_height_mm" -o "$out/bone.svg" --report "$out/report.json"
 }
 
-# The matrix's rows are the picture's axes: along the bone, across it, and the direction of slicing. The plane is 1 mm off the
-# mesh's z-axis; a cut through the axis itself shows little of the marrow cavity.
+# The matrix's rows are the picture's axes: along the bone, across it, and the direction of slicing. The plane is 1 mm
+# off the mesh's z-axis, because a cut through the axis itself shows little of the marrow cavity.
 cut_along() {
     printf '0 0 1 0\n1 0 0 0\n0 1 0 0\n' > "$out/lengthwise.txt"
     "$lamella" slice "$out/bone.stl" --transform "$out/lengthwise.txt" --planes 1 -o "$out/cut.svg" > /dev/null
@@ -59,11 +60,11 @@ step "Drawing that cut" draw
 
 cat << END
 
-What there is now
-    $out/cut.png       the cut along the bone: look at this first
+Files made
+    $out/cut.png       the cut along the bone (look at this first)
     $out/cut.svg       the same, as outlines in mm
     $out/bone.svg      all layers, one group each
-    $out/report.json   counts, times, volumes, and what of the mesh no layer shows
+    $out/report.json   counts, times, volumes, and the parts of the mesh that no layer shows
     $out/bone.stl      the mesh
 
 What to try next

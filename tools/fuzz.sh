@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# fuzz.sh SECONDS: builds the fuzzers with Clang and runs them for so long in all, each from what earlier runs found and from
-# the corpus in tests/fuzz. Fails on the first finding, whose input stays in build/fuzz/findings.
+# fuzz.sh SECONDS: builds the fuzzers with Clang and runs them for SECONDS in total. Each starts from the inputs of
+# earlier runs and the corpus in tests/fuzz. Fails on the first finding and keeps its input in build/fuzz/findings.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -1,4 +1,4 @@
-# Sourced by the scripts beside it: the Debian packages that the project needs, and how missing ones are installed.
+# Sourced by the other scripts: lists the Debian packages that the project needs, and installs missing ones.
 
 build_packages=(
     cmake ninja-build g++
@@ -13,13 +13,13 @@ is_installed() {
     [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" == installed ]]
 }
 
-# stop MESSAGE: one line on stderr, and the end of the script.
+# stop MESSAGE: prints one line on stderr and ends the script.
 stop() {
     echo "error: $1" >&2
     exit 1
 }
 
-# Installs those of the packages named that are missing; asks for nothing where none is.
+# install_missing PACKAGE...: installs those that are missing. Does not ask for root if none is.
 install_missing() {
     local package log missing=() as_root=()
     for package in "$@"; do
@@ -35,7 +35,7 @@ install_missing() {
     fi
     echo "Installing ${missing[*]} (apt-get, needs root and the network)"
     log=$(mktemp)
-    # apt-get update succeeds without a network, so only the installation tells.
+    # apt-get update succeeds without a network, so only the installation shows whether packages can be had.
     "${as_root[@]}" apt-get update -qq > "$log" 2>&1 || true
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >> "$log" 2>&1 ||
         stop "could not install ${missing[*]}: $(sed -n '/^\(E:\|Err:\|sudo:\)/{p;q}' "$log") (all of it: $log)"

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # tools/test.sh           builds the release and runs its tests
-# tools/test.sh NAME...   builds the release and runs the tests whose names hold one of the words
-# tools/test.sh --all     also checks format and style, and tests under sanitizers, with Clang and with libc++
+# tools/test.sh NAME...   builds the release and runs the tests whose names contain one of the words
+# tools/test.sh --all     also checks format and style, and runs the tests under sanitizers, with Clang and with libc++
 #
-# Installs what is missing. Ends with the summary of the release's tests.
+# Installs missing packages. Prints the summary of the release's tests last.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
@@ -24,13 +24,14 @@ configure() {
     cmake -S . -B "$folder" "${extra[@]}" "$@" > /dev/null
 }
 
-# Debug, so that assertions check the invariants; optimised a little, and ten sources compiled as one, so that it ends today.
+# A Debug build, so that assertions check the invariants. Light optimisation and unity builds of ten sources keep it
+# short.
 configure_sanitizer() {
     configure "$@" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=10 \
         -DLAMELLA_BUILD_BENCH=OFF
 }
 
-# quietly LOG COMMAND...: shows what the command printed only if it fails.
+# quietly LOG COMMAND...: shows the command's output only if it fails.
 quietly() {
     local log=$1
     shift
@@ -40,16 +41,16 @@ quietly() {
     }
 }
 
-# build FOLDER TARGET...: all targets where none is named.
+# build FOLDER TARGET...: builds all targets if none is named.
 build() { quietly "$1/build.log" cmake --build "$1" --parallel "$jobs" "${@:2}"; }
 
-# summary LOG: what ctest ends with, the skipped tests among it.
+# summary LOG: the end of ctest's output, which lists skipped tests too.
 summary() { sed -n '/tests passed/,$p' "$1"; }
 
-# All but those labelled "long" and "paper".
+# Runs all tests but those labelled "long" and "paper".
 run_tests() { ctest --test-dir "$1" --label-exclude 'long|paper' --parallel "$jobs" --output-on-failure "${@:2}"; }
 
-# Tests of that name, or the cases of lamella_tests whose names hold the word.
+# Runs the ctest tests of that name, or else the cases of lamella_tests whose names contain the word.
 run_named() {
     local word
     for word in "$@"; do
@@ -71,7 +72,7 @@ check_docs() {
     quietly build/docs.log tools/docs.sh
 }
 
-# What macOS has: Clang with its own library. Compiled only, as the clipping library is built for GCC's.
+# What macOS has: Clang with libc++. Only compiles, because the clipping library is built for GCC's library.
 check_libcxx() {
     stage "Clang with libc++"
     configure build/libcxx -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS="-stdlib=libc++" \
@@ -80,10 +81,11 @@ check_libcxx() {
     build build/libcxx
 }
 
-# Every source of the engine, the tools and the oracle with the headers that they include; not the other tests, nor bench/.
+# Checks every source of the engine, the tools and the oracle, with the headers that they include. Skips the other tests
+# and bench/.
 check_style() {
     stage "clang-tidy"
-    # The static analyser among its checks takes as long as all others: TIDY_CHECKS= (empty) runs it too.
+    # The static analyser takes as long as all other checks. TIDY_CHECKS= (empty) runs it too.
     run-clang-tidy -quiet -j "$jobs" -checks="${TIDY_CHECKS--clang-analyzer-*}" -p build/asan \
         "^$PWD/(build/asan/)?(engine|tools|tests/oracle|tests/CMakeFiles/lamella_test_support[.]dir)/" > build/tidy.log 2>&1 || {
         grep -A 5 -E '(error|warning):' build/tidy.log || cat build/tidy.log
@@ -101,7 +103,8 @@ check_memory() {
     summary build/asan/tests.log
 }
 
-# std::thread for oneTBB, whose Debian build the sanitizer cannot see into. Real meshes take it minutes and no other path.
+# Uses std::thread, because the sanitizer cannot see into Debian's oneTBB. Skips real meshes, which take minutes and
+# cover no other path.
 check_threads() {
     stage "GCC, thread sanitizer"
     configure_sanitizer build/tsan -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std

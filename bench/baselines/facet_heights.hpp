@@ -1,4 +1,4 @@
-// Where a facet begins and ends along z, and facets put in order by that.
+// The lowest and highest z of a facet, and sorting facets by such a height.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ inline std::int32_t z_max(const Facet& facet) noexcept {
     return std::max({facet[0].z, facet[1].z, facet[2].z});
 }
 
-/// The facets by ascending key. What is sorted are keys and indices, which are smaller. O(n log n).
+/// The facets in ascending order of their key. Sorts keys and indices, which are smaller than facets. O(n log n).
 template <class Key>
 std::vector<Facet> sorted_by(const std::vector<Facet>& facets, const Key& key) {
     std::vector<std::pair<decltype(key(facets[0])), std::uint32_t>> order;

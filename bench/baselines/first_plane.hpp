@@ -1,4 +1,5 @@
-// Which planes a span of heights meets, and things grouped by the first of them (the paper's Algorithm 2).
+// The range of planes that an interval of heights contains, and items grouped by the first of them (the paper's
+// Algorithm 2).
 #pragma once
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 
 namespace lamella::baselines {
 
-/// Index of the first plane above a height; k if there is none. Uniform planes O(1), others O(log k).
+/// Index of the first plane above a height; k if there is none. O(1) for uniform planes, O(log k) for others.
 class FirstPlaneAbove {
 public:
     explicit FirstPlaneAbove(const Problem& problem) noexcept
@@ -21,7 +22,7 @@ public:
         if (!uniform_ || planes_.empty()) {
             return static_cast<std::uint32_t>(std::upper_bound(planes_.begin(), planes_.end(), z) - planes_.begin());
         }
-        // Planes are rounded one by one, so that the quotient can be off by one either way.
+        // Each plane is rounded to the grid by itself, so the quotient can be one too small or one too large.
         const double quotient = std::floor((z - first_) / step_) + 1;
         auto i = static_cast<std::size_t>(std::clamp(quotient, 0.0, static_cast<double>(planes_.size())));
         while (i < planes_.size() && planes_[i] <= z) {

@@ -1,13 +1,13 @@
-// Minetto et al. 2017, Algorithm 4: a hash table of nodes, for each plane a new one, from each point to its two neighbours,
-// out of which contours are taken point by point. O(m) expected.
+// Minetto et al. 2017, Algorithm 4. Each plane has its own hash table, which maps each point to its two neighbours.
+// Contours are read out of it point by point. O(m) expected.
 //
-// Mended, as it would be wrong:
+// Errors of the printed text that are corrected here:
 // - The entry of `last` is never removed.
-// - The loop goes on to p_2 before it looks whether p_2 is `last`, as it is in a contour of two segments.
-// - 4.1 lets any number of segments meet in a point, of which an entry holds two: such a point is entered several
-//   times, under numbered keys. Contours that touch may fuse or be cut up.
-// - An open polyline ends where an entry has one neighbour; it is then followed from p_1 towards `last`.
-// - A segment that rounding has left without length would be its own neighbour: it is dropped.
+// - The loop advances to p_2 before it tests whether p_2 is `last`. In a contour of two segments it is.
+// - Section 4.1 lets any number of segments meet in a point, but an entry holds only two. Here such a point has several
+//   entries under numbered keys. Contours that touch may therefore fuse or be split.
+// - An open polyline ends at an entry with one neighbour. It is then followed from p_1 towards `last`.
+// - A segment of no length after rounding would be its own neighbour. It is dropped.
 #include "join_hashed.hpp"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace lamella::baselines {
 
 namespace {
 
-/// A point in which two segments meet; `copy` counts up where more do.
+/// A point in which two segments meet. Where more meet, further nodes have higher `copy` numbers.
 struct Joint {
     Point at;
     std::uint32_t copy = 0;
@@ -37,12 +37,12 @@ struct JointHash {
 struct Entry {
     Joint v = null;
     Joint w = null;
-    std::uint32_t segments_met = 0;  // by the point in all; kept with its first copy
+    std::uint32_t segments_met = 0;  // number of segment ends in the point; counted in its first copy only
 };
 
 using Table = std::unordered_map<Joint, Entry, JointHash>;
 
-/// Where the next segment that ends in the point is to be entered.
+/// The node that takes the next segment ending in the point.
 Table::value_type& place_for(Table& table, Point at) {
     Table::value_type& first = *table.try_emplace(Joint{at, 0}).first;
     const std::uint32_t copy = first.second.segments_met++ / 2;
@@ -60,7 +60,7 @@ Entry remove_entry(Table& table, const Joint& key) {
     return entry;
 }
 
-/// Steps 14 to 22: appends points from p_j on, up to `last`, where this returns true, or to a free border.
+/// Steps 14 to 22: appends points from p_j on. Returns true when it reaches `last`, false at a free border.
 bool follow(Table& table, Joint previous, Joint p_j, const Joint& last, std::vector<Point>& points) {
     while (p_j != null) {
         points.push_back(p_j.at);

@@ -5,7 +5,7 @@
 
 namespace lamella::baselines {
 
-/// O(m) expected. Contours run either way round: the algorithm forgets which end of a segment was its first.
+/// O(m) expected. The orientation of contours is arbitrary, because the algorithm forgets the direction of segments.
 extern const ContourMethod hashed_contours;
 
 }  // namespace lamella::baselines

@@ -1,9 +1,10 @@
-// The sweep of Bentley and Ottmann by CGAL, as the paper had it: its arrangement of the segments, built in one sweep with
-// exact constructions, knows which meet in a vertex; contours are walked along unused edges. O((m + p) log m).
+// The paper's contour construction by a sweep line, with CGAL. CGAL's arrangement sweeps the segments once, with exact
+// constructions, and records which of them meet in a vertex. Contours are then walked along unused edges. O((m + p) log
+// m).
 //
-// Segments that cross, as thin walls may once their points are rounded, are split where they do, and that point is rounded;
-// segments that lie on each other become one. Odd vertices are where open polylines begin, so these are walked first.
-// Segments that rounding has left without length are dropped.
+// Segments of thin walls can cross after rounding. They are split at the crossing, which is rounded; segments that lie
+// on each other become one. Open polylines begin at vertices of odd degree, so these are walked first. Segments of no
+// length after rounding are dropped.
 #include "join_sweepline.hpp"
 
 #include <cmath>
@@ -20,7 +21,8 @@ namespace {
 using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
 using Traits = CGAL::Arr_segment_traits_2<Kernel>;
 struct Nothing {};
-using Arrangement = CGAL::Arrangement_2<Traits, CGAL::Arr_extended_dcel<Traits, Nothing, bool, Nothing>>;  // used
+/// The flag of an edge says that a contour already uses it.
+using Arrangement = CGAL::Arrangement_2<Traits, CGAL::Arr_extended_dcel<Traits, Nothing, bool, Nothing>>;
 
 Point rounded(const Kernel::Point_2& point) {
     return {static_cast<std::int32_t>(std::lround(CGAL::to_double(point.x()))),
@@ -39,7 +41,7 @@ Arrangement::Halfedge_handle next_edge(Arrangement::Vertex_handle vertex) {
     return {};
 }
 
-/// From the vertex on, back to it if the way leads there.
+/// Walks unused edges from the vertex on, back to the vertex if they lead there.
 Polyline walk(Arrangement::Vertex_handle start) {
     Polyline polyline;
     Arrangement::Vertex_handle at = start;

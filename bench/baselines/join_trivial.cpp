@@ -1,9 +1,9 @@
-// A contour begins with any segment; all that are left are looked through for one that has an end where the contour ends,
-// which is turned as needed, appended and removed, until the loop closes. O(m²) for a plane of m segments.
+// A contour begins with any segment. A linear search finds an unused segment with an end where the contour ends. It is
+// reversed if needed, appended and removed, until the contour closes. O(m²) for m segments in a plane.
 //
-// Ends are told apart by their rounded points, so that contours that touch may fuse or be cut up. Added for what the paper
-// takes to be well-formed: a segment that rounding has left without length is dropped, and a polyline that ends is followed
-// from its other end too.
+// Segment ends are compared by their rounded points, so contours that touch may fuse or be split. The paper assumes
+// well-formed input. For other input, a segment of no length after rounding is dropped, and a polyline that ends is
+// continued from its other end.
 #include "join_trivial.hpp"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace lamella::baselines {
 
 namespace {
 
-/// Appends segments until the polyline closes or none is left that goes on; returns whether it closed.
+/// Appends segments until the polyline closes or none continues it. Returns whether it closed.
 bool prolong(std::vector<Point>& points, std::vector<Segment>& left) {
     while (points.front() != points.back()) {
         const Point end = points.back();

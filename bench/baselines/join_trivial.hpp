@@ -5,7 +5,7 @@
 
 namespace lamella::baselines {
 
-/// O(m²) for the m segments of a plane.
+/// O(m²) for m segments in a plane.
 extern const ContourMethod trivial_contours;
 
 }  // namespace lamella::baselines

@@ -16,7 +16,7 @@ namespace lamella::baselines {
 
 namespace {
 
-/// Where a ray passes the surface. Those that enter the solid come first: solids that touch are one.
+/// Where a ray crosses the surface. Entries into the solid sort before exits, so solids that touch become one.
 struct Sample {
     std::uint32_t ray;
     std::int32_t x;
@@ -25,7 +25,7 @@ struct Sample {
 };
 using Samples = std::vector<Sample>;
 
-/// Rays along x, from half a distance below the lowest vertex on.
+/// Rays along x. The first lies half the ray distance below the lowest y.
 class Rays {
 public:
     Rays(const std::vector<Facet>& facets, double unit_mm)
@@ -41,7 +41,8 @@ public:
 
     std::int32_t y(std::uint32_t ray) const noexcept { return static_cast<std::int32_t>(first_ + ray * distance_); }
 
-    /// A ray through a point meets the segment above it and not that below.
+    /// Takes in the lower end of a segment and leaves out its upper end, so a ray through a shared point meets one
+    /// segment.
     void sample(const Segment& segment, Samples& samples) const {
         const auto [low, high] = std::minmax(segment.from, segment.to, [](Point a, Point b) { return a.y < b.y; });
         const std::uint32_t end = first_at_or_above(high.y);
@@ -74,7 +75,7 @@ std::vector<Samples> sample(const Problem& problem, const std::vector<Facet>& fa
     return layers;
 }
 
-/// The samples of one layer, connected.
+/// Connects the samples of one layer into contours.
 class LayerLinker {
 public:
     LayerLinker(Samples& samples, const Rays& rays) {
@@ -114,7 +115,7 @@ public:
     }
 
 private:
-    /// Its stretches within the solid begin and end at ends_[begin, end), by turns.
+    /// Its intervals within the solid: each begins and ends at two successive entries of ends_[begin, end).
     struct Ray {
         std::uint32_t number = 0;
         std::uint32_t begin = 0;
@@ -137,15 +138,16 @@ private:
         }
     }
 
-    /// Contours have the solid on their left: they come up through the right end of a stretch and go down through its left
-    /// end. So the strip says what follows a right end of the ray below, or a left end of the ray above.
+    /// Contours have the solid on their left. They run up through the right end of an interval and down through its
+    /// left end. The strip above a ray therefore gives the point after a right end, and the strip below gives the point
+    /// after a left end.
     void link_strip(Ray below, Ray above) {
         while (below.begin != below.end || above.begin != above.end) {
             link_piece(below, above);
         }
     }
 
-    /// Takes the stretches of the leftmost piece of the solid.
+    /// Removes the intervals of the leftmost piece of the solid and links their ends.
     void link_piece(Ray& below, Ray& above) {
         const Ray first_below = below;
         const Ray first_above = above;
@@ -177,7 +179,7 @@ private:
 
     std::vector<Point> ends_;
     std::vector<Ray> rays_;
-    std::vector<std::uint32_t> next_;  // by end: along the contour
+    std::vector<std::uint32_t> next_;  // By interval end: the next end along the contour
 };
 
 WholeOutcome run(const Problem& problem) {

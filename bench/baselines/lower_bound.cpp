@@ -1,7 +1,8 @@
-// Minetto et al. 2017, section 3.5. Triangles stand side by side, each in a cell of the xy plane that tells its number:
+// Minetto et al. 2017, section 3.5. Triangles stand side by side. The cell of the xy plane in which a triangle stands
+// encodes its number:
 //
 //     planes[i] + 1              .
-//     planes[i]        ---------/-\---------   the plane that it meets
+//     planes[i]        ---------/-\---------   the only plane that cuts it
 //     value                    /___\           anywhere between planes[i - 1] and planes[i]
 #include "lower_bound.hpp"
 
@@ -14,7 +15,7 @@ namespace lamella::baselines {
 
 namespace {
 
-constexpr std::int32_t highest_z = 1 << 25;  // even numbers up to here are exact as float
+constexpr std::int32_t highest_z = 1 << 25;  // float represents every even number up to here exactly
 constexpr std::int32_t cell_units = 8;
 constexpr std::uint32_t cells_in_row = 1 << 15;
 

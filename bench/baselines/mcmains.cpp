@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t none = 0xFFFFFFFF;
 
-/// The corners of every vertex: those of v are at [first[v], first[v + 1]), as half-edges that begin at it.
+/// Half-edges grouped by their first vertex: those from vertex v are at [first[v], first[v + 1]).
 struct Fans {
     std::vector<std::uint32_t> first;
     std::vector<std::uint32_t> half_edges;
@@ -33,8 +33,8 @@ Fans make_fans(const SharedVertices& mesh) {
     return fans;
 }
 
-/// The contours in which the sweeping plane meets the mesh: rings of edges, each edge by its half-edge that runs down, by
-/// which the contour enters a facet.
+/// The contours in which the sweep plane cuts the mesh, as rings of edges. An edge is named by its half-edge that runs
+/// down, where the contour enters a facet.
 class Rings {
 public:
     explicit Rings(std::size_t half_edges) : next_(half_edges, none), ring_of_(half_edges, none) {}
@@ -46,7 +46,7 @@ public:
     /// One edge of each ring.
     const std::vector<std::uint32_t>& all() const noexcept { return edge_in_; }
 
-    /// The edges from `first` to `last` have come into a ring.
+    /// Adds the edges from `first` to `last`, already linked, to the ring.
     void put(std::uint32_t first, std::uint32_t last, std::uint32_t ring) noexcept {
         for (std::uint32_t edge = first;; edge = next_[edge]) {
             ring_of_[edge] = ring;
@@ -54,10 +54,10 @@ public:
                 break;
             }
         }
-        edge_in_[place_[ring]] = first;  // the edge that stood for the ring may have ended
+        edge_in_[place_[ring]] = first;  // the ring's former representative may have ended
     }
 
-    /// Makes a ring of the edges that are linked to this one.
+    /// Makes a ring of the edges linked to this one.
     void begin(std::uint32_t edge) {
         std::uint32_t ring = static_cast<std::uint32_t>(place_.size());
         if (free_.empty()) {
@@ -79,7 +79,7 @@ public:
     void end(std::uint32_t ring) {
         const std::uint32_t place = place_[ring];
         if (place == none) {
-            return;  // by another of its edges
+            return;  // already ended by way of another of its edges
         }
         edge_in_[place] = edge_in_.back();
         ring_at_[place] = ring_at_.back();
@@ -91,11 +91,11 @@ public:
     }
 
 private:
-    std::vector<std::uint32_t> next_;     // by edge: where the contour goes after crossing its facet
+    std::vector<std::uint32_t> next_;     // by edge: the next edge that the contour crosses
     std::vector<std::uint32_t> ring_of_;  // by edge
-    std::vector<std::uint32_t> edge_in_;  // by place: those of rings that are there, without gaps
-    std::vector<std::uint32_t> ring_at_;  // by place
-    std::vector<std::uint32_t> place_;    // by ring
+    std::vector<std::uint32_t> edge_in_;  // by place: one edge of each live ring, without gaps
+    std::vector<std::uint32_t> ring_at_;  // by place: the ring whose edge is there
+    std::vector<std::uint32_t> place_;    // by ring: its place in edge_in_ and ring_at_
     std::vector<std::uint32_t> free_;
 };
 
@@ -139,7 +139,8 @@ private:
 
     bool is_below(std::uint32_t a, std::uint32_t b) const noexcept { return rank_[a] < rank_[b]; }
 
-    /// The event of a vertex. Of each facet there, `out` leads from the vertex to corner a and `in` from corner b to it:
+    /// Passes one vertex. In each facet at the vertex, `out` runs from the vertex to corner a, and `in` from corner b
+    /// to the vertex:
     ///
     ///      b ----- a          a                b
     ///       \     /           |\              /|
@@ -159,7 +160,7 @@ private:
             const std::uint32_t opposite = next_in_facet(out);
             const bool a_is_above = is_below(vertex, mesh_.to(out));
             const bool b_is_above = is_below(vertex, mesh_.from(in));
-            // Every edge at the vertex is `out` of one facet, and `in` of its neighbour.
+            // Every edge at the vertex is `out` of one facet and `in` of its neighbour.
             if (a_is_above) {
                 begun_.push_back(twins_[out]);
                 rings_.link(b_is_above ? in : opposite, twins_[out]);
@@ -194,7 +195,8 @@ private:
         }
     }
 
-    /// Whether the ring stays one and the same. Where the mesh meets itself in the vertex, rings may begin or end beside it.
+    /// Whether the same ring continues through the vertex. Other rings may still begin or end there if the mesh touches
+    /// itself.
     bool is_one_run_for_one() const {
         if (run_.count != 1 || std::ranges::adjacent_find(ended_, std::not_equal_to()) != ended_.end()) {
             return false;
@@ -221,16 +223,16 @@ private:
     std::vector<std::uint32_t> twins_;
     Fans fans_;
     Rings rings_;
-    std::vector<std::uint32_t> order_;  // vertices from the lowest up
-    std::vector<std::uint32_t> rank_;   // by vertex: its place in that order
-    // at the vertex that is passed:
+    std::vector<std::uint32_t> order_;  // vertices, lowest first
+    std::vector<std::uint32_t> rank_;   // by vertex: its index in order_
+    // At the current vertex:
     std::vector<std::uint32_t> ended_;  // rings of the edges that end there
-    std::vector<std::uint32_t> begun_;  // edges
+    std::vector<std::uint32_t> begun_;  // edges that begin there
     struct {
         std::uint32_t first = none;
         std::uint32_t last = none;
         int count = 0;
-    } run_;  // of edges that begin, between two that pass the vertex by
+    } run_;  // successive edges that begin at the vertex, between two facets that extend both above and below it
 };
 
 WholeOutcome run(const Problem& problem) {

@@ -1,19 +1,19 @@
-// The coherent sweep plane slicer. S. McMains and C. Séquin, "A coherent sweep plane slicer for layered manufacturing",
-// 1999; the paper's section 2.1. It slices structured meshes: the topology is recovered from the soup first, by a binary
-// tree of the vertices, as E. Béchet, J.-C. Cuillière and F. Trochu (2002) do.
+// The coherent sweep plane slicer: S. McMains and C. Séquin, "A coherent sweep plane slicer for layered manufacturing",
+// 1999; the paper's section 2.1. It slices meshes with topology. Here the topology is first recovered from the soup by
+// a binary tree of the vertices, as in E. Béchet, J.-C. Cuillière and F. Trochu (2002).
 //
-// A plane sweeps the mesh upwards and holds the contours in which it meets it, as rings of edges. Rings change at vertices
-// alone: edges that end there leave, those that begin there take their places. A vertex with edges both below and above, in
-// one run each, leaves the ring whole; a lowest one begins a ring and a highest one ends it; at any other, rings meet or
-// part, and those that now go through the vertex are walked to learn which they are. At a slicing plane each ring is a
-// contour, and only its points have to be computed.
+// A plane sweeps the mesh upwards and keeps its contours as rings of edges. Rings change only at vertices: edges that
+// end there are replaced by those that begin there. At a vertex with one run of edges below and one above, the ring
+// continues. The lowest vertex of a part begins a ring, and the highest ends it. At any other vertex rings merge or
+// split, so the rings through it are walked to find which they are. At a slicing plane each ring is a contour; only its
+// points have to be computed.
 //
-// O(n log n + m), and as the paper says up to O(n^2) where rings meet and part often: each such vertex costs the length of
-// its rings.
+// O(n log n + m). As the paper says, up to O(n^2) where rings merge and split often, because each such vertex costs the
+// length of its rings.
 //
-// Kept: closed meshes only; of any other no contours are given. Vertices of one height are swept in the order of their
-// numbers, as if the mesh were tilted by a hair, so that level edges and facets need no cases of their own; planes never
-// meet a vertex. Left out: how the rings nest, which nothing here asks for.
+// Kept from the source: only closed meshes are sliced; others give no contours. Vertices of equal height are swept in
+// the order of their numbers, as if the mesh were tilted slightly. Level edges and facets therefore need no special
+// cases. Planes never meet a vertex. Left out: the nesting of the rings, which no measurement here needs.
 #pragma once
 
 #include "method.hpp"

@@ -1,8 +1,9 @@
-// The algorithms that the paper describes or compares, behind one interface: a triangle soup and planes in, contours out.
-// They are for measuring alone; of the engine they share the grid and its rounding, so that their answers can be compared.
+// The algorithms that the paper describes or compares, behind one interface: a triangle soup and planes in, contours
+// out. They serve only for measurements. They share the engine's grid and rounding, so that answers can be compared.
 //
-// A slicing method gives a list of segments for each plane, a contour method joins such lists; any of the one goes with any
-// of the other. A whole method does both in its own way, with more than segments between its two steps.
+// A slicing method gives a list of segments for each plane. A contour method joins such lists. Any slicing method can
+// be combined with any contour method. A whole method does both steps in its own way and passes more than segments
+// between them.
 #pragma once
 
 #include <array>
@@ -17,33 +18,33 @@ namespace lamella::baselines {
 
 using Facet = std::array<GridVertex, 3>;
 
-/// The solid lies on the left.
+/// The solid lies on its left.
 struct Segment {
     Point from;
     Point to;
 };
-using SegmentLists = std::vector<std::vector<Segment>>;  ///< one for each plane
+using SegmentLists = std::vector<std::vector<Segment>>;  ///< one list for each plane
 
 struct Polyline {
-    std::vector<Point> points;  ///< the first of a closed one is not repeated
+    std::vector<Point> points;  ///< a closed polyline does not repeat its first point
     bool closed = false;
 };
-using Contours = std::vector<std::vector<Polyline>>;  ///< those of each plane, in any order, from any point
+using Contours = std::vector<std::vector<Polyline>>;  ///< by plane; contours in any order, from any start point
 
 struct Problem {
     std::span<const float> soup;       ///< mm, nine numbers a triangle
-    double unit_mm = default_unit_mm;  ///< of the grid
+    double unit_mm = default_unit_mm;  ///< grid unit
     std::vector<std::int32_t> planes;  ///< grid units, odd, ascending
-    bool uniform = false;              ///< plane i lies within a quarter of a step of first + i * step:
-    double first = 0;                  ///< grid units
-    double step = 0;                   ///< grid units
+    bool uniform = false;              ///< whether plane i lies within a quarter of a step of first + i * step
+    double first = 0;                  ///< grid units; for uniform planes only
+    double step = 0;                   ///< grid units; for uniform planes only
 
     std::size_t facets() const noexcept { return soup.size() / 9; }
 };
 
 struct SlicingMethod {
     std::string_view name;
-    std::string_view source;  ///< of the algorithm
+    std::string_view source;  ///< publication that describes the algorithm
     bool uniform_only = false;
     SegmentLists (*slice)(const Problem&) = nullptr;
 };
@@ -53,7 +54,7 @@ struct ContourMethod {
     std::string_view source;
     std::vector<Polyline> (*join_plane)(const std::vector<Segment>&) = nullptr;
 
-    /// Plane by plane.
+    /// Joins the segments plane by plane.
     Contours join(const SegmentLists& lists) const {
         Contours contours;
         contours.reserve(lists.size());
@@ -67,7 +68,7 @@ struct ContourMethod {
 struct WholeOutcome {
     Contours contours;
     std::uint64_t segments = 0;
-    double slicing_s = 0;  ///< of its time, up to the first step that joins segments; 0 where the two cannot be told apart
+    double slicing_s = 0;  ///< time up to the first step that joins segments; 0 where the two steps cannot be separated
 };
 
 struct WholeMethod {

@@ -1,4 +1,4 @@
-// All baselines, for who looks them up by name.
+// All baselines, for look-up by name.
 #pragma once
 
 #include <span>

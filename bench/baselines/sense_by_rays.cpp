@@ -1,8 +1,9 @@
-// A contour is a hole if it lies in an odd number of others of its plane. Every one is tested against every other by a ray
-// from one of its points, whose crossings with the other are counted: O(c²) tests. Facets' senses are not asked.
+// A contour is a hole if an odd number of other contours of its plane enclose it. Every contour is tested against every
+// other: a ray from one of its points counts crossings with the other. O(c²) tests. The orientation of facets is not
+// used.
 //
-// A point on the other's boundary says nothing; the next point is taken then. Contours that cross are not told apart
-// rightly.
+// A point on the other's boundary decides nothing, so the next point is tested. Contours that cross each other get
+// arbitrary roles.
 #include "sense_by_rays.hpp"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace {
 
 enum class Place { outside, inside, boundary };
 
-/// By the crossings of the ray from p along x; exact.
+/// Counts crossings of the ray from p along x; exact.
 Place place_in(const Polyline& polygon, Point p) {
     bool inside = false;
     Point a = polygon.points.back();
@@ -25,7 +26,7 @@ Place place_in(const Polyline& polygon, Point p) {
             return Place::boundary;
         }
         if ((a.y <= p.y) != (b.y <= p.y)) {
-            // Differences are 2^31 at most, so products fit; b.y - a.y says which way the comparison is to be read.
+            // Differences are at most 2^31, so products fit. The sign of b.y - a.y decides which way to compare them.
             const std::int64_t edge = (std::int64_t{b.x} - a.x) * (std::int64_t{p.y} - a.y);
             const std::int64_t ray = (std::int64_t{p.x} - a.x) * (std::int64_t{b.y} - a.y);
             if (edge == ray) {

@@ -1,4 +1,4 @@
-// Which contours are holes (paper 4.2, at its end): point-in-polygon tests, as Volpato et al. 2013 propose.
+// Finds which contours are holes (end of paper 4.2) by point-in-polygon tests, as Volpato et al. 2013 propose.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace lamella::baselines {
 
-using Roles = std::vector<std::vector<Role>>;  ///< of each plane's polylines
+using Roles = std::vector<std::vector<Role>>;  ///< by plane, then by polyline
 
-/// Tells the role of each polyline and turns outer contours counter-clockwise and holes clockwise. For c contours of q
-/// points in a plane, O(c²) tests, O(c q) time.
+/// Determines the role of each polyline. Orients outer contours counter-clockwise and holes clockwise. For c contours
+/// with q points in a plane: O(c²) tests, O(c q) time.
 Roles sense_by_rays(Contours& contours);
 
 }  // namespace lamella::baselines

@@ -19,7 +19,7 @@ struct Line {
 };
 using Lines = std::vector<Line>;
 
-/// The number of its edge, by half-edge.
+/// By half-edge: the number of its edge.
 std::vector<std::uint32_t> number_edges(const SharedVertices& mesh) {
     struct Edge {
         std::uint32_t low;
@@ -101,7 +101,7 @@ private:
 /// A chain of lines that did not close.
 struct OpenChain {
     std::vector<Point> points;
-    std::uint32_t edges[2];  ///< on which it begins and ends
+    std::uint32_t edges[2];  ///< the edges on which it begins and ends
 };
 
 /// Joins chains that end on the same edge.
@@ -116,14 +116,14 @@ public:
         const auto edge_of = [&](std::uint32_t end) { return chains_[end / 2].edges[end % 2]; };
         std::ranges::sort(ends, {}, edge_of);
         for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-            if (edge_of(ends[i]) == edge_of(ends[i + 1])) {  // there are no more than two
+            if (edge_of(ends[i]) == edge_of(ends[i + 1])) {  // at most two chain ends share an edge
                 partner_[ends[i]] = ends[i + 1];
                 partner_[ends[i + 1]] = ends[i];
             }
         }
     }
 
-    /// Those that have an end are begun there, with the lines' own sense if possible.
+    /// Starts from free chain ends first, and keeps the lines' orientation where possible.
     void append_to(std::vector<Polyline>& contours) {
         for (const std::uint32_t side : {0U, 1U}) {
             for (std::uint32_t chain = 0; chain < chains_.size(); ++chain) {
@@ -149,7 +149,7 @@ private:
                 std::ranges::reverse(points);
             }
             if (!joined.points.empty()) {
-                joined.points.pop_back();  // the next chain begins with it
+                joined.points.pop_back();  // the next chain repeats this point
             }
             joined.points.insert(joined.points.end(), points.begin(), points.end());
         }
@@ -162,7 +162,8 @@ private:
 
     static constexpr std::uint32_t no_end = 0xFFFFFFFF;
     std::vector<OpenChain> chains_;
-    std::vector<std::uint32_t> partner_;  // by end: 2 * chain, and 1 more for its last point
+    // By chain end, numbered 2 * chain for the first point and 2 * chain + 1 for the last.
+    std::vector<std::uint32_t> partner_;
     std::vector<bool> is_used_;
 };
 

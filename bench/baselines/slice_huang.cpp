@@ -1,6 +1,6 @@
-// The layer height being constant, z_min and z_max divided by it are the range of planes that cut the triangle: its segments
-// are computed at once, each pushed to the list of its plane. O(n + k + m). Built from the paper's description; planes here
-// are rounded to the grid one by one, so that a quotient is checked against its neighbours.
+// The layer height is constant, so z_min and z_max divided by it give the range of planes that cut the triangle. Its
+// segments are computed at once, and each is appended to the list of its plane. O(n + k + m). Built from the paper's
+// description. Planes here are rounded to the grid one by one, so the quotient is checked against its neighbours.
 #include "slice_huang.hpp"
 
 #include "facet_heights.hpp"

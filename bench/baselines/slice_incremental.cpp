@@ -1,4 +1,4 @@
-// Minetto et al. 2017, section 3; what is kept and mended of it is said in the header.
+// Minetto et al. 2017, section 3. The header lists what is corrected and what is kept.
 #include "slice_incremental.hpp"
 
 #include "first_plane.hpp"

@@ -1,11 +1,11 @@
 // Incremental-Slicing as the paper prints it: Algorithms 1 to 3, serial, on linked lists. Indices count from 0 here.
 //
-// Mended, as it would be wrong:
-// - Algorithm 2, uniform planes, adds 1 where the list after that is meant: a triangle above P[1] would meet P[1].
-// - Its merge reads T[j] before it looks whether there is a T[j].
+// Errors of the printed text that are corrected here:
+// - Algorithm 2, uniform planes, adds 1 where it needs 2: a triangle above P[1] would be cut by P[1].
+// - Its merge reads T[j] before it tests whether T[j] exists.
 // - Planes are multiples of the spacing only before they are rounded to the grid: see FirstPlaneAbove.
-// Kept: triangles that no plane cuts enter the active set and leave it at once; in the merge those above all planes are in
-// no list, elsewhere in one that nothing reads.
+// Kept: triangles that no plane cuts enter the active set and leave it at once. Triangles above all planes are in no
+// list after the merge; otherwise they are in a list that nothing reads.
 #pragma once
 
 #include <forward_list>
@@ -17,16 +17,15 @@
 
 namespace lamella::baselines {
 
-/// Uniform planes by division, others by binary search: O(n + k + m) and O(n log k + k + m).
+/// Division for uniform planes, O(n + k + m); binary search for others, O(n log k + k + m).
 extern const SlicingMethod incremental_slicing;
 
-/// The same with srt = true: O(n + k + m) for any planes. Precondition, for the caller to know: the triangles ascend by
-/// z_min.
+/// The same with srt = true: O(n + k + m) for any planes. Precondition, not checked: the triangles ascend by z_min.
 extern const SlicingMethod presorted_slicing;
 
 using TriangleList = std::forward_list<const Facet*>;
-using TriangleLists = std::vector<TriangleList>;  ///< one for each plane, of the triangles that begin below it but not below
-                                                  ///< the one before it, and one of those above all planes
+using TriangleLists = std::vector<TriangleList>;  ///< by first plane above a triangle's lowest vertex; the last list holds
+                                                  ///< the triangles above all planes
 
 /// Algorithm 3: the first plane above z_min, or the number of planes. `less` compares two heights.
 template <class Less = std::less<>>
@@ -34,7 +33,7 @@ std::size_t binary_search(const std::vector<std::int32_t>& planes, std::int32_t 
     if (planes.empty() || less(planes.back(), z_min)) {
         return planes.size();
     }
-    std::size_t l = 0;  // counted from 1, as P[0] lies below everything
+    std::size_t l = 0;  // counted from 1; P[0] stands for a plane below everything
     std::size_t r = planes.size();
     while (r - l > 1) {
         const std::size_t m = (l + r) / 2;
@@ -63,7 +62,7 @@ TriangleLists lists_by_division(const std::vector<Facet>& facets, const Problem&
 /// Algorithm 2, triangles that ascend by z_min.
 TriangleLists lists_by_merge(const std::vector<Facet>& facets, const Problem& problem);
 
-/// Algorithm 1 from step 4 on. Takes the lists apart.
+/// Algorithm 1 from step 4 on. Empties the lists.
 template <class Less = std::less<>>
 SegmentLists plane_sweep(TriangleLists lists, const Problem& problem, Less less = {}) {
     TriangleList active;

@@ -1,5 +1,5 @@
-// The triangles are sorted by z_min, O(n log n), and are then the sorted case of Algorithm 2, O(n + k); Algorithm 1 follows.
-// Mended and kept are what slice_incremental.hpp says.
+// Sorts the triangles by z_min, O(n log n), then applies the sorted case of Algorithm 2, O(n + k), and Algorithm 1.
+// slice_incremental.hpp lists what is corrected and what is kept.
 #include "slice_sort_first.hpp"
 
 #include "slice_incremental.hpp"

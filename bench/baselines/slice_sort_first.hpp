@@ -1,4 +1,4 @@
-// The paper's other way to its triangle lists (3.4): sort by z_min, then merge.
+// The paper's second way to build its triangle lists (3.4): sort by z_min, then merge.
 #pragma once
 
 #include "method.hpp"

@@ -1,7 +1,8 @@
-// Triangles are sorted by z_min, those of one z_min form a group, and those of a group with one z_max a sub-group, all of
-// which a plane cuts or none. O(n log n) to build; planes are then tested against sub-groups instead of triangles, O(k s)
-// for s of them. A plane is done at the first group that begins above it: the groups are in order. Built from the paper's
-// description; the scheme's choice of layer heights is left out, as planes are given here.
+// Triangles are sorted by z_min. Those of equal z_min form a group, and those of a group with equal z_max a sub-group.
+// A plane cuts either all triangles of a sub-group or none. O(n log n) to build. Planes are tested against sub-groups
+// instead of triangles: O(k s) for s sub-groups. Groups are in order, so the test of a plane ends at the first group
+// above it. Built from the paper's description, without the scheme's choice of layer heights, because planes are given
+// here.
 #include "slice_tata.hpp"
 
 #include <utility>
@@ -13,7 +14,7 @@ namespace lamella::baselines {
 
 namespace {
 
-/// Ranges end where the next one of the same kind begins, the last at a sentinel.
+/// A range ends where the next range of the same kind begins. The last ends at a sentinel.
 struct SubGroup {
     std::int32_t z_max;
     std::uint32_t first_facet;

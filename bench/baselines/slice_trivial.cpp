@@ -1,4 +1,4 @@
-// Every plane is tested against every triangle: O(k n). Nothing to mend.
+// Every plane is tested against every triangle: O(k n). The printed text needs no correction.
 #include "slice_trivial.hpp"
 
 #include "geometry.hpp"

@@ -1,4 +1,4 @@
-// Trivial slicing (paper 2.1 and 5.1): Chalasani and Grogan 1991, and what the paper times as the slicing of Park 2003.
+// Trivial slicing (paper 2.1 and 5.1): Chalasani and Grogan 1991. The paper times it as the slicing of Park 2003.
 #pragma once
 
 #include "method.hpp"

@@ -11,18 +11,18 @@ namespace lamella::baselines {
 
 namespace {
 
-/// An edge that planes cut, on its way from the first of them to the last. It stands for the half-edge that runs down, by
-/// which contours enter its facet.
+/// An edge while planes cut it, from the first such plane to the last. It is named by its half-edge that runs down,
+/// where contours enter its facet.
 struct CutEdge {
-    std::int32_t x;  ///< of the lower vertex
+    std::int32_t x;  ///< x of the lower vertex
     std::int32_t y;
     std::int32_t z;
-    std::int32_t top;  ///< z of the upper one
+    std::int32_t top;  ///< z of the upper vertex
     double slope_x;
     double slope_y;
     std::uint32_t half_edge;
-    std::uint32_t next;    ///< where the contour crossed the facet's other side the last time
-    std::uint32_t met_at;  ///< the plane whose contours last went through here, counted from 1
+    std::uint32_t next;    ///< the next edge along the contour at the last plane
+    std::uint32_t met_at;  ///< one plus the index of the last plane whose contour was traced through this edge
 
     Point at(std::int32_t plane) const noexcept {
         const auto rise = static_cast<double>(std::int64_t{plane} - z);
@@ -57,7 +57,7 @@ public:
     }
 
 private:
-    /// The edges that planes cut, in the order of the first plane that does.
+    /// Lists the edges that planes cut, by the first plane that cuts them.
     void list_edges(const Problem& problem) {
         const FirstPlaneAbove first_plane(problem);
         const auto half_edges = static_cast<std::uint32_t>(twins_.size());
@@ -109,7 +109,8 @@ private:
             CutEdge& edge = edges_[e];
             edge.met_at = plane_index + 1;
             contour.points.push_back(edge.at(plane));
-            // Of a facet only the edge that ends first can cease to be the next one: that it is still cut is enough.
+            // Of a facet's two other edges, only the one that ends first can cease to be next, so testing whether it is
+            // still cut suffices.
             if (edge.next == no_edge || edges_[edge.next].top < plane) {
                 edge.next = find_next(edge.half_edge, plane);
             }
@@ -118,7 +119,7 @@ private:
         return contour;
     }
 
-    /// The facet's half-edge that runs up through the plane, or rather its twin, which runs down on the next facet.
+    /// The twin of the facet's half-edge that runs up through the plane. The twin runs down on the next facet.
     std::uint32_t find_next(std::uint32_t half_edge, std::int32_t plane) const {
         const std::uint32_t after = next_in_facet(half_edge);
         const std::int32_t apex = mesh_.vertices[mesh_.to(after)].z;

@@ -52,7 +52,7 @@ private:
     std::vector<std::uint32_t> slots_;
 };
 
-/// Half-edges by the lesser of their two vertices: those of vertex v are at [first[v], first[v + 1]).
+/// Half-edges grouped by the lesser of their two vertices: those of vertex v are at [first[v], first[v + 1]).
 struct Buckets {
     std::vector<std::uint32_t> first;
     std::vector<std::uint32_t> half_edges;
@@ -74,7 +74,7 @@ Buckets by_lesser_vertex(const SharedVertices& mesh) {
     return buckets;
 }
 
-/// False if a half-edge of this edge has no partner that runs the other way.
+/// Returns false if a half-edge of this edge has no partner of opposite direction.
 bool pair_one_edge(const SharedVertices& mesh, std::span<const std::uint32_t> edge, std::vector<std::uint32_t>& twins) {
     const auto pair = [&](std::uint32_t a, std::uint32_t b) {
         twins[a] = b;
@@ -110,7 +110,7 @@ SharedVertices share_vertices_by_tree(const std::vector<Facet>& facets) {
 SharedVertices share_vertices_by_hash(const std::vector<Facet>& facets) {
     SharedVertices mesh;
     mesh.facets.reserve(facets.size());
-    mesh.vertices.reserve(facets.size() / 2 + 2);  // so many has a closed mesh without handles
+    mesh.vertices.reserve(facets.size() / 2 + 2);  // the number of vertices of a closed mesh without handles
     VertexTable table(mesh.vertices, mesh.vertices.capacity());
     for (const Facet& facet : facets) {
         Corners& corners = mesh.facets.emplace_back();
@@ -128,11 +128,11 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_round_edge(const Share
                                                                      std::span<const std::uint32_t> edge) {
     const GridVertex& a = mesh.vertices[mesh.from(edge[0])];
     const GridVertex& b = mesh.vertices[mesh.to(edge[0])];
-    // A level edge is cut by no plane, and any order serves.
+    // No plane cuts a level edge, so its order does not matter.
     const auto [lower, upper] = a.z < b.z ? std::pair(a, b) : std::pair(b, a);
     std::vector<FaceAtEdge> faces;
     for (const std::uint32_t h : edge) {
-        const bool runs_down = mesh.vertices[mesh.from(h)] == upper;  // and the segment of its facet begins here
+        const bool runs_down = mesh.vertices[mesh.from(h)] == upper;  // the facet's segment begins on this edge
         faces.push_back({mesh.vertices[mesh.to(next_in_facet(h))], h, {h, runs_down}});
     }
     sort_round_edge(lower, upper, faces);
@@ -155,7 +155,7 @@ std::vector<std::uint32_t> find_twins(const SharedVertices& mesh) {
     std::vector<std::uint32_t> twins(3 * mesh.facets.size(), no_half_edge);
     const auto greater = [&](std::uint32_t h) { return std::max(mesh.from(h), mesh.to(h)); };
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-        // About six of them, two for each edge.
+        // Usually about six half-edges, two for each edge.
         const std::span<std::uint32_t> bucket(buckets.half_edges.data() + buckets.first[v],
                                               buckets.half_edges.data() + buckets.first[v + 1]);
         std::ranges::sort(bucket, {}, greater);

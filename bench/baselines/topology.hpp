@@ -1,5 +1,5 @@
-// The topology of a mesh, recovered from its soup: vertices that are shared, and the facet across each edge. What the
-// methods that trace contours from facet to facet begin with; its time is part of theirs.
+// The topology of a mesh, recovered from its soup: shared vertices, and the facet across each edge. Methods that trace
+// contours from facet to facet begin with it. Its time counts as part of theirs.
 //
 // A half-edge is an edge as one facet runs along it: number 3 f + i leads from corner i of facet f to the next corner.
 //
@@ -30,15 +30,15 @@ struct SharedVertices {
     std::uint32_t to(std::uint32_t half_edge) const noexcept { return facets[half_edge / 3][(half_edge + 1) % 3]; }
 };
 
-/// By a sorted binary tree of the vertices, as Béchet, Cuillière and Trochu (2002) do. O(n log n).
+/// Finds shared vertices by a sorted binary tree, as Béchet, Cuillière and Trochu (2002) do. O(n log n).
 SharedVertices share_vertices_by_tree(const std::vector<Facet>& facets);
 
-/// By a hash table. O(n) expected.
+/// Finds shared vertices by a hash table. O(n) expected.
 SharedVertices share_vertices_by_hash(const std::vector<Facet>& facets);
 
 inline constexpr std::uint32_t no_half_edge = 0xFFFFFFFF;
 
-/// The next half-edge round the same facet, and the one after that.
+/// The next half-edge around the same facet, and the one after that.
 constexpr std::uint32_t next_in_facet(std::uint32_t half_edge) noexcept {
     return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1;
 }
@@ -46,13 +46,15 @@ constexpr std::uint32_t previous_in_facet(std::uint32_t half_edge) noexcept {
     return half_edge % 3 == 0 ? half_edge + 2 : half_edge - 1;
 }
 
-/// Pairs the half-edges of an edge that more than two facets share: by angle, as the engine does, so that the contours are
-/// its own. Of an odd number one stays alone; two that run the same way are a pair if there is no other way.
+/// Pairs the half-edges of an edge that more than two facets share: by angle, as the engine does, so that the contours
+/// are the same. If their number is odd, one stays alone. Two of the same direction become a pair only if no other
+/// pairing exists.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_round_edge(const SharedVertices& mesh,
                                                                      std::span<const std::uint32_t> edge);
 
-/// The half-edge of the neighbouring facet, by half-edge. Empty where some half-edge has none that runs the other way:
-/// the mesh is not closed, or its facets disagree about which side is solid. O(n), and what the sorting of such edges takes.
+/// By half-edge: the half-edge of the neighbouring facet. Empty if some half-edge has no partner of opposite direction,
+/// because the mesh is not closed or its facets disagree about which side is solid. O(n), plus sorting for edges of
+/// more than two facets.
 std::vector<std::uint32_t> find_twins(const SharedVertices& mesh);
 
 }  // namespace lamella::baselines

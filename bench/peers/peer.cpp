@@ -23,7 +23,7 @@ namespace {
 struct Request {
     std::string mesh;
     double layer_height_mm = 0.032;
-    std::string planes;  ///< a file of heights in mm; empty: uniform layers
+    std::string planes;  ///< file of heights in mm; empty: uniform layers
     int threads = 1;
     unsigned limit_s = 0;
 };
@@ -43,7 +43,7 @@ LayerPlan plan_of(const Request& request) {
     return {.spacing = std::move(planes)};
 }
 
-/// Planes with another number of contours than the engine's, and by how many in all.
+/// The number of planes whose number of contours differs from the engine's, and the sum of these differences.
 std::pair<std::uint64_t, std::uint64_t> difference(const SliceResult& expected, const Found& found) {
     std::uint64_t planes = 0;
     std::uint64_t contours = 0;
@@ -115,7 +115,7 @@ void run(const Peer& peer, const Request& request) {
 }  // namespace
 
 int run_program(const Peer& peer, int count, char** words) noexcept try {
-    CLI::App app("Slices a mesh by " + peer.name + ", holds the answer against the engine's and prints the times as JSON");
+    CLI::App app("Slices a mesh by " + peer.name + ", compares the answer with the engine's and prints the times as JSON");
     Request request;
     app.add_option("--mesh", request.mesh, "file to slice")->required();
     auto* const height = app.add_option("--layer-height", request.layer_height_mm, "mm");

@@ -1,5 +1,5 @@
-// What the programs that time another library's slicing have in common: the command line, the engine's answer to hold theirs
-// against, and one line of JSON.
+// What the programs that time another library's slicing share: the command line, the engine's answer for comparison,
+// and one line of JSON.
 #pragma once
 
 #include <atomic>
@@ -14,15 +14,15 @@ namespace lamella::peers {
 
 struct Problem {
     std::span<const float> soup;    ///< mm, nine numbers a triangle
-    std::vector<double> planes_mm;  ///< ascending; where the engine really cuts, so that both cut at the same heights
+    std::vector<double> planes_mm;  ///< ascending; the engine's exact plane heights, so that both cut at the same heights
     int threads = 1;
 
     std::size_t triangles() const noexcept { return soup.size() / 9; }
 };
 
-/// What was found, counted after the clock has stopped.
+/// The library's answer, counted after the clock has stopped.
 struct Found {
-    std::vector<std::uint64_t> contours;  ///< by plane, closed and open ones
+    std::vector<std::uint64_t> contours;  ///< by plane: number of contours, closed and open
     std::uint64_t segments = 0;
 };
 
@@ -35,15 +35,15 @@ struct Times {
 struct Peer {
     std::string name;
     std::string version;
-    std::string way;  ///< which of the library's ways of slicing is taken
+    std::string way;  ///< which of the library's slicing methods is used
     Times (*run)(const Problem&, Found&) = nullptr;
 };
 
-/// main() of a peer's program. Exit status: 0 done, 75 over the limit, 1 failed.
+/// main() of a peer's program. Exit status: 0 done, 75 over the time limit, 1 failed.
 int run_program(const Peer& peer, int count, char** words) noexcept;
 
-/// Calls work(worker, item) for every item below `count`, each worker on a thread of its own; the calling thread is the
-/// first.
+/// Calls work(worker, item) for every item below `count`. Each worker runs on a thread of its own; worker 0 runs on the
+/// calling thread.
 template <class Work>
 void share_out(std::size_t count, int threads, const Work& work) {
     std::atomic<std::size_t> next = 0;

@@ -1,5 +1,6 @@
-// CGAL: Polygon_mesh_slicer on a Surface_mesh, one plane a call, all by one tree of the mesh's edges. Predicates are exact,
-// points are rounded; planes are taken as parallel to two axes, which it has a quicker way for.
+// CGAL: Polygon_mesh_slicer on a Surface_mesh, one plane a call. All calls share one tree of the mesh's edges.
+// Predicates are exact; points are rounded. Planes are declared parallel to two axes, which CGAL slices by a faster
+// method.
 #include <array>
 #include <utility>
 #include <vector>
@@ -30,7 +31,7 @@ using Polylines = std::vector<std::vector<Kernel::Point_3>>;
 
 using Triangle = std::array<std::size_t, 3>;
 
-/// As its documentation advises for soups; only a soup that is no mesh as it stands is oriented, which also parts faces at
+/// Orients only a soup that is not a mesh as it stands, as CGAL's documentation advises. Orienting also splits faces at
 /// edges that have more than two.
 SurfaceMesh mesh_of(const Problem& problem) {
     namespace pmp = CGAL::Polygon_mesh_processing;
@@ -68,7 +69,7 @@ Times run(const Problem& problem, Found& found) {
     for (const Polylines& polylines : contours) {
         found.contours.push_back(polylines.size());
         for (const auto& polyline : polylines) {
-            found.segments += polyline.size() - 1;  // a closed one ends with its first point
+            found.segments += polyline.size() - 1;  // a closed polyline ends with its first point
         }
     }
     return {build_ms / 1000, (all_ms - build_ms) / 1000};

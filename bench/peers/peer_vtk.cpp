@@ -1,5 +1,5 @@
-// VTK: the height as a scalar on the points, contoured one plane at a time through a span-space tree, the lines joined by
-// the stripper. (Its plane cutters are quicker by themselves but lose loops.)
+// VTK: the height is a scalar on the points. It is contoured one plane at a time through a span-space tree, and the
+// stripper joins the lines. VTK's plane cutters are faster by themselves but lose loops.
 #include <cstdlib>
 #include <optional>
 #include <vector>
@@ -24,7 +24,7 @@ namespace {
 
 using namespace lamella::peers;  // NOLINT(google-build-using-namespace)
 
-/// Points merged where equal, with their heights.
+/// Merges equal points and stores their heights.
 vtkSmartPointer<vtkPolyData> mesh_of(const Problem& problem) {
     const auto triangles = static_cast<vtkIdType>(problem.triangles());
     vtkNew<vtkPoints> points;
@@ -61,7 +61,7 @@ struct Lines {
     vtkSmartPointer<vtkCellArray> polylines;
 };
 
-/// A pipeline with a mesh and a tree of its own: on a mesh that two threads share, contours come out now and then in pieces.
+/// A pipeline with its own mesh and tree. If two threads share a mesh, contours sometimes come out in pieces.
 class Pipeline {
 public:
     explicit Pipeline(vtkPolyData* mesh) {
@@ -87,7 +87,7 @@ public:
     }
 
 private:
-    static constexpr int longest_polyline = 100000;  // the most that it takes
+    static constexpr int longest_polyline = 100000;  // VTK accepts no longer ones
     vtkNew<vtkPolyData> mesh_;
     vtkNew<vtkSpanSpace> tree_;
     vtkNew<vtkContourFilter> contour_;
@@ -116,7 +116,8 @@ Times run(const Problem& problem, Found& found) {
 }  // namespace
 
 int main(int count, char** words) {
-    // No threads but those that planes are shared out to. (The header that could ask for this is no C++20.)
+    // VTK starts no threads of its own: planes are already shared out to threads. The header that controls this is not
+    // valid C++20.
     setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 1);
     return run_program({"VTK", vtkVersion::GetVTKVersion(), "vtkContourFilter, vtkSpanSpace, vtkStripper", run}, count,
                        words);

@@ -4,8 +4,8 @@
     slicers.py slic3r|prusa-slicer|CuraEngine --mesh FILE --layer-height MM [--threads N] [--limit S] [--lamella PROGRAM]
                [--definitions FOLDER]
 
-Everything that can be left out of what follows slicing is left out (infill, solid layers, skirt); times of stages are taken
-from what the program prints. Exit status: 0 done, 75 over the limit before the slices were made, 77 not installed.
+Everything after slicing that can be switched off is off (infill, solid layers, skirt). Stage times are those that the program
+prints. Exit status: 0 done, 75 over the time limit before the slices were made, 77 not installed.
 """
 import argparse
 import itertools
@@ -29,7 +29,7 @@ class NotInstalled(Exception):
 
 
 class Transcript:
-    """What a process prints, and when."""
+    """The output of a process, with times."""
 
     def __init__(self):
         self.text = ""
@@ -40,12 +40,12 @@ class Transcript:
         self.pieces.append((len(self.text), at_s))
 
     def time_of(self, words):
-        """When these words were there to be read; None: not yet."""
+        """When these words had been printed; None: not yet."""
         place = self.text.find(words)
         return None if place < 0 else next(at_s for length, at_s in self.pieces if length >= place + len(words))
 
     def span(self, begin, end):
-        """Seconds from these words to those."""
+        """Seconds between the printing of two texts."""
         begin_s, end_s = self.time_of(begin), self.time_of(end)
         return None if begin_s is None or end_s is None else end_s - begin_s
 
@@ -86,7 +86,7 @@ class PrusaSlicer:
         height = str(request.layer_height)
         return ["--export-gcode", "--loglevel", "3", "--datadir", "settings", "--output", self.output,
                 "--layer-height", height, "--first-layer-height", height,
-                "--nozzle-diameter", str(max(0.4, request.layer_height)),  # it refuses higher layers
+                "--nozzle-diameter", str(max(0.4, request.layer_height)),  # PrusaSlicer refuses layers higher than the nozzle
                 "--bed-shape", "0x0,2000x0,2000x2000,0x2000", "--max-print-height", "1200",
                 "--slice-closing-radius", "0", "--elefant-foot-compensation", "0", "--resolution", "0",
                 "--perimeters", "1", "--perimeter-generator", "classic", "--fill-density", "0",
@@ -97,7 +97,7 @@ class PrusaSlicer:
         return transcript.time_of(begin), transcript.span(begin, "Generating perimeters")
 
     def contours(self, _folder):
-        return None  # tool paths are offset, joined and dropped
+        return None  # tool paths are offset, joined and dropped, so contours cannot be counted
 
     def planes(self, folder, _transcript):
         with open(os.path.join(folder, self.output), encoding="utf-8") as paths:
@@ -115,7 +115,7 @@ class CuraEngine:
         if not os.path.exists(definition):
             raise NotInstalled(f"CuraEngine needs {definition}, of Debian's package cura")
         settings = {"layer_height": request.layer_height, "layer_height_0": request.layer_height,
-                    # It cuts from z = 0 up, wherever the mesh begins.
+                    # CuraEngine cuts from z = 0 up, wherever the mesh begins.
                     "mesh_position_z": -engine["box_mm"]["min"][2],
                     "wall_line_count": 1, "top_layers": 0, "bottom_layers": 0, "infill_line_distance": 0,
                     "adhesion_type": "none"}
@@ -128,7 +128,7 @@ class CuraEngine:
                 transcript.number(r"Progress: slice accomplished in ([\d.]+)s"))
 
     def contours(self, _folder):
-        return None  # as with PrusaSlicer
+        return None  # as with PrusaSlicer, contours cannot be counted
 
     def planes(self, _folder, transcript):
         layers = transcript.number(r"Layer count: (\d+)")
@@ -139,7 +139,7 @@ PEERS = {peer.program: peer for peer in (Slic3r(), PrusaSlicer(), CuraEngine())}
 
 
 def contours_by_layer(svg):
-    """Of an SVG in Slic3r's convention, as the engine writes it too."""
+    """Contours by layer in an SVG of Slic3r's convention, which the engine follows too."""
     counts = []
     with open(svg, encoding="utf-8") as file:
         for line in file:
@@ -151,7 +151,7 @@ def contours_by_layer(svg):
 
 
 class Runner:
-    """Runs a program, on so many cores, up to a deadline."""
+    """Runs a program on a given number of cores, up to a deadline."""
 
     def __init__(self, request, folder):
         self.folder = folder
@@ -162,10 +162,10 @@ class Runner:
         self.cores = cores[:request.threads]
 
     def run(self, words):
-        """Its transcript, and the seconds that it took; None: stopped at the deadline."""
+        """The program's transcript and its run time in seconds; None if it was stopped at the deadline."""
         transcript = Transcript()
         start = time.monotonic()
-        # Not every program has an option for the number of threads; all of them mind the cores that they may use.
+        # Not every program has an option for threads, but all of them respect the set of cores that they may use.
         process = subprocess.Popen(words, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, preexec_fn=lambda: os.sched_setaffinity(0, self.cores))
         while select.select([process.stdout], [], [], self.seconds_left())[0]:
@@ -187,7 +187,7 @@ class Runner:
 
 
 def wanted_runs(seconds):
-    """Five of what takes less than 2 s, three of what takes less than 10 s, else one."""
+    """Five runs if a run takes less than 2 s, three if less than 10 s, else one."""
     return 5 if seconds < 2 else 3 if seconds < 10 else 1
 
 
@@ -200,7 +200,7 @@ def version_of(peer):
 
 
 def engine_answer(request, folder):
-    """The engine's report, and its contours by layer."""
+    """The engine's report, and the number of its contours by layer."""
     svg = os.path.join(folder, "engine.svg")
     words = [request.lamella, "slice", request.mesh, "--layer-height", str(request.layer_height), "-o", svg, "--report", "-"]
     sliced = subprocess.run(words, capture_output=True, text=True, check=False)
@@ -224,7 +224,7 @@ def measure(peer, request, folder):
             break
         load_s, sliced_s = peer.stages(transcript)
         if sliced_s is None:
-            sys.exit(OVER_LIMIT if seconds is None else f"slicers.py: {peer.program} did not say when it had sliced")
+            sys.exit(OVER_LIMIT if seconds is None else f"slicers.py: {peer.program} did not print when it had sliced")
         slice_s.append(sliced_s)
         total_s.append(seconds)
         if seconds is None:
@@ -246,14 +246,14 @@ def main():
     parser.add_argument("--mesh", required=True, type=os.path.abspath)
     parser.add_argument("--layer-height", type=float, default=0.032, metavar="MM")
     parser.add_argument("--threads", type=int, default=1, metavar="N")
-    parser.add_argument("--limit", type=float, default=0, metavar="S", help="for all runs together; 0: none")
+    parser.add_argument("--limit", type=float, default=0, metavar="S", help="seconds for all runs together; 0: none")
     parser.add_argument("--lamella", default=os.path.join(here, "../../build/tools/lamella"), type=os.path.abspath,
-                        metavar="PROGRAM", help="to compare with")
+                        metavar="PROGRAM", help="the engine to compare with")
     parser.add_argument("--definitions", default=CURA_DEFINITIONS, type=os.path.abspath, metavar="FOLDER",
                         help="where Cura's fdmprinter.def.json is")
     request = parser.parse_args()
     if not os.path.exists(request.lamella):
-        parser.error(f"there is no {request.lamella}: build it, or say --lamella PROGRAM")
+        parser.error(f"there is no {request.lamella}: build it, or pass --lamella PROGRAM")
     try:
         with tempfile.TemporaryDirectory(prefix="lamella-peer-") as folder:
             print(json.dumps(measure(PEERS[request.peer], request, folder)))

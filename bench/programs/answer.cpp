@@ -18,7 +18,7 @@ std::uint64_t hash_of(Point from, Point to) noexcept {
     return mixed(mixed(hash_of(from) + 0x9E3779B97F4A7C15U) + hash_of(to));
 }
 
-/// A segment of no length is where a contour stores one point for two.
+/// Skips segments of no length, because a contour stores two equal successive points as one.
 void add_segment(PlaneAnswer& plane, Point a, Point b) {
     if (a != b) {
         plane.segments += a < b ? hash_of(a, b) : hash_of(b, a);

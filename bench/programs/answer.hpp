@@ -1,5 +1,5 @@
-// What a method answered, as sums of hashes that depend on neither the order of contours nor where each begins: small enough
-// to be kept for every plane of the largest model.
+// Summarises a method's answer as sums of hashes. They depend neither on the order of contours nor on where each
+// begins, and are small enough to be kept for every plane of the largest model.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 namespace lamella::bench {
 
 struct PlaneAnswer {
-    std::uint64_t segments = 0;           ///< sum over all segments that have a length, whichever way they run
-    std::vector<std::uint64_t> closed{};  ///< each closed contour's points and their order, ascending
+    std::uint64_t segments = 0;           ///< sum of hashes over all segments of non-zero length, whatever their direction
+    std::vector<std::uint64_t> closed{};  ///< one hash for each closed contour's points in order; ascending
 };
 
 /// By plane.
@@ -20,15 +20,15 @@ using Answer = std::vector<PlaneAnswer>;
 
 Answer answer_of(const SliceResult& result);
 Answer answer_of(const baselines::Contours& contours);
-/// Of segments that have not been joined.
+/// The answer for segments that have not been joined.
 Answer answer_of(const baselines::SegmentLists& lists);
 
 struct Difference {
-    std::uint64_t planes = 0;    ///< in which not the same segments were found
-    std::uint64_t contours = 0;  ///< closed contours of either that the other has not
+    std::uint64_t planes = 0;    ///< number of planes whose segments differ
+    std::uint64_t contours = 0;  ///< number of closed contours that only one of the answers has
 };
 
-/// Precondition: answers for the same planes.
+/// Precondition: both answers are for the same planes.
 Difference difference(const Answer& expected, const Answer& found);
 
 }  // namespace lamella::bench

@@ -1,4 +1,4 @@
-// assemble() and nesting by themselves: on a case's largest layers, and nesting on layers of 10 to 10,000 contours.
+// assemble() and nesting alone: on each case's largest layer, and nesting on layers of 10 to 10,000 contours.
 #include <algorithm>
 #include <cstring>
 #include <vector>
@@ -24,7 +24,7 @@ Point pierce(const GridVertex& lower, const GridVertex& upper, std::int32_t z) {
     return {round_to_int(lower.x + slope_x * up), round_to_int(lower.y + slope_y * up)};
 }
 
-/// The plane's segments, as a caller would bring them. Ranks are left out: no case has edges of more than two faces.
+/// The plane's segments as a caller would pass them. Ranks are omitted: no case has edges of more than two faces.
 std::vector<Segment> segments_of(const Stages& stages, PlaneIndex plane) {
     std::vector<Segment> segments;
     const std::int32_t z = stages.planes().z(plane);
@@ -91,7 +91,7 @@ void run_assemble(benchmark::State& state, Prepared& prepared, int threads) {
 
 // --- Nesting
 
-/// What nesting leaves in an item, taken back.
+/// Resets what nesting writes into an item.
 void forget(std::vector<NestItem>& items) {
     for (NestItem& item : items) {
         item.flags = 0;
@@ -118,7 +118,7 @@ std::vector<NestItem> items_of(const SliceResult& result, const Layer& layer) {
     return items;
 }
 
-/// The layer with the most contours, in the order in which slice() left them.
+/// Times nesting of the layer with the most contours, in the order in which slice() stored them.
 void run_nesting(benchmark::State& state, Prepared& prepared) {
     if (const std::string failure = prepared.check(ContourForm::swept, 1); !failure.empty()) {
         state.SkipWithError(failure.c_str());
@@ -143,7 +143,7 @@ void run_nesting(benchmark::State& state, Prepared& prepared) {
     count(state, {.segments = layer.segments, .contours = items.size()}, seconds, 1);
 }
 
-/// `count` rings on a square lattice, every other one the hole of the one before it.
+/// `count` rings on a square lattice. Every second ring is the hole of the ring before it.
 class RingLattice {
 public:
     explicit RingLattice(std::uint32_t count) {
@@ -161,7 +161,7 @@ public:
     }
     std::vector<NestItem>& items() noexcept { return items_; }
 
-    /// Outers lie in nothing, holes in their outers.
+    /// Outers have no parent; the parent of a hole is its outer.
     bool nested() const noexcept {
         for (std::size_t i = 0; i < items_.size(); ++i) {
             const bool hole = i % 2 == 1;
@@ -174,12 +174,12 @@ public:
     }
 
 private:
-    static constexpr std::int32_t steps = 16;  // a side
+    static constexpr std::int32_t steps = 16;  // points on each side
     static constexpr std::uint32_t ring_points = 4 * steps;
     static constexpr std::int32_t side = 64 * steps;
     static constexpr std::int32_t pitch = 2 * side;
 
-    /// A square from its lower left corner on, counter-clockwise, or clockwise for a hole.
+    /// A square from its lower left corner, counter-clockwise; clockwise for a hole.
     void add_ring(std::int32_t centre_x, std::int32_t centre_y, std::int32_t length, bool hole) {
         const Point* ring = points_.data() + points_.size();
         const Point low{centre_x - length / 2, centre_y - length / 2};
@@ -207,7 +207,7 @@ void run_nesting_series(benchmark::State& state, std::uint32_t contours) {
     Nester nester(nullptr);
     nester.nest(lattice.items());
     if (!lattice.nested()) {
-        state.SkipWithError("the rings are not nested as they were laid");
+        state.SkipWithError("the rings are not nested as constructed");
         return;
     }
     const double seconds = measure(

@@ -1,4 +1,4 @@
-// From a triangle soup in memory, or an STL file in the page cache, to the finished result.
+// Times slicing from a triangle soup in memory, or from an STL file in the page cache, to the finished result.
 #include <memory>
 
 #ifdef LAMELLA_BENCH_MIMALLOC
@@ -12,7 +12,7 @@ namespace lamella::bench {
 
 namespace {
 
-/// Gives what the allocator holds back to the system, so that what comes next is cold.
+/// Returns the allocator's free memory to the system, so that the next run is cold.
 void empty_allocator() {
 #ifdef LAMELLA_BENCH_MIMALLOC
     mi_collect(true);
@@ -42,7 +42,7 @@ void run_warm(benchmark::State& state, Prepared& prepared, ContourForm form, int
     count(state, handled_by(prepared, prepared.mesh().bytes()), seconds, threads);
 }
 
-/// Everything is taken from the system anew; giving it back is not timed.
+/// Memory comes fresh from the system; freeing it is not timed.
 void run_cold(benchmark::State& state, Prepared& prepared, ContourForm form, int threads) {
     if (const std::string failure = prepared.check(form, threads); !failure.empty()) {
         state.SkipWithError(failure.c_str());
@@ -71,7 +71,7 @@ void run_cold(benchmark::State& state, Prepared& prepared, ContourForm form, int
     count(state, handled_by(prepared, prepared.mesh().bytes()), seconds, threads);
 }
 
-/// The result's and the engine's memory are warm; the file's bytes go where read_mesh() puts them.
+/// The memory of the result and the engine is warm. read_mesh() chooses where the file's bytes go.
 void run_file(benchmark::State& state, Prepared& prepared, bool map_file, int threads) {
     std::string failure = prepared.check(ContourForm::swept, threads);
     const SliceOptions options = prepared.options(ContourForm::swept, threads);

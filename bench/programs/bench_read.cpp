@@ -1,4 +1,4 @@
-// Mesh files in the page cache to meshes in memory, format by format, beside what pread() takes for the same bytes.
+// Times reading mesh files from the page cache, format by format, beside the time of pread() for the same bytes.
 #include <unzip.h>
 
 #include <cstring>
@@ -17,7 +17,7 @@ namespace lamella::bench {
 
 namespace {
 
-/// A mesh, and the files that it is written to when they are first asked for.
+/// A mesh and its files. Each file is written when it is first asked for.
 class Files {
 public:
     struct File {
@@ -92,7 +92,7 @@ std::array<float, 3> corner_of(const MeshView& view, std::uint64_t triangle, std
     return floats;
 }
 
-/// Empty if both have the same triangles, corner by corner and to the last bit.
+/// Empty if both have the same triangles, corner by corner and to the last bit; otherwise the difference.
 std::string compare(const MeshView& got, const MeshView& wanted) {
     if (got.triangle_count != wanted.triangle_count) {
         return "reads " + std::to_string(got.triangle_count) + " triangles of " + std::to_string(wanted.triangle_count);
@@ -100,14 +100,14 @@ std::string compare(const MeshView& got, const MeshView& wanted) {
     for (std::uint64_t triangle = 0; triangle < got.triangle_count; ++triangle) {
         for (std::size_t corner = 0; corner < 3; ++corner) {
             if (corner_of(got, triangle, corner) != corner_of(wanted, triangle, corner)) {
-                return "reads triangle " + std::to_string(triangle) + " otherwise";
+                return "reads triangle " + std::to_string(triangle) + " wrongly";
             }
         }
     }
     return {};
 }
 
-/// Seconds that the file takes into memory as read_mesh() takes it, and nothing else.
+/// Seconds that reading the file's bytes takes, into memory allocated as in read_mesh(), without parsing.
 double time_pread(const InputFile& file, int threads) {
     const auto start = std::chrono::steady_clock::now();
     Array<std::byte> bytes;
@@ -154,7 +154,7 @@ void run_read(benchmark::State& state, Files& files, const MeshWriter& writer, i
     state.counters["threads"] = Counter(threads);
 }
 
-/// Of the largest part of a 3MF file: its bytes, inflated by minizip and dropped. Zero: it failed.
+/// Inflates the mesh part of a 3MF file with minizip and discards it. Returns its size in bytes; zero on failure.
 std::uint64_t inflate_model(const std::filesystem::path& file) {
     const std::unique_ptr<void, int (*)(void*)> zip(unzOpen64(file.c_str()), unzClose);
     if (zip == nullptr || unzLocateFile(zip.get(), "3D/3dmodel.model", 1) != UNZ_OK ||
@@ -170,7 +170,7 @@ std::uint64_t inflate_model(const std::filesystem::path& file) {
     return got == 0 ? bytes : 0;
 }
 
-/// What a deflate stream allows, as it can be inflated by one thread only.
+/// Measures the upper bound for a deflate stream: only one thread can inflate it.
 void run_inflate(benchmark::State& state, Files& files, const MeshWriter& writer) {
     const Result<Files::File> file = files.get(writer);
     if (!file || inflate_model(file->path) != file->unpacked_bytes) {

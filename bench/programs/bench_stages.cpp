@@ -1,4 +1,4 @@
-// Each stage by itself, in memory that it has used before.
+// Times each stage alone, in memory that it has used before.
 #include "base/parallel.hpp"
 #include "copy_bandwidth.hpp"
 #include "io/read/input_file.hpp"
@@ -9,7 +9,7 @@ namespace lamella::bench {
 
 namespace {
 
-/// The bytes of a file in the page cache, into memory that was touched before.
+/// Reads a file in the page cache into memory that was touched before.
 void run_read(benchmark::State& state, const Prepared& prepared, int threads) {
     const Parallel parallel({.threads = threads});
     Array<std::byte> bytes;
@@ -35,7 +35,7 @@ void run_read(benchmark::State& state, const Prepared& prepared, int threads) {
     count(state, {.triangles = prepared.mesh().triangles(), .bytes = 2 * bytes.size()}, seconds, threads);
 }
 
-/// Whether the stages, one after the other, counted what slice() counted.
+/// Whether the stages, run one after the other, find the same counts as slice().
 std::string check_stages(const Prepared& prepared, Stages* stages) {
     if (stages == nullptr) {
         return "a stage failed";
@@ -44,7 +44,7 @@ std::string check_stages(const Prepared& prepared, Stages* stages) {
     const SliceSummary& known = prepared.summary();
     const bool same = buckets.segment_count == known.segments && buckets.records.size() == known.crossed &&
                       buckets.degenerate == known.degenerate;
-    return same ? "" : "the stages count other crossings than slice()";
+    return same ? "" : "the stages and slice() count different crossings";
 }
 
 using StageWork = void (*)(Stages&);
@@ -52,9 +52,9 @@ using StageBytes = std::uint64_t (*)(const Prepared&);
 
 struct Stage {
     const char* name;
-    StageWork before;  ///< untimed; null for none
+    StageWork before;  ///< run untimed before `work`; null for none
     StageWork work;
-    StageBytes bytes;  ///< that the stage must read and write
+    StageBytes bytes;  ///< bytes that the stage must read and write
 };
 
 std::uint64_t record_bytes(const Prepared& prepared) {
@@ -65,7 +65,7 @@ constexpr Stage stages_before_sweep[] = {
     {"bounds", nullptr, [](Stages& s) { (void)s.measure().ok(); }, [](const Prepared& p) { return p.mesh().bytes(); }},
     {"planes", nullptr, [](Stages& s) { (void)s.plan_planes().ok(); }, [](const Prepared&) { return std::uint64_t{0}; }},
     {"count", nullptr, [](Stages& s) { s.count(); }, [](const Prepared& p) { return p.mesh().bytes(); }},
-    // Scattering uses up what counting left.
+    // Scattering consumes the counters.
     {"scatter", [](Stages& s) { s.count(); }, [](Stages& s) { s.scatter(); },
      [](const Prepared& p) { return p.mesh().bytes() + record_bytes(p); }},
     {"bands",
@@ -109,7 +109,7 @@ void run_sweep(benchmark::State& state, Prepared& prepared, ContourForm form, in
     if (failure.empty()) {
         stages->sweep(form);
         const bool same = stages->swept_contours() == prepared.contours() && stages->swept_points() == prepared.points();
-        failure = same ? "" : "the bands hold other contours than slice()";
+        failure = same ? "" : "the bands and slice() find different contours";
     }
     if (!failure.empty()) {
         state.SkipWithError(failure.c_str());

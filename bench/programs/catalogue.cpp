@@ -11,7 +11,7 @@ namespace {
 constexpr double layer_mm = 0.032;
 constexpr std::uint64_t few_planes_segments = 5'000'000;
 constexpr double few_planes_height_mm = 10;
-constexpr double segments_per_triangle = 5;  // of the linear series, and of weak scaling
+constexpr double segments_per_triangle = 5;  // for the linear series and for weak scaling
 
 using PlanOf = std::function<LayerPlan(const Mesh&)>;
 
@@ -19,12 +19,12 @@ PlanOf uniform(double height_mm) {
     return [=](const Mesh&) { return LayerPlan{UniformLayers{.layer_height_mm = height_mm}}; };
 }
 
-/// As many planes as uniform(layer_mm), on average.
+/// Random steps with as many planes as uniform(layer_mm) on average.
 PlanOf irregular() {
     return [](const Mesh&) { return LayerPlan{RandomLayers{layer_mm / 2, layer_mm * 3 / 2, 1}}; };
 }
 
-/// `count` planes, evenly between the lowest and the highest vertex.
+/// `count` planes, evenly spaced between the lowest and the highest vertex.
 PlanOf few(int count) {
     return [=](const Mesh& mesh) {
         ExplicitPlanes planes;
@@ -35,7 +35,7 @@ PlanOf few(int count) {
     };
 }
 
-/// Layers as high as give `segments_per_triangle`.
+/// Layers of the height that gives `segments_per_triangle`.
 PlanOf constant_ratio() {
     return [](const Mesh& mesh) {
         const double crossings = segments_per_triangle * static_cast<double>(mesh.triangles());
@@ -74,7 +74,7 @@ private:
         };
     }
 
-    /// Real meshes, or where they are absent a bone of about as many triangles under a name that says so.
+    /// Real meshes. Where one is absent, a bone of about as many triangles replaces it, under a name that says so.
     void add_real(const std::string& name, const std::optional<KnownAnswer>& known) {
         const std::filesystem::path file = options_.shared / (name + ".stl");
         const bool paper = known.has_value();
@@ -90,7 +90,7 @@ private:
         }
     }
 
-    /// A bone of the stated size; scaled down it has the crossings that it has.
+    /// A bone of the stated size. With --quick it is smaller, and its number of segments is not controlled.
     models::Recipe bone(std::uint64_t triangles, double height_mm, std::uint64_t segments) const {
         models::Recipe recipe{.shape = models::Shape::bone, .triangles = scaled(triangles), .height_mm = height_mm};
         if (!options_.quick) {
@@ -152,7 +152,7 @@ private:
         }
     }
 
-    /// As much work for each thread.
+    /// The same amount of work for each thread.
     void add_weak() {
         for (const int threads : thread_counts(options_)) {
             add_constant_ratio("weak_" + std::to_string(threads),

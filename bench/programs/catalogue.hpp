@@ -1,4 +1,4 @@
-// Which meshes are cut, where, and what is known of the answer.
+// Which meshes are sliced, at which planes, and what is known of the answer.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,19 @@
 
 namespace lamella::bench {
 
-/// Counts at grid 0.004 mm and layers of 0.032 mm, the first plane 0.008 mm above the lowest point: the counts of the paper
-/// authors' own program.
+/// Counts of the paper authors' own program at grid 0.004 mm and layers of 0.032 mm, with the first plane 0.008 mm
+/// above the lowest point.
 struct KnownAnswer {
     std::uint64_t planes, segments, contours, open;
 };
 
-/// What a case is measured by.
+/// Which benchmarks measure a case.
 struct Measured {
-    bool stages = false;      ///< every stage, and the contour forms, by themselves
+    bool stages = false;      ///< every stage and both contour forms alone
     bool assembled = false;   ///< end to end in the assembled form too
     bool cold = false;        ///< end to end with fresh memory too
     bool from_file = false;   ///< end to end from a file in the page cache too
-    bool single_use = false;  ///< of those: only at the thread count in `threads`
+    bool single_use = false;  ///< the above only at the thread count in `threads`
     int threads = 0;
 };
 
@@ -35,8 +35,8 @@ struct Case {
     std::string mesh_name;  ///< equal for cases of the same mesh, which are neighbours in the catalogue
     std::function<LayerPlan(const Mesh&)> plan;
     Measured measured;
-    std::uint64_t triangles = 0;  ///< as stated, met within 1 %; 0: nothing stated
-    std::uint64_t segments = 0;   ///< as stated, met within 5 %; 0: nothing stated
+    std::uint64_t triangles = 0;  ///< stated number, checked within 1 %; 0: not stated
+    std::uint64_t segments = 0;   ///< stated number, checked within 5 %; 0: not stated
     std::optional<KnownAnswer> known{};
 };
 

@@ -12,7 +12,7 @@ struct Corner {
     float x, y;
 };
 
-/// Appends triangles to a soup that has room for them.
+/// Appends triangles to a soup that has enough space for them.
 class SoupWriter {
 public:
     explicit SoupWriter(float* at) : at_(at) {}

@@ -11,7 +11,7 @@ namespace lamella::bench {
 
 namespace {
 
-/// What stands behind the colon of the first line of `file` that begins with `key`.
+/// The text after the colon in the first line of `file` that begins with `key`.
 std::string value_in(const char* file, std::string_view key) {
     std::ifstream in(file);
     for (std::string line; std::getline(in, line);) {
@@ -23,7 +23,7 @@ std::string value_in(const char* file, std::string_view key) {
     return "unknown";
 }
 
-/// always [madvise] never
+/// The setting of transparent huge pages, such as "always [madvise] never".
 std::string huge_pages() {
     std::ifstream in("/sys/kernel/mm/transparent_hugepage/enabled");
     std::string setting;

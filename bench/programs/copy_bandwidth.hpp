@@ -1,15 +1,15 @@
-// What memory can do: the yardstick of the `floor` counters.
+// The copy bandwidth of memory, to which the `floor` counters refer.
 #pragma once
 
 #include <cstddef>
 
 namespace lamella::bench {
 
-/// Bytes read plus bytes written per second by a copy of warm memory on `threads` threads, much larger than the caches:
-/// median of several, measured once per run and thread count.
+/// Bytes read plus bytes written per second when `threads` threads copy warm memory much larger than the caches. The
+/// median of several copies, measured once for each run and thread count.
 double copy_bandwidth(int threads);
 
-/// From now on `bytes` are copied.
+/// Sets the number of bytes that later calls copy.
 void set_copy_size(std::size_t bytes);
 
 }  // namespace lamella::bench

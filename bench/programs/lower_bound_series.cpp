@@ -1,4 +1,5 @@
-// The paper's lower bound (3.5) on a series of search instances: comparisons spent, and n log2 k, as JSON.
+// Runs the paper's lower bound experiment (3.5) on a series of search instances. Prints the comparisons made and n log2
+// k as JSON.
 #include <exception>
 #include <iostream>
 #include <stdexcept>

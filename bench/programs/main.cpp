@@ -1,4 +1,4 @@
-// Benchmarks of the engine. Beside Google Benchmark's own options: --cache=DIR, --shared=DIR, --max-threads=N, --quick.
+// Benchmarks of the engine. Options besides Google Benchmark's: --cache=DIR, --shared=DIR, --max-threads=N, --quick.
 #include <cstddef>
 #include <vector>
 

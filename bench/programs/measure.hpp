@@ -1,4 +1,4 @@
-// How everything is timed, and what is counted.
+// Timing, counters and names that all benchmarks share.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -14,7 +14,7 @@
 
 namespace lamella::bench {
 
-/// Times work() alone; setup() is run before each. Returns the mean, in seconds.
+/// Times only work(); setup() runs before each call. Returns the mean in seconds.
 template <class Setup, class Work>
 double measure(benchmark::State& state, Setup&& setup, Work&& work) {
     using Clock = std::chrono::steady_clock;
@@ -36,29 +36,29 @@ double measure(benchmark::State& state, Work&& work) {
         state, [] {}, work);
 }
 
-/// What one iteration handles; zeros are not reported.
+/// The amount of work in one iteration; zeros are not reported.
 struct Handled {
     std::uint64_t segments = 0;
     std::uint64_t triangles = 0;
     std::uint64_t contours = 0;
     std::uint64_t planes = 0;
-    std::uint64_t bytes = 0;  ///< that must be read or written once: the floor
+    std::uint64_t bytes = 0;  ///< bytes that must be read or written once, for the floor
 };
 
 void count(benchmark::State& state, const Handled& handled, double seconds, int threads);
 
-/// Registers `name`; `run` is called with the prepared case, or the benchmark reports why there is none.
+/// Registers `name`. `run` is called with the prepared case; if there is none, the benchmark reports why.
 void add_case_benchmark(const std::string& name, const Options& options, const Case& wanted,
                         std::function<void(benchmark::State&, Prepared&)> run);
-/// The same without a case.
+/// Registers a benchmark that needs no case.
 void add_benchmark(const std::string& name, const Options& options, std::function<void(benchmark::State&)> run);
 
-/// "what/case/variant/threads:N"
+/// Returns "what/case/variant/threads:N".
 std::string benchmark_name(const std::string& what, const std::string& case_name, const std::string& variant, int threads);
 
 const char* name_of(ContourForm form);
 
-/// One function per file of benchmarks.
+/// One function for each source file of benchmarks.
 void add_end_to_end(const Options& options, const Case& wanted);
 void add_stages(const Options& options, const Case& wanted);
 void add_contours(const Options& options, const Case& wanted);
@@ -66,7 +66,7 @@ void add_copies(const Options& options);
 void add_nesting_series(const Options& options);
 void add_reads(const Options& options);
 
-/// Machine, compiler, flags, threads, pinning, huge pages: into the results' context.
+/// Adds machine, compiler, flags, threads, pinning and huge pages to the context of the results.
 void describe_context(const Options& options);
 
 }  // namespace lamella::bench

@@ -38,7 +38,7 @@ std::uint64_t write_stl_binary(const WeldedMesh& mesh, const std::filesystem::pa
     return save(text.all(), file);
 }
 
-/// Lines "before X Y Z" and "before A B C".
+/// Writes lines "before X Y Z" and "before A B C".
 void put_lines(Text& text, const WeldedMesh& mesh, std::string_view before_vertex, std::string_view before_triangle,
                std::uint32_t first) {
     for_vertices(mesh, [&](const std::array<float, 3>& xyz) {
@@ -115,7 +115,7 @@ void put_vtk_points(Text& text, const WeldedMesh& mesh, std::string_view version
     });
 }
 
-/// Each cell's corners behind their number.
+/// Writes each cell's number of corners, then the corners.
 std::uint64_t write_vtk_binary(const WeldedMesh& mesh, const std::filesystem::path& file) {
     Text text;
     put_vtk_points(text, mesh, "4.2");
@@ -129,7 +129,7 @@ std::uint64_t write_vtk_binary(const WeldedMesh& mesh, const std::filesystem::pa
     return save(text.all(), file);
 }
 
-/// Offsets, and then all corners.
+/// Writes the offsets, then all corners.
 std::uint64_t write_vtk5_binary(const WeldedMesh& mesh, const std::filesystem::path& file) {
     Text text;
     put_vtk_points(text, mesh, "5.1");

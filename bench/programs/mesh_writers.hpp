@@ -1,4 +1,4 @@
-// One mesh written in every format that is read, as the programs that people use write it.
+// Writes a mesh in every format that the library reads, as common programs write it.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct MeshWriter {
     std::string_view name;
     std::string_view extension;
     Encoding encoding;
-    /// Writes `mesh`, whose coordinates are floats, and returns how many bytes it was before it was packed; 0: it failed.
+    /// Writes `mesh`, whose coordinates are floats. Returns its number of bytes before compression; 0 on failure.
     std::uint64_t (*write)(const WeldedMesh& mesh, const std::filesystem::path& file);
 };
 

@@ -1,11 +1,13 @@
-// Runs one method on one mesh and prints a row of the paper's tables as JSON: times of every run, and whether the answer is
-// the engine's. A process of its own, so that a method can be stopped, and its memory is its own.
+// Runs one method on one mesh and prints a row of the paper's tables as JSON: the times of every run, and whether the
+// answer equals the engine's. It is a process of its own, so that a method can be stopped and its memory measured
+// alone.
 //
 //     lamella_paper_row --mesh=FILE (--layer-height=MM | --random-heights=MIN:MAX) --method=NAME[+NAME[+rays]]
 //                       [--threads=N] [--limit=S]
 //
-// NAME is "engine", a whole method, or a slicing method, to which "+" joins a contour method, and to that the sense of its
-// contours by rays. Exit status 75: over the limit; 78: not a method for this mesh.
+// NAME is "engine", a whole method, or a slicing method. "+" adds a contour method to a slicing method, and "+rays"
+// then adds the orientation of contours by rays. Exit status 75: over the time limit; 78: the method does not apply to
+// this mesh.
 #include <algorithm>
 #include <cstdlib>
 #include <exception>
@@ -64,7 +66,7 @@ double seconds_since(Clock::time_point start) {
     return milliseconds_since(start) / 1000;
 }
 
-/// Each run has the limit to itself.
+/// Each run has the full limit.
 template <class RunOnce>
 std::vector<Run> repeated_within(unsigned limit_s, const RunOnce& run_once) {
     return repeated([&] {
@@ -75,7 +77,7 @@ std::vector<Run> repeated_within(unsigned limit_s, const RunOnce& run_once) {
     });
 }
 
-/// The engine's answer, and the planes in the words of the baselines.
+/// The engine's answer, and its planes as the baselines take them.
 class Reference {
 public:
     Reference(const Mesh& mesh, const Request& request) {
@@ -104,11 +106,11 @@ public:
     baselines::Problem problem;
 };
 
-/// What a row says beside its times.
+/// The columns of a row other than its times.
 struct Row {
     std::vector<Run> runs;
     std::string source;
-    bool joins = true;  ///< false: the lists of segments were all that it made
+    bool joins = true;  ///< false: the method makes only lists of segments
     bool tells_sense = false;
     Answer answer;
 };
@@ -126,7 +128,7 @@ Row run_engine(const Mesh& mesh, const Request& request) {
         const double contours = (result.summary.ms.contours + result.summary.ms.nesting) / 1000;
         return Run{all - contours, contours};
     };
-    run_once();  // warm memory, as all that is measured elsewhere
+    run_once();  // warms memory, as in all other measurements
     Row row;
     row.runs = repeated_within(request.limit_s, run_once);
     row.source = "this engine";
@@ -148,7 +150,7 @@ Row run_whole(const baselines::WholeMethod& method, const baselines::Problem& pr
     return row;
 }
 
-/// Without a contour method: the lists of segments alone.
+/// Times a slicing method alone, without a contour method.
 Row run_steps(const baselines::SlicingMethod& slicing, const baselines::ContourMethod* contours, bool tells_sense,
               const baselines::Problem& problem, unsigned limit_s) {
     baselines::SegmentLists lists;
@@ -230,7 +232,7 @@ nlohmann::ordered_json to_json(const Request& request, const Mesh& mesh, const R
             {"peak_bytes", peak_bytes()}};
 }
 
-/// What the merge of Algorithm 2 asks for.
+/// Checks the precondition of the merge in Algorithm 2.
 bool ascends(const Mesh& mesh) {
     const auto low = [&](std::size_t t) {
         return std::min({mesh.soup[9 * t + 2], mesh.soup[9 * t + 5], mesh.soup[9 * t + 8]});
@@ -246,7 +248,7 @@ bool ascends(const Mesh& mesh) {
 int run(const Request& request) {
     const Mesh mesh = checked(load_mesh(request.mesh));
     if (request.method == baselines::presorted_slicing.name && !ascends(mesh)) {
-        std::cerr << "its triangles do not ascend\n";
+        std::cerr << "the triangles do not ascend by z_min\n";
         constexpr int not_for_this_mesh = 78;
         return not_for_this_mesh;
     }
@@ -259,7 +261,7 @@ int run(const Request& request) {
 }  // namespace
 
 int main(int count, char** words) try {
-    CLI::App app("Runs one method on one mesh and prints its times and whether its answer is the engine's");
+    CLI::App app("Runs one method on one mesh and prints its times and whether its answer equals the engine's");
     Request request;
     app.add_option("--mesh", request.mesh)->required();
     app.add_option("--method", request.method)->required();

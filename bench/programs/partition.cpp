@@ -1,5 +1,5 @@
-// Times every band and every part of the other stages, alone on one thread, as the engine would cut them for 1 to 128
-// threads, and prints the times as JSON. No schedule is made here: scripts/partition.py does that.
+// Times every band and every part of the other stages, alone on one thread, as the engine divides them for 1 to 128
+// threads. Prints the times as JSON; scripts/partition.py makes schedules from them.
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
@@ -32,7 +32,7 @@ void keep_least(double& least, double value) {
     least = least == 0 ? value : std::min(least, value);
 }
 
-/// Bounds, count and scatter for the `part`-th of `parts` equal runs of triangles.
+/// Times bounds, count and scatter for the `part`-th of `parts` equal ranges of triangles.
 Json time_part(const Prepared& prepared, std::size_t part, std::size_t parts) {
     const std::size_t all = prepared.mesh().triangles();
     const std::size_t begin = all * part / parts;
@@ -42,7 +42,7 @@ Json time_part(const Prepared& prepared, std::size_t part, std::size_t parts) {
     double bounds = 0;
     double count = 0;
     double scatter = 0;
-    // Planes are those of the whole mesh, so they are made from its bounds before the view is narrowed.
+    // The planes are those of the whole mesh, so they are made before the view is narrowed to a part.
     if (!whole.measure() || !whole.plan_planes()) {
         return {};
     }
@@ -56,7 +56,7 @@ Json time_part(const Prepared& prepared, std::size_t part, std::size_t parts) {
     return {{"bounds", bounds}, {"count", count}, {"scatter", scatter}};
 }
 
-/// Every band by itself, as cut for `threads`.
+/// Times every band alone.
 std::vector<double> time_bands(Stages& stages) {
     std::vector<double> least(stages.bands().bands.size(), 0);
     for (int i = 0; i < repetitions; ++i) {
@@ -81,7 +81,8 @@ Json time_partition(const Prepared& prepared, Stages& stages, int threads) {
         segments.push_back(band.segments);
     }
     json["band_segments"] = segments;
-    // The parts are alike but for how many of their triangles are cut: the first, the last and two between stand for all.
+    // Parts differ only in how many of their triangles are crossed. Four represent all: the first, the last and two
+    // between.
     const auto parts = static_cast<std::size_t>(threads);
     std::vector<std::size_t> sampled{0, parts / 3, parts * 2 / 3, parts - 1};
     sampled.erase(std::unique(sampled.begin(), sampled.end()), sampled.end());

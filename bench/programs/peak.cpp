@@ -1,4 +1,4 @@
-// Slices one mesh file, once, and prints the process's peak memory beside what the bound counts, as JSON.
+// Slices one mesh file once. Prints the process's peak memory and the quantities of its bound as JSON.
 //
 //     lamella_peak MESH LAYER_HEIGHT_MM THREADS BAND_PLANES
 #include <cstdlib>

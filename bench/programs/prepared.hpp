@@ -1,4 +1,4 @@
-// A case made ready: its mesh in memory, its answer checked, memory warm.
+// A case ready to be timed: its mesh in memory, its answer checked, memory warm.
 #pragma once
 
 #include <cstdint>
@@ -23,22 +23,23 @@ public:
     const LayerPlan& plan() const noexcept { return plan_; }
     SliceOptions options(ContourForm form, int threads) const;
 
-    /// The answer of one thread, swept form, that all others must equal.
+    /// The answer of one thread in the swept form, which all others must equal.
     const SliceSummary& summary() const noexcept { return summary_; }
     std::uint64_t planes() const noexcept { return layer_count_; }
     std::uint64_t contours() const noexcept { return contour_count_; }
     std::uint64_t points() const noexcept { return point_count_; }
     std::uint64_t result_bytes() const noexcept;
 
-    /// Empty if the mesh is what it is stated to be and its answer is valid; else why not.
+    /// Empty if the mesh has the stated numbers and its answer is valid; otherwise the reason.
     const std::string& failure() const noexcept { return failure_; }
-    /// The same for slicing so: the answer must have the same hash. Leaves `workspace` and `result` warm.
+    /// Checks slicing in this form on these threads: the answer must have the same hash. Leaves `workspace` and
+    /// `result` warm.
     std::string check(ContourForm form, int threads);
 
     Workspace workspace;
     SliceResult result;
 
-    /// The stages for `threads`, prepared; null if they fail.
+    /// The stages for `threads`, prepared; null if preparing fails.
     Stages* stages(int threads);
 
 private:
@@ -58,10 +59,10 @@ private:
     int stages_threads_ = 0;
 };
 
-/// Prepares cases on demand and keeps the last, and its mesh for the next case that has the same.
+/// Prepares cases on demand. Keeps the last case, and its mesh for the next case with the same mesh.
 class Preparer {
 public:
-    /// Null, with `failure`, if the mesh cannot be had.
+    /// Null if the mesh is not available; failure() gives the reason.
     Prepared* get(const Case& wanted);
     const std::string& failure() const noexcept { return failure_; }
 

@@ -1,4 +1,4 @@
-// The engine's stages one by one, with the memory that they keep: slice() taken apart.
+// The stages of slice(), callable one by one, with the memory that they reuse.
 #pragma once
 
 #include <cstdint>
@@ -20,31 +20,31 @@ class Stages {
 public:
     Stages(const MeshView& mesh, const LayerPlan& plan, int threads);
 
-    Status measure();  ///< bounds and unit
+    Status measure();  ///< finds bounds and unit
     Status plan_planes();
     void count();
     void cut_bands();
     void scatter();
-    void find_seeds();  ///< once after scatter(), whose notes it may give up
-    /// Sweeps every band into a buffer of its thread's own: everything but placement.
+    void find_seeds();  ///< once after scatter(); may release the notes that scatter() made
+    /// Sweeps every band into a buffer of its thread, without placement.
     void sweep(ContourForm form);
     /// Sweeps one band on this thread.
     void sweep_band(std::size_t band, ContourForm form);
 
-    /// Everything up to cut_bands().
+    /// Runs every stage up to cut_bands().
     Status prepare();
 
-    /// As the engine would for another number of threads; scatter() and find_seeds() have to follow.
+    /// Cuts bands as for another number of threads. scatter() and find_seeds() must follow.
     void cut_bands_for(int threads);
-    /// From now on look_at_bounds(), count(), cut_bands() and scatter() see `part` only, on the planes of the whole.
+    /// Makes look_at_bounds(), count(), cut_bands() and scatter() use `part` only, on the planes of the whole mesh.
     void narrow_to(const MeshView& part) { mesh_ = part; }
-    /// The work of measure(), of which only the table of blocks is kept.
+    /// Does the work of measure(), but keeps only the table of blocks.
     void look_at_bounds();
 
     const PlaneSet& planes() const noexcept { return planes_; }
     const Buckets& buckets() const noexcept { return buckets_; }
     const BandPlan& bands() const noexcept { return bands_; }
-    std::uint64_t swept_contours() const noexcept;  ///< by the last sweep()
+    std::uint64_t swept_contours() const noexcept;  ///< contours found by the last sweep()
     std::uint64_t swept_points() const noexcept;
 
 private:

@@ -1,4 +1,4 @@
-// What the programs that time one method on one mesh have in common.
+// What the programs that time one method on one mesh share.
 #pragma once
 
 #include <sys/resource.h>
@@ -27,13 +27,13 @@ extern "C" inline void end_at_limit(int) {
     _exit(over_limit);
 }
 
-/// Ends the process with status 75 when so many seconds have passed; 0: no more.
+/// Ends the process with status 75 after `seconds`; 0: never.
 inline void end_after(unsigned seconds) {
     std::signal(SIGALRM, end_at_limit);
     alarm(seconds);
 }
 
-/// Five runs of what takes less than 2 s, three of what takes less than 10 s, else one.
+/// Runs five times if a run takes less than 2 s, three times if less than 10 s, else once.
 template <class RunOnce>
 auto repeated(const RunOnce& run_once) {
     std::vector<decltype(run_once())> runs;
@@ -44,7 +44,7 @@ auto repeated(const RunOnce& run_once) {
     return runs;
 }
 
-/// Of the process, up to now.
+/// The peak memory of the process so far.
 inline std::uint64_t peak_bytes() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);

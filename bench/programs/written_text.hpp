@@ -1,4 +1,4 @@
-// Files put together in memory, and the mesh that they are written from.
+// Building files in memory, and access to the mesh that they are written from.
 #pragma once
 
 #include <algorithm>
@@ -17,21 +17,21 @@
 
 namespace lamella::bench {
 
-/// What becomes of a file, piece by piece.
+/// The contents of a file, appended piece by piece.
 class Text {
 public:
     Text& operator<<(std::string_view piece) {
         all_ += piece;
         return *this;
     }
-    /// The shortest decimals that mean the number.
+    /// Appends the shortest decimals that read back as the same number.
     template <class Number>
     requires std::is_arithmetic_v<Number> Text& operator<<(Number number) {
         std::array<char, 32> digits;
         all_.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr);
         return *this;
     }
-    /// The bytes of the number.
+    /// Appends the bytes of the number.
     template <class Number>
     Text& bytes(Number number, std::endian order = std::endian::little) {
         std::array<char, sizeof(Number)> raw;
@@ -61,7 +61,7 @@ void for_vertices(const WeldedMesh& mesh, const Write& write) {
     }
 }
 
-/// Calls write(corners), three indices from `first` on.
+/// Calls write(corners) for each triangle; the numbers of vertices count from `first`.
 template <class Write>
 void for_triangles(const WeldedMesh& mesh, const Write& write, std::uint32_t first = 0) {
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {

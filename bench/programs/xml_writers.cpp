@@ -9,7 +9,7 @@ namespace lamella::bench {
 
 namespace {
 
-/// Four letters for three bytes.
+/// Base64: four letters for three bytes.
 void put_base64(Text& text, std::string_view bytes) {
     constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
@@ -62,7 +62,7 @@ Numbers offsets_of(const WeldedMesh& mesh) {
     return numbers;
 }
 
-/// A file whose arrays are as put(numbers, document, appended) writes them, from their tag's format on.
+/// A file whose arrays are written by put(numbers, document, appended), from the format in their tag on.
 template <class Put>
 std::uint64_t write_vtp(const WeldedMesh& mesh, const std::filesystem::path& file, std::string_view file_attributes,
                         std::string_view appended_encoding, const Put& put) {
@@ -91,7 +91,7 @@ std::uint64_t write_vtp(const WeldedMesh& mesh, const std::filesystem::path& fil
     return save(document.all(), file) != 0 ? unpacked : 0;
 }
 
-/// In blocks of 32 KiB, as VTK writes them when it is asked for nothing else.
+/// zlib blocks of 32 KiB, VTK's default.
 void put_zlib(const std::string& bytes, Text& appended) {
     constexpr std::size_t block_bytes = std::size_t{32} << 10;
     const std::size_t blocks = (bytes.size() + block_bytes - 1) / block_bytes;

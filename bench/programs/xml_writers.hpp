@@ -1,4 +1,4 @@
-// The writers of formats in XML, for the list in mesh_writers.cpp.
+// The writers of XML formats for the list in mesh_writers.cpp.
 #pragma once
 
 #include <cstdint>

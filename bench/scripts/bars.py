@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds results against the bars and prints a table. Usage: bars.py FOLDER (of summary.json).
+"""Compares results with the bars and prints a table. Usage: bars.py FOLDER (which holds summary.json).
 
 Exit status 1 if a bar is not met, 2 if a benchmark failed."""
 import math
@@ -11,7 +11,7 @@ MB = 1e6
 
 
 class Bar:
-    """One figure. `most`: it must not be larger than the bar, else not smaller."""
+    """One figure and its bar. `most`: the figure must not exceed the bar; otherwise it must not fall below it."""
 
     def __init__(self, name, figure, bar, stretch=None, most=True, unit=""):
         self.name, self.figure, self.bar, self.stretch, self.most, self.unit = name, figure, bar, stretch, most, unit

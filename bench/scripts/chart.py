@@ -1,10 +1,10 @@
-"""Charts as compact SVG: one element for each series, coordinates of one decimal."""
+"""Charts as compact SVG: one element for each series, coordinates with one decimal."""
 import math
 from typing import NamedTuple
 
 COLOURS = ("#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b", "#e377c2", "#7f7f7f", "#bcbd22", "#17becf",
            "#aec7e8", "#ffbb78", "#98df8a", "#ff9896", "#c5b0d5", "#c49c94")
-LEFT, RIGHT, TOP, BOTTOM = 58, 16, 30, 48  # around the area of a panel, in px
+LEFT, RIGHT, TOP, BOTTOM = 58, 16, 30, 48  # px around a panel's area
 LEGEND_LINE = 14
 
 
@@ -21,7 +21,7 @@ def path(points):
 
 
 class Axis:
-    """Where a value lies between two ends, 0 to 1. `base`: logarithmic, with ticks at the base's powers."""
+    """Maps a value to 0 to 1 between the axis' two ends. `base` makes it logarithmic, with ticks at the powers of the base."""
 
     def __init__(self, label, base=None, ticks=None, limits=None):
         self.label, self.base, self.fixed_ticks, self.limits = label, base, ticks, limits
@@ -73,19 +73,19 @@ class Panel:
         self.series.append(Series(label, points, "dotted"))
 
     def bars(self, label, heights):
-        """A bar from the lower end of the y axis for each (x, height), next to those of the other series."""
+        """Adds a bar from the lower end of the y axis for each (x, height), next to the bars of other series."""
         self.series.append(Series(label, heights, "bars"))
 
     def legend_lines(self):
         return (len(self.series) + 1) // 2
 
     def draw(self, left, width, height):
-        """The elements, for a panel `left` px from the left, with an area so high."""
+        """The SVG elements of a panel, `left` px from the left edge, with a plot area of this height."""
         points = [point for series in self.series for point in series.points]
         self.x.fit([x for x, _ in points])
         self.y.fit([y for _, y in points])
         bars = [series for series in self.series if series.kind == "bars"]
-        if bars and self.y.base:  # the lowest bar needs room too
+        if bars and self.y.base:  # room below the top of the lowest bar
             self.y.low = math.floor(self.y.low)
         area = Area(left + LEFT, TOP, width - LEFT - RIGHT, height, self.x, self.y)
         parts = [text(area.left + area.width / 2, TOP - 10, self.title, 13)] + area.frame()
@@ -105,7 +105,7 @@ class Panel:
 
 
 class Area:
-    """The part of a panel between its axes, in px."""
+    """The plot area of a panel, between its axes, in px."""
 
     def __init__(self, left, top, width, height, x, y):
         self.left, self.top, self.width, self.height, self.x, self.y = left, top, width, height, x, y
@@ -148,7 +148,7 @@ class Area:
 
 
 class Names(Axis):
-    """An axis of names, at 0, 1, 2 and so on."""
+    """An axis with a name at each of 0, 1, 2 and so on."""
 
     def __init__(self, names):
         super().__init__("", ticks=list(range(len(names))), limits=(-0.6, len(names) - 0.4))
@@ -162,7 +162,7 @@ def tick_label(tick, axis):
 
 
 def save(path_of_file, panels, width, height, heading=()):
-    """Panels side by side, each so wide and its area so high; lines of a heading above them."""
+    """Writes panels side by side, each of this width with a plot area of this height. `heading` holds the lines above them."""
     above = 14 * len(heading)
     whole_width = width * len(panels)
     whole_height = above + TOP + height + BOTTOM + LEGEND_LINE * max(panel.legend_lines() for panel in panels)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Puts the figures of a folder of results into README.md, between its two marks. Usage: figures.py FOLDER README"""
+"""Writes the figures of a results folder into README.md, between its two marks. Usage: figures.py FOLDER README"""
 import sys
 
 from bars import bars_table, number
@@ -22,7 +22,7 @@ def machine(results):
 
 
 def across(results, what, case, variant, counts):
-    """Time by thread count, then speed-up, segments/s and floor at the most threads."""
+    """The cells for time by thread count, then speed-up, segments/s and floor at the most threads."""
     most = counts[-1]
     speedup = ratio(results.ms(case, 1, variant, what), results.ms(case, most, variant, what))
     rate = results.counter("segments/s", case, most, variant, what)

@@ -13,7 +13,7 @@ from paper_rows import PEERS, Bench, failures, measure
 from paper_tables import Rows, bars, exponents, peers, table_1, table_2, table_3, table_4
 from results import markdown_table
 
-PICTURES = [  # in the manner of the paper's Figures 2 and 10: name, model, what the tool is told
+PICTURES = [  # like the paper's Figures 2 and 10: name, model, options of `lamella slice`
     ("paper_figure_2.svg", "liver", ["--layer-height", "4", "--normal", "0,1,0.3"]),
     ("paper_figure_10.svg", "femur", ["--layer-height", "2", "--normal", "0.25,1,0.15"]),
 ]
@@ -26,11 +26,11 @@ def arguments():
     parser.add_argument("--quick", action="store_true", help="liver, femur and bunny")
     parser.add_argument("--threads", help="comma list of thread counts of the engine (1 and all cores)")
     parser.add_argument("--limit", type=int, default=60, help="seconds after which a method is stopped (60)")
-    parser.add_argument("--files", default="../shared/models", help="folder of meshes: NAME.stl there is taken before a stand-in")
+    parser.add_argument("--files", default="../shared/models", help="folder of meshes; NAME.stl there replaces the stand-in")
     parser.add_argument("--cura-definitions", help="folder of Cura's definitions (where Debian's cura puts them)")
     parser.add_argument("--build", required=True, help=argparse.SUPPRESS)
-    parser.add_argument("--keep", default="build/paper", help="folder of meshes and of finished rows")
-    parser.add_argument("--results", default="bench/results", help="folder of the tables and figures")
+    parser.add_argument("--keep", default="build/paper", help="folder for generated meshes and finished rows")
+    parser.add_argument("--results", default="bench/results", help="folder for tables and figures")
     told = parser.parse_args()
     wanted = told.models.split(",") if told.models else list(QUICK) if told.quick else names
     unknown = [name for name in wanted if name not in names]
@@ -81,21 +81,21 @@ def document(rows, told, figures, pictures, search):
     links = "\n".join(f"![{name}]({name})" for name in pictures + figures)
     parts = [
         "# The paper's experiments, measured here",
-        "Made by `bench/paper.sh`. Times are seconds, medians of 5 runs below 2 s, of 3 below 10 s, else of 1; soup in memory to\n"
-        "contours, quantising included; one thread unless said. Every answer was held against the engine's, plane by plane and\n"
-        "contour by contour, before it was printed: where it differs, that is said beside the time. LDNI samples, so that its contours\n"
-        "are others by design; tests hold their areas within its resolution. Columns named *paper* are the\n"
-        "paper's own figures, from another machine and, where it says stand-in, another mesh: they are not to be divided by those\n"
-        "beside them.", environment(told),
+        "`bench/paper.sh` made this page. Times are in seconds, from the soup in memory to contours, quantising included, on one\n"
+        "thread unless stated. They are medians of 5 runs if a run takes less than 2 s, of 3 if less than 10 s, else of 1. Every answer\n"
+        "was compared with the engine's, plane by plane and contour by contour, before its time was printed. Where it differs, the\n"
+        "difference stands beside the time. LDNI samples, so its contours differ by design; tests check that their areas agree within\n"
+        "its resolution. Columns named *paper* are the paper's own figures, from another machine and, for models marked as stand-ins,\n"
+        "another mesh. Do not divide them by the figures beside them.", environment(told),
         "## Table 1: models", table_1(rows),
         "## Table 2: slicing, uniform", table_2(rows, "uniform"),
         "## Table 2: slicing, adaptive (random spacing, 0.016 to 0.032 mm)", table_2(rows, "adaptive"),
         "## Table 3: contours, uniform", table_3(rows),
         "## Table 4: both, uniform", table_4(rows),
-        "Park is the sum of the trivial slicing and the sweep line, measured apart. The printed algorithms leave contours without a\n"
-        "sense; the engine's are oriented and nested, for which the paper names point-in-polygon rays as the next step.",
-        "## Peers, uniform", "Programs that a user would pick instead; see [bench/peers](../peers/README.md). CGAL and VTK: soup in memory to contours, one\n"
-        "thread; the slicing programs: what they print of the stage that slices.", peers(rows, PEERS),
+        "Park is the sum of the trivial slicing and the sweep line, measured separately. The printed algorithms do not orient contours;\n"
+        "the engine orients and nests them. For that, the paper names point-in-polygon rays as the next step (*sense by rays*).",
+        "## Peers, uniform", "Programs that a user might choose instead; see [bench/peers](../peers/README.md). CGAL and VTK: from the soup in memory\n"
+        "to contours, one thread. Slicing programs: the time that they print for their slicing stage.", peers(rows, PEERS),
         "## Fitted exponents", exponents(rows),
         "## The lower bound (3.5)", "Instances of the multipoint search problem, posed as meshes.", search,
         "## Bars", bars(rows), "## Figures", links]

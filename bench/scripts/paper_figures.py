@@ -1,4 +1,4 @@
-"""The paper's Figures 9, 11 and 12 from the rows measured here, and its Figures 2 and 10 drawn by the tool, as compact SVG."""
+"""Draws the paper's Figures 9, 11 and 12 from the measured rows, and Figures 2 and 10 from the tool's output, as compact SVG."""
 import math
 import os
 import re
@@ -9,7 +9,7 @@ from results import ratio
 
 
 def panel(title, label, rows, methods, key, spacing, x_of):
-    """Seconds over what bounds them, a line for each method."""
+    """A panel of seconds against the quantity that bounds them, with a line for each method."""
     made = Panel(title, Axis(label, base=10), Axis("seconds", base=10))
     for method, name in methods:
         made.line(name, sorted((x_of(rows.engine(model, spacing).figures), rows.seconds(model, method, key, spacing))
@@ -51,7 +51,7 @@ def figure_12(rows, folder):
 
 
 def compact_layers(svg):
-    """A layered SVG of the tool, for looking at: one path a layer, no more points than can be seen."""
+    """Reduces a layered SVG of the tool to a picture: one path a layer, and no more points than the eye can see."""
     head = re.search(r'<svg [^>]*?( width="[^"]*" height="[^"]*" viewBox="[^"]*")', svg).group(1)
     background = re.search(r"<rect [^>]*>", svg).group(0)
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg"{head}>', background]
@@ -62,7 +62,7 @@ def compact_layers(svg):
 
 
 def outline(points):
-    """A closed subpath in steps, in tenths of a millimetre; points less than half a millimetre after the last are left out."""
+    """A closed subpath in relative steps of a tenth of a millimetre. Skips points closer than half a millimetre to the last."""
     tenths = [tuple(round(10 * float(value)) for value in point.split(",")) for point in points.split()]
     (x, y), rest = tenths[0], tenths[1:]
     start = f"M{x},{y}l"

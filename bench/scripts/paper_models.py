@@ -1,13 +1,13 @@
-"""The paper's 13 models and what its Tables 1 to 4 say of them, and the stand-ins for those that are not to be had."""
+"""The paper's 13 models, what its Tables 1 to 4 say about them, and the stand-ins for models that are not available."""
 from typing import NamedTuple, Optional
 
 LAYER_MM = 0.032
 RANDOM_MM = "0.016:0.032"
-ALIKE = {"n": 0.01, "m": 0.05}  # a stand-in has as many triangles and uniform segments, within this, and as many planes
+ALIKE = {"n": 0.01, "m": 0.05}  # largest relative differences of a stand-in's triangles and uniform segments; its planes are equal in number
 
 
 class Recipe(NamedTuple):
-    """What `lamella make` is told beside n and m. The height is the one at which as many planes meet the mesh."""
+    """Options of `lamella make` other than n and m. The height is the one at which as many planes cut the mesh."""
     shape: str
     height_mm: float
     seed: int
@@ -16,7 +16,7 @@ class Recipe(NamedTuple):
 class Model(NamedTuple):
     name: str
     n: int
-    k: int  # uniform
+    k: int  # for uniform planes
     m: int
     k_random: int
     m_random: int
@@ -28,7 +28,7 @@ class Model(NamedTuple):
         return self.n + self.k + self.m
 
     def totals(self):
-        """Table 4: Park, Slic3r, proposed."""
+        """The totals of Table 4: Park, Slic3r, proposed."""
         park, slic3r, proposed = self.slicing[:3]
         _, park_contours, slic3r_contours, hashed = self.contours
         return (None if park_contours is None else park + park_contours, slic3r + slic3r_contours, proposed + hashed)

@@ -1,4 +1,4 @@
-"""Rows of the paper's tables: one method on one model, by a process of its own, kept in a file once it is there."""
+"""Measures rows of the paper's tables: one method on one model, in a process of its own. Finished rows are kept in files."""
 import json
 import os
 import statistics
@@ -13,13 +13,13 @@ OVER_LIMIT, NOT_INSTALLED, NOT_FOR_THIS_MESH = 75, 77, 78  # exit statuses of th
 
 class Method(NamedTuple):
     name: str
-    adaptive: bool = False   # measured with random spacing too
-    limited: bool = True     # stopped at the limit
-    takes_open: bool = True  # else "n/a" for a mesh that is not closed
-    exact: bool = True       # its contours are to be the engine's
+    adaptive: bool = False   # also measured with random spacing
+    limited: bool = True     # stopped at the time limit
+    takes_open: bool = True  # False: the row is "n/a" for a mesh that is not closed
+    exact: bool = True       # whether its contours must equal the engine's
 
 
-# A slicing and a contour method that are measured apart stand apart, so that the slow one does not hide the other.
+# A slicing method and a contour method are measured in separate rows, so that a timeout of one does not hide the other.
 METHODS = [
     Method("incremental+hashed+rays", adaptive=True, limited=False),
     Method("presorted", adaptive=True),
@@ -28,7 +28,7 @@ METHODS = [
     Method("Huang"),
     Method("sort-first", adaptive=True),
     Method("Huang+trivial"),
-    Method("Huang+sweep-line+rays", exact=False),  # it cuts segments where they touch, and runs contours either way round
+    Method("Huang+sweep-line+rays", exact=False),  # splits segments where they touch; contours have either orientation
     Method("Slic3r", adaptive=True),
     Method("McMains", adaptive=True, takes_open=False),
     Method("topological", adaptive=True, takes_open=False),
@@ -39,14 +39,14 @@ PEERS = ["cgal", "vtk", "slic3r", "prusa-slicer", "CuraEngine"]
 
 class Row(NamedTuple):
     model: str
-    spacing: str  # uniform, adaptive
+    spacing: str  # uniform or adaptive
     method: str
     threads: int
-    figures: Optional[dict]  # None: there are none, for the reason in `missing`
+    figures: Optional[dict]  # None: not measured, for the reason in `missing`
     missing: str = ""
 
     def seconds(self, key):
-        """Median of slicing_s, contours_s, sense_s or their sum ("total_s"); None where it was not measured."""
+        """Median of slicing_s, contours_s, sense_s or their sum ("total_s"); None if it was not measured."""
         if self.figures is None:
             return None
         if key == "total_s":
@@ -58,7 +58,7 @@ class Row(NamedTuple):
 
 
 class Bench:
-    """Where programs, meshes and rows lie, and how long a method may take."""
+    """Locations of programs, meshes and rows, and the time limit of a method."""
 
     def __init__(self, build, files, folder, limit, peer_options):
         self.build, self.files, self.folder, self.limit, self.peer_options = build, files, folder, limit, peer_options
@@ -67,14 +67,14 @@ class Bench:
             os.makedirs(path, exist_ok=True)
 
     def mesh(self, model):
-        """The user's file of that name, or where the stand-in goes, and whether it is that one."""
+        """The path of the user's file of that name, or of the stand-in, and whether it is the stand-in."""
         own = os.path.join(self.files, model.name + ".stl")
         if os.path.exists(own):
             return own, False
         return (None, False) if model.recipe is None else (os.path.join(self.meshes, model.name + ".stl"), True)
 
     def make_mesh(self, model):
-        """The stand-in, where there is no file yet."""
+        """Makes the stand-in if the model has no file yet."""
         path, stand_in = self.mesh(model)
         if stand_in and not os.path.exists(path):
             shape, height, seed = model.recipe
@@ -105,7 +105,7 @@ class Bench:
                 str(self.limit)]
 
     def run(self, model, spacing, method, threads, command, limit):
-        """The row that is kept, or else a new one, which then is."""
+        """The stored row; if there is none, measures it and stores it."""
         path = os.path.join(self.kept, f"{model.name}.{spacing}.{method.replace('/', '-')}.{threads}.json")
         if os.path.exists(path):
             with open(path, encoding="utf-8") as file:
@@ -131,14 +131,14 @@ class Bench:
 
 
 def unlike(model, engine):
-    """In what a stand-in is not like the paper's model; empty if it is."""
+    """The quantities in which a stand-in differs from the paper's model; empty if it matches."""
     wrong = [name for name, most in ALIKE.items()
              if abs(engine.figures[name] / getattr(model, name) - 1) > most]
     return wrong + (["k"] if engine.figures["k"] != model.k else [])
 
 
 def failures(rows):
-    """What must not be: a method that failed, or did not find the engine's segments on a closed mesh."""
+    """Errors: methods that failed, or that did not find the engine's segments on a closed mesh."""
     said = [f"{row.model}, {row.spacing}, {row.method}: {row.missing}" for row in rows if row.missing.startswith("failed")]
     exact = {method.name for method in METHODS if method.exact} | {"engine"}
     return said + [f"{row.model}, {row.spacing}, {row.method}: not the engine's segments" for row in rows
@@ -146,7 +146,7 @@ def failures(rows):
 
 
 def measure(bench, models, threads, say):
-    """Every row of these models, from the smallest to the largest. A method that was stopped is not run on larger ones."""
+    """Every row of these models, from the smallest to the largest. A stopped method is not run on larger models."""
     rows, beaten = [], {}
     for model in sorted(models, key=lambda model: model.size()):
         mesh, stand_in = bench.mesh(model)
@@ -181,7 +181,7 @@ def peer_row(bench, model, mesh, peer, beaten, say):
         return Row(model.name, "uniform", name, 1, None, beaten[name])
     say(f"{model.name}: {peer}")
     row = bench.run(model, "uniform", name, 1, bench.peer_command(mesh, peer, 1), bench.limit)
-    stopped = row.figures is not None and None in row.figures["total_s"]  # after its slices were made
+    stopped = row.figures is not None and None in row.figures["total_s"]  # stopped at the limit, after its slices were made
     if stopped or row.missing.startswith(">"):
         beaten[name] = f"not run: > {bench.limit} s on {model.name}"
     return row

@@ -1,4 +1,4 @@
-"""The paper's Tables 1 to 4 with its figures beside those measured here, the bars, and what else its section 5 says."""
+"""The paper's Tables 1 to 4, its figures beside the measured ones; the bars; and the other results of its section 5."""
 import math
 import statistics
 
@@ -27,7 +27,7 @@ class Rows:
         return row.seconds(key) if row else None
 
     def cell(self, model, method, key, spacing="uniform", threads=1):
-        """A time, or why there is none."""
+        """A time, or the reason why there is none."""
         row = self.get(model, method, spacing, threads)
         if row is None:
             return "-"
@@ -52,7 +52,7 @@ def shown(seconds):
 
 
 def remark(row):
-    """What of its answer is not the engine's."""
+    """How its answer differs from the engine's."""
     planes, contours = row.figures.get("planes_apart"), row.figures.get("contours_apart")
     if row.method.startswith("LDNI"):
         return ""
@@ -136,7 +136,7 @@ def peers(rows, names):
 
 
 def peer_time(figures):
-    """From the soup in memory to contours, or of a program the stage that slices."""
+    """The time from the soup in memory to contours; for a slicing program, the time of its slicing stage."""
     return statistics.median(figures["total_s"] if "build_s" in figures else figures["slice_s"])
 
 
@@ -146,7 +146,7 @@ def peer_cell(figures):
 
 
 def exponents(rows):
-    """Least squares over the models, time against what bounds it."""
+    """Exponents fitted by least squares over the models, time against the quantity that bounds it."""
     def fit(x_of, seconds_of, spacing):
         points = [(x_of(rows.engine(model, spacing).figures), seconds_of(model)) for model in rows.models
                   if rows.engine(model, spacing) is not None and seconds_of(model)]
@@ -164,7 +164,7 @@ def exponents(rows):
 
 
 def bars(rows):
-    """Every bar of these experiments on every row: the ratio, what it is to be, and whether it is."""
+    """Every bar of these experiments for every model: the ratio, the bar, and whether it is met."""
     lines = []
 
     def hold(what, least, wanted):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Peak memory of slicing, each in a process of its own. Usage: peaks.py PROGRAM OUT.json NAME=MESH..."""
+"""Measures the peak memory of slicing, one process for each mesh. Usage: peaks.py PROGRAM OUT.json NAME=MESH..."""
 import json
 import subprocess
 import sys

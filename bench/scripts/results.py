@@ -1,4 +1,4 @@
-"""The medians of the benchmarks and what else the tables are made of, from a folder's summary.json (summarise.py)."""
+"""Reads a folder's summary.json (written by summarise.py): the medians of the benchmarks and what else tables show."""
 import json
 import math
 import os
@@ -7,7 +7,7 @@ from typing import NamedTuple, Optional
 
 
 class Median(NamedTuple):
-    """Over the repetitions of one benchmark."""
+    """Medians over the repetitions of one benchmark."""
     what: str  # end_to_end, stage, assemble, nesting, read, copy
     case: str
     variant: str
@@ -48,12 +48,12 @@ class Results:
 
 
 def ratio(above, below):
-    """None where either is missing."""
+    """The ratio; None if either value is missing."""
     return above / below if above is not None and below else None
 
 
 def fitted_exponent(points):
-    """Least squares of log y over log x."""
+    """The slope of log y over log x, fitted by least squares."""
     xs = [math.log(x) for x, _ in points]
     ys = [math.log(y) for _, y in points]
     mean_x, mean_y = statistics.fmean(xs), statistics.fmean(ys)

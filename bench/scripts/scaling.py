@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws scaling.svg from a folder's summary.json, beside it. Usage: scaling.py FOLDER"""
+"""Draws scaling.svg from a folder's summary.json, into the same folder. Usage: scaling.py FOLDER"""
 import os
 import sys
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Reduces what a run of the benchmarks left in one folder to the medians in another's summary.json.
+"""Reduces a run of the benchmarks to the medians in summary.json.
 
 Usage: summarise.py RUN_FOLDER RESULTS_FOLDER [--add]
 
-Reads bench.json, partition.json and peaks.json, and writes every single run as a row of runs.csv beside them. With --add the
-medians of earlier runs on the same machine stay, but for those that were measured again."""
+Reads bench.json, partition.json and peaks.json from RUN_FOLDER, and writes every single measurement to runs.csv there. With
+--add, medians of earlier runs on the same machine are kept unless this run measured them again."""
 import csv
 import json
 import math
@@ -49,12 +49,12 @@ def write_runs(path, runs):
 
 
 def median(values):
-    """To eight digits, so that a table made from it shows the same as one made from the runs."""
+    """Rounds to eight digits, enough for tables to equal those made from the single runs."""
     return float(f"{statistics.median(values):.8g}") if values else None
 
 
 def medians(runs):
-    """One row for all repetitions of a benchmark; those that failed have no part in it."""
+    """One row for all repetitions of a benchmark, without those that failed."""
     repetitions = {}
     for run in runs:
         repetitions.setdefault(run[:4], []).append(run)
@@ -75,10 +75,10 @@ def key_of(row):
 
 
 def added(earlier, summary):
-    """The new summary with what it does not have itself of an earlier one."""
+    """The new summary, completed by the earlier one's entries that it lacks."""
     other = [name for name in MACHINE if earlier["context"][name] != summary["context"][name]]
     if other:
-        raise SystemExit("error: the earlier medians are of another " + ", ".join(other) + "; run all of bench/run.sh")
+        raise SystemExit("error: the earlier medians come from a different " + ", ".join(other) + "; run all of bench/run.sh")
     rows = {key_of(row): row for row in earlier["medians"]} | {key_of(row): row for row in summary["medians"]}
     dates = dict.fromkeys(earlier["context"]["dates"] + summary["context"]["dates"])
     context = summary["context"] | {"dates": list(dates)}
@@ -94,7 +94,7 @@ def read_json(path):
 
 
 def read_summary(folder):
-    """The summary of a run, and its runs."""
+    """The summary of a run, and the run's measurements."""
     bench, partition, peaks = (read_json(os.path.join(folder, name)) for name in ("bench.json", "partition.json", "peaks.json"))
     runs = [run_of(entry) for entry in bench["benchmarks"] if entry.get("run_type") != "aggregate"]
     context = {name: bench["context"].get(name, "unknown") for name in MACHINE} | {"dates": [bench["context"]["date"]]}
@@ -104,7 +104,7 @@ def read_summary(folder):
 
 
 def write_summary(path, summary):
-    """JSON with a row a line, so that a difference shows what was measured again."""
+    """JSON with one row a line, so that a diff shows what was measured again."""
     def lines(items):
         return ",\n".join("  " + item for item in items)
 

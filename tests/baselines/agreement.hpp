@@ -1,5 +1,5 @@
-// What the tests of the baselines share: the engine's planes as a baseline's problem, and contours in a form in which equal
-// ones are equal whatever their start.
+// What the tests of the baselines share: the engine's planes as a baseline's problem, and a canonical form of contours
+// that does not depend on their start.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace agreement {
 namespace baselines = lamella::baselines;
 using lamella::Point;
 
-/// The engine's result and the problem that has the same planes.
+/// The engine's result, and the problem with the same planes.
 struct Case {
     Case(std::vector<float> triangles, const lamella::SliceOptions& options)
         : soup(std::move(triangles)), result(sliced(lamella::MeshView::soup(std::span<const float>(soup)), options)) {
@@ -51,13 +51,14 @@ inline std::vector<float> from_recipe(lamella::models::Shape shape, std::uint64_
     return make_soup(recipe);
 }
 
-/// A ball with a shell inside and a ball within that: an outer contour, its hole, and an outer one in the hole.
+/// A ball, an inverted ball inside it, and a ball inside that: an outer contour, its hole, and an outer contour in the
+/// hole.
 inline shapes::Soup nested_balls() {
     return shapes::joined({shapes::octasphere({0, 0, 0}, 10, 3), shapes::flipped(shapes::octasphere({1, 0, 0}, 8, 3)),
                            shapes::octasphere({2, 0, 1}, 5, 3)});
 }
 
-/// Every `nth` triangle is missing.
+/// Removes every `nth` triangle.
 inline std::vector<float> with_gaps(const std::vector<float>& soup, std::size_t nth) {
     std::vector<float> rest;
     for (std::size_t t = 0; t < soup.size() / 9; ++t) {
@@ -68,10 +69,10 @@ inline std::vector<float> with_gaps(const std::vector<float>& soup, std::size_t 
     return rest;
 }
 
-using Line = std::pair<bool, std::vector<Point>>;  ///< closed or not, and its points
+using Line = std::pair<bool, std::vector<Point>>;  ///< whether it is closed, and its points
 
-/// A closed one from its smallest point on (where that is passed twice, from where it reads smallest); either way round
-/// where the direction is not to matter.
+/// A closed contour starts at its smallest point. If it passes there twice, it starts with the rotation that compares
+/// smallest. If not `directed`, the smaller of the two directions is taken.
 inline Line canonical(std::vector<Point> points, bool closed, bool directed) {
     const auto from_smallest = [closed](const std::vector<Point>& line) {
         if (line.empty()) {
@@ -118,7 +119,7 @@ inline std::vector<Line> lines_of(const lamella::SliceResult& result, const lame
     return lines;
 }
 
-/// Requires that every plane's contours are the engine's.
+/// Requires that the contours of every plane equal the engine's.
 inline void require_same(const baselines::Contours& contours, const lamella::SliceResult& result, bool directed) {
     REQUIRE(contours.size() == result.layers.size());
     for (std::size_t i = 0; i < contours.size(); ++i) {

@@ -1,4 +1,4 @@
-// The contour algorithms that the paper describes or compares: the engine's contours, by all of them.
+// The contour algorithms that the paper describes or compares find the engine's contours.
 #include <map>
 #include <set>
 
@@ -67,7 +67,7 @@ std::multiset<PlaneSide> sides_of(const std::vector<Polyline>& polylines) {
     return sides;
 }
 
-/// Those with two ends.
+/// The segments whose ends differ.
 std::multiset<PlaneSide> sides_of(const std::vector<Segment>& segments) {
     std::multiset<PlaneSide> sides;
     for (const auto& [from, to] : segments) {
@@ -78,7 +78,7 @@ std::multiset<PlaneSide> sides_of(const std::vector<Segment>& segments) {
     return sides;
 }
 
-/// How many open polylines there must be at least: half as many as points in which an odd number of segments meet.
+/// A lower bound for the number of open polylines: half the number of points in which an odd number of segments meet.
 std::ptrdiff_t fewest_open(const std::multiset<PlaneSide>& sides) {
     std::map<Point, int> met;
     for (const auto& [a, b] : sides) {
@@ -150,7 +150,7 @@ TEST_CASE("baselines join open meshes into the engine's polylines", "[baselines]
     require_engines(given);
 }
 
-TEST_CASE("the trivial way keeps contours as the facets run", "[baselines]") {
+TEST_CASE("the trivial method keeps the orientation of the facets", "[baselines]") {
     const Case given(agreement::from_recipe(lamella::models::Shape::gyroid, 3000), uniform(0.25));
     agreement::require_same(trivial_contours.join(lamella::baselines::trivial_slicing.slice(given.problem)), given.result,
                             true);
@@ -174,7 +174,7 @@ TEST_CASE("every segment is used once where any number of them meet", "[baseline
     }
 }
 
-TEST_CASE("a contour of two segments closes, segments without length are nothing", "[baselines]") {
+TEST_CASE("a contour of two segments closes, and segments of no length are dropped", "[baselines]") {
     const SegmentLists lists{
         {{{0, 0}, {4, 0}}, {{4, 0}, {0, 0}}, {{4, 0}, {4, 0}}, {{9, 9}, {9, 9}}}, {}, {{{1, 1}, {2, 2}}}};
     for (const ContourMethod* method : {&trivial_contours, &hashed_contours}) {
@@ -191,7 +191,7 @@ TEST_CASE("a contour of two segments closes, segments without length are nothing
     }
 }
 
-TEST_CASE("thousands of segments that meet in a point take no longer than others", "[baselines]") {
+TEST_CASE("joining thousands of segments in one point takes no longer than joining others", "[baselines]") {
     constexpr std::int32_t spokes = 200'000;
     SegmentLists lists(1);
     for (std::int32_t i = 0; i < spokes; ++i) {
@@ -204,7 +204,7 @@ TEST_CASE("thousands of segments that meet in a point take no longer than others
 }
 
 #ifdef LAMELLA_BASELINES_CGAL
-TEST_CASE("a sweep line splits segments where they cross and keeps all their ends", "[baselines]") {
+TEST_CASE("a sweep line splits segments at crossings and keeps all their ends", "[baselines]") {
     const SegmentLists cross{{{{0, 0}, {4, 4}}, {{0, 4}, {4, 0}}}};
     const Contours contours = lamella::baselines::sweepline_contours.join(cross);
     CHECK(open_of(contours[0]) == 2);
@@ -228,7 +228,7 @@ TEST_CASE("a sweep line splits segments where they cross and keeps all their end
 }
 #endif
 
-TEST_CASE("rays tell the engine's roles and senses", "[baselines]") {
+TEST_CASE("rays find the engine's roles and orientations", "[baselines]") {
     using lamella::models::Shape;
     for (const Shape shape : {Shape::gyroid, Shape::bone, Shape::torus}) {
         require_engines_roles(Case(agreement::from_recipe(shape, 3000), uniform(0.25)));
@@ -237,15 +237,15 @@ TEST_CASE("rays tell the engine's roles and senses", "[baselines]") {
     require_engines_roles(Case(shapes::floats(shapes::box({0, 0, 0}, {3, 3, 3})), uniform(0.1)));
 }
 
-TEST_CASE("rays tell roles where contours touch, and none of open and flat ones", "[baselines]") {
+TEST_CASE("rays find roles where contours touch, and none for open and flat contours", "[baselines]") {
     Contours contours{{
-        ring({{0, 0}, {0, 8}, {8, 8}, {8, 0}}),  // clockwise: will be turned
-        ring({{0, 4}, {2, 2}, {4, 4}, {2, 6}}),  // its first point lies on the one around
+        ring({{0, 0}, {0, 8}, {8, 8}, {8, 0}}),  // clockwise: will be reversed
+        ring({{0, 4}, {2, 2}, {4, 4}, {2, 6}}),  // its first point lies on the contour around it
         ring({{4, 4}, {6, 2}, {8, 4}, {6, 6}}),  // touches both
         ring({{5, 4}, {6, 5}, {7, 4}, {6, 3}}),  // outer, within a hole
         ring({{20, 0}, {24, 0}, {22, 0}}),       // flat
         Polyline{{{-1, 1}, {9, 1}}, false},      // open, crossed by rays
-        ring({{8, 8}, {8, 9}, {9, 9}}),          // touches the first in a corner, from outside
+        ring({{8, 8}, {8, 9}, {9, 9}}),          // touches the first contour at a corner, from outside
     }};
     const lamella::baselines::Roles roles = sense_by_rays(contours);
     CHECK((roles[0] ==
@@ -254,7 +254,7 @@ TEST_CASE("rays tell roles where contours touch, and none of open and flat ones"
     CHECK((contours[0][4].points == std::vector<Point>{{20, 0}, {24, 0}, {22, 0}}));
 }
 
-TEST_CASE("a hole may begin at its outer contour's top, and what is open encloses nothing", "[baselines]") {
+TEST_CASE("a hole may start at the top of its outer contour, and open polylines enclose nothing", "[baselines]") {
     Contours contours{{ring({{0, 0}, {8, 0}, {4, 8}}), ring({{4, 8}, {3, 3}, {5, 3}})},
                       {ring({{0, 0}, {8, 0}, {8, 8}, {0, 8}}), ring({{4, 8}, {3, 3}, {5, 3}})},
                       {Polyline{{{0, 0}, {8, 0}, {8, 8}, {0, 8}}, false}, ring({{3, 3}, {5, 3}, {4, 4}})}};
@@ -264,9 +264,9 @@ TEST_CASE("a hole may begin at its outer contour's top, and what is open enclose
     CHECK((roles[2] == std::vector<Role>{Role::open, Role::outer}));
 }
 
-TEST_CASE("rays are exact at the ends of the grid", "[baselines]") {
+TEST_CASE("rays are exact at the limits of the grid", "[baselines]") {
     constexpr std::int32_t far = lamella::grid_limit;
-    // The second begins a unit off the long side of the first: outside, then inside.
+    // The second contour starts one unit from the long side of the first: outside, then inside.
     Contours contours{{ring({{-far, -far}, {far, -far}, {far, far}}), ring({{-1, 0}, {-far, far}, {-2, 1}})},
                       {ring({{-far, -far}, {far, -far}, {far, far}}), ring({{1, 0}, {3, 0}, {3, 1}})}};
     const lamella::baselines::Roles roles = sense_by_rays(contours);

@@ -1,4 +1,4 @@
-// The slicing algorithms that the paper describes or compares: the same segments, by all of them.
+// The slicing algorithms that the paper describes or compares find the same segments.
 #include <cstring>
 #include <random>
 #include <tuple>
@@ -100,7 +100,7 @@ TEST_CASE("baselines cut open meshes into the oracle's segments", "[baselines]")
     require_oracles(Case(soup, irregular(0.1, 0.6)));
 }
 
-TEST_CASE("baselines drop what collapses, on a grid that is coarse against the planes", "[baselines]") {
+TEST_CASE("baselines drop degenerate triangles on a grid as coarse as the planes", "[baselines]") {
     const double unit_mm = GENERATE(0.5, 0.037);
     lamella::SliceOptions options = uniform(3.1 * unit_mm, unit_mm);
     require_oracles(Case(shapes::floats(shapes::octasphere({0.3, 0, 0.1}, 4, 5)), options));
@@ -110,21 +110,21 @@ TEST_CASE("baselines drop what collapses, on a grid that is coarse against the p
     }
 }
 
-TEST_CASE("planes below, above and between all triangles are empty", "[baselines]") {
+TEST_CASE("planes below, above and between all triangles have no segments", "[baselines]") {
     lamella::SliceOptions options;
     options.plan.spacing = lamella::ExplicitPlanes{{-3, -2, 0.5, 2, 3, 4.5, 6, 7}};
     require_oracles(Case(
         shapes::floats(shapes::joined({shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({0, 0, 4}, {1, 1, 5})})), options));
 }
 
-TEST_CASE("triangles that are sorted already need no search", "[baselines]") {
+TEST_CASE("presorted triangles give the oracle's segments", "[baselines]") {
     const std::vector<float> soup = presorted(agreement::from_recipe(lamella::models::Shape::bone, 1500));
     for (const lamella::SliceOptions& options : {uniform(0.25), irregular(0.01, 0.5)}) {
         require_oracles(lamella::baselines::presorted_slicing, Case(soup, options));
     }
 }
 
-TEST_CASE("no planes and no triangles give nothing", "[baselines]") {
+TEST_CASE("no planes or no triangles give no segments", "[baselines]") {
     const std::vector<float> soup = shapes::floats(shapes::box({0, 0, 0}, {1, 1, 1}));
     Problem no_planes;
     no_planes.soup = soup;
@@ -144,7 +144,7 @@ TEST_CASE("no planes and no triangles give nothing", "[baselines]") {
     }
 }
 
-TEST_CASE("division and binary search find the first plane above, however planes are rounded", "[baselines]") {
+TEST_CASE("division and binary search find the first plane above a height, however planes are rounded", "[baselines]") {
     std::mt19937_64 random(1);
     for (const double step : {2.3, 2.9, 7.0, 64.25, 1000.1}) {
         Problem problem;

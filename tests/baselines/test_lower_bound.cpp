@@ -39,7 +39,7 @@ TEST_CASE("slicing solves multipoint search", "[baselines]") {
     }
 }
 
-TEST_CASE("the answers of a search instance are those of the heights", "[baselines]") {
+TEST_CASE("a search instance has the answers that its heights give", "[baselines]") {
     const SearchInstance instance = baselines::make_search_instance(40'000, 100, 1);
     const Problem problem = instance.problem();
     const std::vector<baselines::Facet> facets = baselines::quantised(problem);
@@ -50,14 +50,14 @@ TEST_CASE("the answers of a search instance are those of the heights", "[baselin
         REQUIRE(baselines::z_max(facets[j]) == *above + 1);
         ++met[instance.solution[j]];
     }
-    CHECK(*std::min_element(met.begin(), met.end()) > 300);  // 400 each, give or take
+    CHECK(*std::min_element(met.begin(), met.end()) > 300);  // about 400 each
 }
 
 TEST_CASE("a triangle that no plane cuts has no answer", "[baselines]") {
     CHECK((baselines::solution_of(SegmentLists(3), 2) == std::vector<std::uint32_t>{3, 3}));
 }
 
-TEST_CASE("searching takes n log k comparisons and a few, no fewer", "[baselines]") {
+TEST_CASE("searching takes n log k comparisons or a few more, never fewer", "[baselines]") {
     constexpr std::uint32_t n = 20'000;
     for (const std::uint32_t k : {16U, 1000U, 1U << 14}) {
         INFO(k << " planes");
@@ -65,7 +65,7 @@ TEST_CASE("searching takes n log k comparisons and a few, no fewer", "[baselines
         CHECK(count.least == Approx(n * std::log2(k)));
         CHECK(static_cast<double>(count.search) > count.least);
         CHECK(count.search <= n * (1 + static_cast<std::uint64_t>(std::ceil(std::log2(k)))));
-        CHECK(count.sweep <= 2 * n);  // fewer by those at the last plane, which none follows
+        CHECK(count.sweep <= 2 * n);  // fewer, because no plane follows the last one
         CHECK(count.sweep > 2 * n - n / 8);
     }
 }

@@ -1,4 +1,4 @@
-// Baselines that slice and join in their own way, against the engine.
+// Baselines that slice and join in their own way, compared with the engine.
 #include <algorithm>
 #include <cmath>
 
@@ -31,7 +31,8 @@ namespace {
 
 using Points = std::vector<Point>;
 
-/// Equal consecutive points once, from the rotation that compares least. `any_sense`: or that of the reversed points.
+/// Drops equal successive points and rotates to the smallest rotation. With `any_sense`, also considers the reversed
+/// points.
 agreement::Line canonical(Points points, bool closed, bool any_sense) {
     points.erase(std::unique(points.begin(), points.end()), points.end());
     while (closed && points.size() > 1 && points.front() == points.back()) {
@@ -40,7 +41,7 @@ agreement::Line canonical(Points points, bool closed, bool any_sense) {
     return agreement::canonical(std::move(points), closed, !any_sense);
 }
 
-using Canonical = std::vector<agreement::Line>;  // of one plane, sorted
+using Canonical = std::vector<agreement::Line>;  // the sorted contours of one plane
 
 Canonical canonical(const std::vector<Polyline>& contours, bool any_sense = false) {
     Canonical all;
@@ -51,7 +52,7 @@ Canonical canonical(const std::vector<Polyline>& contours, bool any_sense = fals
     return all;
 }
 
-/// The engine's, with the sense that the facets say.
+/// The engine's contours, with the orientation of the facets.
 Canonical canonical(const SliceResult& result, const Layer& layer, bool any_sense = false) {
     std::vector<Polyline> contours;
     for (const Contour& contour : result.contours_of(layer)) {
@@ -59,7 +60,7 @@ Canonical canonical(const SliceResult& result, const Layer& layer, bool any_sens
         Polyline& polyline = contours.emplace_back();
         polyline.closed = contour.role != lamella::Role::open;
         polyline.points.assign(points.begin(), points.end());
-        if (contour.sense == (contour.role == lamella::Role::outer ? -1 : 1)) {  // it was turned, as the role demands
+        if (contour.sense == (contour.role == lamella::Role::outer ? -1 : 1)) {  // the engine reversed it to fit its role
             std::reverse(polyline.points.begin(), polyline.points.end());
         }
     }
@@ -117,7 +118,7 @@ TEST_CASE("Slic3r, McMains and the topological method give the engine's contours
     }
 }
 
-TEST_CASE("where more than two facets share an edge the whole methods pair them as the engine does", "[baselines]") {
+TEST_CASE("whole methods pair facets at an edge of more than two as the engine does", "[baselines]") {
     const shapes::Soup cube = shapes::box({0, 0, 0}, {4, 4, 4});
     std::vector<shapes::Soup> soups{cube, shapes::joined({cube, cube, cube}),
                                     shapes::joined({cube, shapes::box({4, 4, 0}, {8, 8, 4})}),
@@ -134,7 +135,7 @@ TEST_CASE("where more than two facets share an edge the whole methods pair them 
     }
 }
 
-TEST_CASE("of an open mesh Slic3r's way gives the engine's polylines, the others none", "[baselines]") {
+TEST_CASE("for an open mesh Slic3r's method gives the engine's polylines, and the others none", "[baselines]") {
     std::vector<shapes::Soup> soups{without_first_facets(shapes::octasphere({0, 0, 0}, 5, 3), 100),
                                     shapes::triangle({0, 0, 0}, {4, 0, 4}, {0, 3, 2})};
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
@@ -154,7 +155,7 @@ TEST_CASE("of an open mesh Slic3r's way gives the engine's polylines, the others
     }
 }
 
-TEST_CASE("the whole methods take a soup without facets and a problem without planes", "[baselines]") {
+TEST_CASE("whole methods accept a soup without facets and a problem without planes", "[baselines]") {
     const std::vector<float> flat{0, 0, 0, 0, 0, 0, 1, 1, 1};
     const std::vector<float> cube = shapes::floats(shapes::box({0, 0, 0}, {4, 4, 4}));
     for (const WholeMethod* method : {&slic3r_way, &mcmains, &topological, &ldni}) {
@@ -167,7 +168,7 @@ TEST_CASE("the whole methods take a soup without facets and a problem without pl
     }
 }
 
-TEST_CASE("sampled by rays, layers have the engine's areas within the resolution", "[baselines]") {
+TEST_CASE("layers sampled by rays have the engine's areas within the resolution", "[baselines]") {
     const auto twice_area = [](const Points& points) {
         double sum = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Tests of the command line tool. cli.sh LAMELLA TOPIC CMAKE runs the function test_TOPIC in a folder of its own.
+# Tests of the command-line tool. cli.sh LAMELLA TOPIC CMAKE runs the function test_TOPIC in a temporary folder.
 set -uo pipefail
 
 readonly lamella=$1 topic=$2 cmake=$3
@@ -10,7 +10,7 @@ readonly folder
 trap 'rm -rf "$folder"' EXIT
 cd "$folder" || exit 1
 
-# On stderr, because checks run in $(...) too.
+# Prints on stderr, because checks run in $(...) too.
 fail() {
     {
         echo "FAILED: $*"
@@ -20,7 +20,7 @@ fail() {
     exit 1
 }
 
-# Runs the tool and requires an exit status; leaves .stdout and .stderr.
+# expect STATUS ARGUMENT...: runs the tool and requires this exit status; leaves .stdout and .stderr.
 expect() {
     local status=$1 got=0
     shift
@@ -28,13 +28,14 @@ expect() {
     ((got == status)) || fail "lamella $*: exit status $got, not $status"
 }
 
-# What this machine cannot show is no success: ctest counts it as skipped.
+# skip REASON: what this machine cannot test is not a success; ctest counts it as skipped.
 skip() {
     echo "not tested: $*"
     exit 77
 }
 
-# A failure: that status, nothing on stdout, one line on stderr that holds the text.
+# expect_failure STATUS TEXT ARGUMENT...: requires the status, nothing on stdout, and one line on stderr that contains the
+# text.
 expect_failure() {
     local status=$1 text=$2
     shift 2
@@ -50,7 +51,7 @@ expect_files() {
     [[ "$found" == "$*${*:+ }" ]] || fail "files are '$found', not '$*'"
 }
 
-# json_value FILE KEY...
+# json_value FILE KEY...: prints the value under these keys.
 json_value() {
     local file=$1 keys
     shift

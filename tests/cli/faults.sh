@@ -1,19 +1,20 @@
-# Tests of what the machine does to the tool: no memory, no disk, signals; sourced by cli.sh.
+# Tests of the tool without memory or disk space, and under signals; sourced by cli.sh.
 
-# one_line STATUS GOT TEXT WHAT: the status, and one line on stderr that holds the text
+# one_line STATUS GOT TEXT WHAT: requires the status, and one line on stderr that contains the text
 one_line() {
     (($2 == $1)) || fail "$4: exit status $2, not $1"
     [[ $(wc -l < .stderr) == 1 && $(head -c 9 .stderr) == "lamella: " ]] || fail "$4: not one line"
     grep -qF -- "$3" .stderr || fail "$4: no '$3' in the message"
 }
 
-# starved COMMAND...: under more and more address space until it is enough. `out.svg` must be all there or not at all.
+# starved COMMAND...: runs the tool under growing limits of address space until it succeeds. `out.svg` must be complete or
+# absent.
 starved() {
     local kilobytes=20000 failures=0 status
     for (( ; ; kilobytes = kilobytes * 17 / 16)); do
         (ulimit -v "$kilobytes"; exec "$lamella" "$@" > .stdout 2> .stderr)
         status=$?
-        # So little that the system cannot even load the libraries.
+        # The limit is so low that the system cannot even load the libraries.
         ((status != 127)) || continue
         ((status != 0)) || break
         one_line 3 "$status" "memory" "$* in $kilobytes kB"
@@ -25,7 +26,7 @@ starved() {
     ((failures >= 2)) || fail "$*: $failures failures for want of memory show nothing"
 }
 
-# three_mf FILE TRIANGLES: a fan of them
+# three_mf FILE TRIANGLES: writes a fan of triangles
 three_mf() {
     mkdir -p package/_rels package/3D
     local types=http://schemas.openxmlformats.org/package/2006
@@ -46,7 +47,7 @@ three_mf() {
 
 test_memory_limit() {
     sphere ball.stl 300000
-    # A sanitizer's shadow takes more address space than any limit that would bite.
+    # A sanitizer's shadow memory needs more address space than any useful limit.
     (ulimit -v 4000000; "$lamella" --version) > .stdout 2> .stderr || skip "this build does not start under a limit"
     gzip -1k ball.stl
     three_mf fan.3mf 50000
@@ -79,8 +80,8 @@ test_full_disk() {
     [[ $(ls -A disk) == filler ]] || fail "left on the full disk: $(ls -A disk)"
 }
 
-# signalled SIGNAL SECONDS: slicing ends as the signal says, wherever it is by then, and the old output is kept. That it was
-# done before is no failure.
+# signalled SIGNAL SECONDS: slicing ends with the signal, whatever it is doing, and keeps the old output. Finishing before
+# the signal is not a failure.
 signalled() {
     local tool status
     echo precious > out.svg
@@ -88,7 +89,7 @@ signalled() {
     "$lamella" slice ball.stl --layer-height 0.002 -o out.svg > .stdout 2> .stderr &
     set +m
     tool=$!
-    # Until it is the tool, it is a copy of this script, with its trap.
+    # Until exec, the child is a copy of this script, with its trap.
     while [[ "$(cat "/proc/$tool/comm")" == bash ]]; do :; done
     sleep "$2"
     kill -s "$1" "$tool" 2> /dev/null
@@ -96,7 +97,7 @@ signalled() {
     status=$?
     ((status != 0)) || return 0
     ((status == 128 + $(kill -l "$1"))) || fail "$1 after $2 s: exit status $status"
-    # Before it can take signals there is nothing to say, nor to tidy up.
+    # Before the tool can handle signals, there is nothing to print or to clean up.
     [[ ! -s .stderr || $(cat .stderr) == "lamella: interrupted" ]] || fail "$1 after $2 s: not one line"
     [[ $(cat out.svg) == precious ]] || fail "$1 after $2 s: the old file is gone"
     expect_files ball.stl out.svg
@@ -112,7 +113,7 @@ test_signals() {
     done
 }
 
-# lattice FILE BARS: so many bars along x and along y, of which each crosses all of the other kind
+# lattice FILE BARS: writes BARS bars along x and as many along y; each crosses all bars of the other direction
 lattice() {
     awk -v n="$2" 'function facet(a, b, c) {
         printf "facet normal 0 0 0\nouter loop\nvertex %s\nvertex %s\nvertex %s\nendloop\nendfacet\n", p[a], p[b], p[c]
@@ -153,8 +154,8 @@ test_second_signal() {
     done
 }
 
-# The mesh is read again for the report, after the SVG: when that is seen to be written, the file is cut. Once in a while the
-# tool is done before; then it is tried again.
+# The report reads the mesh again after the SVG. The file is truncated once the SVG is being written. Sometimes the tool
+# finishes earlier; then the test is repeated.
 test_shrinking_map() {
     local attempt tool status
     for attempt in 1 2 3 4 5; do

@@ -1,4 +1,5 @@
-# Prints one value of a JSON file; fails unless the file is JSON and nothing else. cmake -DFILE=f -DKEYS="a;b" -P json_value.cmake
+# cmake -DFILE=f -DKEYS="a;b" -P json_value.cmake: prints one value of a JSON file. Fails unless the file is a single JSON
+# document.
 file(READ "${FILE}" text)
 string(JSON value ERROR_VARIABLE problem GET "${text}" ${KEYS})
 if(problem)

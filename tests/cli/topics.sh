@@ -63,10 +63,10 @@ test_usage() {
 
 le32() { printf '%b' "$(printf '\\x%02x\\x%02x\\x%02x\\x%02x' $(($1 & 255)) $(($1 >> 8 & 255)) $(($1 >> 16 & 255)) $(($1 >> 24 & 255)))"; }
 
-# with_count BYTES_OF COUNT: a binary file's header and records under another count
+# with_count FILE COUNT: prints a binary file with its triangle count replaced
 with_count() { head -c 80 "$1"; le32 "$2"; tail -c +85 "$1"; }
 
-# with_float FILE BITS: the first coordinate of the first triangle replaced
+# with_float FILE BITS: prints a binary file with the first coordinate of the first triangle replaced
 with_float() { head -c 96 "$1"; le32 "$2"; tail -c +101 "$1"; }
 
 facet() { printf 'facet normal 0 0 1\nouter loop\n%sendloop\nendfacet\n' "$1"; }
@@ -150,7 +150,7 @@ test_bad_output() {
 test_no_partial_output() {
     sphere ball.stl 20000
     echo precious > out.svg
-    # A file size limit is a disk that fills up in the middle.
+    # A limit on file size behaves like a disk that fills up.
     (ulimit -f 64; "$lamella" slice ball.stl -o out.svg > .stdout 2> .stderr)
     [[ $? == 4 && $(wc -l < .stderr) == 1 ]] || fail "not status 4 with one line"
     grep -q "out.svg" .stderr || fail "the message does not name the file"
@@ -162,13 +162,13 @@ test_no_partial_output() {
     expect_files ball.stl
 }
 
-# interrupted SIGNAL OUTPUT ARGUMENT...: the signal is sent when the file aside appears. Once in a while the tool is done before
-# it arrives; then it is tried again.
+# interrupted SIGNAL OUTPUT ARGUMENT...: sends the signal when the temporary file appears. Sometimes the tool finishes
+# earlier; then the test is repeated.
 interrupted() {
     local signal=$1 output=$2 attempt status tool
     shift 2
     for attempt in 1 2 3 4 5; do
-        # A background job ignores SIGINT unless job control gives it a group of its own.
+        # A background job ignores SIGINT unless job control gives it its own process group.
         set -m
         "$lamella" "$@" -o "$output" > .stdout 2> .stderr &
         set +m
@@ -362,7 +362,7 @@ test_units() {
     expect_json zipped.json ON file compressed
 }
 
-# cube FILE X SIDES: an ASCII cube of 10 mm at x, of which so many of its six sides are there
+# cube FILE X SIDES: writes an ASCII cube of 10 mm at x with the first SIDES of its six sides
 cube() {
     local x0=$2 x1=$(($2 + 10)) sides=$3
     local a="$x0 0 0" b="$x1 0 0" c="$x1 10 0" d="$x0 10 0" e="$x0 0 10" f="$x1 0 10" g="$x1 10 10" h="$x0 10 10"
@@ -476,7 +476,7 @@ test_info() {
     done
     grep -qE '^box  *x .* to .*, y .* to .*, z -?[0-9.e-]+ to ' .stdout || fail "no box"
     [[ ! -s .stderr ]] || fail "stderr is not silent"
-    # One triangle fewer: a hole with three edges.
+    # One triangle fewer leaves a hole with three edges.
     { head -c 80 ball.stl; le32 999; tail -c +85 ball.stl | head -c $((999 * 50)); } > open.stl
     expect 0 info open.stl
     grep -qE '^boundary edges  *3$' .stdout || fail "the hole is not seen"

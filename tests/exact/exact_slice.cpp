@@ -19,7 +19,7 @@ struct Segment {
     Point2 to;
 };
 
-/// A segment's end at the point where it meets others.
+/// A segment's end, listed at the point where segments meet.
 struct End {
     std::size_t segment;
     bool leaves;
@@ -37,7 +37,8 @@ Point2 crossing(const Kernel::Plane_3& plane, GridVertex u, GridVertex v) {
     return {point->x(), point->y()};
 }
 
-/// Counter-clockwise faces leave the solid on the left where a segment starts at the edge that the face runs down.
+/// The segments have the solid on the left: faces are counter-clockwise, and a segment starts at the edge that its face
+/// runs down.
 std::vector<Segment> segments_at(std::span<const oracle::Triangle> triangles, std::int32_t z) {
     const Kernel::Plane_3 plane(0, 0, 1, -z);
     std::vector<Segment> segments;
@@ -72,7 +73,7 @@ void sort_counter_clockwise(std::vector<End>& ends, const std::vector<Segment>& 
     }
 }
 
-/// By segment: the one that goes on where it ends, or none.
+/// By segment: the segment that starts where it ends, or none.
 std::vector<std::size_t> successors(const std::vector<Segment>& segments) {
     Meetings meetings;
     for (std::size_t s = 0; s < segments.size(); ++s) {
@@ -87,7 +88,7 @@ std::vector<std::size_t> successors(const std::vector<Segment>& segments) {
         for (std::size_t i = 0; i < ends.size() && ends.size() > 1; ++i) {
             const End& clockwise = ends[(i + ends.size() - 1) % ends.size()];
             if (ends[i].leaves == clockwise.leaves) {
-                throw std::logic_error("two segments that meet have the same sense");
+                throw std::logic_error("two segments that meet both start or both end there");
             }
             if (!ends[i].leaves) {
                 next[ends[i].segment] = clockwise.segment;

@@ -1,4 +1,5 @@
-// Random closed meshes against exact arithmetic. The long test is the short one on thousands of seeds.
+// Random closed meshes, sliced by the engine and in exact arithmetic. The long test runs the short one on thousands of
+// seeds.
 #include <algorithm>
 #include <cstdlib>
 #include <functional>
@@ -24,8 +25,8 @@ constexpr std::size_t many_planes = 40;
 
 enum class Trait {
     simple,
-    contradictory,  ///< facets' senses do not stand everywhere
-    touching,       ///< more than two faces at some edges
+    contradictory,  ///< some facets' orientations contradict each other
+    touching,       ///< some edges have more than two faces
 };
 
 struct Kind {
@@ -87,8 +88,8 @@ struct Tally {
     std::size_t points = 0;
 };
 
-/// Contours that run against their facets, but for those so small that rounding their points can turn them over, as it does
-/// just below the tip of a needle.
+/// Number of contours whose role contradicts their facets. Skips contours so small that rounding their points can reverse
+/// them, as just below the tip of a needle.
 std::ptrdiff_t count_overruled(const lamella::SliceResult& result) {
     return std::count_if(result.contours.begin(), result.contours.end(), [&](const lamella::Contour& contour) {
         const std::span<const lamella::Point> points = result.points_of(contour);
@@ -118,7 +119,7 @@ void judge(const Kind& kind, std::uint64_t seed, bool large, std::size_t planes,
 
 }  // namespace
 
-TEST_CASE("contours of random closed meshes are the exact ones", "[meshes]") {
+TEST_CASE("contours of random closed meshes equal the exact ones", "[meshes]") {
     Tally tally;
     for (const Kind& kind : kinds()) {
         for (std::uint64_t seed = 0; seed < few_seeds; ++seed) {
@@ -128,7 +129,7 @@ TEST_CASE("contours of random closed meshes are the exact ones", "[meshes]") {
     CHECK(tally.points > 1'000 * few_seeds);
 }
 
-TEST_CASE("contours of thousands of random closed meshes are the exact ones", "[meshes_long]") {
+TEST_CASE("contours of thousands of random closed meshes equal the exact ones", "[meshes_long]") {
     Tally tally;
     for (const Kind& kind : kinds()) {
         for (std::uint64_t seed = 100; seed < 100 + many_seeds; ++seed) {
@@ -140,7 +141,7 @@ TEST_CASE("contours of thousands of random closed meshes are the exact ones", "[
                    << tally.points << " points");
 }
 
-TEST_CASE("the exact contours are those of CGAL's own slicer", "[second_opinion]") {
+TEST_CASE("the exact contours equal those of CGAL's own slicer", "[second_opinion]") {
     for (const Kind& kind : kinds()) {
         const Soup soup = kind.make(1, false);
         const lamella::SliceResult result = sliced(soup, exact::through_vertices(soup, kind.unit_mm, 1, 3));
@@ -150,7 +151,7 @@ TEST_CASE("the exact contours are those of CGAL's own slicer", "[second_opinion]
     }
 }
 
-TEST_CASE("the exact judge sees what differs", "[meshes]") {
+TEST_CASE("the exact judge finds every kind of difference", "[meshes]") {
     const Soup soup = exact::shells(5, 2);
     const std::vector<oracle::Triangle> triangles = oracle::quantise(soup, fine);
     const lamella::SliceOptions options = exact::through_vertices(soup, fine, 5, few_planes);

@@ -16,17 +16,17 @@ using lamella::Role;
 
 namespace {
 
-/// What the engine's doubles may be off by (grid.hpp).
+/// Upper bound for the error of the engine's doubles (grid.hpp), in grid units.
 constexpr double tie_width = 0x1p-20;
 
 struct Rounded {
     std::int32_t nearest = 0;
-    std::int32_t other = 0;  ///< differs from `nearest` where the exact number is so close to a tie that either is right
+    std::int32_t other = 0;  ///< differs from `nearest` if the exact number is so close to a tie that both are correct
     long double value = 0;   ///< the exact number to 2^-34 units
 };
 
 Rounded rounded(const Number& number) {
-    CGAL::exact(number);  // to_interval() is tight then
+    CGAL::exact(number);  // makes to_interval() tight
     const auto [low, high] = CGAL::to_interval(number);
     const double base = std::nearbyint(low / 2 + high / 2);
     const Number rest = number - Number(base);
@@ -44,7 +44,7 @@ Rounded rounded(const Number& number) {
     return result;
 }
 
-/// An exact contour beside what it is on the grid.
+/// An exact contour and the same contour on the grid.
 struct Judged {
     Chain chain;
     oracle::Contour contour;
@@ -68,7 +68,7 @@ void measure(Judged& judged, const std::vector<Place>& places) {
     }
 }
 
-/// The nearest grid point, or of those that are as right the one that the engine has.
+/// The nearest grid point. If several are equally correct, the one that the engine has.
 Point on_grid(const Rounded& x, const Rounded& y, const std::set<Point>& engine) {
     const Point nearest{x.nearest, y.nearest};
     for (const Point p : {nearest, Point{x.other, y.nearest}, Point{x.nearest, y.other}, Point{x.other, y.other}}) {
@@ -111,7 +111,7 @@ Judged judged(Chain chain, const std::set<Point>& engine) {
     const auto first = std::min_element(contour.points.begin(), contour.points.end());
     result.start = static_cast<std::size_t>(first - contour.points.begin());
     contour.segments = static_cast<std::uint32_t>(contour.points.size() - (result.chain.closed ? 0 : 1));
-    contour.start_is_unique = false;  // the judge knows no mesh edges: contours are compared from any start
+    contour.start_is_unique = false;  // the judge knows no mesh edges, so contours are compared from any start
     drop_repeated(contour.points, result.chain.closed);
     if (result.chain.closed) {
         contour.twice_area = twice_area_of(contour.points);
@@ -120,7 +120,7 @@ Judged judged(Chain chain, const std::set<Point>& engine) {
     return result;
 }
 
-/// By exact location of where each contour starts.
+/// Finds parents by locating each contour's start exactly.
 void find_parents(std::vector<Judged>& layer) {
     for (Judged& child : layer) {
         for (std::size_t i = 0; i < layer.size() && child.contour.sense != 0; ++i) {
@@ -136,7 +136,8 @@ void find_parents(std::vector<Judged>& layer) {
     }
 }
 
-/// The facets' sense, unless a winding number from the outside in is negative; then how many contours lie around.
+/// The role follows the facets' orientation. If a winding number from the outside in is negative, it follows the number of
+/// enclosing contours.
 void decide_role(Judged& judged, const std::vector<Judged>& layer) {
     oracle::Contour& contour = judged.contour;
     contour.role = judged.chain.closed ? Role::flat : Role::open;
@@ -172,7 +173,7 @@ long double perimeter_of(std::span<const Point> points, bool closed) {
     return sum;
 }
 
-/// What rounding may change: the area by a unit along the perimeter, the perimeter by two units a point.
+/// Differences beyond what rounding explains: the area by a unit along the perimeter, the perimeter by two units a point.
 std::string beyond_rounding(const Judged& judged) {
     const oracle::Contour& contour = judged.contour;
     const long double exact_area = std::abs(judged.twice_area) / 2;

@@ -1,5 +1,5 @@
-// The engine's layers judged by exact ones: the same contours, roles and nesting, every point the exact crossing rounded to
-// the grid, areas and perimeters as close as that rounding allows.
+// Compares the engine's layers with exact ones: the same contours, roles and nesting; every point is the exact crossing
+// rounded to the grid; areas and perimeters are as close as that rounding allows.
 #pragma once
 
 #include <span>

@@ -35,7 +35,7 @@ void add(Soup& soup, Xyz a, Xyz b, Xyz c) {
     append(soup, shapes::triangle(a, b, c));
 }
 
-/// a, b, c, d counter-clockwise seen from outside.
+/// A quad a, b, c, d, counter-clockwise as seen from outside.
 void add_quad(Soup& soup, Xyz a, Xyz b, Xyz c, Xyz d) {
     add(soup, a, b, c);
     add(soup, a, c, d);
@@ -67,7 +67,7 @@ Xyz random_direction(Random& random) {
     }
 }
 
-/// A closed band of rows x columns quads; `at(row, column)` turns counter-clockwise about its axis with the columns.
+/// A closed band of rows x columns quads. With rising column, `at(row, column)` turns counter-clockwise about the axis.
 Soup torus(int rows, int columns, const std::function<Xyz(int, int)>& at) {
     Soup soup;
     for (int r = 0; r < rows; ++r) {
@@ -109,7 +109,7 @@ void add_cell_side(Soup& soup, const int (&place)[3], std::size_t axis, bool upp
     add_quad(soup, corner, upper ? next : last, across, upper ? last : next);
 }
 
-/// One number for each node of a square, by seed.
+/// One random number for each node of a square, by seed.
 std::vector<double> nodes(std::uint64_t seed, int size, std::uint64_t range) {
     Random random(seed);
     std::vector<double> values(static_cast<std::size_t>((size + 1) * (size + 1)));
@@ -236,7 +236,7 @@ Soup ripples(std::uint64_t seed, int size, std::uint64_t steps, double step_mm) 
 }
 
 Soup terraces(std::uint64_t seed, int size, std::uint64_t steps) {
-    // Heights of three by three nodes are equal, so that there are flats beside walls.
+    // Blocks of three by three nodes have equal heights, so that flat steps and walls alternate.
     const int coarse = size / 3 + 1;
     const std::vector<double> values = nodes(seed, coarse, steps);
     return height_field(
@@ -245,7 +245,7 @@ Soup terraces(std::uint64_t seed, int size, std::uint64_t steps) {
 
 Soup cells(std::uint64_t seed, int size) {
     Random random(seed);
-    const int wide = size + 2;  // with empty cells all round
+    const int wide = size + 2;  // with empty cells all around
     std::vector<char> full(static_cast<std::size_t>(wide * wide * wide), 0);
     const auto at = [wide](int x, int y, int z) { return static_cast<std::size_t>((z * wide + y) * wide + x); };
     for (int cell = 0; cell < size * size * size; ++cell) {
@@ -313,7 +313,7 @@ lamella::SliceOptions through_vertices(const Soup& soup, double unit_mm, std::ui
         heights.push_back(low + (high - low) * fraction(random));
     }
     std::sort(heights.begin(), heights.end());
-    // Planes must differ after rounding.
+    // Planes must still differ after rounding.
     const auto on_grid = [&](double mm) { return std::nearbyint(mm / (2 * unit_mm)); };
     const auto equal = [&](double a, double b) { return on_grid(a) == on_grid(b); };
     heights.erase(std::unique(heights.begin(), heights.end(), equal), heights.end());

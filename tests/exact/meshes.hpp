@@ -1,5 +1,5 @@
-// Random closed meshes for the exact judge, outward and without self-intersections unless they say otherwise. Most have
-// vertices, edges and faces at equal heights, where planes are then put.
+// Random closed meshes for the exact judge. They are oriented outwards and do not intersect themselves unless stated. Most
+// have vertices, edges and faces at equal heights, where planes are then placed.
 #pragma once
 
 #include <cstdint>
@@ -14,31 +14,31 @@ using shapes::Soup;
 /// The hull of points with integer coordinates in [-range, range].
 Soup hull(std::uint64_t seed, int points, std::uint64_t range);
 
-/// Hulls in each other's way, on no common coordinates, about one in three inside out.
+/// Hulls that intersect, with no common coordinates; about one in three is inside out.
 Soup crossing_hulls(std::uint64_t seed, int count);
 
-/// Linked rings, each standing in those beside it.
+/// Linked rings; each intersects its neighbours.
 Soup torus_chain(std::uint64_t seed, int links, int around, int across);
 
 /// count³ cells, each with up to four nested shells: solid, cavity, solid in the cavity, ...
 Soup shells(std::uint64_t seed, int count);
 
-/// Double pyramids, 100 mm and `width_mm` across, that lean every way.
+/// Double pyramids, 100 mm by `width_mm`, that lean in random directions.
 Soup needles(std::uint64_t seed, int count, double width_mm);
 
-/// A slab whose top is nearly horizontal: its heights differ by up to `steps` times `step_mm`.
+/// A slab with a nearly horizontal top, whose heights differ by up to `steps` times `step_mm`.
 Soup ripples(std::uint64_t seed, int size, std::uint64_t steps, double step_mm);
 
-/// A slab whose top consists of flat steps, walls between them that lean, and pits.
+/// A slab whose top has flat steps, leaning walls between them, and pits.
 Soup terraces(std::uint64_t seed, int size, std::uint64_t steps);
 
 /// The surface of about half the cells of a cube: solids that touch along edges and at corners.
 Soup cells(std::uint64_t seed, int size);
 
-/// A turned part: vertical walls, horizontal flats, grooves, all at whole heights.
+/// A turned part: vertical walls, horizontal flats and grooves, all at whole heights.
 Soup spindle(std::uint64_t seed, int sides, int steps);
 
-/// Planes at up to `most` heights of vertices, and as many between the lowest and the highest.
+/// Planes at up to `most` heights of vertices, and as many between the lowest and the highest vertex.
 lamella::SliceOptions through_vertices(const Soup& soup, double unit_mm, std::uint64_t seed, std::size_t most);
 
 }  // namespace exact

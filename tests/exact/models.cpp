@@ -1,4 +1,4 @@
-// Real meshes against exact arithmetic, at few planes: half of them at heights of vertices.
+// Real meshes, sliced by the engine and in exact arithmetic, at few planes. Half of them are at heights of vertices.
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
@@ -13,7 +13,7 @@ constexpr std::size_t planes = 6;
 
 }  // namespace
 
-TEST_CASE("contours of real meshes are the exact ones", "[models]") {
+TEST_CASE("contours of real meshes equal the exact ones", "[models]") {
     for (const std::filesystem::path& file : real_meshes()) {
         INFO(file);
         const shapes::Soup soup = soup_of(file);

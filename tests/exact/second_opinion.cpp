@@ -16,7 +16,7 @@ namespace {
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 using Ring = std::vector<Point2>;
 
-/// No mesh where the triangles do not form a manifold.
+/// The soup as a mesh; empty if the triangles do not form a manifold.
 Mesh mesh_of(std::span<const oracle::Triangle> triangles) {
     std::map<lamella::GridVertex, std::size_t> known;
     std::vector<Kernel::Point_3> points;
@@ -38,7 +38,8 @@ Mesh mesh_of(std::span<const oracle::Triangle> triangles) {
     return mesh;
 }
 
-/// From the smallest point towards its smaller neighbour: the same for all starts and both directions.
+/// Starts at the smallest point and continues towards its smaller neighbour, so all starts and both directions give the
+/// same.
 Ring normal_form(Ring ring) {
     const Kernel::Less_xy_2 less;
     std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end(), less), ring.end());

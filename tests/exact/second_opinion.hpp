@@ -1,4 +1,5 @@
-// CGAL's own slicer, which asks a tree of boxes for the edges and walks the mesh's half-edges, beside the exact contours.
+// Compares the exact contours with CGAL's own slicer, which finds edges by a tree of boxes and walks the mesh's
+// half-edges.
 #pragma once
 
 #include <span>
@@ -9,8 +10,8 @@
 
 namespace exact {
 
-/// The first plane of `result` at which CGAL::Polygon_mesh_slicer finds other exact contours than chains_at(), in words; or
-/// empty. The triangles must form a closed manifold.
+/// The first plane of `result` at which CGAL::Polygon_mesh_slicer and chains_at() find different exact contours, in words;
+/// or empty. The triangles must form a closed manifold.
 std::string second_opinion(const lamella::SliceResult& result, std::span<const oracle::Triangle> triangles);
 
 }  // namespace exact

@@ -1,5 +1,5 @@
-// What takes memory by operator new, which this executable replaces: each call fails at each allocation in turn with an
-// error, and gives back all that it took.
+// Tests the functions that allocate by operator new, which this executable replaces. Each call is run with each of its
+// allocations failing in turn. It must return an error and release all memory that it took.
 #include <atomic>
 #include <cstdlib>
 #include <functional>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::int64_t never = -1;
 
-std::atomic<std::int64_t> left_until_failure{never};  ///< allocations that still succeed, while it is not `never`
-std::atomic<bool> fails_once{false};                  ///< else for good, as memory that is gone
+std::atomic<std::int64_t> left_until_failure{never};  ///< number of allocations that still succeed, unless it is `never`
+std::atomic<bool> fails_once{false};                  ///< only one allocation fails; otherwise all later ones fail too
 std::atomic<std::int64_t> failures{0};
 std::atomic<std::int64_t> blocks_held{0};
 
@@ -109,9 +109,9 @@ std::optional<ErrorCode> code_of(const Outcome& outcome) {
     return outcome.ok() ? std::optional<ErrorCode>() : outcome.error().code;
 }
 
-/// Runs `call` with its first, second, ... allocation failing, until it needs no more of them.
+/// Runs `call` with its first, second, ... allocation failing, until it succeeds.
 void fail_everywhere(const Call& call, bool once) {
-    const std::optional<ErrorCode> expected = call();  // threads that start now keep what they take
+    const std::optional<ErrorCode> expected = call();  // starts the threads now: they keep their memory
     std::int64_t succeed = 0;
     for (bool failed = true; failed; ++succeed) {
         const std::int64_t held = blocks_held;
@@ -134,7 +134,7 @@ void fail_everywhere(const Call& call) {
     fail_everywhere(call, false);
 }
 
-/// A box with a side open, an inverted one inside it, and a ball.
+/// A box with one side open, an inverted box inside it, and a ball.
 shapes::Soup everything() {
     shapes::Soup soup =
         shapes::joined({shapes::box({0, 0, 0}, {9, 9, 9}), shapes::flipped(shapes::box({1, 1, 1}, {4, 4, 8})),
@@ -150,7 +150,7 @@ std::size_t files_in(const TempFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("operator new fails: slicing", "[faults]") {
+TEST_CASE("slicing survives failing operator new", "[faults]") {
     const shapes::Soup soup = everything();
     lamella::SliceOptions options = uniform(0.4);
     options.tuning.form = GENERATE(lamella::ContourForm::swept, lamella::ContourForm::assembled);
@@ -159,7 +159,7 @@ TEST_CASE("operator new fails: slicing", "[faults]") {
     fail_everywhere([&] { return code_of(slice(view_of(soup), options)); });
 }
 
-TEST_CASE("operator new fails: slicing what is refused", "[faults]") {
+TEST_CASE("slicing of a refused mesh survives failing operator new", "[faults]") {
     shapes::Soup soup = everything();
     lamella::SliceOptions options = uniform(0.4);
     options.control.threads = 1;
@@ -178,7 +178,7 @@ TEST_CASE("operator new fails: slicing what is refused", "[faults]") {
     fail_everywhere([&] { return code_of(slice(view_of(soup), options)); });
 }
 
-TEST_CASE("operator new fails: examining, welding, assembling", "[faults]") {
+TEST_CASE("examining, welding and assembling survive failing operator new", "[faults]") {
     const shapes::Soup soup = everything();
     const int threads = GENERATE(1, 3);
     fail_everywhere(
@@ -188,7 +188,7 @@ TEST_CASE("operator new fails: examining, welding, assembling", "[faults]") {
     fail_everywhere([&] { return code_of(lamella::assemble(segments)); });
 }
 
-TEST_CASE("operator new fails: reading", "[faults]") {
+TEST_CASE("reading survives failing operator new", "[faults]") {
     const TempFolder folder;
     const auto facets = lamella::input_test::numbered_facets(50);
     const std::string binary = lamella::input_test::binary_stl(facets);
@@ -212,11 +212,11 @@ TEST_CASE("operator new fails: reading", "[faults]") {
     }
 }
 
-TEST_CASE("operator new fails: writing leaves nothing half-written", "[faults]") {
+TEST_CASE("writing leaves no half-written file if operator new fails", "[faults]") {
     const TempFolder folder;
     const lamella::SliceResult result = sliced(everything(), uniform(0.4));
     const std::filesystem::path path = folder / "out.svg";
-    bool tidy = true;  // noted here and checked below, as Catch takes memory too
+    bool tidy = true;  // checked after the loop, because Catch allocates memory too
     const auto left_alone = [&](const lamella::Status& status) {
         const std::int64_t left = left_until_failure.exchange(never);
         tidy = tidy && files_in(folder) == (status.ok() ? 1U : 0U);
@@ -230,7 +230,7 @@ TEST_CASE("operator new fails: writing leaves nothing half-written", "[faults]")
     fail_everywhere([&] { return code_of(validate(result)); });
 }
 
-TEST_CASE("operator new fails: going through a result", "[faults]") {
+TEST_CASE("going through a result survives failing operator new", "[faults]") {
     const shapes::Soup soup = everything();
     const lamella::MeshView mesh = view_of(soup);
     const lamella::SliceResult result = sliced(soup, uniform(0.4));
@@ -243,7 +243,7 @@ TEST_CASE("operator new fails: going through a result", "[faults]") {
     fail_everywhere([&] { return code_of(find_crossings(result, {.threads = threads})); });
 }
 
-TEST_CASE("operator new fails: reports", "[faults]") {
+TEST_CASE("reports survive failing operator new", "[faults]") {
     const TempFolder folder;
     const shapes::Soup soup = everything();
     const lamella::MeshView mesh = view_of(soup);

@@ -1,4 +1,4 @@
-// What the fuzz targets share: choices drawn from the fuzzer's bytes, and the one way to report a finding.
+// What the fuzz targets share: choices drawn from the fuzzer's bytes, and the report of a finding.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace fuzz {
 
-/// Reads byte by byte; past the end there are zeros, so that every input means something.
+/// Reads byte by byte. Past the end it reads zeros, so that every input is valid.
 class Bytes {
 public:
     Bytes(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}
@@ -34,7 +34,7 @@ private:
     std::span<const std::uint8_t> rest_;
 };
 
-/// The fuzzers and the replay take an abort as the finding that it is.
+/// Aborts if the condition is false. The fuzzers and the replay treat an abort as a finding.
 inline void require(bool holds, const std::string& promise) {
     if (!holds) {
         (void)std::fprintf(stderr, "broken: %s\n", promise.c_str());
@@ -42,7 +42,7 @@ inline void require(bool holds, const std::string& promise) {
     }
 }
 
-/// An order that depends on nothing but the seed.
+/// An order that depends only on the seed.
 template <class T>
 void shuffle(std::vector<T>& items, std::uint32_t seed) {
     for (std::size_t i = items.size(); i > 1; --i) {

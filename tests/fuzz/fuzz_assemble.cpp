@@ -1,4 +1,4 @@
-// Arbitrary segments with few keys, so that many meet: assembled, every one is used exactly once.
+// Assembles arbitrary segments with few keys, so that many meet. Every segment must be used exactly once.
 #include <algorithm>
 
 #include "bytes.hpp"
@@ -15,12 +15,13 @@ namespace {
 
 constexpr std::size_t most_segments = 400;
 
-/// Where the ends with a key lie, if the segments agree about it.
+/// By key: where the ends with this key lie, if the segments agree about it.
 Point place_of(const EndKey& key) {
     return {static_cast<std::int32_t>(7 * key.a % 16), static_cast<std::int32_t>(5 * key.a % 16)};
 }
 
-/// As segments from a mesh are: what meets has one place, and a rank is a segment's own.
+/// Makes segments agree as those of a mesh do: ends with one key have one position, and ranks depend only on the
+/// segment.
 Segment agreeing(fuzz::Bytes& bytes) {
     Segment segment;
     segment.from_key.a = bytes.below(24);
@@ -33,7 +34,7 @@ Segment agreeing(fuzz::Bytes& bytes) {
 }
 
 Segment arbitrary(fuzz::Bytes& bytes) {
-    // The largest differences that a grid allows among the small ones.
+    // Mixes the largest differences that a grid allows with small ones.
     const auto coordinate = [&bytes] {
         const unsigned byte = bytes.next();
         return byte >= 0xF8 ? (byte % 2 == 0 ? lamella::grid_limit : -lamella::grid_limit)
@@ -55,11 +56,13 @@ void check_contour(const LayerContours& layer, const Contour& contour, std::uint
                   "parents are contours");
     if (contour.parent >= 0) {
         const Role role = layer.contours[static_cast<std::size_t>(contour.parent)].role;
-        fuzz::require(role == Role::outer || role == Role::hole, "parents have an inside");
+        fuzz::require(role == Role::outer || role == Role::hole, "parents are outers or holes");
     }
     const bool flat = contour.twice_area == lamella::Integer128{};
-    fuzz::require(flat == (contour.role == Role::flat || contour.role == Role::open), "what has no area is flat or open");
-    fuzz::require(flat || (contour.twice_area.high < 0) == (contour.role == Role::hole), "outers turn left, holes right");
+    fuzz::require(flat == (contour.role == Role::flat || contour.role == Role::open),
+                  "a contour without area is flat or open");
+    fuzz::require(flat || (contour.twice_area.high < 0) == (contour.role == Role::hole),
+                  "outers run counter-clockwise, holes clockwise");
 }
 
 LayerContours assembled(const std::vector<Segment>& segments) {
@@ -102,6 +105,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const LayerContours layer = assembled(segments);
     fuzz::shuffle(segments, seed);
     const LayerContours again = assembled(segments);
-    fuzz::require(!agree || same(layer, again), "the order of the segments does not matter");
+    fuzz::require(!agree || same(layer, again), "the order of the segments does not change the result");
     return 0;
 }

@@ -1,5 +1,5 @@
-// Soups with corners on small integers, diagnosed: what check() counts must agree with inspect(), and depend on neither
-// threads nor the order of triangles and corners.
+// Checks soups with corners on small integers. What check() counts must agree with inspect(), and must depend neither on
+// threads nor on the order of triangles and corners.
 #include <algorithm>
 
 #include "bytes.hpp"
@@ -42,15 +42,15 @@ void check_shells(const MeshCheck& found) {
     std::uint64_t triangles = found.of(Fault::collapsed_face).count;
     for (const lamella::MeshShell& shell : found.shells) {
         triangles += shell.triangles;
-        fuzz::require((shell.depth == 0) == (shell.parent < 0), "what lies within shells has one next to it");
+        fuzz::require((shell.depth == 0) == (shell.parent < 0), "a shell with a depth has a parent");
         fuzz::require(shell.parent < 0 || found.shells[static_cast<std::size_t>(shell.parent)].closed,
-                      "only closed shells are around others");
-        fuzz::require(shell.closed || (shell.sense == 0 && shell.volume_mm3 == 0), "only closed shells have a sense");
+                      "only closed shells enclose others");
+        fuzz::require(shell.closed || (shell.sense == 0 && shell.volume_mm3 == 0), "only closed shells have an orientation");
     }
     fuzz::require(triangles == found.info.triangles, "every triangle belongs to one shell, or is collapsed");
 }
 
-/// What inspect() counts another way.
+/// Compares check() with inspect(), which counts the same in another way.
 void check_census(const MeshCheck& found) {
     const lamella::MeshInfo& info = found.info;
     const auto count = [&found](Fault fault) { return found.of(fault).count; };
@@ -60,9 +60,9 @@ void check_census(const MeshCheck& found) {
     fuzz::require(count(Fault::mismatched_edge) == info.mismatched_edges, "mismatched edges are counted");
     fuzz::require(count(Fault::collapsed_face) == info.degenerate, "collapsed faces are counted");
     fuzz::require(found.shells.size() == info.shells, "shells are counted");
-    fuzz::require(!found.clean() || info.closed, "what is clean is closed");
+    fuzz::require(!found.clean() || info.closed, "a mesh without faults is closed");
     fuzz::require((count(Fault::boundary_edge) == 0) == (count(Fault::boundary_loop) == 0), "boundary edges form loops");
-    fuzz::require(found.complete(), "so few triangles are searched to the end");
+    fuzz::require(found.complete(), "so few triangles are searched completely");
 }
 
 MeshCheck found_in(const std::vector<fuzz::Triangle>& triangles, CheckOptions options, int threads) {
@@ -77,7 +77,7 @@ std::string text_of(const MeshCheck& found) {
     return lamella::make_check_json(found, {}, 1000).value();
 }
 
-/// Which triangle stands for a place may depend on the order of the input; nothing else may.
+/// The triangle that represents a place may depend on the order of the input; all else must not.
 MeshCheck without_triangles(MeshCheck found) {
     for (lamella::FaultFinding& finding : found.findings) {
         for (lamella::FaultPlace& place : finding.places) {
@@ -104,7 +104,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     check_places(found, options, triangles.size());
     check_shells(found);
     check_census(found);
-    fuzz::require(text_of(found_in(triangles, options, 3)) == text_of(found), "threads do not matter");
+    fuzz::require(text_of(found_in(triangles, options, 3)) == text_of(found),
+                  "the number of threads does not change the result");
     fuzz::shuffle_soup(triangles, seed);
     fuzz::require(text_of(without_triangles(found_in(triangles, options, 1))) == text_of(without_triangles(found)),
                   "the order of triangles and corners does not matter");

@@ -1,5 +1,5 @@
-// Any bytes under any name: read, examined and sliced. The first byte chooses the name's extension and how the file is read
-// the second time, which must come to the same as the first.
+// Reads any bytes under any file name, then inspects and slices the mesh. The first byte chooses the file's extension and
+// how the file is read a second time. Both readings must give the same.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -24,9 +24,9 @@ namespace fs = std::filesystem;
 constexpr std::array extensions = {".stl", ".obj", ".off", ".ply", ".3mf", ".vtk", ".vtp", ".bin"};
 constexpr std::uint64_t memory_limit_bytes = std::uint64_t{64} << 20;
 constexpr double layers = 12;
-constexpr std::uint64_t most_triangles = 20'000;  ///< that are also sliced: a fuzzer lives by its pace
+constexpr std::uint64_t most_triangles = 20'000;  ///< larger meshes are not sliced, to keep the fuzzer fast
 
-/// A folder in memory where there is one, removed at the end.
+/// A temporary folder, in memory if possible; removed at the end.
 class Folder {
 public:
     Folder()
@@ -68,7 +68,7 @@ void check_same(const Result<MeshFile>& first, const Result<MeshFile>& second) {
                   "the same mesh");
 }
 
-/// The bytes that hold coordinates are where the view says.
+/// Requires that the bytes with coordinates are where the view says.
 void check_extent(const MeshFile& mesh) {
     const std::size_t number = mesh.coordinate_type == lamella::CoordinateType::f32 ? sizeof(float) : sizeof(double);
     const bool soup = mesh.indices.empty();
@@ -121,7 +121,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     options.memory_limit_bytes = memory_limit_bytes;
     options.control.threads = 1;
     const Result<MeshFile> mesh = read_mesh(path, options);
-    if (choice / 8 % 4 == 3) {  // not always: another file's worth of time
+    if (choice / 8 % 4 == 3) {  // only sometimes: writing takes as long as another file
         options.control.threads = 3;
         options.map_file = choice / 32 % 2 != 0;
         check_same(mesh, read_mesh(path, options));

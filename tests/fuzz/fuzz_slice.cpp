@@ -1,5 +1,5 @@
-// Soups with corners on small integers, where everything coincides, sliced in every way that must not matter: both forms,
-// other bands and threads, shuffled triangles. All must be valid and the same.
+// Slices soups with corners on small integers, which often coincide. Both forms, other bands and threads, and shuffled
+// triangles must all give the same valid result.
 #include <array>
 
 #include "bytes.hpp"
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t most_triangles = 60;
 
-/// How wide an integer step is, on which grid: on a coarse one, on a fine one, and up to the grid's very limits.
+/// The length of an integer step and the grid: a coarse grid, a fine one, and steps up to the limits of the grid.
 struct Scale {
     double step_mm;
     double unit_mm;
@@ -30,7 +30,7 @@ struct Case {
     bool floats = false;
 };
 
-/// Heights on the integers, which corners have, and between them.
+/// Heights on integers, where corners lie, and between them.
 lamella::LayerPlan plan(fuzz::Bytes& bytes, double step_mm) {
     lamella::LayerPlan plan;
     const unsigned kind = bytes.next();
@@ -79,11 +79,11 @@ lamella::Result<SliceResult> sliced_as(const Case& drawn) {
     return slice(MeshView::soup(std::span<const Number>(soup)), drawn.options);
 }
 
-/// The hash of a valid result; the code of an error.
+/// The hash of a valid result, or the code of an error.
 std::uint64_t outcome(const Case& drawn) {
     const lamella::Result<SliceResult> result = drawn.floats ? sliced_as<float>(drawn) : sliced_as<double>(drawn);
     if (!result) {
-        // That is what an exception from within would become.
+        // An exception inside the engine would become this code.
         fuzz::require(result.error().code != lamella::ErrorCode::cancelled, result.error().message);
         return static_cast<std::uint64_t>(result.error().code);
     }
@@ -95,13 +95,13 @@ std::uint64_t outcome(const Case& drawn) {
 void check_ways(Case drawn) {
     const std::uint64_t expected = outcome(drawn);
     drawn.options.tuning.form = ContourForm::assembled;
-    fuzz::require(outcome(drawn) == expected, "both forms give the same");
+    fuzz::require(outcome(drawn) == expected, "both forms give the same result");
     drawn.options.tuning.form = ContourForm::swept;
     drawn.options.tuning.band_planes = 3 - drawn.options.tuning.band_planes;
     drawn.options.control.threads = 4 - drawn.options.control.threads;
-    fuzz::require(outcome(drawn) == expected, "neither bands nor threads matter");
+    fuzz::require(outcome(drawn) == expected, "bands and threads do not change the result");
     fuzz::shuffle_soup(drawn.triangles, drawn.seed);
-    fuzz::require(outcome(drawn) == expected, "the order of triangles and corners does not matter");
+    fuzz::require(outcome(drawn) == expected, "the order of triangles and corners does not change the result");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Soups with corners near small integers, welded: no two vertices that are left lie within the tolerance, none has been made
-// up or moved farther, and the order of the triangles does not matter.
+// Welds soups with corners near small integers. No two remaining vertices may lie within the tolerance, none may be new or
+// moved farther than it, and the order of triangles must not matter.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -22,7 +22,7 @@ struct Case {
     double tolerance = 0;
 };
 
-/// Corners beside the integers by a few sixteenths: distances of just the tolerance are common.
+/// Corners within a few sixteenths of integers, so that distances of exactly the tolerance are common.
 Case drawn(fuzz::Bytes& bytes, unsigned form) {
     Case drawn;
     drawn.tolerance = bytes.below(40) / 16.0;
@@ -64,14 +64,15 @@ double squared_distance(const Corner& a, const Corner& b) {
 
 void check_vertices(const std::vector<Corner>& vertices, const std::vector<Corner>& corners, double tolerance) {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-        fuzz::require(std::find(corners.begin(), corners.end(), vertices[i]) != corners.end(), "no coordinate is made up");
+        fuzz::require(std::find(corners.begin(), corners.end(), vertices[i]) != corners.end(), "no coordinate is invented");
         for (std::size_t j = 0; j < i; ++j) {
-            fuzz::require(squared_distance(vertices[i], vertices[j]) > tolerance * tolerance, "what is near is joined");
+            fuzz::require(squared_distance(vertices[i], vertices[j]) > tolerance * tolerance,
+                          "vertices within the tolerance are joined");
         }
     }
 }
 
-/// Sixteenths are exact in either type, and so is every comparison here.
+/// Compares sixteenths, which are exact in either type.
 template <class Number>
 void check_weld(Case drawn, std::uint32_t seed) {
     const std::vector<Number> soup = fuzz::soup_of<Number>(drawn.triangles);
@@ -88,16 +89,16 @@ void check_weld(Case drawn, std::uint32_t seed) {
         largest_move = std::max(largest_move, squared_distance(corners[i], vertices[mesh.indices[i]]));
     }
     fuzz::require(std::sqrt(largest_move) == mesh.largest_move_mm && mesh.largest_move_mm <= drawn.tolerance,
-                  "moves are told");
+                  "the largest move is reported and within the tolerance");
     check_vertices(vertices, corners, drawn.tolerance);
     std::sort(corners.begin(), corners.end());
     const auto distinct = std::unique(corners.begin(), corners.end()) - corners.begin();
-    fuzz::require(mesh.joined + mesh.vertex_count == static_cast<std::uint64_t>(distinct), "vertices are joined or left");
+    fuzz::require(mesh.joined + mesh.vertex_count == static_cast<std::uint64_t>(distinct), "every vertex is kept or joined");
     fuzz::shuffle_soup(drawn.triangles, seed);
     const WeldedMesh again = welded(fuzz::soup_of<Number>(drawn.triangles), drawn.tolerance);
-    fuzz::require(vertices_of<Number>(again) == vertices, "the order of triangles and corners does not matter");
+    fuzz::require(vertices_of<Number>(again) == vertices, "the order of triangles and corners does not change the result");
     lamella::Result<WeldedMesh> twice = weld(mesh.view(), {.tolerance_mm = drawn.tolerance});
-    fuzz::require(twice.ok() && twice->joined == 0, "what has been welded stays");
+    fuzz::require(twice.ok() && twice->joined == 0, "welding a welded mesh joins nothing");
 }
 
 }  // namespace

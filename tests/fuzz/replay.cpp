@@ -1,5 +1,5 @@
-// Runs a fuzz target over the files named, and over those in the folders named: what the fuzzers found worth keeping, as a
-// test for any compiler.
+// Runs a fuzz target on the named files and on the files in the named folders. The corpus of the fuzzers becomes a test
+// for any compiler.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -35,7 +35,8 @@ int main(int count, char** words) {
     std::size_t replayed = 0;
     for (int i = 1; i < count; ++i) {
         for (const fs::path& file : files_in(words[i])) {
-            (void)std::fprintf(stderr, "%s\n", file.c_str());  // the last one named is the one that broke something
+            // Printed before the run: after a failure, the last name is the input that failed.
+            (void)std::fprintf(stderr, "%s\n", file.c_str());
             replay(file);
             ++replayed;
         }

@@ -1,4 +1,4 @@
-// Soups with corners on small integers, so that coincidences abound, drawn from the fuzzer's bytes.
+// Soups drawn from the fuzzer's bytes, with corners on small integers, so that corners often coincide.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ inline Corner corner(Bytes& bytes, double step_mm) {
     return {at(xy % 9), at(xy / 16 % 9), at(bytes.below(9))};
 }
 
-/// A triangle, or the four of a tetrahedron: alone the first leave hardly anything closed.
+/// Adds a triangle, or the four faces of a tetrahedron: single triangles rarely form closed contours.
 inline void add_shape(Bytes& bytes, bool solid, double step_mm, std::vector<Triangle>& triangles) {
     const Corner a = corner(bytes, step_mm);
     const Corner b = corner(bytes, step_mm);
@@ -29,7 +29,7 @@ inline void add_shape(Bytes& bytes, bool solid, double step_mm, std::vector<Tria
     }
 }
 
-/// In another order, each beginning at another of its corners.
+/// The same triangles in another order, each starting at another of its corners.
 inline void shuffle_soup(std::vector<Triangle>& triangles, std::uint32_t seed) {
     shuffle(triangles, seed);
     for (std::size_t t = 0; t < triangles.size(); ++t) {

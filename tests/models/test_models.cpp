@@ -46,7 +46,7 @@ constexpr std::uint64_t large_mesh = 600'000;
 
 }  // namespace
 
-TEST_CASE("every shape of every size is closed, oriented and as large as asked", "[models]") {
+TEST_CASE("every shape of every size is closed, oriented and has the requested triangles", "[models]") {
     const Shape shape = any_shape();
     const auto triangles = GENERATE(as<std::uint64_t>{}, 100, 101, 334, 1000, 4321, 20'000, 60'000);
     const auto seed = GENERATE(as<std::uint64_t>{}, 1, 7);
@@ -84,7 +84,7 @@ TEST_CASE("volumes are near those of the ideal bodies", "[models]") {
     CHECK(volume(make_soup(recipe)) == Approx(2 * pi * pi * 18 * 5.6 * 5.6).epsilon(0.01));
 }
 
-TEST_CASE("a mesh is as tall and as wide as asked", "[models]") {
+TEST_CASE("a mesh has the requested height and width", "[models]") {
     const Shape shape = any_shape();
     CAPTURE(name_of(shape));
     Recipe recipe = recipe_of(shape, 40'000);
@@ -99,14 +99,14 @@ TEST_CASE("a mesh is as tall and as wide as asked", "[models]") {
     }
     CHECK(low[2] == Approx(0).margin(0.2));
     CHECK(high[2] == Approx(12).margin(0.2));
-    // The tilted torus is as wide as asked only in some directions around z.
+    // The tilted torus has the requested width only in some directions around z.
     CHECK(high[0] - low[0] <= 30.1);
     CHECK(high[0] - low[0] >= (shape == Shape::torus ? 20 : 28.5));
 }
 
 TEST_CASE("the number of crossings is met within 5 %", "[models]") {
     const Shape shape = any_shape();
-    // Of what the shape has by itself, which for a prism is the most that it can have.
+    // Fractions of the shape's natural number of crossings, which is the maximum for a prism.
     const double factor = shape == Shape::bone ? GENERATE(0.3, 0.97, 1.4) : GENERATE(0.3, 0.6, 0.97);
     CAPTURE(name_of(shape), factor);
     Recipe recipe = recipe_of(shape, 50'000);
@@ -122,7 +122,7 @@ TEST_CASE("the number of crossings is met within 5 %", "[models]") {
     CHECK(ascending(soup));
 }
 
-TEST_CASE("the random order is a permutation, by seed, of the ascending one", "[models]") {
+TEST_CASE("the random order is a permutation of the ascending order, by seed", "[models]") {
     const Shape shape = any_shape();
     CAPTURE(name_of(shape));
     Recipe recipe = recipe_of(shape, 5000);

@@ -1,4 +1,4 @@
-// The bytes of generated files: the same everywhere, and nothing half-written left behind.
+// Generated files have the same bytes everywhere, and no half-written file is left.
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -31,7 +31,7 @@ struct Golden {
     const char* hash;
 };
 
-// On a deliberate change of the shapes, the failing check prints the new values.
+// After a deliberate change of the shapes, the failing check prints the new values.
 const std::array<Golden, 12> golden{{
     {{Shape::sphere, 3000, 150, {}, {}, 0.032, Order::z, 1}, "fde393c27bd47a8e"},
     {{Shape::sphere, 20'000, 40, 30.0, 100'000, 0.032, Order::random, 9}, "cd0cd536561b9d5d"},
@@ -86,7 +86,7 @@ TEST_CASE("a file holds the triangles that make_soup gives, and unit normals", "
     }
 }
 
-TEST_CASE("a recipe that cannot be followed is refused and leaves no file", "[models]") {
+TEST_CASE("an invalid recipe is refused and leaves no file", "[models]") {
     const TempFolder folder;
     Recipe recipe;
     recipe.triangles = 20'000;
@@ -120,7 +120,7 @@ TEST_CASE("a recipe that cannot be followed is refused and leaves no file", "[mo
     }
 }
 
-TEST_CASE("a file that cannot be written is an error that names it", "[models]") {
+TEST_CASE("the error for a file that cannot be written names the file", "[models]") {
     const TempFolder folder;
     Recipe recipe;
     recipe.triangles = 1000;

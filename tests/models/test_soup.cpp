@@ -17,7 +17,7 @@ using Edge = std::array<Bits, 2>;
 Bits bits_of(const float* vertex) {
     Bits bits{};
     for (std::size_t i = 0; i < 3; ++i) {
-        const float value = vertex[i] + 0.0F;  // both zeros are one place
+        const float value = vertex[i] + 0.0F;  // both zeros become one
         std::memcpy(&bits[i], &value, sizeof value);
     }
     return bits;
@@ -28,7 +28,7 @@ std::array<float, 2> z_range(const float* triangle) {
     return {low, high};
 }
 
-// A tetrahedron with its faces outwards.
+// A tetrahedron oriented outwards.
 const std::vector<float> tetrahedron{0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1,
                                      0, 0, 0, 0, 0, 1, 0, 1, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
 
@@ -92,7 +92,7 @@ bool ascending(const std::vector<float>& soup) {
     return true;
 }
 
-TEST_CASE("the checks of generated meshes can fail", "[models]") {
+TEST_CASE("the checks of generated meshes detect damaged meshes", "[models]") {
     CHECK(closed_and_oriented(tetrahedron));
     CHECK(volume(tetrahedron) == Approx(1.0 / 6));
     CHECK(crossings(tetrahedron, 0.5) == 6);

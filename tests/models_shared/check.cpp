@@ -1,4 +1,4 @@
-// What the diagnosis finds in real meshes.
+// Findings of check() in real meshes.
 #include <filesystem>
 #include <map>
 #include <string>
@@ -31,7 +31,7 @@ lamella::MeshCheck findings_of(const std::filesystem::path& file, int threads) {
 
 }  // namespace
 
-TEST_CASE("findings in real meshes are those known", "[check]") {
+TEST_CASE("check() finds the known faults of real meshes", "[check]") {
     const Known known = GENERATE(
         Known{"liver.stl", "closed and clean", 1}, Known{"femur.stl", "closed and clean, with 207 needles, 4 caps", 1},
         Known{"hip_femur.stl", "closed and clean", 1}, Known{"brain.stl", "closed and clean", 2},

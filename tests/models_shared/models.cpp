@@ -46,7 +46,7 @@ struct KnownAnswer {
 
 }  // namespace
 
-TEST_CASE("counts are those of the paper's program and its table", "[counts]") {
+TEST_CASE("counts equal those of the paper's program and its table", "[counts]") {
     const KnownAnswer known = GENERATE(KnownAnswer{"liver.stl", 38'142, 6'242, 2'342'005, 15'790, 9'490},
                                        KnownAnswer{"femur.stl", 42'110, 3'155, 1'180'826, 3'338, 30});
     const lamella::MeshFile mesh = mesh_of(folder / known.file);
@@ -65,7 +65,7 @@ TEST_CASE("counts are those of the paper's program and its table", "[counts]") {
     CHECK(result.summary.open_contours == 0);
 }
 
-TEST_CASE("areas times layer height are the volume of closed meshes", "[volume]") {
+TEST_CASE("areas times layer height give the volume of closed meshes", "[volume]") {
     const char* file = GENERATE("liver.stl", "femur.stl", "brain.stl", "hip_femur.stl");
     const lamella::MeshFile mesh = mesh_of(folder / file);
     const lamella::Result<lamella::MeshInfo> info = inspect(mesh.view());
@@ -81,7 +81,7 @@ TEST_CASE("areas times layer height are the volume of closed meshes", "[volume]"
     CHECK(std::abs(volume - info->volume_mm3) < 1e-5 * std::abs(info->volume_mm3));
 }
 
-TEST_CASE("bones with boundary edges slice, their open polylines flagged", "[open]") {
+TEST_CASE("bones with boundary edges slice, with their open polylines flagged", "[open]") {
     std::size_t bones = 0;
     std::size_t with_open = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder / "bones")) {
@@ -93,7 +93,7 @@ TEST_CASE("bones with boundary edges slice, their open polylines flagged", "[ope
         REQUIRE(info.ok());
         INFO(entry.path());
         const SliceResult result = sliced(mesh, at_layer_height(0.032));
-        // A closed mesh never has open contours; one with boundary edges as tall as a layer has some.
+        // A closed mesh never has open contours. A mesh with boundary edges as tall as a layer has some.
         CHECK((result.summary.open_contours == 0 || info->boundary_edges > 0));
         ++bones;
         with_open += result.summary.open_contours > 0 ? 1 : 0;

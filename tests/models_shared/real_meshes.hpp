@@ -1,4 +1,4 @@
-// The real test meshes and their corners as plain numbers.
+// The real test meshes, and their corners as plain numbers.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 inline const std::filesystem::path folder = LAMELLA_SHARED_MODELS;
 
-/// Every mesh in the folder and in those below it, in order of names.
+/// Every mesh in the folder and its subfolders, by name.
 inline std::vector<std::filesystem::path> real_meshes() {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {

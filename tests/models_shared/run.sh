@@ -1,5 +1,5 @@
 #!/bin/sh
-# run.sh FOLDER TESTS TAG: runs the tests that bear the tag, or tells ctest by exit status 77 that there are no meshes to test.
+# run.sh FOLDER TESTS TAG: runs the tests with the tag. Exit status 77, "skipped" for ctest, if the folder has no meshes.
 if [ ! -f "$1/liver.stl" ]; then
     echo "skipped: no test meshes in $1"
     exit 77

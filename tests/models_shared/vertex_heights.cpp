@@ -1,4 +1,4 @@
-// Real meshes at the heights of their own vertices.
+// Slices real meshes at the heights of their own vertices.
 #include "engine/vertex_heights.hpp"
 #include "engine/slicing.hpp"
 #include "lamella/mesh/inspect.hpp"
@@ -6,7 +6,7 @@
 
 namespace {
 
-/// Planes in one slice; a sanitizer has time for one slice a mesh.
+/// Planes in one slice. Under a sanitizer, a mesh is sliced only once, to save time.
 constexpr std::size_t most_planes = 2'000;
 #ifdef LAMELLA_TESTS_SANITIZED
 constexpr bool all_heights = false;
@@ -26,7 +26,7 @@ std::vector<std::vector<double>> parts_of(const std::vector<double>& heights) {
 
 }  // namespace
 
-TEST_CASE("planes at the heights of all vertices lose nothing of real meshes", "[vertex_heights]") {
+TEST_CASE("planes at the heights of all vertices lose no triangle of real meshes", "[vertex_heights]") {
     for (const std::filesystem::path& file : real_meshes()) {
         const shapes::Soup soup = soup_of(file);
         const lamella::MeshInfo info = *inspect(view_of(soup));

@@ -1,4 +1,4 @@
-// Layers made for tests, and the oracle that nests them the obvious way.
+// Layers made for tests, and an oracle that nests them by brute force.
 #pragma once
 
 #include <algorithm>
@@ -16,15 +16,15 @@ namespace lamella::test {
 class LayerSample {
 public:
     void add(std::vector<Point> points, bool closed, std::uint32_t rotate_by = 0);
-    /// A rectangle, clockwise if asked.
+    /// Adds a rectangle, clockwise if asked.
     void add_box(Point low, Point high, bool clockwise);
-    /// Keeps the first of contours that are equal in every point as seen from their starts.
+    /// Keeps only the first of contours whose points, counted from their starts, are all equal.
     void drop_repeated();
 
     std::size_t size() const { return contours_.size(); }
-    /// What goes into Nester::nest; points into this sample.
+    /// The input of Nester::nest. It points into this sample.
     std::vector<NestItem> items() const;
-    /// What must come out, by comparing every contour with every other and every point with every edge.
+    /// The expected output, found by comparing every contour with every other and every point with every edge.
     std::vector<NestItem> expected() const;
 
 private:
@@ -66,7 +66,7 @@ inline bool on_edge(Point a, Point b, Point q) {
            q.y <= std::max(a.y, b.y);
 }
 
-/// By a ray towards -y over all edges.
+/// Whether the contour contains the point, by a ray towards -y and all edges.
 inline bool contains(const std::vector<Point>& points, Point q) {
     int winding = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -90,7 +90,7 @@ struct Size {
     std::vector<Point> points;
 };
 
-/// Smaller contours first; of equal ones neither.
+/// Orders contours from small to large. Of two equal contours, neither is smaller.
 inline bool smaller(const Size& a, const Size& b) {
     if (a.area != b.area) {
         return a.area < b.area;
@@ -259,8 +259,8 @@ inline void add_random_contour(LayerSample& sample, std::mt19937& random, int si
     }
 }
 
-/// A few contours of mixed kinds (nested, touching, equal, crossing, flat, open) on a small grid, so that coincidences of
-/// coordinates are frequent; some layers hold many contours.
+/// A few contours of mixed kinds (nested, touching, equal, crossing, flat, open) on a small grid, so that coordinates
+/// often coincide. Some layers hold many contours.
 inline LayerSample random_layer(std::mt19937& random) {
     LayerSample sample;
     const int size = 1 + (1 << below(random, 8));
@@ -271,12 +271,13 @@ inline LayerSample random_layer(std::mt19937& random) {
     return sample;
 }
 
-/// Fills `low` to `high` with contours that nest and touch but do not cross: boxes, and L shapes whose boxes overlap others.
+/// Fills `low` to `high` with contours that nest and touch but do not cross: boxes, and L shapes whose boxes overlap
+/// others.
 inline void add_nested(LayerSample& sample, std::mt19937& random, Point low, Point high, int depth) {
     if (depth == 0 || high.x - low.x < 4 || high.y - low.y < 4) {
         return;
     }
-    const int gap = below(random, 2);  // 0: touches what lies around
+    const int gap = below(random, 2);  // 0: touches the contour around it
     const bool clockwise = below(random, 2) == 0;
     const Point in_low{low.x + gap, low.y + gap};
     const Point in_high{high.x - gap, high.y - gap};
@@ -298,7 +299,7 @@ inline void add_nested(LayerSample& sample, std::mt19937& random, Point low, Poi
     add_nested(sample, random, {mid.x, in_low.y}, {in_high.x, mid.y}, depth - 1);
 }
 
-/// `count` closed contours of `points_each`, each around the next.
+/// `count` closed contours with `points_each` points, each around the one before it.
 inline LayerSample concentric_rings(int count, int points_each) {
     LayerSample sample;
     for (int i = 0; i < count; ++i) {
@@ -311,7 +312,7 @@ inline LayerSample concentric_rings(int count, int points_each) {
     return sample;
 }
 
-/// `count` closed contours of `points_each` that lie apart in a square array.
+/// `count` closed contours with `points_each` points, apart from one another in a square array.
 inline LayerSample side_by_side(int count, int points_each) {
     LayerSample sample;
     const int side = static_cast<int>(std::ceil(std::sqrt(count)));

@@ -1,4 +1,4 @@
-// Orientation and nesting of one layer against written-down answers and a brute-force oracle.
+// Orientation and nesting of one layer, compared with written-down answers and a brute-force oracle.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
@@ -22,7 +22,7 @@ void check_against_oracle(const LayerSample& sample) {
     REQUIRE(lamella::test::first_difference(items, sample.expected()) == -1);
 }
 
-/// The outputs of a layer whose contours were put in with `order`, as indices of the unshuffled contours.
+/// The outputs of a layer whose contours are passed in `order`, with indices of the original order.
 std::vector<NestItem> nest_permuted(const LayerSample& sample, const std::vector<std::size_t>& order, Nester& nester) {
     const std::vector<NestItem> plain = sample.items();
     std::vector<NestItem> shuffled;
@@ -42,7 +42,7 @@ std::vector<NestItem> nest_permuted(const LayerSample& sample, const std::vector
 
 }  // namespace
 
-TEST_CASE("an empty layer and a layer of one contour", "[nesting]") {
+TEST_CASE("an empty layer is accepted, and a single contour is an outer without parent", "[nesting]") {
     Nester nester(nullptr);
     nester.nest({});
     LayerSample sample;
@@ -56,7 +56,7 @@ TEST_CASE("an empty layer and a layer of one contour", "[nesting]") {
     CHECK(items[0].flags == 0);
 }
 
-TEST_CASE("a hole belongs to the smallest contour around it", "[nesting]") {
+TEST_CASE("the parent of a hole is the smallest contour around it", "[nesting]") {
     LayerSample sample;
     sample.add_box({30, 30}, {40, 40}, true);
     sample.add_box({0, 0}, {100, 100}, false);
@@ -74,7 +74,7 @@ TEST_CASE("a hole belongs to the smallest contour around it", "[nesting]") {
     CHECK(std::none_of(items.begin(), items.end(), [](const NestItem& item) { return item.reverse || item.flags != 0; }));
 }
 
-TEST_CASE("an inverted shell is turned round and marked", "[nesting]") {
+TEST_CASE("an inverted shell is reversed and marked", "[nesting]") {
     LayerSample sample;
     sample.add_box({0, 0}, {100, 100}, true);
     sample.add_box({10, 10}, {90, 90}, false);
@@ -94,8 +94,8 @@ TEST_CASE("an inverted shell is turned round and marked", "[nesting]") {
     CHECK(items[2].flags == 0);
 }
 
-TEST_CASE("shells of equal sense nest without being turned", "[nesting]") {
-    LayerSample sample;  // windings from outside in: 1, 2, 1, 0, and then one below zero
+TEST_CASE("shells of equal orientation nest without being reversed", "[nesting]") {
+    LayerSample sample;  // windings from outside in: 1, 2, 1, 0, and then -1
     sample.add_box({0, 0}, {100, 100}, false);
     sample.add_box({10, 10}, {90, 90}, false);
     sample.add_box({20, 20}, {80, 80}, true);
@@ -112,7 +112,7 @@ TEST_CASE("shells of equal sense nest without being turned", "[nesting]") {
     }
 }
 
-TEST_CASE("open and flat contours take no part", "[nesting]") {
+TEST_CASE("open and flat contours have no parent and no children", "[nesting]") {
     LayerSample sample;
     sample.add_box({0, 0}, {100, 100}, false);
     sample.add({{10, 10}, {50, 50}}, true);
@@ -133,12 +133,13 @@ TEST_CASE("a start on a boundary is not inside", "[nesting]") {
     LayerSample sample;
     sample.add_box({0, 0}, {100, 100}, false);
     sample.add_box({0, 20}, {30, 40}, true);                     // starts on the left edge
-    sample.add({{10, 0}, {60, 10}, {10, 20}}, true);             // on the bottom edge
-    sample.add({{0, 0}, {90, 10}, {10, 90}}, true);              // at the corner
-    sample.add({{40, 40}, {50, 30}, {60, 40}, {50, 50}}, true);  // on the edge of the one before
-    sample.add({{40, 40}, {50, 50}, {60, 40}, {50, 30}}, true);  // its twin: neither is inside the other
-    sample.add({{45, 35}, {52, 35}, {50, 40}}, true);            // on an edge of the twins
-    sample.add({{50, 50}, {60, 60}, {40, 60}}, true);            // on their corner and the edge of 3
+    sample.add({{10, 0}, {60, 10}, {10, 20}}, true);             // starts on the bottom edge
+    sample.add({{0, 0}, {90, 10}, {10, 90}}, true);              // starts at the corner
+    sample.add({{40, 40}, {50, 30}, {60, 40}, {50, 50}}, true);  // starts on an edge of the contour before it
+    sample.add({{40, 40}, {50, 50}, {60, 40}, {50, 30}},
+               true);                                  // the same, reversed: neither is inside the other
+    sample.add({{45, 35}, {52, 35}, {50, 40}}, true);  // starts on an edge of the last two
+    sample.add({{50, 50}, {60, 60}, {40, 60}}, true);  // starts on their corner and on the edge of contour 3
     std::vector<NestItem> items = sample.items();
     Nester(nullptr).nest(items);
     const std::int32_t parents[] = {-1, -1, -1, -1, 3, 3, 3, 0};
@@ -149,11 +150,11 @@ TEST_CASE("a start on a boundary is not inside", "[nesting]") {
     check_against_oracle(sample);
 }
 
-TEST_CASE("the whole range of the grid is exact", "[nesting]") {
+TEST_CASE("nesting is exact up to the limits of the grid", "[nesting]") {
     constexpr std::int32_t far = lamella::grid_limit;
     LayerSample sample;
     sample.add({{-far, -far}, {far, far - 1}, {far, far}}, true);
-    sample.add({{0, 0}, {2, 1}, {1, 1}}, true);  // starts on or beside the long edges
+    sample.add({{0, 0}, {2, 1}, {1, 1}}, true);  // these start on or beside the long edges
     sample.add({{-1, -1}, {2, 1}, {1, 1}}, true);
     sample.add({{far - 2, far - 2}, {far - 1, far - 2}, {far - 1, far - 1}}, true);
     sample.add_box({-far, -far}, {far, far}, true);
@@ -184,7 +185,7 @@ TEST_CASE("layers of many contours agree with the oracle", "[nesting]") {
 
 TEST_CASE("many contours that cross agree with the oracle", "[nesting]") {
     std::mt19937 random(GENERATE(21U, 22U));
-    const bool wide = GENERATE(false, true);  // boxes that see most of the others are looked up in a tree
+    const bool wide = GENERATE(false, true);  // boxes that overlap most others are looked up in a tree
     LayerSample sample;
     for (int i = 0; i < 1000; ++i) {
         const Point low{below(random, 300), below(random, 300)};
@@ -195,7 +196,7 @@ TEST_CASE("many contours that cross agree with the oracle", "[nesting]") {
     check_against_oracle(sample);
 }
 
-TEST_CASE("areas beyond 64 bits are told apart", "[nesting]") {
+TEST_CASE("areas beyond 64 bits are compared exactly", "[nesting]") {
     constexpr std::int32_t far = lamella::grid_limit;
     const auto turns = [](std::int32_t reach, int count) {
         std::vector<Point> points;
@@ -207,7 +208,7 @@ TEST_CASE("areas beyond 64 bits are told apart", "[nesting]") {
     LayerSample sample;
     sample.add(turns(far, 5), true);
     sample.add(turns(far - 1, 3), true);
-    sample.add(turns(far - 2, 4), true);  // larger by area than what lies around it
+    sample.add(turns(far - 2, 4), true);  // larger in area than the contour around it
     sample.add_box({0, 0}, {1, 1}, true);
     std::vector<NestItem> items = sample.items();
     Nester(nullptr).nest(items);
@@ -217,7 +218,7 @@ TEST_CASE("areas beyond 64 bits are told apart", "[nesting]") {
     check_against_oracle(sample);
 }
 
-TEST_CASE("a long contour with many inside", "[nesting]") {
+TEST_CASE("a long contour with many contours inside agrees with the oracle", "[nesting]") {
     std::mt19937 random(5);
     LayerSample sample;
     const int teeth = GENERATE(130, 600, 2500);
@@ -235,7 +236,7 @@ TEST_CASE("a long contour with many inside", "[nesting]") {
     check_against_oracle(sample);
 }
 
-TEST_CASE("ten thousand contours", "[nesting]") {
+TEST_CASE("ten thousand contours nest as constructed", "[nesting]") {
     constexpr int count = 10000;
     Nester nester(nullptr);
     LayerSample sample = lamella::test::concentric_rings(count, 8);
@@ -251,7 +252,7 @@ TEST_CASE("ten thousand contours", "[nesting]") {
     CHECK(std::all_of(items.begin(), items.end(), [](const NestItem& item) { return item.parent == -1; }));
 }
 
-TEST_CASE("scratch is kept from layer to layer", "[nesting]") {
+TEST_CASE("scratch memory is reused from layer to layer", "[nesting]") {
     struct Counter : lamella::Memory {
         Counter() : Memory(lamella::memory_of(*this)) {}
         int allocations = 0;
@@ -286,7 +287,7 @@ TEST_CASE("nesting does not depend on the order of contours or on earlier layers
     Nester nester(nullptr);
     for (int round = 0; round < 300; ++round) {
         LayerSample sample = lamella::test::random_layer(random);
-        sample.drop_repeated();  // equal contours are told apart by index only
+        sample.drop_repeated();  // only their index distinguishes equal contours
         std::vector<std::size_t> order(sample.size());
         for (std::size_t i = 0; i < order.size(); ++i) {
             order[i] = i;

@@ -1,4 +1,5 @@
-// What nesting is made of: sorting by keys, starts within boxes, points within contours, each against the obvious way.
+// The parts of nesting, each compared with a brute-force answer: sorting by keys, starts within boxes, points within
+// contours.
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -30,7 +31,7 @@ bool equal(const SortKey& a, const SortKey& b) {
     return a.key == b.key && a.index == b.index;
 }
 
-/// Points in the order of x, of which many share an x or a y if `size` is small.
+/// Points sorted by x. If `size` is small, many share an x or a y.
 Keys random_starts(std::mt19937& random, int count, int size) {
     Keys keys;
     for (int i = 0; i < count; ++i) {
@@ -54,7 +55,7 @@ Box random_box(std::mt19937& random, int size) {
     return {{std::min(a.x, b.x), std::min(a.y, b.y)}, {std::max(a.x, b.x), std::max(a.y, b.y)}};
 }
 
-/// The starts strictly within the box, but for those taken off.
+/// The starts strictly within the box, except those already taken off.
 std::vector<std::uint32_t> expected_within(const Keys& starts, const std::vector<bool>& taken_off, const Box& box) {
     std::vector<std::uint32_t> within;
     for (std::uint32_t i = 0; i < starts.size(); ++i) {
@@ -74,7 +75,7 @@ std::vector<std::uint32_t> sorted(const Vector<std::uint32_t>& found) {
 
 }  // namespace
 
-TEST_CASE("keys are sorted whatever their number and spread", "[nesting]") {
+TEST_CASE("keys are sorted whatever their number and distribution", "[nesting]") {
     std::mt19937_64 random(1);
     const int count = GENERATE(0, 1, 2, 24, 25, 100, 1023, 1024, 5000);
     Keys spare;
@@ -85,10 +86,10 @@ TEST_CASE("keys are sorted whatever their number and spread", "[nesting]") {
             const std::uint64_t kinds[] = {
                 number,                                                   // all bits vary
                 number % 7,                                               // few values
-                (number % 3 << 62) + (number >> 40),                      // in bunches, of which one digit tells little
+                (number % 3 << 62) + (number >> 40),                      // clusters that one digit hardly separates
                 0x8000'0000'0000'0000U - 50 + number % 100,               // across a carry into all bits
-                (0x7FFF'FFF0U + number % 32) << 32 | (0x8000'0000U - i),  // points about the origin, backwards
-                number % 50 == 0 ? number : static_cast<std::uint64_t>(count) - i,  // close by, with some far off
+                (0x7FFF'FFF0U + number % 32) << 32 | (0x8000'0000U - i),  // points around the origin, in reverse
+                number % 50 == 0 ? number : static_cast<std::uint64_t>(count) - i,  // close together, with a few outliers
             };
             keys.push_back({kinds[spread], i});
         }
@@ -100,7 +101,7 @@ TEST_CASE("keys are sorted whatever their number and spread", "[nesting]") {
     }
 }
 
-TEST_CASE("equal keys are put in an order of their own", "[nesting]") {
+TEST_CASE("equal keys are sorted by a second order", "[nesting]") {
     Keys keys = {{1, 0}, {2, 1}, {2, 2}, {2, 3}, {3, 4}, {4, 5}, {4, 6}};
     lamella::nesting::sort_equal_keys(keys, [](const SortKey& a, const SortKey& b) { return a.index > b.index; });
     const std::uint32_t expected[] = {0, 3, 2, 1, 4, 6, 5};
@@ -108,7 +109,7 @@ TEST_CASE("equal keys are put in an order of their own", "[nesting]") {
                      [](const SortKey& key, std::uint32_t index) { return key.index == index; }));
 }
 
-TEST_CASE("points keep their order as keys", "[nesting]") {
+TEST_CASE("keys of points have the order of the points", "[nesting]") {
     constexpr std::int32_t far = lamella::grid_limit;
     const Point points[] = {{-far, -far}, {-far, far}, {-1, 5}, {0, -1}, {0, 0}, {0, 1}, {far, -far}, {far, far}};
     for (const Point a : points) {
@@ -119,7 +120,7 @@ TEST_CASE("points keep their order as keys", "[nesting]") {
     }
 }
 
-TEST_CASE("the line and the tree find the starts within a box", "[nesting]") {
+TEST_CASE("the line and the tree of starts find the starts within a box", "[nesting]") {
     std::mt19937 random(GENERATE(1U, 2U, 3U));
     const int count = GENERATE(1, 15, 16, 17, 300, 5000);
     const int size = GENERATE(3, 60, 1 << 30);
@@ -127,7 +128,7 @@ TEST_CASE("the line and the tree find the starts within a box", "[nesting]") {
     const Keys starts = random_starts(random, count, size);
     StartLine line(nullptr);
     StartTree tree(nullptr);
-    line.assign(random_starts(random, 40, size));  // what was there before leaves no trace
+    line.assign(random_starts(random, 40, size));  // earlier contents must leave no trace
     tree.assign(random_starts(random, 6000, size), 1.0);
     line.assign(starts);
     tree.assign(starts, slimness);
@@ -155,13 +156,13 @@ TEST_CASE("the line and the tree find the starts within a box", "[nesting]") {
     }
 }
 
-TEST_CASE("many points at once are inside where they are one by one", "[nesting]") {
+TEST_CASE("testing many points at once gives the answers of testing them one by one", "[nesting]") {
     std::mt19937 random(GENERATE(5U, 6U));
     ManyInside many(nullptr);
     for (int round = 0; round < 400; ++round) {
         const int size = 2 + (1 << below(random, 25));
         const std::vector<Point> points = lamella::test::random_walk(random, size);
-        const int bunch = 1 + below(random, size);  // most of them within a part of the contour's height
+        const int bunch = 1 + below(random, size);  // most points lie within a part of the contour's height
         const int count = 1 + below(random, 200);
         many.clear();
         std::vector<std::uint32_t> expected;
@@ -178,7 +179,7 @@ TEST_CASE("many points at once are inside where they are one by one", "[nesting]
     }
 }
 
-TEST_CASE("many points at once at the ends of the grid", "[nesting]") {
+TEST_CASE("testing many points at once is exact at the limits of the grid", "[nesting]") {
     constexpr std::int32_t far = lamella::grid_limit;
     const std::vector<Point> points = {{-far, -far}, {far, -far}, {far, far}, {-far, far}};
     ManyInside many(nullptr);
@@ -198,11 +199,11 @@ TEST_CASE("all forms of the edge test agree", "[nesting]") {
     for (int round = 0; round < 20000; ++round) {
         const int size = 2 + below(random, 30);
         std::vector<Point> points = lamella::test::random_walk(random, size);
-        for (int more = below(random, 5); more > 0; --more) {  // up to some 200, with repeats that do no harm
+        for (int more = below(random, 5); more > 0; --more) {  // up to about 200; repeats do no harm
             const std::vector<Point> walk = lamella::test::random_walk(random, size);
             points.insert(points.end(), walk.begin(), walk.end());
         }
-        const int away = round % 3 == 0 ? -100 : 0;  // also where all coordinates are negative
+        const int away = round % 3 == 0 ? -100 : 0;  // also covers negative coordinates only
         for (Point& p : points) {
             p = {p.x + away, p.y + away};
         }
@@ -231,7 +232,7 @@ TEST_CASE("all forms of sifting find the same edges", "[nesting]") {
         for (Point& point : points) {
             point = {below(random, 9), draw_y()};
         }
-        // Steps of which few hold a point; the first and the last hold none.
+        // Few steps hold a point; the first and the last hold none.
         const int shift = wide ? 24 + below(random, 3) : below(random, 4);
         const std::int32_t low = draw_y() / 2;
         const std::int32_t high = low + (1 << shift) * (2 + below(random, 20));

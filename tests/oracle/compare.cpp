@@ -14,7 +14,7 @@ const char* name_of(lamella::Role role) {
     return names[static_cast<std::size_t>(role)];
 }
 
-/// The rotation that is smallest as a sequence: the same for all starts.
+/// The smallest rotation, compared as a sequence. It is the same for all starts.
 std::vector<Point> smallest_rotation(const std::vector<Point>& points) {
     std::vector<Point> smallest = points;
     for (std::size_t i = 1; i < points.size(); ++i) {
@@ -37,7 +37,7 @@ void print(std::ostream& out, const Contour& contour, bool any_start) {
     }
 }
 
-/// One line a contour, with its parent written out, so that lines can be compared as a set.
+/// One line for each contour, with its parent written out, so that lines can be compared as a set.
 std::vector<std::string> lines_of(const Layer& layer, bool any_start) {
     std::vector<std::string> lines;
     for (const Contour& contour : layer) {

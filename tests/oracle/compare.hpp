@@ -1,4 +1,4 @@
-// The engine's contours against the oracle's, contour by contour.
+// Compares the engine's contours with the oracle's, contour by contour.
 #pragma once
 
 #include <span>
@@ -10,8 +10,8 @@
 
 namespace oracle {
 
-/// The first difference in words, or empty. Order and starts are compared wherever the rules settle them: they do not
-/// where a contour, or two of them, pass through the same start on the same mesh edge twice.
+/// The first difference in words, or empty. Order and starts are compared where the rules define them. They are undefined
+/// where one contour, or two, pass twice through the same start on the same mesh edge.
 std::string difference(std::span<const lamella::Contour> contours, std::span<const lamella::Point> points,
                        std::int64_t first_contour, const Layer& expected);
 
@@ -19,7 +19,7 @@ std::string difference(const lamella::SliceResult& result, const lamella::Layer&
 
 std::string difference(const lamella::LayerContours& layer, const Layer& expected);
 
-/// Every layer of `result` against the oracle's slice of `triangles` at its plane.
+/// Compares every layer of `result` with the oracle's slice of `triangles` at its plane.
 std::string difference(const lamella::SliceResult& result, std::span<const Triangle> triangles);
 
 }  // namespace oracle

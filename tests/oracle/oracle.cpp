@@ -13,10 +13,10 @@ using lamella::Role;
 
 namespace {
 
-/// One end of the segment of one face. The face's third vertex says in which direction the segment leaves the edge.
+/// One end of a face's segment. The face's third vertex gives the direction in which the segment leaves the edge.
 struct End {
     std::size_t segment = 0;
-    bool out = false;  ///< the segment leaves here: the face runs down this edge
+    bool out = false;  ///< the source: the face runs down this edge
     GridVertex third;
     Crossing at;
     std::uint32_t rank = 0;
@@ -62,7 +62,7 @@ struct Direction {
     Int128 y = 0;
 };
 
-/// Where a face lies as seen along its edge from above: its third vertex shifted along the edge to the edge's foot.
+/// The direction of a face as seen along its edge from above: its third vertex, shifted along the edge to the edge's foot.
 Direction direction_of(const EdgeKey& edge, GridVertex third) {
     const auto& [low, high] = edge;
     const Int128 dz = Int128{high.z} - low.z;
@@ -80,9 +80,9 @@ bool before(Direction zero, Direction a, Direction b) {
     return second_half(a) != second_half(b) ? second_half(b) : cross(a, b) > 0;
 }
 
-/// The ends at one edge, counter-clockwise from the smallest third vertex. A third vertex in line with the edge has no angle
-/// and counts as lying there too. Ends at one angle: those that come in, then those that go out in the opposite order, so
-/// that brackets nest and of several equal faces each keeps its place from edge to edge.
+/// Sorts the ends at one edge counter-clockwise from the smallest third vertex. A third vertex in line with the edge has
+/// no angle and is placed at angle zero. At equal angles, targets come first, then sources in the opposite order. Brackets
+/// then nest, and each of several equal faces keeps its place from edge to edge.
 void sort_around(std::vector<End*>& around) {
     const EdgeKey edge = around.front()->at.edge;
     const auto no_angle = [](Direction d) { return d.x == 0 && d.y == 0; };
@@ -112,8 +112,8 @@ void sort_around(std::vector<End*>& around) {
     });
 }
 
-/// Each end that comes in with the next one clockwise that goes out, as brackets match round a circle; then what is left,
-/// two by two.
+/// Pairs each target with the next source clockwise, as brackets match around a circle. Then pairs the remaining ends two
+/// by two.
 void pair_around(std::span<End* const> around, std::vector<End>& ends) {
     const auto join = [&](End* a, End* b) {
         a->mate = static_cast<std::size_t>(b - ends.data());
@@ -163,7 +163,7 @@ std::vector<End> linked_ends(std::span<const Triangle> triangles, std::int32_t z
 struct Walk {
     std::vector<Crossing> crossings;
     std::uint32_t segments = 0;
-    std::int64_t votes = 0;  ///< segments walked as their faces say, minus those walked backwards
+    std::int64_t votes = 0;  ///< segments walked forwards minus segments walked backwards
     bool closed = false;
 };
 
@@ -195,7 +195,7 @@ Int128 twice_area_of(std::span<const Point> points) {
     return sum;
 }
 
-/// The crossings from the canonical start on, each point once where several follow each other.
+/// The points from the canonical start on, without equal successive points.
 std::vector<Point> canonical_points(std::vector<Crossing>& crossings, bool closed) {
     if (closed) {
         std::rotate(crossings.begin(), std::min_element(crossings.begin(), crossings.end()), crossings.end());
@@ -212,7 +212,7 @@ std::vector<Point> canonical_points(std::vector<Crossing>& crossings, bool close
     return points;
 }
 
-/// The mesh edges along a walk, a closed one from where they read smallest.
+/// The mesh edges along a walk. For a closed walk, the rotation that compares smallest.
 std::vector<EdgeKey> reading_of(const std::vector<Crossing>& crossings, bool closed) {
     std::vector<EdgeKey> edges;
     edges.reserve(crossings.size());
@@ -227,7 +227,8 @@ std::vector<EdgeKey> reading_of(const std::vector<Crossing>& crossings, bool clo
     return smallest;
 }
 
-/// A walk runs as most of its segments say; where as many say one way as the other, as its edges read smaller.
+/// A walk gets the orientation of most of its segments. In a tie, it gets the direction in which its edges compare
+/// smaller.
 bool runs_backwards(const Walk& walk) {
     if (walk.votes != 0) {
         return walk.votes < 0;
@@ -275,7 +276,7 @@ Int128 size_of(const Contour& contour) {
     return contour.twice_area < 0 ? -contour.twice_area : contour.twice_area;
 }
 
-/// Smaller by area; of equal ones the one that starts first.
+/// Smaller by area; of equal areas, the contour that starts first.
 bool smaller(const Contour& a, const Contour& b) {
     return std::tuple(size_of(a), a.points.front(), a.points) < std::tuple(size_of(b), b.points.front(), b.points);
 }
@@ -293,7 +294,7 @@ void find_parents(Layer& layer) {
 
 void decide_roles(Layer& layer) {
     for (Contour& contour : layer) {
-        std::vector<int> senses;  // from the contour out to the outermost
+        std::vector<int> senses;  // from the contour out to its outermost ancestor
         for (const Contour* c = &contour; c->sense != 0; c = &layer[static_cast<std::size_t>(c->parent)]) {
             senses.push_back(c->sense);
             if (c->parent < 0) {
@@ -320,7 +321,7 @@ void decide_roles(Layer& layer) {
     }
 }
 
-/// Sorted by start, then each hole moved behind its outer.
+/// Sorted by start, then each hole moved after its outer.
 Layer in_order(const Layer& layer) {
     const auto owner = [&](std::size_t c) {
         const std::size_t hole = c;

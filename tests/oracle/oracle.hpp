@@ -1,5 +1,5 @@
-// The obvious slicer: all planes times all triangles, std::map for linking, brute force for nesting. It follows the rules
-// that are documented in include/lamella and shares no code with the engine but its types.
+// A slicer that is easy to verify: it tests all planes against all triangles, links with std::map and nests by brute
+// force. It follows the rules documented in include/lamella and shares only types with the engine.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ __extension__ using Int128 = __int128;
 using Triangle = std::array<lamella::GridVertex, 3>;
 using EdgeKey = std::pair<lamella::GridVertex, lamella::GridVertex>;  ///< lower end, upper end
 
-/// Nine numbers a triangle to the even grid; triangles with two equal vertices are dropped.
+/// Rounds nine numbers a triangle to the even grid. Drops triangles with two equal vertices.
 std::vector<Triangle> quantise(std::span<const double> coordinates, double unit_mm);
 
 /// A point of a contour and the mesh edge that it lies on.
@@ -32,7 +32,7 @@ struct Crossing {
 struct Contour {
     std::vector<lamella::Point> points;
     Crossing start;
-    bool start_is_unique = true;  ///< false: passes through its start again, so where it starts is a matter of taste
+    bool start_is_unique = true;  ///< false: it passes through its start again, and either pass may be first
     Int128 twice_area = 0;
     int parent = -1;  ///< index into the layer, -1 if none
     std::uint32_t segments = 0;
@@ -44,7 +44,7 @@ struct Contour {
 /// Contours in canonical order.
 using Layer = std::vector<Contour>;
 
-/// The segments of the plane at odd height `z`, with keys and ranks as assemble() wants them.
+/// The segments of the plane at odd height `z`, with the keys and ranks that assemble() takes.
 std::vector<lamella::Segment> segments_at(std::span<const Triangle> triangles, std::int32_t z);
 
 Layer slice_at(std::span<const Triangle> triangles, std::int32_t z);

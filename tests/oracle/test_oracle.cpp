@@ -1,4 +1,4 @@
-// The oracle against contours known by hand, and the comparison against results that differ.
+// Tests the oracle on contours known by hand, and the comparison on results that differ.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
@@ -38,7 +38,7 @@ TEST_CASE("the oracle finds an outer, its hole and an open polyline", "[oracle]"
     CHECK(layer[2].segments == 1);
 }
 
-TEST_CASE("the oracle rounds ties to even and drops what collapses", "[oracle]") {
+TEST_CASE("the oracle rounds ties to even and drops degenerate triangles", "[oracle]") {
     const shapes::Soup soup = shapes::triangle({0.5, 1.5, 2.5}, {-0.5, 3, 4}, {5, 6, 7});
     const std::vector<oracle::Triangle> triangles = oracle::quantise(soup, coarse_unit_mm);
     REQUIRE(triangles.size() == 1);
@@ -47,7 +47,7 @@ TEST_CASE("the oracle rounds ties to even and drops what collapses", "[oracle]")
     CHECK(oracle::quantise(shapes::triangle({0, 0, 0}, {0.4, 0, 0}, {5, 6, 7}), coarse_unit_mm).empty());
 }
 
-TEST_CASE("the comparison sees every difference", "[oracle]") {
+TEST_CASE("the comparison finds every difference", "[oracle]") {
     const oracle::Layer expected = layer_of_shells();
     const auto differs = [&](auto&& damage) {
         lamella::SliceResult result = sliced(shells, at_heights({3}));

@@ -1,5 +1,5 @@
-// Two tasks write one integer without synchronisation: the thread sanitizer must say so, or its silence about the engine
-// would mean nothing.
+// Two tasks write one integer without synchronisation. The thread sanitizer must report it; otherwise its silence about
+// the engine would mean nothing.
 #include <atomic>
 #include <cstdio>
 
@@ -10,7 +10,7 @@ int main() {
     std::atomic<int> begun{0};
     const lamella::Parallel parallel({.threads = 2});
     parallel.run(2, [&](std::size_t, int) {
-        // Both run at once; relaxed, so that waiting orders nothing.
+        // Waits until both tasks run. The order is relaxed, so that waiting synchronises nothing.
         begun.fetch_add(1, std::memory_order_relaxed);
         while (begun.load(std::memory_order_relaxed) < 2) {
         }

@@ -1,5 +1,6 @@
-// A bone-like solid after the femur: a bowed shaft between two condyles below and a head and trochanter above, inside a
-// cortex; trabeculae (the level set of a random field of plane waves) in the ends; a medullary cavity in the shaft.
+// A bone-like solid after the femur: a bowed shaft between two condyles below and a head and a trochanter above. A
+// cortex encloses trabeculae (the level set of a random field of plane waves) in the ends and a medullary cavity in the
+// shaft.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,8 +17,8 @@ namespace {
 constexpr double half_width = 0.185;
 constexpr double half_depth = 0.125;
 
-// The part of an ellipsoid's field that varies along one lattice row: c - (a x + b)^2 - (d x + e)^2, which near the surface
-// is about the distance from it, positive inside.
+// The field of an ellipsoid along one lattice row: c - (a x + b)^2 - (d x + e)^2. It is positive inside; near the
+// surface its value is about the distance from it.
 struct RowQuadric {
     double c = 0;
     double a = 0;
@@ -26,7 +27,7 @@ struct RowQuadric {
     double e = 0;
 };
 
-// Turned in the x-z plane by `lean` turns.
+// An ellipsoid turned in the x-z plane by `lean` turns.
 struct Ellipsoid {
     std::array<double, 3> centre{};
     std::array<double, 3> radii{};
@@ -59,18 +60,18 @@ constexpr std::array<Ellipsoid, part_count - 1> anatomy{{
     {{0.105, 0.0, 0.920}, {0.074, 0.074, 0.074}, 0},      // head
 }};
 
-// Smooth maximum: where a and b are within `width` of each other the corner is rounded off.
+// Smooth maximum: rounds the corner where a and b differ by less than `width`.
 inline double join(double a, double b, double width) noexcept {
     const double near = std::max(width - std::abs(a - b), 0.0);
     return std::max(a, b) + near * near / (4 * width);
 }
 
-// Plane waves of about one wavelength in random directions, scaled to unit variance.
+// A random field: the sum of plane waves of about one wavelength in random directions, scaled to unit variance.
 class Waves {
 public:
     Waves(std::size_t count, double wavelength, double z_stretch, Random& random) {
         for (std::size_t n = 0; n < count; ++n) {
-            // Directions spread over the half sphere by equal steps in height, by random azimuths.
+            // Directions cover the half sphere: equal steps in height, random azimuths.
             const double up = (static_cast<double>(n) + random.unit()) / static_cast<double>(count);
             const SinCos azimuth = sincos_turns(random.unit());
             const double level = std::sqrt(1 - up * up);
@@ -94,7 +95,7 @@ public:
         }
     }
 
-    // values[i] = the field at node i of the row
+    // Sets values[i] to the field at node i of the row.
     void row(double y, double z, const RowSpan& span, double* values) const {
         std::fill(values + span.first, values + span.last, 0.0);
         for (std::size_t n = 0; n < waves_.size(); ++n) {
@@ -130,7 +131,7 @@ public:
         lattice_ = lattice;
         relief_.prepare(lattice);
         pores_.prepare(lattice);
-        // Farther out than this, neither a join nor a node's neighbour can matter.
+        // Farther out than this, the field affects neither a join nor a node's neighbour.
         const double step = 2 * lattice.longest_step();
         margin_ = join_width + step + 10 * step * step;
         pore_values_.resize(lattice.nx);
@@ -178,7 +179,7 @@ private:
         return parts;
     }
 
-    // The nodes of a row that are not far outside every part.
+    // The nodes of a row, except those far outside every part.
     RowSpan reach(const std::array<RowQuadric, part_count>& parts) const noexcept {
         double low = half_width;
         double high = -half_width;
@@ -193,7 +194,7 @@ private:
         return span_between(lattice_, low, high);
     }
 
-    // About the depth below the smooth outer surface.
+    // The approximate depth below the smooth outer surface.
     void outside(const std::array<RowQuadric, part_count>& parts, const RowSpan& span, double* values) const noexcept {
         for (std::uint32_t i = span.first; i < span.last; ++i) {
             const double x = lattice_.x(i);
@@ -207,7 +208,7 @@ private:
         }
     }
 
-    // Roughens the outside and takes out what lies between the trabeculae and in the medullary cavity.
+    // Roughens the outer surface and removes the pores between the trabeculae and the medullary cavity.
     void hollow(double y, double z, const RowSpan& span, double* values) const noexcept {
         constexpr double half_length = 0.30;
         constexpr double cavity_radius = 0.022;

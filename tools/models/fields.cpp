@@ -14,7 +14,7 @@ namespace {
 
 constexpr double tau = 6.283185307179586476925286766559;
 
-// A torus of tube radius `tube` around a circle of radius `ring`, its axis leaning by the angle of the 3-4-5 triangle.
+// A torus of tube radius `tube` around a circle of radius `ring`. Its axis leans by an angle of the 3-4-5 triangle.
 class Torus final : public Field {
 public:
     explicit Torus(const Recipe& recipe) : turn_(sincos_turns(Random(recipe.seed).unit())) {}
@@ -23,8 +23,8 @@ public:
     double half_y() const noexcept override { return ring_ + tube_; }
     void prepare(const Lattice& lattice) override { lattice_ = lattice; }
 
-    // With q the squared distance from the centre and rho the one from the axis, the solid is where
-    // (q + ring^2 - tube^2)^2 <= 4 ring^2 rho^2.
+    // With q the squared distance from the centre and rho the distance from the axis, the solid is where (q + ring^2 -
+    // tube^2)^2 <= 4 ring^2 rho^2.
     RowSpan fill_row(std::uint32_t k, std::uint32_t j, double* row) override {
         const double z = lattice_.z(k) - 0.5;
         const double y = lattice_.y(j);
@@ -42,7 +42,7 @@ public:
     }
 
 private:
-    // Within the ball and the slab that hold the torus.
+    // The nodes within the ball and the slab that enclose the torus.
     RowSpan near(double y, double z, double along_base, double along_slope) const noexcept {
         const double margin = 2 * lattice_.longest_step();
         const double reach = ring_ + tube_ + margin;
@@ -63,7 +63,7 @@ private:
 
     static constexpr double lean_sin_ = 0.8;
     static constexpr double lean_cos_ = 0.6;
-    // Height 2 (ring * sin + tube) = 1.
+    // Makes the height 1: 2 (ring * sin + tube) = 1.
     static constexpr double tube_ = 0.14;
     static constexpr double ring_ = (0.5 - tube_) / lean_sin_;
 
@@ -71,11 +71,11 @@ private:
     Lattice lattice_;
 };
 
-// sin x cos y + sin y cos z + sin z cos x, thickened to both sides, within a ball.
+// The sheet sin x cos y + sin y cos z + sin z cos x = 0, thickened on both sides, within a ball.
 class Gyroid final : public Field {
 public:
     explicit Gyroid(const Recipe& recipe) {
-        // A sheet wants some twelve thousand triangles per period cubed to come out smooth.
+        // A smooth sheet needs about twelve thousand triangles per period cubed.
         while (periods_ < most_periods_ &&
                12000 * (periods_ + 0.5) * (periods_ + 0.5) * (periods_ + 0.5) < static_cast<double>(recipe.triangles)) {
             periods_ += 0.5;
@@ -112,7 +112,7 @@ public:
         const RowSpan span = span_between(lattice_, -std::sqrt(square), std::sqrt(square));
         const SinCos b = y_[j];
         const SinCos c = sincos_turns(z * periods_ + shift_[2]);
-        const double slope = tau * periods_;  // brings the sheet's field to about the scale of a distance
+        const double slope = tau * periods_;  // scales the sheet's field to about a distance
         for (std::uint32_t i = span.first; i < span.last; ++i) {
             const double x = lattice_.x(i);
             const double sheet = x_[i].sin * b.cos + b.sin * c.cos + c.sin * x_[i].cos;
@@ -128,7 +128,7 @@ private:
     static constexpr double radius_ = 0.5;
     static constexpr double most_periods_ = 5;
     static constexpr double thickness_ = 0.55;
-    static constexpr double rounding_ = 0.015;  // of the rim where the sheet meets the ball
+    static constexpr double rounding_ = 0.015;  // radius that rounds the rim where the sheet meets the ball
 
     double periods_ = 0.5;
     std::array<double, 3> shift_{};

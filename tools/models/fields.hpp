@@ -1,4 +1,4 @@
-// The solids that are given by a field rather than by rings.
+// Solids that are given by a field rather than by rings.
 #pragma once
 
 #include <memory>
@@ -7,10 +7,10 @@
 
 namespace lamella::models {
 
-/// Torus, gyroid or bone. Detail that the recipe's triangles could not carry is left out.
+/// Torus, gyroid or bone. Leaves out detail too fine for the recipe's number of triangles.
 std::unique_ptr<Field> make_field(const Recipe& recipe);
 
-/// The bone alone; see bone.cpp for its anatomy.
+/// The bone alone; bone.cpp describes its anatomy.
 std::unique_ptr<Field> make_bone(const Recipe& recipe);
 
 }  // namespace lamella::models

@@ -1,4 +1,4 @@
-// Chooses the lattice on which an isosurface has the triangles, and the crossings, that were asked for.
+// Chooses the lattice whose isosurface has the requested numbers of triangles and crossings.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -33,11 +33,11 @@ private:
     std::uint64_t splits_;
 };
 
-// What is wanted of a lattice, in shape space.
+// The requested size of the isosurface, in shape space.
 struct Goal {
-    double triangles = 0;            // at most
+    double triangles = 0;            // upper bound
     std::optional<double> z_extent;  // sum over triangles: crossings times layer height
-    double flatness = 1;             // dz / dx, unless the extent decides it
+    double flatness = 1;             // dz / dx, unless z_extent decides it
 };
 
 struct Spacing {
@@ -45,8 +45,9 @@ struct Spacing {
     double dz = 0;
 };
 
-// Triangles go as 1 / (dx dz) and their mean extent as dz, about: a fixed-point iteration, damped where it swings because
-// triangles come in jumps or the lattice is far from cubic.
+// A fixed-point iteration for the lattice spacing. The number of triangles is about proportional to 1 / (dx dz), and
+// their mean z extent to dz. It is damped where it oscillates, because the number of triangles jumps or the lattice is
+// far from cubic.
 class Correction {
 public:
     explicit Correction(const Goal& goal) : goal_(goal) {}
@@ -79,7 +80,7 @@ private:
     int damping_ = 0;
 };
 
-// More than a step in each direction, and a number of nodes that can be visited.
+// Whether the spacing gives more than one step in each direction and a number of nodes that can be visited.
 bool sensible(const Field& field, const Spacing& spacing) {
     constexpr double most_nodes = 2e10;
     constexpr double most_plane_nodes = 2e7;
@@ -91,16 +92,18 @@ bool sensible(const Field& field, const Spacing& spacing) {
 struct Choice {
     Spacing spacing;
     SurfaceSize size;
-    bool met = false;  // otherwise `size` is the last that was tried
+    bool met = false;  // whether `size` meets the goal; otherwise it is the last size tried
 };
 
-// With what splitting adds: seven sixths of a split triangle's extent, on average over the height of its middle vertex.
+// The extent after splitting. A split adds seven sixths of the triangle's extent, averaged over the height of its
+// middle vertex.
 double expected_extent(const SurfaceSize& size, const Goal& goal) {
     const double splits = std::max(goal.triangles - size.triangles, 0.0) / 2;
     return size.z_extent * (1 + splits / size.triangles * 7 / 6);
 }
 
-// From samples of slabs, then from whole counts until one is at or just below the goal; splits make up the rest.
+// Corrects the spacing first by sampled slabs, then by full counts, until one is at or just below the goal. Splits add
+// the missing triangles.
 Choice choose_spacing(Field& field, const Goal& goal) {
     constexpr int most_samples = 8;
     constexpr int most_counts = 24;
@@ -108,7 +111,7 @@ Choice choose_spacing(Field& field, const Goal& goal) {
     const bool extents = goal.z_extent.has_value();
     double aim = 0.993;
     Correction correction(goal);
-    // Four triangles per square of a lattice step, three units of area.
+    // Starts from four triangles per square of a lattice step and three units of area.
     Spacing spacing;
     spacing.dx = std::sqrt(4 * 3 / (goal.triangles * goal.flatness));
     spacing.dz = spacing.dx * goal.flatness;
@@ -135,7 +138,7 @@ Choice choose_spacing(Field& field, const Goal& goal) {
             break;
         }
         spacing = correction.next(spacing, size, aim);
-        aim *= 0.99;  // the same aim again could miss the same way
+        aim *= 0.99;  // the same aim could miss in the same way again
     }
     return best;
 }

@@ -10,7 +10,8 @@ namespace lamella::models {
 
 namespace {
 
-// A cube's corner is a number of three bits: x, y << 1, z << 2. Kuhn's edges lead from a corner to one with more bits set.
+// A cube's corner is a number of three bits: x, y << 1, z << 2. Kuhn's edges lead from a corner to one with more bits
+// set.
 struct CubeEdge {
     std::uint8_t from = 0;
     std::uint8_t to = 0;
@@ -47,7 +48,7 @@ constexpr std::uint8_t edge_between(unsigned a, unsigned b) {
 constexpr std::array<std::array<unsigned, 4>, 6> tetrahedra{
     {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
 
-// The triangles in a cube, or in one of its tetrahedra, for one set of corners that lie inside.
+// The triangles in a cube, or in one of its tetrahedra, for one set of inside corners.
 struct CubeCase {
     std::uint8_t triangles = 0;
     std::uint32_t edges_used = 0;
@@ -64,14 +65,14 @@ constexpr Offset minus(const Offset& a, const Offset& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-// Twice the middle of an edge: where on the edge the surface passes does not change a triangle's orientation.
+// Twice the middle of an edge. Where the surface crosses the edge does not affect the orientation of triangles.
 constexpr Offset middle(std::uint8_t edge) {
     const Offset a = corner_offset(cube_edges[edge].from);
     const Offset b = corner_offset(cube_edges[edge].to);
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
-// Adds a triangle, turned so that its normal has a positive part along `outwards`.
+// Adds a triangle, oriented so that its normal has a positive component along `outwards`.
 constexpr void add_triangle(CubeCase& cube, std::array<std::uint8_t, 3> e, const Offset& outwards) {
     const Offset u = minus(middle(e[1]), middle(e[0]));
     const Offset v = minus(middle(e[2]), middle(e[0]));
@@ -125,8 +126,8 @@ constexpr void add_tetrahedron(CubeCase& cube, unsigned inside, const std::array
     }
 }
 
-// By tetrahedron and the set of its four corners that lie inside. (Worked out apart from the cubes, because clang evaluates
-// only so many steps in one constant.)
+// By tetrahedron and by the set of its inside corners. This table is separate from the cubes' because clang limits the
+// steps of one constant evaluation.
 constexpr auto tetrahedron_cases = [] {
     std::array<std::array<CubeCase, 16>, tetrahedra.size()> cases{};
     for (std::size_t t = 0; t < tetrahedra.size(); ++t) {
@@ -157,7 +158,8 @@ constexpr auto cube_cases = [] {
     return cases;
 }();
 
-// The nodes of one lattice plane: values and whether they lie inside. What is outside the rows' spans stays as it was made.
+// The nodes of one lattice plane: their values and whether they lie inside. Nodes outside the rows' spans keep their
+// initial values.
 struct NodePlane {
     std::vector<double> values;
     std::vector<std::uint8_t> inside;
@@ -191,7 +193,7 @@ public:
     Slab(const Lattice& lattice, const NodePlane& lower, const NodePlane& upper, std::uint32_t k)
         : lattice_(lattice), planes_{&lower, &upper}, k_(k) {}
 
-    // visit(i, j, case) for each cube that the surface passes through.
+    // Calls visit(i, j, case) for each cube that the surface passes through.
     template <class Visit>
     void for_each_cube(std::vector<std::uint8_t>& columns, Visit visit) const {
         const std::size_t nx = lattice_.nx;
@@ -212,7 +214,8 @@ public:
         }
     }
 
-    // Where along the edge, from 0 to 1, the surface passes; kept off the ends so that no triangle degenerates.
+    // The position from 0 to 1 where the surface crosses the edge. It is kept away from the ends so that no triangle
+    // degenerates.
     double crossing(std::uint32_t i, std::uint32_t j, const CubeEdge& edge) const noexcept {
         constexpr double nearest = 0.05;
         const double from = node(i, j, edge.from);
@@ -223,7 +226,7 @@ public:
     std::uint32_t k() const noexcept { return k_; }
 
 private:
-    // The spans of rows j and j + 1 in both planes, with a node to each side.
+    // The union of the spans of rows j and j + 1 in both planes, with one more node on each side.
     RowSpan common_span(std::uint32_t j) const noexcept {
         RowSpan common{lattice_.nx, 0};
         for (const NodePlane* plane : planes_) {
@@ -247,7 +250,7 @@ private:
     std::uint32_t k_;
 };
 
-// Calls visit_slab for every stride-th slab; false from it ends the walk.
+// Calls visit_slab for every stride-th slab. Stops when it returns false.
 template <class VisitSlab>
 bool walk(Field& field, const Lattice& lattice, std::uint32_t stride, VisitSlab visit_slab) {
     field.prepare(lattice);

@@ -1,8 +1,8 @@
-// Isosurfaces by marching tetrahedra: every cube of a lattice is cut into the six tetrahedra around its main diagonal
-// (Kuhn), which match across neighbouring cubes, and each tetrahedron contributes at most two triangles. The result is a
-// closed 2-manifold whatever the field, because the lattice's border counts as outside.
+// Isosurfaces by marching tetrahedra. Every cube of a lattice is divided into the six tetrahedra around its main
+// diagonal (Kuhn), which match across neighbouring cubes. Each tetrahedron contributes at most two triangles. The
+// result is a closed 2-manifold for any field, because the lattice's border counts as outside.
 //
-// Two planes of nodes are held at a time. A vertex depends on nothing but its lattice edge, so neighbours that compute it
+// Two planes of nodes are in memory at a time. A vertex depends only on its lattice edge, so neighbours that compute it
 // twice get the same bits.
 #pragma once
 
@@ -35,10 +35,10 @@ struct RowSpan {
     std::uint32_t last = 0;
 };
 
-/// The nodes with low <= x <= high and one to each side, without those on the lattice's border.
+/// The nodes with low <= x <= high and one more on each side, except those on the lattice's border.
 RowSpan span_between(const Lattice& lattice, double low, double high) noexcept;
 
-/// A solid: where the value is not negative. Lies within |x| < half_x, |y| < half_y, 0 <= z <= 1.
+/// A solid: the points where the field is not negative. It lies within |x| < half_x, |y| < half_y, 0 <= z <= 1.
 class Field {
 public:
     Field() = default;
@@ -49,15 +49,15 @@ public:
     virtual double half_x() const noexcept = 0;
     virtual double half_y() const noexcept = 0;
 
-    /// Makes tables for this lattice, on which fill_row() then works.
+    /// Makes the tables that fill_row() needs for this lattice.
     virtual void prepare(const Lattice& lattice) = 0;
 
-    /// Writes the values of row j of plane k, as far as they are near the solid, and returns where: everything else counts
-    /// as far outside. Nodes next to one that is inside are near.
+    /// Writes the values of row j of plane k near the solid, and returns the span written. All other nodes count as far
+    /// outside. A node next to an inside node counts as near.
     virtual RowSpan fill_row(std::uint32_t k, std::uint32_t j, double* row) = 0;
 };
 
-/// A lattice around the field's box, with at least one node to spare on each side.
+/// A lattice around the field's box, with at least one extra node on each side.
 Lattice lattice_around(const Field& field, double dx, double dz) noexcept;
 
 struct SurfaceSize {
@@ -65,7 +65,8 @@ struct SurfaceSize {
     double z_extent = 0;  ///< sum over triangles, in shape space
 };
 
-/// What march() would make, from every `stride`-th slab, scaled up; exact for stride 1. Extents only when asked for.
+/// The size of march()'s result, estimated from every `stride`-th slab; exact for stride 1. Computes extents only on
+/// request.
 SurfaceSize measure(Field& field, const Lattice& lattice, std::uint32_t stride, bool extents);
 
 /// Millimetres per unit of shape space.

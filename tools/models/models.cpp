@@ -60,7 +60,7 @@ Plan plan(const Recipe& recipe) {
     return rings ? plan_rings(recipe) : plan_isosurface(recipe);
 }
 
-// All triangles in the recipe's order: Fisher and Yates's shuffle where that is random.
+// All triangles in the recipe's order. The random order is Fisher and Yates's shuffle.
 std::vector<Triangle> collect(const Recipe& recipe, Surface& surface) {
     std::vector<Triangle> all;
     all.reserve(surface.triangles());

@@ -28,7 +28,7 @@ SinCos sincos_turns(double turns) noexcept {
     if (fraction < 0) {
         fraction += 1;
     }
-    const int quarter = static_cast<int>(fraction * 8 + 1) / 2;  // the nearest
+    const int quarter = static_cast<int>(fraction * 8 + 1) / 2;  // the nearest quarter turn
     const SinCos at = sincos_octant((fraction - quarter * 0.25) * tau);
     switch (quarter & 3) {
         case 0:

@@ -1,4 +1,4 @@
-// Numbers that are the same on every platform: the C library's sine is not.
+// Numbers that are the same on every platform, as the C library's sine is not.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@ struct SinCos {
     double cos = 1;
 };
 
-/// Of an angle in turns, |turns| < 2^52; within 2e-16 for small angles.
+/// Sine and cosine of an angle in turns, |turns| < 2^52; within 2e-16 for small angles.
 SinCos sincos_turns(double turns) noexcept;
 
-/// SplitMix64.
+/// The random number generator SplitMix64.
 class Random {
 public:
     explicit Random(std::uint64_t seed) noexcept : state_(seed) {}
     std::uint64_t next() noexcept;
-    /// In [0, 1).
+    /// A number in [0, 1).
     double unit() noexcept { return static_cast<double>(next() >> 11) * 0x1p-53; }
-    /// In [0, bound).
+    /// A number in [0, bound).
     std::uint32_t below(std::uint32_t bound) noexcept { return static_cast<std::uint32_t>(((next() >> 32) * bound) >> 32); }
 
 private:

@@ -1,8 +1,8 @@
 // Sphere and prism: rings of equal numbers of points, one above the other, joined by rows of triangles.
 //
 //      row j:   upper ring   u0----u1----u2
-//                             | \   | \   |      each quad as (l0, l1, u0), (l1, u1, u0), both counter-clockwise
-//               lower ring   l0----l1----l2      from outside
+//                             | \   | \   |      each quad is (l0, l1, u0) and (l1, u1, u0),
+//               lower ring   l0----l1----l2      counter-clockwise as seen from outside
 //
 // A sphere ends in poles (fans of `points` triangles), a prism in flat caps (zigzags of `points` - 2).
 #include <algorithm>
@@ -19,14 +19,15 @@ namespace {
 
 constexpr std::size_t batch_triangles = 1 << 16;
 
-// Splitting a triangle in three adds 7/6 of its z extent to the sum of extents, over all positions of its middle vertex.
+// Splitting a triangle in three adds 7/6 of its z extent to the sum of extents, averaged over the height of its middle
+// vertex.
 constexpr double split_extent_gain = 7.0 / 6;
 
 struct RingSizes {
-    std::uint64_t points = 0;  // per ring
+    std::uint64_t points = 0;  // in each ring
     std::uint64_t rows = 0;
     std::uint64_t splits = 0;
-    double segments = 0;  // expected, at the recipe's layer height
+    double segments = 0;  // expected number, at the recipe's layer height
 };
 
 class Rings final : public Surface {
@@ -98,7 +99,8 @@ private:
             } else {
                 out.add({lower[i], lower[next], upper[i]});
                 out.add({lower[next], upper[next], upper[i]});
-                // No facet of a prism is split, so that a row's triangles all begin at one height and need no common sort.
+                // No facet of a prism is split, so all triangles of a row begin at one height and can be flushed in
+                // parts.
                 if (out.pending() >= batch_triangles && !out.flush()) {
                     return false;
                 }
@@ -107,7 +109,7 @@ private:
         return out.flush();
     }
 
-    // Points 0, 1, n-1, 2, n-2, ...: no vertex has more than a handful of triangles.
+    // Takes points 0, 1, n-1, 2, n-2, ..., so that no vertex has more than a few triangles.
     bool emit_cap(const std::vector<Vertex>& ring, bool bottom, Emitter& out) const {
         std::size_t left = 0;
         std::size_t right = ring.size() - 1;
@@ -143,7 +145,7 @@ RingSizes sphere_sizes(const Recipe& recipe, std::uint64_t points) noexcept {
     sizes.rows = recipe.triangles / (2 * points) + 1;
     const std::uint64_t unsplit = 2 * points * (sizes.rows - 1);
     sizes.splits = (recipe.triangles - unsplit) / 2;
-    // Planes through the polar rows cross each triangle once, the others every quad twice.
+    // A plane through a polar row crosses each triangle once; through any other row, each quad twice.
     const double polar = 1 - sincos_turns(0.5 / static_cast<double>(sizes.rows)).cos;
     const double split = static_cast<double>(sizes.splits) / static_cast<double>(unsplit);
     sizes.segments = plane_count(recipe) * static_cast<double>(points) * (2 - polar) * (1 + split_extent_gain * split);
@@ -159,7 +161,7 @@ RingSizes prism_sizes(const Recipe& recipe, std::uint64_t points) noexcept {
     return sizes;
 }
 
-// Of all rings within a fifth of `points`, those with the least `cost`.
+// The rings with the least `cost` among those within a fifth of `points`.
 template <class Sizes, class Cost>
 RingSizes best_rings(double points, std::uint64_t most, Sizes sizes_of, Cost cost) {
     const double first = std::clamp(points * 0.8, 4.0, static_cast<double>(most));
@@ -178,7 +180,7 @@ RingSizes best_rings(double points, std::uint64_t most, Sizes sizes_of, Cost cos
 
 RingSizes choose_rings(const Recipe& recipe) {
     const bool sphere = recipe.shape == Shape::sphere;
-    // A sphere needs one whole row between its polar ones, a prism one row and its caps.
+    // A sphere needs one full row between its polar rows; a prism needs one row and its caps.
     const std::uint64_t most = sphere ? recipe.triangles / 2 : (recipe.triangles + 4) / 4;
     const auto sizes_of = [&](std::uint64_t points) {
         return sphere ? sphere_sizes(recipe, points) : prism_sizes(recipe, points);
@@ -192,7 +194,7 @@ RingSizes choose_rings(const Recipe& recipe) {
     if (!sphere) {
         return sizes_of(most);
     }
-    // The square root makes the triangles at the equator about equilateral.
+    // With about the square root of the triangles, those at the equator are about equilateral.
     std::uint64_t root = 1;
     while (root * root < recipe.triangles) {
         ++root;

@@ -11,7 +11,7 @@ namespace lamella::models {
 
 namespace {
 
-// Unsigned integers in the order of the floats.
+// Maps floats to unsigned integers of the same order.
 std::uint32_t ordered_bits(float value) noexcept {
     const auto bits = std::bit_cast<std::uint32_t>(value + 0.0F);  // -0 becomes +0
     return (bits >> 31) != 0 ? ~bits : bits | 0x80000000U;

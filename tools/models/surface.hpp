@@ -1,5 +1,5 @@
-// What the generators have in common: a surface whose size is settled before any triangle is made, and the way its triangles
-// leave it, sorted by height and split here and there until their number is the one asked for.
+// What the generators share: a surface whose size is known before any triangle is made, and the output of its
+// triangles. Output sorts triangles by height and splits some until their number is the requested one.
 #pragma once
 
 #include <cstddef>
@@ -26,11 +26,11 @@ struct Triangle {
 };
 static_assert(sizeof(Triangle) == 9 * sizeof(float), "a soup is an array of these");
 
-/// Takes the next triangles; false stops the making.
+/// Receives the next triangles; returns false to stop the generator.
 using Consumer = std::function<bool(std::span<const Triangle>)>;
 
-/// Passes triangles on. Of `candidates` splittable ones, `splits` are cut in three at their centre, evenly spread: each adds
-/// two triangles and touches no edge that a neighbour shares.
+/// Passes triangles on. Of `candidates` splittable triangles, `splits`, evenly distributed, are split in three at their
+/// centre. A split adds two triangles and changes no edge that a neighbour shares.
 class Emitter {
 public:
     Emitter(const Consumer& consume, std::uint64_t candidates, std::uint64_t splits);
@@ -39,14 +39,15 @@ public:
     void add_splittable(const Triangle& triangle);
     std::size_t pending() const noexcept { return pending_.size(); }
 
-    /// Hands over what was added, sorted by lowest vertex. Batches must ascend. False once the consumer has had enough.
+    /// Passes on the triangles added so far, sorted by lowest vertex. Batches must ascend. False once the consumer has
+    /// stopped.
     bool flush();
 
 private:
     const Consumer& consume_;
     std::uint64_t candidates_;
     std::uint64_t splits_;
-    std::uint64_t due_;  // counts up by splits_; reaching candidates_ means a split
+    std::uint64_t due_;  // grows by splits_; reaching candidates_ means a split
     bool stopped_ = false;
     std::vector<Triangle> pending_;
     std::vector<Triangle> sorted_;
@@ -60,10 +61,10 @@ public:
     Surface& operator=(const Surface&) = delete;
     virtual ~Surface() = default;
 
-    /// Exactly as many as emit() hands over.
+    /// The exact number that emit() passes on.
     virtual std::uint64_t triangles() const noexcept = 0;
 
-    /// In ascending order of lowest vertices. False if the consumer stopped it.
+    /// Emits triangles in ascending order of lowest vertices. False if the consumer stopped it.
     virtual bool emit(const Consumer& consume) = 0;
 };
 
@@ -75,7 +76,7 @@ Plan plan_rings(const Recipe& recipe);
 /// Torus, gyroid and bone.
 Plan plan_isosurface(const Recipe& recipe);
 
-/// The error for a size that the shape cannot have; `nearest` counts crossings.
+/// The error for a size that the shape cannot have. `nearest` is the nearest possible number of crossings.
 Error unreachable(const Recipe& recipe, double nearest);
 
 }  // namespace lamella::models

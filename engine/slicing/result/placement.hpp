@@ -21,8 +21,8 @@
 #include "base/progress_meter.hpp"
 #include "base/vector.hpp"
 #include "lamella/result.hpp"
-#include "slicing/contours/layer_builder.hpp"
-#include "slicing/sweep/bands.hpp"
+#include "slicing/result/band_output.hpp"
+#include "slicing/bands/bands.hpp"
 
 namespace lamella {
 

@@ -12,7 +12,7 @@
 #include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/sweep/band_sweep.hpp"
-#include "slicing/sweep/bands.hpp"
+#include "slicing/bands/bands.hpp"
 
 namespace lamella::bench {
 

@@ -18,7 +18,7 @@
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/result/placement.hpp"
 #include "slicing/sweep/band_sweep.hpp"
-#include "slicing/sweep/bands.hpp"
+#include "slicing/bands/bands.hpp"
 #include "slicing/sweep/wide_plane.hpp"
 
 namespace lamella {

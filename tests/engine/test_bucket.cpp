@@ -12,7 +12,7 @@
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/grid/soup_box.hpp"
-#include "slicing/sweep/bands.hpp"
+#include "slicing/bands/bands.hpp"
 
 using lamella::BandPlan;
 using lamella::BlockTable;

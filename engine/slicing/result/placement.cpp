@@ -17,7 +17,6 @@ void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t se
     segments_ = segments;
     segments_placed_ = 0;
     lead_ = 2 * static_cast<std::size_t>(threads);
-    shared_ = threads > 1;
     outgrown_ = false;
     head_ = 0;
     point_count_ = 0;
@@ -61,7 +60,8 @@ BandOutput* Placement::acquire(std::size_t band) {
     return output;
 }
 
-/// None if another band's points may come to lie in it.
+/// Where the band's points will lie if each unfinished band before it has a point for each segment. None if the points of
+/// another band may come to lie there.
 std::optional<Placement::Room> Placement::find_room(std::size_t band) {
     if (outgrown_ && band != head_) {
         return {};
@@ -70,8 +70,7 @@ std::optional<Placement::Room> Placement::find_room(std::size_t band) {
     for (std::size_t b = head_; b < band; ++b) {
         room.begin += bands_[b].segments;
     }
-    // The only band in the result may have more points than segments.
-    room.end = shared_ && !outgrown_ ? room.begin + bands_[band].segments : points_.size();
+    room.end = outgrown_ ? points_.size() : room.begin + bands_[band].segments;
     if (room.begin > room.end || room.end > points_.size()) {
         return {};
     }
@@ -83,7 +82,7 @@ std::optional<Placement::Room> Placement::find_room(std::size_t band) {
     return room;
 }
 
-/// The head, and all beyond it that may have been begun.
+/// The head and all later bands that may have been begun.
 std::span<Placement::Placed> Placement::begun() {
     return std::span(placed_).subspan(head_, std::min(lead_ + 1, placed_.size() - head_));
 }
@@ -102,7 +101,7 @@ void Placement::submit(std::size_t band) {
     if (own.output->in_buffer()) {
         own.room.reset();
     }
-    // Fix the places of all that are ready under the lock, copy outside it; the next head may be placed meanwhile.
+    // Places are fixed under the lock and buffers copied outside it; meanwhile another thread may place the next head.
     const std::size_t begin = head_;
     while (head_ < placed_.size() && placed_[head_].done && clear_rooms(point_count_ + placed_[head_].output->point_count)) {
         place_head();
@@ -122,8 +121,8 @@ void Placement::submit(std::size_t band) {
     }
 }
 
-/// Moves what lies below `end` of bands beyond the head, which has outgrown its room, to buffers. False if one of them is
-/// still being swept: its thread will try again.
+/// The head has outgrown its room and will reach to `end`: moves later bands that lie in its way to buffers. False if one of
+/// them is still being swept: its thread will try again.
 bool Placement::clear_rooms(std::uint64_t end) {
     for (Placed& other : begun().subspan(1)) {
         if (other.room && other.room->begin < end) {
@@ -153,7 +152,7 @@ void Placement::place_head() {
     point_count_ += placed.output->point_count;
     contour_count_ += placed.contours.size();
     counts_.add(placed.output->counts);
-    if (placed.output->refused >= 0 && refused_plane_ < 0) {  // bands are placed in order: nothing below was
+    if (placed.output->refused >= 0 && refused_plane_ < 0) {  // bands are placed in order: this is the lowest
         refused_plane_ = bands_[head_].first + placed.output->refused;
         aborted_ = true;
     }

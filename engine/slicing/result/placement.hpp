@@ -1,12 +1,21 @@
-// Stage 8: bands finish in any order and are placed in theirs. How many points a band has is known only when it is done,
-// since equal consecutive points are stored once and open polylines have one more than segments. But nearly every band has
-// one for each segment, so a band is swept straight to where its points will lie if the unfinished ones before it have:
+// Where the points of each band go. Bands finish in any order and are placed in theirs. How many points a band has is known
+// only when it is done: equal consecutive points are stored once, and open polylines have one more point than segments. But
+// nearly every band has one point for each segment. A band is therefore swept straight to where its points will lie if that
+// holds for the unfinished bands before it:
 //
 //     band        0       1          2           3
 //               placed  placed   swept, head    done
 //     points  [  0   |   1    |   2 ...       |  3        ]     2 has lost a point: 3 is moved down by one
 //
-// Where that room might be another band's, a band is swept into a buffer. No thread runs further ahead than a few bands.
+// The ways that a band's points can take:
+//
+//     straight    swept to its place
+//     moved       swept to a room above its place; moved down when it is placed
+//     buffered    swept to a buffer and copied: its room might be another band's, or some band has outgrown its room
+//     outgrown    begun in a room, finished in a buffer and copied
+//     cleared     done in its room, copied to a buffer since a band below has outgrown its own
+//
+// A thread waits while it is more than two bands a thread ahead of the first unfinished one, the head.
 #pragma once
 
 #include <condition_variable>
@@ -21,8 +30,8 @@
 #include "base/progress_meter.hpp"
 #include "base/vector.hpp"
 #include "lamella/result.hpp"
-#include "slicing/contours/layer_builder.hpp"
-#include "slicing/sweep/bands.hpp"
+#include "slicing/bands/bands.hpp"
+#include "slicing/result/band_output.hpp"
 
 namespace lamella {
 
@@ -34,18 +43,18 @@ public:
     void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
                ProgressMeter& progress);
 
-    /// Where `band` puts its output; waits while it is too far ahead of the head. Null after abort(). Bands must be asked
-    /// for in ascending order, each by a thread that goes on to submit it or to abort().
+    /// Where `band` puts its output; waits while it is too far ahead of the head. Null after abort(). Bands must be acquired
+    /// in ascending order, each by a thread that then submits it or aborts.
     BandOutput* acquire(std::size_t band);
-    /// Takes back what acquire() gave, unused.
+    /// Takes back an unused output.
     void give_back(std::size_t band);
-    /// The band is done: places it, and any that waited for it.
+    /// The band is done: places it and all done bands that follow it.
     void submit(std::size_t band);
     /// The run has failed: wakes all that wait.
     void abort();
 
-    /// Points of all bands: where they exceed what begin() was given, those beyond are lost and the run must be repeated
-    /// with room.
+    /// Points of all bands. If they exceed the array given to begin(), those beyond it are lost and the run must be repeated
+    /// with a larger one.
     std::uint64_t point_count() const noexcept { return point_count_; }
     std::uint64_t contour_count() const noexcept { return contour_count_; }
     const ContourCounts& contour_counts() const noexcept { return counts_; }
@@ -55,7 +64,7 @@ public:
 
     /// Writes contours and the layers' contour ranges, after all bands were submitted. layers[i] is plane i's.
     void write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const;
-    /// Writes the gaps that were closed, by layer, then by where they lead from and to.
+    /// Writes the closed gaps, by layer, then by `from` and `to`.
     void write_closed_gaps(std::span<ClosedGap> gaps) const;
 
 private:
@@ -74,7 +83,7 @@ private:
         Vector<ClosedGap> closed_gaps;
         BandOutput* output = nullptr;  // from acquire() until the band is placed
         bool done = false;
-        std::optional<Room> room;  // until the band is placed, or leaves it for a buffer
+        std::optional<Room> room;  // until the band is placed or moves to a buffer
     };
 
     std::optional<Room> find_room(std::size_t band);
@@ -94,8 +103,8 @@ private:
     std::vector<Placed> placed_;
     std::size_t head_ = 0;
     std::size_t lead_ = 0;  // how many bands beyond the head may be begun
-    bool shared_ = false;   // by several threads
-    /// Some band had more points than segments, as open polylines make it: places can no longer be told ahead.
+    /// Some band had more points than segments, as open polylines do: places can no longer be predicted. Only the head,
+    /// whose place is known, is still swept straight to it.
     bool outgrown_ = false;
     std::uint64_t point_count_ = 0;
     std::uint64_t contour_count_ = 0;

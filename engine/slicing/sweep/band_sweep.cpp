@@ -302,7 +302,7 @@ void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
 
 void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) {
     if (graph_.live() == 0) {
-        LayerBuilder::skip(out);
+        out.add_empty_layer();
         return;
     }
     if (points_.size() < edges_.capacity()) {

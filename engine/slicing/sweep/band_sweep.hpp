@@ -23,7 +23,7 @@
 #include "slicing/contours/layer_builder.hpp"
 #include "slicing/contours/link_graph.hpp"
 #include "slicing/sweep/active_edges.hpp"
-#include "slicing/sweep/bands.hpp"
+#include "slicing/bands/bands.hpp"
 
 namespace lamella {
 

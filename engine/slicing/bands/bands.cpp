@@ -1,4 +1,4 @@
-#include "slicing/sweep/bands.hpp"
+#include "slicing/bands/bands.hpp"
 #include "base/vector.hpp"
 
 #include <algorithm>

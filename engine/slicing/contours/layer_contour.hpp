@@ -1,0 +1,15 @@
+// A contour of a layer from the walk until it is appended to the band's output.
+#pragma once
+
+#include "lamella/assemble.hpp"
+#include "slicing/nesting/nest.hpp"
+
+namespace lamella {
+
+struct LayerContour {
+    NestItem item;             ///< points, area and box; then what nesting decides
+    EndKey start_key;          ///< the edge that the start lies on; zero where the contour was joined or clipped
+    std::uint32_t segments{};  ///< triangles that it crosses; of a clipped contour its edges
+};
+
+}  // namespace lamella

@@ -1,0 +1,131 @@
+#include "slicing/contours/ring_reader.hpp"
+
+#include <algorithm>
+
+namespace lamella {
+
+namespace {
+
+/// Whether the closed ring read from `a` on is smaller than read from `b` on.
+bool rotation_before(const Point* ring, std::uint32_t count, std::uint32_t a, std::uint32_t b) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Point& from_a = ring[(a + i) % count];
+        const Point& from_b = ring[(b + i) % count];
+        if (from_a != from_b) {
+            return from_a < from_b;
+        }
+    }
+    return false;
+}
+
+/// Keeps one of equal consecutive points. Returns how many are left.
+std::uint32_t drop_repeats(Point* points, std::uint32_t count, bool closed) {
+    auto kept = static_cast<std::uint32_t>(std::unique(points, points + count) - points);
+    while (closed && kept > 1 && points[kept - 1] == points[0]) {
+        --kept;
+    }
+    return kept;
+}
+
+std::uint32_t pick_start(const Point* ring, std::uint32_t count, const RingFacts& facts, KeyAt key_at) {
+    auto best = static_cast<std::uint32_t>(facts.smallest);
+    for (std::uint32_t other = best + 1; facts.many_smallest && other < count; ++other) {
+        if (ring[other] != ring[facts.smallest]) {
+            continue;
+        }
+        if (key_at(other) != key_at(best)) {
+            best = key_at(other) < key_at(best) ? other : best;
+        } else if (rotation_before(ring, count, other, best)) {
+            best = other;
+        }
+    }
+    return best;
+}
+
+std::uint16_t flags_of(const WalkedContour& walked) noexcept {
+    return walked.mixed ? sense_mixed : 0;
+}
+
+}  // namespace
+
+LayerContour closed_contour(Point* ring, std::uint32_t count, const RingFacts& facts, KeyAt key_at) {
+    const std::uint32_t start = pick_start(ring, count, facts, key_at);
+    LayerContour contour;
+    contour.start_key = key_at(start);
+    contour.segments = count;
+    NestItem& item = contour.item;
+    item.points = ring;
+    item.count = count;
+    item.start = start;
+    item.twice_area = to_integer128(facts.twice_area);
+    item.box_min = facts.box_min;
+    item.box_max = facts.box_max;
+    item.closed = true;
+    if (facts.has_repeats) {
+        std::rotate(ring, ring + start, ring + count);
+        item.start = 0;
+        item.count = drop_repeats(ring, count, true);
+    }
+    return contour;
+}
+
+LayerContour closed_contour(std::span<Point> ring) {
+    return closed_contour(ring.data(), static_cast<std::uint32_t>(ring.size()), examine_ring(ring.data(), ring.size()),
+                          [](std::uint32_t) { return EndKey{}; });
+}
+
+LayerContour open_contour(std::span<Point> points) {
+    LayerContour contour;
+    contour.item.points = points.data();
+    contour.item.count = drop_repeats(points.data(), static_cast<std::uint32_t>(points.size()), false);
+    return contour;
+}
+
+void RingReader::read(const LinkGraph& graph, const Point* points, Vector<LayerContour>& contours) {
+    const std::size_t room = graph.order().size() + padded_count;
+    if (rings_.size() < room) {
+        rings_.resize(room + room / 32);
+    }
+    contours.clear();
+    Point* ring = rings_.data();
+    for (const WalkedContour& walked : graph.contours()) {
+        contours.push_back(walked.closed ? read_closed(graph, walked, points, ring)
+                                         : read_open(graph, walked, points, ring));
+        ring += walked.count;
+    }
+}
+
+LayerContour RingReader::read_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points,
+                                     Point* ring) const {
+    const Slot* slots = graph.order().data() + walked.begin;
+    const RingFacts facts = kernels_.trace(points, slots, walked.count, ring);
+    LayerContour contour =
+        closed_contour(ring, walked.count, facts, [&](std::uint32_t i) { return to_key(graph.edge(slots[i])); });
+    contour.item.flags = flags_of(walked);
+    return contour;
+}
+
+LayerContour RingReader::read_open(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring) {
+    const auto slots = graph.order().subspan(walked.begin, walked.count);
+    std::transform(slots.begin(), slots.end(), ring, [points](Slot slot) { return points[slot]; });
+    LayerContour contour = open_contour({ring, walked.count});
+    contour.start_key = to_key(graph.edge(slots[0]));
+    contour.segments = walked.count - 1;
+    contour.item.flags = flags_of(walked);
+    return contour;
+}
+
+void read_traced(Point* rings, std::span<const WalkedContour> walked, KeyAt key_at, const Parallel& parallel,
+                 Vector<LayerContour>& contours) {
+    contours.resize(walked.size());
+    parallel.run_ranges(walked.size(), 64, [&](std::size_t first, std::size_t last, int) {
+        for (std::size_t c = first; c < last; ++c) {
+            const auto [begin, count, closed, mixed] = walked[c];
+            contours[c] = closed_contour(rings + begin, count, examine_ring(rings + begin, count),
+                                         [&key_at, from = begin](std::uint32_t i) { return key_at(from + i); });
+            contours[c].item.flags = flags_of(walked[c]);
+        }
+    });
+}
+
+}  // namespace lamella

@@ -1,0 +1,58 @@
+// A plane's open polylines joined over gaps: into longer polylines, and into closed contours where the last end meets the
+// first start again.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/vector.hpp"
+#include "lamella/assemble.hpp"
+#include "lamella/result.hpp"
+#include "slicing/repair/gaps.hpp"
+
+namespace lamella {
+
+struct Polyline {
+    std::span<const Point> points;  ///< not empty
+    EndKey start_key;               ///< the edge that the first point lies on
+    std::uint32_t segments = 0;
+    std::uint16_t flags = 0;  ///< ContourFlag bits
+};
+
+/// What takes the place of polylines that follow each other.
+struct JoinedPolyline {
+    std::span<Point> points;  ///< of all of them; repeated points are left in
+    EndKey start_key;         ///< of the first of them
+    std::uint32_t segments = 0;
+    std::uint16_t flags = 0;  ///< with gap_closed, but for a polyline that nothing was joined to
+    bool closed = false;      ///< its end was joined to its own start
+};
+
+/// One per thread; scratch is kept.
+class PolylineRepair {
+public:
+    explicit PolylineRepair(const Memory* memory)
+        : gap_closer_(memory), sorted_(memory), ends_(memory), used_(memory), points_(memory), joined_(memory) {}
+
+    /// Joins open polylines over gaps of at most `reach` grid units, nearest first, and appends the gaps that were closed to
+    /// `closed_gaps`, as of `layer`. Returns whether there were any: joined() then takes the place of all polylines. What
+    /// comes out does not depend on the order of the polylines. O(o log o + q) for o polylines with q points, unless gaps
+    /// lie so that searches are slow. Throws std::bad_alloc.
+    bool join(std::span<const Polyline> polylines, double reach, std::uint64_t layer, Vector<ClosedGap>& closed_gaps);
+
+    /// Valid until the next call.
+    std::span<const JoinedPolyline> joined() const noexcept { return joined_; }
+
+private:
+    void sort(std::span<const Polyline> polylines);
+    void join_from(std::uint32_t first);
+
+    GapCloser gap_closer_;
+    Vector<Polyline> sorted_;    // as given, in canonical order
+    Vector<PolylineEnds> ends_;  // of sorted_
+    Vector<std::uint8_t> used_;  // of sorted_: whether it is part of a joined one
+    Vector<Point> points_;       // of joined_
+    Vector<JoinedPolyline> joined_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+"""Checks that includes run downwards only, between libraries and between the folders of engine/slicing.
+
+    includes.py ROOT              lists the includes of the checkout at ROOT that break the order; exit status 1 if there are any
+    includes.py --self-test ROOT  breaks each rule in a copy and checks that it is reported
+"""
+
+import pathlib
+import re
+import shutil
+import sys
+import tempfile
+
+# From below to above. A file may include its own library and those below it.
+LIBRARIES = ["base", "slicing", "mesh", "audit", "io", "tools"]
+
+# Folders of engine/slicing, from below to above; those in one line must not include each other. What is above calls what is
+# below: slice.cpp begins the sweeps of bands, a sweep builds layers with contours, contours are repaired, filled and nested,
+# and appended to the band's output in result.
+SLICING = [
+    ["grid"],
+    ["planes"],
+    ["buckets"],
+    ["bands"],
+    ["result", "nesting"],
+    ["repair", "regions"],
+    ["contours"],
+    ["sweep"],
+    ["slice.cpp"],
+]
+
+# Two ways to sweep, neither of which knows the other.
+PEERS = [("slicing/sweep/band_sweep", "slicing/sweep/wide_plane")]
+
+# Public headers that are not in a folder named after their library.
+PUBLIC = {
+    "array": "base", "control": "base", "error": "base", "integer128": "base", "memory": "base", "version": "base",
+    "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "planes": "slicing",
+    "result": "slicing", "slice": "slicing",
+    "lamella": "audit", "io": "io",
+}  # fmt: skip
+
+# What a host that includes the core's headers is not to be burdened with.
+NOT_IN_CORE_HEADERS = r"(oneapi/)?tbb|mimalloc|iostream|memory_resource|functional|stop_token"
+NAMES_NOT_IN_CORE_HEADERS = r"std::pmr|std::function\b|std::stop_token|std::jthread|\btbb::"
+
+# The only places that know a library of others.
+OTHERS = {
+    r"(oneapi/)?tbb/": "base/parallel.cpp",
+    r"clipper": "slicing/regions/clipping.cpp",
+    r"mimalloc": "tools/",
+    r"(expat|zlib|unzip|minizip|fast_float|nlohmann)\b": "io/",
+}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
+COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+
+
+def library_of(path):
+    """Of a path below include/lamella, engine/ or tools/, without that folder; None where it is in no library."""
+    first = path.split("/")[0]
+    if first == "lamella":
+        rest = path.removeprefix("lamella/")
+        return rest.split("/")[0] if "/" in rest else PUBLIC.get(rest.removesuffix(".hpp"))
+    return first if first in LIBRARIES else None
+
+
+def slicing_level(path):
+    """Which line of SLICING, and which folder of it, a path like slicing/FOLDER/FILE is in; None for other paths."""
+    parts = path.split("/")
+    if parts[0] != "slicing":
+        return None
+    for level, folders in enumerate(SLICING):
+        if parts[1] in folders:
+            return level, parts[1]
+    return -1, parts[1]
+
+
+def complaint_about(path, included):
+    """What is wrong with `path` including the project's file `included`, or None."""
+    own, other = library_of(path), library_of(included)
+    if own is None or other is None:
+        unknown = path if own is None else included
+        return f"{unknown} is in none of the libraries that tests/structure/includes.py lists"
+    if LIBRARIES.index(other) > LIBRARIES.index(own):
+        return f"{own} must not include {other}, which is above it"
+    from_level, to_level = slicing_level(path), slicing_level(included)
+    if from_level and to_level:
+        if min(from_level[0], to_level[0]) < 0:
+            return "a folder of engine/slicing that tests/structure/includes.py does not list"
+        if to_level[1] != from_level[1] and to_level[0] >= from_level[0]:
+            return f"slicing/{from_level[1]} must not include slicing/{to_level[1]}, which is beside or above it"
+    for a, b in PEERS:
+        if (path.startswith(a) and included.startswith(b)) or (path.startswith(b) and included.startswith(a)):
+            return "neither of two peers includes the other"
+    return None
+
+
+def complaints_about_others(path, included):
+    """What is wrong with `path` including a header from elsewhere."""
+    for name, place in OTHERS.items():
+        if re.match(name, included) and not path.startswith(place):
+            yield f"only {place} includes <{included}>"
+
+
+def complaints(root):
+    sources = []  # (file, path as included or as if it were)
+    for folder, prefix in (("include/lamella", "lamella/"), ("engine", ""), ("tools", "tools/")):
+        top = root / folder
+        for file in sorted(top.rglob("*.[hc]pp")):
+            sources.append((file, prefix + file.relative_to(top).as_posix()))
+    if len(sources) < 100:
+        yield f"{root}: only {len(sources)} source files found"
+    known = {path for _, path in sources}
+    for file, path in sources:
+        text = file.read_text(encoding="utf-8")
+        core_header = path.startswith("lamella/") and library_of(path) != "io"
+        for match in INCLUDE.finditer(text):
+            included = match.group(2)
+            found = list(complaints_about_others(path, included))
+            if included in known:
+                found.append(complaint_about(path, included))
+            elif match.group(1) == '"' and not path.startswith("tools/"):
+                found.append(f'"{included}" is no file of include/ or engine/')
+            if core_header and re.fullmatch(f"({NOT_IN_CORE_HEADERS})([./].*)?", included):
+                found.append(f"<{included}> must not be in a header of the core")
+            line = text.count("\n", 0, match.start(2)) + 1
+            yield from (f"{file.relative_to(root)}:{line}: {what}" for what in found if what)
+        for match in re.finditer(NAMES_NOT_IN_CORE_HEADERS, COMMENT.sub("", text)) if core_header else ():
+            yield f"{file.relative_to(root)}: {match.group(0)} must not be in a header of the core"
+
+
+# For each rule: a file, a line to add to it, and a part of the complaint.
+PLANTED = [
+    ("engine/base/parallel.cpp", '#include "slicing/grid/bounds.hpp"', "base must not include slicing"),
+    ("engine/slicing/slice.cpp", '#include "mesh/edge_census.hpp"', "slicing must not include mesh"),
+    ("engine/mesh/weld.cpp", '#include "lamella/audit/ledger.hpp"', "mesh must not include audit"),
+    ("engine/audit/volume.cpp", '#include "lamella/io/mesh_file.hpp"', "audit must not include io"),
+    ("engine/io/write/svg.cpp", '#include "tools/lamella/console.hpp"', "io must not include tools"),
+    ("engine/base/parallel.hpp", '#include "lamella/result.hpp"', "base must not include slicing"),
+    ("engine/slicing/grid/bounds.hpp", '#include "slicing/planes/plane_set.hpp"', "slicing/planes, which is beside or above"),
+    ("engine/slicing/result/placement.cpp", '#include "slicing/contours/layer_builder.hpp"', "slicing/contours, which"),
+    ("engine/slicing/contours/kernels.cpp", '#include "slicing/sweep/band_sweep.hpp"', "slicing/sweep, which"),
+    ("engine/slicing/nesting/nest.cpp", '#include "slicing/regions/fill.hpp"', "slicing/regions, which"),
+    ("engine/slicing/repair/gaps.cpp", '#include "slicing/regions/fill.hpp"', "slicing/regions, which"),
+    ("engine/slicing/nesting/nest.cpp", '#include "slicing/result/placement.hpp"', "slicing/result, which"),
+    ("engine/slicing/sweep/band_sweep.cpp", '#include "slicing/sweep/wide_plane.hpp"', "peers"),
+    ("engine/slicing/grid/bounds.cpp", '#include "gird/blocks.hpp"', "no file of"),
+    ("engine/slicing/sweep/band_sweep.cpp", "#include <tbb/parallel_for.h>", "only base/parallel.cpp"),
+    ("engine/mesh/weld.cpp", "#include <expat.h>", "only io/"),
+    ("engine/slicing/regions/fill.cpp", "#include <clipper.hpp>", "only slicing/regions/clipping.cpp"),
+    ("include/lamella/slice.hpp", '#include "lamella/io/write.hpp"', "slicing must not include io"),
+    ("include/lamella/control.hpp", '#include "lamella/slice.hpp"', "base must not include slicing"),
+    ("include/lamella/lamella.hpp", '#include "lamella/io.hpp"', "audit must not include io"),
+    ("include/lamella/control.hpp", "#include <functional>", "<functional> must not be"),
+    ("include/lamella/memory.hpp", "#  include <memory_resource>", "<memory_resource> must not be"),
+    ("include/lamella/mesh/check.hpp", "#include <iostream>", "<iostream> must not be"),
+    ("include/lamella/audit/volume.hpp", "#include <stop_token>", "<stop_token> must not be"),
+    ("include/lamella/slice.hpp", "#include <tbb/task_arena.h>", "<tbb/task_arena.h> must not be"),
+    ("include/lamella/slice.hpp", "#include <mimalloc.h>", "<mimalloc.h> must not be"),
+    ("include/lamella/slice.hpp", "inline void call(std::function<void()>);", "std::function must not be"),
+    ("include/lamella/fresh.hpp", "#pragma once", None),
+    ("include/lamella/slice.hpp", '#include "lamella/fresh.hpp"', "in none of the libraries"),
+]  # fmt: skip
+
+
+def self_test(root):
+    missed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        copy = pathlib.Path(folder)
+        for part in ("engine", "include", "tools"):
+            shutil.copytree(root / part, copy / part)
+        for name, line, expected in PLANTED:
+            file = copy / name
+            before = file.read_text(encoding="utf-8") if file.exists() else None
+            file.write_text((before or "") + "\n" + line + "\n", encoding="utf-8")
+            if expected is None:
+                continue  # stays for the next one
+            if not any(found.startswith(name) and expected in found for found in complaints(copy)):
+                print(f"not reported: {line} in {name}")
+                missed += 1
+            file.write_text(before, encoding="utf-8")
+    return missed
+
+
+def main():
+    root = pathlib.Path(sys.argv[-1])
+    if "--self-test" in sys.argv:
+        return 1 if self_test(root) else 0
+    found = list(complaints(root))
+    for complaint in found:
+        print(complaint)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

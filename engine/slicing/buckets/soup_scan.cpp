@@ -3,12 +3,17 @@
 #include <array>
 #include <cmath>
 
+#include "base/dispatch.hpp"
 #include "base/prefetch.hpp"
-#include "base/x86_forms.hpp"
 
 namespace lamella {
 
-#ifdef LAMELLA_X86_FORMS
+/// The forms of what a scan does.
+struct SoupScan::Kernels {
+    std::uint64_t (*ranges)(const SoupScan& scan, std::size_t begin, Ranges& ranges);
+    std::uint64_t (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end,
+                           std::uint32_t* list_end, CrossedTriangle* records, Written& written);
+};
 
 namespace {
 
@@ -17,8 +22,6 @@ namespace {
 constexpr PlaneIndex most_by_arithmetic = 1 << 19;
 constexpr double least_step_units = 1024;
 constexpr PlaneIndex most_scanned_planes = 1 << 28;  // indices of gathers are signed, and the table has two cells a plane
-constexpr int table_steps = 4;                       // planes of a cell looked at before the rest of it is searched
-constexpr __mmask16 nine = 0x1FF;                    // numbers of a triangle
 
 }  // namespace
 
@@ -28,13 +31,32 @@ SoupScan::SoupScan(const MeshView& mesh, const Transform& transform, double unit
       scale_(static_cast<float>(1 / (2 * unit_mm))),
       planes_(planes) {
     int exponent = 0;
-    usable_ = has_avx512() && mesh.number == CoordinateType::f32 && mesh.indices == nullptr && mesh.stride < (1U << 20) &&
-              transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 && planes.size() > 0 &&
-              planes.size() <= most_scanned_planes;
+    const bool allowed = mesh.number == CoordinateType::f32 && mesh.indices == nullptr && mesh.stride < (1U << 20) &&
+                         transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 && planes.size() > 0 &&
+                         planes.size() <= most_scanned_planes;
+    kernels_ = allowed ? kernels() : nullptr;
     if (planes.uniform() && planes.size() <= most_by_arithmetic && planes.planes_per_unit() * least_step_units <= 1) {
         planes_per_unit_ = static_cast<float>(planes.planes_per_unit());
     }
 }
+
+std::uint64_t SoupScan::ranges(std::size_t begin, Ranges& ranges) const noexcept {
+    return kernels_->ranges(*this, begin, ranges);
+}
+
+std::uint64_t SoupScan::write(std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end, std::uint32_t* list_end,
+                              CrossedTriangle* records, Written& written) const noexcept {
+    return kernels_->write(*this, begin, crossed, reach_end, list_end, records, written);
+}
+
+#ifdef LAMELLA_X86_FORMS
+
+namespace {
+
+constexpr int table_steps = 4;     // planes of a cell looked at before the rest of it is searched
+constexpr __mmask16 nine = 0x1FF;  // numbers of a triangle
+
+}  // namespace
 
 /// The code that needs AVX-512.
 struct SoupKernel {
@@ -219,29 +241,19 @@ struct SoupKernel {
     }
 };
 
-std::uint64_t SoupScan::ranges(std::size_t begin, Ranges& ranges) const noexcept {
-    return SoupKernel::ranges(*this, begin, ranges);
-}
-
-std::uint64_t SoupScan::write(std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end, std::uint32_t* list_end,
-                              CrossedTriangle* records, Written& written) const noexcept {
-    return SoupKernel::write(*this, begin, crossed, reach_end, list_end, records, written);
-}
-
-#else
-
-SoupScan::SoupScan(const MeshView& mesh, const Transform&, double, const PlaneSet& planes) noexcept
-    : vertices_(mesh.vertices), stride_(0), scale_(0), planes_(planes) {}
-
-std::uint64_t SoupScan::ranges(std::size_t, Ranges&) const noexcept {
-    return 0;
-}
-
-std::uint64_t SoupScan::write(std::size_t, std::uint64_t, const PlaneIndex*, std::uint32_t*, CrossedTriangle*,
-                              Written&) const noexcept {
-    return 0;
-}
-
 #endif
+
+/// Null: one triangle at a time is the portable form.
+const SoupScan::Kernels* SoupScan::kernels() noexcept {
+#ifdef LAMELLA_X86_FORMS
+    static constexpr Kernels avx512{SoupKernel::ranges, SoupKernel::write};
+#endif
+    static constexpr Form<const Kernels*> forms[] = {
+#ifdef LAMELLA_X86_FORMS
+        {InstructionSet::avx512, &avx512},
+#endif
+        {InstructionSet::portable, nullptr}};
+    return best_of<const Kernels*>(forms);
+}
 
 }  // namespace lamella

@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "base/rounding.hpp"
-#include "base/x86_forms.hpp"
 
 namespace lamella {
 
@@ -371,22 +370,14 @@ RingFacts examine_ring(const Point* ring, std::size_t count) noexcept {
     return facts_of(count, [ring](std::size_t i) { return ring[i]; });
 }
 
-std::span<const Kernels> supported_kernels() noexcept {
-    static constexpr Kernels forms[] = {
+std::span<const Form<Kernels>> kernel_forms() noexcept {
+    static constexpr Form<Kernels> forms[] = {
 #ifdef LAMELLA_X86_FORMS
-        avx512, avx2,
+        {InstructionSet::avx512, avx512},
+        {InstructionSet::avx2, avx2},
 #endif
-        portable};
-    const std::size_t unsupported = (has_avx2() ? 0U : 1U) + (has_avx512() ? 0U : 1U);
-    return std::span(forms).subspan(std::min(unsupported, std::size(forms) - 1));
-}
-
-const Kernels& kernels_for_this_cpu() noexcept {
-    return supported_kernels().front();
-}
-
-const Kernels& portable_kernels() noexcept {
-    return supported_kernels().back();
+        {InstructionSet::portable, portable}};
+    return forms;
 }
 
 }  // namespace lamella

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/dispatch.hpp"
 #include "base/int128.hpp"
 #include "lamella/grid.hpp"
 
@@ -52,11 +53,7 @@ inline constexpr std::size_t select_padding = 16;
 /// The facts of a closed ring of count > 0 points as they lie.
 RingFacts examine_ring(const Point* ring, std::size_t count) noexcept;
 
-/// The forms that this processor runs, the widest first, the portable one last.
-std::span<const Kernels> supported_kernels() noexcept;
-/// The widest of them.
-const Kernels& kernels_for_this_cpu() noexcept;
-/// The portable ones, for comparison.
-const Kernels& portable_kernels() noexcept;
+/// All forms, the fastest first.
+std::span<const Form<Kernels>> kernel_forms() noexcept;
 
 }  // namespace lamella

@@ -73,7 +73,7 @@ void BandOutput::move_to_buffer(std::size_t count) {
 }
 
 LayerBuilder::LayerBuilder(const Memory* memory)
-    : kernels_(kernels_for_this_cpu()),
+    : kernels_(best_of(kernel_forms())),
       nester_(memory),
       gap_closer_(memory),
       fill_(memory),

@@ -9,7 +9,7 @@
 namespace lamella {
 
 LinkGraph::LinkGraph(const Memory* memory)
-    : kernels_(kernels_for_this_cpu()),
+    : kernels_(best_of(kernel_forms())),
       edges_(memory),
       links_(memory),
       ends_(memory),

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "base/prefetch.hpp"
-#include "base/x86_forms.hpp"
 
 namespace lamella {
 
@@ -252,17 +251,13 @@ LAMELLA_AVX512 SoupBox measure_avx512(const FloatSoup& soup, std::size_t begin, 
 
 }  // namespace
 
-MeasureSoup measure_soup_for_this_cpu() noexcept {
+std::span<const Form<MeasureSoup>> measure_soup_forms() noexcept {
+    static constexpr Form<MeasureSoup> forms[] = {
 #ifdef LAMELLA_X86_FORMS
-    if (has_avx512()) {
-        return measure_avx512;
-    }
+        {InstructionSet::avx512, measure_avx512},
 #endif
-    return measure_portable;
-}
-
-MeasureSoup portable_measure_soup() noexcept {
-    return measure_portable;
+        {InstructionSet::portable, measure_portable}};
+    return forms;
 }
 
 }  // namespace lamella

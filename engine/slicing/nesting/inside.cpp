@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "base/vector.hpp"
-#include "base/x86_forms.hpp"
 
 namespace lamella::nesting {
 
@@ -51,7 +50,7 @@ LAMELLA_AVX2_INLINE unsigned edges_at(const Point* points, std::int32_t y) noexc
     return edges;
 }
 
-__attribute__((target("avx2"))) void add_edges_avx2(Winding& winding, const Point* points, std::uint32_t count) noexcept {
+LAMELLA_AVX2 void add_edges_avx2(Winding& winding, const Point* points, std::uint32_t count) noexcept {
     if (count < 16) {
         add_edges_portable(winding, points, count);
         return;
@@ -127,14 +126,14 @@ LAMELLA_AVX512 void add_edges_avx512(Winding& winding, const Point* points, std:
 
 }  // namespace
 
-std::span<const AddEdges> supported_add_edges() noexcept {
-    static constexpr AddEdges forms[] = {
+std::span<const Form<AddEdges>> add_edges_forms() noexcept {
+    static constexpr Form<AddEdges> forms[] = {
 #ifdef LAMELLA_X86_FORMS
-        add_edges_avx512, add_edges_avx2,
+        {InstructionSet::avx512, add_edges_avx512},
+        {InstructionSet::avx2, add_edges_avx2},
 #endif
-        add_edges_portable};
-    const std::size_t unsupported = (has_avx2() ? 0U : 1U) + (has_avx512() ? 0U : 1U);
-    return std::span(forms).subspan(std::min(unsupported, std::size(forms) - 1));
+        {InstructionSet::portable, add_edges_portable}};
+    return forms;
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/dispatch.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/nesting/query_steps.hpp"
@@ -55,8 +56,8 @@ private:
 /// Shows `winding` those of the `count` edges between points[0] and points[count] that it needs to see.
 using AddEdges = void (*)(Winding& winding, const Point* points, std::uint32_t count) noexcept;
 
-/// The forms that this processor runs, the fastest first, the portable one last. All give the same answers.
-std::span<const AddEdges> supported_add_edges() noexcept;
+/// All forms, the fastest first.
+std::span<const Form<AddEdges>> add_edges_forms() noexcept;
 
 /// Whether the non-zero winding interior of a closed contour contains `query`. O(count).
 inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32_t count, Point query) noexcept {
@@ -71,7 +72,7 @@ inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32
 class ManyInside {
 public:
     explicit ManyInside(const Memory* memory)
-        : sift_edges_(supported_sift_edges().front()), queries_(memory), by_y_(memory), ends_(memory) {}
+        : sift_edges_(best_of(sift_edges_forms())), queries_(memory), by_y_(memory), ends_(memory) {}
 
     void clear() noexcept { queries_.clear(); }
     /// Throws std::bad_alloc.

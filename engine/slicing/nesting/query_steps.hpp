@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/dispatch.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella::nesting {
@@ -36,7 +37,7 @@ struct Reaches {
 using SiftEdges = std::size_t (*)(const QuerySteps& steps, const Point* points, std::uint32_t count,
                                   Reaches& reaches) noexcept;
 
-/// The forms that this processor runs, the fastest first, the portable one last. All give the same answers.
-std::span<const SiftEdges> supported_sift_edges() noexcept;
+/// All forms, the fastest first.
+std::span<const Form<SiftEdges>> sift_edges_forms() noexcept;
 
 }  // namespace lamella::nesting

@@ -16,7 +16,7 @@ constexpr PlaneIndex timing_stride = 8;
 }  // namespace
 
 BandSweep::BandSweep(const Memory* memory)
-    : kernels_(kernels_for_this_cpu()),
+    : kernels_(best_of(kernel_forms())),
       graph_(memory),
       edges_(memory),
       layers_(memory),

@@ -24,7 +24,7 @@ public:
         : segments_(segments), graph_(memory), layer_(memory), output_(memory), links_(memory), points_(memory) {}
 
     void link() {
-        LinkGraph::Attaching attaching = graph_.begin_attaching(2 * segments_.size());
+        SlotTable::Attaching attaching = graph_.begin_attaching(2 * segments_.size());
         links_.reserve(segments_.size());
         for (std::uint32_t i = 0; i < segments_.size(); ++i) {
             const Segment& segment = segments_[i];
@@ -52,7 +52,7 @@ public:
     }
 
 private:
-    PortRef attach(LinkGraph::Attaching& attaching, const EndKey& key, Point point, int port, std::uint32_t link) {
+    PortRef attach(SlotTable::Attaching& attaching, const EndKey& key, Point point, int port, std::uint32_t link) {
         const Slot slot = attaching.find_or_add(from_key(key), 0);
         put(slot, point);
         return attaching.attach(slot, port, link);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "slicing/contours/link_graph.hpp"
+#include "slicing/contours/slot_table.hpp"
 
 namespace lamella {
 

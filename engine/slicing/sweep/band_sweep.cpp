@@ -73,7 +73,7 @@ void BandSweep::begin(const Band& band, const Buckets& buckets) {
 
 // --- Events
 
-/// Takes a plane's events. What each of them changes is a member here, as in LinkGraph::Attaching and for the same reason.
+/// Takes a plane's events. What each of them changes is a member here, as in SlotTable::Attaching and for the same reason.
 class BandSweep::Events {
 public:
     Events(BandSweep& sweep, std::size_t attachments)
@@ -110,7 +110,7 @@ public:
 
     std::uint32_t link_count() const noexcept { return link_count_; }
     std::uint32_t pending_count() const noexcept { return pending_count_; }
-    const LinkGraph::Attaching& attaching() const noexcept { return attaching_; }
+    const SlotTable::Attaching& attaching() const noexcept { return attaching_; }
 
 private:
     PortRef attach(const MeshEdge& edge, PlaneIndex end, int port) {
@@ -126,7 +126,7 @@ private:
         ++link_count_;
     }
 
-    LinkGraph::Attaching attaching_;
+    SlotTable::Attaching attaching_;
     const CrossedTriangle* records_;
     Link* links_;
     Pending* pending_;

@@ -15,6 +15,9 @@ Walker::Walker(const Memory* memory, const SlotTable& slots)
       order_next_(memory),
       breaks_(memory),
       contours_(memory),
+      pieces_(memory),
+      is_head_(memory),
+      lanes_(memory),
       leave_by_(memory) {
     clear();
 }
@@ -54,16 +57,22 @@ void Walker::walk() {
     if (changes_ == 0) {
         return;
     }
-    begin_order();
     const bool one_orientation = slots_.mixed_count() == 0;
+    by_links_ = !order_known_ || most_changed();
+    const bool in_pieces = one_orientation && by_links_ && order_known_ && slots_.open_count() == 0;
+    if (in_pieces) {
+        cut_pieces();
+    }
+    begin_order();
     if (!one_orientation) {
         walk_any_orientation();
     } else {
-        by_links_ = !order_known_ || most_changed();
         if (slots_.open_count() > 0) {
             walk_open();
         }
-        if (!by_links_) {
+        if (in_pieces) {
+            walk_pieces();
+        } else if (!by_links_) {
             walk_old_runs();
         }
         walk_rest();
@@ -125,7 +134,7 @@ void Walker::walk_old_runs() {
     }
 }
 
-/// Contours that begin at this plane; all that are left if links are followed.
+/// Contours that begin at this plane, and all others that are left where links are followed.
 void Walker::walk_rest() {
     for (const Slot slot : slots_.fresh()) {
         if (filled_ == slots_.live()) {

@@ -82,7 +82,7 @@ struct Bucketed {
         for (PlaneIndex plane = 0; plane < planes.size(); ++plane) {
             for (std::uint32_t r = buckets.list_begin[plane]; r < buckets.list_begin[plane + 1]; ++r) {
                 const lamella::CrossedTriangle& t = buckets.records[r];
-                all[plane].push_back({t.triangle, t.lower, t.middle, t.upper, t.middle_and_sense, t.last});
+                all[plane].push_back({t.triangle, t.lower, t.middle, t.upper, t.middle_and_source, t.last});
             }
             std::sort(all[plane].begin(), all[plane].end());
         }

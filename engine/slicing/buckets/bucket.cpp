@@ -175,7 +175,7 @@ private:
             const std::size_t t = begin + static_cast<std::size_t>(std::countr_zero(crossed));
             CrossedTriangle record = order_by_height(read_(t), static_cast<std::uint32_t>(t));
             const PlaneIndex first = planes_.first_above(record.lower.z);
-            record.middle_and_sense |= planes_.first_above(record.middle.z);
+            record.middle_and_source |= planes_.first_above(record.middle.z);
             record.last = planes_.first_above(record.upper.z);
             const std::uint32_t at = cursors_.next_record[first]++;
             records_[at] = record;

@@ -1,5 +1,5 @@
-// Float soups in blocks of 64 triangles, sixteen at a time where the processor has AVX-512: the planes that cut them, and
-// their records. Gives what looking at triangles one by one gives.
+// Float soups in blocks of 64 triangles, sixteen at a time with AVX-512: the planes that cut them, and their records. Other
+// meshes and processors take one triangle at a time, with the same result.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ class SoupScan {
 public:
     SoupScan(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes) noexcept;
 
-    /// Whether this processor and mesh allow it; else triangles must be looked at one by one.
+    /// Whether this processor and mesh allow it.
     bool usable() const noexcept { return kernels_ != nullptr; }
 
     /// Planes from first[t] up to, but not with, last[t] cut triangle t.

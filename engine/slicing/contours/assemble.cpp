@@ -1,4 +1,4 @@
-// The assembled form on a caller's own segments: Algorithm 4 of the paper, keyed by what the caller says meets.
+// The assembled form on a caller's own segments: Algorithm 4 of the paper, with keys from the caller.
 #include "lamella/assemble.hpp"
 
 #include <algorithm>
@@ -65,7 +65,8 @@ private:
         points_[slot] = point;
     }
 
-    /// At equal ranks as at equal angles (see pairing.hpp): what comes in first, then by the segment's other end.
+    /// Equal ranks are sorted as equal angles are (see pairing.hpp): ends that come in first, then by the segment's other
+    /// end.
     void sort_by_rank(std::span<MeetingEnd> ends) const {
         const auto rank = [this](const MeetingEnd& end) {
             return end.is_source ? segments_[end.link].from_rank : segments_[end.link].to_rank;

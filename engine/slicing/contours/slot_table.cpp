@@ -73,7 +73,7 @@ std::span<const Slot> SlotTable::release_ended(PlaneIndex plane) {
 }
 
 SlotTable::Attaching SlotTable::begin_attaching(std::size_t attachments) {
-    // Two ends share an edge as a rule. Small maps are an eighth full then: an edge that finds its place taken costs a
+    // Mostly two ends share an edge. Small maps are then an eighth full: an edge that finds its place taken costs a
     // mispredicted branch. Large ones, of a band's first plane, save memory.
     const bool small = attachments < (std::size_t{1} << 16);
     const std::size_t edges = small ? attachments : attachments / 2 + 64;
@@ -96,7 +96,7 @@ void SlotTable::clear_map(std::size_t size) {
     std::fill_n(map_.begin(), size, no_slot);
 }
 
-/// Fewer ends shared an edge than is the rule: the `made` edges so far go to a map of twice the size.
+/// More edges than expected: the `made` ones so far go to a map of twice the size.
 void SlotTable::grow_map(std::uint32_t made) {
     const std::size_t size = 2 * (map_mask_ + 1);
     clear_map(size);

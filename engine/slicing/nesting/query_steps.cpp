@@ -7,7 +7,7 @@ namespace lamella::nesting {
 
 namespace {
 
-/// Nothing predicts which edges reach a point: none is branched on.
+/// No branch on whether an edge reaches a point: it would be mispredicted.
 std::size_t sift_portable(const QuerySteps& steps, const Point* points, std::uint32_t count, Reaches& reaches) noexcept {
     std::size_t found = 0;
     std::uint32_t begin = steps.ends[steps.of(points[0].y)];
@@ -40,7 +40,7 @@ LAMELLA_AVX512_INLINE __m512i gather(const std::uint32_t* table, __m512i index) 
     return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), all_lanes, index, table, 4);
 }
 
-/// What of sixteen numbers has a bit in `lanes`, and what happens to lie behind.
+/// Stores those of sixteen numbers with a bit in `lanes`. Writes a full vector: `to` needs 16 spare elements.
 LAMELLA_AVX512_INLINE void store_some(std::uint32_t* to, __mmask16 lanes, __m512i numbers) noexcept {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(lanes, numbers));
 }

@@ -1,4 +1,4 @@
-// The y's of the points that ManyInside tests, in steps, and the edges that reach a step with a point in it.
+// Steps of y that hold the points of ManyInside, and the edges that reach a step with a point in it.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace lamella::nesting {
 
-/// The range of y in steps of 2^shift; the first and the last are empty, and hold what lies below and above.
+/// The range of y in steps of 2^shift; the first and the last hold no point and take all y below and above.
 ///
 ///     ends     step s holds points ends[s] to ends[s + 1], in the order of y
 struct QuerySteps {

@@ -82,7 +82,7 @@ struct Bucketed {
         for (PlaneIndex plane = 0; plane < planes.size(); ++plane) {
             for (std::uint32_t r = buckets.list_begin[plane]; r < buckets.list_begin[plane + 1]; ++r) {
                 const lamella::CrossedTriangle& t = buckets.records[r];
-                all[plane].push_back({t.triangle, t.lower, t.middle, t.upper, t.middle_and_sense, t.last});
+                all[plane].push_back({t.triangle, t.lower, t.middle, t.upper, t.middle_and_source, t.last});
             }
             std::sort(all[plane].begin(), all[plane].end());
         }
@@ -165,8 +165,9 @@ TEST_CASE("boxes of blocks do not depend on the processor", "[engine][bucket]") 
                     const std::size_t blocks = lamella::block_count(triangles);
                     std::vector<lamella::TriangleBlock> chosen(blocks);
                     std::vector<lamella::TriangleBlock> portable(blocks);
-                    const auto box = lamella::measure_soup_for_this_cpu()(view, 0, blocks, chosen.data());
-                    const auto expected = lamella::portable_measure_soup()(view, 0, blocks, portable.data());
+                    const auto box = lamella::best_of(lamella::measure_soup_forms())(view, 0, blocks, chosen.data());
+                    const auto expected =
+                        lamella::portable_of(lamella::measure_soup_forms())(view, 0, blocks, portable.data());
                     REQUIRE(box.has_nan == poisoned);
                     REQUIRE(expected.has_nan == poisoned);
                     if (poisoned) {

@@ -15,7 +15,7 @@ namespace {
 
 /// A random ring of `count` points; with `repeats` one of them is as the one before it.
 void check_ring(const Kernels& form, std::size_t count, std::int32_t reach, bool repeats, std::mt19937& random) {
-    const Kernels& portable = lamella::portable_kernels();
+    const Kernels& portable = lamella::portable_of(lamella::kernel_forms());
     std::uniform_int_distribution<std::int32_t> coordinate(-reach, reach);
     const std::size_t room = count + 2 * lamella::padded_count;
     std::vector<Point> points(room);
@@ -49,7 +49,7 @@ void check_ring(const Kernels& form, std::size_t count, std::int32_t reach, bool
 
 TEST_CASE("kernels agree with the portable ones", "[engine][kernels]") {
     std::mt19937 random(7);
-    for (const Kernels& form : lamella::supported_kernels()) {
+    for (const auto& [needs, form] : lamella::supported(lamella::kernel_forms())) {
         for (const std::int32_t reach : {3, 1 << 20, lamella::grid_limit}) {
             for (std::size_t count = 1; count < 70; ++count) {
                 check_ring(form, count, reach, false, random);
@@ -78,7 +78,7 @@ TEST_CASE("boxes that only one axis makes too wide for vectors have exact areas"
             const Point& b = points[(i + 1) % 12];
             expected += lamella::Int128{a.x} * b.y - lamella::Int128{b.x} * a.y;
         }
-        for (const Kernels& form : lamella::supported_kernels()) {
+        for (const auto& [needs, form] : lamella::supported(lamella::kernel_forms())) {
             std::vector<Point> ring(40);
             CHECK(lamella::to_integer128(form.trace(points.data(), slots.data(), 12, ring.data()).twice_area) ==
                   lamella::to_integer128(expected));
@@ -98,7 +98,7 @@ TEST_CASE("areas beyond 64 bits are exact in every form", "[engine][kernels]") {
     }
     const lamella::Int128 expected = lamella::Int128{10} * 2 * (lamella::Int128{2} * far) * (lamella::Int128{2} * far);
     REQUIRE(expected > INT64_MAX);
-    for (const Kernels& form : lamella::supported_kernels()) {
+    for (const auto& [needs, form] : lamella::supported(lamella::kernel_forms())) {
         std::vector<Point> ring(slots.size());
         const lamella::RingFacts facts = form.trace(points.data(), slots.data(), points.size(), ring.data());
         CHECK(lamella::to_integer128(facts.twice_area) == lamella::to_integer128(expected));
@@ -130,7 +130,7 @@ TEST_CASE("edges pierce a plane where arithmetic says", "[engine][kernels]") {
             expected[e] = {static_cast<std::int32_t>(std::nearbyint(x[e] + slope_x[e] * rise)),
                            static_cast<std::int32_t>(std::nearbyint(y[e] + slope_y[e] * rise))};
         }
-        for (const Kernels& form : lamella::supported_kernels()) {
+        for (const auto& [needs, form] : lamella::supported(lamella::kernel_forms())) {
             std::vector<Point> points(room);
             form.pierce({x.data(), y.data(), z.data(), slope_x.data(), slope_y.data()}, plane, count, points.data());
             points.resize(count);
@@ -141,7 +141,7 @@ TEST_CASE("edges pierce a plane where arithmetic says", "[engine][kernels]") {
 
 TEST_CASE("select_equal finds what a loop finds, and writes no further than it may", "[engine][kernels]") {
     std::mt19937 random(11);
-    for (const Kernels& kernels : lamella::supported_kernels()) {
+    for (const auto& [needs, kernels] : lamella::supported(lamella::kernel_forms())) {
         for (std::size_t count = 0; count < 100; ++count) {
             for (const std::uint32_t kinds : {1U, 2U, 40U}) {
                 std::vector<std::uint32_t> values(count);

@@ -195,7 +195,7 @@ TEST_CASE("testing many points at once is exact at the limits of the grid", "[ne
 
 TEST_CASE("all forms of the edge test agree", "[nesting]") {
     std::mt19937 random(9);
-    const std::span<const lamella::nesting::AddEdges> forms = lamella::nesting::supported_add_edges();
+    const auto forms = lamella::supported(lamella::nesting::add_edges_forms());
     for (int round = 0; round < 20000; ++round) {
         const int size = 2 + below(random, 30);
         std::vector<Point> points = lamella::test::random_walk(random, size);
@@ -212,7 +212,7 @@ TEST_CASE("all forms of the edge test agree", "[nesting]") {
         const bool expected = lamella::test::oracle::contains(points, query);
         for (std::size_t form = 0; form < forms.size(); ++form) {
             CAPTURE(round, form);
-            REQUIRE(strictly_inside(forms[form], points.data(), count, query) == expected);
+            REQUIRE(strictly_inside(forms[form].kernel, points.data(), count, query) == expected);
         }
     }
 }
@@ -221,7 +221,7 @@ TEST_CASE("all forms of sifting find the same edges", "[nesting]") {
     using lamella::nesting::QuerySteps;
     using lamella::nesting::Reaches;
     std::mt19937 random(10);
-    const std::span<const lamella::nesting::SiftEdges> forms = lamella::nesting::supported_sift_edges();
+    const auto forms = lamella::supported(lamella::nesting::sift_edges_forms());
     for (int round = 0; round < 4000; ++round) {
         constexpr std::int32_t far = lamella::grid_limit;
         const bool wide = round % 2 == 0;
@@ -255,7 +255,7 @@ TEST_CASE("all forms of sifting find the same edges", "[nesting]") {
         for (std::size_t form = 0; form < forms.size(); ++form) {
             CAPTURE(round, form);
             Reaches reaches;
-            const std::size_t found = forms[form](steps, points.data(), count, reaches);
+            const std::size_t found = forms[form].kernel(steps, points.data(), count, reaches);
             REQUIRE(found == expected.size());
             for (std::size_t i = 0; i < found; ++i) {
                 REQUIRE(std::array{reaches.edge[i], reaches.begin[i], reaches.end[i]} == expected[i]);

@@ -14,8 +14,8 @@ constexpr std::uint64_t segments_per_entry = 24;
 /// A band has at least so much work for each seed, which costs what an entry does: seeds then take a twenty-fifth.
 constexpr std::uint64_t work_per_seed = 25 * segments_per_entry;
 
-/// A plane is worth all threads when it is large and there are few such, or its segments are mostly its own: links kept from
-/// plane to plane gain little there, and bands would leave threads without work.
+/// All threads work on one plane when it is large and holds much of the whole work, or when most of its segments start in
+/// it: links kept from plane to plane gain little there, and bands would leave threads idle.
 bool is_wide(const Buckets& buckets, PlaneIndex plane) noexcept {
     constexpr std::uint32_t large = 1 << 18;
     constexpr std::uint64_t few = 16;
@@ -33,7 +33,7 @@ std::uint64_t reaching_into(const Buckets& buckets, PlaneIndex plane) noexcept {
     return buckets.segments[plane] - (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
 }
 
-/// Bands of the planes asked for, or of 2, 4, ... times as many: until all their seeds are at most the triangles, or few.
+/// Planes per band: as many as asked for, doubled until all seeds are few or at most as many as the triangles.
 std::size_t planes_a_band(const Buckets& buckets, PlaneIndex planes, std::size_t asked) {
     constexpr std::uint64_t few_seeds = 1 << 21;
     const std::uint64_t most_seeds = std::max<std::uint64_t>(buckets.list_begin[planes], few_seeds);
@@ -48,7 +48,7 @@ std::size_t planes_a_band(const Buckets& buckets, PlaneIndex planes, std::size_t
     }
 }
 
-/// Arrays that only very many bands or tall triangles make large are not kept.
+/// Frees an array that very many bands or tall triangles made large.
 template <class T>
 void give_back_many(Array<T>& array) {
     constexpr std::size_t many_bytes = std::size_t{1} << 23;
@@ -66,7 +66,7 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
     for (PlaneIndex plane = 0; plane < planes; ++plane) {
         all_work += work_of(buckets, plane);
     }
-    // Some bands for each thread so that an uneven one can be evened out; on one thread they only serve the cache.
+    // Several bands for each thread balance the load; on one thread they only serve the cache.
     const std::uint64_t share = all_work / (16 * static_cast<std::uint64_t>(threads)) + 1;
     Band band{0, 0, 0, false};
     std::uint64_t work = 0;

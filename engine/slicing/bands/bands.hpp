@@ -1,5 +1,5 @@
-// Stage 5: the planes cut into z-bands that are swept independently, and for each band the triangles that reach into it from
-// below.
+// The planes are cut into z-bands that are swept independently. The seeds of a band are the triangles that reach into it
+// from below.
 //
 //     planes      0 1 2 3 | 4 5 6 7 | 8 9 ...
 //     triangle      [-----------]            in the list of plane 1, and a seed of the second band
@@ -45,7 +45,7 @@ struct BandPlan {
     /// at least one segment in its band.
     void find_seeds(PlaneIndex planes, std::size_t reaching_count);
 
-    /// Gives the memory of many seeds back; that of few is kept. To be called when they have served.
+    /// Frees the memory of many seeds and keeps that of few. To be called after the sweep.
     void forget_many_seeds();
 
 private:

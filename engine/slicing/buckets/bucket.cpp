@@ -26,25 +26,39 @@ struct Parts {
     std::size_t begin_block(std::size_t part) const noexcept { return blocks() * part / count; }
 };
 
-/// Counters of one part: triangles by first plane, and by the plane past their last.
-struct PartCounters {
-    std::uint32_t* first;
-    std::uint32_t* last;
+/// Numbers of one part, two rows of them, by plane:
+///
+///     row          while counting                           while scattering
+///     0            triangles that it cuts first             where the part's next such record goes
+///     1            triangles that the plane below cut last  -
+std::uint32_t* row_of(Buckets& buckets, std::size_t part, std::size_t planes, std::size_t row) noexcept {
+    return buckets.counters.data() + (2 * part + row) * (planes + 1);
+}
 
-    PartCounters(Buckets& buckets, std::size_t part, std::size_t planes)
-        : first(buckets.counters.data() + part * 2 * (planes + 1)), last(first + planes + 1) {}
+struct PartCounts {
+    std::uint32_t* starting;
+    std::uint32_t* ended;
+
+    PartCounts(Buckets& buckets, std::size_t part, std::size_t planes)
+        : starting(row_of(buckets, part, planes, 0)), ended(row_of(buckets, part, planes, 1)) {}
+};
+
+struct PartCursors {
+    std::uint32_t* next_record;
+
+    PartCursors(Buckets& buckets, std::size_t part, std::size_t planes) : next_record(row_of(buckets, part, planes, 0)) {}
 };
 
 /// The count of one part.
 template <class Reader>
 class PartCount {
 public:
-    PartCount(const Reader& read, const SoupScan& scan, const PlaneSet& planes, PartCounters counters)
-        : read_(read), scan_(scan), planes_(planes), counters_(counters) {
-        std::fill_n(counters_.first, 2 * (std::size_t{planes.size()} + 1), 0U);
+    PartCount(const Reader& read, const SoupScan& scan, const PlaneSet& planes, PartCounts counts)
+        : read_(read), scan_(scan), planes_(planes), counts_(counts) {
+        std::fill_n(counts_.starting, 2 * (std::size_t{planes.size()} + 1), 0U);
     }
 
-    /// Triangles [begin, end), at most 64; returns which of them planes cut. Degenerate ones are looked for if asked.
+    /// Triangles [begin, end), at most 64; returns which of them planes cut. Drops degenerate ones if there may be some.
     std::uint64_t count(std::size_t begin, std::size_t end, bool may_be_degenerate) {
         if (!scan_.usable() || end - begin < block_triangles) {
             return count_each(begin, end, may_be_degenerate);
@@ -92,14 +106,14 @@ private:
     }
 
     void add(PlaneIndex first, PlaneIndex last) {
-        ++counters_.first[first];
-        ++counters_.last[last];
+        ++counts_.starting[first];
+        ++counts_.ended[last];
     }
 
     const Reader& read_;
     const SoupScan& scan_;
     const PlaneSet& planes_;
-    PartCounters counters_;
+    PartCounts counts_;
     std::uint64_t degenerate_ = 0;
 };
 
@@ -107,7 +121,7 @@ bool lies_between_planes(const TriangleBlock& block, double unit_mm, const Plane
     return to_even_grid(block.high_mm, unit_mm) < planes.z(planes.first_above(to_even_grid(block.low_mm, unit_mm)));
 }
 
-/// Where parts note triangles that reach beyond their bands, a block's at a time.
+/// Where parts write down triangles that reach beyond their bands, a block's at a time.
 class ReachingOutput {
 public:
     explicit ReachingOutput(std::span<Reaching> room) : room_(room) {}
@@ -130,12 +144,12 @@ template <class Reader>
 class PartScatter {
 public:
     PartScatter(const Reader& read, const SoupScan& scan, const PlaneSet& planes, std::span<const PlaneIndex> reach_end,
-                PartCounters counters, Buckets& buckets, ReachingOutput& reaching)
+                PartCursors cursors, Buckets& buckets, ReachingOutput& reaching)
         : read_(read),
           scan_(scan),
           planes_(planes),
           reach_end_(reach_end),
-          counters_(counters),
+          cursors_(cursors),
           records_(buckets.records.data()),
           reaching_(reaching) {}
 
@@ -145,7 +159,7 @@ public:
             return scatter_each(begin, crossed);
         }
         SoupScan::Written written;
-        std::uint64_t mask = scan_.write(begin, crossed, reach_end_.data(), counters_.first, records_, written);
+        std::uint64_t mask = scan_.write(begin, crossed, reach_end_.data(), cursors_.next_record, records_, written);
         if (mask == 0) {
             return;
         }
@@ -161,9 +175,9 @@ private:
             const std::size_t t = begin + static_cast<std::size_t>(std::countr_zero(crossed));
             CrossedTriangle record = order_by_height(read_(t), static_cast<std::uint32_t>(t));
             const PlaneIndex first = planes_.first_above(record.lower.z);
-            record.middle_and_sense |= planes_.first_above(record.middle.z);
+            record.middle_and_source |= planes_.first_above(record.middle.z);
             record.last = planes_.first_above(record.upper.z);
-            const std::uint32_t at = counters_.first[first]++;
+            const std::uint32_t at = cursors_.next_record[first]++;
             records_[at] = record;
             if (record.last > reach_end_[first]) {
                 *reaching_.take(1) = {at, first, record.last};
@@ -175,12 +189,12 @@ private:
     const SoupScan& scan_;
     const PlaneSet& planes_;
     std::span<const PlaneIndex> reach_end_;
-    PartCounters counters_;
+    PartCursors cursors_;
     CrossedTriangle* records_;
     ReachingOutput& reaching_;
 };
 
-/// Turns counts into list beginnings, for all and for each part, and sums up the segments.
+/// Turns counts into where lists begin, for all and for each part, and sums up the segments.
 void prefix_sums(const PlaneSet& planes, const Parts& parts, Buckets& buckets) {
     const std::size_t k = planes.size();
     std::uint32_t begin = 0;
@@ -189,10 +203,12 @@ void prefix_sums(const PlaneSet& planes, const Parts& parts, Buckets& buckets) {
     for (std::size_t plane = 0; plane < k; ++plane) {
         buckets.list_begin[plane] = begin;
         for (std::size_t part = 0; part < parts.count; ++part) {
-            PartCounters counters(buckets, part, k);
-            active += counters.first[plane];
-            active -= counters.last[plane];
-            begin += std::exchange(counters.first[plane], begin);
+            const PartCounts counts(buckets, part, k);
+            const std::uint32_t starting = counts.starting[plane];
+            active += starting;
+            active -= counts.ended[plane];
+            PartCursors(buckets, part, k).next_record[plane] = begin;
+            begin += starting;
         }
         buckets.segments[plane] = static_cast<std::uint32_t>(active);
         buckets.segment_count += static_cast<std::uint64_t>(active);
@@ -215,7 +231,7 @@ void count_crossings(const MeshView& mesh, const Transform& transform, double un
     const SoupScan scan(mesh, transform, unit_mm, planes);
     with_reader(mesh, transform, unit_mm, [&](const auto& read) {
         parallel.run(parts.count, [&](std::size_t part, int) {
-            PartCount counter(read, scan, planes, PartCounters(buckets, part, k));
+            PartCount counter(read, scan, planes, PartCounts(buckets, part, k));
             for (std::size_t block = parts.begin_block(part); block < parts.begin_block(part + 1); ++block) {
                 const std::size_t begin = block * block_triangles;
                 const std::size_t end = std::min(begin + block_triangles, parts.triangles);
@@ -240,7 +256,7 @@ std::size_t scatter_triangles(const MeshView& mesh, const Transform& transform, 
     const SoupScan scan(mesh, transform, unit_mm, planes);
     with_reader(mesh, transform, unit_mm, [&](const auto& read) {
         parallel.run(parts.count, [&](std::size_t part, int) {
-            PartScatter scatter(read, scan, planes, reach_end, PartCounters(buckets, part, planes.size()), buckets, output);
+            PartScatter scatter(read, scan, planes, reach_end, PartCursors(buckets, part, planes.size()), buckets, output);
             for (std::size_t block = parts.begin_block(part); block < parts.begin_block(part + 1); ++block) {
                 const std::size_t begin = block * block_triangles;
                 scatter.scatter(begin, buckets.crossed_mask[block], begin + block_triangles <= parts.triangles);

@@ -1,9 +1,8 @@
-// Stage 4: triangles to the plane list of the first plane that cuts them (Algorithm 2), concurrently, by count, prefix sum
-// and scatter: no locks, and nothing that depends on threads but the order within one plane's list, on which nothing
-// depends.
+// Puts each triangle in the list of the first plane that cuts it (Algorithm 2), concurrently, by count, prefix sum and
+// scatter. There are no locks. Only the order within one plane's list depends on threads, and nothing depends on that order.
 //
-// Two streaming reads of the input after the one for its bounds. The first counts; the second writes what is cut, and only
-// that, as 48-byte records in plane order:
+// The input is read twice after its bounds are measured. The first read counts; the second writes the triangles that are
+// cut as 48-byte records in plane order:
 //
 //     planes         0        1      2  ...
 //     records     [ t7 t2 | t9 t4 | t1 | ...     list_begin = 0, 2, 4, 5, ...

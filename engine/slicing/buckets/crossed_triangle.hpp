@@ -1,4 +1,4 @@
-// What the sweep knows of a triangle.
+// A crossed triangle, as the sweep needs it.
 #pragma once
 
 #include <cstdint>
@@ -9,23 +9,23 @@
 namespace lamella {
 
 /// A triangle that at least one plane cuts. Vertices by height; the long edge runs from `lower` to `upper`, the short edges
-/// from `lower` to `middle` and from `middle` to `upper`. A segment leaves the edge that its face walks downwards and
-/// ends on the one that it walks upwards: that way the solid is on its left.
+/// from `lower` to `middle` and from `middle` to `upper`. A segment starts on the edge that its face runs down
+/// and ends on the edge that it runs up, so the solid is on its left.
 struct CrossedTriangle {
     GridVertex lower;
     GridVertex middle;
     GridVertex upper;
-    std::uint32_t triangle;          ///< index in the input
-    std::uint32_t middle_and_sense;  ///< first plane above `middle`, and in the top bit whether the long edge is the source
-    PlaneIndex last;                 ///< one past the last plane that cuts it
+    std::uint32_t triangle;           ///< index in the input
+    std::uint32_t middle_and_source;  ///< first plane above `middle`, and in the top bit whether the long edge is the source
+    PlaneIndex last;                  ///< one past the last plane that cuts it
 
-    PlaneIndex middle_plane() const noexcept { return middle_and_sense & 0x7FFFFFFFU; }
-    bool long_edge_is_source() const noexcept { return (middle_and_sense >> 31) != 0; }
+    PlaneIndex middle_plane() const noexcept { return middle_and_source & 0x7FFFFFFFU; }
+    bool long_edge_is_source() const noexcept { return (middle_and_source >> 31) != 0; }
 };
 static_assert(sizeof(CrossedTriangle) == 48, "the memory bound counts 48 bytes a crossed triangle");
 
 /// The order of three vertices by height, and whether it is an odd permutation of them: then the facet walks the long edge
-/// upwards. Indexed by (z1 < z0) + 2 (z2 < z1) + 4 (z2 < z0): comparisons without branches, since nothing predicts them.
+/// upwards. Indexed by (z1 < z0) + 2 (z2 < z1) + 4 (z2 < z0): a table instead of branches, which would be mispredicted.
 struct HeightOrder {
     std::uint8_t lower, middle, upper, odd;
 };
@@ -33,7 +33,7 @@ inline constexpr HeightOrder height_orders[8] = {
     {0, 1, 2, 0}, {1, 0, 2, 1}, {0, 2, 1, 1}, {0, 1, 2, 0}, {0, 1, 2, 0}, {1, 2, 0, 0}, {2, 0, 1, 0}, {2, 1, 0, 1},
 };
 
-/// All but the planes.
+/// A record without its planes.
 inline CrossedTriangle order_by_height(const GridTriangle& v, std::uint32_t triangle) noexcept {
     const unsigned index = (v[1].z < v[0].z ? 1U : 0U) + (v[2].z < v[1].z ? 2U : 0U) + (v[2].z < v[0].z ? 4U : 0U);
     const HeightOrder& order = height_orders[index];

@@ -3,22 +3,25 @@
 #include <array>
 #include <cmath>
 
+#include "base/dispatch.hpp"
 #include "base/prefetch.hpp"
-#include "base/x86_forms.hpp"
 
 namespace lamella {
 
-#ifdef LAMELLA_X86_FORMS
+/// The forms of what a scan does.
+struct SoupScan::Kernels {
+    std::uint64_t (*ranges)(const SoupScan& scan, std::size_t begin, Ranges& ranges);
+    std::uint64_t (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end,
+                           std::uint32_t* list_end, CrossedTriangle* records, Written& written);
+};
 
 namespace {
 
-/// A plane found by float arithmetic is off by one at most as long as floats tell planes apart, and rounding of heights (to
-/// 24 bits, then to the grid) moves none by much of a step.
+/// Float arithmetic finds a plane to within one, if floats resolve planes and rounding of heights (to 24 bits, then to the
+/// grid) moves none by much of a step.
 constexpr PlaneIndex most_by_arithmetic = 1 << 19;
 constexpr double least_step_units = 1024;
 constexpr PlaneIndex most_scanned_planes = 1 << 28;  // indices of gathers are signed, and the table has two cells a plane
-constexpr int table_steps = 4;                       // planes of a cell looked at before the rest of it is searched
-constexpr __mmask16 nine = 0x1FF;                    // numbers of a triangle
 
 }  // namespace
 
@@ -28,13 +31,32 @@ SoupScan::SoupScan(const MeshView& mesh, const Transform& transform, double unit
       scale_(static_cast<float>(1 / (2 * unit_mm))),
       planes_(planes) {
     int exponent = 0;
-    usable_ = has_avx512() && mesh.coordinate_type == CoordinateType::f32 && mesh.indices == nullptr &&
-              mesh.stride < (1U << 20) && transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 &&
-              planes.size() > 0 && planes.size() <= most_scanned_planes;
+    const bool allowed = mesh.coordinate_type == CoordinateType::f32 && mesh.indices == nullptr && mesh.stride < (1U << 20) &&
+                         transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 && planes.size() > 0 &&
+                         planes.size() <= most_scanned_planes;
+    kernels_ = allowed ? kernels() : nullptr;
     if (planes.uniform() && planes.size() <= most_by_arithmetic && planes.planes_per_unit() * least_step_units <= 1) {
         planes_per_unit_ = static_cast<float>(planes.planes_per_unit());
     }
 }
+
+std::uint64_t SoupScan::ranges(std::size_t begin, Ranges& ranges) const noexcept {
+    return kernels_->ranges(*this, begin, ranges);
+}
+
+std::uint64_t SoupScan::write(std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end, std::uint32_t* list_end,
+                              CrossedTriangle* records, Written& written) const noexcept {
+    return kernels_->write(*this, begin, crossed, reach_end, list_end, records, written);
+}
+
+#ifdef LAMELLA_X86_FORMS
+
+namespace {
+
+constexpr int table_steps = 4;     // planes of a cell compared before the rest of it is searched
+constexpr __mmask16 nine = 0x1FF;  // numbers of a triangle
+
+}  // namespace
 
 /// The code that needs AVX-512.
 struct SoupKernel {
@@ -77,7 +99,7 @@ struct SoupKernel {
         return scan.planes_per_unit_ > 0 ? by_arithmetic(scan, z) : by_table(scan, z);
     }
 
-    /// Counted from plane 0, x steps up: with a quarter for all that is inexact, it is plane floor(x - 1/4) + 1 or the next.
+    /// At x steps above plane 0, the answer is plane floor(x - 1/4) + 1 or the next: a quarter step covers all rounding.
     LAMELLA_AVX512 static __m512i by_arithmetic(const SoupScan& scan, __m512i z) {
         const std::int32_t* planes = scan.planes_.heights();
         const __m512 rise = _mm512_maskz_cvtepi32_ps(all_lanes, _mm512_sub_epi32(z, _mm512_set1_epi32(planes[0])));
@@ -105,7 +127,7 @@ struct SoupKernel {
         return below == 0 ? first : search(scan, z, first, below);
     }
 
-    /// Where planes crowd.
+    /// For lanes whose cell holds more planes than table_steps.
     LAMELLA_AVX512 __attribute__((noinline)) static __m512i search(const SoupScan& scan, __m512i z, __m512i first,
                                                                    unsigned lanes) {
         alignas(64) std::int32_t heights[lanes_of_512];
@@ -154,10 +176,10 @@ struct SoupKernel {
         return even;
     }
 
-    /// What is known of sixteen triangles before their records are written.
+    /// Sixteen triangles before their records are written.
     struct alignas(64) Group {
         std::uint32_t order[lanes_of_512];
-        std::uint32_t middle_and_sense[lanes_of_512];
+        std::uint32_t middle_and_source[lanes_of_512];
     };
 
     LAMELLA_AVX512 static unsigned order_group(const SoupScan& scan, std::size_t begin, const PlaneIndex* reach_end,
@@ -172,12 +194,12 @@ struct SoupKernel {
         const __m512i first = first_above(scan, least(low, z[2]));
         const __m512i middle = first_above(scan, greatest(low, least(high, z[2])));
         const __m512i last = first_above(scan, greatest(high, z[2]));
-        // The sense is bit `order` of the even orders.
+        // The long edge is the source where bit `order` of the even orders is set.
         constexpr auto even = static_cast<std::int32_t>(even_orders());
-        const __m512i sense =
+        const __m512i is_source =
             _mm512_maskz_slli_epi32(all_lanes, _mm512_maskz_srlv_epi32(all_lanes, _mm512_set1_epi32(even), order), 31);
         _mm512_store_si512(group.order, order);
-        _mm512_store_si512(group.middle_and_sense, _mm512_or_epi32(middle, sense));
+        _mm512_store_si512(group.middle_and_source, _mm512_or_epi32(middle, is_source));
         _mm512_storeu_si512(first_out, first);
         _mm512_storeu_si512(last_out, last);
         return _mm512_cmpgt_epi32_mask(last, gather(reach_end, first));
@@ -206,11 +228,11 @@ struct SoupKernel {
                 const __m512i order = _mm512_loadu_si512(lanes[group.order[lane]].data());
                 const std::uint32_t at = list_end[first[lane]]++;
                 CrossedTriangle& record = records[at];
-                __builtin_prefetch(&record + 2, 1);  // of the same list, and mostly the next to be written
+                __builtin_prefetch(&record + 2, 1);  // of the same list, and likely the next to be written
                 _mm512_mask_storeu_epi32(&record, nine,
                                          _mm512_maskz_permutexvar_epi32(all_lanes, order, round_even(mm, scale)));
                 record.triangle = static_cast<std::uint32_t>(t);
-                record.middle_and_sense = group.middle_and_sense[lane];
+                record.middle_and_source = group.middle_and_source[lane];
                 record.last = last[lane];
                 written.record[base + lane] = at;
             }
@@ -219,29 +241,19 @@ struct SoupKernel {
     }
 };
 
-std::uint64_t SoupScan::ranges(std::size_t begin, Ranges& ranges) const noexcept {
-    return SoupKernel::ranges(*this, begin, ranges);
-}
-
-std::uint64_t SoupScan::write(std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end, std::uint32_t* list_end,
-                              CrossedTriangle* records, Written& written) const noexcept {
-    return SoupKernel::write(*this, begin, crossed, reach_end, list_end, records, written);
-}
-
-#else
-
-SoupScan::SoupScan(const MeshView& mesh, const Transform&, double, const PlaneSet& planes) noexcept
-    : vertices_(mesh.vertices), stride_(0), scale_(0), planes_(planes) {}
-
-std::uint64_t SoupScan::ranges(std::size_t, Ranges&) const noexcept {
-    return 0;
-}
-
-std::uint64_t SoupScan::write(std::size_t, std::uint64_t, const PlaneIndex*, std::uint32_t*, CrossedTriangle*,
-                              Written&) const noexcept {
-    return 0;
-}
-
 #endif
+
+/// Null: one triangle at a time is the portable form.
+const SoupScan::Kernels* SoupScan::kernels() noexcept {
+#ifdef LAMELLA_X86_FORMS
+    static constexpr Kernels avx512{SoupKernel::ranges, SoupKernel::write};
+#endif
+    static constexpr Form<const Kernels*> forms[] = {
+#ifdef LAMELLA_X86_FORMS
+        {InstructionSet::avx512, &avx512},
+#endif
+        {InstructionSet::portable, nullptr}};
+    return best_of<const Kernels*>(forms);
+}
 
 }  // namespace lamella

@@ -1,5 +1,5 @@
-// Float soups in blocks of 64 triangles, sixteen at a time where the processor has AVX-512: the planes that cut them, and
-// their records. Gives what looking at triangles one by one gives.
+// Float soups in blocks of 64 triangles, sixteen at a time with AVX-512: the planes that cut them, and their records. Other
+// meshes and processors take one triangle at a time, with the same result.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ class SoupScan {
 public:
     SoupScan(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes) noexcept;
 
-    /// Whether this processor and mesh allow it; else triangles must be looked at one by one.
-    bool usable() const noexcept { return usable_; }
+    /// Whether this processor and mesh allow it.
+    bool usable() const noexcept { return kernels_ != nullptr; }
 
     /// Planes from first[t] up to, but not with, last[t] cut triangle t.
     struct Ranges {
@@ -40,13 +40,15 @@ public:
 
 private:
     friend struct SoupKernel;
+    struct Kernels;
+    static const Kernels* kernels() noexcept;
 
     const std::byte* vertices_;
     std::int32_t stride_;
     float scale_;  // mm to half grid units
     const PlaneSet& planes_;
-    float planes_per_unit_ = 0;  // 0: planes are found by the table
-    bool usable_ = false;
+    float planes_per_unit_ = 0;         // 0: planes are found by the table
+    const Kernels* kernels_ = nullptr;  // null: not usable
 };
 
 }  // namespace lamella

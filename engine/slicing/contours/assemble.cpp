@@ -1,4 +1,4 @@
-// The assembled form on a caller's own segments: Algorithm 4 of the paper, keyed by what the caller says meets.
+// The assembled form on a caller's own segments: Algorithm 4 of the paper, with keys from the caller.
 #include "lamella/assemble.hpp"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ public:
         : segments_(segments), graph_(memory), layer_(memory), output_(memory), links_(memory), points_(memory) {}
 
     void link() {
-        LinkGraph::Attaching attaching = graph_.begin_attaching(2 * segments_.size());
+        SlotTable::Attaching attaching = graph_.begin_attaching(2 * segments_.size());
         links_.reserve(segments_.size());
         for (std::uint32_t i = 0; i < segments_.size(); ++i) {
             const Segment& segment = segments_[i];
@@ -52,7 +52,7 @@ public:
     }
 
 private:
-    PortRef attach(LinkGraph::Attaching& attaching, const EndKey& key, Point point, int port, std::uint32_t link) {
+    PortRef attach(SlotTable::Attaching& attaching, const EndKey& key, Point point, int port, std::uint32_t link) {
         const Slot slot = attaching.find_or_add(from_key(key), 0);
         put(slot, point);
         return attaching.attach(slot, port, link);
@@ -65,7 +65,8 @@ private:
         points_[slot] = point;
     }
 
-    /// At equal ranks as at equal angles (see pairing.hpp): what comes in first, then by the segment's other end.
+    /// Equal ranks are sorted as equal angles are (see pairing.hpp): ends that come in first, then by the segment's other
+    /// end.
     void sort_by_rank(std::span<MeetingEnd> ends) const {
         const auto rank = [this](const MeetingEnd& end) {
             return end.is_source ? segments_[end.link].from_rank : segments_[end.link].to_rank;

@@ -4,14 +4,14 @@
 #include <cstdint>
 #include <cstring>
 
-#include "slicing/contours/link_graph.hpp"
+#include "slicing/contours/slot_table.hpp"
 
 namespace lamella {
 
 /// Room beyond the order's end that copy_run() may write and read.
 inline constexpr std::size_t run_padding = 16;
 
-/// Most runs are short, and a copy whose length the processor need not guess is the fastest: 64 bytes a step, overshooting.
+/// Copies 64 bytes a step and writes beyond the end: most runs are short, and an exact length mispredicts.
 inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {
     for (std::uint32_t i = 0; i < length; i += run_padding) {
         std::memcpy(to + i, run + i, run_padding * sizeof(Slot));

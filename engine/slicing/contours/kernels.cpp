@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "base/rounding.hpp"
-#include "base/x86_forms.hpp"
 
 namespace lamella {
 
@@ -159,8 +158,8 @@ LAMELLA_AVX2 void find_smallest(const Point* ring, std::size_t count, RingFacts&
     }
 }
 
-/// Four points a step, as in trace_avx512, for rings that fill a vector; what is left over is looked at one by one. AVX2
-/// shifts no signs: products are biased by 2^63 to be unsigned, and the bias is taken off at the end.
+/// Four points a step, as in trace_avx512, for rings that fill a vector; points left over are taken one by one. AVX2 has
+/// no arithmetic shift of 64 bits: products are biased by 2^63 to be unsigned, and the bias is taken off at the end.
 LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slots, std::size_t count, Point* ring) {
     if (count < 8) {
         return trace_portable(points, slots, count, ring);
@@ -298,7 +297,7 @@ struct SmallestOfEight {
     }
 };
 
-/// Eight points a step. Neighbours come from shifting the vectors before and behind into this one, not from loading them
+/// Eight points a step. Neighbours come from shifting the vectors before and after into this one, not from loading them
 /// back from the ring, which would wait for the stores; x lies in the low half of each 64-bit lane and y in the high one:
 ///
 ///     before  [ .. .. .. .. .. .. .. a ]  here  [ b c d e f g h i ]  next  [ j .. .. .. .. .. .. .. ]
@@ -319,7 +318,7 @@ LAMELLA_AVX512 RingFacts trace_avx512(const Point* points, const std::uint32_t* 
         const std::size_t left = count - i;
         const auto lanes = static_cast<__mmask8>(left >= 8 ? 0xFF : (1U << left) - 1);
         const __m512i next = left > 8 ? gather_eight(points, slots + i + 8) : first;
-        here = _mm512_mask_blend_epi64(lanes, first, here);  // what lies behind the last point is the first
+        here = _mm512_mask_blend_epi64(lanes, first, here);  // the first point follows the last
         _mm512_storeu_si512(ring + i, here);
         smallest.add(here, i, lanes);
         const __m512i previous = _mm512_maskz_alignr_epi64(0xFF, here, before, 7);
@@ -353,7 +352,7 @@ LAMELLA_AVX512 std::size_t select_equal_avx512(const std::uint32_t* values, std:
         const std::size_t left = count - i;
         const auto lanes = static_cast<__mmask16>(left >= 16 ? 0xFFFF : (1U << left) - 1);
         const __mmask16 same = _mm512_mask_cmpeq_epi32_mask(lanes, _mm512_maskz_loadu_epi32(lanes, values + i), wanted);
-        // Nothing predicts whether there is one.
+        // No branch on whether there is one: it would often be mispredicted.
         _mm512_storeu_si512(indices + found, _mm512_maskz_compress_epi32(same, index));
         found += static_cast<std::size_t>(std::popcount(same));
         index = _mm512_add_epi32(index, _mm512_set1_epi32(16));
@@ -371,22 +370,14 @@ RingFacts examine_ring(const Point* ring, std::size_t count) noexcept {
     return facts_of(count, [ring](std::size_t i) { return ring[i]; });
 }
 
-std::span<const Kernels> supported_kernels() noexcept {
-    static constexpr Kernels forms[] = {
+std::span<const Form<Kernels>> kernel_forms() noexcept {
+    static constexpr Form<Kernels> forms[] = {
 #ifdef LAMELLA_X86_FORMS
-        avx512, avx2,
+        {InstructionSet::avx512, avx512},
+        {InstructionSet::avx2, avx2},
 #endif
-        portable};
-    const std::size_t unsupported = (has_avx2() ? 0U : 1U) + (has_avx512() ? 0U : 1U);
-    return std::span(forms).subspan(std::min(unsupported, std::size(forms) - 1));
-}
-
-const Kernels& kernels_for_this_cpu() noexcept {
-    return supported_kernels().front();
-}
-
-const Kernels& portable_kernels() noexcept {
-    return supported_kernels().back();
+        {InstructionSet::portable, portable}};
+    return forms;
 }
 
 }  // namespace lamella

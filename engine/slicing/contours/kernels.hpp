@@ -1,12 +1,12 @@
-// The loops that touch every point or edge of every layer, in the widest form that this processor has, chosen at run time:
-// the default build carries no -march. All forms give the same bytes (no contraction, the same operations in the same
-// order).
+// The loops over every point or edge of every layer, in forms for several instruction sets. All forms give the same bytes:
+// the same operations in the same order, without contraction.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "base/dispatch.hpp"
 #include "base/int128.hpp"
 #include "lamella/grid.hpp"
 
@@ -22,11 +22,11 @@ struct EdgeArrays {
     const double* slope_y;
 };
 
-/// What one pass over a closed contour tells.
+/// Found in one pass over a closed contour.
 struct RingFacts {
     Point box_min;
     Point box_max;
-    Int128 twice_area;     ///< of what lies left of it, exactly
+    Int128 twice_area;     ///< positive if counter-clockwise; exact
     std::size_t smallest;  ///< the first point that no other is smaller than, x before y
     bool many_smallest;    ///< others are equal to it
     bool has_repeats;      ///< two consecutive points are equal
@@ -44,19 +44,15 @@ struct Kernels {
     std::size_t (*select_equal)(const std::uint32_t* values, std::size_t count, std::uint32_t value, std::uint32_t* indices);
 };
 
-/// Room that arrays handed to pierce() need beyond a multiple of it.
+/// Arrays handed to pierce() and trace() are padded to a multiple of it.
 inline constexpr std::size_t padded_count = 8;
-/// Room that select_equal() needs beyond what it finds.
+/// select_equal() may write so many elements beyond those that it finds.
 inline constexpr std::size_t select_padding = 16;
 
 /// The facts of a closed ring of count > 0 points as they lie.
 RingFacts examine_ring(const Point* ring, std::size_t count) noexcept;
 
-/// The forms that this processor runs, the widest first, the portable one last.
-std::span<const Kernels> supported_kernels() noexcept;
-/// The widest of them.
-const Kernels& kernels_for_this_cpu() noexcept;
-/// The portable ones, for comparison.
-const Kernels& portable_kernels() noexcept;
+/// All forms, the fastest first.
+std::span<const Form<Kernels>> kernel_forms() noexcept;
 
 }  // namespace lamella

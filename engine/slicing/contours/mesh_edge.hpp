@@ -1,7 +1,6 @@
-// What two segment ends must share to meet: the mesh edge that they lie on.
+// The edges of a crossed triangle, and the key of an edge: segments whose ends lie on the same edge meet there.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -9,57 +8,17 @@
 #include "lamella/assemble.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 
 namespace lamella {
-
-/// An edge as its two vertices lie in memory, `lower` first, in words that are quick to compare and to hash:
-///
-///     [ lower.x | lower.y ] [ lower.z | upper.x ] [ upper.y | upper.z ]      32 bits each
-struct MeshEdge {
-    std::uint64_t words[3];
-
-    static MeshEdge between(const GridVertex& lower, const GridVertex& upper) noexcept {
-        MeshEdge edge;
-        std::memcpy(&edge.words[0], &lower.x, sizeof edge.words[0]);
-        edge.words[1] = joined(lower.z, upper.x);
-        std::memcpy(&edge.words[2], &upper.y, sizeof edge.words[2]);
-        return edge;
-    }
-
-    GridVertex lower() const noexcept { return vertex(0); }
-    GridVertex upper() const noexcept { return vertex(sizeof(GridVertex)); }
-
-    /// Well mixed in its high bits, which is where tables take their index from.
-    std::uint64_t hash() const noexcept {
-        std::uint64_t h = words[0] * 0x9E3779B97F4A7C15U + words[1] * 0xC2B2AE3D27D4EB4FU + words[2] * 0x165667B19E3779F9U;
-        h ^= h >> 32;
-        return h * 0xD6E8FEB86659FD93U;
-    }
-
-    friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
-
-private:
-    /// Two coordinates as they lie in memory. Shifted together: compilers join an array by way of vector registers.
-    static std::uint64_t joined(std::int32_t first, std::int32_t second) noexcept {
-        const std::uint64_t a = static_cast<std::uint32_t>(first);
-        const std::uint64_t b = static_cast<std::uint32_t>(second);
-        return std::endian::native == std::endian::little ? a | b << 32 : b | a << 32;
-    }
-
-    GridVertex vertex(std::size_t at) const noexcept {
-        GridVertex v;
-        std::memcpy(static_cast<void*>(&v), reinterpret_cast<const char*>(words) + at, sizeof v);
-        return v;
-    }
-};
 
 /// The edge from a triangle's lowest vertex to its highest.
 inline MeshEdge long_edge(const CrossedTriangle& t) noexcept {
     return MeshEdge::between(t.lower, t.upper);
 }
 
-/// The one above the middle vertex, or the one below it. Nothing predicts which is asked for: the two are neighbours in
-/// memory, and it is the address that is reckoned.
+/// The edge above the middle vertex, or the one below it. A branch would be mispredicted half of the time; the two lie side
+/// by side in memory, so the address is computed instead.
 inline MeshEdge short_edge(const CrossedTriangle& t, bool above_middle) noexcept {
     static_assert(offsetof(CrossedTriangle, lower) == 0 && offsetof(CrossedTriangle, middle) == sizeof(GridVertex) &&
                   offsetof(CrossedTriangle, upper) == 2 * sizeof(GridVertex));

@@ -1,8 +1,9 @@
-// How ends that meet at one edge are paired, where more than two do (or two of the same sense): by sense, then by angle.
+// Pairs the ends of segments that meet at one edge, where more than two do (or two of the same orientation): by orientation,
+// then by angle.
 //
-// Seen from above, with the edge pointing up, ends lie counter-clockwise round it. Going round, the solid begins at an end
-// that goes out (its left is the counter-clockwise side) and ends at one that comes in: "out" opens a bracket, "in" closes
-// it. Matching brackets share a wedge of solid, and contours paired so never cross:
+// The ends are sorted counter-clockwise round the edge, seen from above. The solid begins at an end that goes out (its left
+// is the counter-clockwise side) and ends at one that comes in: "out" opens a bracket, "in" closes it. Matching brackets
+// share a wedge of solid, so contours paired this way never cross:
 //
 //              out                          four faces, two solids that touch along the edge:
 //               | solid A                       out in out in   ->   (out in) (out in)
@@ -10,7 +11,8 @@
 //     in        |                           a solid with a wedge-shaped gap of solid in its gap ...:
 //       solid B | out                           out out in in   ->   (out (out in) in)
 //
-// What is left has one sense only; it pairs with its neighbour round the edge, and an odd one ends an open polyline.
+// The ends left over have one orientation. Each pairs with its neighbour round the edge, and an odd one ends an open
+// polyline.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +38,7 @@ public:
     /// Pairs `ends`, which lie counter-clockwise; bracket matching goes round from the last to the first. O(ends).
     void match(std::span<const MeetingEnd> ends);
 
-    /// Indices into the ends; where the senses differ, the one that comes in is first.
+    /// Indices into the ends; where the orientations differ, the one that comes in is first.
     std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs() const noexcept { return pairs_; }
     /// Index of the end that found no partner, or -1.
     std::int64_t odd_one() const noexcept { return odd_; }

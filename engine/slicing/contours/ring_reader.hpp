@@ -33,7 +33,7 @@ LayerContour open_contour(std::span<Point> points);
 /// One per thread; scratch is kept. Contours point into it until the next call.
 class RingReader {
 public:
-    explicit RingReader(const Memory* memory) : kernels_(kernels_for_this_cpu()), rings_(memory) {}
+    explicit RingReader(const Memory* memory) : kernels_(best_of(kernel_forms())), rings_(memory) {}
 
     /// The contours of `graph`, in walking order; points[slot] is where the slot's edge pierces the plane. O(q) for q
     /// points. Throws std::bad_alloc.

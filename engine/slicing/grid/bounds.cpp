@@ -76,7 +76,7 @@ Partial measure_general(const MeshView& mesh, const Transform& transform, std::s
 /// The same for a float soup without a transform.
 Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, BlockTable& table) {
     const FloatSoup soup{mesh.vertices, mesh.stride, mesh.triangle_count, static_cast<float>(table.near_mm)};
-    const SoupBox found = measure_soup_for_this_cpu()(soup, begin, end, table.blocks.data());
+    const SoupBox found = best_of(measure_soup_forms())(soup, begin, end, table.blocks.data());
     Partial box;
     for (int axis = 0; axis < 3; ++axis) {
         box.add(axis, static_cast<double>(found.low[axis]), static_cast<double>(found.high[axis]));

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "base/prefetch.hpp"
-#include "base/x86_forms.hpp"
 
 namespace lamella {
 
@@ -22,7 +21,7 @@ TriangleBlock block_of(const SoupBox& box, bool near) {
 
 #ifdef __SSE2__
 
-// --- SSE2, which x86-64 always has: a triangle as three vectors, of which nothing lies beyond it
+// --- SSE2, which x86-64 always has: three vectors that cover a triangle and nothing beyond it
 //
 //     x0 y0 z0 x1 y1 z1 x2 y2 z2
 //     [---a-----]
@@ -182,7 +181,7 @@ LAMELLA_AVX512 __mmask16 within(__mmask16 lanes, __m512 a, __m512 b, __m512 reac
     return _mm512_mask_cmp_ps_mask(lanes, _mm512_castsi512_ps(size), reach, _CMP_LE_OQ);
 }
 
-/// Few edges run along y and z, so x mostly tells.
+/// Few edges run along y and z, so the differences in x mostly suffice.
 LAMELLA_AVX512 bool any_near(const __m512* v, __m512 reach) {
     const __mmask16 x01 = within(all_lanes, v[0], v[3], reach);
     const __mmask16 x12 = within(all_lanes, v[3], v[6], reach);
@@ -252,17 +251,13 @@ LAMELLA_AVX512 SoupBox measure_avx512(const FloatSoup& soup, std::size_t begin, 
 
 }  // namespace
 
-MeasureSoup measure_soup_for_this_cpu() noexcept {
+std::span<const Form<MeasureSoup>> measure_soup_forms() noexcept {
+    static constexpr Form<MeasureSoup> forms[] = {
 #ifdef LAMELLA_X86_FORMS
-    if (has_avx512()) {
-        return measure_avx512;
-    }
+        {InstructionSet::avx512, measure_avx512},
 #endif
-    return measure_portable;
-}
-
-MeasureSoup portable_measure_soup() noexcept {
-    return measure_portable;
+        {InstructionSet::portable, measure_portable}};
+    return forms;
 }
 
 }  // namespace lamella

@@ -1,8 +1,10 @@
-// Boxes of a float soup and of its blocks, in the widest form that this processor has; all forms give the same.
+// Boxes of a float soup and of its blocks.
 #pragma once
 
 #include <cstddef>
+#include <span>
 
+#include "base/dispatch.hpp"
 #include "slicing/grid/blocks.hpp"
 
 namespace lamella {
@@ -23,9 +25,7 @@ struct SoupBox {
 /// Blocks [begin, end), which are not empty, into `blocks`; returns the box of all of them.
 using MeasureSoup = SoupBox (*)(const FloatSoup& soup, std::size_t begin, std::size_t end, TriangleBlock* blocks);
 
-/// For the processor that this runs on.
-MeasureSoup measure_soup_for_this_cpu() noexcept;
-/// The portable one, for comparison.
-MeasureSoup portable_measure_soup() noexcept;
+/// All forms, the fastest first.
+std::span<const Form<MeasureSoup>> measure_soup_forms() noexcept;
 
 }  // namespace lamella

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "base/vector.hpp"
-#include "base/x86_forms.hpp"
 
 namespace lamella::nesting {
 
@@ -31,9 +30,9 @@ LAMELLA_AVX2_INLINE __m256i four_points(const Point* points) noexcept {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(points));
 }
 
-/// Which of the 16 edges from points[0] to points[16] must be shown:
+/// Which of the 16 edges from points[0] to points[16] must be added:
 ///     bit i of `above` = point i lies above the query's y;   above ^ (above >> 1) = edge (i, i+1) straddles it.
-/// Points at that very y are rare, so the four quads are first asked together.
+/// Points at exactly that y are rare, so one test of all four quads comes first.
 LAMELLA_AVX2_INLINE unsigned edges_at(const Point* points, std::int32_t y) noexcept {
     const __m256i level = _mm256_set1_epi32(y);
     const __m256i quads[4] = {four_points(points), four_points(points + 4), four_points(points + 8),
@@ -51,7 +50,7 @@ LAMELLA_AVX2_INLINE unsigned edges_at(const Point* points, std::int32_t y) noexc
     return edges;
 }
 
-__attribute__((target("avx2"))) void add_edges_avx2(Winding& winding, const Point* points, std::uint32_t count) noexcept {
+LAMELLA_AVX2 void add_edges_avx2(Winding& winding, const Point* points, std::uint32_t count) noexcept {
     if (count < 16) {
         add_edges_portable(winding, points, count);
         return;
@@ -75,7 +74,7 @@ struct Levels {
     std::uint64_t at = 0;
 };
 
-/// Adds sixteen points. The y's of two vectors of points are drawn together into one.
+/// Adds sixteen points. One vector takes the y's of two vectors of points.
 LAMELLA_AVX512_INLINE void add_levels(Levels& levels, __m512i low, __m512i high, __m512i level, unsigned shift) noexcept {
     const __m512i y_lanes = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
     const __m512i ys = _mm512_permutex2var_epi32(low, y_lanes, high);
@@ -127,19 +126,19 @@ LAMELLA_AVX512 void add_edges_avx512(Winding& winding, const Point* points, std:
 
 }  // namespace
 
-std::span<const AddEdges> supported_add_edges() noexcept {
-    static constexpr AddEdges forms[] = {
+std::span<const Form<AddEdges>> add_edges_forms() noexcept {
+    static constexpr Form<AddEdges> forms[] = {
 #ifdef LAMELLA_X86_FORMS
-        add_edges_avx512, add_edges_avx2,
+        {InstructionSet::avx512, add_edges_avx512},
+        {InstructionSet::avx2, add_edges_avx2},
 #endif
-        add_edges_portable};
-    const std::size_t unsupported = (has_avx2() ? 0U : 1U) + (has_avx512() ? 0U : 1U);
-    return std::span(forms).subspan(std::min(unsupported, std::size(forms) - 1));
+        {InstructionSet::portable, add_edges_portable}};
+    return forms;
 }
 
 namespace {
 
-/// So many queries are looked at one by one.
+/// Up to so many queries are tested one by one.
 constexpr std::uint32_t few_queries = 16;
 
 }  // namespace
@@ -159,7 +158,7 @@ void ManyInside::test(const Point* points, std::uint32_t count, Vector<std::uint
     }
 }
 
-/// by_y_ becomes the queries in the order of y: there are several times as many steps, so that most hold one or none.
+/// Sorts the queries by y into by_y_. There are several times as many steps as queries, so most hold one or none.
 QuerySteps ManyInside::sort_by_step() {
     constexpr std::size_t fewest_steps = 64;
     constexpr std::size_t most_steps = std::size_t{1} << 14;
@@ -187,7 +186,7 @@ QuerySteps ManyInside::sort_by_step() {
     if (longest > few_queries) {
         sort_long_steps();
     }
-    for (std::size_t i = 1; i < by_y_.size(); ++i) {  // what is left lies within short steps
+    for (std::size_t i = 1; i < by_y_.size(); ++i) {  // only short steps are still unsorted
         for (std::size_t place = i; place > 0 && lower(by_y_[place], by_y_[place - 1]); --place) {
             std::swap(by_y_[place], by_y_[place - 1]);
         }
@@ -203,7 +202,7 @@ void ManyInside::sort_long_steps() {
     }
 }
 
-/// Shows every query the edges from points[0] to points[count] that reach its step. A run at a time is sifted first.
+/// Adds the edges from points[0] to points[count] to the queries whose steps they reach. Each run of edges is sifted first.
 void ManyInside::add_edges(const QuerySteps& steps, const Point* points, std::uint32_t count) {
     Reaches reaches;
     for (std::uint32_t first = 0; first < count; first += Reaches::most) {
@@ -216,7 +215,7 @@ void ManyInside::add_edges(const QuerySteps& steps, const Point* points, std::ui
     }
 }
 
-/// Shows the edge to by_y_[begin] to by_y_[end].
+/// Adds the edge to by_y_[begin] to by_y_[end].
 inline void ManyInside::add_edge(Point a, Point b, std::uint32_t begin, std::uint32_t end) {
     auto from = by_y_.begin() + begin;
     auto to = by_y_.begin() + end;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/dispatch.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/nesting/query_steps.hpp"
@@ -24,7 +25,7 @@ inline int side_of(Point a, Point b, Point q) noexcept {
 }
 
 /// Winding number of a contour around a point, by the ray from the point towards +x: an edge that crosses it upwards counts
-/// one, downwards minus one. Only edges that straddle the point's y, or begin at it, need be shown.
+/// one, downwards minus one. Only edges that straddle the point's y, or begin at it, need be added.
 class Winding {
 public:
     Winding() = default;
@@ -52,11 +53,11 @@ private:
     bool on_boundary_ = false;
 };
 
-/// Shows `winding` those of the `count` edges between points[0] and points[count] that it needs to see.
+/// Adds to `winding` those of the `count` edges between points[0] and points[count] that it needs.
 using AddEdges = void (*)(Winding& winding, const Point* points, std::uint32_t count) noexcept;
 
-/// The forms that this processor runs, the fastest first, the portable one last. All give the same answers.
-std::span<const AddEdges> supported_add_edges() noexcept;
+/// All forms, the fastest first.
+std::span<const Form<AddEdges>> add_edges_forms() noexcept;
 
 /// Whether the non-zero winding interior of a closed contour contains `query`. O(count).
 inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32_t count, Point query) noexcept {
@@ -66,12 +67,12 @@ inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32
     return winding.strictly_inside();
 }
 
-/// Many points against one contour, all of them together: a pass over the edges, most of which are seen to reach no point's
-/// y. O(points log points + edges log points), and what is to be done where a point and an edge share a y.
+/// Tests many points against one contour in a single pass over its edges, most of which reach no point's y.
+/// O(points log points + edges log points + pairs of a point and an edge that share a y).
 class ManyInside {
 public:
     explicit ManyInside(const Memory* memory)
-        : sift_edges_(supported_sift_edges().front()), queries_(memory), by_y_(memory), ends_(memory) {}
+        : sift_edges_(best_of(sift_edges_forms())), queries_(memory), by_y_(memory), ends_(memory) {}
 
     void clear() noexcept { queries_.clear(); }
     /// Throws std::bad_alloc.

@@ -83,7 +83,7 @@ void NestItem::reset() noexcept {
 
 Nester::Nester(const Memory* memory)
     : memory_(memory),
-      add_edges_(nesting::supported_add_edges().front()),
+      add_edges_(best_of(nesting::add_edges_forms())),
       keys_(memory_),
       spare_keys_(memory_),
       rings_(memory_),

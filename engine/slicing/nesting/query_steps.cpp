@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <bit>
 
-#include "base/x86_forms.hpp"
-
 namespace lamella::nesting {
 
 namespace {
 
-/// Nothing predicts which edges reach a point: none is branched on.
+/// No branch on whether an edge reaches a point: it would be mispredicted.
 std::size_t sift_portable(const QuerySteps& steps, const Point* points, std::uint32_t count, Reaches& reaches) noexcept {
     std::size_t found = 0;
     std::uint32_t begin = steps.ends[steps.of(points[0].y)];
@@ -30,8 +28,6 @@ std::size_t sift_portable(const QuerySteps& steps, const Point* points, std::uin
 
 #ifdef LAMELLA_X86_FORMS
 
-constexpr __mmask16 every = 0xFFFF;
-
 /// y of points[0] to points[15]; zero where `lanes` has no bit.
 LAMELLA_AVX512_INLINE __m512i sixteen_y(const Point* points, __mmask16 lanes) noexcept {
     const __m512i y_lanes = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
@@ -41,10 +37,10 @@ LAMELLA_AVX512_INLINE __m512i sixteen_y(const Point* points, __mmask16 lanes) no
 }
 
 LAMELLA_AVX512_INLINE __m512i gather(const std::uint32_t* table, __m512i index) noexcept {
-    return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), every, index, table, 4);
+    return _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), all_lanes, index, table, 4);
 }
 
-/// What of sixteen numbers has a bit in `lanes`, and what happens to lie behind.
+/// Stores those of sixteen numbers with a bit in `lanes`. Writes a full vector: `to` needs 16 spare elements.
 LAMELLA_AVX512_INLINE void store_some(std::uint32_t* to, __mmask16 lanes, __m512i numbers) noexcept {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(lanes, numbers));
 }
@@ -64,12 +60,13 @@ LAMELLA_AVX512 std::size_t sift_avx512(const QuerySteps& steps, const Point* poi
         const std::uint32_t left = count - i;
         const auto lanes = static_cast<__mmask16>(left >= 16 ? 0xFFFFU : (1U << left) - 1);
         const __m512i y = sixteen_y(points + i + 1, lanes);
-        const __m512i within = _mm512_maskz_min_epi32(every, high, _mm512_maskz_max_epi32(every, low, y));
-        const __m512i step = _mm512_maskz_srl_epi32(every, _mm512_sub_epi32(within, low), shift);
+        const __m512i within = _mm512_maskz_min_epi32(all_lanes, high, _mm512_maskz_max_epi32(all_lanes, low, y));
+        const __m512i step = _mm512_maskz_srl_epi32(all_lanes, _mm512_sub_epi32(within, low), shift);
         const __m512i begin = gather(steps.ends, step);
         const __m512i end = gather(steps.ends + 1, step);
-        const __m512i from = _mm512_maskz_min_epi32(every, begin, _mm512_maskz_alignr_epi32(every, begin, begin_before, 15));
-        const __m512i to = _mm512_maskz_max_epi32(every, end, _mm512_maskz_alignr_epi32(every, end, end_before, 15));
+        const __m512i from =
+            _mm512_maskz_min_epi32(all_lanes, begin, _mm512_maskz_alignr_epi32(all_lanes, begin, begin_before, 15));
+        const __m512i to = _mm512_maskz_max_epi32(all_lanes, end, _mm512_maskz_alignr_epi32(all_lanes, end, end_before, 15));
         const __mmask16 reaching = _mm512_mask_cmplt_epi32_mask(lanes, from, to);
         store_some(reaches.edge + found, reaching, edge);
         store_some(reaches.begin + found, reaching, from);
@@ -87,13 +84,13 @@ LAMELLA_AVX512 std::size_t sift_avx512(const QuerySteps& steps, const Point* poi
 
 }  // namespace
 
-std::span<const SiftEdges> supported_sift_edges() noexcept {
-    static constexpr SiftEdges forms[] = {
+std::span<const Form<SiftEdges>> sift_edges_forms() noexcept {
+    static constexpr Form<SiftEdges> forms[] = {
 #ifdef LAMELLA_X86_FORMS
-        sift_avx512,
+        {InstructionSet::avx512, sift_avx512},
 #endif
-        sift_portable};
-    return has_avx512() ? std::span(forms) : std::span(forms).last(1);
+        {InstructionSet::portable, sift_portable}};
+    return forms;
 }
 
 }  // namespace lamella::nesting

@@ -1,15 +1,16 @@
-// The y's of the points that ManyInside tests, in steps, and the edges that reach a step with a point in it.
+// Steps of y that hold the points of ManyInside, and the edges that reach a step with a point in it.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "base/dispatch.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella::nesting {
 
-/// The range of y in steps of 2^shift; the first and the last are empty, and hold what lies below and above.
+/// The range of y in steps of 2^shift; the first and the last hold no point and take all y below and above.
 ///
 ///     ends     step s holds points ends[s] to ends[s + 1], in the order of y
 struct QuerySteps {
@@ -36,7 +37,7 @@ struct Reaches {
 using SiftEdges = std::size_t (*)(const QuerySteps& steps, const Point* points, std::uint32_t count,
                                   Reaches& reaches) noexcept;
 
-/// The forms that this processor runs, the fastest first, the portable one last. All give the same answers.
-std::span<const SiftEdges> supported_sift_edges() noexcept;
+/// All forms, the fastest first.
+std::span<const Form<SiftEdges>> sift_edges_forms() noexcept;
 
 }  // namespace lamella::nesting

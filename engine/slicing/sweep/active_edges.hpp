@@ -16,7 +16,7 @@ public:
     explicit ActiveEdges(const Memory* memory)
         : x_(memory), y_(memory), z_(memory), slope_x_(memory), slope_y_(memory), moving_(memory) {}
 
-    /// Room for at least so many slots.
+    /// Makes room for at least `slots` slots.
     void reserve(std::size_t slots);
     std::size_t capacity() const noexcept { return x_.size(); }
 

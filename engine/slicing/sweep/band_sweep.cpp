@@ -10,13 +10,13 @@ namespace lamella {
 
 namespace {
 
-/// One layer in so many is timed; clocks at every layer would be felt on small ones.
+/// One layer in 8 is timed: reading clocks at every layer would slow small ones.
 constexpr PlaneIndex timing_stride = 8;
 
 }  // namespace
 
 BandSweep::BandSweep(const Memory* memory)
-    : kernels_(kernels_for_this_cpu()),
+    : kernels_(best_of(kernel_forms())),
       graph_(memory),
       edges_(memory),
       layers_(memory),
@@ -73,7 +73,7 @@ void BandSweep::begin(const Band& band, const Buckets& buckets) {
 
 // --- Events
 
-/// Takes a plane's events. What each of them changes is a member here, as in LinkGraph::Attaching and for the same reason.
+/// Takes a plane's events. The counters are members here, as in SlotTable::Attaching and for the same reason.
 class BandSweep::Events {
 public:
     Events(BandSweep& sweep, std::size_t attachments)
@@ -91,7 +91,7 @@ public:
         const auto above_middle = static_cast<std::uint32_t>(middle <= plane);
         const int long_port = t.long_edge_is_source() ? source_port : target_port;
         const PortRef long_end = attach(long_edge(t), t.last, long_port);
-        // Nothing predicts where the middle vertex lies: `middle` or `last`, and below 0 or 1, without a branch.
+        // Selects `middle` or `last`, and below adds 0 or 1, without a branch: no predictor knows the middle vertex.
         const PlaneIndex end = middle ^ ((middle ^ t.last) & (0U - above_middle));
         const PortRef short_end = attach(short_edge(t, above_middle != 0), end, 1 - long_port);
         link(long_port, long_end, short_end);
@@ -110,7 +110,7 @@ public:
 
     std::uint32_t link_count() const noexcept { return link_count_; }
     std::uint32_t pending_count() const noexcept { return pending_count_; }
-    const LinkGraph::Attaching& attaching() const noexcept { return attaching_; }
+    const SlotTable::Attaching& attaching() const noexcept { return attaching_; }
 
 private:
     PortRef attach(const MeshEdge& edge, PlaneIndex end, int port) {
@@ -119,14 +119,14 @@ private:
 
     /// The long edge is source or target as the triangle says, the short one the other.
     void link(int long_port, PortRef long_end, PortRef short_end) {
-        // Stored by index, as nothing predicts which is which. They are read one by one too: loading both at once would wait
-        // for the stores.
+        // Stored by index, as a branch would be mispredicted. Both ends are later read one by one: one wide load would wait
+        // for the two stores.
         links_[link_count_].ends[long_port] = long_end;
         links_[link_count_].ends[1 - long_port] = short_end;
         ++link_count_;
     }
 
-    LinkGraph::Attaching attaching_;
+    SlotTable::Attaching attaching_;
     const CrossedTriangle* records_;
     Link* links_;
     Pending* pending_;
@@ -166,8 +166,8 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
     graph_.end_attaching(events.attaching(), 2 * entering + passing.size());
 }
 
-/// Takes the triangles whose middle vertex lies below `plane` and not below the one before. Their records, read when they
-/// entered and maybe long ago, are sent for.
+/// Takes the triangles whose middle vertex lies below `plane` and not below the one before, and prefetches their records,
+/// which were last read when they entered.
 std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
     if (passing_at_.size() < pending_count_ + select_padding) {
         resize_exactly(passing_at_, pending_plane_.size() + select_padding);
@@ -182,7 +182,7 @@ std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
         __builtin_prefetch(record);
         __builtin_prefetch(record + sizeof(CrossedTriangle) - 1);
     }
-    for (std::size_t i = count; i-- > 0;) {  // the last ones take their places
+    for (std::size_t i = count; i-- > 0;) {  // the last ones move into the gaps
         --pending_count_;
         pending_[passing_at_[i]] = pending_[pending_count_];
         pending_plane_[passing_at_[i]] = pending_plane_[pending_count_];
@@ -190,8 +190,8 @@ std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
     return {passing_.data(), count};
 }
 
-/// At most so many of the triangles that enter have a middle event. Where a whole band's active set enters at once, they are
-/// counted: facets as tall as the part have none, and room for all of them would be most of the memory of the sweep.
+/// An upper bound on the middle events of the triangles that enter. Where many enter, they are counted: facets as tall as
+/// the part have none, and room for all of them would be most of the memory of the sweep.
 std::size_t BandSweep::most_middles(PlaneIndex plane, std::span<const std::uint32_t> seeds) const {
     const auto list = buckets_->records.span().subspan(buckets_->list_begin[plane],
                                                        buckets_->list_begin[plane + 1] - buckets_->list_begin[plane]);
@@ -216,7 +216,7 @@ void BandSweep::reserve_events(std::size_t links, std::size_t middles) {
     }
 }
 
-/// The triangle whose link it is: those that pass come first, then seeds, then the plane's list.
+/// The triangle of a link. Links come in the order: triangles that pass their middle vertex, seeds, the plane's list.
 std::uint32_t BandSweep::record_of(std::uint32_t link) const noexcept {
     if (link < first_entering_) {
         return passing_[link].record;
@@ -271,7 +271,7 @@ void BandSweep::link_events() {
     }
 }
 
-/// The new links' long edges may have got other slots where more than two faces meet.
+/// At irregular edges, new links' long edges may have moved to other slots.
 void BandSweep::correct_pending() {
     std::uint32_t link = first_entering_;
     for (std::uint32_t p = first_new_pending_; p < pending_count_; ++p, ++link) {
@@ -283,7 +283,7 @@ void BandSweep::correct_pending() {
     }
 }
 
-/// Where more than two faces meet at an edge: the faces of the ends, sorted round it.
+/// Sorts the ends at an irregular edge by their faces' angles round it.
 void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
     faces_.clear();
     const GridVertex lower = graph_.edge(slot).lower();

@@ -1,17 +1,16 @@
-// Stage 5: the sweep of one band (Algorithm 1), with its contours (Algorithm 4) as it goes.
+// The sweep of one band (Algorithm 1), which builds the contours of each plane as it goes (Algorithm 4).
 //
-// A crossed triangle joins its long edge to one of its short edges, and changes over once, at its middle vertex:
+// A crossed triangle links its long edge to one of its short edges, and changes to the other at its middle vertex:
 //
 //         upper
-//          |`.           planes above `middle` join the long edge and the upper short one
+//          |`.           planes above `middle` link the long edge and the upper short one
 //     long |  `.
 //          |  middle     one event: the link is written anew
 //          |  .'
-//          |.'           planes below join the long edge and the lower short one
+//          |.'           planes below link the long edge and the lower short one
 //         lower          the triangle enters at the first plane above
 //
-// Between events nothing is done for a triangle: a plane costs one interpolation per active edge and one copy along the
-// contours.
+// Between events a triangle costs nothing. A plane costs one interpolation per active edge and one copy along the contours.
 #pragma once
 
 #include <span>
@@ -47,12 +46,12 @@ public:
     /// Of the bands to come.
     void set_rules(const LayerRules& rules) noexcept { layers_.rules = rules; }
 
-    /// What was spent since the last call.
+    /// Time since the last call.
     SweepTicks take_ticks() noexcept;
 
 private:
     class Events;
-    /// A triangle whose middle vertex lies ahead.
+    /// A triangle whose middle vertex lies above the plane.
     struct Pending {
         std::uint32_t record;
         PortRef long_end;

@@ -12,15 +12,15 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t grain = 1 << 13;         // segments per task
-constexpr std::size_t block = 16;              // segments whose table entries are fetched ahead
-constexpr std::uint32_t piece_stride = 64;     // every so manieth segment begins a piece
-constexpr std::uint32_t small_contour = 1024;  // contours without such a segment are looked for up to this length
+constexpr std::size_t block = 16;              // segments whose table entries are prefetched together
+constexpr std::uint32_t piece_stride = 64;     // one in so many segments begins a piece
+constexpr std::uint32_t small_contour = 1024;  // contours without such a segment are searched for up to this length
 
 }  // namespace
 
-/// Where ends wait for each other. An entry is 0, or
+/// Where the ends of segments meet, by edge. An entry is 0, or from the highest bit down
 ///
-///     [ 30 bits of the hash | both ends have come | 1 | segment of the first, 31 bits | whether it leaves ]
+///     [ 30 bits of the hash | both ends have come | 1 | segment of the first end, 31 bits | whether it is a source ]
 class WidePlane::Table {
 public:
     Table(std::size_t segments, const Memory* memory, const Parallel& parallel) : entries_(memory) {
@@ -34,10 +34,14 @@ public:
 
     void prefetch(std::uint64_t hash) const noexcept { __builtin_prefetch(entries_.data() + (hash >> shift_), 1); }
 
-    enum class Met { waits, linked, irregular };
+    enum class Met {
+        nobody,     ///< the first end of its edge
+        partner,    ///< the second
+        irregular,  ///< a third end, or a second of the same orientation
+    };
 
-    /// Puts an end there or meets the one that waits, whose segment is then in `partner`. `same_edge(segment, source)`
-    /// compares.
+    /// Enters an end, or finds the one that came first, whose segment is then in `partner`. `same_edge(segment, source)`
+    /// compares edges.
     template <class SameEdge>
     Met meet(std::uint64_t hash, std::uint32_t segment, bool source, std::uint32_t& partner,
              const SameEdge& same_edge) noexcept {
@@ -51,7 +55,7 @@ public:
             while (entry == 0 && !place.compare_exchange_weak(entry, mine, std::memory_order_relaxed)) {
             }
             if (entry == 0) {
-                return Met::waits;
+                return Met::nobody;
             }
             const bool other_source = (entry & 1) != 0;
             const auto other = static_cast<std::uint32_t>((entry & 0xFFFFFFFFU) >> 1);
@@ -64,7 +68,7 @@ public:
                 return Met::irregular;
             }
             partner = other;
-            return Met::linked;
+            return Met::partner;
         }
     }
 
@@ -134,7 +138,7 @@ bool WidePlane::link() {
     return regular.load() && linked.load() == count_;
 }
 
-/// The entries of a block are fetched together: one at a time, each would be waited for. Returns the links made, or -1.
+/// Prefetches the entries of a block together, since each is likely to miss the cache. Returns the links made, or -1.
 std::int64_t WidePlane::link_block(Table& table, std::uint32_t begin, std::uint32_t end) {
     MeshEdge edges[block][2];
     std::uint64_t hashes[block][2];
@@ -156,7 +160,7 @@ std::int64_t WidePlane::link_block(Table& table, std::uint32_t begin, std::uint3
             if (met == Table::Met::irregular) {
                 return -1;
             }
-            if (met == Table::Met::linked) {
+            if (met == Table::Met::partner) {
                 next_[source ? partner : segment] = source ? segment : partner;
                 ++links;
             }
@@ -169,9 +173,9 @@ std::int64_t WidePlane::link_block(Table& table, std::uint32_t begin, std::uint3
 
 void WidePlane::cut_into_pieces() {
     pieces_.assign((count_ + piece_stride - 1) / piece_stride, Piece{});
-    order_.resize_discarding(count_);  // until the walk: whether a segment lies on a piece found
+    on_piece_.resize_discarding(count_);
     parallel_.run_ranges(count_, grain, [&](std::size_t begin, std::size_t end, int) {
-        std::fill(order_.data() + begin, order_.data() + end, 0U);
+        std::fill(on_piece_.data() + begin, on_piece_.data() + end, std::uint8_t{0});
     });
     walk_pieces();
     std::vector<std::vector<Piece>> small(static_cast<std::size_t>(parallel_.threads()));
@@ -183,17 +187,17 @@ void WidePlane::cut_into_pieces() {
         for (const Piece& piece : found) {
             std::uint32_t segment = piece.first;
             for (std::uint32_t i = 0; i < piece.count; ++i, segment = next_[segment]) {
-                order_[segment] = 1;
+                on_piece_[segment] = 1;
             }
         }
     }
     // What is left are long contours in which no number is divisible by 64.
     for (std::uint32_t first = 0; first < count_; ++first) {
-        if (order_[first] == 0) {
+        if (on_piece_[first] == 0) {
             Piece piece{first, 0, first, 0};
             std::uint32_t segment = first;
             do {
-                order_[segment] = 1;
+                on_piece_[segment] = 1;
                 segment = next_[segment];
                 ++piece.count;
             } while (segment != first);
@@ -209,7 +213,7 @@ void WidePlane::walk_pieces() {
             Piece piece{static_cast<std::uint32_t>(p) * piece_stride, 0, 0, 0};
             std::uint32_t segment = piece.first;
             do {
-                order_[segment] = 1;
+                on_piece_[segment] = 1;
                 segment = next_[segment];
                 ++piece.count;
             } while (segment % piece_stride != 0);
@@ -223,7 +227,7 @@ void WidePlane::walk_pieces() {
 void WidePlane::find_small_contours(std::size_t begin, std::size_t end, std::vector<Piece>& found) const {
     for (std::size_t i = begin; i < end; ++i) {
         const auto first = static_cast<std::uint32_t>(i);
-        if (order_[first] != 0) {
+        if (on_piece_[first] != 0) {
             continue;
         }
         std::uint32_t length = 1;
@@ -238,7 +242,7 @@ void WidePlane::find_small_contours(std::size_t begin, std::size_t end, std::vec
     }
 }
 
-/// Pieces into contours: a piece's successor begins where it ends. Offsets follow the walk.
+/// Pieces become contours: a piece's successor begins where it ends. Offsets follow the walk.
 void WidePlane::string_together() {
     const std::size_t numbered = (count_ + piece_stride - 1) / piece_stride;
     contours_.clear();
@@ -260,8 +264,9 @@ void WidePlane::string_together() {
     }
 }
 
-/// The second walk: segments and points to their places.
+/// The second walk writes segments and points to their places.
 void WidePlane::trace(std::int32_t z) {
+    order_.resize_discarding(count_);
     rings_.resize_discarding(count_);
     parallel_.run_ranges(pieces_.size(), grain / piece_stride, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t p = begin; p < end; ++p) {

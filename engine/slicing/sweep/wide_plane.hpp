@@ -1,14 +1,13 @@
-// Stage 6 for a plane that holds so many segments, few of them shared with its neighbours, that all threads work on it
-// together.
+// A plane with so many segments that all threads work on it together; few of them are shared with its neighbours.
 //
-// The nodes are the segments, each linked to the one that leaves the edge it enters. Ends meet in one open-addressing table,
-// by compare-and-swap: the first of an edge's two ends waits there, the second links both. Contours are then walked in
-// pieces, from every 64th segment to the next of those, the pieces strung together, and walked again to where their points
-// belong:
+// Each segment is linked to the one that leaves the edge it enters. Ends meet in one open-addressing table, by
+// compare-and-swap: the first end of an edge is entered, the second links both. Contours are then walked in pieces, from one
+// segment in 64 to the next of those. The pieces are put together, and walked again to write their points in place:
 //
 //     segments     64 -> 7 -> 130 -> 192 -> 3 -> 65 -> 64      two pieces: 64 7 130 | 192 3 65
 //
-// Only planes where each edge has one face either way are done here; what is open or crowded goes the general way.
+// Only planes where each edge has one face on either side are built here; BandSweep builds those with open or irregular
+// edges.
 #pragma once
 
 #include <atomic>
@@ -28,6 +27,7 @@ public:
     WidePlane(const Memory* memory, const Parallel& parallel, const LayerRules& rules)
         : parallel_(parallel),
           next_(memory),
+          on_piece_(memory),
           order_(memory),
           rings_(memory),
           pieces_(memory),
@@ -38,7 +38,7 @@ public:
     }
 
     /// Appends the layer of `plane` to `out`; `seeds` are the triangles that cut it besides those of its own list. False,
-    /// with nothing appended, if an edge is open or crowded. O(q) expected for linking, O(q log q) for order and nesting.
+    /// with nothing appended, if an edge is open or irregular. O(q) expected for linking, O(q log q) for order and nesting.
     /// Throws std::bad_alloc.
     bool build(PlaneIndex plane, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
                BandOutput& out);
@@ -75,8 +75,9 @@ private:
     std::uint32_t list_begin_ = 0;
     std::uint32_t count_ = 0;  // segments
     PlaneIndex plane_ = 0;
-    Array<std::uint32_t> next_;
-    Array<std::uint32_t> order_;
+    Array<std::uint32_t> next_;     // by segment: the one that follows
+    Array<std::uint8_t> on_piece_;  // by segment: it lies on a piece found
+    Array<std::uint32_t> order_;    // segments in walking order
     Array<Point> rings_;
     Vector<Piece> pieces_;
     Vector<WalkedContour> contours_;

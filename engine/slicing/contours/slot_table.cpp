@@ -1,0 +1,176 @@
+#include "slicing/contours/slot_table.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace lamella {
+
+SlotTable::SlotTable(const Memory* memory)
+    : kernels_(best_of(kernel_forms())),
+      edges_(memory),
+      across_(memory),
+      first_link_(memory),
+      ends_(memory),
+      flags_(memory),
+      free_(memory),
+      moving_(memory),
+      map_(memory),
+      late_ends_(memory) {}
+
+void SlotTable::reserve(std::size_t slots) {
+    const std::size_t before = capacity();
+    if (slots <= before) {
+        return;
+    }
+    resize_exactly(edges_, slots);
+    resize_exactly(across_, 2 * slots);
+    resize_exactly(first_link_, 2 * slots);
+    resize_exactly(ends_, slots, no_plane);
+    resize_exactly(flags_, slots);
+    // What was added goes beneath the stack. The slots that are being made lie above its top and come along.
+    const std::size_t added = slots - before;
+    resize_exactly(free_, slots + select_padding);
+    std::copy_backward(free_.begin(), free_.begin() + static_cast<std::ptrdiff_t>(before),
+                       free_.begin() + static_cast<std::ptrdiff_t>(slots));
+    std::generate_n(free_.begin(), added, [slot = static_cast<Slot>(slots)]() mutable { return --slot; });
+    free_count_ += added;
+}
+
+void SlotTable::free_from(Slot first) {
+    for (Slot slot = first; slot < slot_end_; ++slot) {
+        ends_[slot] = no_plane;
+        flags_[slot] = 0;
+    }
+    free_count_ = capacity() - slot_end_;  // those never used are at the bottom as they were
+    while (slot_end_ > first) {
+        free_[free_count_++] = --slot_end_;
+    }
+    fresh_count_ = 0;
+    if (first == 0) {
+        open_ = 0;
+        mixed_ = 0;
+    }
+}
+
+// --- Edges that end and edges that begin
+
+std::span<const Slot> SlotTable::release_ended(PlaneIndex plane) {
+    Slot* const ended = free_.data() + free_count_;
+    const std::size_t count = kernels_.select_equal(ends_.data(), slot_end_, plane, ended);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Slot slot = ended[i];
+        ends_[slot] = no_plane;
+        if (flags_[slot] != 0) {
+            const std::uint16_t flags = std::exchange(flags_[slot], std::uint16_t{0});
+            open_ -= (flags & open_end) != 0 ? 1 : 0;
+            mixed_ -= (flags & mixed) != 0 ? 1 : 0;
+        }
+    }
+    free_count_ += count;
+    fresh_count_ = 0;
+    return {ended, count};
+}
+
+SlotTable::Attaching SlotTable::begin_attaching(std::size_t attachments) {
+    // Mostly two ends share an edge. Small maps are then an eighth full: an edge that finds its place taken costs a
+    // mispredicted branch. Large ones, of a band's first plane, save memory.
+    const bool small = attachments < (std::size_t{1} << 16);
+    const std::size_t edges = small ? attachments : attachments / 2 + 64;
+    const std::size_t size = std::bit_ceil(std::max<std::size_t>(16, small ? 4 * edges : 2 * edges));
+    late_ends_.clear();
+    clear_map(size);
+    map_mask_ = size - 1;
+    map_shift_ = 64 - std::countr_zero(size);
+    map_limit_ = static_cast<std::uint32_t>(edges);
+    if (const std::size_t needed = live() + edges + 1; needed > capacity()) {  // one is written before it is known to be new
+        reserve(needed + needed / 8);
+    }
+    return Attaching(*this);
+}
+
+void SlotTable::clear_map(std::size_t size) {
+    if (map_.size() < size) {
+        resize_exactly(map_, size);
+    }
+    std::fill_n(map_.begin(), size, no_slot);
+}
+
+/// More edges than expected: the `made` ones so far go to a map of twice the size.
+void SlotTable::grow_map(std::uint32_t made) {
+    const std::size_t size = 2 * (map_mask_ + 1);
+    clear_map(size);
+    map_mask_ = size - 1;
+    --map_shift_;
+    map_limit_ = static_cast<std::uint32_t>(size - size / 8);
+    reserve(live() + map_limit_ + 1);
+    for (std::uint32_t i = 1; i <= made; ++i) {
+        const Slot slot = free_[free_count_ - i];
+        std::size_t place = edges_[slot].hash() >> map_shift_;
+        while (map_[place] != no_slot) {
+            place = (place + 1) & map_mask_;
+        }
+        map_[place] = slot;
+    }
+}
+
+void SlotTable::end_attaching(const Attaching& attaching, std::size_t attachments) {
+    ends_[*(attaching.free_top_ - attaching.made_)] = no_plane;  // the spare that was not taken
+    take_spares(attaching.made_);
+    one_sided_ = attachments - late_ends_.size() < 2 * std::size_t{attaching.made_};
+}
+
+/// Takes `count` slots off the stack, to fresh().
+void SlotTable::take_spares(std::uint32_t count) {
+    free_count_ -= count;
+    fresh_count_ += count;
+    if (count > 0) {  // the highest of those never used is the deepest
+        slot_end_ = std::max(slot_end_, free_[free_count_] + 1);
+    }
+}
+
+Slot SlotTable::add_copy(Slot slot) {
+    if (free_count_ == 0) {
+        reserve(capacity() + capacity() / 2 + 64);
+    }
+    take_spares(1);
+    const Slot copy = free_[free_count_];
+    edges_[copy] = edges_[slot];
+    ends_[copy] = ends_[slot];
+    disconnect(copy);
+    return copy;
+}
+
+void SlotTable::connect(std::span<const Link> links) noexcept {
+    for (const Link& link : links) {
+        across_[link.ends[source_port]] = link.ends[target_port];
+        across_[link.ends[target_port]] = link.ends[source_port];
+    }
+}
+
+void SlotTable::add_flag(Slot slot, Flag flag) noexcept {
+    const std::uint16_t before = flags_[slot];
+    const auto after = static_cast<std::uint16_t>(before | flag);
+    flags_[slot] = after;
+    open_ += (after & open_end) != 0 && (before & open_end) == 0 ? 1 : 0;
+    mixed_ += (after & mixed) != 0 && (before & mixed) == 0 ? 1 : 0;
+}
+
+// --- Compaction
+
+void SlotTable::renumber(std::span<const Slot> new_to_old, FunctionRef<PortRef(PortRef)> moved) {
+    gather_slots(edges_, new_to_old, moving_);
+    gather_slots(ends_, new_to_old, moving_);
+    gather_slots(flags_, new_to_old, moving_);
+    for (std::size_t slot = 0; slot < new_to_old.size(); ++slot) {
+        PortRef ends[2];
+        for (const int port : {target_port, source_port}) {
+            const PortRef ref = across_[port_of(new_to_old[slot], port)];
+            ends[port] = ref == no_port ? no_port : moved(ref);
+        }
+        moving_[slot] = std::bit_cast<std::uint64_t>(ends);
+    }
+    std::memcpy(across_.data(), moving_.data(), new_to_old.size() * sizeof(std::uint64_t));
+}
+
+}  // namespace lamella

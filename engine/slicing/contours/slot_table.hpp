@@ -1,0 +1,266 @@
+// The slots of a plane: the places where active mesh edges pierce it, and the segments that join them, over an
+// open-addressing hash map keyed by mesh edge (paper, Algorithm 4).
+//
+// A segment leaves its source slot by port 1 and enters its target slot by port 0, with the solid on its left. An edge where
+// more than two faces meet has one slot for each pair of segments that pass through it.
+//
+//          segment           segment
+//       -----------> 0 [slot] 1 ----------->          across(2 * slot + port) = the port at the segment's other end
+//
+// All faces of an edge reach the sweep at the same plane, the first above the edge's lower end. An edge is therefore looked
+// up at that plane only, and the map holds the edges that start at one plane: it is cleared for each, stays within the
+// cache, and never erases. The links themselves stay from plane to plane.
+//
+// New edges take the slots of those that ended last:
+//
+//     free_      [ never used, highest first | ended, last on top | fresh ]
+//                                                                 ^ free_count_: the top of the stack
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <type_traits>
+
+#include "base/function_ref.hpp"
+#include "base/vector.hpp"
+#include "slicing/contours/kernels.hpp"
+#include "slicing/contours/mesh_edge.hpp"
+#include "slicing/planes/plane_set.hpp"
+
+namespace lamella {
+
+using Slot = std::uint32_t;
+/// A slot's port: 2 * slot + port.
+using PortRef = std::uint32_t;
+/// A segment's number among those that a plane's events link.
+using LinkIndex = std::uint32_t;
+
+inline constexpr Slot no_slot = 0xFFFFFFFFU;
+inline constexpr PortRef no_port = 0xFFFFFFFFU;
+inline constexpr LinkIndex no_link = 0xFFFFFFFFU;
+inline constexpr int target_port = 0;
+inline constexpr int source_port = 1;
+
+constexpr PortRef port_of(Slot slot, int port) noexcept {
+    return 2 * slot + static_cast<PortRef>(port);
+}
+constexpr Slot slot_of(PortRef ref) noexcept {
+    return ref >> 1;
+}
+
+/// A segment that is being linked: ends[target_port] is where it enters, ends[source_port] where it leaves.
+struct Link {
+    PortRef ends[2];
+};
+
+/// A vector left to itself takes twice the memory to grow by one element; these are large, one each a thread.
+template <class T>
+void resize_exactly(Vector<T>& array, std::size_t size, const T& value = {}) {
+    array.reserve(size);
+    array.resize(size, value);
+}
+
+/// array[i] = what was array[new_to_old[i]], by way of `scratch`.
+template <class T>
+void gather_slots(Vector<T>& array, std::span<const Slot> new_to_old, Vector<std::uint64_t>& scratch) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const std::size_t words = (new_to_old.size() * sizeof(T) + 7) / 8;
+    if (scratch.size() < words) {
+        scratch.resize(words);
+    }
+    auto* to = reinterpret_cast<unsigned char*>(scratch.data());
+    for (const Slot old : new_to_old) {
+        std::memcpy(to, &array[old], sizeof(T));
+        to += sizeof(T);
+    }
+    std::memcpy(static_cast<void*>(array.data()), scratch.data(), new_to_old.size() * sizeof(T));
+}
+
+class SlotTable {
+public:
+    explicit SlotTable(const Memory* memory);
+
+    /// Frees all slots.
+    void clear() { free_from(0); }
+    /// Takes memory for `slots` slots at once rather than by growing.
+    void reserve(std::size_t slots);
+
+    // --- A plane's events
+
+    /// Frees the slots of the edges that end at `plane`, the first one above them, and returns these slots.
+    std::span<const Slot> release_ended(PlaneIndex plane);
+
+    class Attaching;
+    /// Empties the map, which is sized for at most `attachments` ends.
+    Attaching begin_attaching(std::size_t attachments);
+    /// All ends are attached, which are `attachments`; fresh() are the slots made for them.
+    void end_attaching(const Attaching& attaching, std::size_t attachments);
+
+    /// An end whose port was taken when it came.
+    struct LateEnd {
+        Slot slot;
+        LinkIndex link;
+        bool is_source;
+    };
+    /// Since begin_attaching().
+    std::span<LateEnd> late_ends() noexcept { return late_ends_; }
+    /// Whether some fresh slot has an end on one side only.
+    bool one_sided() const noexcept { return one_sided_; }
+    /// The link whose end came first to a port of a fresh slot, or no_link.
+    LinkIndex first_link(Slot slot, int port) const noexcept { return first_link_[port_of(slot, port)]; }
+
+    /// Another slot for the same edge, with no link.
+    Slot add_copy(Slot slot);
+    void disconnect(Slot slot) noexcept {
+        across_[port_of(slot, target_port)] = no_port;
+        across_[port_of(slot, source_port)] = no_port;
+    }
+    /// Joins the two ports of each link.
+    void connect(std::span<const Link> links) noexcept;
+
+    // --- Marks of slots that are not simply passed through
+
+    enum Flag : std::uint16_t {
+        open_end = 1,
+        mixed_target_is_source = 2,  // the end on port 0 leaves by it
+        mixed_source_is_target = 4,  // the end on port 1 enters by it
+        mixed = mixed_target_is_source | mixed_source_is_target,
+        irregular = 8,  // more than two ends meet, or two of one orientation
+    };
+    bool has_any(Slot slot, unsigned flags) const noexcept { return (flags_[slot] & flags) != 0; }
+    void add_flag(Slot slot, Flag flag) noexcept;
+    /// Slots with an open end, and slots that join two ends of the same orientation.
+    std::size_t open_count() const noexcept { return open_; }
+    std::size_t mixed_count() const noexcept { return mixed_; }
+
+    // --- The plane as it stands
+
+    const MeshEdge& edge(Slot slot) const noexcept { return edges_[slot]; }
+    bool is_free(Slot slot) const noexcept { return ends_[slot] == no_plane; }
+    bool is_linked(Slot slot, int port) const noexcept { return across_[port_of(slot, port)] != no_port; }
+    /// By port: the port at the other end of its segment, or no_port.
+    const PortRef* across() const noexcept { return across_.data(); }
+    /// Slots made since begin_attaching().
+    std::span<const Slot> fresh() const noexcept { return {free_.data() + free_count_, fresh_count_}; }
+    /// Slots in use are below this; some below it are free.
+    Slot slot_end() const noexcept { return slot_end_; }
+    /// Slots are below this, in use or not.
+    std::size_t capacity() const noexcept { return edges_.size(); }
+    std::size_t live() const noexcept { return capacity() - free_count_; }
+
+    // --- Compaction
+
+    /// Whether many slots have ended.
+    bool is_sparse() const noexcept { return slot_end_ >= 256 && slot_end_ > 2 * live(); }
+    /// Slot new_to_old[i] becomes slot i; `moved` says what a port becomes. free_from() must follow.
+    void renumber(std::span<const Slot> new_to_old, FunctionRef<PortRef(PortRef)> moved);
+    /// Slots from `first` on are free, none below it is.
+    void free_from(Slot first);
+
+private:
+    static constexpr PlaneIndex no_plane = 0xFFFFFFFFU;
+
+    void clear_map(std::size_t size);
+    void grow_map(std::uint32_t made);
+    void take_spares(std::uint32_t count);
+
+    const Kernels& kernels_;
+
+    // slots
+    Vector<MeshEdge> edges_;
+    Vector<PortRef> across_;        // by port
+    Vector<LinkIndex> first_link_;  // by port, of fresh slots
+    Vector<PlaneIndex> ends_;       // the plane at which the edge will have ended; no_plane: the slot is free
+    Vector<std::uint16_t> flags_;   // 0 if free. A byte would alias all that the loops keep in registers
+    Vector<Slot> free_;
+    Vector<std::uint64_t> moving_;  // scratch: an array on its way to new slots
+    std::size_t free_count_ = 0;
+    std::size_t fresh_count_ = 0;
+    Slot slot_end_ = 0;
+    std::size_t open_ = 0;
+    std::size_t mixed_ = 0;
+
+    // the map, of the edges that start at this plane
+    Vector<Slot> map_;  // no_slot: nothing is there
+    std::size_t map_mask_ = 0;
+    std::uint32_t map_limit_ = 0;  // edges that there is room for
+    int map_shift_ = 63;
+
+    Vector<LateEnd> late_ends_;
+    bool one_sided_ = false;
+};
+
+/// The ends of a plane's new links on their way to their slots. What each of them changes is a member here and not of the
+/// table: it stays in registers, where the table's would be loaded again after every store to an array.
+class SlotTable::Attaching {
+public:
+    explicit Attaching(SlotTable& table) noexcept : table_(table) { load(); }
+
+    /// The slot of `edge`, made if need be, which will have ended at plane `end`.
+    ///
+    /// An edge is met for the first time as often as for the second, which no branch predictor foresees. So there is no
+    /// branch: the edge is written to the spare slot, which is compared with itself if the edge is new, and is taken by
+    /// adding 0 or 1.
+    Slot find_or_add(const MeshEdge& edge, PlaneIndex end) {
+        if (made_ == limit_) {
+            table_.grow_map(made_);
+            load();
+        }
+        const Slot spare = *(free_top_ - made_);
+        edges_[spare] = edge;
+        ends_[spare] = end;
+        first_link_[port_of(spare, target_port)] = no_link;
+        first_link_[port_of(spare, source_port)] = no_link;
+        for (std::size_t i = edge.hash() >> shift_;; i = (i + 1) & mask_) {
+            const Slot found = map_[i];
+            // All ones if nothing is there: slots have 31 bits. Arithmetic, as compilers turn a comparison into a branch.
+            const Slot is_new = static_cast<Slot>(static_cast<std::int32_t>(found) >> 31);
+            const Slot slot = found ^ ((found ^ spare) & is_new);
+            if (edges_[slot] == edge) {
+                map_[i] = slot;
+                made_ -= is_new;
+                return slot;
+            }
+        }
+    }
+
+    /// Attaches an end of link `link` to `slot`. Returns the port, which Meetings::settle() changes where more than two ends
+    /// meet.
+    PortRef attach(Slot slot, int port, LinkIndex link) {
+        const PortRef ref = port_of(slot, port);
+        if (first_link_[ref] == no_link) {
+            first_link_[ref] = link;
+        } else {
+            table_.late_ends_.push_back({slot, link, port == source_port});
+        }
+        return ref;
+    }
+
+private:
+    friend class SlotTable;
+
+    void load() noexcept {
+        free_top_ = table_.free_.data() + table_.free_count_ - 1;
+        edges_ = table_.edges_.data();
+        ends_ = table_.ends_.data();
+        first_link_ = table_.first_link_.data();
+        map_ = table_.map_.data();
+        mask_ = table_.map_mask_;
+        shift_ = table_.map_shift_;
+        limit_ = table_.map_limit_;
+    }
+
+    SlotTable& table_;
+    const Slot* free_top_ = nullptr;
+    MeshEdge* edges_ = nullptr;
+    PlaneIndex* ends_ = nullptr;
+    LinkIndex* first_link_ = nullptr;
+    Slot* map_ = nullptr;
+    std::size_t mask_ = 0;
+    int shift_ = 0;
+    std::uint32_t made_ = 0;
+    std::uint32_t limit_ = 0;
+};
+
+}  // namespace lamella

@@ -1,0 +1,119 @@
+// The walk along the links of a plane, which gives its contours (paper, Algorithm 4), and the order in which it meets the
+// slots, which is kept and patched from plane to plane.
+//
+// The last plane's order has a break after each position whose link changed and at each contour's end. A link that changed
+// has its source's position marked, so a run is never entered but at its first slot:
+//
+//     order_    a b c d | e f | g h i |          | break
+//     runs      [-----]  [-]   [---]             a run is walked by copying it
+//
+// A slot's position is where it lies in the last order until it is walked, and in the next one from then on. A run that
+// stays where it was is therefore not numbered again. Which of the two it is, the next order tells:
+//
+//     order_         a b c d e f            c has ended, x has begun, the walk has met a, b and d
+//     order_next_    a b d . . .
+//     position_      a 1, b 2, d 3: in order_next_; e 5, f 6: in order_; c and x: none
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/vector.hpp"
+#include "slicing/contours/slot_table.hpp"
+
+namespace lamella {
+
+/// A contour of the current plane: a run of Walker::order().
+struct WalkedContour {
+    std::uint32_t begin;
+    std::uint32_t count;
+    bool closed;
+    bool mixed;  ///< its segments do not all run the same way
+};
+
+class Walker {
+public:
+    Walker(const Memory* memory, const SlotTable& slots);
+
+    /// Forgets the order. To be called before the slots are freed.
+    void clear();
+
+    // --- What changed since the last walk
+
+    void note_ended(std::span<const Slot> ended);
+    /// Besides, `made` slots are new.
+    void note_connected(std::span<const Link> links, std::size_t made);
+    bool has_changes() const noexcept { return changes_ != 0; }
+
+    /// Brings order() and contours() up to date. O(runs between changes + slots), and O(1) when nothing changed.
+    void walk();
+
+    std::span<const Slot> order() const noexcept { return {order_.data() + 1, ordered_}; }
+    std::span<const WalkedContour> contours() const noexcept { return contours_; }
+
+    // --- Compaction
+
+    /// Where the slot lies in order().
+    std::uint32_t place_of(Slot slot) const noexcept { return position_[slot] - 1; }
+    /// The slots become 0, 1, 2, ... in walking order. To be called before those beyond are freed.
+    void renumber();
+
+private:
+    static constexpr std::uint32_t no_position = 0;     // positions count from 1, so that a break after it does no harm
+    static constexpr std::size_t slots_per_change = 3;  // with fewer, runs are too short to copy
+
+    /// A stretch of a contour, from `head` to the next piece's; see walk_pieces.cpp.
+    struct Piece {
+        Slot head;
+        std::uint32_t position;  ///< of the head, in the last order
+        Slot* slots;
+        std::uint32_t count;  ///< 0 once it is part of a contour
+        Slot next_head;
+        std::uint32_t next = 0;  ///< the piece that follows
+    };
+
+    bool most_changed() const noexcept { return changes_ * slots_per_change > slots_.live(); }
+    void break_after(std::uint32_t position) noexcept { breaks_[position >> 6] |= std::uint64_t{1} << (position & 63); }
+    std::uint32_t next_break(std::uint32_t position) const noexcept;
+    bool walked(Slot slot) const noexcept;
+    void begin_order();
+    void finish_order();
+
+    void walk_open();
+    void walk_old_runs();
+    void walk_rest();
+    void walk_from(Slot start);
+    bool follow_runs(Slot start);
+    bool follow_links(Slot start);
+    void add_contour(std::uint32_t begin, bool closed, bool is_mixed);
+
+    void cut_pieces();
+    void add_piece(std::uint32_t begin, std::uint32_t end);
+    void walk_pieces();
+    void walk_four_at_once();
+    std::uint32_t piece_at(std::uint32_t position) const;
+    void join_pieces();
+
+    void walk_any_orientation();
+    void walk_polyline(Slot start, int leave_by, bool closed);
+    void follow_any_orientation(Slot start, int leave_by, bool closed);
+    bool runs_backwards(std::uint32_t begin, bool closed) const;
+
+    const SlotTable& slots_;
+    Vector<std::uint32_t> position_;
+    Vector<Slot> order_;  // from 1
+    Vector<Slot> order_next_;
+    Vector<std::uint64_t> breaks_;  // bit p: the walk does not go on from position p to p + 1
+    Vector<WalkedContour> contours_;
+    Vector<Piece> pieces_;
+    Vector<std::uint64_t> is_head_;  // by slot: a piece begins there
+    Vector<Slot> lanes_;             // what pieces are walked into
+    Vector<std::uint8_t> leave_by_;  // of a walk in any orientation: the port by which each slot was left
+    std::uint32_t ordered_ = 0;
+    std::uint32_t filled_ = 0;  // of order_next_
+    std::size_t changes_ = 0;   // links written, slots made and freed since the last walk
+    bool by_links_ = false;     // this walk follows links rather than runs
+    bool order_known_ = true;   // order_ can be patched
+};
+
+}  // namespace lamella

@@ -1,0 +1,52 @@
+// An edge of the mesh on the grid, and its hash: the one that every map of edges uses.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+#include "lamella/grid.hpp"
+
+namespace lamella {
+
+/// An edge as its two vertices lie in memory, `lower` first, in words that are quick to compare and to hash:
+///
+///     [ lower.x | lower.y ] [ lower.z | upper.x ] [ upper.y | upper.z ]      32 bits each
+struct MeshEdge {
+    std::uint64_t words[3];
+
+    static MeshEdge between(const GridVertex& lower, const GridVertex& upper) noexcept {
+        MeshEdge edge;
+        std::memcpy(&edge.words[0], &lower.x, sizeof edge.words[0]);
+        edge.words[1] = joined(lower.z, upper.x);
+        std::memcpy(&edge.words[2], &upper.y, sizeof edge.words[2]);
+        return edge;
+    }
+
+    GridVertex lower() const noexcept { return vertex(0); }
+    GridVertex upper() const noexcept { return vertex(sizeof(GridVertex)); }
+
+    /// The same on every platform. Tables take their index from the high bits, which are well mixed.
+    std::uint64_t hash() const noexcept {
+        std::uint64_t h = words[0] * 0x9E3779B97F4A7C15U + words[1] * 0xC2B2AE3D27D4EB4FU + words[2] * 0x165667B19E3779F9U;
+        h ^= h >> 32;
+        return h * 0xD6E8FEB86659FD93U;
+    }
+
+    friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
+
+private:
+    /// Two coordinates as they lie in memory. Shifted together: compilers join an array by way of vector registers.
+    static std::uint64_t joined(std::int32_t first, std::int32_t second) noexcept {
+        static_assert(std::endian::native == std::endian::little, "the first coordinate is the low half");
+        return static_cast<std::uint32_t>(first) | static_cast<std::uint64_t>(static_cast<std::uint32_t>(second)) << 32;
+    }
+
+    GridVertex vertex(std::size_t at) const noexcept {
+        GridVertex v;
+        std::memcpy(static_cast<void*>(&v), reinterpret_cast<const char*>(words) + at, sizeof v);
+        return v;
+    }
+};
+
+}  // namespace lamella

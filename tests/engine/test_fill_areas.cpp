@@ -195,7 +195,7 @@ TEST_CASE("fill rules fill the cells with the right winding numbers", "[engine][
     }
 }
 
-TEST_CASE("fill rules fill what lies between edges where contours cross themselves and share corners and lines",
+TEST_CASE("fill rules fill the area between edges of contours that cross themselves and share corners and lines",
           "[engine][fill]") {
     const unsigned seed = GENERATE(range(1U, 401U));
     CAPTURE(seed);

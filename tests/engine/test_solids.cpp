@@ -43,7 +43,7 @@ constexpr std::size_t front = 4;  // index of the first triangle of a box's fron
 
 }  // namespace
 
-TEST_CASE("a cube is one outer contour", "[engine][solids]") {
+TEST_CASE("a cube gives one outer contour", "[engine][solids]") {
     CHECK(cut(cube, 1) == Lines{"outer + x8 in -:" + square});
     const lamella::SliceResult result = sliced(cube, at_heights({1, 2, 3, 4}));
     REQUIRE(result.layers.size() == 4);
@@ -56,21 +56,21 @@ TEST_CASE("a cube is one outer contour", "[engine][solids]") {
     CHECK(result.summary.segments == 32);
 }
 
-TEST_CASE("two cubes that share an edge are two contours", "[engine][solids]") {
+TEST_CASE("two cubes that share an edge give two contours", "[engine][solids]") {
     CHECK(cut(joined({cube, box({4, 4, 0}, {8, 8, 4})}), 1) ==
           Lines{"outer + x8 in -:" + square, "outer + x8 in -: 8,8 9,8 16,8 16,9 16,16 15,16 8,16 8,15"});
 }
 
-TEST_CASE("two cubes that share a side are two contours", "[engine][solids]") {
+TEST_CASE("two cubes that share a side give two contours", "[engine][solids]") {
     CHECK(cut(joined({cube, box({4, 0, 0}, {8, 4, 4})}), 1) ==
           Lines{"outer + x8 in -:" + square, "outer + x8 in -: 8,0 9,0 16,0 16,1 16,8 15,8 8,8 8,7"});
 }
 
-TEST_CASE("a cube that is there twice is two equal contours", "[engine][solids]") {
+TEST_CASE("a cube that is there twice gives two equal contours", "[engine][solids]") {
     CHECK(cut(joined({cube, cube}), 1) == Lines{"outer + x8 in -:" + square, "outer + x8 in -:" + square});
 }
 
-TEST_CASE("a tetrahedron that is there several times is as many equal contours", "[engine][solids]") {
+TEST_CASE("a tetrahedron that is there several times gives as many equal contours", "[engine][solids]") {
     const shapes::Soup corner =
         joined({shapes::triangle({0, 0, 0}, {0, 4, 0}, {4, 0, 0}), shapes::triangle({0, 0, 0}, {4, 0, 0}, {0, 0, 4}),
                 shapes::triangle({0, 0, 0}, {0, 0, 4}, {0, 4, 0}), shapes::triangle({4, 0, 0}, {0, 4, 0}, {0, 0, 4})});
@@ -85,7 +85,7 @@ TEST_CASE("a flipped facet does not open its contour", "[engine][solids]") {
     CHECK(cut(patched, 1) == Lines{"outer + x8 in - mixed:" + square});
 }
 
-TEST_CASE("a duplicate facet is an open polyline beside the whole contour", "[engine][solids]") {
+TEST_CASE("a duplicate facet gives an open polyline beside the whole contour", "[engine][solids]") {
     CHECK(cut(joined({cube, facet(cube, front)}), 1) == Lines{"outer + x8 in -:" + square, "open 0 x1 in -: 1,0 8,0"});
 }
 
@@ -142,7 +142,7 @@ TEST_CASE("a box without a side is an open polyline; without a lid it is closed"
     CHECK(cut(without(cube, 2, 2), 1) == Lines{"outer + x8 in -:" + square});
 }
 
-TEST_CASE("a two-sided sheet is a flat contour", "[engine][solids]") {
+TEST_CASE("a two-sided sheet gives a flat contour", "[engine][solids]") {
     const shapes::Soup sheet = shapes::triangle({0, 0, 0}, {4, 0, 0}, {0, 0, 4});
     CHECK(cut(joined({sheet, flipped(sheet)}), 1) == Lines{"flat 0 x2 in -: 0,0 7,0"});
 }

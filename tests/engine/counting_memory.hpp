@@ -1,4 +1,4 @@
-// Memory that knows how much was ever taken at once.
+// Memory that records how many bytes were held at most.
 #pragma once
 
 #include <atomic>
@@ -9,7 +9,7 @@
 
 class CountingMemory : public lamella::Memory {
 public:
-    /// Takes beyond `limit` bytes at once fail.
+    /// An allocation that would exceed `limit` bytes in total fails.
     explicit CountingMemory(std::size_t limit = ~std::size_t{0}) : Memory(lamella::memory_of(*this)), limit_(limit) {}
     std::size_t peak() const { return peak_; }
     std::size_t held() const { return held_; }

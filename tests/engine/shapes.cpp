@@ -20,7 +20,7 @@ void add(Soup& soup, Xyz a, Xyz b, Xyz c) {
     }
 }
 
-/// std::uniform_int_distribution differs between libraries; the small bias of a remainder does not matter here.
+/// std::uniform_int_distribution differs between libraries. The small bias of a remainder does not matter here.
 double small_integer(std::mt19937_64& random, std::uint64_t range) {
     return static_cast<double>(random() % (range + 1));
 }
@@ -60,7 +60,7 @@ Soup split_in_four(const Soup& soup) {
     return finer;
 }
 
-/// Corners of a regular-ish polygon, counter-clockwise: the rational parameter of the circle, quarter by quarter.
+/// Corners of a nearly regular polygon, counter-clockwise, by the rational parameter of the circle, quarter by quarter.
 std::vector<Xyz> polygon(int quarters, double radius) {
     std::vector<Xyz> corners;
     for (int quarter = 0; quarter < 4; ++quarter) {

@@ -1,4 +1,4 @@
-// Small meshes for tests, made with nothing but exact or correctly rounded arithmetic: the same bytes everywhere.
+// Small meshes for tests. Exact or correctly rounded arithmetic gives the same bytes everywhere.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace shapes {
 
-/// Nine numbers a triangle, counter-clockwise seen from outside.
+/// Nine numbers a triangle, counter-clockwise as seen from outside.
 using Soup = std::vector<double>;
 using Xyz = std::array<double, 3>;
 
@@ -21,22 +21,24 @@ Soup flipped(Soup soup);
 Soup moved(Soup soup, Xyz by);
 Soup scaled(Soup soup, Xyz by);
 
-/// Twelve triangles, in pairs: bottom, top, front (y low), right, back, left. Every side's diagonal rises counter-clockwise.
+/// Twelve triangles, in pairs: bottom, top, front (low y), right, back, left. Every side's diagonal rises
+/// counter-clockwise.
 Soup box(Xyz low, Xyz high);
 
 /// An octahedron whose faces are split into four `level` times and pushed out to the radius: 8·4^level triangles.
 Soup octasphere(Xyz centre, double radius, int level);
 
-/// 2·quarters·4 side facets that reach from z = 0 to the height, and fans for the caps.
+/// 2·quarters·4 side facets from z = 0 to the height, and fans for the caps.
 Soup prism(int quarters, double radius, double height);
 
-/// Corners on integers in [0, range]: coincidences of every kind, most edges unbalanced.
+/// Triangles with corners on integers in [0, range]. Corners often coincide, and most edges are unbalanced.
 Soup random_soup(std::uint64_t seed, int triangles, std::uint64_t range);
 
-/// Tetrahedra with such corners, outward or inward: as many faces one way as the other at every edge, often more than two.
+/// Tetrahedra with such corners, oriented outwards or inwards. Every edge has as many faces one way as the other, often
+/// more than two in all.
 Soup random_tetrahedra(std::uint64_t seed, int count, std::uint64_t range);
 
-/// The same triangles in another order, each beginning at another of its corners.
+/// The same triangles in another order, each starting at another of its corners.
 Soup shuffled(const Soup& soup, std::uint64_t seed);
 
 std::vector<float> floats(const Soup& soup);

@@ -1,4 +1,4 @@
-// What the engine's tests share: meshes as views, slices that are checked before they are looked at, contours as text.
+// What the engine's tests share: meshes as views, slices that are validated at once, contours as text.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 #include "engine/shapes.hpp"
 #include "lamella/lamella.hpp"
 
-/// A grid in which integers of mm are small even numbers: x mm are 2x units, so expected contours can be written down.
+/// A grid on which whole mm are small even numbers: x mm are 2x units, so expected contours can be written down.
 inline constexpr double coarse_unit_mm = 0.5;
 
 inline lamella::MeshView view_of(const shapes::Soup& soup) {
@@ -19,13 +19,13 @@ lamella::SliceOptions at_heights(std::vector<double> heights_mm);
 
 lamella::SliceOptions uniform(double layer_height_mm, double unit_mm = 0);
 
-/// Slices, requires success and every promise of the result.
+/// Slices. Requires success and a valid result.
 lamella::SliceResult sliced(const lamella::MeshView& mesh, const lamella::SliceOptions& options);
 lamella::SliceResult sliced(const shapes::Soup& soup, const lamella::SliceOptions& options);
 
-/// Requires an error and returns it; its message must be one line.
+/// Requires an error and returns it. Its message must be one line.
 lamella::Error failure_of(const lamella::MeshView& mesh, const lamella::SliceOptions& options);
 
 /// The contours of one layer, one line each:
-///     outer + x8 in -: 0,0 1,0 8,0 ...      role, sense, segments, parent, marks ("overruled", "mixed"), points
+///     outer + x8 in -: 0,0 1,0 8,0 ...      role, orientation, segments, parent, marks ("overruled", "mixed"), points
 std::vector<std::string> contours_at(const lamella::SliceResult& result, std::size_t layer);

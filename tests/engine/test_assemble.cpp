@@ -1,4 +1,4 @@
-// Contours from segments that callers bring: keys and ranks of their own.
+// Contours from the segments that a caller passes, with the caller's keys and ranks.
 #include <catch2/catch.hpp>
 
 #include "lamella/assemble.hpp"
@@ -62,7 +62,7 @@ TEST_CASE("a square is one outer contour from its smallest point", "[assemble]")
     CHECK(layer.contours[0].twice_area == lamella::Integer128{32, 0});
 }
 
-TEST_CASE("a hole in a square points to it", "[assemble]") {
+TEST_CASE("the parent of a hole in a square is the square", "[assemble]") {
     const LayerContours layer =
         assembled(polygon({{2, 2}, {2, 4}, {4, 4}, {4, 2}}, 1) + polygon({{9, 0}, {9, 9}, {0, 9}, {0, 0}}, 11));
     REQUIRE(layer.contours.size() == 2);
@@ -71,15 +71,15 @@ TEST_CASE("a hole in a square points to it", "[assemble]") {
     CHECK(points_of(layer, 1) == Points{{2, 2}, {2, 4}, {4, 4}, {4, 2}});
 }
 
-TEST_CASE("equal points with unequal keys do not meet", "[assemble]") {
+TEST_CASE("equal points with different keys do not meet", "[assemble]") {
     const LayerContours layer =
         assembled(polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}}, 1) + polygon({{4, 4}, {8, 4}, {8, 8}, {4, 8}}, 11));
     CHECK(layer.contours.size() == 2);
 }
 
-TEST_CASE("ranks decide who meets at a shared key", "[assemble]") {
-    // Two squares meet at (4, 4). Counter-clockwise from the east: one goes out, one comes in from the north, one goes out
-    // to the west, one comes in from the south.
+TEST_CASE("ranks decide which ends meet at a shared key", "[assemble]") {
+    // Two squares meet at (4, 4). Counter-clockwise from the east: a source, a target from the north, a source to the
+    // west, a target from the south.
     const EndKey shared = key(99);
     const auto squares = [&](std::uint32_t east_out, std::uint32_t north_in, std::uint32_t west_out,
                              std::uint32_t south_in) {
@@ -90,18 +90,18 @@ TEST_CASE("ranks decide who meets at a shared key", "[assemble]") {
             {key(5), key(6), {8, 8}, {4, 8}, 0, 0},        {key(6), shared, {4, 8}, {4, 4}, 0, north_in},
         };
     };
-    // As they lie: each in with the out next clockwise, so that each square closes by itself.
+    // Ranks by geometry: each target is paired with the next source clockwise, so each square closes by itself.
     CHECK(assembled(squares(0, 1, 2, 3)).contours.size() == 2);
-    // Other ranks, other pairs: a single contour through both squares.
+    // Other ranks give other pairs: a single contour through both squares.
     CHECK(assembled(squares(0, 3, 2, 1)).contours.size() == 1);
-    // A turn of all ranks changes nothing.
+    // Rotating all ranks changes nothing.
     CHECK(assembled(squares(2, 3, 0, 1)).contours.size() == 2);
-    // At equal ranks what comes in lies before what goes out.
+    // At equal ranks, targets come before sources.
     CHECK(assembled(squares(0, 0, 1, 1)).contours.size() == 1);
     CHECK(assembled(squares(0, 1, 1, 0)).contours.size() == 2);
 }
 
-TEST_CASE("ends without partner make open polylines", "[assemble]") {
+TEST_CASE("ends without a partner make open polylines", "[assemble]") {
     const LayerContours layer = assembled({{key(2), key(3), {5, 0}, {5, 5}, 0, 0}, {key(1), key(2), {9, 0}, {5, 0}, 0, 0}});
     REQUIRE(layer.contours.size() == 1);
     CHECK(layer.contours[0].role == Role::open);
@@ -120,8 +120,8 @@ TEST_CASE("segments that disagree are joined and marked", "[assemble]") {
     CHECK(points_of(layer, 0) == Points{{0, 0}, {4, 0}, {4, 4}, {0, 4}});
 }
 
-TEST_CASE("whatever is brought, assemble ends and uses each segment once", "[assemble]") {
-    // A segment from a key to itself; a bundle of equal ones; a star of ends that all go out.
+TEST_CASE("assemble terminates and uses each segment once for any input", "[assemble]") {
+    // A segment from a key to itself; several equal segments; a star of sources without targets.
     std::vector<Segment> segments = {{key(1), key(1), {0, 0}, {0, 0}, 0, 0}, {key(1), key(1), {0, 0}, {3, 0}, 0, 1}};
     for (std::uint32_t i = 0; i < 9; ++i) {
         segments.push_back({key(2), key(3), {0, 0}, {1, 1}, i, i});
@@ -130,12 +130,12 @@ TEST_CASE("whatever is brought, assemble ends and uses each segment once", "[ass
     CHECK_FALSE(assembled(segments).contours.empty());
 }
 
-TEST_CASE("an edge has one key, whichever vertex comes first", "[assemble]") {
+TEST_CASE("the key of an edge does not depend on the order of its vertices", "[assemble]") {
     const lamella::GridVertex u{2, -4, 6};
     const lamella::GridVertex v{-2, 8, 10};
     CHECK(EndKey::of_edge(u, v) == EndKey::of_edge(v, u));
     CHECK(EndKey::of_edge(u, v) != EndKey::of_edge(u, {-2, 8, 12}));
-    // Lower ends come first, then upper ones.
+    // Keys compare by lower ends first, then by upper ends.
     CHECK(EndKey::of_edge({-4, 0, 0}, v) < EndKey::of_edge({-2, -6, -8}, v));
     CHECK(EndKey::of_edge(u, v) < EndKey::of_edge(u, {0, -8, 10}));
 }

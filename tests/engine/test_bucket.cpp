@@ -1,4 +1,5 @@
-// Stages 2 to 4 by themselves: what vector code and tables find is what looking at triangles and planes one by one finds.
+// Bounds, planes, counting and scattering alone: vector code and tables must find what a loop over triangles and planes
+// finds.
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -25,7 +26,7 @@ namespace {
 
 constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
 
-/// Triangles as flat as `rise` and as wide as `width`; some are degenerate, some level.
+/// Triangles of height up to `rise` and width up to `width`. Some are degenerate, some level.
 std::vector<float> random_soup(std::size_t triangles, float rise, float width, unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> place(-20, 20);
@@ -54,7 +55,7 @@ std::vector<std::uint32_t> counting_up(std::size_t count) {
     return numbers;
 }
 
-/// Stages 2 to 4.
+/// The results of bounds, planes, counting, bands and scattering.
 struct Bucketed {
     BlockTable blocks{nullptr};
     PlaneSet planes{nullptr};
@@ -90,7 +91,7 @@ struct Bucketed {
     }
 };
 
-/// What the definitions say, plane by plane.
+/// Compares the result with the definitions, plane by plane.
 void check_by_definition(const Bucketed& found, const MeshView& mesh, double unit_mm) {
     const lamella::GeneralReader read(mesh, {}, unit_mm);
     std::uint64_t degenerate = 0;
@@ -132,7 +133,7 @@ lamella::LayerPlan random_plan(double least_mm, double most_mm) {
     return plan;
 }
 
-/// A few planes far apart and many close together: cells of the table that hold a hundred.
+/// A few planes far apart and many close together, so that some cells of the table hold a hundred.
 lamella::LayerPlan crowded_plan() {
     lamella::ExplicitPlanes planes;
     planes.heights_mm = {-30, -19.5, -3};
@@ -147,11 +148,11 @@ lamella::LayerPlan crowded_plan() {
 
 }  // namespace
 
-TEST_CASE("boxes of blocks do not depend on the processor", "[engine][bucket]") {
+TEST_CASE("boxes of blocks equal those of the portable form", "[engine][bucket]") {
     for (const std::size_t triangles : {1U, 15U, 64U, 65U, 200U, 1000U}) {
         for (const std::size_t stride : {36U, 50U}) {
             const std::vector<float> soup = random_soup(triangles, 0.1F, 0.1F, 3);
-            std::vector<std::byte> bytes(triangles * stride - (stride - 36));  // nothing may be read beyond the last
+            std::vector<std::byte> bytes(triangles * stride - (stride - 36));  // no spare bytes after the last triangle
             for (std::size_t t = 0; t < triangles; ++t) {
                 std::memcpy(bytes.data() + t * stride, soup.data() + 9 * t, 36);
             }
@@ -171,7 +172,7 @@ TEST_CASE("boxes of blocks do not depend on the processor", "[engine][bucket]") 
                     REQUIRE(box.has_nan == poisoned);
                     REQUIRE(expected.has_nan == poisoned);
                     if (poisoned) {
-                        continue;  // the boxes mean nothing then
+                        continue;  // boxes are undefined then
                     }
                     CHECK(std::equal(box.low, box.low + 3, expected.low));
                     CHECK(std::equal(box.high, box.high + 3, expected.high));
@@ -211,7 +212,7 @@ TEST_CASE("the table finds the first plane above a vertex", "[engine][bucket][pl
     }
 }
 
-TEST_CASE("buckets hold what the planes cut, whoever looks", "[engine][bucket]") {
+TEST_CASE("buckets hold the crossed triangles for every kind of input and thread count", "[engine][bucket]") {
     const double unit_mm = lamella::default_unit_mm;
     struct Sample {
         const char* name;
@@ -231,16 +232,16 @@ TEST_CASE("buckets hold what the planes cut, whoever looks", "[engine][bucket]")
         const std::vector<double> wide(soup.begin(), soup.end());
         const std::vector<std::uint32_t> corners = counting_up(3000);
         const auto lists = found.lists();
-        // One by one, from indices, and in parts.
+        // Indexed input, then two threads.
         CHECK(Bucketed(MeshView::indexed(soup, corners), sample.plan, unit_mm, 1, 3).lists() == lists);
         CHECK(Bucketed(view, sample.plan, unit_mm, 2, 3).lists() == lists);
-        // Doubles are planned for as doubles, so their planes may lie a unit elsewhere.
+        // Planes for doubles are placed with double precision, so they may lie one unit elsewhere.
         check_by_definition(Bucketed(MeshView::soup(wide), sample.plan, unit_mm, 1, 3), MeshView::soup(wide), unit_mm);
     }
 }
 
-TEST_CASE("fine steps are found by the table, not by arithmetic", "[engine][bucket]") {
-    // Two hundred planes 4 units apart: rounding moves each by a good part of a step.
+TEST_CASE("the table finds planes whose step is close to the grid unit", "[engine][bucket]") {
+    // About two hundred planes 4 units apart: rounding moves each by a large part of a step.
     std::vector<float> soup = random_soup(500, 0x1p-12F, 1, 9);
     for (std::size_t i = 2; i < soup.size(); i += 3) {
         soup[i] = std::abs(std::remainder(soup[i], 0x1p-10F));
@@ -251,7 +252,7 @@ TEST_CASE("fine steps are found by the table, not by arithmetic", "[engine][buck
     check_by_definition(found, view, lamella::default_unit_mm);
 }
 
-TEST_CASE("seeds of a band are the triangles from below that it cuts", "[engine][bucket]") {
+TEST_CASE("seeds of a band are the triangles from below that its first plane cuts", "[engine][bucket]") {
     const std::vector<float> soup = random_soup(700, 6, 1, 11);
     const MeshView view = MeshView::soup(soup);
     for (const int band_planes : {1, 4}) {
@@ -275,8 +276,9 @@ TEST_CASE("seeds of a band are the triangles from below that it cuts", "[engine]
     }
 }
 
-TEST_CASE("degenerate triangles are counted where no plane is", "[engine][bucket]") {
-    // All below the only plane but one triangle; vertices of every tenth fall together on a grid of 1 mm only.
+TEST_CASE("degenerate triangles that no plane cuts are counted", "[engine][bucket]") {
+    // All but one triangle lie below the only plane. In every tenth, two vertices are equal on a grid of 1 mm, but not on
+    // a finer one.
     std::vector<float> soup;
     for (int t = 0; t < 640; ++t) {
         const auto x = static_cast<float>(4 * t);
@@ -289,8 +291,8 @@ TEST_CASE("degenerate triangles are counted where no plane is", "[engine][bucket
     CHECK(sliced(MeshView::soup(soup), options).summary.degenerate == 0);
 }
 
-TEST_CASE("a grid coarser than the one asked for may make more triangles degenerate", "[engine][bucket]") {
-    // Beyond 1,024 mm the default unit doubles; the blocks were measured for the smaller one.
+TEST_CASE("a grid coarser than requested makes more triangles degenerate", "[engine][bucket]") {
+    // Beyond 1,024 mm the default unit doubles, but the blocks were measured for the smaller unit.
     const float far = 500'000;
     std::vector<float> soup{0, 0, 0, far, 0, 0, 0, far, far};
     for (int t = 0; t < 100; ++t) {

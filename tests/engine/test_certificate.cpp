@@ -1,5 +1,5 @@
-// The certificate of volumes: it holds of whatever the engine makes of a closed mesh, says so where it does not apply, and
-// is refused of a result that was damaged.
+// The volume certificate. It holds for every result that the engine makes from a closed mesh. It reports where it does not
+// apply, and rejects damaged results.
 #include <algorithm>
 #include <functional>
 #include <string>
@@ -23,7 +23,7 @@ VolumeCertificate certified(const shapes::Soup& soup, const SliceResult& result,
     return certificate.value();
 }
 
-/// Octaspheres have one vertex at the top.
+/// Moves the top vertex. An octasphere has exactly one.
 shapes::Soup with_top_moved(shapes::Soup soup, double by) {
     double top = soup[2];
     for (std::size_t i = 2; i < soup.size(); i += 3) {
@@ -41,7 +41,7 @@ bool same(const VolumeCertificate& a, const VolumeCertificate& b) {
            a.worst_allowed_mm2 == b.worst_allowed_mm2;
 }
 
-/// A ball with another inside it, cut into many layers.
+/// A ball with a cavity, for slices of many layers.
 shapes::Soup hollow() {
     return shapes::joined({shapes::octasphere({0, 0, 0}, 10, 3), shapes::flipped(shapes::octasphere({1, 2, 1}, 5, 2))});
 }
@@ -59,7 +59,7 @@ TEST_CASE("certificate: a box's volume and slabs are exact", "[engine][certifica
     CHECK(name_of(certificate.verdict) == "holds");
 }
 
-TEST_CASE("certificate: without planes, or with planes beside the mesh, slabs hold it all", "[engine][certificate]") {
+TEST_CASE("certificate: one slab holds the whole volume if no plane meets the mesh", "[engine][certificate]") {
     const shapes::Soup cone = shapes::joined({shapes::octasphere({5, 5, 5}, 4, 0)});
     const VolumeCertificate none = certified(cone, sliced(cone, at_heights({})));
     CHECK(none.verdict == VolumeVerdict::holds);
@@ -70,7 +70,7 @@ TEST_CASE("certificate: without planes, or with planes beside the mesh, slabs ho
     CHECK(beside.slab_mm3 == std::vector<double>{0, 0, beside.slabs_mm3, 0, 0});
 }
 
-TEST_CASE("certificate: it holds of shells that overlap, cancel, run inside out or touch", "[engine][certificate]") {
+TEST_CASE("certificate: it holds for shells that overlap, cancel, are inverted or touch", "[engine][certificate]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 2);
     const shapes::Soup box = shapes::box({1, 1, 1}, {4, 4, 4});
     const shapes::Soup meshes[] = {
@@ -97,14 +97,14 @@ TEST_CASE("certificate: it holds of shells that overlap, cancel, run inside out 
             const VolumeCertificate certificate = certified(mesh, result);
             INFO(&mesh - meshes << ", " << layers << " layers: " << certificate.mesh_mm3 << " " << certificate.slabs_mm3);
             CHECK(certificate.verdict == VolumeVerdict::holds);
-            // Where shells nearly cancel, all of what is left may be rounding.
+            // Where shells nearly cancel, the remaining volume may be rounding error only.
             CHECK((&mesh == &meshes[4] ||
                    std::abs(certificate.slabs_mm3 - certificate.mesh_mm3) <= 1e-12 * std::abs(certificate.mesh_mm3)));
         }
     }
 }
 
-TEST_CASE("certificate: never a wrong verdict on soups in which everything coincides", "[engine][certificate]") {
+TEST_CASE("certificate: random soups never get a wrong verdict", "[engine][certificate]") {
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         INFO("seed " << seed);
         const shapes::Soup closed = shapes::random_tetrahedra(seed, 1 + static_cast<int>(seed % 30), 3 + seed % 6);
@@ -118,7 +118,7 @@ TEST_CASE("certificate: never a wrong verdict on soups in which everything coinc
     }
 }
 
-TEST_CASE("certificate: the same on any number of threads, turned or in another order", "[engine][certificate]") {
+TEST_CASE("certificate: threads and triangle order do not change it", "[engine][certificate]") {
     const shapes::Soup mesh = hollow();
     lamella::SliceOptions options = uniform(0.1);
     options.transform = lamella::Transform::from_normal(1, 2, 3);
@@ -131,14 +131,14 @@ TEST_CASE("certificate: the same on any number of threads, turned or in another 
     CHECK(same(one, certified(shapes::shuffled(mesh, 3), result, 2)));
 }
 
-TEST_CASE("certificate: open meshes, fill rules and closed gaps are beyond it", "[engine][certificate]") {
+TEST_CASE("certificate: open meshes, fill rules and closed gaps are not certified", "[engine][certificate]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 2);
     const shapes::Soup open(ball.begin() + 9, ball.end());
     const VolumeCertificate certificate = certified(open, sliced(open, uniform(0.5)));
     CHECK(certificate.verdict == VolumeVerdict::open_mesh);
     CHECK_FALSE(certificate.applies());
     CHECK(certificate.mesh_mm3 == 0);
-    // Turned round, a face is missing one way and double the other.
+    // A flipped face makes its edges unbalanced.
     shapes::Soup turned = ball;
     std::swap_ranges(turned.begin(), turned.begin() + 3, turned.begin() + 3);
     CHECK(certified(turned, sliced(turned, uniform(0.5))).verdict == VolumeVerdict::open_mesh);
@@ -147,7 +147,7 @@ TEST_CASE("certificate: open meshes, fill rules and closed gaps are beyond it", 
     CHECK(certified(ball, sliced(ball, options)).verdict == VolumeVerdict::not_as_walked);
 }
 
-TEST_CASE("certificate: a damaged result is refused, and the layer is named", "[engine][certificate]") {
+TEST_CASE("certificate: a damaged result is rejected, and the layer is named", "[engine][certificate]") {
     const shapes::Soup mesh = hollow();
     struct Damage {
         const char* what;
@@ -156,7 +156,7 @@ TEST_CASE("certificate: a damaged result is refused, and the layer is named", "[
     };
     const Damage damages[] = {
         {"a contour dropped", 50, [](SliceResult& r) { --r.layers[50].contour_count; }},
-        {"a contour too many", 49, [](SliceResult& r) { ++r.layers[49].contour_count; }},
+        {"one contour too many", 49, [](SliceResult& r) { ++r.layers[49].contour_count; }},
         {"layers swapped", 30,
          [](SliceResult& r) {
              std::swap(r.layers[30].first_contour, r.layers[31].first_contour);
@@ -164,10 +164,10 @@ TEST_CASE("certificate: a damaged result is refused, and the layer is named", "[
          }},
         {"a layer's plane moved", 20,
          [](SliceResult& r) { r.layers[20].plane = lamella::PlaneHeight(r.layers[20].plane.z() + 2000); }},
-        {"a point left out", 60, [](SliceResult& r) { --r.contours[r.layers[60].first_contour].point_count; }},
+        {"a point removed", 60, [](SliceResult& r) { --r.contours[r.layers[60].first_contour].point_count; }},
         {"a point moved", 12,
          [](SliceResult& r) { r.points[r.contours[r.layers[12].first_contour].first_point + 2].x += 1000; }},
-        {"a hole for an outer", 50,
+        {"an outer called a hole", 50,
          [](SliceResult& r) { r.contours[r.layers[50].first_contour].role = lamella::Role::hole; }},
     };
     for (const Damage& damage : damages) {
@@ -184,22 +184,22 @@ TEST_CASE("certificate: a damaged result is refused, and the layer is named", "[
     }
 }
 
-TEST_CASE("certificate: a result of another mesh is refused", "[engine][certificate]") {
+TEST_CASE("certificate: the result of another mesh is rejected", "[engine][certificate]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 3);
     const SliceResult result = sliced(ball, uniform(0.2));
     const VolumeCertificate moved = certified(with_top_moved(ball, 0.01), result);
     CHECK(moved.verdict == VolumeVerdict::areas_differ);
     CHECK(moved.worst_layer > 90);
-    // A triangle less: not even as many.
+    // One triangle fewer: the number of triangles differs.
     const shapes::Soup fewer(ball.begin() + 9, ball.end());
     CHECK(certify_volume(view_of(fewer), result).error().code == lamella::ErrorCode::invalid_argument);
-    // As many, but twice the same.
+    // The same number of triangles, but one is there twice.
     shapes::Soup doubled = ball;
     std::copy_n(doubled.begin() + 9, 9, doubled.begin());
     CHECK(certified(doubled, result).verdict == VolumeVerdict::open_mesh);
 }
 
-TEST_CASE("certificate: what cannot be gone through is an error", "[engine][certificate]") {
+TEST_CASE("certificate: malformed input is an error", "[engine][certificate]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 1);
     const std::function<void(SliceResult&)> damages[] = {
         [](SliceResult& r) { std::swap(r.layers[3].plane, r.layers[4].plane); },

@@ -1,4 +1,4 @@
-// Crossings of contours, on paths made by hand and at random, against all pairs of edges and corners.
+// Crossings of contours, on made and random paths, compared with a test of all pairs of edges and corners.
 #include <algorithm>
 #include <array>
 #include <random>
@@ -86,13 +86,13 @@ struct Corner {
     Point after;
 };
 
-/// By angle from the positive x axis.
+/// Orders directions by angle from the positive x axis.
 bool comes_round_before(Point a, Point b) {
     const auto half = [](Point p) { return p.y < 0 || (p.y == 0 && p.x < 0); };
     return half(a) != half(b) ? half(b) : std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x > 0;
 }
 
-/// Whether four arms, all in directions of their own, come round the corner by turns.
+/// Whether four arms of distinct directions alternate around the corner.
 bool alternate(const Corner& a, const Corner& b) {
     struct Arm {
         Point to;
@@ -118,7 +118,7 @@ bool passes(const Corner& corner, const Edge& edge) {
     return inside && opposite(turn(edge.from, edge.to, corner.before), turn(edge.from, edge.to, corner.after));
 }
 
-/// Every pair.
+/// Counts by testing every pair.
 std::uint64_t counted(const Layer& layer) {
     std::vector<Edge> edges;
     std::vector<Corner> corners;
@@ -172,23 +172,23 @@ Layer random_layer(std::mt19937& random, int range) {
 
 }  // namespace
 
-TEST_CASE("crossings: outlines that overlap, touch, nest or stand apart", "[engine][crossings]") {
+TEST_CASE("crossings: overlapping outlines cross; touching, nested and separate ones do not", "[engine][crossings]") {
     CHECK(count_in({}) == 0);
     CHECK(count_in({square(0, 0, 10)}) == 0);
     CHECK(count_in({square(0, 0, 10), square(20, 0, 10)}) == 0);
     CHECK(count_in({square(0, 0, 10), square(2, 2, 3)}) == 0);
     CHECK(count_in({square(0, 0, 10), square(5, 5, 10)}) == 2);
-    CHECK(count_in({square(0, 0, 10), square(10, 10, 10)}) == 0);                    // in a corner
-    CHECK(count_in({square(0, 0, 10), square(10, 0, 10)}) == 0);                     // along a side
-    CHECK(count_in({square(0, 0, 10), square(0, 0, 10)}) == 0);                      // everywhere
-    CHECK(count_in({square(0, 0, 10), {{{10, 5}, {20, 0}, {20, 10}}}}) == 0);        // with a tip
-    CHECK(count_in({square(0, 0, 10), {{{5, 5}, {20, 0}, {20, 10}}}}) == 2);         // with a tip inside
-    CHECK(count_in({{{{0, 0}, {10, 10}, {10, 0}, {0, 10}}}}) == 1);                  // itself
-    CHECK(count_in({{{{0, 0}, {5, 5}, {10, 10}, {10, 0}, {5, 5}, {0, 10}}}}) == 1);  // itself, in a corner
+    CHECK(count_in({square(0, 0, 10), square(10, 10, 10)}) == 0);                    // touches at a corner
+    CHECK(count_in({square(0, 0, 10), square(10, 0, 10)}) == 0);                     // touches along a side
+    CHECK(count_in({square(0, 0, 10), square(0, 0, 10)}) == 0);                      // equal outlines
+    CHECK(count_in({square(0, 0, 10), {{{10, 5}, {20, 0}, {20, 10}}}}) == 0);        // touches with a tip
+    CHECK(count_in({square(0, 0, 10), {{{5, 5}, {20, 0}, {20, 10}}}}) == 2);         // its tip is inside
+    CHECK(count_in({{{{0, 0}, {10, 10}, {10, 0}, {0, 10}}}}) == 1);                  // crosses itself
+    CHECK(count_in({{{{0, 0}, {5, 5}, {10, 10}, {10, 0}, {5, 5}, {0, 10}}}}) == 1);  // crosses itself at a corner
     CHECK(count_in({{{{0, 0}, {5, 5}, {0, 10}, {10, 10}, {5, 5}, {10, 0}}}}) == 0);  // only touches itself there
 }
 
-TEST_CASE("crossings: corners are passed through or touched", "[engine][crossings]") {
+TEST_CASE("crossings: passing through a corner counts, touching it does not", "[engine][crossings]") {
     const Path line{{{0, 0}, {10, 0}}, false};
     const Path bent{{{0, 0}, {5, 0}, {10, 0}}, false};
     CHECK(count_in({line, {{{5, 5}, {5, 0}, {5, -5}}, false}}) == 1);
@@ -196,12 +196,12 @@ TEST_CASE("crossings: corners are passed through or touched", "[engine][crossing
     CHECK(count_in({bent, {{{5, 5}, {5, 0}, {5, -5}}, false}}) == 1);
     CHECK(count_in({bent, {{{5, 5}, {5, 0}, {6, 5}}, false}}) == 0);
     CHECK(count_in({bent, {{{5, 5}, {5, -5}}, false}}) == 1);
-    CHECK(count_in({line, {{{5, 5}, {5, 0}}, false}}) == 0);                   // an end
-    CHECK(count_in({line, {{{0, 5}, {0, -5}}, false}}) == 0);                  // the other's end
-    CHECK(count_in({line, {{{3, 5}, {3, 0}, {7, 0}, {7, -5}}, false}}) == 0);  // runs along it
+    CHECK(count_in({line, {{{5, 5}, {5, 0}}, false}}) == 0);                   // ends on the line
+    CHECK(count_in({line, {{{0, 5}, {0, -5}}, false}}) == 0);                  // the line ends on it
+    CHECK(count_in({line, {{{3, 5}, {3, 0}, {7, 0}, {7, -5}}, false}}) == 0);  // runs along the line
 }
 
-TEST_CASE("crossings: the first is the leftmost, and its contours are named", "[engine][crossings]") {
+TEST_CASE("crossings: the leftmost is reported first, with its contours", "[engine][crossings]") {
     const SliceResult result = result_of({{square(0, 0, 10)},
                                           {square(50, 0, 3), square(5, 5, 10), square(0, 0, 10), square(7, -2, 4)},
                                           {},
@@ -219,7 +219,7 @@ TEST_CASE("crossings: the first is the leftmost, and its contours are named", "[
     CHECK(crossings.layers[1].contours == std::array<std::uint64_t, 2>{5, 5});
 }
 
-TEST_CASE("crossings: as all pairs of edges and corners say", "[engine][crossings]") {
+TEST_CASE("crossings: random layers agree with a test of all pairs", "[engine][crossings]") {
     std::mt19937 random(7);
     for (int round = 0; round < 20'000; ++round) {
         const Layer layer = random_layer(random, round % 2 == 0 ? 5 : 40);
@@ -228,14 +228,14 @@ TEST_CASE("crossings: as all pairs of edges and corners say", "[engine][crossing
     }
 }
 
-TEST_CASE("crossings: coordinates as large as there are", "[engine][crossings]") {
+TEST_CASE("crossings: they are exact up to the limits of the grid", "[engine][crossings]") {
     constexpr std::int32_t far = lamella::grid_limit;
     CHECK(count_in({{{{-far, -far}, {far, far}}, false}, {{{-far, far}, {far, -far}}, false}}) == 1);
     CHECK(count_in({{{{-far, -far}, {far, far - 1}}, false}, {{{-far, -far + 1}, {far, far}}, false}}) == 0);
     CHECK(count_in({square(-far, -far, far), square(-1, -1, far)}) == 2);
 }
 
-TEST_CASE("crossings: the same on any number of threads, for shells that run through each other", "[engine][crossings]") {
+TEST_CASE("crossings: threads do not change the crossings of intersecting shells", "[engine][crossings]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
     const SliceResult apart = sliced(ball, uniform(0.05));
     CHECK(found(apart, 2).count == 0);
@@ -255,8 +255,8 @@ TEST_CASE("crossings: the same on any number of threads, for shells that run thr
     }
 }
 
-TEST_CASE("crossings: a search that would not end is cut short, and says so", "[engine][crossings]") {
-    // Slanting teeth side by side: each one's box meets all the others'.
+TEST_CASE("crossings: a search that takes too long stops and reports a lower bound", "[engine][crossings]") {
+    // Slanting teeth side by side: each tooth's box overlaps all others.
     Path comb;
     constexpr std::int32_t teeth = 6000;
     for (std::int32_t i = 0; i < teeth; ++i) {
@@ -274,7 +274,7 @@ TEST_CASE("crossings: a search that would not end is cut short, and says so", "[
     CHECK(crossings.count == 0);
 }
 
-TEST_CASE("crossings: what cannot be gone through is an error", "[engine][crossings]") {
+TEST_CASE("crossings: malformed results and options are errors", "[engine][crossings]") {
     SliceResult result = result_of({{square(0, 0, 10)}});
     CHECK(find_crossings(result, {.threads = -1}).error().code == lamella::ErrorCode::invalid_argument);
     result.contours[0].point_count = 5;

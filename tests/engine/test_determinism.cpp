@@ -1,4 +1,4 @@
-// The same bytes for the same mesh, whatever cuts it and however its triangles lie.
+// The same mesh gives the same bytes, whatever the threads, bands and forms, and whatever the order of triangles.
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -44,7 +44,7 @@ TEST_CASE("the order of triangles and of their vertices does not change the outp
     }
 }
 
-TEST_CASE("triangles that are there several times may lie in any order", "[engine][determinism]") {
+TEST_CASE("repeated triangles may come in any order", "[engine][determinism]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 5, 1);
     const shapes::Soup tangle = shapes::random_tetrahedra(3, 6, 4);
     for (const shapes::Soup& mesh : {shapes::joined({ball, ball}), shapes::joined({ball, ball, ball}),
@@ -59,10 +59,10 @@ TEST_CASE("triangles that are there several times may lie in any order", "[engin
     }
 }
 
-TEST_CASE("equal parts give equal contours wherever they stand on the grid", "[engine][determinism]") {
+TEST_CASE("equal parts give equal contours anywhere on the grid", "[engine][determinism]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 3);
     const lamella::SliceResult here = sliced(ball, uniform(0.25, 0x1p-10));
-    // Whole coordinates of the grid first, so that moving rounds nothing.
+    // Coordinates are rounded to the grid first, so that moving rounds nothing.
     shapes::Soup on_grid = ball;
     for (double& number : on_grid) {
         number = std::nearbyint(number * 0x1p9) * 0x1p-9;

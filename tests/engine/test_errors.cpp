@@ -1,4 +1,4 @@
-// What the engine refuses, and how it stops.
+// What the engine refuses, and how it is cancelled.
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -16,7 +16,7 @@ TEST_CASE("an empty mesh is an error", "[engine][errors]") {
     CHECK(failure_of(view_of({}), uniform(0.1)).code == ErrorCode::empty_mesh);
 }
 
-TEST_CASE("coordinates that cannot be used name their triangle", "[engine][errors]") {
+TEST_CASE("unusable coordinates are an error that names their triangle", "[engine][errors]") {
     const double bad = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                                 -std::numeric_limits<double>::infinity(), 3e38, -3e38, 1.1e9, 1e300);
     const std::size_t at = GENERATE(0U, 31U, 9U * 12U - 1U);
@@ -32,7 +32,7 @@ TEST_CASE("coordinates that cannot be used name their triangle", "[engine][error
     }
 }
 
-TEST_CASE("a grid that does not hold the mesh is an error", "[engine][errors]") {
+TEST_CASE("a grid too small for the mesh is an error", "[engine][errors]") {
     const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 2000});
     CHECK(failure_of(view_of(soup), uniform(1, 1e-6)).code == ErrorCode::bad_coordinate);
     CHECK(failure_of(view_of(soup), uniform(1, -1)).code == ErrorCode::invalid_argument);
@@ -60,11 +60,11 @@ TEST_CASE("results known to be too large are refused before they are allocated",
     CHECK(failure_of(view_of(soup), options).code == ErrorCode::result_too_large);
     CHECK(memory.peak() < std::size_t{1} << 26);
     CHECK(memory.held() == 0);
-    // The layers fit, their points do not.
+    // The layers fit in the limit, but their points do not.
     options.plan.spacing = lamella::UniformLayers{0.001};
     options.memory_limit_bytes = 11'000'000;
     CHECK(failure_of(view_of(soup), options).code == ErrorCode::result_too_large);
-    // Layers and points fit, but not with a contour in each layer.
+    // Layers and points fit, but not one contour in each layer too.
     const std::uint64_t layers = 100'000;
     const std::uint64_t bytes = layers * (sizeof(lamella::Layer) + 8 * sizeof(lamella::Point) + sizeof(lamella::Contour));
     options.memory_limit_bytes = bytes - 1;
@@ -104,21 +104,21 @@ TEST_CASE("a failing allocation is an error, not an exception", "[engine][errors
     }
 }
 
-TEST_CASE("a stop request cancels", "[engine][cancel]") {
+TEST_CASE("a stop request cancels slicing", "[engine][cancel]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
     lamella::SliceOptions options = uniform(0.01);
     std::atomic<bool> stop = false;
     options.control.stop = lamella::StopCheck::when(stop);
-    SECTION("before it begins") {
+    SECTION("before slicing begins") {
         stop = true;
         CHECK(failure_of(view_of(soup), options).code == ErrorCode::cancelled);
     }
-    SECTION("on the way") {
+    SECTION("during slicing") {
         const auto stop_it = [&](double) noexcept { stop = true; };
         options.control.progress = lamella::Progress::to(stop_it);
         CHECK(failure_of(view_of(soup), options).code == ErrorCode::cancelled);
     }
-    SECTION("never, when it is not asked to") {
+    SECTION("no request") {
         CHECK(sliced(soup, options).layers.size() == 2000);
     }
 }
@@ -132,14 +132,15 @@ TEST_CASE("progress rises from 0 to 1", "[engine][cancel]") {
     const auto note = [&](double done) noexcept { seen.push_back(done); };
     options.control.progress = lamella::Progress::to(note);
     (void)sliced(soup, options);
-    // Bands that finish out of turn are reported together, but no more than run ahead: two a thread.
+    // Bands that finish out of order are reported together. At most two bands a thread run ahead, which bounds their
+    // number.
     REQUIRE(seen.size() >= 100 / (2 * static_cast<std::size_t>(options.control.threads) + 1));
     CHECK(std::is_sorted(seen.begin(), seen.end()));
     CHECK(seen.front() >= 0);
     CHECK(seen.back() == 1);
 }
 
-TEST_CASE("a workspace and a result can be used again, after errors too", "[engine][errors]") {
+TEST_CASE("a workspace and a result can be reused, even after errors", "[engine][errors]") {
     const shapes::Soup small = shapes::octasphere({0, 0, 0}, 3, 2);
     const shapes::Soup large = shapes::octasphere({0, 0, 0}, 10, 5);
     shapes::Soup broken = large;

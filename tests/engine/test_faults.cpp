@@ -1,4 +1,4 @@
-// Memory that runs out, at every allocation in turn: an error each time, and nothing kept.
+// Every allocation fails in turn. Each failure must be an error, and no memory may stay allocated.
 #include <algorithm>
 #include <atomic>
 #include <functional>
@@ -17,7 +17,7 @@ using lamella::SliceOptions;
 
 namespace {
 
-/// Fails its allocation number `fails_at` (from 1) and every one after that: memory that is gone stays gone.
+/// Fails allocation number `fails_at` (from 1) and every later one: exhausted memory stays exhausted.
 class FailingMemory : public Memory {
 public:
     explicit FailingMemory(std::uint64_t fails_at) : Memory(lamella::memory_of(*this)), fails_at_(fails_at) {}
@@ -44,8 +44,8 @@ private:
 
 constexpr std::uint64_t never = ~std::uint64_t{0};
 
-/// Runs `call` until it succeeds, the first failing allocation being `step` later each time. `call` says with which code it
-/// failed, or nothing.
+/// Runs `call` until it succeeds. In each run, the first failing allocation is `step` later. `call` returns the code with
+/// which it failed, or nothing.
 using Call = std::function<std::optional<ErrorCode>(const Memory*)>;
 
 void fail_everywhere(const Call& call, std::uint64_t step = 1) {
@@ -78,7 +78,7 @@ void fail_slicing_everywhere(const shapes::Soup& soup, SliceOptions options, std
         step);
 }
 
-/// Nested and overlapping shells, one inverted, with a hole: contours of every role.
+/// Nested and overlapping shells, one inverted, one with a hole in its surface: contours of every role.
 shapes::Soup everything() {
     shapes::Soup soup =
         shapes::joined({shapes::box({0, 0, 0}, {9, 9, 9}), shapes::flipped(shapes::box({1, 1, 1}, {4, 4, 8})),
@@ -87,7 +87,7 @@ shapes::Soup everything() {
     return soup;
 }
 
-/// One plane that crosses more segments than from which on threads share it: the sides of many prisms.
+/// One plane that cuts enough segments for threads to share it: the sides of many prisms.
 shapes::Soup wide_plane() {
     constexpr std::size_t wide = std::size_t{1} << 18;
     constexpr std::size_t prisms = 64;
@@ -134,11 +134,11 @@ TEST_CASE("a wide plane fails cleanly at its allocations", "[engine][faults][wid
     FailingMemory counting(never);
     options.control.memory = &counting;
     REQUIRE(slice(view_of(soup), options).ok());
-    // Each costs a slice of 2^18 segments: a dozen, spread over all.
+    // Each run slices 2^18 segments, so only about a dozen allocations are tested, spread over all.
     fail_slicing_everywhere(soup, options, std::max<std::uint64_t>(1, counting.asked() / 12));
 }
 
-TEST_CASE("a workspace whose memory ran out slices again", "[engine][faults]") {
+TEST_CASE("a workspace that ran out of memory slices again", "[engine][faults]") {
     const shapes::Soup soup = everything();
     SliceOptions options = uniform(0.4);
     options.control.threads = 2;

@@ -1,5 +1,5 @@
-// What fill rules fill, against counting cells (boxes with whole corners, some of them inside out, have an area that any
-// winding number decides cell by cell) and against adding up what lies between edges, from one height to the next.
+// Areas by fill rules, compared with two simple methods. For boxes with whole corners, some inverted, the winding number
+// decides cell by cell. For polygons, the area between edges is summed from one height to the next.
 #include <algorithm>
 #include <array>
 #include <random>
@@ -39,7 +39,7 @@ shapes::Soup solid(const Box& box) {
     return box.inside_out ? shapes::flipped(soup) : soup;
 }
 
-/// Over a convex polygon, counter-clockwise.
+/// A prism over a convex polygon, counter-clockwise.
 shapes::Soup prism(const std::vector<std::array<double, 2>>& corners, double height) {
     shapes::Soup soup;
     const auto add = [&](std::size_t a, double za, std::size_t b, double zb, std::size_t c, double zc) {
@@ -87,7 +87,7 @@ int cells_filled(const std::vector<Box>& boxes, FillRule rule) {
 
 using Polygon = std::vector<std::array<double, 2>>;
 
-/// Walls around closed polygons that may cross themselves and one another; neither floors nor ceilings.
+/// Walls over closed polygons that may cross themselves and one another. There are no floors and ceilings.
 shapes::Soup walls(const std::vector<Polygon>& polygons) {
     shapes::Soup soup;
     for (const Polygon& polygon : polygons) {
@@ -102,8 +102,8 @@ shapes::Soup walls(const std::vector<Polygon>& polygons) {
 }
 
 struct Edge {
-    double x0, y0, x1, y1;  // upwards
-    int winding;            // how much more there is right of it than left
+    double x0, y0, x1, y1;  // from the lower end to the upper
+    int winding;            // winding number on its right minus that on its left
 
     double x_at(double y) const { return x0 + (x1 - x0) * (y - y0) / (y1 - y0); }
 };
@@ -122,7 +122,7 @@ std::vector<Edge> slanted_edges(const std::vector<Polygon>& polygons) {
     return edges;
 }
 
-/// Of all ends and crossings.
+/// The heights of all ends and crossings.
 std::vector<double> heights_of(const std::vector<Edge>& edges) {
     std::vector<double> heights;
     for (const Edge& a : edges) {
@@ -176,7 +176,7 @@ constexpr std::array rules{FillRule::even_odd, FillRule::non_zero, FillRule::pos
 
 }  // namespace
 
-TEST_CASE("fill rules fill the cells that windings say", "[engine][fill]") {
+TEST_CASE("fill rules fill the cells with the right winding numbers", "[engine][fill]") {
     const unsigned seed = GENERATE(range(1U, 401U));
     CAPTURE(seed);
     std::mt19937 random(seed);
@@ -195,7 +195,7 @@ TEST_CASE("fill rules fill the cells that windings say", "[engine][fill]") {
     }
 }
 
-TEST_CASE("fill rules fill what lies between edges where contours cross themselves and share corners and lines",
+TEST_CASE("fill rules fill the area between edges of contours that cross themselves and share corners and lines",
           "[engine][fill]") {
     const unsigned seed = GENERATE(range(1U, 401U));
     CAPTURE(seed);
@@ -214,7 +214,7 @@ TEST_CASE("fill rules fill what lies between edges where contours cross themselv
     }
 }
 
-TEST_CASE("fill rules: what a contour runs along and back is cut off", "[engine][fill]") {
+TEST_CASE("fill rules: a spike without area is removed", "[engine][fill]") {
     const Polygon polygon{{-10, -10}, {0, -10}, {0, 0}, {10, 0}, {4, 0}, {4, 10}, {-10, 10}};
     for (const FillRule rule : rules) {
         lamella::SliceOptions options = at_heights({5});
@@ -224,7 +224,7 @@ TEST_CASE("fill rules: what a contour runs along and back is cut off", "[engine]
     }
 }
 
-TEST_CASE("fill rules: an insert that touches its surroundings at its leftmost point", "[engine][fill]") {
+TEST_CASE("fill rules: an insert may touch its surroundings at its leftmost point", "[engine][fill]") {
     const shapes::Soup around = shapes::box({0, 0, 0}, {30, 30, 10});
     const shapes::Soup diamond = prism({{15, 5}, {25, 15}, {15, 25}, {0, 15}}, 10);
     for (const auto& [insert, expected] :
@@ -243,7 +243,7 @@ TEST_CASE("fill rules: a body and its inverse fill nothing", "[engine][fill]") {
     }
 }
 
-TEST_CASE("fill rules: a body exported a thousand times", "[engine][fill]") {
+TEST_CASE("fill rules: a body exported a thousand times is filled by its winding number", "[engine][fill]") {
     const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
     const shapes::Soup other = shapes::box({5, 5, 0}, {15, 15, 10});
     for (const std::size_t times : {1000U, 1001U}) {

@@ -1,4 +1,4 @@
-// What is inside by each fill rule, and gaps that are closed: the expected answers written down.
+// Regions by each fill rule, and closed gaps, compared with written-down answers.
 #include <algorithm>
 #include <numeric>
 #include <random>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr FillRule all_rules[] = {FillRule::contours, FillRule::even_odd, FillRule::non_zero, FillRule::positive};
 
-/// At mid-height of solids that reach from z = 0 to 10, on the coarse grid.
+/// Slices at mid-height solids that extend from z = 0 to 10, on the coarse grid.
 SliceResult filled(const shapes::Soup& soup, FillRule rule, double close_gaps_mm = 0) {
     lamella::SliceOptions options = at_heights({5});
     options.fill_rule = rule;
@@ -26,7 +26,7 @@ SliceResult filled(const shapes::Soup& soup, FillRule rule, double close_gaps_mm
     return result;
 }
 
-/// "outers 1 holes 0 area 100", for each rule.
+/// One line for each rule: "1 outer, 0 hole, 100", with the area last and ", 1 open" for open polylines.
 std::vector<std::string> regions(const shapes::Soup& soup) {
     std::vector<std::string> lines;
     for (const FillRule rule : all_rules) {
@@ -51,7 +51,7 @@ shapes::Soup square(double x, double y, double size) {
     return shapes::box({x, y, 0}, {x + size, y + size, 10});
 }
 
-/// A box without the side that lies at `y` low.
+/// A box without its front side, the one at low y.
 shapes::Soup without_front(shapes::Soup box) {
     box.erase(box.begin() + 4 * 9, box.begin() + 6 * 9);
     return box;
@@ -59,7 +59,8 @@ shapes::Soup without_front(shapes::Soup box) {
 
 }  // namespace
 
-TEST_CASE("fill rules: one solid is the same by all, and by `contours` to the byte", "[engine][fill]") {
+TEST_CASE("fill rules: all rules give one solid the same region, equal to that of `contours` to the byte",
+          "[engine][fill]") {
     CHECK(regions(square(0, 0, 10)) == Lines(4, "1 outer, 0 hole, 100"));
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
     lamella::SliceOptions options = uniform(0.3);
@@ -72,22 +73,23 @@ TEST_CASE("fill rules: one solid is the same by all, and by `contours` to the by
     }
 }
 
-TEST_CASE("fill rules: two overlapping cubes", "[engine][fill]") {
+TEST_CASE("fill rules: two overlapping cubes are united, or their overlap is empty by even-odd", "[engine][fill]") {
     CHECK(regions(shapes::joined({square(0, 0, 10), square(5, 5, 10)})) ==
           Lines{"2 outer, 0 hole, 200", "2 outer, 0 hole, 150", "1 outer, 0 hole, 175", "1 outer, 0 hole, 175"});
 }
 
-TEST_CASE("fill rules: overlapping cubes with sides in one plane, of equal sense", "[engine][fill]") {
+TEST_CASE("fill rules: overlapping cubes with coplanar sides of equal orientation", "[engine][fill]") {
     CHECK(regions(shapes::joined({square(0, 0, 10), square(5, 0, 10)})) ==
           Lines{"2 outer, 0 hole, 200", "2 outer, 0 hole, 100", "1 outer, 0 hole, 150", "1 outer, 0 hole, 150"});
 }
 
-TEST_CASE("fill rules: touching cubes, whose common side has two faces of opposite sense", "[engine][fill]") {
+TEST_CASE("fill rules: touching cubes, whose common side has two faces of opposite orientation, are united",
+          "[engine][fill]") {
     CHECK(regions(shapes::joined({square(0, 0, 10), square(10, 0, 10)})) ==
           Lines{"2 outer, 0 hole, 200", "1 outer, 0 hole, 200", "1 outer, 0 hole, 200", "1 outer, 0 hole, 200"});
 }
 
-TEST_CASE("fill rules: touching boxes become one also where their walls are divided differently", "[engine][fill]") {
+TEST_CASE("fill rules: touching boxes are united even if their walls are triangulated differently", "[engine][fill]") {
     shapes::Soup soup;
     for (int x = 0; x < 7; ++x) {
         for (int y = 0; y < 7; ++y) {
@@ -105,7 +107,7 @@ TEST_CASE("fill rules: touching boxes become one also where their walls are divi
     }
 }
 
-TEST_CASE("fill rules: what lies in a hole that several bodies make together", "[engine][fill]") {
+TEST_CASE("fill rules: a body in a hole that several bodies form has that hole as parent", "[engine][fill]") {
     const shapes::Soup frame = shapes::joined({shapes::box({0, 0, 0}, {30, 5, 10}), shapes::box({0, 25, 0}, {30, 30, 10}),
                                                shapes::box({0, 1, 0}, {5, 29, 10}), shapes::box({25, 1, 0}, {30, 29, 10})});
     for (const FillRule rule : {FillRule::non_zero, FillRule::positive}) {
@@ -117,29 +119,29 @@ TEST_CASE("fill rules: what lies in a hole that several bodies make together", "
     }
 }
 
-TEST_CASE("fill rules: a solid insert in a solid", "[engine][fill]") {
+TEST_CASE("fill rules: a solid insert in a solid is empty by even-odd, else filled", "[engine][fill]") {
     CHECK(regions(shapes::joined({square(0, 0, 30), square(10, 10, 10)})) ==
           Lines{"2 outer, 0 hole, 1000", "1 outer, 1 hole, 800", "1 outer, 0 hole, 900", "1 outer, 0 hole, 900"});
 }
 
-TEST_CASE("fill rules: a cavity", "[engine][fill]") {
+TEST_CASE("fill rules: a cavity is a hole by every rule", "[engine][fill]") {
     CHECK(regions(shapes::joined({square(0, 0, 30), shapes::flipped(square(10, 10, 10))})) ==
           Lines(4, "1 outer, 1 hole, 800"));
 }
 
-TEST_CASE("fill rules: a body exported twice", "[engine][fill]") {
+TEST_CASE("fill rules: a body exported twice is empty by even-odd, else filled once", "[engine][fill]") {
     CHECK(regions(shapes::joined({square(0, 0, 10), square(0, 0, 10)})) ==
           Lines{"2 outer, 0 hole, 200", "0 outer, 0 hole, 0", "1 outer, 0 hole, 100", "1 outer, 0 hole, 100"});
 }
 
-TEST_CASE("fill rules: a body exported twice, and an inverted one across it", "[engine][fill]") {
+TEST_CASE("fill rules: an inverted body across one exported twice counts negatively", "[engine][fill]") {
     const shapes::Soup twice = shapes::joined({square(0, 0, 10), square(0, 0, 10)});
     const Lines lines = regions(shapes::joined({twice, shapes::flipped(square(5, 5, 10))}));
     CHECK(Lines(lines.begin() + 1, lines.end()) ==
           Lines{"1 outer, 0 hole, 100", "1 outer, 0 hole, 175", "1 outer, 0 hole, 100"});
 }
 
-TEST_CASE("fill rules: an inverted body", "[engine][fill]") {
+TEST_CASE("fill rules: an inverted body is empty by `positive`, else filled", "[engine][fill]") {
     CHECK(regions(shapes::flipped(square(0, 0, 10))) ==
           Lines{"1 outer, 0 hole, 100", "1 outer, 0 hole, 100", "1 outer, 0 hole, 100", "0 outer, 0 hole, 0"});
 }
@@ -150,7 +152,7 @@ TEST_CASE("fill rules: an internal wall stays an open polyline", "[engine][fill]
     CHECK(regions(shapes::joined({square(0, 0, 10), wall})) == Lines(4, "1 outer, 0 hole, 100, 1 open"));
 }
 
-TEST_CASE("fill rules: the same bytes on any thread count, band size and order of triangles", "[engine][fill]") {
+TEST_CASE("fill rules: threads, bands and triangle order do not change the bytes", "[engine][fill]") {
     shapes::Soup soup;
     std::mt19937 random(4);
     for (int i = 0; i < 12; ++i) {
@@ -175,7 +177,7 @@ TEST_CASE("fill rules: the same bytes on any thread count, band size and order o
     }
 }
 
-TEST_CASE("gaps up to the length asked for are closed, and each is told", "[engine][gaps]") {
+TEST_CASE("gaps up to the requested length are closed, and each is reported", "[engine][gaps]") {
     const shapes::Soup soup = without_front(square(0, 0, 10));
     const SliceResult open = filled(soup, FillRule::contours);
     REQUIRE(open.contours.size() == 1);
@@ -193,13 +195,13 @@ TEST_CASE("gaps up to the length asked for are closed, and each is told", "[engi
     REQUIRE(closed.closed_gaps.size() == 1);
     CHECK(closed.closed_gaps[0].layer == 0);
     CHECK(closed.length_mm(closed.closed_gaps[0]) == 10);
-    // The solid is on the left: along the missing side the contour would run towards larger x.
+    // The solid is on the left, so along the missing side the contour runs towards larger x.
     CHECK(closed.closed_gaps[0].from == lamella::Point{0, 0});
     CHECK(closed.closed_gaps[0].to == lamella::Point{20, 0});
 }
 
 TEST_CASE("the nearest ends are joined first", "[engine][gaps]") {
-    // Two walls of a channel, the one 10 long and the other 10 further on: 4 apart at their ends, 8 across.
+    // Two walls of a channel. One has a gap of 4 in its middle; the walls are 8 apart.
     const auto wall = [](double x0, double x1, double y) {
         return shapes::joined(
             {shapes::triangle({x0, y, 0}, {x1, y, 0}, {x1, y, 10}), shapes::triangle({x0, y, 0}, {x1, y, 10}, {x0, y, 10})});
@@ -218,7 +220,7 @@ TEST_CASE("the nearest ends are joined first", "[engine][gaps]") {
                           [&](double sum, const auto& gap) { return sum + all.length_mm(gap); }) == 4 + 8 + 8);
 }
 
-TEST_CASE("closing gaps gives the same bytes on any thread count, band size and order of triangles", "[engine][gaps]") {
+TEST_CASE("closing gaps: threads, bands and triangle order do not change the bytes", "[engine][gaps]") {
     shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 4);
     std::mt19937 random(8);
     for (int lost = 0; lost < 60; ++lost) {
@@ -272,14 +274,14 @@ TEST_CASE("fill rules: rods across each other by the hundred are refused, by the
     }
 }
 
-TEST_CASE("fill rules: what meets within what meets nothing", "[engine][fill]") {
-    // Three shells around two squares that overlap; with them, one of the squares' number of windings is 5.
+TEST_CASE("fill rules: contours that meet count the windings of shells around them", "[engine][fill]") {
+    // Three shells around two overlapping squares. The overlap then has winding number 5.
     const shapes::Soup shells = shapes::joined({square(-30, -30, 80), square(-20, -20, 60), square(-10, -10, 40)});
     const shapes::Soup pair = shapes::joined({square(0, 0, 10), square(5, 5, 10)});
     CHECK(regions(shapes::joined({shells, pair})) ==
           Lines{"5 outer, 0 hole, 11800", "2 outer, 3 hole, 4250", "1 outer, 0 hole, 6400", "1 outer, 0 hole, 6400"});
     CHECK(regions(shapes::joined({shells, shapes::flipped(pair)}))[1] == "2 outer, 3 hole, 4250");
-    // Around the pair nothing is left of two shells, or less than nothing of three.
+    // Around the pair, three inverted shells make the winding number zero, and a fourth makes it negative.
     const shapes::Soup undone = shapes::joined({shells, shapes::flipped(square(-5, -5, 30)),
                                                 shapes::flipped(square(-4, -4, 28)), shapes::flipped(square(-3, -3, 26))});
     CHECK(regions(shapes::joined({undone, pair}))[2] == "2 outer, 1 hole, " + std::to_string(6400 - 26 * 26 + 175));

@@ -1,4 +1,4 @@
-// Which ends of polylines are joined, against the list of all pairs from the nearest on.
+// Which ends of polylines are joined, compared with a sorted list of all pairs.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -54,7 +54,7 @@ Pairs closed(GapCloser& closer, const std::vector<PolylineEnds>& polylines, doub
     return pairs;
 }
 
-/// Whether next() and follows() say what the pairs do.
+/// Whether next() and follows() agree with the pairs.
 bool agree(const GapCloser& closer, const Pairs& pairs, std::size_t polylines) {
     std::vector<std::int64_t> next(polylines, -1);
     std::vector<bool> follows(polylines, false);
@@ -70,7 +70,7 @@ bool agree(const GapCloser& closer, const Pairs& pairs, std::size_t polylines) {
     return true;
 }
 
-/// Coordinates: multiples of `step` up to `side` of them from `corner`.
+/// Each coordinate is `corner` plus 0 to `side` multiples of `step`.
 std::vector<PolylineEnds> random_polylines(std::mt19937& random, std::size_t count, std::int32_t corner, std::int32_t step,
                                            std::int32_t side) {
     std::uniform_int_distribution<std::int32_t> cell(0, side);
@@ -84,12 +84,12 @@ std::vector<PolylineEnds> random_polylines(std::mt19937& random, std::size_t cou
 
 }  // namespace
 
-TEST_CASE("the same pairs are joined, in the same order, as from a list of all pairs", "[engine][gaps]") {
+TEST_CASE("the joined pairs and their order are those of a list of all pairs", "[engine][gaps]") {
     std::mt19937 random(21);
     GapCloser closer(nullptr);
     std::size_t joined = 0;
     for (int turn = 0; turn < 6000; ++turn) {
-        const std::int32_t side = 1 << random() % 9;  // few places: many equal points and equal distances
+        const std::int32_t side = 1 << random() % 9;  // few positions: many equal points and equal distances
         const std::int32_t step = turn % 3 == 0 ? (1 << 30) / side : 1 + turn % 2;
         const std::size_t count = random() % (turn % 50 == 0 ? 200 : 40);
         const auto polylines = random_polylines(random, count, turn % 3 == 1 ? 0 : -step * (side / 2), step, side);
@@ -104,7 +104,7 @@ TEST_CASE("the same pairs are joined, in the same order, as from a list of all p
     CHECK(joined > 40'000);
 }
 
-TEST_CASE("ends in two heaps far apart are joined as from a list of all pairs", "[engine][gaps]") {
+TEST_CASE("ends in two distant clusters are joined as from a list of all pairs", "[engine][gaps]") {
     std::mt19937 random(22);
     GapCloser closer(nullptr);
     for (const std::int32_t apart : {3, 100, 1 << 29}) {
@@ -116,12 +116,12 @@ TEST_CASE("ends in two heaps far apart are joined as from a list of all pairs", 
     }
 }
 
-TEST_CASE("closing gaps takes memory by the ends, not by their pairs", "[engine][gaps]") {
+TEST_CASE("closing gaps takes memory in proportion to the ends, not to their pairs", "[engine][gaps]") {
     std::mt19937 random(23);
     constexpr std::size_t count = 20'000;
     CountingMemory memory;
     GapCloser closer(&memory);
     CHECK(closer.close(random_polylines(random, count, 0, 1, 1 << 20), 1 << 30).size() == count);
-    CHECK(closer.close(random_polylines(random, count, 0, 1, 3), 1 << 30).size() == count);  // all at sixteen points
+    CHECK(closer.close(random_polylines(random, count, 0, 1, 3), 1 << 30).size() == count);  // all ends at sixteen points
     CHECK(memory.peak() < 160 * count);
 }

@@ -1,4 +1,5 @@
-// What must not change, or change in a known way, when the mesh is moved, mirrored or turned or the planes are dealt out.
+// What must stay the same, or change in a known way, if the mesh is moved, mirrored or turned, or if planes are sliced in
+// parts.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -30,7 +31,7 @@ constexpr std::uint64_t model_triangles = 20'000;
 constexpr double unit_mm = lamella::default_unit_mm;
 constexpr double layer_mm = 0.25;
 
-/// Every number on the even grid, so that moving, mirroring and turning round nothing.
+/// Rounds every number to the even grid, so that moving, mirroring and turning round nothing.
 shapes::Soup on_grid(shapes::Soup soup) {
     for (double& number : soup) {
         number = std::nearbyint(number / (2 * unit_mm)) * (2 * unit_mm);
@@ -47,7 +48,7 @@ shapes::Soup model(Shape shape) {
     return on_grid({soup.begin(), soup.end()});
 }
 
-/// Closed ones, and one that is not.
+/// Closed meshes, and one that is not closed.
 const std::map<std::string, shapes::Soup>& meshes() {
     static const std::map<std::string, shapes::Soup> all = [] {
         const shapes::Soup ball = on_grid(shapes::octasphere({0.3, 0.2, 0.1}, 10, 3));
@@ -67,7 +68,7 @@ const std::map<std::string, shapes::Soup>& meshes() {
     return all;
 }
 
-/// A contour apart from where its layer stores it and where it starts; equal points give equal areas and perimeters.
+/// A contour without its position in the layer and its start. Equal points give equal areas and perimeters.
 struct Outline {
     Role role;
     int sense;
@@ -78,11 +79,11 @@ struct Outline {
     friend auto operator<=>(const Outline&, const Outline&) = default;
 };
 
-/// What became of the mesh, and so of its contours.
+/// How the mesh, and so its contours, moved.
 struct Motion {
     std::function<Point(Point)> map = [](Point p) { return p; };
-    bool mirrors = false;  ///< contours run the other way
-    bool parents = true;   ///< which contour lies in which is to be kept too
+    bool mirrors = false;  ///< reverses contours
+    bool parents = true;   ///< whether parents must stay the same too
 };
 
 std::vector<Point> moved(std::span<const Point> points, bool closed, const Motion& motion) {
@@ -103,7 +104,7 @@ std::vector<Point> moved(std::span<const Point> points, bool closed, const Motio
     return smallest;
 }
 
-/// The contours of a layer as they would be after `motion`.
+/// The contours of a layer after `motion`.
 std::vector<Outline> outlines(const SliceResult& result, const Layer& layer, const Motion& motion = {}) {
     std::vector<Outline> all;
     for (const Contour& contour : result.contours_of(layer)) {
@@ -149,7 +150,7 @@ SliceOptions at_explicit(std::vector<double> heights) {
     return options;
 }
 
-/// Slices at those of `heights` whose index `takes` names, and finds the layers of `whole`.
+/// Slices at the heights whose index `takes` accepts, and requires the same layers as in `whole`.
 void check_part(const shapes::Soup& mesh, const std::vector<double>& heights, const SliceResult& whole,
                 const std::function<bool(std::size_t)>& takes) {
     std::vector<double> part;
@@ -174,12 +175,12 @@ bool is_whole(const std::string& mesh_name) {
     return mesh_name != "torn ball";
 }
 
-/// Of contours that cross, which lies in which depends on where they start, and that on how the mesh lies.
+/// The parents of contours that cross depend on where these start, and so on the position of the mesh.
 bool crosses(const std::string& mesh_name) {
     return mesh_name == "crossing balls";
 }
 
-/// Where an edge joins two solids, it is the space around them that turning over makes one.
+/// Where solids share an edge, flipping joins the space around them instead.
 bool touches(const std::string& mesh_name) {
     return mesh_name == "boxes that share an edge";
 }
@@ -211,8 +212,8 @@ TEST_CASE("mirroring the mesh mirrors its contours", "[engine][invariants]") {
     }
 }
 
-TEST_CASE("turning facets over turns senses over and nothing else", "[engine][invariants]") {
-    // Senses times `over`, with the sizes that they belong to.
+TEST_CASE("flipping facets reverses orientations and changes nothing else", "[engine][invariants]") {
+    // Orientations times `over`, with the sizes of their contours.
     const auto senses = [](const SliceResult& result, const Layer& layer, int over) {
         std::vector<std::tuple<int, std::uint32_t, std::uint32_t, double>> all;
         for (const Contour& c : result.contours_of(layer)) {
@@ -246,7 +247,7 @@ TEST_CASE("a quarter turn of the mesh turns its contours", "[engine][invariants]
     }
 }
 
-TEST_CASE("parts of a list of planes give what the whole list gives", "[engine][invariants]") {
+TEST_CASE("a part of a list of planes gives the same layers as the whole list", "[engine][invariants]") {
     for (const auto& [name, mesh] : meshes()) {
         INFO(name);
         const std::vector<double> heights = vertex_heights(mesh, unit_mm);
@@ -258,7 +259,7 @@ TEST_CASE("parts of a list of planes give what the whole list gives", "[engine][
     }
 }
 
-TEST_CASE("planes at the height of every vertex lose nothing", "[engine][invariants]") {
+TEST_CASE("planes at the height of every vertex lose no triangle", "[engine][invariants]") {
     for (const auto& [name, mesh] : meshes()) {
         for (const lamella::PlaneSide side : {lamella::PlaneSide::below, lamella::PlaneSide::above}) {
             SliceOptions options = at_explicit(vertex_heights(mesh, unit_mm));
@@ -272,8 +273,9 @@ TEST_CASE("planes at the height of every vertex lose nothing", "[engine][invaria
     }
 }
 
-TEST_CASE("the ridge of a steep roof is a flat contour of its own", "[engine][invariants]") {
-    // Half a wall thick at the eaves, 64 high: a unit below the ridge it is no unit thick. It stands in a courtyard.
+TEST_CASE("the ridge of a steep roof is a flat contour without parent", "[engine][invariants]") {
+    // The roof is 2 mm wide at the eaves and 64 mm high, so one unit below the ridge its width rounds to zero. It stands
+    // in a courtyard.
     const shapes::Xyz eaves[] = {{0, -1, 0}, {8, -1, 0}, {8, 1, 0}, {0, 1, 0}};
     const shapes::Xyz ridge[] = {{2, 0, 64}, {6, 0, 64}};
     const auto quad = [](shapes::Xyz a, shapes::Xyz b, shapes::Xyz c, shapes::Xyz d) {

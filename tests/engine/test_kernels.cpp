@@ -1,4 +1,4 @@
-// Every form of the kernels that this processor runs gives what the portable one gives, to the bit.
+// Every form of the kernels that this processor supports must equal the portable form to the bit.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -13,7 +13,7 @@ using lamella::Point;
 
 namespace {
 
-/// A random ring of `count` points; with `repeats` one of them is as the one before it.
+/// A random ring of `count` points; with `repeats`, one point equals the one before it.
 void check_ring(const Kernels& form, std::size_t count, std::int32_t reach, bool repeats, std::mt19937& random) {
     const Kernels& portable = lamella::portable_of(lamella::kernel_forms());
     std::uniform_int_distribution<std::int32_t> coordinate(-reach, reach);
@@ -24,7 +24,7 @@ void check_ring(const Kernels& form, std::size_t count, std::int32_t reach, bool
         points[i] = {coordinate(random), coordinate(random)};
         slots[i] = static_cast<std::uint32_t>((7 * i) % count);
     }
-    if (repeats) {  // one repeat alone, wherever it lies
+    if (repeats) {  // a single repeat, at a random position
         const std::size_t at = random() % count;
         points[slots[(at + 1) % count]] = points[slots[at]];
     }
@@ -47,7 +47,7 @@ void check_ring(const Kernels& form, std::size_t count, std::int32_t reach, bool
 
 }  // namespace
 
-TEST_CASE("kernels agree with the portable ones", "[engine][kernels]") {
+TEST_CASE("all forms of the kernels agree with the portable form", "[engine][kernels]") {
     std::mt19937 random(7);
     for (const auto& [needs, form] : lamella::supported(lamella::kernel_forms())) {
         for (const std::int32_t reach : {3, 1 << 20, lamella::grid_limit}) {
@@ -59,7 +59,7 @@ TEST_CASE("kernels agree with the portable ones", "[engine][kernels]") {
     }
 }
 
-TEST_CASE("boxes that only one axis makes too wide for vectors have exact areas", "[engine][kernels]") {
+TEST_CASE("areas are exact in boxes too wide for vectors along one axis", "[engine][kernels]") {
     constexpr std::int32_t far = lamella::grid_limit;
     std::vector<std::uint32_t> slots(40);
     for (std::size_t i = 0; i < slots.size(); ++i) {
@@ -67,7 +67,7 @@ TEST_CASE("boxes that only one axis makes too wide for vectors have exact areas"
     }
     for (const bool along_x : {false, true}) {
         std::vector<Point> points;
-        for (std::int32_t i = 0; i < 12; ++i) {  // to and fro between the ends of one axis, 2^31 apart
+        for (std::int32_t i = 0; i < 12; ++i) {  // back and forth between the ends of one axis, 2^31 apart
             const Point point{i % 4 < 2 ? -far : far, i < 6 ? i : 7 * i};
             points.push_back(along_x ? point : Point{point.y, point.x});
         }
@@ -105,7 +105,7 @@ TEST_CASE("areas beyond 64 bits are exact in every form", "[engine][kernels]") {
     }
 }
 
-TEST_CASE("edges pierce a plane where arithmetic says", "[engine][kernels]") {
+TEST_CASE("edges pierce a plane at the interpolated points", "[engine][kernels]") {
     std::mt19937 random(23);
     std::uniform_int_distribution<std::int32_t> coordinate(-lamella::grid_limit / 4, lamella::grid_limit / 4);
     std::uniform_real_distribution<double> slope(-1, 1);
@@ -139,7 +139,7 @@ TEST_CASE("edges pierce a plane where arithmetic says", "[engine][kernels]") {
     }
 }
 
-TEST_CASE("select_equal finds what a loop finds, and writes no further than it may", "[engine][kernels]") {
+TEST_CASE("select_equal finds the positions that a loop finds, and writes only within its padding", "[engine][kernels]") {
     std::mt19937 random(11);
     for (const auto& [needs, kernels] : lamella::supported(lamella::kernel_forms())) {
         for (std::size_t count = 0; count < 100; ++count) {

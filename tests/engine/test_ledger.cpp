@@ -1,4 +1,4 @@
-// Every triangle is in the ledger once, and what no plane meets is told.
+// The ledger accounts for every triangle once, and reports all that no plane cuts.
 #include <array>
 #include <map>
 #include <numeric>
@@ -17,7 +17,7 @@ using lamella::SurfacePieceKind;
 
 namespace {
 
-/// Sets of numbers, by the book.
+/// Disjoint sets in their simplest form.
 class Sets {
 public:
     std::size_t add() {
@@ -32,8 +32,8 @@ private:
     std::vector<std::size_t> parents_;
 };
 
-/// Shells, peaks and pits by the definition: each triangle is cut at the planes, and its parts are joined to those of other
-/// triangles in the same slab that share a vertex there, or a stretch of an edge.
+/// Counts shells, peaks and pits by definition. Each triangle is split at the planes. Its parts are joined to parts of
+/// other triangles in the same slab that share a vertex there or a piece of an edge.
 std::array<std::size_t, 3> pieces_of(const shapes::Soup& soup, const SliceResult& result) {
     struct Part {
         std::size_t set;
@@ -130,7 +130,7 @@ TEST_CASE("ledger: a box's bottom and top lie below and above all planes", "[eng
     CHECK(books.gaps.empty());
 }
 
-TEST_CASE("ledger: a body between two planes is told, and an empty layer between full ones", "[engine][ledger]") {
+TEST_CASE("ledger: a body between two planes and an empty layer between full ones are reported", "[engine][ledger]") {
     const shapes::Soup soup = shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::box({0, 0, 12}, {10, 10, 14}),
                                               shapes::box({0, 0, 20}, {10, 10, 30})});
     const SliceResult result = sliced(soup, at_heights({5, 11, 15, 25, 40}));
@@ -143,7 +143,7 @@ TEST_CASE("ledger: a body between two planes is told, and an empty layer between
     CHECK(books.cut == 16);
 }
 
-TEST_CASE("ledger: degenerate triangles, meshes in any order, turned ones and real ones add up", "[engine][ledger]") {
+TEST_CASE("ledger: all triangles are accounted for, degenerate and turned ones too", "[engine][ledger]") {
     shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
     soup.insert(soup.end(), {1, 1, 1, 1, 1, 1, 2, 2, 2});
     for (const double height : {0.05, 0.7, 30.0}) {
@@ -157,12 +157,12 @@ TEST_CASE("ledger: degenerate triangles, meshes in any order, turned ones and re
     CHECK(lamella::make_ledger(view_of(other), result).error().code == lamella::ErrorCode::invalid_argument);
 }
 
-TEST_CASE("ledger: shells, peaks and pits are told with their places", "[engine][ledger]") {
+TEST_CASE("ledger: shells, peaks and pits are reported with their positions", "[engine][ledger]") {
     const shapes::Soup soup = shapes::joined({
-        shapes::box({0, 0, 0}, {10, 10, 10}),   // bottom below all planes, top between those at 9 and 12
-        shapes::octasphere({20, 0, 10}, 1, 0),  // wholly between these
-        shapes::octasphere({30, 0, 8}, 3, 0),   // cut at 6 and 9; its top ends there
-        shapes::octasphere({40, 0, 12}, 2, 0),  // its bottom hangs down there
+        shapes::box({0, 0, 0}, {10, 10, 10}),   // its bottom is below all planes, its top between those at 9 and 12
+        shapes::octasphere({20, 0, 10}, 1, 0),  // wholly between the planes at 9 and 12
+        shapes::octasphere({30, 0, 8}, 3, 0),   // cut at 6 and 9; its top ends between 9 and 12
+        shapes::octasphere({40, 0, 12}, 2, 0),  // its bottom lies between 9 and 12
     });
     const SliceResult result = sliced(soup, at_heights({3, 6, 9, 12}));
     const Ledger books = booked(soup, result);
@@ -183,21 +183,21 @@ TEST_CASE("ledger: shells, peaks and pits are told with their places", "[engine]
     CHECK(name_of(SurfacePieceKind::pit) == "pit");
 }
 
-TEST_CASE("ledger: a bump on what goes on is no piece, one that ends is", "[engine][ledger]") {
-    // Two towers from one base: the low one ends between the planes at 5 and 8, the high one goes on.
+TEST_CASE("ledger: a part that ends between planes is a peak beside one that continues", "[engine][ledger]") {
+    // Two towers on one base. The low one ends between the planes at 5 and 8, the high one continues.
     const shapes::Soup towers = shapes::joined({shapes::box({0, 0, 0}, {4, 4, 7}), shapes::box({4, 0, 0}, {8, 4, 20})});
     const Ledger apart = booked(towers, sliced(towers, at_heights({5, 8})));
-    // They share vertices below the planes only.
+    // They share vertices only below the planes.
     CHECK(apart.pits.count == 1);
     CHECK(apart.peaks.count == 2);
-    // A plane fewer, and the low tower's roof joins nothing else either.
+    // With another second plane, the low tower's roof still joins nothing else.
     CHECK(booked(towers, sliced(towers, at_heights({5, 12}))).peaks.count == 2);
     // Without planes everything is one shell.
     const Ledger whole = booked(towers, sliced(towers, at_heights({})));
     CHECK(whole.shells == lamella::SurfacePieceCount{1, 24});
 }
 
-TEST_CASE("ledger: pieces are those of the definition", "[engine][ledger]") {
+TEST_CASE("ledger: pieces agree with their definition", "[engine][ledger]") {
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         const int count = 1 + static_cast<int>(seed % 25);
         const shapes::Soup soup =
@@ -212,8 +212,8 @@ TEST_CASE("ledger: pieces are those of the definition", "[engine][ledger]") {
     }
 }
 
-TEST_CASE("ledger: the same on any number of threads, and in another order", "[engine][ledger]") {
-    // Enough for several parts.
+TEST_CASE("ledger: threads and triangle order do not change it", "[engine][ledger]") {
+    // Large enough for several parts.
     const shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 0}, 10, 6), shapes::octasphere({3, 4, 5}, 10, 6)});
     const SliceResult result = sliced(soup, uniform(0.05));
     const Ledger one = lamella::make_ledger(view_of(soup), result, {.threads = 1}).value();

@@ -1,4 +1,4 @@
-// Where bands put what they yield, whichever of them is done first.
+// Placement of bands in the result, in whatever order they finish.
 #include <algorithm>
 #include <functional>
 #include <random>
@@ -15,7 +15,7 @@ using lamella::Point;
 
 namespace {
 
-/// A layer of `contours` contours, each one point (band, contour), each in the one before it.
+/// A layer of `contours` contours. Each has one point (band, contour), and the one before it as parent.
 void fill(BandOutput& output, std::int32_t band, std::uint32_t contours) {
     for (std::uint32_t c = 0; c < contours; ++c) {
         *output.reserve_points(1) = {band, static_cast<std::int32_t>(c)};
@@ -30,7 +30,7 @@ void fill(BandOutput& output, std::int32_t band, std::uint32_t contours) {
 
 }  // namespace
 
-TEST_CASE("bands are placed in order, in whatever order they are done", "[engine][placement]") {
+TEST_CASE("bands that finish in any order are placed in theirs", "[engine][placement]") {
     const std::vector<lamella::Band> bands{{0, 1, 2, false}, {1, 2, 3, false}, {2, 3, 4, false}};
     lamella::ProgressMeter no_progress{lamella::Progress{}};
     for (const std::vector<std::size_t>& done : {std::vector<std::size_t>{0, 1, 2}, {2, 1, 0}, {1, 2, 0}, {1, 0, 2}}) {
@@ -72,7 +72,7 @@ TEST_CASE("bands are placed in order, in whatever order they are done", "[engine
 }
 
 TEST_CASE("bands with more or fewer points than segments are placed in order", "[engine][placement]") {
-    // Mostly as many points as segments, else one fewer (repeats) or some more (open polylines, a fill rule's points).
+    // Mostly as many points as segments; else one fewer (repeats) or a few more (open polylines, points of a fill rule).
     const auto seed = GENERATE(range(1U, 400U));
     std::mt19937 random(seed);
     const auto draw = [&](std::uint32_t below) { return static_cast<std::uint32_t>(random() % below); };
@@ -97,7 +97,8 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
     constexpr int threads = 3;
     placement.begin(bands, threads, segments, points, no_progress);
 
-    // What `threads` threads could do: begin the next band, find room for a point, write it, be done.
+    // One interleaving of `threads` threads. A step begins the next band, reserves space for a point, writes it, or
+    // submits.
     struct Begun {
         std::size_t band;
         BandOutput* output;

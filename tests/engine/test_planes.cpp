@@ -1,4 +1,4 @@
-// Where planes lie: spacing, rounding, side, and the plans that are refused.
+// Where planes lie: spacing, rounding, side, and refused plans.
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -27,7 +27,7 @@ lamella::UniformLayers& uniform_of(lamella::SliceOptions& options) {
     return std::get<lamella::UniformLayers>(options.plan.spacing);
 }
 
-/// Boxes side by side, box k of 1..count from `low(k)` to `high(k)`.
+/// Boxes side by side: box k of 1..count extends from `low(k)` to `high(k)`.
 template <class Height>
 shapes::Soup row_of_boxes(int count, Height low, Height high) {
     shapes::Soup soup;
@@ -70,7 +70,7 @@ TEST_CASE("planes are strictly inside the mesh", "[engine][planes]") {
     CHECK(planes_of(sliced(box({0, 0, 0}, {4, 4, 4}), options)) == Planes{3, 5, 7});
 }
 
-TEST_CASE("a mesh that no plane meets gives an empty result", "[engine][planes]") {
+TEST_CASE("a mesh that no plane cuts gives an empty result", "[engine][planes]") {
     CHECK(sliced(box({0, 0, 0}, {4, 4, 1}), uniform(10)).layers.empty());
 }
 
@@ -103,7 +103,7 @@ TEST_CASE("explicit heights that are not ascending and distinct name the pair", 
 
 TEST_CASE("flat faces at every plane height are always on the same side", "[engine][planes]") {
     constexpr int count = 50;
-    // Tops, then undersides, drawn at 0.1, 0.2, ... mm: none of them exact in binary.
+    // Tops, then undersides, at 0.1, 0.2, ... mm, which binary numbers cannot represent exactly.
     const auto at = [](int k) { return 0.1 * k; };
     const shapes::Soup standing = row_of_boxes(
         count, +[](int) { return -1.0; }, +[](int k) { return 0.1 * k; });
@@ -129,7 +129,7 @@ TEST_CASE("flat faces at every plane height are always on the same side", "[engi
     };
     const lamella::SliceResult tops = outers(standing);
     const lamella::SliceResult undersides = outers(hanging);
-    // Layer k cuts the boxes whose top is above it, or at it when the plane lies below.
+    // Layer k cuts the boxes with their top above it. With planes below, it also cuts boxes with their top at its height.
     const int missing_tops = side == PlaneSide::below ? 1 : 0;
     for (int k = 1; k <= count; ++k) {
         INFO("height " << k << ", side " << (side == PlaneSide::below ? "below" : "above"));
@@ -149,8 +149,8 @@ TEST_CASE("flat faces at every plane height are always on the same side", "[engi
     }
 }
 
-TEST_CASE("every plane is rounded by itself", "[engine][planes]") {
-    // Steps of a third of a millimetre: adding rounded steps would drift by hundreds of units.
+TEST_CASE("every plane is rounded from its exact height", "[engine][planes]") {
+    // Steps are a third of a millimetre. Adding rounded steps would drift by hundreds of units.
     const lamella::SliceResult result = sliced(box({0, 0, 0}, {1, 1, 1000}), uniform(1.0 / 3));
     REQUIRE(result.layers.size() == 3000);
     for (std::size_t i = 0; i < result.layers.size(); ++i) {
@@ -160,8 +160,8 @@ TEST_CASE("every plane is rounded by itself", "[engine][planes]") {
     }
 }
 
-TEST_CASE("facets within a unit of uniform planes fall to the right ones", "[engine][planes]") {
-    // Slivers that begin and end next to planes, where a division alone would be off by one.
+TEST_CASE("facets that end within a unit of uniform planes are cut by the right planes", "[engine][planes]") {
+    // Slivers that begin and end next to planes, where division alone would be off by one.
     shapes::Soup soup = box({0, 0, 0}, {1, 1, 30});
     for (int i = 1; i < 290; ++i) {
         for (const double nudge : {-2e-6, 0.0, 2e-6}) {

@@ -1,4 +1,4 @@
-// Against the oracle: soups in which everything coincides, and generated meshes.
+// The engine compared with the oracle: soups whose corners often coincide, and generated meshes.
 #include <numeric>
 #include <random>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double fine_unit_mm = 0.125;
 
-/// Every plane that meets corners on integers, and those between: integers of mm are multiples of 8 units.
+/// Planes at every quarter of a mm, so at all corners and between them. A whole mm is a multiple of 8 units.
 lamella::SliceOptions through_all(std::uint64_t range, ContourForm form) {
     std::vector<double> heights;
     heights.reserve(4 * range);
@@ -41,7 +41,8 @@ std::vector<lamella::Segment> shuffled(std::vector<lamella::Segment> segments, s
     return segments;
 }
 
-/// What assemble() makes of the oracle's segments, in any order and on any number of threads.
+/// Requires that assemble() makes the expected layer from the oracle's segments, in any order and on any number of
+/// threads.
 void check_assembled(const shapes::Soup& soup, std::int32_t z, std::uint64_t seed) {
     const std::vector<oracle::Triangle> triangles = oracle::quantise(soup, fine_unit_mm);
     const oracle::Layer expected = oracle::slice_at(triangles, z);
@@ -66,7 +67,7 @@ shapes::Soup from_recipe(lamella::models::Shape shape, std::uint64_t triangles) 
 
 }  // namespace
 
-TEST_CASE("unbalanced soups of coincidences agree with the oracle", "[engine][random]") {
+TEST_CASE("unbalanced soups with coincident corners agree with the oracle", "[engine][random]") {
     const ContourForm form = GENERATE(ContourForm::swept, ContourForm::assembled);
     for (std::uint64_t seed = 0; seed < 400; ++seed) {
         const std::uint64_t range = 2 + seed % 4;
@@ -86,7 +87,7 @@ TEST_CASE("tetrahedra that share edges agree with the oracle and close", "[engin
     }
 }
 
-TEST_CASE("many bands agree with the oracle where everything coincides", "[engine][random]") {
+TEST_CASE("many bands agree with the oracle on soups with coincident corners", "[engine][random]") {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
         lamella::SliceOptions options = through_all(5, ContourForm::swept);
         options.control.threads = 2;

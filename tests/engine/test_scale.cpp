@@ -1,4 +1,4 @@
-// Meshes whose work lies badly: all in a few layers, all in tall facets, many contours in one layer.
+// Meshes with unevenly distributed work: all in a few layers, all in tall facets, or many contours in one layer.
 #include <array>
 #include <cmath>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double mebibyte = 1 << 20;
 
-/// What slicing may hold at most besides the input.
+/// Upper bound for the memory that slicing may hold besides the input.
 double allowance(const lamella::SliceResult& result) {
     const std::size_t arrays = result.layers.size() * sizeof(lamella::Layer) +
                                result.contours.size() * sizeof(lamella::Contour) +
@@ -38,7 +38,7 @@ TEST_CASE("a tall prism of 400,000 facets is not copied once per band", "[engine
         const lamella::Result<lamella::SliceResult> result = slice(view_of(prism), options);
         REQUIRE(result.ok());
         if (band == 1) {
-            CHECK(result->summary.bands == 10);  // of one plane each they would have 3.8 million seeds
+            CHECK(result->summary.bands == 10);  // bands of one plane each would have 3.8 million seeds
         }
         expected = band == 0 ? hash_result(*result) : expected;
         CHECK(hash_result(*result) == expected);
@@ -52,7 +52,7 @@ TEST_CASE("a tall prism of 400,000 facets is not copied once per band", "[engine
     }
 }
 
-TEST_CASE("a wide base under a thin spire", "[engine][scale]") {
+TEST_CASE("a wide base under a thin spire agrees with the oracle on any number of threads", "[engine][scale]") {
     const shapes::Soup base = shapes::scaled(shapes::octasphere({0, 0, 0}, 10, 6), {5, 5, 0.02});
     const shapes::Soup spire = box({-0.1, -0.1, 0.1}, {0.1, 0.1, 60});
     const shapes::Soup mesh = shapes::joined({base, spire});
@@ -76,7 +76,7 @@ TEST_CASE("a wide base under a thin spire", "[engine][scale]") {
     }
 }
 
-TEST_CASE("one plane through very many facets", "[engine][scale]") {
+TEST_CASE("one plane through 160,000 facets gives one contour on any number of threads", "[engine][scale]") {
     const shapes::Soup prism = shapes::prism(20'000, 50, 1);
     lamella::SliceOptions options = uniform(1);
     options.control.threads = 1;
@@ -90,7 +90,7 @@ TEST_CASE("one plane through very many facets", "[engine][scale]") {
     }
 }
 
-TEST_CASE("thousands of contours in one layer, holes among them", "[engine][scale]") {
+TEST_CASE("thousands of contours in one layer have the right parents", "[engine][scale]") {
     constexpr int side = 50;
     shapes::Soup mesh = box({-1, -1, 0}, {4 * side, 4 * side, 4});
     for (int i = 0; i < side * side; ++i) {
@@ -133,7 +133,7 @@ TEST_CASE("areas times layer height are the volume", "[engine][scale]") {
     CHECK(sum == Approx(volume).epsilon(1e-5));
 }
 
-TEST_CASE("facets that share no edge, more than the edge map expects", "[engine][scale]") {
+TEST_CASE("more unshared edges than the edge map expects become open polylines", "[engine][scale]") {
     constexpr int count = 40'000;
     shapes::Soup soup;
     for (int i = 0; i < count; ++i) {
@@ -152,9 +152,9 @@ TEST_CASE("facets that share no edge, more than the edge map expects", "[engine]
     CHECK(hash_result(sliced(soup, options)) == hash_result(result));
 }
 
-TEST_CASE("an edge map that grows keeps what it holds", "[engine][scale]") {
-    // More edges than half the ends: facets alone, then pairs that share their short edge, their first faces before all of
-    // their second ones. The map grows between the two.
+TEST_CASE("an edge map that grows keeps its entries", "[engine][scale]") {
+    // The number of edges exceeds half the ends. First come single facets, then pairs that share their short edge: the
+    // first faces of all pairs, then the second. The map grows between the first and the second faces.
     constexpr int count = 20'000;
     const auto place = [](int i) { return std::array<double, 2>{4.0 * (i % 200), 4.0 * (i / 200)}; };
     shapes::Soup soup;

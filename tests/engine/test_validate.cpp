@@ -1,4 +1,4 @@
-// The checker must find every kind of broken promise: results made by hand, whole and then damaged.
+// validate() must find every kind of broken promise. Results are made by hand, then damaged.
 #include <algorithm>
 #include <functional>
 #include <vector>
@@ -76,7 +76,8 @@ Points clockwise(std::int32_t low, std::int32_t high) {
     return {{low, low}, {low, high}, {high, high}, {high, low}};
 }
 
-/// Layer 0: an outer with a hole, in it an island; a flat and an open one. Layer 1: empty. Layer 2: an inverted shell.
+/// Layer 0: an outer with a hole and an island in the hole; a flat and an open contour. Layer 1: empty. Layer 2: an
+/// inverted shell.
 SliceResult sound() {
     SliceResult result;
     add_layer(result, 1);
@@ -94,7 +95,7 @@ SliceResult sound() {
 }
 
 struct Damage {
-    const char* expected;  ///< in the message
+    const char* expected;  ///< part of the message
     std::function<void(SliceResult&)> apply;
 };
 
@@ -110,7 +111,7 @@ void check_found(const std::vector<Damage>& damages) {
 }
 
 void swap_contours(SliceResult& result, std::size_t a, std::size_t b) {
-    // Equal point counts, so that only the points' places are exchanged.
+    // The point counts are equal, so only the positions of the points are exchanged.
     REQUIRE(result.contours[a].point_count == result.contours[b].point_count);
     const std::uint32_t count = result.contours[a].point_count;
     std::swap_ranges(&result.points[result.contours[a].first_point], &result.points[result.contours[a].first_point] + count,
@@ -121,7 +122,7 @@ void swap_contours(SliceResult& result, std::size_t a, std::size_t b) {
 
 }  // namespace
 
-TEST_CASE("a sound result passes", "[result][validate]") {
+TEST_CASE("a valid result passes", "[result][validate]") {
     const lamella::Status status = validate(sound());
     INFO((status ? std::string() : status.error().message));
     CHECK(status.ok());
@@ -189,7 +190,7 @@ TEST_CASE("broken nesting and order are found", "[result][validate]") {
     });
 }
 
-TEST_CASE("the smallest contour around a start is its parent, however many there are", "[result][validate]") {
+TEST_CASE("the smallest contour around a start is its parent, among any number", "[result][validate]") {
     SliceResult result;
     add_layer(result, 1);
     add_contour(result, Role::outer, 1, -1, square(0, 1000));
@@ -204,11 +205,11 @@ TEST_CASE("the smallest contour around a start is its parent, however many there
     CHECK_FALSE(validate(result).ok());
 }
 
-TEST_CASE("a contour through a start is not around it", "[result][validate]") {
+TEST_CASE("a contour through a start does not enclose it", "[result][validate]") {
     SliceResult result;
     add_layer(result, 1);
     add_contour(result, Role::outer, 1, -1, square(0, 20));
-    // Starts on the first one's left side, inside its box.
+    // Starts on the first contour's left side, inside its box.
     add_contour(result, Role::outer, 1, -1, {{0, 5}, {10, 5}, {10, 10}, {0, 10}});
     const lamella::Status status = validate(result);
     INFO((status ? std::string() : status.error().message));
@@ -228,7 +229,7 @@ TEST_CASE("areas are summed exactly", "[result]") {
     CHECK(lamella::Integer128{~std::uint64_t{0}, -1}.to_double() == -1);
 }
 
-TEST_CASE("the hash sees everything that it covers", "[result][hash]") {
+TEST_CASE("the hash changes with everything that it covers", "[result][hash]") {
     const std::uint64_t whole = hash_result(sound());
     CHECK(whole == hash_result(sound()));
     const std::vector<std::function<void(SliceResult&)>> changes = {
@@ -253,7 +254,7 @@ TEST_CASE("the hash sees everything that it covers", "[result][hash]") {
     }
 }
 
-TEST_CASE("the hash is that of its documented layout", "[result][hash]") {
+TEST_CASE("the hash follows its documented layout", "[result][hash]") {
     const auto fnv = [](std::initializer_list<std::uint64_t> words) {
         std::uint64_t state = 14695981039346656037U;
         for (const std::uint64_t word : words) {
@@ -278,7 +279,7 @@ TEST_CASE("the hash counts parents from the first contour of their layer", "[res
         for (std::size_t i = 0; i < contours_below; ++i) {
             add_contour(result, Role::outer, 1, -1, {{0, 0}, {1, 0}, {0, 1}});
         }
-        result.layers[0].contour_count = 0;  // so that only the numbers of the contours above differ
+        result.layers[0].contour_count = 0;  // leaves only the numbering of the contours above to differ
         add_layer(result, 3);
         add_contour(result, Role::outer, 1, -1, {{0, 0}, {4, 0}, {0, 4}});
         add_contour(result, Role::hole, -1, static_cast<std::int64_t>(contours_below), {{1, 1}, {1, 2}, {2, 1}});

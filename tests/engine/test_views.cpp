@@ -1,4 +1,4 @@
-// Meshes as callers hold them: soup or indexed, float or double, strided, turned.
+// Meshes as callers hold them: soup or indexed, float or double, strided, transformed.
 #include <cmath>
 #include <cstring>
 
@@ -19,7 +19,7 @@ std::uint64_t hash_of(const MeshView& view, const lamella::SliceOptions& options
     return hash_result(sliced(view, options));
 }
 
-/// The numbers of `soup` in records of `stride` bytes, `per_record` numbers in each, at an odd address.
+/// The numbers of `soup` in records of `stride` bytes with `per_record` numbers each, at an odd address.
 template <class T>
 std::vector<std::byte> records(const std::vector<T>& numbers, std::size_t per_record, std::size_t stride) {
     const std::size_t count = numbers.size() / per_record;
@@ -30,7 +30,7 @@ std::vector<std::byte> records(const std::vector<T>& numbers, std::size_t per_re
     return bytes;
 }
 
-/// Facets of a box of 2 x 3 x 4 mm, off the origin.
+/// Facets of a box of 2 x 3 x 4 mm, away from the origin.
 const shapes::Soup brick = shapes::box({1, 1, 1}, {3, 4, 5});
 
 void check_turned(double nx, double ny, double nz, std::size_t layers, double area) {
@@ -49,7 +49,7 @@ void check_turned(double nx, double ny, double nz, std::size_t layers, double ar
 
 }  // namespace
 
-TEST_CASE("soup and indexed meshes give the same", "[engine][views]") {
+TEST_CASE("soup and indexed meshes give the same result", "[engine][views]") {
     const shapes::Indexed mesh = shapes::indexed(ball);
     CHECK(mesh.xyz.size() < ball.size() / 3);
     CHECK(hash_of(mesh.view()) == hash_of(view_of(ball)));
@@ -59,12 +59,12 @@ TEST_CASE("soup and indexed meshes give the same", "[engine][views]") {
           hash_of(MeshView::soup(std::span<const float>(soup))));
 }
 
-TEST_CASE("float meshes are cut where their numbers are", "[engine][views]") {
+TEST_CASE("float meshes give the same result as their numbers in double", "[engine][views]") {
     const std::vector<float> soup = shapes::floats(ball);
     const shapes::Soup widened(soup.begin(), soup.end());
     const lamella::SliceResult result = sliced(MeshView::soup(std::span<const float>(soup)), uniform(0.25));
     CHECK_THAT(oracle::difference(result, oracle::quantise(widened, result.unit_mm)), Catch::Equals(""));
-    // On a grid that is no power of two, and on a coarse one, where halves are ties.
+    // Grids that are no power of two, and a coarse one, where halves are ties.
     for (const double unit : {0.004, 0.1, 0.25}) {
         const lamella::SliceResult other = sliced(MeshView::soup(std::span<const float>(soup)), uniform(1, unit));
         CHECK_THAT(oracle::difference(other, oracle::quantise(widened, unit)), Catch::Equals(""));

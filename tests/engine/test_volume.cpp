@@ -1,6 +1,7 @@
-// The volume certificate: a closed mesh cut into slabs at the planes of a slice. What lies between two planes follows from
-// the facets' walls alone (Gauss, x), or from their slopes and the area of the contours above (Gauss, z). The first sums to
-// the volume of the mesh; that both agree slab by slab holds the contours' areas to account.
+// Computes the volume certificate in another way. A closed mesh is split into slabs at the planes of a slice. The volume
+// between two planes follows from the facets' walls alone (Gauss, x), or from their slopes and the area of the contours
+// above (Gauss, z). The first must sum to the volume of the mesh. Agreement of both, slab by slab, checks the contours'
+// areas.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -24,17 +25,17 @@ constexpr std::uint64_t model_triangles = 2'000;
 constexpr std::uint64_t model_triangles = 20'000;
 #endif
 
-/// Grid units, as long double where not whole: 64 bits, of which coordinates take 31.
+/// Coordinates in grid units, as long double where they are not whole: it has 64 bits, and coordinates take 31.
 struct Corner {
     long double x = 0;
     long double y = 0;
     long double z = 0;
 };
 
-/// Convex, in one facet.
+/// A convex polygon: a part of one facet.
 using Piece = std::vector<Corner>;
 
-/// What of `piece` lies above z, or below it.
+/// The part of `piece` above z, or below it.
 Piece clipped(const Piece& piece, long double z, bool above) {
     Piece kept;
     for (std::size_t i = 0; i < piece.size(); ++i) {
@@ -55,7 +56,7 @@ Piece clipped(const Piece& piece, long double z, bool above) {
 
 struct Slab {
     long double by_walls = 0;
-    long double by_slopes = 0;  ///< without what the contours above add
+    long double by_slopes = 0;  ///< without the share of the contours above
 };
 
 void add(Slab& slab, const Piece& piece, long double bottom) {
@@ -68,7 +69,7 @@ void add(Slab& slab, const Piece& piece, long double bottom) {
     }
 }
 
-/// Slab i ends at plane i; the last is what lies above all planes.
+/// Slab i ends at plane i. The last slab lies above all planes.
 std::vector<Slab> slabs_of(std::span<const oracle::Triangle> triangles, const SliceResult& result) {
     std::vector<Slab> slabs(result.layers.size() + 1);
     const auto plane = [&](std::size_t i) { return static_cast<long double>(result.layers[i].plane.z()); };
@@ -143,7 +144,7 @@ const std::map<std::string, shapes::Soup>& closed_meshes() {
 
 }  // namespace
 
-TEST_CASE("the volumes of slabs sum to the mesh's and agree with the contours", "[engine][volume]") {
+TEST_CASE("the volumes of slabs sum to the mesh's volume and agree with the contours", "[engine][volume]") {
     for (const auto& [name, mesh] : closed_meshes()) {
         const SliceResult result = sliced(mesh, uniform(0.25));
         const std::vector<oracle::Triangle> triangles = oracle::quantise(mesh, result.unit_mm);
@@ -159,7 +160,7 @@ TEST_CASE("the volumes of slabs sum to the mesh's and agree with the contours", 
             INFO(name << ", slab " << i);
             sum += slabs[i].by_walls;
             REQUIRE(std::abs(slabs[i].by_walls * cube_mm3 - certificate.value().slab_mm3[i]) <= 1e-12L * volume * cube_mm3);
-            // Below the first plane heights count from the plane itself, so that its contours add nothing.
+            // Below the first plane, heights count from the plane itself, so its contours add nothing.
             const bool inner = i > 0 && i < result.layers.size();
             const long double rise =
                 inner ? static_cast<long double>(result.layers[i].plane.z() - result.layers[i - 1].plane.z()) : 0;

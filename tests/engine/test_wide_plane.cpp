@@ -1,4 +1,4 @@
-// Planes that all threads work on together: the same bytes as the general way, whatever the contours' lengths.
+// Planes that all threads work on together must give the same bytes as a band's sweep, for contours of any length.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,9 +9,10 @@
 
 namespace {
 
-constexpr std::size_t wide = std::size_t{1} << 18;  // segments from which on a plane is wide
+constexpr std::size_t wide = std::size_t{1} << 18;  // fewest segments of a wide plane
 
-/// The side of a prism of `facets` triangles, one segment each at mid height: closed as far as a plane there can tell.
+/// The side of a prism of `facets` triangles, each with one segment at mid-height. At that plane it looks like a closed
+/// mesh.
 void add_ring(shapes::Soup& soup, std::size_t facets, double x, double y, double radius) {
     const std::size_t corners = facets / 2;
     const auto corner = [&](std::size_t i, double z) {
@@ -26,7 +27,7 @@ void add_ring(shapes::Soup& soup, std::size_t facets, double x, double y, double
     }
 }
 
-/// Slices at mid height on 1 and 3 threads and in the assembled form, which never treats a plane as wide.
+/// Slices at mid-height on 1 and 3 threads and in the assembled form, which never treats a plane as wide.
 lamella::SliceResult same_every_way(const shapes::Soup& soup) {
     lamella::SliceOptions options;
     options.plan.spacing = lamella::ExplicitPlanes{{0.5}};
@@ -41,7 +42,7 @@ lamella::SliceResult same_every_way(const shapes::Soup& soup) {
 
 }  // namespace
 
-TEST_CASE("a wide plane of one contour", "[engine][wide]") {
+TEST_CASE("a wide plane of one contour gives the same bytes on any number of threads", "[engine][wide]") {
     shapes::Soup soup;
     add_ring(soup, wide + 64, 0, 0, 900);
     const lamella::SliceResult result = same_every_way(soup);
@@ -50,7 +51,7 @@ TEST_CASE("a wide plane of one contour", "[engine][wide]") {
     CHECK(result.area_mm2(result.layers[0]) == Approx(std::acos(-1.0) * 810000).epsilon(1e-6));
 }
 
-TEST_CASE("a wide plane of many small contours, some within others", "[engine][wide]") {
+TEST_CASE("a wide plane of many small nested contours gives the same bytes on any number of threads", "[engine][wide]") {
     shapes::Soup soup;
     std::size_t rings = 0;
     for (int x = 0; soup.size() / 9 < wide; ++x) {
@@ -67,12 +68,12 @@ TEST_CASE("a wide plane of many small contours, some within others", "[engine][w
     CHECK(static_cast<std::size_t>(within) == rings / 2);
 }
 
-TEST_CASE("a long contour that no piece of a wide plane begins in", "[engine][wide]") {
+TEST_CASE("a contour in which no piece of a wide plane begins is found", "[engine][wide]") {
     shapes::Soup inner;
     shapes::Soup outer;
     add_ring(inner, wide / 32, 0, 0, 300);
     add_ring(outer, wide, 0, 0, 900);
-    // Every 64th place, where pieces begin, is the outer ring's.
+    // Pieces begin at every 64th place, and all these places belong to the outer ring.
     shapes::Soup soup;
     std::size_t taken[2] = {0, 0};
     const shapes::Soup* rings[2] = {&inner, &outer};
@@ -88,7 +89,7 @@ TEST_CASE("a long contour that no piece of a wide plane begins in", "[engine][wi
     CHECK(result.contours[1].segments == wide / 32);
 }
 
-TEST_CASE("a wide plane through an open mesh goes the general way", "[engine][wide]") {
+TEST_CASE("a wide plane through an open mesh falls back to a band's sweep", "[engine][wide]") {
     shapes::Soup soup;
     add_ring(soup, wide + 64, 0, 0, 900);
     soup.resize(soup.size() - 9);
@@ -98,7 +99,7 @@ TEST_CASE("a wide plane through an open mesh goes the general way", "[engine][wi
     CHECK(result.contours[0].segments == wide + 63);
 }
 
-TEST_CASE("a wide plane through a doubled facet goes the general way", "[engine][wide]") {
+TEST_CASE("a wide plane through a doubled facet falls back to a band's sweep", "[engine][wide]") {
     shapes::Soup soup;
     add_ring(soup, wide + 64, 0, 0, 900);
     soup.insert(soup.end(), soup.begin(), soup.begin() + 9);

@@ -1,4 +1,4 @@
-// Planes at the heights of a mesh's own vertices, and what must hold there: the normal case of surfaces from CT, whose
+// Planes at the heights of a mesh's own vertices, and the checks for them. Surfaces from CT are normally like this: their
 // vertices lie by the thousand on whole millimetres.
 #pragma once
 
@@ -25,8 +25,8 @@ std::vector<double> vertex_heights(const std::vector<Number>& soup, double unit_
     return heights;
 }
 
-/// What a slice lost of the mesh that it was made from, in words, or empty: a layer has as many segments as there are
-/// triangles with vertices on both sides of its plane, and flat contours have no area, no parent and no children.
+/// The first loss of a slice, in words, or empty. A layer must have as many segments as there are triangles with vertices
+/// on both sides of its plane. Flat contours must have no area, no parent and no children.
 template <class Number>
 std::string lost_at_vertex_heights(const lamella::SliceResult& result, const std::vector<Number>& soup) {
     const auto on_grid = [&](Number mm) {
@@ -37,7 +37,7 @@ std::string lost_at_vertex_heights(const lamella::SliceResult& result, const std
                                                 [z](const lamella::Layer& layer) { return layer.plane.z() < z; });
         return static_cast<std::size_t>(above - result.layers.begin());
     };
-    std::vector<std::int64_t> change(result.layers.size() + 1, 0);  // of the number of triangles cut, from layer to layer
+    std::vector<std::int64_t> change(result.layers.size() + 1, 0);  // by layer: change in the number of triangles cut
     for (std::size_t t = 0; t < soup.size(); t += 9) {
         const auto [low, high] = std::minmax({on_grid(soup[t + 2]), on_grid(soup[t + 5]), on_grid(soup[t + 8])});
         ++change[plane_above(low)];

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Mutation: does the suite catch bugs that were put in on purpose?
+"""Mutation testing: does the suite catch bugs that were put in on purpose?
 
 Applies each mutant of mutants.txt (all by default) to a copy of the sources, builds, and runs the tests until one fails.
 Fails if a mutant survives, does not compile, or no longer fits the sources.
@@ -25,7 +25,7 @@ TEST_SECONDS, TEST_BYTES = 600, 16 << 30  # a mutant may loop, or allocate, for 
 
 
 class Unfit(Exception):
-    """An entry of the table that is malformed or does not fit the sources."""
+    """A table entry that is malformed or does not fit the sources."""
 
 
 class Edit(NamedTuple):
@@ -58,7 +58,7 @@ class Mutant:
             raise Unfit(f"an entry must have name, bug, tests, file and an old text:\n{entry}")
 
     def mutated(self):
-        """The texts, by path from the root, of the files that the mutant changes."""
+        """By path from the root: the new texts of the files that the mutant changes."""
         texts = {}
         for edit in self.edits:
             path, match = self.find(edit, texts)
@@ -87,7 +87,7 @@ def words(text):
 
 
 def pattern(text):
-    """What matches `text` with any white space between its words and signs."""
+    """A pattern for `text` with any white space between its words and signs."""
     parts = words(text)
     begin, end = (r"\b" if re.match(r"\w", part) else "" for part in (parts[0], parts[-1]))
     return re.compile(begin + r"\s*".join(map(re.escape, parts)) + end)
@@ -127,7 +127,7 @@ class Suite:
         self.folder, self.build, self.log = folder, folder / "build", folder / "log"
         self.copy_sources()
         options = ["-DCMAKE_BUILD_TYPE=Release", "-DLAMELLA_BUILD_BENCH=OFF", "-DLAMELLA_SHARED_MODELS="]
-        if shutil.which("ccache"):  # what a mutant changed is then restored without being compiled again
+        if shutil.which("ccache"):  # an unmutated source is then restored without being compiled again
             options.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
             os.environ["CCACHE_BASEDIR"] = str(folder)
         if shutil.which("ninja") and not (self.build / "CMakeCache.txt").exists():
@@ -136,7 +136,7 @@ class Suite:
             sys.exit(self.log.read_text())
 
     def copy_sources(self):
-        """Writes only what differs, so that only that is built again."""
+        """Copies only files that differ, so that only these are built again."""
         wanted = set()
         for path in (path for top in COPIED for path in [ROOT / top, *(ROOT / top).rglob("*")] if path.is_file()):
             wanted.add(path.relative_to(ROOT))
@@ -156,7 +156,7 @@ class Suite:
         return self.call(["cmake", "--build", self.build, "--target", target, "--parallel", str(os.cpu_count())]) == 0
 
     def passes(self, command):
-        """Whether the tests pass; those still running after TEST_SECONDS fail."""
+        """Whether the tests pass. Tests still running after TEST_SECONDS fail."""
 
         def limit_memory():
             resource.setrlimit(resource.RLIMIT_AS, (TEST_BYTES, TEST_BYTES))
@@ -167,7 +167,7 @@ class Suite:
         return self.status == 0
 
     def outcome(self, first):
-        """Runs those tests first that are likeliest to fail, and builds only what they need."""
+        """Runs the tests that are most likely to fail first, and builds only what they need."""
         unit = [self.build / "tests" / "lamella_tests", "--abort"]
         ctest = ["ctest", "--test-dir", self.build, "--parallel", str(os.cpu_count()), "--stop-on-failure"]
         of_cli = ("lamella_cli", [*ctest, "--tests-regex", "^cli_"])
@@ -184,7 +184,7 @@ class Suite:
         return next((line for line in self.log.read_text().splitlines() if "error" in line), "")
 
     def failed_test(self):
-        """Catch2 writes the test's name beneath a line, ctest after a number."""
+        """The first failed test. Catch2 writes its name below a line, ctest after a number."""
         text = self.log.read_text(errors="replace")
         name = re.search(r"^-{71,}\n(.+)", text, re.M) or re.search(r"^\s*\d+ - (cli_\w+)", text, re.M)
         return name[1] if name else f"exit status {self.status}"

@@ -5,7 +5,7 @@
 //         void deallocate(void* memory, std::size_t, std::size_t) { std::free(memory); }
 //     } pool;
 //     const lamella::Memory memory = lamella::memory_of(pool);
-//     options.control.memory = &memory;
+//     const lamella::Result<lamella::SliceResult> sliced = lamella::slice(mesh, {.control = {.memory = &memory}});
 //
 // control.hpp lists which calls take what from it. With exceptions, which take operator new: by a fill rule other than
 // FillRule::contours, the search for contours that meet and all of the clipping library; the list of contours in a plane

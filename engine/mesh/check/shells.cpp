@@ -30,7 +30,7 @@ std::vector<std::uint32_t> number_shells(const GridMesh& mesh, const EdgeTable& 
 }
 
 /// Six times the volume between a face and a point near it, in halves of grid units: summed over a closed shell, exact.
-Int128 six_volumes(const GridMesh& mesh, const Face& face, const Vector& origin) {
+Int128 six_volumes(const GridMesh& mesh, const Face& face, const GridVector& origin) {
     const std::array<GridVertex, 3> corners = mesh.corners(face);
     return dot(cross(half(corners[0]) - origin, half(corners[1]) - origin), half(corners[2]) - origin);
 }
@@ -38,7 +38,7 @@ Int128 six_volumes(const GridMesh& mesh, const Face& face, const Vector& origin)
 void measure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std::uint32_t>& shell_of,
              std::vector<MeshShell>& shells, const Notes& notes) {
     std::vector<Int128> volumes(shells.size(), 0);
-    std::vector<Vector> origins(shells.size());
+    std::vector<GridVector> origins(shells.size());
     for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
         const Face& face = mesh.faces[i];
         MeshShell& shell = shells[shell_of[i]];
@@ -58,7 +58,7 @@ void measure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std
     const double cube_mm3 = 8 * mesh.unit_mm * mesh.unit_mm * mesh.unit_mm;
     for (std::size_t i = 0; i < shells.size(); ++i) {
         if (shells[i].closed) {
-            shells[i].sense = sign(volumes[i]);
+            shells[i].sense = sign_of(volumes[i]);
             shells[i].volume_mm3 = static_cast<double>(volumes[i]) / 6 * cube_mm3;
         }
     }

@@ -3,7 +3,8 @@
 
 #include <cstdint>
 #include <utility>
-#include <vector>
+
+#include "base/vector.hpp"
 
 namespace lamella {
 
@@ -15,7 +16,14 @@ public:
         bool opposite;  ///< to the root
     };
 
-    explicit JoinedSets(std::size_t count) : parents_(count), opposite_(count, 0) {
+    explicit JoinedSets(std::size_t count = 0, const Memory* memory = nullptr) : parents_(memory), opposite_(memory) {
+        reset(count);
+    }
+
+    /// `count` sets of one member each. Throws std::bad_alloc.
+    void reset(std::size_t count) {
+        parents_.resize(count);
+        opposite_.assign(count, 0);
         for (std::uint32_t i = 0; i < count; ++i) {
             parents_[i] = i;
         }
@@ -47,8 +55,8 @@ public:
     }
 
 private:
-    std::vector<std::uint32_t> parents_;
-    std::vector<std::uint8_t> opposite_;
+    Vector<std::uint32_t> parents_;
+    Vector<std::uint8_t> opposite_;
 };
 
 }  // namespace lamella

@@ -1,4 +1,16 @@
-// The pipeline: one stage after the other, in the order of the folders.
+// Slicing, as the list of its stages. They call the folders beside this file:
+//
+//     choose_grid_and_planes    grid       bounds, unit (paper, 3.1)
+//                               planes     heights on the grid
+//     bucket_triangles          buckets    triangles to the first plane that cuts them (Algorithm 2)
+//                               bands      ranges of planes, each swept by one thread
+//     sweep_bands               sweep      a band, or a wide plane by all threads (Algorithm 1)
+//       for each plane            contours   links, walk (Algorithm 4)
+//                                   repair     gaps closed, on request
+//                                   regions    fill rule applied, on request
+//                                   nesting    orientation, roles, parents (Fig. 1, step 4)
+//       for each band             result     points to their place
+//     finish_result             result     contours and layers to their place
 #include "lamella/slice.hpp"
 
 #include <algorithm>
@@ -13,12 +25,12 @@
 #include "base/parallel.hpp"
 #include "base/words.hpp"
 #include "lamella/memory.hpp"
+#include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/result/placement.hpp"
 #include "slicing/sweep/band_sweep.hpp"
-#include "slicing/bands/bands.hpp"
 #include "slicing/sweep/wide_plane.hpp"
 
 namespace lamella {
@@ -39,13 +51,12 @@ Error cancelled() {
 
 }  // namespace
 
-/// Everything that is kept from call to call.
+/// Scratch that is kept from call to call.
 struct detail::WorkspaceParts {
     explicit WorkspaceParts(const Memory* memory)
         : memory(memory), blocks(memory), planes(memory), buckets(memory), bands(memory), placement(memory) {}
 
-    /// Threads that have left an arena a moment ago are sooner back in it than in a new
-    /// one.
+    /// Kept, since threads return sooner to an arena that they have just left than to a new one.
     const Parallel& parallel_for(const Control& control) {
         if (parallel == nullptr || !parallel->serves(control)) {
             parallel = std::make_unique<Parallel>(control);
@@ -121,7 +132,6 @@ private:
     const Parallel& parallel_;
 };
 
-/// Stages 2 and 3.
 Status Slicing::choose_grid_and_planes() {
     const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, options_.unit_mm, parallel_, kept_.blocks);
     if (!bounds) {
@@ -143,8 +153,8 @@ Status Slicing::choose_grid_and_planes() {
     return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
 }
 
-/// Stage 4, and the bands of stage 5, so that the triangles that reach beyond theirs are seen as they pass. The size of the
-/// result is known, and refused if too large, before anything of that size is allocated.
+/// Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band. The
+/// size of the result is known, and refused if too large, before anything of that size is allocated.
 Status Slicing::bucket_triangles() {
     Buckets& buckets = kept_.buckets;
     count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
@@ -169,13 +179,12 @@ Status Slicing::bucket_triangles() {
     return {};
 }
 
-/// Stages 5 to 7, band by band.
 Status Slicing::sweep_bands() {
     const auto start = Clock::now();
     kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
 
-    // A closed contour has at most as many points as segments; an open one has one more, for which there is some room. Only
-    // a mesh that is mostly holes needs more, and is swept again with what the first sweep counted.
+    // A closed contour has at most as many points as segments; an open one has one more, for which there is some room. A
+    // mesh with very many open polylines needs more room and is swept again with the number of points counted.
     std::uint64_t room = kept_.buckets.segment_count + kept_.buckets.segment_count / 64 + 64;
     for (;;) {
         result_.points.resize_discarding(room);
@@ -207,7 +216,7 @@ Error Slicing::too_entangled(std::int64_t plane) const {
     return error;
 }
 
-/// Stretches of bands for one thread each, and wide planes between them for all. False if the caller asked to stop.
+/// Wide planes by all threads, the bands between them by one thread each. False if the host asked to stop.
 bool Slicing::sweep_all_into(std::span<Point> points) {
     const auto& bands = kept_.bands.bands;
     kept_.placement.begin(bands, parallel_.threads(), kept_.buckets.segment_count, points, progress_);
@@ -261,7 +270,7 @@ void Slicing::sweep_wide(std::size_t band) {
     }
 }
 
-/// Wall time of the fused stages, in proportion to the thread time that each took in sampled layers.
+/// Splits the wall time of the sweep among its stages, in proportion to the thread time of each in sampled layers.
 void Slicing::split_time(double sweep_ms) {
     SweepTicks spent;
     for (const auto& sweep : kept_.sweeps) {
@@ -278,7 +287,6 @@ void Slicing::split_time(double sweep_ms) {
     result_.summary.ms.sweep = sweep_ms - result_.summary.ms.contours - result_.summary.ms.nesting;
 }
 
-/// Stage 8.
 void Slicing::finish_result() {
     const auto start = Clock::now();
     result_.contours.resize_discarding(kept_.placement.contour_count());

@@ -42,7 +42,8 @@ struct Shared {
 
 /// On which side of a triangle's plane the other's corners lie.
 Sides sides_of_plane(const ExactFace& plane, const ExactFace& face) {
-    return {sign(plane.height(face.corners[0])), sign(plane.height(face.corners[1])), sign(plane.height(face.corners[2]))};
+    return {sign_of(plane.height(face.corners[0])), sign_of(plane.height(face.corners[1])),
+            sign_of(plane.height(face.corners[2]))};
 }
 
 bool in_front_or_behind(const Sides& s) {
@@ -64,7 +65,7 @@ public:
     int turn(const GridVector& a, const GridVector& b, const GridVector& c) const {
         const GridVector ab = b - a;
         const GridVector ac = c - a;
-        return sign(u(ab) * v(ac) - v(ab) * u(ac));
+        return sign_of(u(ab) * v(ac) - v(ab) * u(ac));
     }
 
     /// Closed segments, not both of them points.

@@ -25,15 +25,15 @@ struct Hit {
 int turn_from_above(const GridVector& a, const GridVector& b, const GridVector& p) {
     const std::int64_t turn = (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
     if (turn != 0) {
-        return sign(turn);
+        return sign_of(turn);
     }
-    return a.y != b.y ? sign(a.y - b.y) : sign(b.x - a.x);
+    return a.y != b.y ? sign_of(a.y - b.y) : sign_of(b.x - a.x);
 }
 
 /// The winding that the face adds to p: the sense of the face from above where the ray upwards from p passes through it.
 int winding_of(const ExactFace& face, const GridVector& p) {
-    const int sense = sign(face.normal.z);
-    if (sense == 0 || sign(face.height(p)) * sense >= 0) {
+    const int sense = sign_of(face.normal.z);
+    if (sense == 0 || sign_of(face.height(p)) * sense >= 0) {
         return 0;
     }
     for (std::size_t i = 0; i < 3; ++i) {

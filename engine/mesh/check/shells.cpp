@@ -58,7 +58,7 @@ void measure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std
     const double cube_mm3 = 8 * mesh.unit_mm * mesh.unit_mm * mesh.unit_mm;
     for (std::size_t i = 0; i < shells.size(); ++i) {
         if (shells[i].closed) {
-            shells[i].sense = sign(volumes[i]);
+            shells[i].sense = sign_of(volumes[i]);
             shells[i].volume_mm3 = static_cast<double>(volumes[i]) / 6 * cube_mm3;
         }
     }

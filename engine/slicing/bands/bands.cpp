@@ -1,5 +1,4 @@
 #include "slicing/bands/bands.hpp"
-#include "base/vector.hpp"
 
 #include <algorithm>
 
@@ -7,15 +6,15 @@ namespace lamella {
 
 namespace {
 
-/// Segments that make a band worth its start: about 2 MB of points, which stay in a core's cache until they are placed.
+/// A band has at least so many segments if threads allow: about 2 MB of points, which stay in a core's cache until placed.
 constexpr std::uint64_t least_segments = 1 << 18;
-/// Work, in segments, of a triangle that enters: its edges are looked up and its links written.
+/// A triangle that enters costs as much as so many segments: its edges are looked up and its links written.
 constexpr std::uint64_t segments_per_entry = 24;
-/// A band has at least so much work for each seed, which costs what an entry does: seeds then take a twenty-fifth.
+/// A band has at least so much work for each seed. A seed costs what a triangle that enters does: a twenty-fifth of it.
 constexpr std::uint64_t work_per_seed = 25 * segments_per_entry;
 
-/// All threads work on one plane when it is large and holds much of the whole work, or when most of its segments start in
-/// it: links kept from plane to plane gain little there, and bands would leave threads idle.
+/// All threads work on a plane together if it is large, and either a sixteenth of all segments or mostly of triangles that
+/// enter there. Keeping links from plane to plane gains little there, and bands would leave threads without work.
 bool is_wide(const Buckets& buckets, PlaneIndex plane) noexcept {
     constexpr std::uint32_t large = 1 << 18;
     constexpr std::uint64_t few = 16;
@@ -28,12 +27,12 @@ std::uint64_t work_of(const Buckets& buckets, PlaneIndex plane) noexcept {
     return buckets.segments[plane] + segments_per_entry * (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
 }
 
-/// Triangles that the plane cuts and that are in the list of a plane below: seeds of a band that begins with it.
+/// The number of triangles that the plane cuts and that entered below it: seeds of a band that begins with it.
 std::uint64_t reaching_into(const Buckets& buckets, PlaneIndex plane) noexcept {
     return buckets.segments[plane] - (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
 }
 
-/// Planes per band: as many as asked for, doubled until all seeds are few or at most as many as the triangles.
+/// See BandPlan::cut().
 std::size_t planes_a_band(const Buckets& buckets, PlaneIndex planes, std::size_t asked) {
     constexpr std::uint64_t few_seeds = 1 << 21;
     const std::uint64_t most_seeds = std::max<std::uint64_t>(buckets.list_begin[planes], few_seeds);
@@ -48,7 +47,7 @@ std::size_t planes_a_band(const Buckets& buckets, PlaneIndex planes, std::size_t
     }
 }
 
-/// Frees an array that very many bands or tall triangles made large.
+/// Large arrays are released: only very many bands or tall triangles need them.
 template <class T>
 void give_back_many(Array<T>& array) {
     constexpr std::size_t many_bytes = std::size_t{1} << 23;
@@ -66,7 +65,7 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
     for (PlaneIndex plane = 0; plane < planes; ++plane) {
         all_work += work_of(buckets, plane);
     }
-    // Several bands for each thread balance the load; on one thread they only serve the cache.
+    // Several bands for each thread even out those that take longer; on one thread they only serve the cache.
     const std::uint64_t share = all_work / (16 * static_cast<std::uint64_t>(threads)) + 1;
     Band band{0, 0, 0, false};
     std::uint64_t work = 0;
@@ -107,26 +106,26 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count) {
     for (std::uint32_t b = 0; b < bands.size(); ++b) {
         std::fill(band_of.begin() + bands[b].first, band_of.begin() + bands[b].last, b);
     }
-    // Count, prefix sum, scatter. A triangle adds one in the band after its first and takes it off after its last.
+    // Count, prefix sum, scatter. A triangle is counted from the band after its first to its last.
     Vector<std::int64_t> change(bands.size() + 1, 0, bands.get_allocator());
     for (const Reaching& triangle : found) {
         ++change[band_of[triangle.first] + 1];
         --change[band_of[triangle.last - 1] + 1];
     }
-    seed_begin.assign(bands.size() + 2, 0);
-    std::int64_t active = 0;
+    seed_begin.assign(bands.size() + 1, 0);
+    std::int64_t seeds_here = 0;
     for (std::size_t b = 0; b < bands.size(); ++b) {
-        active += change[b];
-        seed_begin[b + 2] = seed_begin[b + 1] + static_cast<std::uint64_t>(active);
+        seeds_here += change[b];
+        seed_begin[b + 1] = seed_begin[b] + static_cast<std::uint64_t>(seeds_here);
     }
     seeds.resize_discarding(seed_begin.back());
+    Vector<std::uint64_t> next_seed(seed_begin);
     for (const Reaching& triangle : found) {
         const std::uint32_t last = band_of[triangle.last - 1];
         for (std::uint32_t b = band_of[triangle.first] + 1; b <= last; ++b) {
-            seeds[seed_begin[b + 1]++] = triangle.record;
+            seeds[next_seed[b]++] = triangle.record;
         }
     }
-    seed_begin.pop_back();
     give_back_many(reaching);
 }
 

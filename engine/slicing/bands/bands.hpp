@@ -1,5 +1,5 @@
-// The planes are cut into z-bands that are swept independently. The seeds of a band are the triangles that reach into it
-// from below.
+// The planes cut into z-bands, each of which one thread sweeps (Algorithm 1), and for each band its seeds: the triangles
+// that reach into it from below.
 //
 //     planes      0 1 2 3 | 4 5 6 7 | 8 9 ...
 //     triangle      [-----------]            in the list of plane 1, and a seed of the second band
@@ -18,17 +18,16 @@ struct Band {
     PlaneIndex first;
     PlaneIndex last;  ///< one past
     std::uint64_t segments;
-    bool wide = false;  ///< one plane that all threads work on together
+    bool wide = false;  ///< a single plane that all threads work on together
 };
 
 struct BandPlan {
-    /// Null: operator new.
     explicit BandPlan(const Memory* memory)
         : bands(memory), band_end(memory), reaching(memory), seed_begin(memory), seeds(memory) {}
 
     Vector<Band> bands;
     Vector<PlaneIndex> band_end;       ///< k + 1: the end of each plane's band, and k
-    Array<Reaching> reaching;          ///< room for what scatter_triangles() finds to reach beyond its band
+    Array<Reaching> reaching;          ///< room for the triangles that scatter_triangles() finds to reach beyond their band
     Vector<std::uint64_t> seed_begin;  ///< bands + 1: where each band's seeds begin
     Array<std::uint32_t> seeds;        ///< indices of records
 
@@ -36,16 +35,16 @@ struct BandPlan {
         return {seeds.data() + seed_begin[band], seeds.data() + seed_begin[band + 1]};
     }
 
-    /// Cuts the planes into bands: every `asked_planes` of them, or of twice, four times ... as many while the bands would
-    /// have more than 2^21 seeds and more than there are triangles; when `asked_planes` is 0 by the work in the planes.
-    /// Makes `band_end`, and `reaching` large enough. O(k).
+    /// Cuts the planes into bands of about equal work if `asked_planes` is 0. Otherwise bands have `asked_planes` planes, or
+    /// 2, 4, 8, ... times as many: the first of these for which there are at most 2^21 seeds, or at most as many as crossed
+    /// triangles. Makes `band_end`, and makes `reaching` large enough. O(k).
     void cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads);
 
-    /// Finds every band's seeds in the first `reaching_count` of `reaching`. O(k + reaching_count + seeds), and a seed has
-    /// at least one segment in its band.
+    /// Finds every band's seeds in the first `reaching_count` of `reaching`. O(k + reaching_count + seeds); a seed has at
+    /// least one segment in its band.
     void find_seeds(PlaneIndex planes, std::size_t reaching_count);
 
-    /// Frees the memory of many seeds and keeps that of few. To be called after the sweep.
+    /// Releases the memory of the seeds if it is large. To be called when all bands are swept.
     void forget_many_seeds();
 
 private:

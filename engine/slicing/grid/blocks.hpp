@@ -1,5 +1,5 @@
-// What the first look at the mesh tells of each 64 triangles. Where they lie between two planes and no two vertices lie near
-// each other, nothing more needs to be known of them: on a fine mesh that keeps most of it from being read again.
+// What measure_bounds() keeps of each block of 64 triangles. A block that lies between two planes and has no two vertices
+// near each other is not read again: on a fine mesh these are most blocks.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ inline constexpr std::size_t block_triangles = 64;
 struct TriangleBlock {
     double low_mm;  ///< least and greatest z, transformed
     double high_mm;
-    bool near;  ///< two vertices of a triangle lie within BlockTable::near_mm of each other on every axis
+    bool near;  ///< two vertices of one triangle lie within BlockTable::near_mm of each other on every axis
 };
 
 struct BlockTable {

@@ -89,7 +89,7 @@ std::string axis_text(int i) {
     return std::string("vertex ") + std::to_string(i / 3) + ", " + "xyz"[i % 3];
 }
 
-/// Finds the triangle that made the measurement unusable. Serial: it runs once, on input that is refused.
+/// Finds the triangle with the bad coordinate. Serial: it runs once, on input that is refused.
 Error first_bad_coordinate(const MeshView& mesh, const Transform& transform) {
     const RawReader read(mesh);
     for (std::size_t t = 0; t < mesh.triangle_count; ++t) {

@@ -1,4 +1,4 @@
-// Stage 2: the one look at the mesh before the grid is chosen: its box, and that every coordinate and index can be used.
+// The box of the mesh, from one read before the grid is chosen; checks that every coordinate and index can be used.
 #pragma once
 
 #include "base/parallel.hpp"
@@ -13,14 +13,14 @@ struct Bounds {
     double max_mm[3];
 };
 
-/// One parallel streaming read; O(n). The box is that of the transformed mesh. `unit_mm` is the unit asked for, 0 for the
-/// default; `table` is filled in for it, and serves for larger units less well. Errors: empty_mesh, invalid_argument (an
-/// index out of range), bad_coordinate; each names the first such triangle.
+/// One parallel streaming read; O(n). The box is of the transformed mesh. `unit_mm` is the requested unit, 0 for the
+/// default. `table` is filled in for this unit; for a larger one it names more blocks as possibly degenerate. Errors:
+/// empty_mesh, invalid_argument (an index out of range), bad_coordinate; each names the first such triangle.
 Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
                               BlockTable& table);
 
-/// The unit to use: `asked_mm`, or when that is 0 the default, doubled until the box fits. Errors: invalid_argument,
-/// bad_coordinate (the box does not fit the unit asked for).
+/// The unit to use: `asked_mm`, or if that is 0 the default, doubled until the box fits. Errors: invalid_argument,
+/// bad_coordinate (the box does not fit the requested unit).
 Result<double> choose_unit(const Bounds& bounds, double asked_mm);
 
 }  // namespace lamella

@@ -1,4 +1,4 @@
-// Exact products of points, in 128 bits throughout: plainer than nesting's own, which are faster.
+// Exact products of points in 128 bits: simpler than the faster ones in nesting/inside.hpp.
 #pragma once
 
 #include "base/int128.hpp"
@@ -11,7 +11,7 @@ constexpr Int128 cross(Point u, Point v) noexcept {
     return Int128{u.x} * v.y - Int128{u.y} * v.x;
 }
 
-/// Positive when p lies left of the line from a to b.
+/// Positive if p lies left of the line from a to b.
 constexpr Int128 side_of_line(Point a, Point b, Point p) noexcept {
     return (Int128{b.x} - a.x) * (Int128{p.y} - a.y) - (Int128{b.y} - a.y) * (Int128{p.x} - a.x);
 }

@@ -1,5 +1,5 @@
-// Exact arithmetic on grid vertices. They are even, so that halves lose nothing and gain room: differences of halves are
-// within 2^30, their cross products within 2^61 (64 bits suffice), determinants within 2^93.
+// Exact arithmetic on grid vertices. Vertices are even, so they can be halved exactly. Differences of halves are within
+// 2^30, their cross products within 2^61 (64 bits suffice), determinants within 2^93.
 #pragma once
 
 #include <cstdint>
@@ -32,14 +32,10 @@ inline GridVector cross(const GridVector& a, const GridVector& b) noexcept {
 inline Int128 dot(const GridVector& a, const GridVector& b) noexcept {
     return Int128{a.x} * b.x + Int128{a.y} * b.y + Int128{a.z} * b.z;
 }
-template <class Integer>
-int sign(Integer value) noexcept {
-    return (value > 0) - (value < 0);
-}
 
-/// 1 when d lies where counter-clockwise a, b, c are seen from; 0 when all four lie in a plane.
+/// 1 when d lies on the side from which a, b, c are seen counter-clockwise; 0 when all four lie in a plane.
 inline int side_of(const GridVector& a, const GridVector& b, const GridVector& c, const GridVector& d) noexcept {
-    return sign(dot(cross(b - a, c - a), d - a));
+    return sign_of(dot(cross(b - a, c - a), d - a));
 }
 
 }  // namespace lamella

@@ -1,5 +1,5 @@
-// Stage 2: triangles read from the caller's memory and rounded to the grid (paper 3.1), one at a time and never stored:
-// most triangles of a fine mesh meet no plane, and a quantised copy of them would cost more than slicing.
+// Triangles read from the caller's memory and rounded to the grid (paper 3.1), one at a time. They are never stored: most
+// triangles of a fine mesh meet no plane, and a rounded copy of them would cost more than slicing.
 #pragma once
 
 #include <array>
@@ -75,7 +75,7 @@ inline void apply(const Transform& transform, RawTriangle& t) noexcept {
 }
 
 #ifdef __SSE2__
-/// Numbers need no alignment.
+/// From any alignment.
 inline __m128d load_double(const std::byte* at) noexcept {
     double value;
     std::memcpy(&value, at, sizeof value);
@@ -90,8 +90,8 @@ inline __m128 load_two_floats(const std::byte* at) noexcept {
     return _mm_castpd_ps(load_double(at));
 }
 
-/// x, y, z of each, and anything after them. Whoever picks a vertex finds it in what one store left: a load from two of them
-/// would wait until they have reached the cache.
+/// Each argument holds x, y, z and an unused lane. Every vertex is written by one store: a load that spans two stores would
+/// wait until both have reached the cache.
 inline void store_vertices(GridTriangle& grid, __m128i first, __m128i second, __m128i third) noexcept {
     static_assert(sizeof(GridTriangle) == 9 * sizeof(std::int32_t), "nine coordinates without padding");
     auto* out = reinterpret_cast<std::int32_t*>(grid.data());

@@ -1,4 +1,4 @@
-// Sixteen coordinates at a time, with what every processor of the baseline has.
+// Comparisons of sixteen coordinates at a time, by instructions that every x86-64 processor has.
 #pragma once
 
 #include <cstdint>

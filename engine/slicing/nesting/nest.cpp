@@ -1,5 +1,4 @@
 #include "slicing/nesting/nest.hpp"
-#include "lamella/memory.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -7,6 +6,8 @@
 #include <iterator>
 #include <limits>
 #include <utility>
+
+#include "base/int128.hpp"
 
 namespace lamella {
 
@@ -17,13 +18,6 @@ using nesting::Ring;
 using nesting::SortKey;
 using nesting::StartLine;
 
-int sign_of(const Integer128& area) noexcept {
-    if (area.high < 0) {
-        return -1;
-    }
-    return area.high > 0 || area.low > 0 ? 1 : 0;
-}
-
 std::pair<std::uint64_t, std::uint64_t> magnitude(const Integer128& area) noexcept {
     const auto high = static_cast<std::uint64_t>(area.high);
     if (area.high >= 0) {
@@ -32,7 +26,7 @@ std::pair<std::uint64_t, std::uint64_t> magnitude(const Integer128& area) noexce
     return {~high + (area.low == 0 ? 1 : 0), ~area.low + 1};
 }
 
-/// From small to large, never by index: equal only if all points are.
+/// From small to large. Equal only if all points are equal.
 std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept {
     if (const auto order = magnitude(a.twice_area) <=> magnitude(b.twice_area); std::is_neq(order)) {
         return order;
@@ -46,7 +40,7 @@ std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept
     return compare_points(a, b);
 }
 
-/// Orders by area; those too large to tell apart come out last.
+/// Orders by area. Areas beyond 64 bits share the highest key.
 std::uint64_t area_key(const Integer128& twice_area) noexcept {
     const auto [high, low] = magnitude(twice_area);
     return high != 0 ? std::numeric_limits<std::uint64_t>::max() : low;
@@ -77,14 +71,15 @@ std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexce
 void NestItem::reset() noexcept {
     parent = -1;
     reverse = false;
-    sense = static_cast<std::int8_t>(closed ? sign_of(twice_area) : 0);
+    sense = static_cast<std::int8_t>(closed ? sign_of(to_int128(twice_area)) : 0);
     role = closed ? Role::flat : Role::open;
 }
 
 Nester::Nester(const Memory* memory)
     : memory_(memory),
       add_edges_(best_of(nesting::add_edges_forms())),
-      keys_(memory_),
+      by_start_(memory_),
+      by_size_(memory_),
       spare_keys_(memory_),
       rings_(memory_),
       starts_(memory_),
@@ -103,45 +98,45 @@ void Nester::nest(std::span<NestItem> items) {
     assign_roles(items);
 }
 
-/// Settles what takes no part in nesting and lists the starts of the rest.
+/// Sets the outputs of items that take no part in nesting and lists the starts of the rest.
 void Nester::collect(std::span<NestItem> items) {
-    keys_.clear();
+    by_start_.clear();
     for (std::size_t i = 0; i < items.size(); ++i) {
         NestItem& item = items[i];
         item.reset();
         if (item.sense != 0) {
             assert(item.start < item.count && item.points[item.start].x == item.box_min.x);
             const Point start = item.points[item.start];
-            keys_.push_back({nesting::key_of(start), static_cast<std::uint32_t>(i)});
+            by_start_.push_back({nesting::key_of(start), static_cast<std::uint32_t>(i)});
         }
     }
 }
 
 /// Rings in the order of starts, of equal starts the smaller first.
 void Nester::sort_by_start(std::span<const NestItem> items) {
-    nesting::sort_keys(keys_, spare_keys_);
-    nesting::sort_equal_keys(keys_, [items](const SortKey& a, const SortKey& b) {
+    nesting::sort_keys(by_start_, spare_keys_);
+    nesting::sort_equal_keys(by_start_, [items](const SortKey& a, const SortKey& b) {
         const std::strong_ordering order = compare_size(items[a.index], items[b.index]);
         return std::is_neq(order) ? std::is_lt(order) : a.index < b.index;
     });
     rings_.clear();
-    for (const SortKey& key : keys_) {
+    for (const SortKey& key : by_start_) {
         rings_.emplace_back().item = key.index;
     }
 }
 
-/// Every ring takes in what lies inside it and has no parent yet: the smallest ring first.
+/// Every ring becomes the parent of the starts inside it that have none yet: the smallest ring first.
 void Nester::find_parents(std::span<const NestItem> items) {
-    starts_.assign(keys_);
+    starts_.assign(by_start_);
     tree_in_use_ = !find_containers(items);
     if (tree_in_use_) {
-        tree_.assign(keys_, slimness_of(items));
+        tree_.assign(by_start_, slimness_of(items));
         take_all_for_containers();
     }
     sort_containers(items);
-    for (std::size_t i = 0; i < keys_.size(); ++i) {
+    for (std::size_t i = 0; i < by_size_.size(); ++i) {
         fetch_ahead(items, i);
-        const Container& container = containers_[keys_[i].index];
+        const Container& container = containers_[by_size_[i].index];
         const NestItem& contour = items[container.item];
         found_.clear();
         if (tree_in_use_) {
@@ -153,28 +148,28 @@ void Nester::find_parents(std::span<const NestItem> items) {
     }
 }
 
-/// Containers come in the order of size, which is none in memory: what the next ones will need is asked for in time.
+/// Containers are visited by size, which jumps in memory: prefetches the data of the next ones.
 void Nester::fetch_ahead(std::span<const NestItem> items, std::size_t place) const {
     constexpr std::size_t items_ahead = 16;
     constexpr std::size_t points_ahead = 8;
     constexpr std::uint32_t line_points = 8;
     constexpr std::uint32_t most_points = 8 * line_points;
-    if (place + items_ahead >= keys_.size()) {
+    if (place + items_ahead >= by_size_.size()) {
         return;
     }
-    fetch(&items[containers_[keys_[place + items_ahead].index].item]);
-    const NestItem& contour = items[containers_[keys_[place + points_ahead].index].item];
+    fetch(&items[containers_[by_size_[place + items_ahead].index].item]);
+    const NestItem& contour = items[containers_[by_size_[place + points_ahead].index].item];
     for (std::uint32_t i = 0; i < std::min(contour.count, most_points); i += line_points) {
         fetch(contour.points + i);
     }
 }
 
-/// False if the windows are so long that a tree is better.
+/// False if windows are so long that a tree is faster.
 bool Nester::find_containers(std::span<const NestItem> items) {
     constexpr std::size_t steps_per_ring = 16;
     containers_.clear();
     std::size_t steps = 0;
-    std::uint32_t right = 0;  // the first start right of the ring's
+    std::uint32_t right = 0;  // the first start with a larger x than the ring's
     for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
         const NestItem& contour = items[rings_[ring].item];
         right = right > ring ? right : starts_.first_right_of(ring, ring + 1);
@@ -213,20 +208,20 @@ void Nester::take_all_for_containers() {
     }
 }
 
-/// keys_ becomes the order of containers by size. The rings' order breaks ties: by start, of equal starts the smaller first.
+/// By area; equal areas in the order of rings: by start, of equal starts the smaller first.
 void Nester::sort_containers(std::span<const NestItem> items) {
     const auto item_of = [&](const SortKey& key) -> const NestItem& { return items[containers_[key.index].item]; };
-    keys_.clear();
+    by_size_.clear();
     for (std::uint32_t i = 0; i < containers_.size(); ++i) {
         const NestItem& contour = items[containers_[i].item];
-        keys_.push_back({area_key(contour.twice_area), i});
+        by_size_.push_back({area_key(contour.twice_area), i});
     }
-    nesting::sort_keys(keys_, spare_keys_);
-    auto huge = keys_.end();
-    while (huge != keys_.begin() && std::prev(huge)->key == std::numeric_limits<std::uint64_t>::max()) {
+    nesting::sort_keys(by_size_, spare_keys_);
+    auto huge = by_size_.end();
+    while (huge != by_size_.begin() && std::prev(huge)->key == std::numeric_limits<std::uint64_t>::max()) {
         --huge;
     }
-    std::sort(huge, keys_.end(), [&](const SortKey& a, const SortKey& b) {
+    std::sort(huge, by_size_.end(), [&](const SortKey& a, const SortKey& b) {
         const std::strong_ordering order = compare_size(item_of(a), item_of(b));
         return std::is_neq(order) ? std::is_lt(order) : a.index < b.index;
     });
@@ -263,8 +258,8 @@ void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
     }
 }
 
-/// The facets' sense stands as long as no winding number from the outside in is negative; below one that is, the number of
-/// contours around decides.
+/// The facets' orientation decides the role unless a winding number, here or outside, is negative. Then the number of
+/// enclosing contours does.
 void Nester::assign_roles(std::span<NestItem> items) {
     for (Ring& ring : rings_) {
         NestItem& item = items[ring.item];

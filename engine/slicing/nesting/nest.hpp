@@ -1,20 +1,20 @@
-// Stage 7: orientation and nesting of one layer (step 4 of the paper's Fig. 1).
+// Orientation and nesting of one layer (step 4 of the paper's Fig. 1).
 //
 // The parent of a closed contour is the smallest closed contour (by |area|, ties by start, box and points) whose non-zero
 // winding interior strictly contains its start point. All tests are exact: box tests choose candidates, integer products
 // decide.
 //
-// Parent chains cannot cycle, even where contours cross: a contour's start is the smallest (x, y) of its convex hull, so
-// whatever lies strictly inside it is larger, and starts strictly descend from child to parent.
+// Parent chains cannot cycle, even where contours cross. A contour's start is the smallest (x, y) of its convex hull, so
+// every point strictly inside is larger, and starts strictly decrease from child to parent.
 //
-// Contours are taken from small to large, and each becomes the parent of the starts strictly inside it that have none yet.
-// The starts in its box come from a line of all starts, or, where boxes see long stretches of it, from a tree: those with a
-// parent have been taken off, so that a nest of any depth costs one test a contour. Starts in the box of one contour are
-// tested together.
+// Contours are visited from small to large. Each becomes the parent of the starts strictly inside it that have none yet. The
+// starts in its box are found in a line of all starts, or in a tree if boxes span long stretches of the line. Starts with a
+// parent are taken off, so that a nest of any depth costs one test a contour. Starts in the box of one contour are tested
+// together.
 //
-// O(q log q) for q contours and points, deep nests and arrays of contours that lie apart included. What costs more: k
-// contours whose boxes, but not whose insides, lie around a start cost O(k) for it (L shapes, one in the crook of the
-// other), and boxes that are long and thin both ways meet up to the root of q nodes of the tree.
+// O(q log q) for q contours and points, also for deep nests and for arrays of separate contours. Two cases cost more. A
+// start inside the boxes of k contours, but not inside the contours, costs O(k) (L shapes nested in each other's corner).
+// Boxes that are long and thin in both directions meet up to the square root of q nodes of the tree.
 #pragma once
 
 #include <compare>
@@ -32,7 +32,7 @@
 
 namespace lamella {
 
-/// One contour of a layer: what nesting reads and what it decides.
+/// One contour of a layer: input and output of nesting.
 struct NestItem {
     const Point* points = nullptr;  ///< consecutive ones distinct; closed: the first is not repeated; any may come first
     std::uint32_t count = 0;
@@ -49,7 +49,7 @@ struct NestItem {
 
     /// The i-th point from the start on, as walked.
     const Point& from_start(std::uint32_t i) const noexcept { return points[(start + i) % count]; }
-    /// Nothing is known of it but what it is by itself: flat if closed, and its sense.
+    /// Resets the outputs to those of a contour by itself: role flat or open, and its orientation.
     void reset() noexcept;
 };
 
@@ -60,17 +60,17 @@ std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexce
 
 namespace lamella::nesting {
 
-/// A closed contour with area. Rings are in the order of starts, of equal ones the smaller first: what lies around one comes
-/// before it.
+/// A closed contour with area. Rings are in the order of starts, of equal ones the smaller first: a parent comes before its
+/// children.
 struct Ring {
     std::uint32_t item = 0;
     std::int32_t parent = -1;  // index of a ring
-    std::int32_t winding = 0;  // just inside, as the senses add up from the outermost
+    std::int32_t winding = 0;  // winding number just inside
     std::uint32_t depth = 0;   // number of rings around
-    bool overruled = false;    // a winding below zero, here or around
+    bool overruled = false;    // this or an enclosing ring has a winding number below zero
 };
 
-/// A ring whose box may hold starts.
+/// A ring that may be a parent: its box may hold starts.
 struct Container {
     std::uint32_t ring = 0;
     std::uint32_t item = 0;
@@ -84,11 +84,10 @@ namespace lamella {
 /// Nests layer after layer; scratch is kept, so that a steady state allocates nothing. One per thread.
 class Nester {
 public:
-    /// `memory` null: operator new.
     explicit Nester(const Memory* memory);
 
-    /// Fills in the outputs of `items`, at most 2^31 - 1. They do not depend on the order of the items, except that of
-    /// contours equal in every point the first is taken as parent. Throws std::bad_alloc.
+    /// Fills in the outputs of `items`, which are at most 2^31 - 1. Outputs do not depend on the order of the items, except
+    /// that of contours equal in every point the first is the parent. Throws std::bad_alloc.
     void nest(std::span<NestItem> items);
 
 private:
@@ -106,7 +105,9 @@ private:
 
     const Memory* memory_;
     nesting::AddEdges add_edges_;
-    Vector<nesting::SortKey> keys_, spare_keys_;
+    Vector<nesting::SortKey> by_start_;  // of rings_: their starts
+    Vector<nesting::SortKey> by_size_;   // of containers_: their areas
+    Vector<nesting::SortKey> spare_keys_;
     Vector<nesting::Ring> rings_;
     nesting::StartLine starts_;
     nesting::StartTree tree_;

@@ -1,5 +1,4 @@
 #include "slicing/nesting/order.hpp"
-#include "base/vector.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -14,8 +13,7 @@ bool before(const SortKey& a, const SortKey& b) noexcept {
     return a.key != b.key ? a.key < b.key : a.index < b.index;
 }
 
-/// The smallest upper half and the smallest lower half: what is left of keys above it is short, wherever a layer's points
-/// are.
+/// The smallest upper half and the smallest lower half. Keys minus this have few digits, wherever the layer lies.
 std::uint64_t smallest_halves(const Vector<SortKey>& keys) noexcept {
     std::uint64_t upper = keys[0].key >> 32;
     auto lower = static_cast<std::uint32_t>(keys[0].key);
@@ -26,7 +24,7 @@ std::uint64_t smallest_halves(const Vector<SortKey>& keys) noexcept {
     return upper << 32 | lower;
 }
 
-/// Stable: by the digit of key - base that is `shift` bits up.
+/// Stable sort by one digit of key - base, `shift` bits up.
 template <int bits>
 void sort_by_digit(Vector<SortKey>& keys, Vector<SortKey>& spare, std::uint64_t base, int shift) {
     constexpr std::uint64_t mask = (1U << bits) - 1;
@@ -42,7 +40,7 @@ void sort_by_digit(Vector<SortKey>& keys, Vector<SortKey>& spare, std::uint64_t 
     keys.swap(spare);
 }
 
-/// Sorts what is nearly sorted; what turns out not to be is left to std::sort.
+/// Insertion sort for nearly sorted keys; falls back to std::sort if they are not.
 void insert_in_order(Vector<SortKey>& keys) {
     std::size_t patience = 4 * keys.size();
     for (std::size_t i = 1; i < keys.size(); ++i) {
@@ -62,8 +60,8 @@ void insert_in_order(Vector<SortKey>& keys) {
 
 }  // namespace
 
-/// Few keys are spread by the uppermost digit that varies, which leaves little to do; many are sorted digit by digit from
-/// the lowest up, constant digits skipped.
+/// Few keys are spread by the highest digit that varies, which leaves them nearly sorted. Many are sorted digit by digit
+/// from the lowest up; constant digits are skipped.
 void sort_keys(Vector<SortKey>& keys, Vector<SortKey>& spare) {
     constexpr std::size_t very_few = 24;
     constexpr std::size_t few = 1024;

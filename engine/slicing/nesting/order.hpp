@@ -10,7 +10,7 @@
 
 namespace lamella::nesting {
 
-/// What is sorted by, with whose it is.
+/// A key and the number of the element that it belongs to.
 struct SortKey {
     std::uint64_t key = 0;
     std::uint32_t index = 0;
@@ -34,7 +34,7 @@ constexpr std::int32_t y_of(std::uint64_t key) noexcept {
 /// Sorts keys whose indices ascend by (key, index). Throws std::bad_alloc.
 void sort_keys(Vector<SortKey>& keys, Vector<SortKey>& spare);
 
-/// Settles the order of equal keys in sorted ones.
+/// Sorts each run of equal keys by `before`. Precondition: keys are sorted.
 template <class Before>
 void sort_equal_keys(Vector<SortKey>& keys, const Before& before) {
     const auto equal = [](const SortKey& a, const SortKey& b) { return a.key == b.key; };

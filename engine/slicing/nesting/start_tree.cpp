@@ -1,5 +1,4 @@
 #include "slicing/nesting/start_tree.hpp"
-#include "base/vector.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -42,15 +41,17 @@ void StartTree::order_places(std::span<const SortKey> by_start, std::uint32_t st
     }
     sort_keys(by_y_, spare_);
     start_at_.resize(count);
+    strip_of_.resize(count);
+    for (std::uint32_t rank = 0; rank < count; ++rank) {
+        strip_of_[by_y_[rank].index] = rank / strip;
+    }
+    next_place_.clear();
+    for (std::uint32_t first = 0; first < count; first += strip) {
+        next_place_.push_back(first);
+    }
     place_of_.resize(count);
-    for (std::uint32_t place = 0; place < count; ++place) {
-        place_of_[by_y_[place].index] = place / strip;
-    }
-    for (std::uint32_t i = 0; i * strip < count; ++i) {
-        by_y_[i].index = i * strip;  // the strip's next place
-    }
     for (std::uint32_t start = 0; start < count; ++start) {
-        place_of_[start] = by_y_[place_of_[start]].index++;
+        place_of_[start] = next_place_[strip_of_[start]]++;
         start_at_[place_of_[start]] = start;
     }
 }

@@ -1,4 +1,4 @@
-// A tree over the starts of a layer, for layers that are too wide for windows.
+// A tree over the starts of a layer, for layers whose windows of the start line are too long.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,21 @@
 
 namespace lamella::nesting {
 
-/// Starts in tiles of sixteen, in the proportions of the boxes that will be asked for: strips by y, cut by x, above them
-/// nodes of sixteen. What is taken off is not looked at again, nor are nodes with nothing left.
+/// Starts in tiles of sixteen, shaped like the boxes that will be searched: strips by y, cut by x. Nodes of sixteen above
+/// them. Starts that are taken off, and nodes without starts left, are not visited again.
 class StartTree {
 public:
     explicit StartTree(const Memory* memory)
-        : nodes_(memory), levels_(memory), start_at_(memory), place_of_(memory), by_y_(memory), spare_(memory) {}
+        : nodes_(memory),
+          levels_(memory),
+          start_at_(memory),
+          place_of_(memory),
+          strip_of_(memory),
+          next_place_(memory),
+          by_y_(memory),
+          spare_(memory) {}
 
-    /// `slimness`: the share of the layer's width that a box takes in the mean, over that of its height. Throws
+    /// `slimness`: the mean width of the boxes as a share of the layer's width, divided by the same for heights. Throws
     /// std::bad_alloc.
     void assign(std::span<const SortKey> by_start, double slimness);
     /// Appends the starts left that lie strictly within the box to `found`, in an unspecified but reproducible order.
@@ -36,9 +43,11 @@ private:
     void search(std::size_t level, std::uint32_t node, Point box_min, Point box_max, Vector<std::uint32_t>& found) const;
 
     Vector<Node> nodes_;
-    Vector<std::uint32_t> levels_;    // first node of each, from the leaves up
-    Vector<std::uint32_t> start_at_;  // each place
-    Vector<std::uint32_t> place_of_;  // each start
+    Vector<std::uint32_t> levels_;      // first node of each, from the leaves up
+    Vector<std::uint32_t> start_at_;    // at each place
+    Vector<std::uint32_t> place_of_;    // of each start
+    Vector<std::uint32_t> strip_of_;    // of each start
+    Vector<std::uint32_t> next_place_;  // of each strip, while places are given out
     Vector<SortKey> by_y_, spare_;
 };
 

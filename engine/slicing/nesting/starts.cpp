@@ -1,5 +1,4 @@
 #include "slicing/nesting/starts.hpp"
-#include "base/vector.hpp"
 
 #include <bit>
 

@@ -1,4 +1,4 @@
-// The starts of a layer's rings in a line, and which of them lie within a box.
+// The starts of a layer's rings, sorted by x, and which of them lie within a box.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@
 
 namespace lamella::nesting {
 
-/// The starts in the order of x, sixteen looked at at a time. A box sees a window of them, those with an x within its own:
+/// The starts by x, compared sixteen at a time. The window of a box is the range of starts whose x lies within the box's:
 ///
-///     starts   [ . . . . . b . . . . . . e . . . ]      b = the first right of min_x, e = the first not left of max_x
+///     starts   [ . . . . . b . . . . . . e . . . ]      b: the first with x > min_x, e: the first with x >= max_x
 ///
-/// Starts can be taken off; windows stay what they are.
+/// Starts can be taken off; windows do not change.
 class StartLine {
 public:
     explicit StartLine(const Memory* memory) : xs_(memory), ys_(memory) {}

@@ -1,4 +1,4 @@
-// Boxes of a plane that a line sweeping from left to right has met and not left behind, found by their y.
+// The boxes that a vertical sweep line meets on its way from left to right, found by their y.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace lamella {
 
-/// Closed.
+/// An axis-parallel rectangle with its boundary.
 struct FlatBox {
     Point low;
     Point high;
@@ -39,8 +39,8 @@ public:
         heads_.assign(static_cast<std::size_t>(all.height() >> shift_) + 1, none);
     }
 
-    /// Calls meet(item) once for each item whose box meets `box`, and forgets those that end left of it; returns how many it
-    /// looked at. Boxes come by low.x, ascending.
+    /// Calls meet(item) once for each item whose box meets `box`, and removes those that end left of it. Returns how many it
+    /// visited. Precondition: boxes come in ascending order of low.x.
     template <class Meet>
     std::uint64_t visit(const FlatBox& box, Meet meet) {
         std::uint64_t seen = 0;

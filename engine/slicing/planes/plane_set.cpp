@@ -18,7 +18,7 @@ namespace {
 constexpr std::int32_t below_all = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t above_all = std::numeric_limits<std::int32_t>::max();
 constexpr double most_planes = 2147483648.0 - 4;
-constexpr std::size_t most_listed = std::size_t{1} << 27;  // as many as find room beyond either end of the grid
+constexpr std::size_t most_listed = std::size_t{1} << 27;  // more would not fit beyond either end of the grid
 
 std::string mm_text(double mm) {
     return exact_text(mm) + " mm";
@@ -119,7 +119,7 @@ Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, 
     const double datum = plan.datum == Datum::zero ? 0 : low;
     first_mm_ = datum + plan.first_height_mm.value_or(h / 2);
     step_mm_ = h;
-    // Layers go on below the datum only where nothing says where they start.
+    // Layers continue below the datum only if the plan does not say where they start.
     const bool from_first = plan.first_height_mm || plan.datum == Datum::mesh_min;
     double step = std::floor((low - first_mm_) / h) - 1;
     step = from_first ? std::max(step, 0.0) : step;
@@ -216,7 +216,7 @@ Status PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, st
     return {};
 }
 
-/// Heights far outside the grid cut nothing and need only keep their order: they are counted off from its ends.
+/// Heights far outside the grid cut nothing and only keep their order: they get consecutive values at its ends.
 void PlaneSet::fill_from_heights() {
     count_ = static_cast<PlaneIndex>(heights_mm_.size());
     padded_.resize_discarding(heights_mm_.size() + 2);
@@ -247,7 +247,7 @@ void PlaneSet::make_table() {
     }
     const std::size_t cells = table_.cell(table_.highest) + 1;
     table_.first.resize_discarding(cells + 1);
-    // Backwards: each plane is the first of its own cell and of those after the plane before it, until one below says else.
+    // From the highest plane down: a plane's cell gets the lowest plane in it, the empty cells below it the same plane.
     std::size_t open = cells + 1;
     for (PlaneIndex plane = count_; plane-- > 0;) {
         const std::size_t cell = table_.cell(z(plane));
@@ -265,7 +265,7 @@ PlaneIndex PlaneSet::by_table(std::int32_t z) const noexcept {
     const std::int32_t* plane = padded_.data() + 1;
     const std::size_t cell = table_.cell(z);
     PlaneIndex low = table_.first[cell];
-    low += plane[low] < z ? 1 : 0;  // no branch: nothing would predict it
+    low += plane[low] < z ? 1 : 0;  // no branch: it would be unpredictable
     low += plane[low] < z ? 1 : 0;
     if (plane[low] > z) {
         return low;

@@ -1,4 +1,4 @@
-// Stage 3: the planes on the grid, and which of them lies first above a vertex.
+// The planes on the grid (paper, 3.1), and which of them is the first above a vertex (Algorithms 2 and 3).
 #pragma once
 
 #include <algorithm>
@@ -20,8 +20,8 @@ struct Layer;
 /// Index of a plane, or one past the last. Plans with more than 2^31 planes are refused, so 32 bits hold it.
 using PlaneIndex = std::uint32_t;
 
-/// Heights cut into cells of 2^shift units, two to four a plane, from the lowest plane to the highest: a vertex's cell tells
-/// the first plane above it but for those within the cell.
+/// Heights from the lowest plane to the highest, cut into cells of 2^shift units, two to four a plane. The cell of a vertex
+/// gives the first plane above it, up to planes within the cell.
 ///
 ///     planes       |  |          |  |||          |
 ///     cells      [   |   |   |   |   |   |   |   ]
@@ -50,7 +50,7 @@ public:
     bool uniform() const noexcept { return inverse_step_ > 0; }
     /// z of plane i in grid units; -1 and size() are sentinels beyond every vertex.
     std::int32_t z(PlaneIndex i) const noexcept { return padded_[i + 1]; }
-    /// z of planes -1 to size(), from plane 0 on.
+    /// z of planes -1 to size(); the pointer is to plane 0.
     const std::int32_t* heights() const noexcept { return padded_.data() + 1; }
     /// 0 when not uniform.
     double planes_per_unit() const noexcept { return inverse_step_; }
@@ -66,15 +66,16 @@ public:
     /// first case); others by a table of heights and a few steps from there, a binary search where planes crowd (Algorithm
     /// 3).
     PlaneIndex first_above(std::int32_t z) const noexcept { return uniform() ? by_division(z) : by_table(z); }
-    /// The same by the table, whatever the spacing.
+    /// The same by the table, for any spacing.
     PlaneIndex by_table(std::int32_t z) const noexcept;
     const HeightTable& table() const noexcept { return table_; }
 
-    /// Makes the planes of `plan` for a mesh within `bounds`. `number`: the type in which a vertex of a plane's height would
-    /// have been written. O(k). Errors: invalid_argument, bad_planes, result_too_large (k layers alone exceed the limit).
+    /// Makes the planes of `plan` for a mesh within `bounds`. `number`: the type of the mesh's coordinates; heights are
+    /// rounded to it first, so that a vertex at a plane's very height rounds as the plane does. O(k). Errors:
+    /// invalid_argument, bad_planes, result_too_large (k layers alone exceed the limit).
     Status build(const LayerPlan& plan, const Bounds& bounds, double unit_mm, CoordinateType number,
                  std::uint64_t memory_limit);
-    /// The planes that a result was cut by, for heights on the grid alone. Precondition: they ascend. O(k).
+    /// The planes of a result, with their heights on the grid only. Precondition: they ascend. O(k).
     void build(const Array<Layer>& layers);
 
 private:

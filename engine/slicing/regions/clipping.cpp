@@ -19,18 +19,18 @@ namespace {
 using ClipperLib::Path;
 using ClipperLib::Paths;
 
-using Levels = std::vector<Paths>;  // level i is where i + 1 covers or more lie on each other
+using Levels = std::vector<Paths>;  // level i is the area that at least i + 1 contours cover
 
 constexpr std::uint64_t most_cost = std::uint64_t{1} << 30;  // looks at an edge, of 10 to 40 ns
 constexpr std::uint64_t least_cost = 128;                    // of a clipping, however small
 
-/// How a region is found. The library sweeps in the direction of y, so that turned paths are another problem to it.
+/// How a region is computed. The library sweeps along y, so that it solves turned paths by other steps.
 struct Way {
-    bool halved;  ///< half of the contours by themselves, and those again, and the two put together; else all at once
-    bool turned;  ///< x for y and y for x
+    bool halved;  ///< halves of the contours are clipped recursively, then combined; else all contours at once
+    bool turned;  ///< x and y are swapped
 };
 
-/// A closed contour as the library has it.
+/// A closed contour in the library's form.
 struct Source {
     Path path;
     std::uint32_t times;
@@ -58,8 +58,7 @@ bool is_near_path(const ClipperLib::IntPoint& point, const Path& path) {
     return false;
 }
 
-/// Where many edges cross, the library compares the pieces with each other; where two are joined, it goes through all
-/// points.
+/// The library compares crossing pieces with each other, and visits all points to join two pieces.
 std::uint64_t looks_at_pieces(const Clipping::Meetings& meetings, std::uint64_t points) noexcept {
     return meetings.contacts * meetings.contacts / 128 + meetings.shared * points / 4;
 }
@@ -70,14 +69,14 @@ ClipperLib::PolyFillType library_rule(FillRule rule) noexcept {
                                         : ClipperLib::pftPositive;
 }
 
-/// The library does not survive want of memory (it can free twice), so that what it may need is asked for first.
+/// Clipper may free twice when an allocation fails, so as much memory as it needs is allocated and released beforehand.
 void require_memory(std::size_t points) {
     constexpr std::size_t bytes_a_point = 512;
     void* volatile block = ::operator new(bytes_a_point* points);
     ::operator delete(block);
 }
 
-/// Points on straight lines go: with them the library does not join all that runs along each other.
+/// Points within straight lines are dropped: with them the library does not join all edges that run along each other.
 void clip(ClipperLib::ClipType type, const Paths& a, const Paths& b, ClipperLib::PolyFillType rule, auto& region) {
     std::size_t points = 0;
     for (const Paths* paths : {&a, &b}) {
@@ -89,7 +88,7 @@ void clip(ClipperLib::ClipType type, const Paths& a, const Paths& b, ClipperLib:
     ClipperLib::Clipper clipper;
     const bool any_a = clipper.AddPaths(a, ClipperLib::ptSubject, true);
     const bool any_b = clipper.AddPaths(b, ClipperLib::ptClip, true);
-    // It says no more than that it failed: memory is all that it can lack here.
+    // The library only reports that it failed: here no cause but memory is left.
     if ((any_a || any_b) && !clipper.Execute(type, region, rule, rule)) {
         throw std::bad_alloc();
     }
@@ -102,7 +101,7 @@ struct Clipping::Cluster {
     ClipperLib::IntPoint low, high;
     std::uint64_t spent = 0;
 
-    /// Rectangles around all, one in the other, whose winding numbers add up to `winding` within.
+    /// Nested rectangles around all contours, inside which the winding number is `winding`.
     Paths frames(std::int64_t winding) const {
         Paths frames;
         for (std::int64_t f = 1; f <= std::abs(winding); ++f) {
@@ -134,7 +133,7 @@ struct Clipping::Cluster {
         return spent <= most_cost;
     }
 
-    /// Empty once too much is spent, as all below.
+    /// Empty once too much is spent, as are the results of all functions below.
     Paths combined(ClipperLib::ClipType type, const Paths& a, const Paths& b) {
         Paths region;
         if (may_go_on({&a, &b})) {
@@ -162,7 +161,7 @@ struct Clipping::Cluster {
         return some[0].meets_itself ? filled({some[0].path}, ClipperLib::pftEvenOdd) : Paths{some[0].path};
     }
 
-    /// Where covers of either lie on each other: i of one and j of the other are i + j. At most so many levels.
+    /// The levels of both together: where i of one and j of the other cover, i + j cover. At most `most` levels.
     Levels stacked(const Levels& a, const Levels& b, std::size_t most) {
         Levels levels;
         for (std::size_t count = 1; count <= std::min(most, a.size() + b.size()); ++count) {
@@ -174,7 +173,7 @@ struct Clipping::Cluster {
                                      combined(ClipperLib::ctIntersection, a[i - 1], b[count - i - 1]));
                 }
             }
-            if (level.empty()) {  // so are all above it
+            if (level.empty()) {  // and so are all above it
                 break;
             }
             levels.push_back(std::move(level));
@@ -182,7 +181,7 @@ struct Clipping::Cluster {
         return levels;
     }
 
-    /// Of what winds in the sense of `sign`.
+    /// The levels of the contours whose orientation is `sign`.
     Levels halved_levels(std::span<const Source> some, int sign, std::size_t most) {
         if (some.size() > 1) {
             return stacked(halved_levels(some.first(some.size() / 2), sign, most),
@@ -245,7 +244,7 @@ struct Clipping::Cluster {
         return region;
     }
 
-    /// x and y change places; what is solid on the left stays so.
+    /// Swaps x and y, and reverses paths so that solid stays on the left.
     void turn() {
         for (Source& source : sources) {
             for (ClipperLib::IntPoint& point : source.path) {
@@ -257,7 +256,7 @@ struct Clipping::Cluster {
         std::swap(high.X, high.Y);
     }
 
-    /// Whether turned paths cost far less, as those of upright teeth side by side do.
+    /// Whether turned paths cost far less, as for upright teeth side by side.
     bool is_for_turning() {
         std::uint64_t looks[2] = {0, 0};
         for (const bool turned : {false, true}) {
@@ -305,10 +304,10 @@ void Clipping::add(const NestItem& contour, std::uint32_t times, bool meets_itse
     }
 }
 
-/// What one way has found.
+/// What one way of clipping gave.
 struct Clipping::Region {
     Way way;
-    bool framed;  ///< its only contour that lies in none is a frame around all
+    bool framed;  ///< its only contour without a parent is a frame around all
     bool consistent = false;
     ClipperLib::PolyTree tree;
 
@@ -321,7 +320,7 @@ struct Clipping::Region {
         }
     }
 
-    /// Clipping moves each point by a unit or so.
+    /// Whether both are consistent and their areas differ by no more than rounding explains: a unit or so at each point.
     bool agrees_with(const Region& other) const {
         if ((!way.halved && !other.way.halved) || !consistent || !other.consistent) {
             return false;
@@ -377,7 +376,7 @@ std::unique_ptr<Clipping::Region> Clipping::Cluster::find(FillRule rule, std::in
     auto region = std::make_unique<Region>();
     region->way = way;
     region->framed = fills(rule, ambient);
-    // Only of what is joined already: while it joins, the library takes cubic time to keep its tree.
+    // The tree is made of joined paths only: while joining, the library takes cubic time to keep its tree.
     clip(ClipperLib::ctUnion, paths, {}, ClipperLib::pftEvenOdd, region->tree);
     region->consistent = is_consistent(*region);
     return region;
@@ -413,7 +412,7 @@ void Clipping::Region::take_all(FunctionRef<void(std::span<const Point>, std::in
         const ClipperLib::PolyNode* node;
         std::int64_t number;
     };
-    std::vector<Taken> around;  // the way down the tree to the contour before
+    std::vector<Taken> around;  // the ancestors of the last contour, and itself
     std::vector<Point> points;
     std::int64_t number = 0;
     for_each([&](const ClipperLib::PolyNode& node) {

@@ -34,10 +34,10 @@ bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept {
 
 bool Contacts::find(std::span<const NestItem> contours) {
     near_.clear();
-    contours_.clear();
+    clusters_.reset(contours.size());
+    contours_.assign(contours.size(), {});
     shared_.clear();
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
-        contours_.push_back({c});
         near_.add({{contours[c].points, contours[c].count}, c, true, contours[c].start});
     }
     const bool all =
@@ -50,7 +50,7 @@ bool Contacts::find(std::span<const NestItem> contours) {
 void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
     const bool same = a.contour == b.contour;
     if (same && ((i + 1) % a.edges() == j || (j + 1) % a.edges() == i)) {
-        return;  // one follows the other
+        return;  // neighbours
     }
     if (!are_near(a[i], a[i + 1], b[j], b[j + 1], same ? 0 : clipping_reach)) {
         return;
@@ -82,7 +82,7 @@ void Contacts::note_shared(const EdgePath& a, std::size_t i, const EdgePath& b, 
 
 void Contacts::find_crowds() {
     std::sort(shared_.begin(), shared_.end());
-    Point reached;  // by those before, of the same edge
+    Point reached;  // the farthest end of the stretches before on the same edge
     for (std::size_t s = 0; s < shared_.size(); ++s) {
         const Shared& own = shared_[s];
         const bool same_edge = s > 0 && shared_[s - 1].contour == own.contour && shared_[s - 1].edge == own.edge;
@@ -91,18 +91,10 @@ void Contacts::find_crowds() {
     }
 }
 
-std::uint32_t Contacts::leader(std::uint32_t contour) noexcept {
-    while (contours_[contour].towards != contour) {
-        contours_[contour].towards = contours_[contours_[contour].towards].towards;
-        contour = contours_[contour].towards;
-    }
-    return contour;
-}
-
 void Contacts::join(std::uint32_t a, std::uint32_t b) noexcept {
     const auto [first, second] = std::minmax({leader(a), leader(b)});
     if (first != second) {
-        contours_[second].towards = first;
+        clusters_.unite(first, second);
         contours_[first].contacts += contours_[second].contacts;
         contours_[first].shared += contours_[second].shared;
     }

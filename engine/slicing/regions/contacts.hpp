@@ -1,10 +1,11 @@
-// Stage 7, where a fill rule was asked for: which contours must be clipped together because they meet.
+// Which contours must be clipped together because they meet, where a fill rule is asked for.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "base/disjoint_sets.hpp"
 #include "base/vector.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/regions/edge_pairs.hpp"
@@ -14,41 +15,41 @@ namespace lamella {
 /// Grid units by which clipping moves a point at most.
 inline constexpr std::int32_t clipping_reach = 2;
 
-/// Whether `p` lies within `reach` of the edge from `a` to `b`; also somewhat beyond, where `reach` is not 0.
+/// True if `p` lies within `reach` of the edge from `a` to `b`; may be true somewhat farther away if `reach` > 0.
 bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept;
 
-/// Two contours meet where their edges come within two units of each other: clipping rounds points to units, and what it
-/// makes of one must not reach the other. A contour meets itself where edges of it that do not follow each other have a
-/// point in common. Contours that meet, and those that meet them, are a cluster.
+/// Two contours meet where their edges come within two units of each other: clipping rounds points to units, and a clipped
+/// contour must not reach another. A contour meets itself where two of its edges that are not neighbours have a common
+/// point. Contours that meet, directly or by way of others, are a cluster.
 class Contacts {
 public:
-    explicit Contacts(const Memory* memory) : contours_(memory), shared_(memory) {}
+    explicit Contacts(const Memory* memory) : clusters_(0, memory), contours_(memory), shared_(memory) {}
 
-    /// Of closed contours. False if they meet more often than could be clipped in seconds. O(q log q) for q points whose
-    /// edges lie apart, and as many steps as edges' boxes lie close, up to a fixed number. Throws std::bad_alloc.
+    /// Finds the clusters of closed contours. False if there are more contacts than could be clipped in seconds. O(q log q)
+    /// for q points whose edges lie apart, plus a step for each pair of edges with close boxes, up to a fixed number. Throws
+    /// std::bad_alloc.
     bool find(std::span<const NestItem> contours);
 
     /// The first contour of the cluster.
-    std::uint32_t leader(std::uint32_t contour) noexcept;
-    /// Makes one cluster of two.
+    std::uint32_t leader(std::uint32_t contour) noexcept { return clusters_.find(contour).root; }
+    /// Merges the clusters of two contours.
     void join(std::uint32_t a, std::uint32_t b) noexcept;
 
     bool meets_itself(std::uint32_t contour) const noexcept { return contours_[contour].itself; }
-    /// Some stretch of an edge is part of two other edges as well.
+    /// Whether a stretch of one of its edges is shared with two other edges.
     bool is_crowded(std::uint32_t contour) const noexcept { return contours_[contour].crowded; }
-    /// In the cluster that the contour leads: pairs of edges that meet, and of them those that share a stretch.
+    /// In the leader's cluster: pairs of edges that meet, and how many of them share a stretch.
     std::uint64_t contacts(std::uint32_t leader) const noexcept { return contours_[leader].contacts; }
     std::uint64_t shared_stretches(std::uint32_t leader) const noexcept { return contours_[leader].shared; }
 
 private:
     struct Own {
-        std::uint32_t towards;  // the leader: an earlier contour of the cluster, or itself
         bool itself = false;
         bool crowded = false;
-        std::uint64_t contacts = 0;  // of those led
-        std::uint64_t shared = 0;    // of those led
+        std::uint64_t contacts = 0;  // of a leader: in its cluster
+        std::uint64_t shared = 0;    // of a leader: in its cluster
     };
-    /// A stretch that an edge has in common with another.
+    /// A stretch that an edge shares with another.
     struct Shared {
         std::uint32_t contour;
         std::uint32_t edge;
@@ -62,6 +63,7 @@ private:
     void find_crowds();
 
     EdgePairs near_;
+    JoinedSets clusters_;
     Vector<Own> contours_;
     Vector<Shared> shared_;
 };

@@ -1,6 +1,6 @@
-// Edges of paths in a plane that come near one another. A path falls into runs that go one way in x and one way in y: such a
-// run does not meet itself, and the box of any stretch of it is that of its two ends. Runs whose boxes meet are halved until
-// single edges are left.
+// Pairs of edges that come near one another, of paths in a plane. A path is cut into runs that are monotone in x and in y. A
+// run does not meet itself, and the box of any stretch of it is the box of the stretch's two ends. Runs whose boxes meet are
+// halved until single edges are left.
 //
 //          ____
 //         /    \          four runs, and the boxes of two stretches of the lower left one
@@ -33,7 +33,7 @@ struct EdgePath {
         at = at < points.size() ? at : at - points.size();
         return points[at + start < points.size() ? at + start : at + start - points.size()];
     }
-    /// Whether there is an edge behind edge `e`.
+    /// Whether there is an edge after edge `e`.
     bool goes_on(std::size_t e) const noexcept { return closed || e + 1 < edges(); }
 };
 
@@ -140,14 +140,14 @@ private:
         return run.path == next.path && end == next.begin;
     }
 
-    /// Whether `next`, which comes right behind, meets `run` nowhere but in their joint: one direction goes on, and they do
-    /// not lie on each other along a level or an upright line.
+    /// Whether `next`, which follows `run`, meets it nowhere but in their joint: one direction goes on, and the edges at the
+    /// joint do not lie on each other along a horizontal or vertical line.
     bool leads_away(const Run& run, const Run& next) const noexcept {
         const EdgePath& path = paths_[run.path];
         const Point before = path[run.end - 1];
         const Point joint = path[next.begin];
-        const Point behind = path[next.begin + 1];
-        const bool back = (before.y == joint.y && joint.y == behind.y) || (before.x == joint.x && joint.x == behind.x);
+        const Point after = path[next.begin + 1];
+        const bool back = (before.y == joint.y && joint.y == after.y) || (before.x == joint.x && joint.x == after.x);
         return run.goes_on_in(next) && !back;
     }
 

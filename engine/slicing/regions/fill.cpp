@@ -1,5 +1,4 @@
 #include "slicing/regions/fill.hpp"
-#include "lamella/memory.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -14,7 +13,7 @@ bool Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester
     region_.clear();
     points_.clear();
     clusters_ = 0;
-    take_equal_ones_together(contours);
+    merge_equal_ones(contours);
     if (!contacts_.find(items_)) {
         return false;
     }
@@ -23,7 +22,7 @@ bool Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester
     const std::uint32_t* cluster = members_.data();
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
         if (!own_[c].clipped) {
-            take_or_leave(c, rule);
+            keep_or_drop(c, rule);
         } else if (contacts_.leader(c) == c) {
             const std::uint32_t* const begin = cluster;
             while (cluster != members_.data() + members_.size() && contacts_.leader(*cluster) == c) {
@@ -37,7 +36,7 @@ bool Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester
     return true;
 }
 
-void Fill::take_equal_ones_together(std::span<const NestItem> contours) {
+void Fill::merge_equal_ones(std::span<const NestItem> contours) {
     items_.clear();
     own_.clear();
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
@@ -50,8 +49,8 @@ void Fill::take_equal_ones_together(std::span<const NestItem> contours) {
     }
 }
 
-/// What lies in a contour that is clipped is clipped with it. Whether it does, nesting says, for which contours that meet
-/// themselves are the smallest of all, so that what lies in one has it for its parent, or something else that does.
+/// A contour inside a clipped one is clipped with it. Nesting finds those contours. Self-intersecting contours are made the
+/// smallest of all for it, so that each contour inside one has it as parent, or has another contour inside it as parent.
 void Fill::find_clusters(Nester& nester) {
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
         if (contacts_.meets_itself(c)) {
@@ -64,7 +63,7 @@ void Fill::find_clusters(Nester& nester) {
     members_.clear();
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
         const std::int32_t parent = items_[c].parent;
-        assert(parent < static_cast<std::int32_t>(c) && "what lies around a contour starts before it");
+        assert(parent < static_cast<std::int32_t>(c) && "a parent starts before its children");
         if (parent >= 0 && own_[static_cast<std::size_t>(parent)].clipped) {
             contacts_.join(c, static_cast<std::uint32_t>(parent));
         }
@@ -78,8 +77,8 @@ void Fill::find_clusters(Nester& nester) {
     });
 }
 
-/// A contour that meets nothing, nor does anything around it.
-void Fill::take_or_leave(std::uint32_t contour, FillRule rule) {
+/// For a contour that meets no other and is inside none that does.
+void Fill::keep_or_drop(std::uint32_t contour, FillRule rule) {
     const NestItem& item = items_[contour];
     Own& own = own_[contour];
     const Own around = item.parent < 0 ? Own{} : own_[static_cast<std::size_t>(item.parent)];
@@ -103,7 +102,7 @@ bool Fill::clip_cluster(std::span<const std::uint32_t> members, FillRule rule) {
         }
         meetings.crowded = meetings.crowded || times > 1 || contacts_.is_crowded(member);
     }
-    const std::int64_t most = all.negative + all.positive + all.either + 1;  // beyond it a sign does not change
+    const std::int64_t most = all.negative + all.positive + all.either + 1;  // larger values give the same signs
     const std::int64_t ambient = rule == FillRule::even_odd ? around.winding % 2 : std::clamp(around.winding, -most, most);
     const auto base = static_cast<std::int64_t>(region_.size());
     const auto cluster = static_cast<std::int64_t>(clusters_++);
@@ -127,7 +126,7 @@ Fill::Windings Fill::windings_of(std::span<const std::uint32_t> members) const n
     return all;
 }
 
-/// Of equal contours those that no others can make up for.
+/// One copy more than opposite contours could cancel: further copies do not change the region.
 std::uint32_t Fill::copies_that_matter(std::uint32_t contour, FillRule rule, const Windings& all,
                                        std::int64_t ambient) const noexcept {
     const std::uint32_t times = own_[contour].times;

@@ -1,7 +1,7 @@
-// Stage 7, where a fill rule was asked for: what is inside by it, where contours overlap, nest the same way or run
-// backwards.
+// The region that a layer's closed contours bound by a fill rule, where they overlap, nest with equal orientation or are
+// reversed.
 //
-// Contours that meet nothing stay as they are or go, as the winding numbers on their two sides say, which nesting tells:
+// A contour that meets no other stays if exactly one of its two sides is filled. Nesting gives the winding numbers of both:
 //
 //      0  +----------+     even-odd      non-zero, positive
 //         | 1 +----+ |     both stay     the inner one goes: it is filled on both sides
@@ -9,9 +9,9 @@
 //         |   +----+ |
 //         +----------+
 //
-// Clusters of contours that meet are clipped, together with what lies in them, each in the winding number around it.
+// A cluster of contours that meet is clipped together with all contours inside it, given the winding number around it.
 //
-// O(q log q) for q points of contours that meet nothing. Clusters cost what clipping costs; those that would take more than
+// O(q log q) for q points of contours that meet no others, plus the cost of clipping. Clusters that would take more than
 // seconds are refused.
 #pragma once
 
@@ -28,11 +28,11 @@ namespace lamella {
 
 /// A contour of a region.
 struct RegionContour {
-    std::int64_t kept = -1;     ///< the contour that it is, unchanged; -1: clipping made it
-    std::uint32_t first = 0;    ///< made: its points, solid on the left
-    std::uint32_t count = 0;    ///< made: so many
-    std::int64_t cluster = -1;  ///< made: of what was clipped together
-    std::int64_t around = -1;  ///< made: the one of its cluster that it lies directly in, an index into the region; -1: none
+    std::int64_t kept = -1;     ///< index of the given contour that it is, unchanged; -1: clipping made it
+    std::uint32_t first = 0;    ///< made: index of its first point; solid is on the left
+    std::uint32_t count = 0;    ///< made: number of its points
+    std::int64_t cluster = -1;  ///< made: number of its cluster
+    std::int64_t around = -1;   ///< made: its parent within the cluster, an index into the region; -1: none
     bool hole = false;
 };
 
@@ -41,8 +41,8 @@ class Fill {
 public:
     explicit Fill(const Memory* memory);
 
-    /// Of closed contours by (start, content), equal ones behind one another. False: they are too entangled to be clipped,
-    /// and there is no region. Throws std::bad_alloc.
+    /// Computes the region. `contours` are closed and sorted by (start, content), so that equal ones are neighbours. False,
+    /// without a region, if clipping them would take too long or gives no two results that agree. Throws std::bad_alloc.
     bool run(std::span<const NestItem> contours, FillRule rule, Nester& nester);
 
     std::span<const RegionContour> region() const noexcept { return region_; }
@@ -52,23 +52,23 @@ public:
     }
 
 private:
-    /// What is known of a contour; parents come before what lies in them.
+    /// A contour that is equal to no other; parents come before their children.
     struct Own {
-        std::uint32_t index = 0;   // of those given: the first of equal ones
-        std::uint32_t times = 0;   // how many of them
+        std::uint32_t index = 0;   // of the given contours: the first of equal ones
+        std::uint32_t times = 0;   // number of equal ones
         std::int64_t winding = 0;  // just inside
         bool clipped = false;
     };
-    /// The most that the winding numbers of contours can add up to.
+    /// Bounds of the sum of contours' winding numbers, by orientation.
     struct Windings {
         std::int64_t positive = 0;
         std::int64_t negative = 0;
-        std::int64_t either = 0;  // of contours that meet themselves
+        std::int64_t either = 0;  // self-intersecting contours: counts for both
     };
 
-    void take_equal_ones_together(std::span<const NestItem> contours);
+    void merge_equal_ones(std::span<const NestItem> contours);
     void find_clusters(Nester& nester);
-    void take_or_leave(std::uint32_t contour, FillRule rule);
+    void keep_or_drop(std::uint32_t contour, FillRule rule);
     bool clip_cluster(std::span<const std::uint32_t> members, FillRule rule);
     Windings windings_of(std::span<const std::uint32_t> members) const noexcept;
     std::uint32_t copies_that_matter(std::uint32_t contour, FillRule rule, const Windings& all,
@@ -76,9 +76,9 @@ private:
 
     Contacts contacts_;
     Clipping clipping_;
-    Vector<NestItem> items_;  // one of equal ones
+    Vector<NestItem> items_;  // one of each group of equal contours
     Vector<Own> own_;
-    Vector<std::uint32_t> members_;  // contours that are clipped, by leader, then in order
+    Vector<std::uint32_t> members_;  // contours to be clipped, by leader, then in order
     Vector<RegionContour> region_;
     std::size_t clusters_ = 0;
     Vector<Point> points_;

@@ -1,4 +1,4 @@
-// What a sweep over closed paths costs that keeps the edges at its height in a list, as the clipping library's does.
+// The cost of a sweep over closed paths with a list of the edges at the current height, as in the clipping library.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +19,8 @@ public:
         }
     }
 
-    /// Looks at an edge: at each height at which edges begin all that are there, and once more for each two that begin and
-    /// each that ends, and one for a level edge. O(edges log edges).
+    /// The number of visits to an edge. At each height where edges begin, all edges there are visited once, once more for
+    /// each two that begin and once more for each that ends; a level edge is visited once. O(edges log edges).
     std::uint64_t looks() {
         std::sort(lows_.begin(), lows_.end());
         std::sort(highs_.begin(), highs_.end());

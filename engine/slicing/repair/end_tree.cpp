@@ -43,7 +43,7 @@ std::uint32_t EndTree::first_site(std::uint32_t leaf) const noexcept {
     return static_cast<std::uint32_t>(std::uint64_t{leaf} * site_count() / leaf_count_);
 }
 
-/// Halves the sites of these leaves across the longer side of their box, and so on down.
+/// Halves the sites of these leaves across the longer side of their box, recursively.
 void EndTree::order(std::uint32_t first_leaf, std::uint32_t leaf_count) {
     if (leaf_count == 1) {
         return;
@@ -58,7 +58,7 @@ void EndTree::order(std::uint32_t first_leaf, std::uint32_t leaf_count) {
     order(first_leaf + leaf_count / 2, leaf_count / 2);
 }
 
-/// Around the sites from `first` to `end` that hold something.
+/// The box of the sites in [first, end) that have an end left.
 EndTree::Box EndTree::box_of(std::uint32_t first, std::uint32_t end) const noexcept {
     Box box{{highest, highest}, {lowest, lowest}};
     for (std::uint32_t site = first; site < end; ++site) {
@@ -71,7 +71,7 @@ EndTree::Box EndTree::box_of(std::uint32_t first, std::uint32_t end) const noexc
     return box;
 }
 
-/// Finds the node's box, from those below it.
+/// Computes the node's box from its children or sites.
 void EndTree::measure(std::uint32_t node) noexcept {
     if (node >= leaf_count_) {
         boxes_[node] = box_of(first_site(node - leaf_count_), first_site(node - leaf_count_ + 1));
@@ -89,7 +89,7 @@ std::uint32_t EndTree::nearest(Point to, double most_squared) const {
     return best.site;
 }
 
-/// Rounds as squared_distance() does, so that nothing in the box is nearer.
+/// A lower bound for squared_distance() to any point in the box: it rounds in the same way.
 double EndTree::squared_distance_to(const Box& box, Point point) noexcept {
     if (box.min.x > box.max.x) {
         return std::numeric_limits<double>::infinity();
@@ -133,7 +133,7 @@ void EndTree::take_all(std::uint32_t site) noexcept {
     shrink(site);
 }
 
-/// The boxes around a site that has become empty.
+/// Computes the boxes around a site again that has become empty.
 void EndTree::shrink(std::uint32_t site) noexcept {
     // The last leaf that starts at or before the site.
     const auto leaf = static_cast<std::uint32_t>(((std::uint64_t{site} + 1) * leaf_count_ - 1) / site_count());

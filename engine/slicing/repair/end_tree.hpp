@@ -23,13 +23,13 @@ inline double squared_distance(Point a, Point b) noexcept {
     return dx * dx + dy * dy;
 }
 
-/// Ends at the same point are one site, so that many of them cost a search no more than one. Sites are named by their place
-/// in the tree. Boxes are of what is left and shrink with it.
+/// Ends at the same point share one site, so that they cost a search no more than one end does. A site is named by its place
+/// in the tree. Boxes cover the ends that are left and shrink as ends are taken.
 class EndTree {
 public:
     explicit EndTree(const Memory* memory) : polylines_(memory), sites_(memory), boxes_(memory) {}
 
-    /// Of each polyline the end that `end` names. O(n log n). Throws std::bad_alloc.
+    /// Fills the tree with one end of each polyline, the first or the last point. O(n log n). Throws std::bad_alloc.
     void assign(std::span<const PolylineEnds> polylines, Point PolylineEnds::*end);
 
     std::uint32_t site_count() const noexcept { return static_cast<std::uint32_t>(sites_.size()); }
@@ -37,22 +37,22 @@ public:
     bool holds(std::uint32_t site) const noexcept { return sites_[site].next != sites_[site].end; }
 
     static constexpr std::uint32_t none = ~0U;
-    /// The nearest site with an end left, not farther than the root of `most_squared`; at equal distances the smallest
-    /// point.
+    /// The nearest site that has an end left, at most the square root of `most_squared` away, or none. At equal distances
+    /// the smallest point.
     std::uint32_t nearest(Point to, double most_squared) const;
 
-    /// Takes the end of the first polyline of those left there and returns which polyline that is. O(log n).
+    /// Takes an end off the site and returns its polyline, the first by number. O(log n).
     std::uint32_t take(std::uint32_t site) noexcept;
-    /// Takes all of them.
+    /// Takes all ends off the site.
     void take_all(std::uint32_t site) noexcept;
 
 private:
     struct Site {
         Point at;
-        std::uint32_t next, end;  // into polylines_: those left
+        std::uint32_t next, end;  // the ends left: a range of polylines_
     };
     struct Box {
-        Point min, max;  // nothing: min beyond max
+        Point min, max;  // min > max: empty
     };
     struct Nearest {
         double squared;

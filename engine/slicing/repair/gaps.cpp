@@ -6,8 +6,8 @@
 
 namespace lamella {
 
-/// An end and a start that are each other's nearest are a pair, whatever else is joined first: whatever would take one of
-/// them lies farther off. So the pairs need not be found from the nearest on, which would take a list of all.
+/// An end and a start that are each other's nearest are a pair, whatever is joined before them, since everything else is
+/// farther from both. The pairs can therefore be found in any order; sorting all distances is not needed.
 std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, double reach) {
     const double reach_squared = std::min(reach * reach, std::numeric_limits<double>::max());
     ends_.assign(polylines, &PolylineEnds::last);
@@ -31,9 +31,9 @@ std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, d
     return gaps_;
 }
 
-/// From `end` to the start nearest to it, the end nearest to that, and so on: ever less far, until two are each other's
-/// nearest. They are joined and the chain goes on from the site before them, so that no search is done in vain. Returns
-/// with `end` joined, or taken where nothing is within reach of it.
+/// Follows the chain from `end` to the start nearest to it, to the end nearest to that, and so on. Distances fall, until two
+/// sites are each other's nearest. They are joined, and the chain goes on from the site before them, so that no search is
+/// repeated. On return `end` is joined, or taken off if nothing is within reach.
 void GapCloser::follow_chain(std::uint32_t end, double reach_squared) {
     chain_.assign(1, end);
     while (!chain_.empty()) {
@@ -42,7 +42,7 @@ void GapCloser::follow_chain(std::uint32_t end, double reach_squared) {
         const EndTree& others = at_end ? starts_ : ends_;
         const std::uint32_t nearest = others.nearest((at_end ? ends_ : starts_).at(site), reach_squared);
         if (nearest == EndTree::none) {
-            ends_.take_all(site);  // the first of the chain: all others are within reach of the one before them
+            ends_.take_all(site);  // it is the first of the chain: all others are within reach of their predecessor
             chain_.pop_back();
         } else if (chain_.size() > 1 && nearest == chain_.end()[-2]) {
             join(at_end ? site : nearest, at_end ? nearest : site);
@@ -53,7 +53,7 @@ void GapCloser::follow_chain(std::uint32_t end, double reach_squared) {
     }
 }
 
-/// As many as both sites hold: they are equally far from each other, and so come by number.
+/// Joins as many as both sites hold. All are equally far apart, so they are paired by number.
 void GapCloser::join(std::uint32_t end, std::uint32_t start) {
     while (ends_.holds(end) && starts_.holds(start)) {
         const Gap gap{ends_.take(end), starts_.take(start)};

@@ -1,5 +1,5 @@
-// Stage 6, where asked for: the ends of a plane's open polylines joined over gaps, nearest first. Never by itself: a mesh
-// that lacks faces says so.
+// Which ends of a plane's open polylines are joined over gaps: nearest first. Only on request: by default a mesh that lacks
+// faces gives open polylines.
 #pragma once
 
 #include <cstdint>
@@ -23,9 +23,10 @@ public:
     explicit GapCloser(const Memory* memory)
         : ends_(memory), starts_(memory), chain_(memory), next_(memory), taken_(memory), gaps_(memory) {}
 
-    /// Which of `polylines` follow each other over gaps of at most `reach` grid units: each pair of an end and a start, from
-    /// the nearest on, while neither has been taken; at equal distances by coordinates. At most about three searches in a
-    /// k-d tree for each polyline: O(o log o) for o polylines unless they lie so that these are slow. O(o) memory.
+    /// Which of `polylines` follow each other over gaps of at most `reach` grid units. Pairs of an end and a start are
+    /// joined by distance, the nearest first, if neither is joined yet; at equal distances by coordinates. At most about
+    /// three searches in a k-d tree for each polyline: O(o log o) for o polylines unless they lie so that searches are slow.
+    /// O(o) memory.
     std::span<const Gap> close(std::span<const PolylineEnds> polylines, double reach);
 
     /// After close(): the polyline that follows `polyline`, or -1.
@@ -37,8 +38,8 @@ private:
     void follow_chain(std::uint32_t end, double reach_squared);
     void join(std::uint32_t end, std::uint32_t start);
 
-    EndTree ends_, starts_;        // of the polylines, while they are free
-    Vector<std::uint32_t> chain_;  // sites of ends_ and starts_ in turn, each the nearest to the one before it
+    EndTree ends_, starts_;        // those not joined yet
+    Vector<std::uint32_t> chain_;  // sites of ends_ and starts_ in turn, each the nearest to its predecessor
     Vector<std::int64_t> next_;
     Vector<std::uint8_t> taken_;
     Vector<Gap> gaps_;

@@ -1,6 +1,9 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds with GCC and with Clang, checks format and style, and runs every test: under the sanitizers
-# first, then as released. Ends with the summary of that last run.
+# tools/test.sh           builds the release and runs its tests
+# tools/test.sh NAME...   builds the release and runs the tests whose names hold one of the words
+# tools/test.sh --all     also checks format and style, and tests under sanitizers, with Clang and with libc++
+#
+# Installs what is missing. Ends with the summary of the release's tests.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
@@ -11,20 +14,23 @@ stage() { printf '\n== %s (%d s so far)\n' "$1" "$SECONDS"; }
 
 # configure FOLDER OPTION...
 configure() {
-    local folder=$1 generator=()
+    local folder=$1 extra=()
     shift
-    [[ -e "$folder/CMakeCache.txt" ]] || generator=(-G Ninja)
-    cmake -S . -B "$folder" "${generator[@]}" "$@" > /dev/null
+    [[ -e "$folder/CMakeCache.txt" ]] || extra=(-G Ninja)
+    if command -v ccache > /dev/null; then
+        extra+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+        export CCACHE_BASEDIR=$PWD CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+    fi
+    cmake -S . -B "$folder" "${extra[@]}" "$@" > /dev/null
 }
 
-# Debug, so that assertions hold the invariants to account; optimised a little, and ten sources compiled as one, so that it
-# ends today.
+# Debug, so that assertions check the invariants; optimised a little, and ten sources compiled as one, so that it ends today.
 configure_sanitizer() {
     configure "$@" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=10 \
         -DLAMELLA_BUILD_BENCH=OFF
 }
 
-# quietly LOG COMMAND...: only a failure shows what the command had to say.
+# quietly LOG COMMAND...: shows what the command printed only if it fails.
 quietly() {
     local log=$1
     shift
@@ -34,7 +40,8 @@ quietly() {
     }
 }
 
-build() { quietly "$1/build.log" cmake --build "$1" --parallel "$jobs"; }
+# build FOLDER TARGET...: all targets where none is named.
+build() { quietly "$1/build.log" cmake --build "$1" --parallel "$jobs" "${@:2}"; }
 
 # summary LOG: what ctest ends with, the skipped tests among it.
 summary() { sed -n '/tests passed/,$p' "$1"; }
@@ -42,40 +49,95 @@ summary() { sed -n '/tests passed/,$p' "$1"; }
 # All but those labelled "long" and "paper".
 run_tests() { ctest --test-dir "$1" --label-exclude 'long|paper' --parallel "$jobs" --output-on-failure "${@:2}"; }
 
-stage "packages"
-install_missing "${build_packages[@]}" "${check_packages[@]}" "${picture_packages[@]}"
-
-stage "format"
-find engine include tests bench tools -name '*.[ch]pp' -print0 | xargs -0 clang-format --dry-run -Werror
-
-stage "release build"
-configure build -DCMAKE_BUILD_TYPE=Release -DLAMELLA_WERROR=ON
-build build
-
-stage "Clang build, address and undefined-behaviour sanitizers"
-configure_sanitizer build/asan -DCMAKE_CXX_COMPILER=clang++ -DLAMELLA_SANITIZE=address -DLAMELLA_WERROR=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
-build build/asan
-
-# Every source of the engine, the tools and the oracle with the headers that they include; not the other tests, nor bench/.
-stage "clang-tidy"
-# The static analyser among its checks takes as long as all others: TIDY_CHECKS= (empty) runs it too.
-run-clang-tidy -quiet -j "$jobs" -checks="${TIDY_CHECKS--clang-analyzer-*}" -p build/asan \
-    "^$PWD/(build/asan/)?(engine|tools|tests/oracle|tests/CMakeFiles/lamella_test_support[.]dir)/" > build/tidy.log 2>&1 || {
-    grep -A 5 -E '(error|warning):' build/tidy.log || cat build/tidy.log
-    exit 1
+# Tests of that name, or the cases of lamella_tests whose names hold the word.
+run_named() {
+    local word
+    for word in "$@"; do
+        if ctest --test-dir build --show-only --tests-regex "$word" | grep -q '^Total Tests: 0$'; then
+            build/tests/lamella_tests --warn NoTests "*$word*"
+        else
+            ctest --test-dir build --parallel "$jobs" --output-on-failure --tests-regex "$word"
+        fi
+    done
 }
 
-stage "tests under the address and undefined-behaviour sanitizers"
-UBSAN_OPTIONS=print_stacktrace=1 quietly build/asan/tests.log run_tests build/asan
-summary build/asan/tests.log
+check_format() {
+    stage "format"
+    find engine include tests bench tools -name '*.[ch]pp' -print0 | xargs -0 clang-format --dry-run -Werror
+}
+
+check_docs() {
+    stage "documentation"
+    quietly build/docs.log tools/docs.sh
+}
+
+# What macOS has: Clang with its own library. Compiled only, as the clipping library is built for GCC's.
+check_libcxx() {
+    stage "Clang with libc++"
+    configure build/libcxx -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS="-stdlib=libc++" \
+        -DCMAKE_CXX_FLAGS_DEBUG="-O0" -DLAMELLA_PARALLEL=std -DLAMELLA_WERROR=ON -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=10 \
+        -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF
+    build build/libcxx
+}
+
+# Every source of the engine, the tools and the oracle with the headers that they include; not the other tests, nor bench/.
+check_style() {
+    stage "clang-tidy"
+    # The static analyser among its checks takes as long as all others: TIDY_CHECKS= (empty) runs it too.
+    run-clang-tidy -quiet -j "$jobs" -checks="${TIDY_CHECKS--clang-analyzer-*}" -p build/asan \
+        "^$PWD/(build/asan/)?(engine|tools|tests/oracle|tests/CMakeFiles/lamella_test_support[.]dir)/" > build/tidy.log 2>&1 || {
+        grep -A 5 -E '(error|warning):' build/tidy.log || cat build/tidy.log
+        exit 1
+    }
+}
+
+check_memory() {
+    stage "Clang build, address and undefined-behaviour sanitizers"
+    configure_sanitizer build/asan -DCMAKE_CXX_COMPILER=clang++ -DLAMELLA_SANITIZE=address -DLAMELLA_WERROR=ON -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+    build build/asan
+    check_style
+    stage "tests under the address and undefined-behaviour sanitizers"
+    UBSAN_OPTIONS=print_stacktrace=1 quietly build/asan/tests.log run_tests build/asan
+    summary build/asan/tests.log
+}
 
 # std::thread for oneTBB, whose Debian build the sanitizer cannot see into. Real meshes take it minutes and no other path.
-stage "GCC, thread sanitizer"
-configure_sanitizer build/tsan -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std
-build build/tsan
-stage "tests under the thread sanitizer"
-TSAN_OPTIONS=halt_on_error=1 quietly build/tsan/tests.log run_tests build/tsan --exclude-regex shared_models
-summary build/tsan/tests.log
+check_threads() {
+    stage "GCC, thread sanitizer"
+    configure_sanitizer build/tsan -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std
+    build build/tsan
+    stage "tests under the thread sanitizer"
+    TSAN_OPTIONS=halt_on_error=1 quietly build/tsan/tests.log run_tests build/tsan --exclude-regex shared_models
+    summary build/tsan/tests.log
+}
+
+all=false
+if [[ "${1:-}" == --all ]]; then
+    all=true
+    shift
+fi
+
+stage "packages"
+install_missing "${build_packages[@]}" "${test_packages[@]}"
+if $all; then
+    install_missing "${check_packages[@]}" "${picture_packages[@]}"
+    check_format
+fi
+
+stage "release build"
+configure build -DCMAKE_BUILD_TYPE=Release -DLAMELLA_WERROR=ON -DLAMELLA_BUILD_BENCH="$($all && echo ON || echo OFF)"
+build build
+
+if $all; then
+    check_docs
+    check_libcxx
+    check_memory
+    check_threads
+fi
 
 stage "tests of the release build"
-run_tests build
+if (($# > 0)); then
+    run_named "$@"
+else
+    run_tests build
+fi

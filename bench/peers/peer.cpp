@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/clock.hpp"
+#include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "mesh.hpp"
 #include "timed_runs.hpp"

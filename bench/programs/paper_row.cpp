@@ -19,6 +19,7 @@
 
 #include "answer.hpp"
 #include "base/clock.hpp"
+#include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "mesh.hpp"
 #include "methods.hpp"

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "timed_runs.hpp"
 

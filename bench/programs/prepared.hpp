@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "catalogue.hpp"
+#include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "stages.hpp"
 

@@ -9,6 +9,7 @@
 
 #include "engine/slicing.hpp"
 #include "input/files.hpp"
+#include "lamella/io.hpp"
 
 using lamella::ErrorCode;
 using lamella::Memory;

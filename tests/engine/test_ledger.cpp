@@ -221,6 +221,6 @@ TEST_CASE("ledger: the same on any number of threads, and in another order", "[e
     for (const int threads : {2, 3, 0}) {
         CHECK(same(one, lamella::make_ledger(view_of(soup), result, {.threads = threads}).value()));
     }
-    CHECK(same(one, lamella::make_ledger(view_of(shapes::shuffled(soup, 5)), result, 2).value()));
+    CHECK(same(one, lamella::make_ledger(view_of(shapes::shuffled(soup, 5)), result, {.threads = 2}).value()));
     CHECK(lamella::make_ledger(view_of(soup), result, {.threads = -1}).error().code == lamella::ErrorCode::invalid_argument);
 }

@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "lamella/audit/validate.hpp"
 #include "lamella/result.hpp"
 
 using lamella::Contour;

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "bytes.hpp"
+#include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 
 using lamella::MeshFile;

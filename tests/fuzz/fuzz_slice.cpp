@@ -3,6 +3,7 @@
 #include <array>
 
 #include "bytes.hpp"
+#include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "soup.hpp"
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "bytes.hpp"
+#include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "soup.hpp"
 

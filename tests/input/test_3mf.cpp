@@ -3,6 +3,7 @@
 
 #include "engine/slicing.hpp"
 #include "files.hpp"
+#include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "read.hpp"
 #include "read_indexed.hpp"

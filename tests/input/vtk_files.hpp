@@ -14,6 +14,7 @@
 #include <catch2/catch.hpp>
 
 #include "files.hpp"
+#include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "read.hpp"
 

@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "models_shared/real_meshes.hpp"
 

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "base/vector.hpp"
 #include "layer_sample.hpp"
 #include "slicing/nesting/order.hpp"
 #include "slicing/nesting/start_tree.hpp"
@@ -14,6 +15,7 @@ using lamella::nesting::ManyInside;
 using lamella::nesting::SortKey;
 using lamella::nesting::StartLine;
 using lamella::nesting::StartTree;
+using lamella::Vector;
 using lamella::test::below;
 
 namespace {

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "lamella/audit/validate.hpp"
 #include "write/samples.hpp"
 
 namespace lamella::write_test {

@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# examples.sh README TOOL: runs README's examples of the command line, which are its blocks in bash, in a folder with two meshes.
+set -euo pipefail
+readme=$(realpath "$1")
+tool=$(realpath "$2")
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+mkdir archive
+"$tool" make sphere --triangles 2000 -o archive/liver.stl > /dev/null
+"$tool" make torus --triangles 2000 -o archive/femur.stl > /dev/null
+
+sed -n '/^```bash$/,/^```$/p' "$readme" | sed '/^```/d' > examples
+[[ $(grep -c lamella examples) -ge 4 ]] || { echo "README shows fewer than four commands"; exit 1; }
+PATH=$(dirname "$tool"):$PATH bash -eu examples > output
+
+for made in archive/liver.svg archive/liver.json archive/femur.svg archive/femur.json faults.ply gyroid.stl; do
+    [[ -s "$made" ]] || { echo "no $made was written"; exit 1; }
+done
+[[ $(grep -c '^contours ' output) == 4 && $(grep -c '(1 thread,' output) == 1 ]] || {
+    cat output
+    echo "expected four slices, one of them on 1 thread"
+    exit 1
+}

@@ -9,8 +9,7 @@ namespace lamella {
 SlotTable::SlotTable(const Memory* memory)
     : kernels_(best_of(kernel_forms())),
       edges_(memory),
-      across_(memory),
-      first_link_(memory),
+      ports_(memory),
       ends_(memory),
       flags_(memory),
       free_(memory),
@@ -24,8 +23,7 @@ void SlotTable::reserve(std::size_t slots) {
         return;
     }
     resize_exactly(edges_, slots);
-    resize_exactly(across_, 2 * slots);
-    resize_exactly(first_link_, 2 * slots);
+    resize_exactly(ports_, 2 * slots);
     resize_exactly(ends_, slots, no_plane);
     resize_exactly(flags_, slots);
     // What was added goes beneath the stack. The slots that are being made lie above its top and come along.
@@ -143,8 +141,8 @@ Slot SlotTable::add_copy(Slot slot) {
 
 void SlotTable::connect(std::span<const Link> links) noexcept {
     for (const Link& link : links) {
-        across_[link.ends[source_port]] = link.ends[target_port];
-        across_[link.ends[target_port]] = link.ends[source_port];
+        ports_[link.ends[source_port]].across = link.ends[target_port];
+        ports_[link.ends[target_port]].across = link.ends[source_port];
     }
 }
 
@@ -163,14 +161,14 @@ void SlotTable::renumber(std::span<const Slot> new_to_old, FunctionRef<PortRef(P
     gather_slots(ends_, new_to_old, moving_);
     gather_slots(flags_, new_to_old, moving_);
     for (std::size_t slot = 0; slot < new_to_old.size(); ++slot) {
-        PortRef ends[2];
+        Port ends[2];
         for (const int port : {target_port, source_port}) {
-            const PortRef ref = across_[port_of(new_to_old[slot], port)];
-            ends[port] = ref == no_port ? no_port : moved(ref);
+            const PortRef ref = ports_[port_of(new_to_old[slot], port)].across;
+            ends[port].across = ref == no_port ? no_port : moved(ref);
         }
         moving_[slot] = std::bit_cast<std::uint64_t>(ends);
     }
-    std::memcpy(across_.data(), moving_.data(), new_to_old.size() * sizeof(std::uint64_t));
+    std::memcpy(ports_.data(), moving_.data(), new_to_old.size() * sizeof(std::uint64_t));
 }
 
 }  // namespace lamella

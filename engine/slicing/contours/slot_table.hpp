@@ -5,7 +5,7 @@
 // more than two faces meet has one slot for each pair of segments that pass through it.
 //
 //          segment           segment
-//       -----------> 0 [slot] 1 ----------->          across(2 * slot + port) = the port at the segment's other end
+//       -----------> 0 [slot] 1 ----------->          port 2 * slot + port, across: the port at the segment's other end
 //
 // All faces of an edge reach the sweep at the same plane, the first above the edge's lower end. An edge is therefore looked
 // up at that plane only, and the map holds the edges that start at one plane: it is cleared for each, stays within the
@@ -52,6 +52,17 @@ constexpr Slot slot_of(PortRef ref) noexcept {
 /// A segment that is being linked: ends[target_port] is where it enters, ends[source_port] where it leaves.
 struct Link {
     PortRef ends[2];
+};
+
+/// What a port holds. The two share memory, as a second array adds 2 % of cache misses on dense meshes:
+///
+///     release_ended()   end_attaching()    settle()            connect()
+///     |                 |                  |                   |
+///     |    ports of fresh slots: first_link, or no_link        |    across, or no_port
+///     |    ports of all other slots: across, or no_port        |
+union Port {
+    LinkIndex first_link;  ///< the link whose end came first
+    PortRef across;        ///< the port at the other end of its segment
 };
 
 /// A vector left to itself takes twice the memory to grow by one element; these are large, one each a thread.
@@ -108,13 +119,13 @@ public:
     /// Whether some fresh slot has an end on one side only.
     bool one_sided() const noexcept { return one_sided_; }
     /// The link whose end came first to a port of a fresh slot, or no_link.
-    LinkIndex first_link(Slot slot, int port) const noexcept { return first_link_[port_of(slot, port)]; }
+    LinkIndex first_link(Slot slot, int port) const noexcept { return ports_[port_of(slot, port)].first_link; }
 
     /// Another slot for the same edge, with no link.
     Slot add_copy(Slot slot);
     void disconnect(Slot slot) noexcept {
-        across_[port_of(slot, target_port)] = no_port;
-        across_[port_of(slot, source_port)] = no_port;
+        ports_[port_of(slot, target_port)].across = no_port;
+        ports_[port_of(slot, source_port)].across = no_port;
     }
     /// Joins the two ports of each link.
     void connect(std::span<const Link> links) noexcept;
@@ -138,9 +149,8 @@ public:
 
     const MeshEdge& edge(Slot slot) const noexcept { return edges_[slot]; }
     bool is_free(Slot slot) const noexcept { return ends_[slot] == no_plane; }
-    bool is_linked(Slot slot, int port) const noexcept { return across_[port_of(slot, port)] != no_port; }
-    /// By port: the port at the other end of its segment, or no_port.
-    const PortRef* across() const noexcept { return across_.data(); }
+    bool is_linked(Slot slot, int port) const noexcept { return ports_[port_of(slot, port)].across != no_port; }
+    const Port* ports() const noexcept { return ports_.data(); }
     /// Slots made since begin_attaching().
     std::span<const Slot> fresh() const noexcept { return {free_.data() + free_count_, fresh_count_}; }
     /// Slots in use are below this; some below it are free.
@@ -169,10 +179,9 @@ private:
 
     // slots
     Vector<MeshEdge> edges_;
-    Vector<PortRef> across_;        // by port
-    Vector<LinkIndex> first_link_;  // by port, of fresh slots
-    Vector<PlaneIndex> ends_;       // the plane at which the edge will have ended; no_plane: the slot is free
-    Vector<std::uint16_t> flags_;   // 0 if free. A byte would alias all that the loops keep in registers
+    Vector<Port> ports_;           // see PortRef
+    Vector<PlaneIndex> ends_;      // the plane at which the edge will have ended; no_plane: the slot is free
+    Vector<std::uint16_t> flags_;  // 0 if free. A byte would alias all that the loops keep in registers
     Vector<Slot> free_;
     Vector<std::uint64_t> moving_;  // scratch: an array on its way to new slots
     std::size_t free_count_ = 0;
@@ -210,8 +219,8 @@ public:
         const Slot spare = *(free_top_ - made_);
         edges_[spare] = edge;
         ends_[spare] = end;
-        first_link_[port_of(spare, target_port)] = no_link;
-        first_link_[port_of(spare, source_port)] = no_link;
+        ports_[port_of(spare, target_port)].first_link = no_link;
+        ports_[port_of(spare, source_port)].first_link = no_link;
         for (std::size_t i = edge.hash() >> shift_;; i = (i + 1) & mask_) {
             const Slot found = map_[i];
             // All ones if nothing is there: slots have 31 bits. Arithmetic, as compilers turn a comparison into a branch.
@@ -229,8 +238,8 @@ public:
     /// meet.
     PortRef attach(Slot slot, int port, LinkIndex link) {
         const PortRef ref = port_of(slot, port);
-        if (first_link_[ref] == no_link) {
-            first_link_[ref] = link;
+        if (ports_[ref].first_link == no_link) {
+            ports_[ref].first_link = link;
         } else {
             table_.late_ends_.push_back({slot, link, port == source_port});
         }
@@ -244,7 +253,7 @@ private:
         free_top_ = table_.free_.data() + table_.free_count_ - 1;
         edges_ = table_.edges_.data();
         ends_ = table_.ends_.data();
-        first_link_ = table_.first_link_.data();
+        ports_ = table_.ports_.data();
         map_ = table_.map_.data();
         mask_ = table_.map_mask_;
         shift_ = table_.map_shift_;
@@ -255,7 +264,7 @@ private:
     const Slot* free_top_ = nullptr;
     MeshEdge* edges_ = nullptr;
     PlaneIndex* ends_ = nullptr;
-    LinkIndex* first_link_ = nullptr;
+    Port* ports_ = nullptr;
     Slot* map_ = nullptr;
     std::size_t mask_ = 0;
     int shift_ = 0;

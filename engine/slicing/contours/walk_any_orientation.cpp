@@ -42,7 +42,7 @@ void Walker::follow_any_orientation(Slot start, int leave_by, bool closed) {
         order_next_[filled_ + 1] = slot;
         leave_by_[filled_] = static_cast<std::uint8_t>(leave_by);
         position_[slot] = ++filled_;
-        const PortRef next = slots_.across()[port_of(slot, leave_by)];
+        const PortRef next = slots_.ports()[port_of(slot, leave_by)].across;
         if (next == no_port || (closed && slot_of(next) == start)) {
             return;
         }

@@ -68,7 +68,7 @@ void Walker::walk_four_at_once() {
     if (lanes_.size() < 4 * room) {
         lanes_.resize(4 * room);
     }
-    const PortRef* const across = slots_.across();
+    const Port* const ports = slots_.ports();
     const std::uint64_t* const is_head = is_head_.data();
     Piece* waiting = pieces_.data();
     Piece* const end = waiting + pieces_.size();
@@ -83,7 +83,7 @@ void Walker::walk_four_at_once() {
     };
     const auto step = [&](Lane& lane) {
         *lane.out++ = lane.next;
-        lane.next = slot_of(across[port_of(lane.next, source_port)]);
+        lane.next = slot_of(ports[port_of(lane.next, source_port)].across);
         if ((is_head[lane.next >> 6] >> (lane.next & 63) & 1) == 0) {
             return true;
         }

@@ -15,6 +15,7 @@ Walker::Walker(const Memory* memory, const SlotTable& slots)
       order_next_(memory),
       breaks_(memory),
       contours_(memory),
+      old_contours_(memory),
       pieces_(memory),
       is_head_(memory),
       lanes_(memory),
@@ -73,6 +74,7 @@ void Walker::walk() {
         if (in_pieces) {
             walk_pieces();
         } else if (!by_links_) {
+            walk_old_starts();
             walk_old_runs();
         }
         walk_rest();
@@ -88,6 +90,7 @@ void Walker::begin_order() {
         order_next_.resize(std::max(live + live / 32 + 1 + run_padding, order_next_.size()));
     }
     filled_ = 0;
+    old_contours_.swap(contours_);
     contours_.clear();
 }
 
@@ -124,7 +127,19 @@ void Walker::walk_open() {
     }
 }
 
-/// Contours that hold a slot of the last plane.
+/// Contours that go on from where one of the last plane's began. They are most, and walk_old_runs() then finds their runs
+/// walked.
+void Walker::walk_old_starts() {
+    for (const WalkedContour& contour : old_contours_) {
+        const std::uint32_t position = contour.begin + 1;
+        const Slot slot = order_[position];
+        if (position_[slot] == position && !walked(slot)) {
+            walk_from(slot);
+        }
+    }
+}
+
+/// Contours that hold any slot of the last plane: parts that split off.
 void Walker::walk_old_runs() {
     for (std::uint32_t position = 1; filled_ < slots_.live() && position <= ordered_; position = next_break(position) + 1) {
         const Slot slot = order_[position];
@@ -161,7 +176,7 @@ void Walker::walk_from(Slot start) {
 bool Walker::follow_runs(Slot start) {
     Slot* const out = order_next_.data() + 1;
     std::uint32_t* const positions = position_.data();
-    const PortRef* const across = slots_.across();
+    const Port* const ports = slots_.ports();
     std::uint32_t filled = filled_;
     Slot slot = start;
     for (;;) {
@@ -180,7 +195,7 @@ bool Walker::follow_runs(Slot start) {
             filled += length;
             last = run[length - 1];
         }
-        const PortRef next = across[port_of(last, source_port)];
+        const PortRef next = ports[port_of(last, source_port)].across;
         slot = slot_of(next);
         if (next == no_port || slot == start) {
             filled_ = filled;
@@ -196,7 +211,7 @@ bool Walker::follow_links(Slot start) {
     static_assert(ahead < run_padding);
     Slot* const out = order_next_.data() + 1;
     std::uint32_t* const positions = position_.data();
-    const PortRef* const across = slots_.across();
+    const Port* const ports = slots_.ports();
     const Slot* const old_order = order_.data();
     std::uint32_t filled = filled_;
     PortRef next = port_of(start, target_port);
@@ -204,11 +219,11 @@ bool Walker::follow_links(Slot start) {
     do {
         const Slot slot = slot_of(next);
         const Slot soon = old_order[positions[slot] + ahead];
-        __builtin_prefetch(across + port_of(soon, target_port));
+        __builtin_prefetch(ports + port_of(soon, target_port));
         __builtin_prefetch(positions + soon, 1);
         out[filled] = slot;
         positions[slot] = ++filled;
-        next = across[next | source_port];
+        next = ports[next | source_port].across;
     } while (next != no_port && slot_of(next) != start);
     filled_ = filled;
     return next != no_port;

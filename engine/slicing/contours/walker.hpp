@@ -80,6 +80,7 @@ private:
     void finish_order();
 
     void walk_open();
+    void walk_old_starts();
     void walk_old_runs();
     void walk_rest();
     void walk_from(Slot start);
@@ -105,6 +106,7 @@ private:
     Vector<Slot> order_next_;
     Vector<std::uint64_t> breaks_;  // bit p: the walk does not go on from position p to p + 1
     Vector<WalkedContour> contours_;
+    Vector<WalkedContour> old_contours_;  // the last plane's, while walking
     Vector<Piece> pieces_;
     Vector<std::uint64_t> is_head_;  // by slot: a piece begins there
     Vector<Slot> lanes_;             // what pieces are walked into

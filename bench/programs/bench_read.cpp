@@ -57,7 +57,7 @@ Status Files::make_mesh() {
 }
 
 Result<Files::File> Files::get(const MeshWriter& writer) {
-    if (mesh_.vertices == 0) {
+    if (mesh_.vertex_count == 0) {
         if (Status made = make_mesh(); !made) {
             return made.error();
         }

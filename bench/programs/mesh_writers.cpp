@@ -61,14 +61,14 @@ std::uint64_t write_obj(const WeldedMesh& mesh, const std::filesystem::path& fil
 
 std::uint64_t write_off(const WeldedMesh& mesh, const std::filesystem::path& file) {
     Text text;
-    text << "OFF\n" << mesh.vertices << " " << triangles_of(mesh) << " 0\n";
+    text << "OFF\n" << mesh.vertex_count << " " << triangles_of(mesh) << " 0\n";
     put_lines(text, mesh, "", "3 ", 0);
     return save(text.all(), file);
 }
 
 Text ply_header(const WeldedMesh& mesh, std::string_view encoding) {
     Text text;
-    text << "ply\nformat " << encoding << " 1.0\nelement vertex " << mesh.vertices
+    text << "ply\nformat " << encoding << " 1.0\nelement vertex " << mesh.vertex_count
          << "\nproperty float x\nproperty float y\nproperty float z\nelement face " << triangles_of(mesh)
          << "\nproperty list uchar int vertex_indices\nend_header\n";
     return text;
@@ -93,7 +93,7 @@ std::uint64_t write_ply_binary(const WeldedMesh& mesh, const std::filesystem::pa
 
 std::uint64_t write_vtk_ascii(const WeldedMesh& mesh, const std::filesystem::path& file) {
     Text text;
-    text << "# vtk DataFile Version 4.2\nmesh\nASCII\nDATASET POLYDATA\nPOINTS " << mesh.vertices << " float\n";
+    text << "# vtk DataFile Version 4.2\nmesh\nASCII\nDATASET POLYDATA\nPOINTS " << mesh.vertex_count << " float\n";
     std::uint64_t on_line = 0;
     for_vertices(mesh, [&](const std::array<float, 3>& xyz) {
         text << xyz[0] << " " << xyz[1] << " " << xyz[2] << (++on_line % 3 == 0 ? " \n" : " ");
@@ -106,7 +106,7 @@ std::uint64_t write_vtk_ascii(const WeldedMesh& mesh, const std::filesystem::pat
 }
 
 void put_vtk_points(Text& text, const WeldedMesh& mesh, std::string_view version) {
-    text << "# vtk DataFile Version " << version << "\nmesh\nBINARY\nDATASET POLYDATA\nPOINTS " << mesh.vertices
+    text << "# vtk DataFile Version " << version << "\nmesh\nBINARY\nDATASET POLYDATA\nPOINTS " << mesh.vertex_count
          << " float\n";
     for_vertices(mesh, [&](const std::array<float, 3>& xyz) {
         for (const float coordinate : xyz) {

@@ -4,7 +4,8 @@
 
 namespace lamella::bench {
 
-Stages::Stages(const MeshView& mesh, const LayerPlan& plan, int threads) : mesh_(mesh), plan_(plan), parallel_(threads) {
+Stages::Stages(const MeshView& mesh, const LayerPlan& plan, int threads)
+    : mesh_(mesh), plan_(plan), parallel_(Control{.threads = threads}) {
     for (int i = 0; i < threads; ++i) {
         workers_.push_back(std::make_unique<Worker>());
     }

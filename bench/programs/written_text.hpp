@@ -56,7 +56,7 @@ inline std::array<float, 3> vertex_of(const WeldedMesh& mesh, std::uint64_t vert
 
 template <class Write>
 void for_vertices(const WeldedMesh& mesh, const Write& write) {
-    for (std::uint64_t vertex = 0; vertex < mesh.vertices; ++vertex) {
+    for (std::uint64_t vertex = 0; vertex < mesh.vertex_count; ++vertex) {
         write(vertex_of(mesh, vertex));
     }
 }

@@ -77,7 +77,7 @@ std::uint64_t write_vtp(const WeldedMesh& mesh, const std::filesystem::path& fil
     };
     document << R"(<?xml version="1.0"?><VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" )"
              << R"(header_type="UInt64")" << file_attributes << ">\n  <PolyData>\n    <Piece NumberOfPoints=\""
-             << mesh.vertices << "\" NumberOfPolys=\"" << triangles_of(mesh) << "\">\n      <Points>\n";
+             << mesh.vertex_count << "\" NumberOfPolys=\"" << triangles_of(mesh) << "\">\n      <Points>\n";
     put_array(points_of(mesh));
     document << "      </Points>\n      <Polys>\n";
     put_array(connectivity_of(mesh));

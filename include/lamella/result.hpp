@@ -42,15 +42,16 @@ enum class Role : std::uint8_t {
     open,   ///< a polyline: the mesh lacks a face at both of its ends
 };
 
-/// What is inside where contours overlap, nest the same way or run backwards. By all rules but the first, contours that come
-/// within two units of no other stay as they are or go; those that meet are clipped by a library, which rounds the points
-/// where they cross to the grid. Each clipping is made in two ways that must agree: a layer of which none do, or whose
-/// contours meet so often that it would take more than some seconds, is refused (ErrorCode::too_entangled).
+/// What is solid where contours overlap, nest in the same direction or run backwards. All rules but the first change
+/// contours. A contour that comes within two units of no other is kept as it is, or dropped. Contours that meet are clipped,
+/// and the points where they cross are rounded to the grid. Each clipping is done in two ways whose results must agree. A
+/// layer where they do not, or whose contours meet so often that clipping would take more than some seconds, is refused
+/// (ErrorCode::too_entangled).
 enum class FillRule : std::uint8_t {
-    contours,  ///< as walked: nothing is joined or cut
-    even_odd,  ///< within an odd number of contours
-    non_zero,  ///< where contours wind round, either way
-    positive,  ///< where more contours run counter-clockwise round than clockwise, as the facets say
+    contours,  ///< the contours as the mesh gives them: nothing is joined or cut
+    even_odd,  ///< solid within an odd number of contours
+    non_zero,  ///< solid where the winding number is not 0
+    positive,  ///< solid where the winding number, by the facets' orientation, is more than 0
 };
 
 /// "contours", "even-odd", "non-zero" or "positive".
@@ -58,10 +59,11 @@ std::string_view name_of(FillRule rule) noexcept;
 
 /// Bits of Contour::flags.
 enum ContourFlag : std::uint16_t {
-    /// The facets' sense could not stand (a winding number below zero, here or around here: an inverted shell, a flipped
-    /// patch); the role was decided by how many contours lie around, and the points run as the role demands.
+    /// The facets' orientation gives a winding number below zero here or around here, as an inverted shell or a flipped
+    /// patch
+    /// does. The role was decided by the number of contours around, and the points run as the role demands.
     sense_overruled = 1,
-    /// Neighbouring facets disagree about which side is solid; the contour runs as most of its segments say.
+    /// Neighbouring facets disagree about which side is solid; the contour runs as most of its segments do.
     sense_mixed = 2,
     /// Ends of open polylines were joined; see SliceResult::closed_gaps.
     gap_closed = 4,
@@ -73,11 +75,11 @@ struct Contour {
     std::uint64_t first_point = 0;  ///< index into SliceResult::points
     Integer128 twice_area;          ///< square grid units; positive for outer, negative for hole, 0 for flat and open
     std::int64_t parent = -1;  ///< index into SliceResult::contours: the smallest closed contour strictly around the start
-                               ///< point, of a region that a fill rule made the one that it lies directly in; -1 if none
+                               ///< point (by a fill rule: the one that it lies directly in); -1 if none
     std::uint32_t point_count = 0;
     std::uint32_t segments = 0;
     Role role = Role::outer;
-    std::int8_t sense = 0;  ///< as the facets say, by a fill rule as stored: 1 counter-clockwise, -1 clockwise, 0 flat, open
+    std::int8_t sense = 0;  ///< orientation, by the facets or the fill rule: 1 counter-clockwise, -1 clockwise, 0 flat, open
     std::uint16_t flags = 0;  ///< ContourFlag bits
 };
 

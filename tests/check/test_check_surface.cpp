@@ -133,7 +133,7 @@ TEST_CASE("a Moebius strip has one side and one boundary", "[check]") {
     const MeshCheck check = findings_of(moebius_strip(20));
     CHECK(counts(check) ==
           Counts{{"boundary_edges", 40}, {"boundary_loops", 1}, {"mismatched_edges", 1}, {"one_sided_patches", 1}});
-    CHECK(first(check, Fault::boundary_loop).number == 40);
+    CHECK(first(check, Fault::boundary_loop).parts == 40);
 }
 
 TEST_CASE("faces on the same vertices", "[check]") {

@@ -11,6 +11,7 @@
 
 #include "engine/slicing.hpp"
 #include "input/files.hpp"
+#include "lamella/io.hpp"
 
 namespace {
 

@@ -19,8 +19,8 @@
 //     plane -+--+-+---+---------------------------
 //            peaks
 //
-// What is solid plays no part: the roof of a cavity is a peak of the surface too. A part's own bottom is a pit below the
-// first plane, and its top a peak above the last.
+// Only the surface counts, not which side is solid: the roof of a cavity is a peak too. A part's own bottom is a pit below
+// the first plane, and its top a peak above the last.
 #pragma once
 
 #include <array>

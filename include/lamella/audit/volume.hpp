@@ -31,8 +31,8 @@ enum class VolumeVerdict : std::uint8_t {
 /// "holds", "areas differ", ...
 std::string_view name_of(VolumeVerdict verdict) noexcept;
 
-/// Areas and volumes count what lies inside as often as shells wind round it, as the facets say: what an inverted shell
-/// encloses is negative.
+/// Areas and volumes count a region as often as shells wind around it, by the orientation of the facets: what an inverted
+/// shell encloses is negative.
 struct VolumeCertificate {
     VolumeVerdict verdict = VolumeVerdict::open_mesh;
     double mesh_mm3 = 0;   ///< sum of signed tetrahedra, exact but for one rounding; 0 for an open mesh, as all below

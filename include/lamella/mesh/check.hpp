@@ -38,15 +38,15 @@ enum class Fault : std::uint8_t {
     mismatched_edge,      ///< with two faces that run the same way
     split_vertex,         ///< its triangles, joined over edges with two faces, form several fans: not one cone
     flipped_face,       ///< against most faces of its patch (joined over edges with two faces; at a tie the first is right)
-    one_sided_patch,    ///< no choice of senses agrees, as on a Moebius strip; its faces are not judged as flipped
-    duplicate_face,     ///< a further face with the same vertices and sense
-    opposite_face,      ///< two faces with the same vertices and opposite senses
+    one_sided_patch,    ///< no orientation of its faces agrees, as on a Moebius strip; none of them counts as flipped
+    duplicate_face,     ///< a further face with the same vertices and orientation
+    opposite_face,      ///< two faces with the same vertices and opposite orientations
     collapsed_face,     ///< two vertices are one on the grid; slicing drops it, and no other count includes it
     zero_area_face,     ///< three distinct vertices on a line; not tested against other faces
     needle_face,        ///< a sliver whose shortest side is under a tenth of the longest
     cap_face,           ///< any other sliver: one angle is nearly half a turn
-    wrong_sense_shell,  ///< a closed shell that is a cavity by its sense and a solid by its depth, or the reverse; deeper
-                        ///< than 0 only where neither it nor a shell around it meets another
+    wrong_sense_shell,  ///< a closed shell that is a cavity by its orientation and a solid by its depth, or the reverse;
+                        ///< deeper than 0 only where neither it nor a shell around it meets another
     crossing_faces,     ///< two faces whose insides cross
     overlapping_faces,  ///< two faces of one plane whose insides overlap (duplicates are counted as such)
     touching_faces,     ///< two faces that meet elsewhere than in a common edge or vertex, and neither cross nor overlap

@@ -8,6 +8,7 @@
 #include "audit/pair.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/sign.hpp"
 #include "slicing/grid/exact.hpp"
 #include "slicing/regions/edge_pairs.hpp"
 

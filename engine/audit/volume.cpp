@@ -114,7 +114,7 @@ public:
         if (is_degenerate(t)) {
             return;
         }
-        const std::array<Vector, 3> corners = {half(t[0]), half(t[1]), half(t[2])};
+        const std::array<GridVector, 3> corners = {half(t[0]), half(t[1]), half(t[2])};
         const std::int64_t covered = cross(corners[1] - corners[0], corners[2] - corners[0]).z;
         sums_.six_volumes += dot(cross(corners[0], corners[1]), corners[2]);
         std::array<std::int32_t, 3> z = {t[0].z, t[1].z, t[2].z};

@@ -15,8 +15,4 @@ inline Int128 to_int128(const Integer128& value) noexcept {
     return (Int128{value.high} << 64) | Int128{value.low};
 }
 
-constexpr int sign_of(Int128 value) noexcept {
-    return (value > 0) - (value < 0);
-}
-
 }  // namespace lamella

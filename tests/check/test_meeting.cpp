@@ -11,7 +11,7 @@ namespace lamella::check_test {
 
 namespace {
 
-using Points = std::vector<Vector>;
+using Points = std::vector<GridVector>;
 
 /// Where the differences a - b lie along every axis that can part two convex sets: on both sides of 0 or on one.
 struct Parting {
@@ -19,17 +19,17 @@ struct Parting {
     bool insides_apart = false;  ///< no point inside both, where they lie in different planes
 };
 
-Parting parting(const Points& a, const Points& b, const std::vector<Vector>& axes) {
+Parting parting(const Points& a, const Points& b, const std::vector<GridVector>& axes) {
     Parting result;
-    for (const Vector& axis : axes) {
-        if (axis == Vector{}) {
+    for (const GridVector& axis : axes) {
+        if (axis == GridVector{}) {
             continue;
         }
         Int128 low = 0;
         Int128 high = 0;
         bool first = true;
-        for (const Vector& p : a) {
-            for (const Vector& q : b) {
+        for (const GridVector& p : a) {
+            for (const GridVector& q : b) {
                 const Int128 at = dot(axis, p - q);
                 low = first ? at : std::min(low, at);
                 high = first ? at : std::max(high, at);
@@ -43,19 +43,19 @@ Parting parting(const Points& a, const Points& b, const std::vector<Vector>& axe
     return result;
 }
 
-std::vector<Vector> axes_of(const Points& a, const Points& b) {
+std::vector<GridVector> axes_of(const Points& a, const Points& b) {
     const auto sides = [](const Points& p) { return Points{p[1] - p[0], p[2] - p[1], p[0] - p[2]}; };
-    const Vector normal_a = cross(sides(a)[0], sides(a)[1]);
-    const Vector normal_b = cross(sides(b)[0], sides(b)[1]);
-    std::vector<Vector> axes = {normal_a, normal_b};
-    for (const Vector& side : sides(a)) {
+    const GridVector normal_a = cross(sides(a)[0], sides(a)[1]);
+    const GridVector normal_b = cross(sides(b)[0], sides(b)[1]);
+    std::vector<GridVector> axes = {normal_a, normal_b};
+    for (const GridVector& side : sides(a)) {
         axes.push_back(cross(normal_a, side));
         axes.push_back(cross(normal_b, side));
-        for (const Vector& other : sides(b)) {
+        for (const GridVector& other : sides(b)) {
             axes.push_back(cross(side, other));
         }
     }
-    for (const Vector& side : sides(b)) {
+    for (const GridVector& side : sides(b)) {
         axes.push_back(cross(normal_a, side));
         axes.push_back(cross(normal_b, side));
     }
@@ -73,7 +73,7 @@ bool more_than_vertex(const ExactFace& a, std::size_t i, const ExactFace& b, std
     const Points side = {a.corners[(i + 1) % 3], a.corners[(i + 2) % 3], a.corners[(i + 2) % 3]};
     Points angle = {b.corners[j]};
     for (const std::size_t k : {(j + 1) % 3, (j + 2) % 3}) {
-        const Vector out = b.corners[k] - b.corners[j];
+        const GridVector out = b.corners[k] - b.corners[j];
         angle.push_back({b.corners[j].x + far * out.x, b.corners[j].y + far * out.y, b.corners[j].z + far * out.z});
     }
     return !parting(side, angle, axes_of(side, angle)).apart;
@@ -91,7 +91,7 @@ Meeting expected(const ExactFace& a, const ExactFace& b) {
         }
     }
     const bool one_plane =
-        std::all_of(b.corners.begin(), b.corners.end(), [&](const Vector& p) { return a.height(p) == 0; });
+        std::all_of(b.corners.begin(), b.corners.end(), [&](const GridVector& p) { return a.height(p) == 0; });
     const Points p = corners_of(a);
     const Points q = corners_of(b);
     const Parting parted = parting(p, q, axes_of(p, q));

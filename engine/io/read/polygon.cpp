@@ -9,6 +9,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/sign.hpp"
+
 namespace lamella {
 
 namespace {
@@ -35,10 +37,6 @@ Vector cross(const Vector& a, const Vector& b) {
 
 double dot(const Vector& a, const Vector& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-int sign_of(double value) {
-    return static_cast<int>(value > 0) - static_cast<int>(value < 0);
 }
 
 /// A sum of doubles kept without rounding: parts of ascending magnitude that do not overlap (Shewchuk 1997, figure 6).

@@ -13,6 +13,8 @@
 
 #include <fast_float/fast_float.h>
 
+#include "base/little_endian.hpp"
+
 namespace lamella {
 
 constexpr bool is_space(char c) {
@@ -43,8 +45,6 @@ constexpr bool is_digit(char c) {
 }
 
 // Characters by the eight: words and lines are short, and where they end is what a processor guesses wrong.
-static_assert(std::endian::native == std::endian::little, "the first character is the lowest byte");
-
 inline std::uint64_t load_eight(const char* p) {
     std::uint64_t eight = 0;
     std::memcpy(&eight, p, sizeof eight);

@@ -9,7 +9,7 @@ namespace lamella {
 
 namespace {
 
-double square(const Vector& v) {
+double square(const GridVector& v) {
     return static_cast<double>(dot(v, v));
 }
 
@@ -22,8 +22,8 @@ struct Shape {
     double over_shortest;
 };
 
-Shape shape_of(const Vector& ab, const Vector& ac, const Vector& bc) {
-    const Vector normal = cross(ab, ac);
+Shape shape_of(const GridVector& ab, const GridVector& ac, const GridVector& bc) {
+    const GridVector normal = cross(ab, ac);
     const double twice_area =
         std::hypot(static_cast<double>(normal.x), static_cast<double>(normal.y), static_cast<double>(normal.z));
     const auto [shortest, longest] = std::minmax({square(ab), square(ac), square(bc)});
@@ -32,9 +32,9 @@ Shape shape_of(const Vector& ab, const Vector& ac, const Vector& bc) {
 
 void judge_shape(const GridMesh& mesh, const Face& face, double sliver_ratio, Notes& notes) {
     const std::array<GridVertex, 3> corners = mesh.corners(face);
-    const Vector ab = half(corners[1]) - half(corners[0]);
-    const Vector ac = half(corners[2]) - half(corners[0]);
-    if (cross(ab, ac) == Vector{}) {
+    const GridVector ab = half(corners[1]) - half(corners[0]);
+    const GridVector ac = half(corners[2]) - half(corners[0]);
+    if (cross(ab, ac) == GridVector{}) {
         notes.add(Fault::zero_area_face, [&] { return notes.at(face); });
         return;
     }

@@ -17,13 +17,13 @@ namespace {
 using Near = std::pair<std::uint32_t, std::uint32_t>;
 using Real = std::array<double, 3>;
 
-Real to_real(const Vector& v) {
+Real to_real(const GridVector& v) {
     return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
 }
 double dot(const Real& a, const Real& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-double length(const Vector& v) {
+double length(const GridVector& v) {
     return std::sqrt(static_cast<double>(dot(v, v)));
 }
 
@@ -39,14 +39,14 @@ Box widened(const GridVertex& p, double reach) {
 }
 
 /// From p to the line through a and b, where the foot lies strictly between them; else -1. On the line exactly 0.
-double distance_to_inside(const Vector& p, const Vector& a, const Vector& b, double& share) {
+double distance_to_inside(const GridVector& p, const GridVector& a, const GridVector& b, double& share) {
     const Real along = to_real(b - a);
     const Real ap = to_real(p - a);
     share = dot(along, ap) / dot(along, along);
     if (!(share > 0 && share < 1)) {
         return -1;
     }
-    if (cross(b - a, p - a) == Vector{}) {
+    if (cross(b - a, p - a) == GridVector{}) {
         return 0;
     }
     const Real off = {ap[0] - share * along[0], ap[1] - share * along[1], ap[2] - share * along[2]};
@@ -109,7 +109,7 @@ public:
     }
 
 private:
-    Vector at(std::uint32_t vertex) const { return half(mesh_.vertices[vertex]); }
+    GridVector at(std::uint32_t vertex) const { return half(mesh_.vertices[vertex]); }
 
     /// For every vertex of the boundary visits what has a box within reach; what visit() adds to the tally is noted.
     template <class Visit, class MakePlace>

@@ -8,6 +8,8 @@
 #include <cassert>
 #include <cstddef>
 
+#include "base/sign.hpp"
+
 namespace lamella {
 
 namespace {
@@ -42,7 +44,8 @@ struct Shared {
 
 /// On which side of a triangle's plane the other's corners lie.
 Sides sides_of_plane(const ExactFace& plane, const ExactFace& face) {
-    return {sign(plane.height(face.corners[0])), sign(plane.height(face.corners[1])), sign(plane.height(face.corners[2]))};
+    return {sign_of(plane.height(face.corners[0])), sign_of(plane.height(face.corners[1])),
+            sign_of(plane.height(face.corners[2]))};
 }
 
 bool in_front_or_behind(const Sides& s) {
@@ -55,20 +58,20 @@ bool straddles(const Sides& s) {
 /// Points of a plane, seen along the axis that is least parallel to it.
 class PlaneView {
 public:
-    explicit PlaneView(const Vector& normal) : axis_(0) {
+    explicit PlaneView(const GridVector& normal) : axis_(0) {
         const std::array<std::uint64_t, 3> size = {magnitude(normal.x), magnitude(normal.y), magnitude(normal.z)};
         axis_ = static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin());
     }
 
     /// Sense in which a, b, c turn.
-    int turn(const Vector& a, const Vector& b, const Vector& c) const {
-        const Vector ab = b - a;
-        const Vector ac = c - a;
-        return sign(u(ab) * v(ac) - v(ab) * u(ac));
+    int turn(const GridVector& a, const GridVector& b, const GridVector& c) const {
+        const GridVector ab = b - a;
+        const GridVector ac = c - a;
+        return sign_of(u(ab) * v(ac) - v(ab) * u(ac));
     }
 
     /// Closed segments, not both of them points.
-    bool segments_meet(const Vector& a, const Vector& b, const Vector& c, const Vector& d) const {
+    bool segments_meet(const GridVector& a, const GridVector& b, const GridVector& c, const GridVector& d) const {
         const int cd_a = turn(c, d, a);
         const int cd_b = turn(c, d, b);
         const int ab_c = turn(a, b, c);
@@ -79,13 +82,13 @@ public:
         return cd_a * cd_b <= 0 && ab_c * ab_d <= 0;
     }
 
-    bool is_in(const Vector& p, const ExactFace& face) const {
+    bool is_in(const GridVector& p, const ExactFace& face) const {
         const auto& [a, b, c] = face.corners;
         const Sides turns = {turn(a, b, p), turn(b, c, p), turn(c, a, p)};
         return !straddles(turns);
     }
 
-    bool meets_side(const Vector& p, const Vector& q, const ExactFace& face) const {
+    bool meets_side(const GridVector& p, const GridVector& q, const ExactFace& face) const {
         const auto& [a, b, c] = face.corners;
         return segments_meet(p, q, a, b) || segments_meet(p, q, b, c) || segments_meet(p, q, c, a);
     }
@@ -94,7 +97,7 @@ public:
     bool side_parts(const ExactFace& face, const ExactFace& other) const {
         const int sense = turn(face.corners[0], face.corners[1], face.corners[2]);
         for (std::size_t i = 0; i < 3; ++i) {
-            const auto outside = [&](const Vector& p) {
+            const auto outside = [&](const GridVector& p) {
                 return turn(face.corners[i], face.corners[next(i)], p) * sense <= 0;
             };
             if (std::all_of(other.corners.begin(), other.corners.end(), outside)) {
@@ -109,8 +112,8 @@ private:
     static bool ranges_meet(std::int64_t a, std::int64_t b, std::int64_t c, std::int64_t d) {
         return std::max(std::min(a, b), std::min(c, d)) <= std::min(std::max(a, b), std::max(c, d));
     }
-    std::int64_t u(const Vector& p) const { return axis_ == 0 ? p.y : p.x; }
-    std::int64_t v(const Vector& p) const { return axis_ == 2 ? p.y : p.z; }
+    std::int64_t u(const GridVector& p) const { return axis_ == 0 ? p.y : p.x; }
+    std::int64_t v(const GridVector& p) const { return axis_ == 2 ? p.y : p.z; }
 
     int axis_;
 };
@@ -155,7 +158,7 @@ Meeting meet_on_line(const ExactFace& a, const Sides& a_sides, const ExactFace& 
                      const Shared& shared) {
     const std::size_t i = lone_corner(a_sides);
     const std::size_t j = lone_corner(b_sides);
-    const Vector& apex = a.corners[i];
+    const GridVector& apex = a.corners[i];
     const auto innermost = [&](std::size_t to, int hand) {
         const auto place = [&](std::size_t corner) {
             return side_of(b.corners[j], b.corners[to], a.corners[corner], apex) * a_sides[i] * hand;
@@ -173,7 +176,7 @@ Meeting meet_on_line(const ExactFace& a, const Sides& a_sides, const ExactFace& 
 Meeting meet_at_plane(const ExactFace& a, const Sides& a_sides, const ExactFace& b, const Shared& shared, std::size_t of_a,
                       std::size_t of_b) {
     const PlaneView view(b.normal);
-    std::array<Vector, 2> reached;
+    std::array<GridVector, 2> reached;
     std::size_t count = 0;
     for (std::size_t i = 0; i < 3; ++i) {
         if (a_sides[i] == 0 && (shared.count == 0 || i != of_a)) {
@@ -194,7 +197,7 @@ Meeting meet_at_plane(const ExactFace& a, const Sides& a_sides, const ExactFace&
 
 }  // namespace
 
-bool contains(const ExactFace& face, const Vector& p) noexcept {
+bool contains(const ExactFace& face, const GridVector& p) noexcept {
     return face.height(p) == 0 && PlaneView(face.normal).is_in(p, face);
 }
 
@@ -232,8 +235,8 @@ std::array<std::array<double, 3>, 2> crossing_segment(const ExactFace& a, const 
     std::size_t count = 0;
     const auto add_ends = [&](const ExactFace& face, const ExactFace& plane) {
         for (std::size_t i = 0; i < 3; ++i) {
-            const Vector& p = face.corners[i];
-            const Vector& q = face.corners[next(i)];
+            const GridVector& p = face.corners[i];
+            const GridVector& q = face.corners[next(i)];
             const auto from = static_cast<double>(plane.height(p));
             const auto to = static_cast<double>(plane.height(q));
             if (from == 0 || from * to < 0) {

@@ -18,21 +18,21 @@ enum class Meeting : std::uint8_t {
 /// A triangle with area. Corners with equal ids are one vertex, and corners at one place have equal ids.
 struct ExactFace {
     std::array<std::uint32_t, 3> ids;
-    std::array<Vector, 3> corners;
-    Vector normal;
+    std::array<GridVector, 3> corners;
+    GridVector normal;
 
     ExactFace(const std::array<std::uint32_t, 3>& vertex_ids, const std::array<GridVertex, 3>& vertices) noexcept
         : ids(vertex_ids),
           corners{half(vertices[0]), half(vertices[1]), half(vertices[2])},
           normal(cross(corners[1] - corners[0], corners[2] - corners[0])) {}
 
-    bool has_area() const noexcept { return !(normal == Vector{}); }
+    bool has_area() const noexcept { return !(normal == GridVector{}); }
     /// Times the normal's length: how far p lies in front of the plane.
-    Int128 height(const Vector& p) const noexcept { return dot(normal, p - corners[0]); }
+    Int128 height(const GridVector& p) const noexcept { return dot(normal, p - corners[0]); }
 };
 
 /// Whether p lies in the triangle, its sides included. Precondition: it has area.
-bool contains(const ExactFace& face, const Vector& p) noexcept;
+bool contains(const ExactFace& face, const GridVector& p) noexcept;
 
 /// Precondition: both have area.
 Meeting meet(const ExactFace& a, const ExactFace& b) noexcept;

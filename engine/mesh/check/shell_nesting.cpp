@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "base/sign.hpp"
 #include "mesh/check/box_tree.hpp"
 #include "mesh/check/meeting.hpp"
 #include "mesh/check/pair_search.hpp"
@@ -22,18 +23,18 @@ struct Hit {
 
 /// The sense in which a, b and the ray turn, seen from above. The ray stands at p moved by (e, e^2), e infinitely small: it
 /// passes through no edge and no vertex, and the faces around one are counted as they are for a point nearby.
-int turn_from_above(const Vector& a, const Vector& b, const Vector& p) {
+int turn_from_above(const GridVector& a, const GridVector& b, const GridVector& p) {
     const std::int64_t turn = (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
     if (turn != 0) {
-        return sign(turn);
+        return sign_of(turn);
     }
-    return a.y != b.y ? sign(a.y - b.y) : sign(b.x - a.x);
+    return a.y != b.y ? sign_of(a.y - b.y) : sign_of(b.x - a.x);
 }
 
 /// The winding that the face adds to p: the sense of the face from above where the ray upwards from p passes through it.
-int winding_of(const ExactFace& face, const Vector& p) {
-    const int sense = sign(face.normal.z);
-    if (sense == 0 || sign(face.height(p)) * sense >= 0) {
+int winding_of(const ExactFace& face, const GridVector& p) {
+    const int sense = sign_of(face.normal.z);
+    if (sense == 0 || sign_of(face.height(p)) * sense >= 0) {
         return 0;
     }
     for (std::size_t i = 0; i < 3; ++i) {
@@ -96,7 +97,7 @@ private:
     }
 
     /// Vertices spread over the shell.
-    Vector sample(std::uint32_t shell, std::size_t number) const {
+    GridVector sample(std::uint32_t shell, std::size_t number) const {
         const std::size_t count = firsts_[shell + 1] - firsts_[shell];
         const std::uint32_t face = faces_[firsts_[shell] + number * (count - 1) / (most_samples - 1)];
         return half(mesh_.vertices[mesh_.faces[face].corners[number % 3]]);
@@ -134,7 +135,7 @@ private:
     }
 
     /// Fills hits_ from the ray upwards from p, by shell.
-    bool cast(std::uint32_t shell, const Vector& p) {
+    bool cast(std::uint32_t shell, const GridVector& p) {
         const auto on_grid = [](std::int64_t value) { return static_cast<std::int32_t>(2 * value); };
         const Box ray{{on_grid(p.x), on_grid(p.y), on_grid(p.z)}, {on_grid(p.x), on_grid(p.y), grid_limit}};
         hits_.clear();

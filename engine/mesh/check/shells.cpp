@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/disjoint_sets.hpp"
+#include "base/sign.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/check/shell_nesting.hpp"
 #include "slicing/grid/grid_vector.hpp"
@@ -14,7 +15,7 @@ namespace {
 
 /// Numbers the shells by their first faces; the shell of each face.
 std::vector<std::uint32_t> number_shells(const GridMesh& mesh, const EdgeTable& edges, std::uint32_t& count) {
-    JoinedSets sets(mesh.faces.size());
+    DisjointSets sets(mesh.faces.size());
     for (std::size_t edge = 0; edge < edges.size(); ++edge) {
         const std::span<const std::uint32_t> sides = edges.sides(edge);
         for (const std::uint32_t side : sides.subspan(1)) {
@@ -23,14 +24,14 @@ std::vector<std::uint32_t> number_shells(const GridMesh& mesh, const EdgeTable& 
     }
     std::vector<std::uint32_t> shell_of(mesh.faces.size());
     for (std::uint32_t face = 0; face < mesh.faces.size(); ++face) {
-        const std::uint32_t root = sets.find(face).root;
+        const std::uint32_t root = sets.root(face);
         shell_of[face] = root == face ? count++ : shell_of[root];
     }
     return shell_of;
 }
 
 /// Six times the volume between a face and a point near it, in halves of grid units: summed over a closed shell, exact.
-Int128 six_volumes(const GridMesh& mesh, const Face& face, const Vector& origin) {
+Int128 six_volumes(const GridMesh& mesh, const Face& face, const GridVector& origin) {
     const std::array<GridVertex, 3> corners = mesh.corners(face);
     return dot(cross(half(corners[0]) - origin, half(corners[1]) - origin), half(corners[2]) - origin);
 }
@@ -38,7 +39,7 @@ Int128 six_volumes(const GridMesh& mesh, const Face& face, const Vector& origin)
 void measure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std::uint32_t>& shell_of,
              std::vector<MeshShell>& shells, const Notes& notes) {
     std::vector<Int128> volumes(shells.size(), 0);
-    std::vector<Vector> origins(shells.size());
+    std::vector<GridVector> origins(shells.size());
     for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
         const Face& face = mesh.faces[i];
         MeshShell& shell = shells[shell_of[i]];
@@ -58,7 +59,7 @@ void measure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std
     const double cube_mm3 = 8 * mesh.unit_mm * mesh.unit_mm * mesh.unit_mm;
     for (std::size_t i = 0; i < shells.size(); ++i) {
         if (shells[i].closed) {
-            shells[i].sense = sign(volumes[i]);
+            shells[i].sense = sign_of(volumes[i]);
             shells[i].volume_mm3 = static_cast<double>(volumes[i]) / 6 * cube_mm3;
         }
     }

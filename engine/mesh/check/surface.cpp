@@ -60,7 +60,7 @@ void find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes
 }
 
 void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, Notes& notes) {
-    JoinedSets fans(3 * mesh.faces.size());
+    DisjointSets fans(3 * mesh.faces.size());
     each_joint(edges, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
         for (const std::uint32_t vertex : {edges[edge].lower, edges[edge].upper}) {
             fans.unite(corner_at(mesh, side, vertex), corner_at(mesh, other, vertex));
@@ -69,7 +69,7 @@ void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, Notes& no
     std::vector<std::uint32_t> counts(mesh.vertices.size(), 0);
     std::vector<std::uint32_t> first_faces(mesh.vertices.size(), 0);
     for (std::uint32_t corner = 0; corner < 3 * mesh.faces.size(); ++corner) {
-        if (fans.find(corner).root == corner) {
+        if (fans.root(corner) == corner) {
             const std::uint32_t vertex = mesh.faces[corner / 3].corners[corner % 3];
             first_faces[vertex] = counts[vertex]++ == 0 ? corner / 3 : first_faces[vertex];
         }
@@ -87,23 +87,23 @@ void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, Notes& no
 }
 
 void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& notes) {
-    JoinedSets senses(mesh.faces.size());
+    DisjointSets senses(mesh.faces.size());
     each_joint(edges, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
         senses.unite(EdgeTable::face_of(side), EdgeTable::face_of(other), !edges.is_balanced(edge));
     });
     std::vector<Patch> patches(mesh.faces.size());
     each_joint(edges, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
-        const JoinedSets::Member member = senses.find(EdgeTable::face_of(side));
+        const DisjointSets::Member member = senses.find(EdgeTable::face_of(side));
         const bool agree = member.opposite == senses.find(EdgeTable::face_of(other)).opposite;
         patches[member.root].one_sided |= agree != edges.is_balanced(edge);
     });
     for (std::uint32_t face = 0; face < patches.size(); ++face) {
-        const JoinedSets::Member member = senses.find(face);
+        const DisjointSets::Member member = senses.find(face);
         Patch& patch = patches[member.root];
         ++(member.opposite ? patch.opposite : patch.alike);
     }
     for (std::uint32_t face = 0; face < patches.size(); ++face) {
-        const JoinedSets::Member member = senses.find(face);
+        const DisjointSets::Member member = senses.find(face);
         const Patch& patch = patches[member.root];
         if (patch.one_sided && member.root == face) {
             notes.add(Fault::one_sided_patch, [&] { return notes.at(mesh.faces[face]); });

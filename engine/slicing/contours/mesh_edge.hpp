@@ -1,11 +1,11 @@
 // What two segment ends must share to meet: the mesh edge that they lie on.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
+#include "base/little_endian.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"
@@ -43,7 +43,7 @@ private:
     static std::uint64_t joined(std::int32_t first, std::int32_t second) noexcept {
         const std::uint64_t a = static_cast<std::uint32_t>(first);
         const std::uint64_t b = static_cast<std::uint32_t>(second);
-        return std::endian::native == std::endian::little ? a | b << 32 : b | a << 32;
+        return a | b << 32;
     }
 
     GridVertex vertex(std::size_t at) const noexcept {

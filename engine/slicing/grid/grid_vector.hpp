@@ -5,41 +5,38 @@
 #include <cstdint>
 
 #include "base/int128.hpp"
+#include "base/sign.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {
 
-struct Vector {
+struct GridVector {
     std::int64_t x = 0;
     std::int64_t y = 0;
     std::int64_t z = 0;
 };
 
-inline Vector half(const GridVertex& v) noexcept {
+inline GridVector half(const GridVertex& v) noexcept {
     return {v.x / 2, v.y / 2, v.z / 2};
 }
-inline Vector operator-(const Vector& a, const Vector& b) noexcept {
+inline GridVector operator-(const GridVector& a, const GridVector& b) noexcept {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-inline bool operator==(const Vector& a, const Vector& b) noexcept {
+inline bool operator==(const GridVector& a, const GridVector& b) noexcept {
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 /// Of differences.
-inline Vector cross(const Vector& a, const Vector& b) noexcept {
+inline GridVector cross(const GridVector& a, const GridVector& b) noexcept {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 /// Of a cross product and a difference, or of two differences.
-inline Int128 dot(const Vector& a, const Vector& b) noexcept {
+inline Int128 dot(const GridVector& a, const GridVector& b) noexcept {
     return Int128{a.x} * b.x + Int128{a.y} * b.y + Int128{a.z} * b.z;
-}
-template <class Integer>
-int sign(Integer value) noexcept {
-    return (value > 0) - (value < 0);
 }
 
 /// 1 when d lies where counter-clockwise a, b, c are seen from; 0 when all four lie in a plane.
-inline int side_of(const Vector& a, const Vector& b, const Vector& c, const Vector& d) noexcept {
-    return sign(dot(cross(b - a, c - a), d - a));
+inline int side_of(const GridVector& a, const GridVector& b, const GridVector& c, const GridVector& d) noexcept {
+    return sign_of(dot(cross(b - a, c - a), d - a));
 }
 
 }  // namespace lamella

@@ -8,6 +8,9 @@
 #include <limits>
 #include <utility>
 
+#include "base/int128.hpp"
+#include "base/sign.hpp"
+
 namespace lamella {
 
 namespace {
@@ -16,13 +19,6 @@ using nesting::Container;
 using nesting::Ring;
 using nesting::SortKey;
 using nesting::StartLine;
-
-int sign_of(const Integer128& area) noexcept {
-    if (area.high < 0) {
-        return -1;
-    }
-    return area.high > 0 || area.low > 0 ? 1 : 0;
-}
 
 std::pair<std::uint64_t, std::uint64_t> magnitude(const Integer128& area) noexcept {
     const auto high = static_cast<std::uint64_t>(area.high);
@@ -77,7 +73,7 @@ std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexce
 void NestItem::reset() noexcept {
     parent = -1;
     reverse = false;
-    sense = static_cast<std::int8_t>(closed ? sign_of(twice_area) : 0);
+    sense = static_cast<std::int8_t>(closed ? sign_of(to_int128(twice_area)) : 0);
     role = closed ? Role::flat : Role::open;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "base/sign.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {
@@ -36,8 +37,9 @@ bool Contacts::find(std::span<const NestItem> contours) {
     near_.clear();
     contours_.clear();
     shared_.clear();
+    contours_.resize(contours.size());
+    clusters_.assign(contours.size());
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
-        contours_.push_back({c});
         near_.add({{contours[c].points, contours[c].count}, c, true, contours[c].start});
     }
     const bool all =
@@ -91,18 +93,10 @@ void Contacts::find_crowds() {
     }
 }
 
-std::uint32_t Contacts::leader(std::uint32_t contour) noexcept {
-    while (contours_[contour].towards != contour) {
-        contours_[contour].towards = contours_[contours_[contour].towards].towards;
-        contour = contours_[contour].towards;
-    }
-    return contour;
-}
-
 void Contacts::join(std::uint32_t a, std::uint32_t b) noexcept {
     const auto [first, second] = std::minmax({leader(a), leader(b)});
     if (first != second) {
-        contours_[second].towards = first;
+        clusters_.unite(first, second);
         contours_[first].contacts += contours_[second].contacts;
         contours_[first].shared += contours_[second].shared;
     }

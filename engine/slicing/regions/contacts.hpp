@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/disjoint_sets.hpp"
 #include "base/vector.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/regions/edge_pairs.hpp"
@@ -22,14 +23,14 @@ bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept;
 /// point in common. Contours that meet, and those that meet them, are a cluster.
 class Contacts {
 public:
-    explicit Contacts(const Memory* memory) : contours_(memory), shared_(memory) {}
+    explicit Contacts(const Memory* memory) : contours_(memory), clusters_(memory), shared_(memory) {}
 
     /// Of closed contours. False if they meet more often than could be clipped in seconds. O(q log q) for q points whose
     /// edges lie apart, and as many steps as edges' boxes lie close, up to a fixed number. Throws std::bad_alloc.
     bool find(std::span<const NestItem> contours);
 
     /// The first contour of the cluster.
-    std::uint32_t leader(std::uint32_t contour) noexcept;
+    std::uint32_t leader(std::uint32_t contour) noexcept { return clusters_.root(contour); }
     /// Makes one cluster of two.
     void join(std::uint32_t a, std::uint32_t b) noexcept;
 
@@ -42,7 +43,6 @@ public:
 
 private:
     struct Own {
-        std::uint32_t towards;  // the leader: an earlier contour of the cluster, or itself
         bool itself = false;
         bool crowded = false;
         std::uint64_t contacts = 0;  // of those led
@@ -63,6 +63,7 @@ private:
 
     EdgePairs near_;
     Vector<Own> contours_;
+    DisjointSets clusters_;  // the leader is the root
     Vector<Shared> shared_;
 };
 

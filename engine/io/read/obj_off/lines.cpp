@@ -1,10 +1,8 @@
 #include "io/read/obj_off/lines.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cstdint>
-#include <utility>
 
 namespace lamella {
 
@@ -36,42 +34,8 @@ std::string_view head_comments(std::string_view text) {
 }
 
 std::vector<TextPiece> cut_at_lines(std::string_view text) {
-    std::vector<TextPiece> pieces;
     const char* const end = text.data() + text.size();
-    for (const char* begin = text.data(); begin != end;) {
-        const auto left = static_cast<std::size_t>(end - begin);
-        const char* const cut = left > piece_bytes ? next_cut(begin + piece_bytes, end) : end;
-        pieces.push_back({.text = {begin, static_cast<std::size_t>(cut - begin)}});
-        begin = cut;
-    }
-    return pieces;
-}
-
-std::size_t number_pieces(std::vector<TextPiece>& pieces) {
-    std::size_t all = 0;
-    for (TextPiece& piece : pieces) {
-        piece.first = std::exchange(all, all + piece.count);
-    }
-    return all;
-}
-
-TextFailure parse_pieces(std::size_t count, const Parallel& parallel,
-                         FunctionRef<TextFailure(std::size_t piece, int worker)> parse) {
-    std::vector<TextFailure> failures(count);
-    std::atomic<std::size_t> failed{count};
-    parallel.run(count, [&](std::size_t i, int worker) {
-        if (i > failed.load(std::memory_order_relaxed)) {
-            return;  // an earlier piece fails, and only the first failure is told
-        }
-        failures[i] = parse(i, worker);
-        if (failures[i].at != nullptr) {
-            std::size_t first = failed.load();
-            while (i < first && !failed.compare_exchange_weak(first, i)) {
-            }
-        }
-    });
-    const auto first = std::find_if(failures.begin(), failures.end(), [](const TextFailure& f) { return f.at != nullptr; });
-    return first == failures.end() ? TextFailure() : *first;
+    return cut_text(text, piece_bytes, [end](const char*, const char* from) { return next_cut(from, end); });
 }
 
 /// Of a line of words and single blanks, eight characters at a time; nothing where there is more to it than that.

@@ -1,4 +1,4 @@
-// Text whose statements are lines, cut into pieces that are parsed in parallel.
+// Text whose statements are lines: OBJ and OFF.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "io/text/pieces.hpp"
 #include "io/text/text.hpp"
 
 namespace lamella {
@@ -35,21 +36,8 @@ inline const char* skip_blank(const char* p, const char* end) {
 /// The comments and empty lines that `text` begins with.
 std::string_view head_comments(std::string_view text);
 
-/// A piece of text, and which of the file's vertices (of an OBJ file) or lines (of an OFF file) are in it.
-struct TextPiece {
-    std::string_view text;
-    std::size_t first = 0;
-    std::size_t count = 0;
-
-    std::size_t end() const noexcept { return first + count; }
-};
-
-/// The pieces of `text`, about 1 MB each. Every one ends behind a line end that no backslash precedes, or with the text.
-/// They depend on the text alone, so that errors do not depend on threads.
+/// Pieces of about 1 MB. Each one ends after a line end that no backslash precedes, or with the text.
 std::vector<TextPiece> cut_at_lines(std::string_view text);
-
-/// Numbers what the pieces have counted. Returns how many there are in all.
-std::size_t number_pieces(std::vector<TextPiece>& pieces);
 
 /// What a reader leaves out of a piece or of the whole text.
 struct LeftOut {
@@ -63,16 +51,6 @@ struct LeftOut {
         count += next.count;
     }
 };
-
-struct TextFailure {
-    const char* at = nullptr;  ///< null: none
-    std::string what;
-};
-
-/// Calls parse(piece, worker) for pieces in [0, count), in parallel. The failure of the first that fails; pieces behind one
-/// that is known to fail may be left out.
-TextFailure parse_pieces(std::size_t count, const Parallel& parallel,
-                         FunctionRef<TextFailure(std::size_t piece, int worker)> parse);
 
 /// Words and numbers of one line after the other. What is wrong goes to failure(), and false comes back.
 class LineParser {

@@ -234,7 +234,7 @@ Result<MeshFile> read_obj(FileSource& source) {
     std::vector<LeftOut> skipped(pieces.size());
     source.parallel().run(pieces.size(),
                           [&](std::size_t i, int) { ObjParser(pieces[i].text).count(pieces[i], faces[i], skipped[i]); });
-    const std::size_t vertices = number_pieces(pieces);
+    const std::size_t vertices = number_items(pieces);
     Result<MeshFile> mesh = read_faces(
         source, whole, vertices, faces,
         [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {

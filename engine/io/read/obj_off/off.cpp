@@ -134,7 +134,7 @@ std::size_t OffParser::count(FaceRange& faces, std::size_t vertices, std::size_t
 
 bool OffParser::parse(const TextPiece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces) {
     constexpr int normal_colour_and_texture = 3 + 4 + 2;
-    const std::size_t last = std::min(piece.end(), counts.lines());
+    const std::size_t last = std::min(piece.end_item(), counts.lines());
     for (std::size_t line = piece.first; line < last; ++line) {
         next_line();
         if (line < counts.vertices) {
@@ -207,11 +207,11 @@ bool OffParser::corner(std::size_t vertex_count, FaceWriter& faces) {
 std::vector<FaceRange> count_faces(std::vector<TextPiece>& pieces, const Counts& counts, const Parallel& parallel) {
     std::vector<FaceRange> faces(pieces.size());
     parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = OffParser(pieces[i].text).count(faces[i]); });
-    number_pieces(pieces);
+    number_items(pieces);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-        if (pieces[i].first < counts.vertices || pieces[i].end() > counts.lines()) {  // not all of them are faces
+        if (pieces[i].first < counts.vertices || pieces[i].end_item() > counts.lines()) {  // not all of them are faces
             faces[i] = {};
-            if (pieces[i].end() > counts.vertices && pieces[i].first < counts.lines()) {
+            if (pieces[i].end_item() > counts.vertices && pieces[i].first < counts.lines()) {
                 const std::size_t vertices = counts.vertices - std::min(counts.vertices, pieces[i].first);
                 OffParser(pieces[i].text).count(faces[i], vertices, counts.lines() - pieces[i].first);
             }
@@ -260,7 +260,7 @@ Result<MeshFile> read_off(FileSource& source) {
     }
     std::vector<TextPiece> pieces = cut_at_lines(body);
     std::vector<FaceRange> faces = count_faces(pieces, counts, source.parallel());
-    const std::size_t lines = pieces.empty() ? 0 : pieces.back().end();
+    const std::size_t lines = pieces.empty() ? 0 : pieces.back().end_item();
     Result<MeshFile> mesh = read_faces(
         source, whole, std::min(counts.vertices, lines), faces,
         [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {

@@ -1,5 +1,7 @@
 #include "io/read/vtk/number_array.hpp"
 
+#include "base/little_endian.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -10,8 +12,6 @@
 namespace lamella {
 
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "what is big-endian is swapped");
 
 /// The type without a sign that has the size of `T`.
 template <class T>

@@ -6,18 +6,14 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "io/text/pieces.hpp"
 #include "io/text/text.hpp"
 
 namespace lamella {
 
-/// Words that follow each other in a text, in pieces for parallel use.
+/// Words that follow each other in a text.
 struct WordRun {
-    struct Piece {
-        const char* begin = nullptr;  ///< space, a word's first letter, or the end
-        std::uint64_t first = 0;      ///< of its words, in the run
-        std::uint64_t count = 0;
-    };
-    std::vector<Piece> pieces;
+    std::vector<TextPiece> pieces;  ///< each begins with space or with a word, and has words
     std::uint64_t count = 0;
     const char* end = nullptr;       ///< behind the last word
     const char* text_end = nullptr;  ///< words are read to there, so that a cut never looks like the end

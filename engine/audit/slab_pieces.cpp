@@ -106,7 +106,7 @@ void SlabPieces::grow() {
     }
 }
 
-/// Everything to the roots.
+/// Adds each node to the root of its set.
 void SlabPieces::gather() {
     for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
         const Node& own = nodes_[node];

@@ -1,6 +1,6 @@
 // The pieces of the surface within a few slabs. A piece that does not join two planes has a vertex in its slab, and all its
 // vertices there are joined by edges that stay in the slab: so it is a set of vertices, and the edges that leave the slab
-// tell which planes it meets.
+// show which planes it meets.
 #pragma once
 
 #include <cstdint>
@@ -31,9 +31,9 @@ class SlabPieces {
 public:
     SlabPieces(const PlaneSet& planes, double unit_mm) noexcept : planes_(planes), unit_mm_(unit_mm) {}
 
-    /// Forgets all, for slabs [first, last] and about so many triangles.
+    /// Begins anew, for slabs [first, last] and about so many triangles.
     void begin(PlaneIndex first, PlaneIndex last, std::size_t triangles);
-    /// Every triangle with a vertex in the range must come, once, in any order.
+    /// To be called once for every triangle with a vertex in the range, in any order.
     void add(const SlabTriangle& triangle);
     /// Appends what the range holds; the slabs from below, their pieces by kind and place.
     void finish(std::vector<Slab>& slabs, std::vector<SurfacePiece>& pieces);

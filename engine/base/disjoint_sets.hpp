@@ -2,6 +2,7 @@
 // its smallest member: sets come out in the order of what they hold, whatever order they were united in.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -13,15 +14,10 @@
 
 namespace lamella {
 
-/// Members can be opposite to one another within their set, as faces of opposite orientation are. O(log n) amortised a call.
+/// O(log n) amortised a call.
 class DisjointSets {
 public:
-    struct Member {
-        std::uint32_t root;
-        bool opposite;  ///< to the root
-    };
-
-    explicit DisjointSets(const Memory* memory = nullptr) : parents_(memory), opposite_(memory) {}
+    explicit DisjointSets(const Memory* memory = nullptr) : parents_(memory) {}
     explicit DisjointSets(std::size_t count) { assign(count); }
 
     /// Members [0, count), each alone in its set.
@@ -30,44 +26,26 @@ public:
         for (std::uint32_t i = 0; i < count; ++i) {
             parents_[i] = i;
         }
-        opposite_.assign(count, 0);
     }
 
     /// One more member, alone in its set.
-    void add() {
-        parents_.push_back(static_cast<std::uint32_t>(parents_.size()));
-        opposite_.push_back(0);
-    }
+    void add() { parents_.push_back(static_cast<std::uint32_t>(parents_.size())); }
 
-    Member find(std::uint32_t i) noexcept {
-        bool opposite = false;
+    std::uint32_t root(std::uint32_t i) noexcept {
         while (parents_[i] != i) {
-            const std::uint32_t parent = parents_[i];
-            opposite_[i] ^= opposite_[parent];  // halves the path; a root is never opposite to itself
-            parents_[i] = parents_[parent];
-            opposite ^= opposite_[i] != 0;
+            parents_[i] = parents_[parents_[i]];  // halves the path
             i = parents_[i];
         }
-        return {i, opposite};
+        return i;
     }
-    std::uint32_t root(std::uint32_t i) noexcept { return find(i).root; }
 
-    /// Where both are in one set already, nothing changes.
-    void unite(std::uint32_t a, std::uint32_t b, bool opposite = false) noexcept {
-        Member first = find(a);
-        Member second = find(b);
-        if (first.root > second.root) {
-            std::swap(first, second);
-        }
-        if (first.root != second.root) {
-            parents_[second.root] = first.root;
-            opposite_[second.root] = static_cast<std::uint8_t>(first.opposite ^ second.opposite ^ opposite);
-        }
+    void unite(std::uint32_t a, std::uint32_t b) noexcept {
+        const auto [first, second] = std::minmax({root(a), root(b)});
+        parents_[second] = first;
     }
 
 private:
     Vector<std::uint32_t> parents_;
-    Vector<std::uint8_t> opposite_;  ///< to the parent
 };
 
 /// Several threads unite at once. A link always goes to a smaller member, so that the sets do not depend on who came first.

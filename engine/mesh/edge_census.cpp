@@ -19,7 +19,7 @@ namespace {
 
 // Every triangle side is noted by its number alone (3 * triangle + corner), in the partition that the hash of its edge
 // gives: count, prefix sum, scatter. All sides of an edge then lie in one partition, which is small enough to be counted in
-// a hash map that stays in cache; its keys are read from the mesh again, so that no quantised copy of it is ever held.
+// a hash map that stays in cache; its keys are read from the mesh again, so that no rounded copy of it is stored.
 
 constexpr std::size_t sides_per_partition = std::size_t{1} << 15;
 constexpr std::size_t most_partitions = std::size_t{1} << 14;

@@ -33,6 +33,9 @@ struct TextPiece {
     std::size_t end_item() const noexcept { return first + count; }
 };
 
+/// Large enough to hide the cost of a task, small enough to share out.
+inline constexpr std::size_t text_piece_bytes = std::size_t{1} << 20;
+
 /// Pieces of `piece_bytes` or little more; only the last may be shorter. end_of_piece(begin, from) is where the piece from
 /// `begin` ends: at `from` or after.
 std::vector<TextPiece> cut_text(std::string_view text, std::size_t piece_bytes,

@@ -1,9 +1,9 @@
-// What a diagnosis found, as a PLY file to be shown over the mesh.
+// The faults that check() found, as a PLY file to be shown over the mesh.
 #include <array>
 #include <cstdint>
-#include <new>
 #include <string>
 
+#include "base/guard.hpp"
 #include "io/write/describe.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/io/check_report.hpp"
@@ -18,7 +18,7 @@ struct Colour {
     int blue;
 };
 
-/// By fault: reds for what is open, blues for edges and vertices, greens for faces and shells, yellows for meetings, violets
+/// By fault: reds for boundaries, blues for edges and vertices, greens for faces and shells, yellows for meetings, violets
 /// for gaps.
 constexpr std::array<Colour, fault_count> colours = {{
     {255, 0, 0},     {160, 0, 0},   {0, 160, 255}, {0, 0, 255},    {0, 0, 140},    {0, 255, 255},   {0, 128, 0},
@@ -89,7 +89,7 @@ void write_edges(const MeshCheck& check, OutputFile& file) {
 }  // namespace
 
 Status write_marks(const MeshCheck& check, const std::filesystem::path& path) noexcept {
-    try {
+    return guarded([&]() -> Status {
         Result<OutputFile> file = OutputFile::create(path);
         if (!file) {
             return file.error();
@@ -98,9 +98,7 @@ Status write_marks(const MeshCheck& check, const std::filesystem::path& path) no
         write_points(check, file.value());
         write_edges(check, file.value());
         return file->commit();
-    } catch (const std::bad_alloc&) {
-        return Error{.code = ErrorCode::out_of_memory, .message = "out of memory"};
-    }
+    });
 }
 
 }  // namespace lamella

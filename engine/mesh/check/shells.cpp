@@ -1,4 +1,4 @@
-// Shells: sets of triangles connected over edges, their senses, and which lies within which.
+// Shells: sets of triangles connected over edges; their orientations, and which lies within which.
 #include <algorithm>
 #include <cstddef>
 #include <vector>
@@ -65,8 +65,8 @@ void measure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std
     }
 }
 
-/// A solid that another one pierces or touches lies within it only in part, and joins it: no depth makes that wrong. Nor
-/// does a depth say anything where the shells around meet others.
+/// Whether neither the shell nor any shell around it meets another one. Where one does, solids overlap or touch, and the
+/// depth does not tell which orientation is right.
 bool lies_apart(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other, std::size_t shell) {
     while (meets_other[shell] == 0 && shells[shell].parent >= 0) {
         shell = static_cast<std::size_t>(shells[shell].parent);

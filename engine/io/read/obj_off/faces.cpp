@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t vertex_bytes = 3 * sizeof(double);
 
-/// Makes triangles of what FaceWriter left; one for each thread.
+/// Makes triangles of the faces that FaceWriter stored; one for each thread.
 class FaceCutter {
 public:
     /// The number of the first face that the triangulator refuses, counted from `indices`, if there is any.

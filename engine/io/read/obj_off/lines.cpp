@@ -8,12 +8,10 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{1} << 20;
-
-/// Behind the first line end at or after `from` at which a piece may end.
+/// Right after the first line end from `from` on that no backslash precedes.
 const char* next_cut(const char* from, const char* end) {
     for (const char* p = skip_line(from, end); p != end; p = skip_line(p + 1, end)) {
-        // A CR that an LF follows is no end yet.
+        // CRLF ends a line with its LF.
         if (p[-1] != '\\' && !(*p == '\r' && p + 1 != end && p[1] == '\n') &&
             !(*p == '\n' && p[-1] == '\r' && p[-2] == '\\')) {
             return p + 1;
@@ -35,10 +33,10 @@ std::string_view head_comments(std::string_view text) {
 
 std::vector<TextPiece> cut_at_lines(std::string_view text) {
     const char* const end = text.data() + text.size();
-    return cut_text(text, piece_bytes, [end](const char*, const char* from) { return next_cut(from, end); });
+    return cut_text(text, text_piece_bytes, [end](const char*, const char* from) { return next_cut(from, end); });
 }
 
-/// Of a line of words and single blanks, eight characters at a time; nothing where there is more to it than that.
+/// Counts eight characters at a time; nothing if the line holds a comment, a backslash, a tab or the end of the text.
 std::optional<std::size_t> LineParser::count_plain_words() {
     std::size_t words = 0;
     std::uint64_t before = 0;  // whether the last character was part of a word
@@ -79,7 +77,7 @@ void LineParser::skip_rest() {
     }
     const char* const line_end = skip_line(p_, end_);
     if (continued_ && line_end != p_ && line_end[-1] == '\\') {
-        count_words();  // leaves a comment, if that is where the backslash is
+        count_words();  // stops at a comment, where the backslash joins nothing
         p_ = skip_line(p_, end_);
     } else {
         p_ = line_end;

@@ -18,7 +18,7 @@ constexpr bool is_blank(char c) {
     return (c == ' ') | (c == '\t') | (c == '\v') | (c == '\f');
 }
 
-/// The bytes of a backslash and the line end behind it, which join two lines; 0 where there is none at `p`.
+/// The bytes of a backslash and the line end after it, which join two lines; 0 where there is none at `p`.
 inline std::size_t continuation_at(const char* p, const char* end) {
     if (p == end || *p != '\\' || p + 1 == end || !ends_line(p[1])) {
         return 0;
@@ -45,17 +45,17 @@ struct LeftOut {
     const char* first = nullptr;
 
     void add(const char* at) { add({1, at}); }
-    /// Precondition: what `next` counts comes behind what was counted.
+    /// Precondition: what `next` counts comes after what was counted.
     void add(const LeftOut& next) {
         first = first != nullptr ? first : next.first;
         count += next.count;
     }
 };
 
-/// Words and numbers of one line after the other. What is wrong goes to failure(), and false comes back.
+/// Reads words and numbers line by line. Calls return false on an error, which failure() holds.
 class LineParser {
 public:
-    /// Precondition: `end` is behind a line end, or the end of the text.
+    /// Precondition: `end` is right after a line end, or the end of the text.
     LineParser(const char* begin, const char* end, bool continued) : p_(begin), end_(end), continued_(continued) {}
 
     const TextFailure& failure() const { return failure_; }
@@ -75,7 +75,7 @@ protected:
         return p == end_ || is_space(*p) || (continued_ && continuation_at(p, end_) != 0);
     }
 
-    /// Behind the word at p_.
+    /// To the end of the word at p_.
     void skip_word() {
         const char* p = p_;
         do {
@@ -86,13 +86,13 @@ protected:
         p_ = p;
     }
 
-    /// The words of the line from p_ on, which is not within one, read over.
+    /// Skips the rest of the line's words and counts them. Precondition: p_ is not within a word.
     std::size_t count_words();
 
     /// To the end of the line, the lines that continue it included. Comments are not continued.
     void skip_rest();
 
-    /// The three coordinates of a vertex, and then at most `others` numbers that are read over.
+    /// The three coordinates of a vertex, and then at most `others` numbers that are skipped.
     bool vertex(double* xyz, int others);
     bool other_numbers(int most);
 

@@ -14,8 +14,6 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{1} << 20;
-
 /// Longer lines are left to the other reader, so that no thread needs much memory for a list.
 constexpr std::ptrdiff_t longest_line = std::ptrdiff_t{16} << 10;
 
@@ -39,9 +37,9 @@ const char* line_end(const char* p, const char* end) {
     return found != nullptr ? static_cast<const char*>(found) : end;
 }
 
-std::vector<TextPiece> cut(std::string_view text) {
+std::vector<TextPiece> cut_after_newlines(std::string_view text) {
     const char* const end = text.data() + text.size();
-    return cut_text(text, piece_bytes, [end](const char*, const char* from) {
+    return cut_text(text, text_piece_bytes, [end](const char*, const char* from) {
         const char* const cut = line_end(from, end);
         return cut + (cut != end ? 1 : 0);
     });
@@ -98,14 +96,14 @@ bool LineReader::read() {
     return true;
 }
 
-/// Whether there are as many of the ones as of the others.
+/// Whether the body has as many lines as rows.
 bool LineReader::rows_are_lines() {
     std::string_view text = input_.file.substr(input_.header.body);
     while (!text.empty() && is_space(text.back())) {
         text.remove_suffix(1);
     }
     mesh_.end = input_.header.body + text.size();
-    pieces_ = cut(text);
+    pieces_ = cut_after_newlines(text);
     faces_.resize(pieces_.size());
     input_.parallel.run(pieces_.size(), [this](std::size_t i, int) {
         pieces_[i].count = count_lines(pieces_[i].text);
@@ -158,7 +156,7 @@ bool LineReader::allocate() {
 }
 
 /// Calls task(piece, line, begin, end) for the pieces that `rows` lie in, in parallel: rows [begin, end) lie from `line` on.
-/// False: a task was.
+/// False: a task returned false.
 template <class Task>
 bool LineReader::for_pieces(const RowRange& rows, Task task) {
     const auto first = std::upper_bound(pieces_.begin(), pieces_.end(), rows.begin,
@@ -189,7 +187,7 @@ bool LineReader::read_element(const RowRange& rows) {
     return rows.element->role == PlyRole::faces ? read_faces(rows) : read_over(rows);
 }
 
-/// Reads rows [begin, end), which lie from `line` on, each by read(parser). False: one is not as it should be, or not alone
+/// Reads rows [begin, end), which lie from `line` on, each by read(parser). False: a row is malformed, or not alone
 /// on its line.
 template <class Read>
 bool read_lines(const TextPiece& piece, const char* line, std::uint64_t begin, std::uint64_t end, const PlyElement& element,

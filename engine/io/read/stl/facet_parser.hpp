@@ -42,12 +42,12 @@ inline bool is_word(const char* p, const char* end) {
     return (letters ^ keyword.letters) << (8 * (8 - length)) == 0 && (left == length || is_space(p[length]));
 }
 
-/// Reads facets from [begin, end) until it meets what is none of them; the failure then says what and where.
+/// Reads facets from [begin, end) up to the first error, which failure() holds.
 class FacetParser {
 public:
     FacetParser(const char* begin, const char* end) : p_(begin), end_(end) {}
 
-    /// The nine coordinates of the next facet that begins before `stop`. False: there is none, or failure() tells.
+    /// The nine coordinates of the next facet that begins before `stop`. False: there is none, or failure() holds an error.
     bool next_facet(const char* stop, float* nine);
 
     const TextFailure& failure() const { return failure_; }

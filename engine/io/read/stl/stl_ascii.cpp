@@ -14,7 +14,6 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{1} << 20;
 constexpr std::size_t facet_floats = 9;
 constexpr std::size_t facet_bytes = facet_floats * sizeof(float);
 constexpr std::size_t shortest_facet =
@@ -32,7 +31,7 @@ bool names_something(const char* line, const char* p) {
 }
 
 /// The first facet that begins at or after `from`, or `end`. `known` < from is the beginning of a facet or of the text: no
-/// name reaches across it, so that looking back stops there and all cuts together take O(text).
+/// name reaches across it, so the search back stops there and all cuts together take O(text).
 const char* next_facet(const char* known, const char* from, const char* end) {
     for (const char* p = from; p != end; ++p) {
         if (!is_word<"facet">(p, end) || !is_space(p[-1])) {
@@ -54,9 +53,10 @@ const char* next_facet(const char* known, const char* from, const char* end) {
 }
 
 /// Each piece begins with a facet (the first one: with the file) and ends where the next one begins.
-std::vector<TextPiece> cut(std::string_view text) {
+std::vector<TextPiece> cut_at_facets(std::string_view text) {
     const char* const end = text.data() + text.size();
-    return cut_text(text, piece_bytes, [end](const char* begin, const char* from) { return next_facet(begin, from, end); });
+    return cut_text(text, text_piece_bytes,
+                    [end](const char* begin, const char* from) { return next_facet(begin, from, end); });
 }
 
 /// Words in 'f': all facets and, at most, some words of names.
@@ -88,7 +88,7 @@ TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coord
 
 AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const Parallel& parallel) {
     AsciiFacets facets{Array<std::byte>(memory), 0, std::nullopt, std::nullopt};
-    std::vector<TextPiece> pieces = cut(text);
+    std::vector<TextPiece> pieces = cut_at_facets(text);
     parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = most_facets(pieces[i].text); });
     facets.coordinates.resize_discarding(number_items(pieces) * facet_bytes);
 

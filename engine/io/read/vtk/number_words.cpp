@@ -8,12 +8,13 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{256} << 10;
+constexpr std::size_t word_piece_bytes = std::size_t{256} << 10;
 
-/// Most numbers with the space behind them are no longer; what is counted in vain beyond the run is no more than that.
+/// Few numbers with the space after them are longer. The first window of a run is cut by this, so that little text beyond
+/// the run is counted.
 constexpr std::uint64_t usual_word_bytes = 12;
 
-/// Behind the `count` words that follow, which exist.
+/// To the end of the next `count` words, which exist.
 const char* skip_words(const char* p, const char* end, std::uint64_t count) {
     for (; count > 0; --count) {
         p = skip_word(skip_space(p, end), end);
@@ -23,7 +24,7 @@ const char* skip_words(const char* p, const char* end, std::uint64_t count) {
 
 /// Cuts [p, end) after words and counts those of each piece.
 std::vector<TextPiece> cut_window(const char* p, const char* end, const Parallel& parallel) {
-    std::vector<TextPiece> pieces = cut_text({p, static_cast<std::size_t>(end - p)}, piece_bytes,
+    std::vector<TextPiece> pieces = cut_text({p, static_cast<std::size_t>(end - p)}, word_piece_bytes,
                                              [end](const char*, const char* from) { return skip_word(from, end); });
     parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = count_words(pieces[i].text); });
     return pieces;

@@ -15,18 +15,18 @@ namespace lamella {
 struct WordRun {
     std::vector<TextPiece> pieces;  ///< each begins with space or with a word, and has words
     std::uint64_t count = 0;
-    const char* end = nullptr;       ///< behind the last word
-    const char* text_end = nullptr;  ///< words are read to there, so that a cut never looks like the end
+    const char* end = nullptr;       ///< after the last word
+    const char* text_end = nullptr;  ///< words are read up to there, across cuts
 };
 
-/// The next `count` words of [p, end), or as many as there are. O(the text that they take). Precondition: no word reaches
-/// over `p`.
+/// The next `count` words of [p, end), or as many as there are. O(the text that they take). Precondition: `p` is
+/// not within a word.
 WordRun find_words(const char* p, const char* end, std::uint64_t count, const Parallel& parallel);
 
 /// The word of that index in [p, end), or `end`.
 const char* find_word(const char* p, const char* end, std::uint64_t index);
 
-/// The first word that is no number of the wanted type; null where all are.
+/// The first word that is no number of the wanted type; `at` is null where all are.
 struct BadWord {
     const char* at = nullptr;
     NumberText why = NumberText::malformed;

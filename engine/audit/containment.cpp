@@ -65,7 +65,7 @@ std::vector<std::size_t> queries_by_row(const SliceResult& result, std::span<con
     return queries;
 }
 
-/// Winding numbers about one point after another; forgets only what it touched.
+/// Winding numbers about one point after another; resets only what it touched.
 class Windings {
 public:
     explicit Windings(std::size_t contours) : winding_(contours, 0), through_(contours, 0) {}

@@ -1,4 +1,4 @@
-// Which contours lie around which start points: the checker's own way, which shares nothing with the nesting stage.
+// Which contours lie around which start points, for validate(): shares nothing with the nesting stage.
 #pragma once
 
 #include <cstddef>

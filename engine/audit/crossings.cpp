@@ -8,6 +8,7 @@
 #include "audit/pair.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "base/sign.hpp"
 #include "slicing/grid/exact.hpp"
 #include "slicing/regions/edge_pairs.hpp"
 
@@ -33,7 +34,8 @@ bool in_line(Point o, Point a, Point p) noexcept {
     return side(o, a, p) == 0 && (Int128{a.x} - o.x) * (Int128{p.x} - o.x) + (Int128{a.y} - o.y) * (Int128{p.y} - o.y) > 0;
 }
 
-/// Both paths turn in `o`, from one arm to the other. Whether the arms alternate round it, none running along another.
+/// Two paths pass through `o`: a to b and c to d. Whether they cross there: the four arms alternate around `o`, and none
+/// runs along another.
 bool pass_through(Point o, Point a, Point b, Point c, Point d) noexcept {
     if (in_line(o, a, b)) {
         return false;  // a spike has no sides
@@ -93,7 +95,7 @@ private:
         }
     }
 
-    /// Where two edges that cross do so, to the nearest unit but for the rounding of double.
+    /// The crossing of two edges that cross, to the nearest unit but for the rounding of double.
     static Point crossing_of(Point a, Point b, Point c, Point d) noexcept {
         const auto from = static_cast<double>(side_of_line(c, d, a));
         const auto to = static_cast<double>(side_of_line(c, d, b));

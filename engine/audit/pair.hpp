@@ -1,4 +1,4 @@
-// What every call that goes through a finished result begins with: that it can be gone through.
+// What calls on a finished result check first: that its parts lie within its arrays.
 #pragma once
 
 #include "base/parallel.hpp"

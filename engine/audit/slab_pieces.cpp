@@ -37,6 +37,7 @@ void SlabPieces::begin(PlaneIndex first, PlaneIndex last, std::size_t triangles)
     // A closed surface has half as many vertices as triangles.
     table_.assign(std::bit_ceil(triangles + 2), none);
     nodes_.clear();
+    sets_.assign(0);
     totals_.assign(std::size_t{last} - first + 1, {});
 }
 
@@ -51,7 +52,7 @@ void SlabPieces::add(const SlabTriangle& triangle) {
         const std::size_t next = i == 2 ? 0 : i + 1;
         if (triangle.slabs[i] == triangle.slabs[next]) {
             if (nodes[i] != none) {
-                unite(nodes[i], nodes[next]);
+                sets_.unite(nodes[i], nodes[next]);
             }
             continue;
         }
@@ -87,7 +88,8 @@ std::uint32_t SlabPieces::node_at(const GridVertex& vertex, PlaneIndex slab) {
         place = (place + 1) & mask;
     }
     const auto node = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.push_back({vertex, vertex, node, slab, 0, 0});
+    nodes_.push_back({vertex, vertex, slab, 0, 0});
+    sets_.add();
     table_[place] = node;
     return node;
 }
@@ -104,25 +106,11 @@ void SlabPieces::grow() {
     }
 }
 
-std::uint32_t SlabPieces::root_of(std::uint32_t node) noexcept {
-    while (nodes_[node].parent != node) {
-        nodes_[node].parent = nodes_[nodes_[node].parent].parent;  // halves the path
-        node = nodes_[node].parent;
-    }
-    return node;
-}
-
-/// The earlier node is the root: parents come before their children.
-void SlabPieces::unite(std::uint32_t a, std::uint32_t b) noexcept {
-    const auto [root, other] = std::minmax({root_of(a), root_of(b)});
-    nodes_[other].parent = root;
-}
-
-/// Everything to the roots.
+/// Adds each node to the root of its set.
 void SlabPieces::gather() {
     for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
         const Node& own = nodes_[node];
-        const std::uint32_t root = root_of(node);
+        const std::uint32_t root = sets_.root(node);
         if (root == node) {
             continue;
         }
@@ -157,7 +145,7 @@ void SlabPieces::finish(std::vector<Slab>& slabs, std::vector<SurfacePiece>& pie
     gather();
     const auto begun = static_cast<std::ptrdiff_t>(pieces.size());
     for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
-        if (nodes_[node].parent == node) {
+        if (sets_.root(node) == node) {
             close(nodes_[node], pieces);
         }
     }

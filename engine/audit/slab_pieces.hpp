@@ -1,11 +1,12 @@
 // The pieces of the surface within a few slabs. A piece that does not join two planes has a vertex in its slab, and all its
 // vertices there are joined by edges that stay in the slab: so it is a set of vertices, and the edges that leave the slab
-// tell which planes it meets.
+// show which planes it meets.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "base/disjoint_sets.hpp"
 #include "base/int128.hpp"
 #include "lamella/audit/ledger.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -30,9 +31,9 @@ class SlabPieces {
 public:
     SlabPieces(const PlaneSet& planes, double unit_mm) noexcept : planes_(planes), unit_mm_(unit_mm) {}
 
-    /// Forgets all, for slabs [first, last] and about so many triangles.
+    /// Begins anew, for slabs [first, last] and about so many triangles.
     void begin(PlaneIndex first, PlaneIndex last, std::size_t triangles);
-    /// Every triangle with a vertex in the range must come, once, in any order.
+    /// To be called once for every triangle with a vertex in the range, in any order.
     void add(const SlabTriangle& triangle);
     /// Appends what the range holds; the slabs from below, their pieces by kind and place.
     void finish(std::vector<Slab>& slabs, std::vector<SurfacePiece>& pieces);
@@ -42,11 +43,10 @@ private:
     static constexpr std::uint8_t meets_below = 1;
     static constexpr std::uint8_t meets_above = 2;
 
-    /// A vertex, and, if it is its own parent once all edges are in, the set that it stands for.
+    /// A vertex and, if it is the root of its set once all edges are in, the whole set.
     struct Node {
         GridVertex lowest;
         GridVertex highest;
-        std::uint32_t parent;
         PlaneIndex slab;
         std::uint32_t triangles;
         std::uint8_t meets;
@@ -63,8 +63,6 @@ private:
     bool holds(PlaneIndex slab) const noexcept { return first_ <= slab && slab <= last_; }
     std::uint32_t node_at(const GridVertex& vertex, PlaneIndex slab);
     void grow();
-    std::uint32_t root_of(std::uint32_t node) noexcept;
-    void unite(std::uint32_t a, std::uint32_t b) noexcept;
     void gather();
     void close(const Node& set, std::vector<SurfacePiece>& pieces);
 
@@ -74,6 +72,7 @@ private:
     PlaneIndex last_ = 0;
     std::vector<std::uint32_t> table_;  // of nodes by vertex, open addressing; a power of two, at most half full
     std::vector<Node> nodes_;
+    DisjointSets sets_;  // of nodes, united over the edges within a slab
     std::vector<Total> totals_;
 };
 

@@ -1,4 +1,4 @@
-// What SliceResult promises, checked the obvious way: nothing here is shared with the stages that keep the promises.
+// Checks what SliceResult promises, by plain methods that share nothing with the slicing stages.
 #include <algorithm>
 #include <new>
 #include <numeric>
@@ -84,7 +84,7 @@ Complaint check_points(const Contour& contour, std::span<const Point> points) {
     if (std::adjacent_find(points.begin(), points.end()) != points.end()) {
         return "equal consecutive points";
     }
-    // A polyline has a point more than segments, and keeps it when it is joined to another.
+    // A polyline has one point more than segments, and keeps it when it is joined to another.
     const std::uint64_t extra = (contour.flags & gap_closed) != 0 ? contour.segments : (is_closed(contour) ? 0 : 1);
     if (contour.point_count > std::uint64_t{contour.segments} + extra) {
         return "more points than its segments have";
@@ -197,7 +197,7 @@ private:
     Complaint parents() const {
         Complaint complaint;
         if (result_.fill_rule != FillRule::contours) {
-            return complaint;  // the contours of a region touch: a start may lie on what is around it
+            return complaint;  // contours of a region may touch: a start may lie on the contour around it
         }
         for_each_enclosure(result_, layer_, [&](std::size_t c, std::span<const std::size_t> around) {
             if (complaint.empty() && !is_parent(c, around)) {
@@ -249,7 +249,7 @@ private:
         return {};
     }
 
-    /// Of a region that a rule fills: outers lie in nothing or in holes, holes in outers.
+    /// For a region that a fill rule leaves: outers lie in nothing or in holes, holes in outers.
     Complaint roles_of_region() const {
         for (std::size_t c = 0; c < contours_.size(); ++c) {
             if (!has_area(contours_[c])) {
@@ -270,7 +270,7 @@ private:
         return overruled == !standing.facets_stand && contour.role == (outer ? Role::outer : Role::hole);
     }
 
-    /// Outers, flats and open ones by start; behind each outer its holes by start.
+    /// Outers, flats and open ones by start; after each outer its holes by start.
     Complaint order() const {
         std::size_t head = none;  // the last contour that is no hole
         for (std::size_t c = 0; c < contours_.size(); ++c) {

@@ -213,7 +213,8 @@ Sums sum_faces(const MeshView& mesh, const SliceResult& result, const PlaneSet& 
     return all;
 }
 
-/// What a layer's contours enclose, in square units, as the facets' senses say; and how far their edges run along the axes.
+/// What a layer's contours enclose, in square units, by the facets' orientations; and how far their edges run along the
+/// axes.
 struct LayerSize {
     double area = 0;
     double length = 0;

@@ -1,62 +1,99 @@
-// Disjoint sets whose members are alike or opposite to one another.
+// Disjoint sets of numbers (union-find): DisjointSets for one thread, SharedSets for several. In both, the root of a set is
+// its smallest member: sets come out in the order of what they hold, whatever order they were united in.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
+#include "base/atomic_word.hpp"
 #include "base/vector.hpp"
+#include "lamella/array.hpp"
 
 namespace lamella {
 
-/// The root of a set is its smallest member: sets come out in the order of what they hold. O(log n) amortised a call.
-class JoinedSets {
+/// O(log n) amortised a call.
+class DisjointSets {
 public:
-    struct Member {
-        std::uint32_t root;
-        bool opposite;  ///< to the root
-    };
+    explicit DisjointSets(const Memory* memory = nullptr) : parents_(memory) {}
+    explicit DisjointSets(std::size_t count) { assign(count); }
 
-    explicit JoinedSets(std::size_t count = 0, const Memory* memory = nullptr) : parents_(memory), opposite_(memory) {
-        reset(count);
-    }
-
-    /// `count` sets of one member each. Throws std::bad_alloc.
-    void reset(std::size_t count) {
+    /// Members [0, count), each alone in its set.
+    void assign(std::size_t count) {
         parents_.resize(count);
-        opposite_.assign(count, 0);
         for (std::uint32_t i = 0; i < count; ++i) {
             parents_[i] = i;
         }
     }
 
-    Member find(std::uint32_t i) {
-        bool opposite = false;
+    /// One more member, alone in its set.
+    void add() { parents_.push_back(static_cast<std::uint32_t>(parents_.size())); }
+
+    std::uint32_t root(std::uint32_t i) noexcept {
         while (parents_[i] != i) {
-            const std::uint32_t parent = parents_[i];
-            opposite_[i] ^= opposite_[parent];  // halves the path; a root is never opposite to itself
-            parents_[i] = parents_[parent];
-            opposite ^= opposite_[i] != 0;
+            parents_[i] = parents_[parents_[i]];  // halves the path
             i = parents_[i];
         }
-        return {i, opposite};
+        return i;
     }
 
-    /// Where both are in one set already, nothing changes.
-    void unite(std::uint32_t a, std::uint32_t b, bool opposite = false) {
-        Member first = find(a);
-        Member second = find(b);
-        if (first.root > second.root) {
-            std::swap(first, second);
-        }
-        if (first.root != second.root) {
-            parents_[second.root] = first.root;
-            opposite_[second.root] = static_cast<std::uint8_t>(first.opposite ^ second.opposite ^ opposite);
-        }
+    void unite(std::uint32_t a, std::uint32_t b) noexcept {
+        const auto [first, second] = std::minmax({root(a), root(b)});
+        parents_[second] = first;
     }
 
 private:
     Vector<std::uint32_t> parents_;
-    Vector<std::uint8_t> opposite_;
+};
+
+/// Several threads unite at once. A link always goes to a smaller member, so that the sets do not depend on who came first.
+template <class Index>
+class SharedSets {
+public:
+    /// Members [0, count), each to be set alone or left out before any is united.
+    explicit SharedSets(std::size_t count) { parents_.resize_discarding(count); }
+
+    void set_alone(std::size_t i) { parents_[i] = static_cast<Index>(i); }
+    void leave_out(std::size_t i) { parents_[i] = left_out; }
+
+    /// Once no thread unites any more.
+    bool is_root(std::size_t i) const { return parents_[i] == i; }
+
+    void unite(Index a, Index b) {
+        for (;;) {
+            a = root(a);
+            b = root(b);
+            if (a == b) {
+                return;
+            }
+            if (a > b) {
+                std::swap(a, b);
+            }
+            Index expected = b;
+            if (at(b).replace(expected, a)) {
+                return;
+            }  // another thread linked b first: look again
+        }
+    }
+
+private:
+    static constexpr Index left_out = std::numeric_limits<Index>::max();
+
+    AtomicWord<Index> at(Index i) { return AtomicWord<Index>(parents_[i]); }
+
+    Index root(Index i) {
+        for (Index parent = at(i).load(); parent != i; parent = at(i).load()) {
+            const Index grandparent = at(parent).load();
+            Index expected = parent;
+            at(i).replace(expected, grandparent);  // halves the path; that it may fail does no harm
+            i = grandparent;
+        }
+        return i;
+    }
+
+    Array<Index> parents_;
 };
 
 }  // namespace lamella

@@ -15,10 +15,4 @@ inline Int128 to_int128(const Integer128& value) noexcept {
     return (Int128{value.high} << 64) | Int128{value.low};
 }
 
-/// -1, 0 or 1.
-template <class Integer>
-constexpr int sign_of(Integer value) noexcept {
-    return (value > 0) - (value < 0);
-}
-
 }  // namespace lamella

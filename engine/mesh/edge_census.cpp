@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cassert>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "base/disjoint_sets.hpp"
 #include "lamella/array.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 #include "slicing/grid/quantise.hpp"
 
 namespace lamella {
@@ -18,83 +19,18 @@ namespace {
 
 // Every triangle side is noted by its number alone (3 * triangle + corner), in the partition that the hash of its edge
 // gives: count, prefix sum, scatter. All sides of an edge then lie in one partition, which is small enough to be counted in
-// a hash map that stays in cache; its keys are read from the mesh again, so that no quantised copy of it is ever held.
+// a hash map that stays in cache; its keys are read from the mesh again, so that no rounded copy of it is stored.
 
 constexpr std::size_t sides_per_partition = std::size_t{1} << 15;
 constexpr std::size_t most_partitions = std::size_t{1} << 14;
 
-/// An edge as its two ends in order, and whether the side runs from the lower to the upper.
+/// A side's edge, and whether the side runs from the edge's lower end to its upper.
 struct Side {
-    GridVertex lower;
-    GridVertex upper;
-    bool forward = true;
+    MeshEdge edge;
+    bool forward;
 
-    Side(GridVertex from, GridVertex to) : lower(from), upper(to) {
-        if (upper < lower) {
-            std::swap(lower, upper);
-            forward = false;
-        }
-    }
-};
-
-std::uint64_t hash(const Side& side) {
-    const auto word = [](std::int32_t high, std::int32_t low) {
-        return std::uint64_t{static_cast<std::uint32_t>(high)} << 32 | static_cast<std::uint32_t>(low);
-    };
-    std::uint64_t h = 0;
-    for (const std::uint64_t w :
-         {word(side.lower.x, side.lower.y), word(side.lower.z, side.upper.x), word(side.upper.y, side.upper.z)}) {
-        h = (h ^ w) * 0x9E3779B97F4A7C15;  // 2^64 over the golden ratio
-        h ^= h >> 29;
-    }
-    h *= 0xBF58476D1CE4E5B9;  // the finaliser of splitmix64
-    return h ^ (h >> 32);
-}
-
-/// Disjoint sets of triangles that several threads unite. A root is the lowest triangle of its set, so that a link always
-/// goes down and the outcome does not depend on who came first.
-template <class Index>
-class Shells {
-public:
-    explicit Shells(std::size_t count) { parents_.resize_discarding(count); }
-
-    void set_alone(std::size_t i) { parents_[i] = static_cast<Index>(i); }
-    void leave_out(std::size_t i) { parents_[i] = left_out; }
-    bool is_root(std::size_t i) const { return parents_[i] == i; }
-
-    void unite(Index a, Index b) {
-        for (;;) {
-            a = root(a);
-            b = root(b);
-            if (a == b) {
-                return;
-            }
-            if (a > b) {
-                std::swap(a, b);
-            }
-            Index expected = b;
-            if (at(b).compare_exchange_strong(expected, a)) {
-                return;
-            }  // another thread linked b first: look again
-        }
-    }
-
-private:
-    static constexpr Index left_out = std::numeric_limits<Index>::max();
-
-    std::atomic_ref<Index> at(Index i) { return std::atomic_ref<Index>(parents_[i]); }
-
-    Index root(Index i) {
-        for (Index parent = at(i).load(); parent != i; parent = at(i).load()) {
-            const Index grandparent = at(parent).load();
-            Index expected = parent;
-            at(i).compare_exchange_weak(expected, grandparent);  // halves the path; that it may fail does no harm
-            i = grandparent;
-        }
-        return i;
-    }
-
-    Array<Index> parents_;
+    Side(const GridVertex& from, const GridVertex& to)
+        : edge(MeshEdge::between(std::min(from, to), std::max(from, to))), forward(from < to) {}
 };
 
 template <class Index, class Reader>
@@ -102,8 +38,10 @@ class Census {
 public:
     Census(const Reader& reader, std::size_t triangles, const Parallel& parallel)
         : reader_(reader), triangles_(triangles), parallel_(parallel), shells_(triangles) {
-        const std::size_t wanted = std::bit_ceil(3 * triangles / sides_per_partition + 1);
+        // Two at least, as a hash cannot be shifted by all of its bits.
+        const std::size_t wanted = std::bit_ceil(3 * triangles / sides_per_partition + 2);
         partitions_ = std::min(wanted, most_partitions);
+        partition_bits_ = std::countr_zero(partitions_);
         ranges_ = static_cast<std::size_t>(parallel.threads()) * 4;
     }
 
@@ -120,8 +58,7 @@ public:
 
 private:
     struct Edge {
-        GridVertex lower;
-        GridVertex upper;
+        MeshEdge edge;
         Index forward = 0;
         Index backward = 0;
         Index triangle = 0;
@@ -133,7 +70,8 @@ private:
         EdgeCensus census;
     };
 
-    std::size_t partition_of(const Side& side) const { return (hash(side) >> 32) & (partitions_ - 1); }
+    /// By the hash's highest bits; the slots within a partition are taken by those after them.
+    std::size_t partition_of(const Side& side) const { return side.edge.hash() >> (64 - partition_bits_); }
 
     Side side_of(std::size_t side) const {
         const GridTriangle triangle = reader_(side / 3);
@@ -234,9 +172,9 @@ private:
         for (const Index number : sides) {
             const Side side = side_of(number);
             const Index triangle = static_cast<Index>(number / 3);
-            std::uint32_t& slot = find(side, own);
+            std::uint32_t& slot = find(side.edge, own);
             if (slot == 0) {
-                own.edges[distinct] = {side.lower, side.upper, 0, 0, triangle};
+                own.edges[distinct] = {side.edge, 0, 0, triangle};
                 slot = ++distinct;
             }
             Edge& edge = own.edges[slot - 1];
@@ -247,11 +185,12 @@ private:
     }
 
     /// The slot of the edge, or the free one where it belongs.
-    static std::uint32_t& find(const Side& side, Scratch& own) {
+    std::uint32_t& find(const MeshEdge& edge, Scratch& own) const {
         const std::size_t mask = own.slots.size() - 1;
-        for (std::size_t slot = hash(side) & mask;; slot = (slot + 1) & mask) {
+        const std::uint64_t within = edge.hash() << partition_bits_;
+        for (std::size_t slot = within >> (64 - std::countr_zero(own.slots.size()));; slot = (slot + 1) & mask) {
             const std::uint32_t entry = own.slots[slot];
-            if (entry == 0 || (own.edges[entry - 1].lower == side.lower && own.edges[entry - 1].upper == side.upper)) {
+            if (entry == 0 || own.edges[entry - 1].edge == edge) {
                 return own.slots[slot];
             }
         }
@@ -270,8 +209,9 @@ private:
     Reader reader_;
     std::size_t triangles_;
     const Parallel& parallel_;
-    Shells<Index> shells_;
-    std::size_t partitions_ = 1;
+    SharedSets<Index> shells_;  ///< triangles, united over edges
+    std::size_t partitions_ = 2;
+    int partition_bits_ = 1;
     std::size_t ranges_ = 1;
     std::uint64_t degenerate_ = 0;
     std::vector<std::size_t> cursors_;  ///< per range and partition: first a count, then where the next side goes

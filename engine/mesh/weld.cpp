@@ -56,7 +56,7 @@ public:
     std::uint32_t nearest(const double* at) {
         nearest_ = none;
         if (tolerance_ == 0) {
-            return none;  // an equal one is not asked for
+            return none;  // equal vertices are found without a search
         }
         nearest_squared_ = tolerance_ * tolerance_;
         Cell low;

@@ -6,7 +6,7 @@ namespace lamella::check_test {
 using shapes::joined;
 using shapes::triangle;
 
-TEST_CASE("a T-junction without width", "[check]") {
+TEST_CASE("a T-junction without width is found", "[check]") {
     // The top of a box, one of its triangles split at the middle of an edge to a side that is not.
     const Soup cube = shapes::box({0, 0, 0}, {2, 2, 2});
     const Soup split =
@@ -24,7 +24,7 @@ TEST_CASE("a T-junction without width", "[check]") {
     }
 }
 
-TEST_CASE("a crack of a given width, with a T-junction along it", "[check]") {
+TEST_CASE("a crack is found from its width on, with the T-junction along it", "[check]") {
     const double width = 1.0 / 256;
     const Soup left = quad({0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 2, 0});
     const Soup right = joined({quad({1 + width, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1 + width, 1, 0}),
@@ -62,7 +62,7 @@ TEST_CASE("a corner near a side of its own triangle makes that flat, and no T-ju
     CHECK(counts(cap) == Counts{{"boundary_edges", 3}, {"boundary_loops", 1}, {"cap_faces", 1}});
 }
 
-TEST_CASE("a tolerance larger than everything is no trouble", "[check]") {
+TEST_CASE("a tolerance larger than the mesh is accepted", "[check]") {
     CheckOptions options;
     options.tolerance_mm = 1e300;
     const MeshCheck check =

@@ -42,7 +42,7 @@ TEST_CASE("a tetrahedron whose tip pierces a face of another crosses it three ti
     }
 }
 
-TEST_CASE("two triangles that meet in one way or another", "[check]") {
+TEST_CASE("two triangles that cross, overlap or touch are found as such", "[check]") {
     const Soup base = triangle({0, 0, 0}, {12, 0, 0}, {0, 12, 0});
     const auto with = [&](Xyz a, Xyz b, Xyz c) { return meetings(joined({base, triangle(a, b, c)})); };
     SECTION("through") {
@@ -83,7 +83,7 @@ TEST_CASE("two triangles that meet in one way or another", "[check]") {
     }
 }
 
-TEST_CASE("every pair is found", "[check]") {
+TEST_CASE("every pair of faces that meet is found", "[check]") {
     // Small and large triangles, coincidences of every kind.
     const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 5)));
     const Soup soup = joined({shapes::random_soup(seed, 60, 40), shapes::random_soup(seed + 100, 60, 3),
@@ -144,7 +144,7 @@ TEST_CASE("closed models give no finding", "[check]") {
     CHECK(counts(findings_of(shapes::octasphere({1, 2, 3}, 30, 5))).empty());
 }
 
-TEST_CASE("piled up triangles are searched only so far, and it is said", "[check]") {
+TEST_CASE("a search of piled up triangles ends at its budget and reports that", "[check]") {
     Soup soup;
     for (int i = 0; i < 6000; ++i) {  // all boxes meet, and no two triangles
         const Soup next = triangle({0, 0, 1.0 * i}, {1, 0, 9000.0 + i}, {0, 1, 9000.0 + i});

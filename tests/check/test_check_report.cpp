@@ -49,7 +49,7 @@ TEST_CASE("the report holds every kind, its count and its first places", "[check
     CHECK(nlohmann::json::parse(make_check_json(check, {.file = &file}).value())["file"]["mm_per_unit"] == 1.0);
 }
 
-TEST_CASE("a finding cut short is said to be at least so many", "[check]") {
+TEST_CASE("a finding cut short is reported as at least so many", "[check]") {
     MeshCheck check;
     check.findings[static_cast<std::size_t>(Fault::crossing_faces)] = {.count = 7, .at_least = true, .places = {}};
     CHECK(make_verdict(check).value() == "not clean: at least 7 crossings of faces, as far as was searched");
@@ -104,7 +104,7 @@ TEST_CASE("marks that cannot be written are an error that names the file", "[che
     CHECK_THAT(status.error().message, Catch::Contains("marks.ply"));
 }
 
-TEST_CASE("keys and words are told apart", "[check]") {
+TEST_CASE("keys and words of faults are distinct", "[check]") {
     std::map<std::string_view, int> seen;
     for (std::size_t i = 0; i < fault_count; ++i) {
         ++seen[key_of(static_cast<Fault>(i))];

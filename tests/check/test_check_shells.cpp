@@ -20,7 +20,7 @@ std::vector<int> depths(const MeshCheck& check) {
 
 }  // namespace
 
-TEST_CASE("a cavity has the opposite sense, a solid in a solid has not", "[check]") {
+TEST_CASE("a cavity has the opposite orientation, a solid in a solid the same", "[check]") {
     const Soup outer = box({0, 0, 0}, {9, 9, 9});
     const Soup inner = box({3, 3, 3}, {6, 6, 6});
     const MeshCheck cavity = findings_of(joined({outer, flipped(inner)}));
@@ -43,7 +43,7 @@ TEST_CASE("a cavity has the opposite sense, a solid in a solid has not", "[check
     CHECK(counts(findings_of(flipped(outer))) == Counts{{"wrong_sense_shells", 1}});
 }
 
-TEST_CASE("shells nest as deep as they lie", "[check]") {
+TEST_CASE("shells nested in one another have ascending depths", "[check]") {
     Soup soup;
     for (int i = 0; i < 12; ++i) {
         const double low = i;
@@ -61,7 +61,7 @@ TEST_CASE("shells nest as deep as they lie", "[check]") {
 }
 
 TEST_CASE("a shell that touches the one around it is still within", "[check]") {
-    // Its first vertices all lie on the outer one's face x = 0; off that face it is told.
+    // Its first vertices all lie on the outer one's face x = 0; off that face it is found.
     const MeshCheck check = findings_of(joined({box({0, 0, 0}, {9, 9, 9}), flipped(box({0, 3, 3}, {4, 5, 5}))}));
     REQUIRE(check.shells.size() == 2);
     CHECK(depths(check) == std::vector{0, 1});
@@ -88,7 +88,7 @@ TEST_CASE("rays through edges and vertices of the shell around count once", "[ch
     }
 }
 
-TEST_CASE("solids that interpenetrate have no wrong sense, wherever they are probed", "[check]") {
+TEST_CASE("solids that interpenetrate have no wrong orientation, wherever rays start", "[check]") {
     // The spike's first vertex lies within the box, its last one outside; so do the corner's and the edge's.
     const Soup cube = box({0, 0, 0}, {9, 9, 9});
     for (const Xyz& low : {Xyz{3, 3, 3}, Xyz{3, 3, 0}, Xyz{3, 0, 0}}) {
@@ -100,7 +100,7 @@ TEST_CASE("solids that interpenetrate have no wrong sense, wherever they are pro
     }
 }
 
-TEST_CASE("a cavity within two solids that interpenetrate has no wrong sense", "[check]") {
+TEST_CASE("a cavity within two solids that interpenetrate has no wrong orientation", "[check]") {
     const Soup solids = joined({box({0, 0, 0}, {9, 9, 9}), box({2, 2, 2}, {20, 8, 8})});
     const MeshCheck check = findings_of(joined({solids, flipped(box({4, 4, 4}, {5, 5, 5}))}));
     CHECK(depths(check) == std::vector{0, 1, 2});

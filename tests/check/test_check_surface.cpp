@@ -87,7 +87,7 @@ TEST_CASE("boundary edges that end at an edge with three faces are an open chain
     CHECK(closed == 1);
 }
 
-TEST_CASE("cubes that share an edge", "[check]") {
+TEST_CASE("cubes that share an edge have a balanced over-full edge", "[check]") {
     const MeshCheck check = findings_of(joined({box({0, 0, 0}, {1, 1, 1}), box({1, 1, 0}, {2, 2, 1})}));
     CHECK(counts(check) == Counts{{"overfull_edges_balanced", 1}, {"split_vertices", 2}});
     const FaultPlace& edge = first(check, Fault::overfull_balanced);
@@ -100,7 +100,7 @@ TEST_CASE("cubes that share an edge", "[check]") {
     CHECK(check.shells[0].volume_mm3 == 2);
 }
 
-TEST_CASE("cubes that share a vertex", "[check]") {
+TEST_CASE("cubes that share a vertex have a split vertex", "[check]") {
     const MeshCheck check = findings_of(joined({box({0, 0, 0}, {1, 1, 1}), box({1, 1, 1}, {2, 2, 2})}));
     CHECK(counts(check) == Counts{{"split_vertices", 1}});
     const FaultPlace& vertex = first(check, Fault::split_vertex);
@@ -110,7 +110,7 @@ TEST_CASE("cubes that share a vertex", "[check]") {
     CHECK(check.shells.size() == 2);
 }
 
-TEST_CASE("a flipped patch is told from the faces around it", "[check]") {
+TEST_CASE("a flipped patch is distinguished from the faces around it", "[check]") {
     const Soup cube = box({0, 0, 0}, {1, 1, 1});
     const MeshCheck few = findings_of(joined({flipped(only(cube, 0, 2)), without(cube, 0, 2)}));
     CHECK(counts(few) == Counts{{"mismatched_edges", 4}, {"flipped_faces", 2}});
@@ -121,7 +121,7 @@ TEST_CASE("a flipped patch is told from the faces around it", "[check]") {
     CHECK(first(most, Fault::flipped_face).triangles[0] >= 10);
 }
 
-TEST_CASE("of two faces at odds the first is right", "[check]") {
+TEST_CASE("of two faces of opposite orientation the second is flipped", "[check]") {
     const MeshCheck check =
         findings_of(joined({triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), triangle({1, 0, 0}, {0, 1, 0}, {1, 1, 0})}));
     CHECK(check.of(Fault::mismatched_edge).count == 1);
@@ -136,7 +136,7 @@ TEST_CASE("a Moebius strip has one side and one boundary", "[check]") {
     CHECK(first(check, Fault::boundary_loop).parts == 40);
 }
 
-TEST_CASE("faces on the same vertices", "[check]") {
+TEST_CASE("faces on the same vertices are duplicates or opposite", "[check]") {
     const Soup cube = box({0, 0, 0}, {1, 1, 1});
     const Soup face = only(cube, 5, 1);
     const MeshCheck twice = findings_of(joined({cube, face}));
@@ -161,7 +161,7 @@ TEST_CASE("a body exported twice is twelve duplicates", "[check]") {
     CHECK(check.of(Fault::overlapping_faces).count == 0);
 }
 
-TEST_CASE("faces without area, collapsed or not", "[check]") {
+TEST_CASE("faces without area are found, collapsed or not", "[check]") {
     const Soup cube = box({0, 0, 0}, {4, 4, 4});
     const MeshCheck collapsed =
         findings_of(joined({cube, triangle({0, 0, 0}, {0, 0, 0}, {4, 0, 0}), triangle({9, 9, 9}, {9, 9, 9}, {9, 9, 9})}));
@@ -183,7 +183,7 @@ TEST_CASE("collapsing is judged on the grid", "[check]") {
     CHECK(findings_of(soup, coarse).of(Fault::collapsed_face).count == 1);
 }
 
-TEST_CASE("needles and caps from the ratio on", "[check]") {
+TEST_CASE("needles and caps are found from the ratio on", "[check]") {
     const auto shape = [](const Soup& soup) { return counts(findings_of(soup)); };
     CHECK(shape(triangle({0, 0, 0}, {100, 0, 0}, {0, 1, 0})).count("needle_faces") == 1);
     CHECK(shape(triangle({0, 0, 0}, {90, 0, 0}, {0, 1, 0})).count("needle_faces") == 0);

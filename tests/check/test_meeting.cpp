@@ -133,7 +133,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("triangles meet as separating axes say", "[check]") {
+TEST_CASE("triangles meet exactly where no separating axis exists", "[check]") {
     const auto [range, depth] =
         GENERATE(std::pair{3, 3}, std::pair{4, 4}, std::pair{6, 2}, std::pair{5, 1}, std::pair{9, 9});
     RandomFaces faces(static_cast<std::uint64_t>(range * 10 + depth), range, depth);
@@ -154,7 +154,7 @@ TEST_CASE("triangles meet as separating axes say", "[check]") {
     CHECK(seen[static_cast<std::size_t>(Meeting::overlap)] > 0);
 }
 
-TEST_CASE("triangles of the largest size that the grid has are told apart by one unit", "[check]") {
+TEST_CASE("the largest triangles of the grid are distinguished by one unit", "[check]") {
     constexpr std::int32_t far = grid_limit;
     const std::array<GridVertex, 3> floor = {GridVertex{-far, -far, -far}, {far, -far, -far}, {far, far, far}};
     const ExactFace face({0, 1, 2}, floor);

@@ -71,7 +71,7 @@ TEST_CASE("a cube slices to the same bytes from 3MF and from STL", "[input][3mf]
     }
 }
 
-TEST_CASE("the unit of a 3MF file counts, whatever the caller asks for", "[input][3mf]") {
+TEST_CASE("the unit of a 3MF file overrides the caller's", "[input][3mf]") {
     const TempFolder dir;
     const auto [name, mm] = GENERATE(table<std::string, double>(
         {{"micron", 0.001}, {"millimeter", 1}, {"centimeter", 10}, {"inch", 25.4}, {"foot", 304.8}, {"meter", 1000}}));
@@ -102,7 +102,7 @@ TEST_CASE("items and components are placed by their transforms", "[input][3mf]")
     }
 }
 
-TEST_CASE("the inner transform comes first", "[input][3mf]") {
+TEST_CASE("nested 3MF transforms apply the inner one first", "[input][3mf]") {
     const TempFolder dir;
     const std::string assembly = object(2, components({R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 1 0 0")"}));
     const std::string twice = R"(transform="2 0 0 0 2 0 0 0 2 0 0 0")";
@@ -110,7 +110,7 @@ TEST_CASE("the inner transform comes first", "[input][3mf]") {
     CHECK(box_of(triangles) == Box{{{2, 0, 0}, {22, 20, 20}}});
 }
 
-TEST_CASE("all items are placed, and components nested in components", "[input][3mf]") {
+TEST_CASE("all 3MF items and nested components are placed", "[input][3mf]") {
     const TempFolder dir;
     const std::string moved = R"( transform="1 0 0 0 1 0 0 0 1 20 0 0")";
     const std::string pair = components({R"(objectid="1")", R"(objectid="1")" + moved});
@@ -124,7 +124,7 @@ TEST_CASE("all items are placed, and components nested in components", "[input][
     CHECK(box_of(triangles) == Box{{{0, 0, 0}, {30, 30, 30}}});
 }
 
-TEST_CASE("what a transform mirrors is turned right side out again", "[input][3mf]") {
+TEST_CASE("triangles that a transform mirrors are reversed to face outwards", "[input][3mf]") {
     const TempFolder dir;
     const std::string mirror = R"( transform="-1 0 0 0 1 0 0 0 1 0 0 0")";
     const std::string assembly = object(2, components({R"(objectid="1")" + mirror, R"(objectid="1")"}));
@@ -138,7 +138,7 @@ TEST_CASE("what a transform mirrors is turned right side out again", "[input][3m
     CHECK(box_of(both) == Box{{{-10, 0, 0}, {10, 10, 10}}});
 }
 
-TEST_CASE("many instances of meshes of several chunks", "[input][3mf]") {
+TEST_CASE("all instances of a 3MF mesh of several chunks are placed", "[input][3mf]") {
     const TempFolder dir;
     constexpr int vertices = 70000;  // more than a chunk holds
     std::string mesh = "<mesh><vertices>";
@@ -183,7 +183,7 @@ TEST_CASE("parts of the production extension are found by their paths", "[input]
     CHECK(box_of(triangles) == Box{{{0, 0, 0}, {50, 10, 50}}});
 }
 
-TEST_CASE("extensions that say nothing of the shape are read past", "[input][3mf]") {
+TEST_CASE("3MF extensions without geometry are skipped", "[input][3mf]") {
     const TempFolder dir;
     const std::string material =
         "xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\" "
@@ -198,7 +198,7 @@ TEST_CASE("extensions that say nothing of the shape are read past", "[input][3mf
     CHECK(read_corners(dir, package(model)).size() == 12);
 }
 
-TEST_CASE("an optional extension that puts shapes into an object is warned of", "[input][3mf]") {
+TEST_CASE("an optional 3MF extension with shapes of its own gives a warning", "[input][3mf]") {
     const TempFolder dir;
     std::string mesh = cube_mesh();
     mesh.replace(mesh.find("</mesh>"), 0,
@@ -213,7 +213,7 @@ TEST_CASE("an optional extension that puts shapes into an object is warned of", 
                                   "extension 'urn:lattice'");
 }
 
-TEST_CASE("supports and what is not to be printed are left out and warned of", "[input][3mf]") {
+TEST_CASE("3MF supports and unprintable items are left out with a warning", "[input][3mf]") {
     const TempFolder dir;
     const std::string resources = cube(1) + cube(2, "type=\"support\"") + cube(3, "type=\"solidsupport\"") +
                                   cube(4, "type=\"other\"") + cube(5, "type=\"surface\"") +
@@ -228,7 +228,7 @@ TEST_CASE("supports and what is not to be printed are left out and warned of", "
     CHECK(file.warnings[1] == path.string() + ": ignored object 2 of type 'support'");
 }
 
-TEST_CASE("bytes around the zip archive of a 3MF file are warned of", "[input][3mf]") {
+TEST_CASE("bytes around the zip archive of a 3MF file give a warning", "[input][3mf]") {
     const TempFolder dir;
     const std::string whole = package(model_text(cube(), item(1)));
     const auto warnings = [&](const std::string& bytes) {
@@ -257,7 +257,7 @@ TEST_CASE("a package that lacks its content types is read with a warning", "[inp
     CHECK(file.warnings[0].find("has no part '[Content_Types].xml'") != std::string::npos);
 }
 
-TEST_CASE("vertices and triangles are read alike in all the ways to write them", "[input][3mf]") {
+TEST_CASE("3MF vertices and triangles are read the same in every XML spelling", "[input][3mf]") {
     const TempFolder dir;
     const std::string model = model_text(cube(), item(1));
     const std::vector<Corners> expected = read_corners(dir, package(model));
@@ -299,7 +299,7 @@ TEST_CASE("vertices and triangles are read alike in all the ways to write them",
                Catch::Contains("vertex index 0 of a mesh with 0 vertices"));
 }
 
-TEST_CASE("3MF by any name and in any encoding that XML must have", "[input][3mf]") {
+TEST_CASE("3MF is read under any name and in UTF-8 and UTF-16", "[input][3mf]") {
     const TempFolder dir;
     const std::string model = model_text(cube(), item(1));
     const MeshFile misnamed = read_indexed(dir.write("a.stl", package(model)));

@@ -70,7 +70,7 @@ TEST_CASE("a 3MF file with any byte changed is read alike or refused", "[input][
     CHECK(refused > bytes.size() / 2);
 }
 
-TEST_CASE("damaged archives are told from malformed parts", "[input][3mf]") {
+TEST_CASE("damaged archives and malformed parts have different messages", "[input][3mf]") {
     const TempFolder dir;
     const auto refusal_of = [&](const ZipPart& root) { return refusal(dir, zip({content_types(), relationships(), root})); };
     ZipPart root = {"3D/3dmodel.model", good_model()};
@@ -106,7 +106,7 @@ TEST_CASE("archives that are no 3MF packages are refused", "[input][3mf]") {
     CHECK(refusal(dir, zip({relationships("a", second)})) == "part '_rels/.rels', line 2: a second model");
 }
 
-TEST_CASE("no path leaves the package", "[input][3mf]") {
+TEST_CASE("3MF part names that leave the package are refused", "[input][3mf]") {
     const TempFolder dir;
     for (const std::string path :
          {"../a.model", "/3D/../../a.model", "3D//a", "/", "", ".", "C:/a", "3D\\a", "file:///a", "a/"}) {
@@ -129,7 +129,7 @@ TEST_CASE("entities and whatever else a document type may hold are refused", "[i
     CHECK(refusal_with(dir, "<resources>", "<resources>&bomb;") == in_root(3, "malformed XML: undefined entity"));
 }
 
-TEST_CASE("every malformed field of a 3MF model is told with its line", "[input][3mf]") {
+TEST_CASE("every malformed field of a 3MF model is reported with its line", "[input][3mf]") {
     const TempFolder dir;
     const std::string compatibility_space = "http://schemas.openxmlformats.org/markup-compatibility/2006";
     using Row = std::tuple<std::string, std::string, std::size_t, std::string>;
@@ -179,7 +179,7 @@ TEST_CASE("every malformed field of a 3MF model is told with its line", "[input]
     }
 }
 
-TEST_CASE("transforms that are none are refused", "[input][3mf]") {
+TEST_CASE("malformed 3MF transforms are refused", "[input][3mf]") {
     const TempFolder dir;
     const std::string twelve = "a transform that is not twelve finite numbers: ";
     using Row = std::pair<std::string, std::string>;
@@ -194,7 +194,7 @@ TEST_CASE("transforms that are none are refused", "[input][3mf]") {
     }
 }
 
-TEST_CASE("a build of nothing is an empty mesh", "[input][3mf]") {
+TEST_CASE("a 3MF build without triangles is an empty mesh", "[input][3mf]") {
     const TempFolder dir;
     const std::string empty =
         object(1, "<mesh><vertices/><triangles/></mesh>") + object(2, "") + object(3, cube_mesh(), "type=\"support\"");
@@ -265,7 +265,7 @@ TEST_CASE("more instances than any machine holds are counted and refused", "[inp
     CHECK(chain.value().triangle_count == 12);
 }
 
-TEST_CASE("steps to few triangles count too", "[input][3mf]") {
+TEST_CASE("steps through nested 3MF components count towards the limit", "[input][3mf]") {
     const TempFolder dir;
     std::string model = tower(3000, 1,
                               "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/></vertices><triangles>"
@@ -279,7 +279,7 @@ TEST_CASE("steps to few triangles count too", "[input][3mf]") {
           std::string::npos);
 }
 
-TEST_CASE("text that expands enormously is refused while it streams", "[input][3mf]") {
+TEST_CASE("3MF text that expands enormously is refused while it streams", "[input][3mf]") {
     const TempFolder dir;
     std::string model = good_model();
     model.insert(model.find("</resources>"), std::string(std::size_t{24} << 20, ' '));
@@ -294,7 +294,7 @@ TEST_CASE("text that expands enormously is refused while it streams", "[input][3
     CHECK(read_mesh(path).ok());
 }
 
-TEST_CASE("what is kept of a 3MF file stays within the limit", "[input][3mf]") {
+TEST_CASE("memory for a 3MF file stays within the limit", "[input][3mf]") {
     const TempFolder dir;
     std::string vertices;
     for (int i = 0; i < 40000; ++i) {
@@ -319,7 +319,7 @@ TEST_CASE("what is kept of a 3MF file stays within the limit", "[input][3mf]") {
     }
 }
 
-TEST_CASE("3MF without the memory for it is an error and leaves nothing behind", "[input][3mf]") {
+TEST_CASE("3MF without memory is an error and leaks nothing", "[input][3mf]") {
     const TempFolder dir;
     const auto path = dir.write("a.3mf", package(tower(4, 3, cube_mesh())));
     std::size_t failures = 0;

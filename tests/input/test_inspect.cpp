@@ -102,7 +102,7 @@ TEST_CASE("a cube is closed", "[input]") {
     CHECK(info.unit_mm == default_unit_mm);
 }
 
-TEST_CASE("an indexed tetrahedron of doubles", "[input]") {
+TEST_CASE("an indexed tetrahedron of doubles is inspected exactly", "[input]") {
     const std::vector<double> xyz = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     const std::vector<std::uint32_t> indices = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
     const MeshInfo info = info_of(MeshView::indexed(std::span<const double>(xyz), indices));

@@ -36,7 +36,7 @@ TEST_CASE("gzip of any form of STL is unpacked", "[input][gzip]") {
     }
 }
 
-TEST_CASE("bytes after gzip data are warned of", "[input][gzip]") {
+TEST_CASE("bytes after gzip data give a warning", "[input][gzip]") {
     const TempFolder dir;
     const auto path = dir.write("a.stl.gz", gzipped(binary_stl(numbered_facets(10))) + "tail");
     const MeshFile mesh = read_one(path);
@@ -59,7 +59,7 @@ TEST_CASE("gzip data that end too early or are damaged are refused", "[input][gz
           ErrorCode::malformed_mesh);
 }
 
-TEST_CASE("a file that expands enormously is refused before it is unpacked whole", "[input][gzip]") {
+TEST_CASE("gzip data that expand beyond the limit are refused before they are unpacked whole", "[input][gzip]") {
     const TempFolder dir;
     const auto path = dir.write("a.stl.gz", gzipped(std::string(std::size_t{8} << 20, '\0')));
     ReadOptions options;
@@ -70,7 +70,7 @@ TEST_CASE("a file that expands enormously is refused before it is unpacked whole
     CHECK(mesh.error().message == path.string() + ": expands to more than the 6291456 bytes that reading it may take");
 }
 
-TEST_CASE("what is in gzip data is judged like any file", "[input][gzip]") {
+TEST_CASE("unpacked gzip data are recognised by content, and gzip within gzip is refused", "[input][gzip]") {
     const TempFolder dir;
     CHECK(read_error(dir.write("a.stl.gz", gzipped(""))).message.find("is empty") != std::string::npos);
     CHECK(read_error(dir.write("a.stl.gz", gzipped("<html>"))).message.find("'<html>'") != std::string::npos);
@@ -79,7 +79,7 @@ TEST_CASE("what is in gzip data is judged like any file", "[input][gzip]") {
     CHECK(twice.message.find("is compressed twice") != std::string::npos);
 }
 
-TEST_CASE("a name that says otherwise than the file whether it is gzip is warned of", "[input][gzip]") {
+TEST_CASE("a .gz name without gzip data, or gzip data without the name, gives a warning", "[input][gzip]") {
     const TempFolder dir;
     const std::string plain = binary_stl(numbered_facets(3));
     const auto warnings = [&](const std::string& name, const std::string& bytes) {

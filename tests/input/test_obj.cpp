@@ -145,7 +145,7 @@ TEST_CASE("OBJ vertices of too few or too many numbers are refused", "[input][ob
     CHECK_THAT(read_error(dir.write("d.obj", "v 1 2 3 red\n")).message, Contains("byte 8: ") && Contains("found 'red'"));
 }
 
-TEST_CASE("OBJ faces that cannot be are refused with line and byte", "[input][obj]") {
+TEST_CASE("impossible OBJ faces are refused with line and byte", "[input][obj]") {
     const TempFolder dir;
     const auto refused = [&](const std::string& face) {
         const Error error = read_error(dir.write("a.obj", with_face(face)));
@@ -168,7 +168,7 @@ TEST_CASE("OBJ faces that cannot be are refused with line and byte", "[input][ob
     }
 }
 
-TEST_CASE("OBJ faces of fewer than three corners are left out and warned of", "[input][obj]") {
+TEST_CASE("OBJ faces of fewer than three corners are left out with a warning", "[input][obj]") {
     const TempFolder dir;
     const auto path = dir.write("a.obj", with_face("f 1 2\nf 1 2 3\nf\nfo 1 # 2 3\nf 3 2 1"));
     CHECK((read_triangles(path) ==
@@ -180,7 +180,7 @@ TEST_CASE("OBJ faces of fewer than three corners are left out and warned of", "[
     CHECK_THAT(error.message, Contains("holds no face of three corners or more"));
 }
 
-TEST_CASE("OBJ statements that may hold a shape and are not read are warned of once", "[input][obj]") {
+TEST_CASE("unread OBJ statements that may hold a shape give one warning", "[input][obj]") {
     const TempFolder dir;
     const auto warnings = [&](const std::string& statements) {
         const auto path = dir.write("a.obj", cube() + statements);
@@ -205,13 +205,13 @@ TEST_CASE("OBJ statements that may hold a shape and are not read are warned of o
           ignored("2 statements that are not read, the first in line 300015: 'what'"));
 }
 
-TEST_CASE("a relative OBJ reference does not reach what follows", "[input][obj]") {
+TEST_CASE("a relative OBJ reference reaches only vertices before it", "[input][obj]") {
     const TempFolder dir;
     CHECK_THAT(read_error(dir.write("a.obj", "v 0 0 0\nv 1 0 0\nf -1 -2 -3\nv 0 1 0\n")).message,
                Contains("line 3, byte 24: vertex number out of range: 2 vertices precede"));
 }
 
-TEST_CASE("the first error of an OBJ file is told, whatever the threads", "[input][obj]") {
+TEST_CASE("the first error of an OBJ file is reported on any number of threads", "[input][obj]") {
     const TempFolder dir;
     std::string text;
     for (int i = 0; i < 200'000; ++i) {  // 4 MB

@@ -107,7 +107,7 @@ TEST_CASE("OFF counts that do not fit the text are refused", "[input][off]") {
     CHECK_THAT(refused("8 6 0 0"), Contains("line 2, byte 10: expected the end of the line, found '0'"));
 }
 
-TEST_CASE("OFF faces that cannot be are refused with line and byte", "[input][off]") {
+TEST_CASE("impossible OFF faces are refused with line and byte", "[input][off]") {
     const TempFolder dir;
     const auto refused = [&](const std::string& face) {
         const Error error = read_error(dir.write("a.off", with_face(face)));
@@ -130,7 +130,7 @@ TEST_CASE("OFF faces that cannot be are refused with line and byte", "[input][of
     CHECK(refused("3 0 1 2 1 1 1 1 1") == "byte 44: expected the end of the line, found '1'");
 }
 
-TEST_CASE("OFF faces of fewer than three corners are left out and warned of", "[input][off]") {
+TEST_CASE("OFF faces of fewer than three corners are left out with a warning", "[input][off]") {
     const TempFolder dir;
     const std::string head = "OFF\n3 5 0\n0 0 0\n1 0 0\n0 1 0\n";
     const auto path = dir.write("a.off", head + "3 0 1 2\n0\n2 0 1 255 0 0\n3 2 1 0\n1 0\n");
@@ -183,7 +183,7 @@ TEST_CASE("an OFF file cut anywhere is refused, unless nothing is lost", "[input
     }
 }
 
-TEST_CASE("forms of OFF that are not read say so", "[input][off]") {
+TEST_CASE("binary and 4D OFF are refused as such", "[input][off]") {
     const TempFolder dir;
     CHECK_THAT(read_error(dir.write("a.off", std::string("OFF BINARY\n\0\0\0\x08", 15))).message,
                Contains("is a binary OFF file; only OFF as text is read"));

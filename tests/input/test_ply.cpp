@@ -111,7 +111,7 @@ TEST_CASE("PLY of every encoding and type of number gives the same mesh", "[inpu
     }
 }
 
-TEST_CASE("PLY in any order and with anything between gives the same mesh", "[input][ply]") {
+TEST_CASE("PLY elements and properties in any order, with unknown ones between, give the same mesh", "[input][ply]") {
     const TempFolder dir;
     const shapes::Soup expected = soup_of(cube());
     PlyVariant how;
@@ -215,7 +215,7 @@ TEST_CASE("PLY polygons are cut into triangles", "[input][ply]") {
     CHECK(info->area_mm2 == Approx(2 * 5 + 12 * 2));
 }
 
-TEST_CASE("PLY faces of fewer than three vertices are left out and told", "[input][ply]") {
+TEST_CASE("PLY faces of fewer than three vertices are left out and reported", "[input][ply]") {
     const TempFolder dir;
     PlyVariant how;
     how.encoding = GENERATE(from_range(ply_encodings));
@@ -277,7 +277,7 @@ TEST_CASE("PLY comments may state the patient frame", "[input][ply]") {
     CHECK(frame_of("obj_info SPACE=RAS\ncomment SPACE=LPS") == PatientFrame::unstated);
 }
 
-TEST_CASE("PLY headers with other ends of lines and white space", "[input][ply]") {
+TEST_CASE("PLY headers are read with any line ends and white space", "[input][ply]") {
     const TempFolder dir;
     PlyVariant how;
     how.encoding = GENERATE(from_range(ply_encodings));
@@ -299,7 +299,7 @@ TEST_CASE("PLY headers with other ends of lines and white space", "[input][ply]"
     CHECK(reads("\nproperty", "\n\n \nproperty"));
 }
 
-TEST_CASE("ASCII PLY need not keep to lines", "[input][ply]") {
+TEST_CASE("ASCII PLY rows need not be lines", "[input][ply]") {
     const TempFolder dir;
     PlyVariant how;
     how.extra_elements = GENERATE(false, true);
@@ -321,7 +321,7 @@ TEST_CASE("ASCII PLY need not keep to lines", "[input][ply]") {
     CHECK(read_soup(dir, "\xEF\xBB\xBF" + bytes) == soup_of(cube()));
 }
 
-TEST_CASE("ASCII PLY in every accepted spelling of numbers", "[input][ply]") {
+TEST_CASE("ASCII PLY is read in every accepted spelling of numbers", "[input][ply]") {
     const TempFolder dir;
     const std::string header =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty float y\nproperty int z\n"
@@ -333,7 +333,7 @@ TEST_CASE("ASCII PLY in every accepted spelling of numbers", "[input][ply]") {
     CHECK(read_soup(dir, header + vertices + "003 -0 0000000000000000000000001 2\n") == expected);
 }
 
-TEST_CASE("ASCII PLY of many pieces gives every face once, in order", "[input][ply]") {
+TEST_CASE("ASCII PLY parsed in many pieces gives every face once, in order", "[input][ply]") {
     const TempFolder dir;
     const shapes::Indexed sphere = shapes::indexed(shapes::octasphere({1, 2, 3}, 20, 7));  // 5 MB
     Faces faces = triangles_of(sphere);
@@ -358,7 +358,7 @@ TEST_CASE("ASCII PLY of many pieces gives every face once, in order", "[input][p
     CHECK(read_soup(dir, by_lines.substr(0, body) + "\n" + by_lines.substr(body)) == soup);
 }
 
-TEST_CASE("bytes after the last PLY element are warned of", "[input][ply]") {
+TEST_CASE("bytes after the last PLY element give a warning", "[input][ply]") {
     const TempFolder dir;
     PlyVariant how;
     how.encoding = GENERATE(from_range(ply_encodings));

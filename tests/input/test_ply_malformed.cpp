@@ -140,7 +140,7 @@ TEST_CASE("PLY without faces holds no mesh", "[input][ply]") {
     CHECK(read_error(dir.write("a.ply", no_face)).code == ErrorCode::malformed_mesh);
 }
 
-TEST_CASE("PLY counts are held against the bytes that are left", "[input][ply]") {
+TEST_CASE("PLY counts beyond the bytes that are left are refused", "[input][ply]") {
     const TempFolder dir;
     const std::string format = GENERATE(as<std::string>(), "ascii", "binary_little_endian", "binary_big_endian");
     const std::string count = GENERATE(as<std::string>(), "5000", "4294967296", "1537228672809129302", "9223372036854775807",
@@ -155,7 +155,7 @@ TEST_CASE("PLY counts are held against the bytes that are left", "[input][ply]")
     CHECK_THAT(many.message, Contains("the header counts " + count + " of element 'face', but 10"));
 }
 
-TEST_CASE("PLY elements that take no bytes are passed, however many", "[input][ply]") {
+TEST_CASE("PLY elements that take no bytes are skipped, however many", "[input][ply]") {
     const TempFolder dir;
     const std::string format = GENERATE(as<std::string>(), "ascii", "binary_little_endian", "binary_big_endian");
     PlyVariant how;
@@ -167,7 +167,7 @@ TEST_CASE("PLY elements that take no bytes are passed, however many", "[input][p
     CHECK(mesh.value().triangle_count == 4);
 }
 
-TEST_CASE("lists of PLY that lie about their length are refused", "[input][ply]") {
+TEST_CASE("PLY lists with a wrong length are refused", "[input][ply]") {
     const TempFolder dir;
     const std::string_view encoding = GENERATE(from_range(ply_encodings));
     const std::size_t header = binary_tetrahedron(encoding, "int", "int", 3, {0, 1, 2}).find("end_header\n") + 11;
@@ -233,7 +233,7 @@ TEST_CASE("malformed words of ASCII PLY are refused with line and byte", "[input
     CHECK(count.byte_offset == static_cast<std::int64_t>(header.size() + four_vertices.size()));
 }
 
-TEST_CASE("the first error of an ASCII PLY file is told, whatever the threads", "[input][ply]") {
+TEST_CASE("the first error of an ASCII PLY file is reported on any number of threads", "[input][ply]") {
     const TempFolder dir;
     const shapes::Indexed sphere = shapes::indexed(shapes::octasphere({1, 2, 3}, 20, 7));  // of several pieces
     std::string text = ply({}, sphere);
@@ -261,7 +261,7 @@ TEST_CASE("PLY that expands to more than reading may take is refused", "[input][
                Contains(path.string() + ": expands to ") && Contains("more than the 20000 that reading"));
 }
 
-TEST_CASE("PLY polygons with a corner that is nowhere are refused", "[input][ply]") {
+TEST_CASE("PLY polygons with a corner that is not finite are refused", "[input][ply]") {
     const TempFolder dir;
     PlyVariant how;
     how.encoding = GENERATE(as<std::string_view>(), "binary_little_endian", "binary_big_endian");

@@ -32,7 +32,7 @@ TEST_CASE("a patient frame is stated by a whole word and never guessed", "[input
     CHECK(read_with_comment(dir, "output.SPACE=RAS SPACE=RAS").patient_frame == PatientFrame::ras);
 }
 
-TEST_CASE("patient frames that contradict each other are warned of, and neither is taken", "[input][frame]") {
+TEST_CASE("contradicting patient frames give a warning, and neither is taken", "[input][frame]") {
     const TempFolder dir;
     const std::string second = GENERATE(as<std::string>(), "RAS", "LAS");
     const MeshFile mesh = read_with_comment(dir, "SPACE=LPS SPACE=LPS\n# SPACE=" + second + "\n# SPACE=LPS");

@@ -39,7 +39,7 @@ float first_number(const TempFolder& dir, const std::string& number) {
 
 }  // namespace
 
-TEST_CASE("ASCII is packed into floats", "[input]") {
+TEST_CASE("ASCII STL is packed into floats", "[input]") {
     const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(7);
     const auto path = dir.write("a.stl", ascii_stl(facets));
@@ -50,7 +50,7 @@ TEST_CASE("ASCII is packed into floats", "[input]") {
     CHECK(mesh.value().bytes.size() == 7 * 36);
 }
 
-TEST_CASE("ASCII in every accepted spelling", "[input]") {
+TEST_CASE("ASCII STL is read in every accepted spelling", "[input]") {
     const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(4);
     const std::string plain = ascii_stl(facets, "facet of solid part");
@@ -71,7 +71,7 @@ TEST_CASE("ASCII in every accepted spelling", "[input]") {
     CHECK(reads(replaced(plain, "    outer loop\n", "outer loop ")));
 }
 
-TEST_CASE("several solids are one mesh", "[input]") {
+TEST_CASE("several solids of an ASCII STL are one mesh", "[input]") {
     const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(2);
     const std::string text = ascii_stl({facets[0]}, "one") + ascii_stl({facets[1]}, "two facet normal");
@@ -79,7 +79,7 @@ TEST_CASE("several solids are one mesh", "[input]") {
     CHECK(read_facets(dir.write("b.stl", replaced(text, "endsolid one\n", ""))) == facets);
 }
 
-TEST_CASE("a solid name of 1 MB, even one made of keywords", "[input]") {
+TEST_CASE("a solid name of 1 MB is skipped, even one made of keywords", "[input]") {
     const TempFolder dir;
     const std::string word = GENERATE(as<std::string>(), "x", "facet normal 0 0 1 ", "endfacet facet ", "solid ");
     std::string name;
@@ -91,7 +91,7 @@ TEST_CASE("a solid name of 1 MB, even one made of keywords", "[input]") {
     CHECK(read_facets(dir.write("a.stl", text + ascii_stl({facets.begin() + 3, facets.end()}, name))) == facets);
 }
 
-TEST_CASE("text of many pieces gives every facet once, in order", "[input]") {
+TEST_CASE("ASCII STL parsed in many pieces gives every facet once, in order", "[input]") {
     const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(30'000);  // 5 MB
     const bool one_line = GENERATE(false, true);
@@ -102,7 +102,7 @@ TEST_CASE("text of many pieces gives every facet once, in order", "[input]") {
     CHECK(read_facets(dir.write("a.stl", text)) == facets);
 }
 
-TEST_CASE("normals are read over", "[input]") {
+TEST_CASE("normals of ASCII STL are skipped", "[input]") {
     const TempFolder dir;
     const std::string normal = GENERATE(as<std::string>(), "0 0 0", "9 -9 1e9", "nan nan nan", "-nan(ind) NaN 0",
                                         "inf -inf 0", "1.#QNAN -1.#IND 0", "+1 .5 -.5e-3");
@@ -110,7 +110,7 @@ TEST_CASE("normals are read over", "[input]") {
     CHECK(read_facets(dir.write("a.stl", text)) == std::vector<Facet>{numbered_facet(1)});
 }
 
-TEST_CASE("numbers are rounded to the nearest float", "[input]") {
+TEST_CASE("numbers of ASCII STL are rounded to the nearest float", "[input]") {
     const TempFolder dir;
     CHECK(first_number(dir, "0.1") == 0.1F);
     CHECK(first_number(dir, "-1.5E+2") == -150.0F);
@@ -126,7 +126,7 @@ TEST_CASE("numbers are rounded to the nearest float", "[input]") {
     CHECK(first_number(dir, "0." + std::string(20, '0') + std::string(5000, '3')) == Approx(1e-20F / 3).epsilon(1e-6));
 }
 
-TEST_CASE("malformed coordinates are refused with line and byte", "[input]") {
+TEST_CASE("malformed coordinates of ASCII STL are refused with line and byte", "[input]") {
     const TempFolder dir;
     const std::string number =
         GENERATE(as<std::string>(), "nan", "NaN", "inf", "-inf", "+infinity", "1e400", "-1e39", "1,5", "1.5f", "1.2.3",
@@ -148,7 +148,7 @@ TEST_CASE("lines are counted over LF, CRLF and CR", "[input]") {
     CHECK(error.byte_offset == static_cast<std::int64_t>(text.find("1e400")));
 }
 
-TEST_CASE("loops of two or four vertices are refused", "[input]") {
+TEST_CASE("ASCII STL loops of two or four vertices are refused", "[input]") {
     const TempFolder dir;
     const std::string three = with_number("1");
     const Error two = read_error(dir.write("two.stl", replaced(three, "vertex 7 8 9\n", "")));
@@ -171,7 +171,7 @@ TEST_CASE("ASCII cut within a facet is refused wherever the cut is", "[input]") 
     CHECK_THAT(read_error(dir.write("a.stl", whole.substr(0, end - 9))).message, Contains("the end of the file"));
 }
 
-TEST_CASE("the first of several errors is told, whatever the threads", "[input]") {
+TEST_CASE("the first of several errors in ASCII STL is reported on any number of threads", "[input]") {
     const TempFolder dir;
     std::string text = ascii_stl(numbered_facets(30'000));
     for (const std::size_t near : {4'000'000U, 2'500'000U}) {
@@ -182,7 +182,7 @@ TEST_CASE("the first of several errors is told, whatever the threads", "[input]"
     CHECK_THAT(error.message, Contains("'vortex'"));
 }
 
-TEST_CASE("a facet left open before another piece begins is told as such", "[input]") {
+TEST_CASE("a missing 'endloop' near a cut between pieces is reported", "[input]") {
     const TempFolder dir;
     std::string text = ascii_stl(numbered_facets(30'000));
     const std::size_t near = text.find("    endloop", 1'048'576 - 300);
@@ -192,7 +192,7 @@ TEST_CASE("a facet left open before another piece begins is told as such", "[inp
     CHECK_THAT(read_error(dir.write("a.stl", text)).message, Contains("expected 'endloop'") && Contains("found 'endfacet'"));
 }
 
-TEST_CASE("stray words are refused", "[input]") {
+TEST_CASE("stray words in ASCII STL are refused", "[input]") {
     const TempFolder dir;
     CHECK_THAT(read_error(dir.write("a.stl", "solid ground is good\nto stand on\n")).message,
                Contains("line 2, ") && Contains("found 'to'"));
@@ -204,7 +204,7 @@ TEST_CASE("stray words are refused", "[input]") {
                Contains("zzz...'"));
 }
 
-TEST_CASE("ASCII without triangles", "[input]") {
+TEST_CASE("ASCII STL without triangles is an empty mesh", "[input]") {
     const TempFolder dir;
     CHECK(read_error(dir.write("a.stl", "solid nothing\nendsolid nothing\n")).code == ErrorCode::empty_mesh);
     CHECK(read_error(dir.write("b.stl", "solid")).code == ErrorCode::empty_mesh);

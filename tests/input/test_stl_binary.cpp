@@ -85,7 +85,7 @@ TEST_CASE("a binary file cut anywhere is refused", "[input]") {
     }
 }
 
-TEST_CASE("no triangles", "[input]") {
+TEST_CASE("a binary STL of no triangles is an empty mesh", "[input]") {
     const TempFolder dir;
     CHECK(read_error(dir.write("a.stl", "")).code == ErrorCode::empty_mesh);
     CHECK(read_error(dir.write("b.stl", binary_stl({}))).code == ErrorCode::empty_mesh);
@@ -94,7 +94,7 @@ TEST_CASE("no triangles", "[input]") {
     CHECK_THAT(behind.message, Contains("0 triangles") && Contains("100 bytes"));
 }
 
-TEST_CASE("what is no file is refused without waiting", "[input]") {
+TEST_CASE("missing files, directories, FIFOs and devices are refused without waiting", "[input]") {
     const TempFolder dir;
     const Error missing = read_error(dir / "missing.stl");
     CHECK(missing.code == ErrorCode::unreadable_file);

@@ -9,7 +9,7 @@
 namespace lamella {
 namespace {
 
-TEST_CASE("digits are read up to what is none, however many there are", "[input][text]") {
+TEST_CASE("digits are read up to the first other character, however many there are", "[input][text]") {
     const std::string digits = "9081726354091827364509182736";
     for (std::size_t count = 0; count <= digits.size(); ++count) {
         for (int next = 0; next < 256; ++next) {

@@ -116,7 +116,7 @@ TEST_CASE("legacy VTK takes points of every type", "[input][vtk]") {
     CHECK(x == 1.0 / 3);
 }
 
-TEST_CASE("legacy VTK in every accepted spelling", "[input][vtk]") {
+TEST_CASE("legacy VTK is read in every accepted spelling", "[input][vtk]") {
     const TempFolder dir;
     const PolyData data = cube_with_strip();
     const std::string plain = Legacy{}(data);
@@ -140,7 +140,7 @@ TEST_CASE("legacy VTK in every accepted spelling", "[input][vtk]") {
     CHECK_THAT(misnamed.warnings[0], Contains("is a file of format VTK, not STL as its name says"));
 }
 
-TEST_CASE("what is not surface is skipped in legacy VTK", "[input][vtk]") {
+TEST_CASE("data other than the surface are skipped in legacy VTK", "[input][vtk]") {
     const TempFolder dir;
     const PolyData data = cube();
     const bool text = GENERATE(false, true);
@@ -236,7 +236,7 @@ TEST_CASE("cells of VTK without an area are ignored with a warning", "[input][vt
     }
 }
 
-TEST_CASE("legacy VTK without triangles", "[input][vtk]") {
+TEST_CASE("legacy VTK without triangles is an empty mesh", "[input][vtk]") {
     const TempFolder dir;
     PolyData data = cube();
     data.polygons.clear();
@@ -246,7 +246,7 @@ TEST_CASE("legacy VTK without triangles", "[input][vtk]") {
     CHECK(read_error(dir.write("a.vtk", Legacy{}({}))).code == ErrorCode::empty_mesh);
 }
 
-TEST_CASE("legacy VTK that ends anywhere too early is refused", "[input][vtk]") {
+TEST_CASE("legacy VTK cut off anywhere is refused", "[input][vtk]") {
     const TempFolder dir;
     const bool text = GENERATE(false, true);
     const int version = GENERATE(3, 5);
@@ -367,7 +367,7 @@ TEST_CASE("a polygon of VTK with a corner that is not finite is refused", "[inpu
     CHECK_THAT(error.message, Contains("point 3 of POLYGONS has a coordinate that is not finite"));
 }
 
-TEST_CASE("what legacy VTK expands to is counted before it is allocated", "[input][vtk]") {
+TEST_CASE("memory for legacy VTK is counted before it is allocated", "[input][vtk]") {
     const TempFolder dir;
     PolyData data = sheet(100);
     data.strips.emplace_back();

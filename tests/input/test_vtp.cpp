@@ -177,7 +177,7 @@ TEST_CASE("VTP takes arrays of every type", "[input][vtp]") {
     }
 }
 
-TEST_CASE("the pieces of VTP are appended", "[input][vtp]") {
+TEST_CASE("all pieces of VTP are read, one after the other", "[input][vtp]") {
     const TempFolder dir;
     // The second are triangles alone, which are read another way.
     const std::vector<PolyData> pieces = GENERATE(std::vector<PolyData>{cube(3), {}, cube_with_strip(), sheet(90)},
@@ -239,7 +239,7 @@ TEST_CASE("field data of VTP may state the patient frame", "[input][vtp]") {
     CHECK(frame("OTHER", "LPS") == PatientFrame::unstated);
 }
 
-TEST_CASE("VTP that ends anywhere too early is refused", "[input][vtp]") {
+TEST_CASE("VTP cut off anywhere is refused", "[input][vtp]") {
     const TempFolder dir;
     const std::string format = GENERATE(as<std::string>(), "ascii", "binary", "raw", "base64");
     const bool zlib = format == "raw" || format == "binary";
@@ -327,7 +327,7 @@ TEST_CASE("malformed VTP is refused with the place", "[input][vtp]") {
     CHECK_THAT(with("NumberOfPolys=\"6\"", "NumberOfPolys=\"0\""), Contains("holds no triangles"));
 }
 
-TEST_CASE("binary arrays of VTP are never believed", "[input][vtp]") {
+TEST_CASE("binary VTP arrays with wrong sizes are refused", "[input][vtp]") {
     const TempFolder dir;
     const auto complaint = [&](const std::string& file) { return read_error(dir.write("a.vtp", file)).message; };
     for (const char* format : {"binary", "raw", "base64"}) {
@@ -378,7 +378,7 @@ TEST_CASE("base64 may hold white space and padding anywhere", "[input][vtp]") {
           triangles_of(cube()));
 }
 
-TEST_CASE("compressed blocks of VTP are never believed", "[input][vtp]") {
+TEST_CASE("compressed VTP blocks with wrong sizes are refused", "[input][vtp]") {
     const TempFolder dir;
     const Xml xml{"raw", true};
     const std::string plain = Xml{xml}({cube()});
@@ -450,7 +450,7 @@ TEST_CASE("compressed integers of 64 bits are held in 32, unless they are larger
                Contains("point 4294967295 of Polys does not exist: there are 8"));
 }
 
-TEST_CASE("text of VTP arrays that is not plain is parsed as XML", "[input][vtp]") {
+TEST_CASE("markup in VTP array text is parsed as XML, and refused with its line", "[input][vtp]") {
     const TempFolder dir;
     const std::string whole = Xml{}({cube()});
     const std::size_t numbers = whole.find('>', whole.find("connectivity", whole.find("<Polys"))) + 1;

@@ -60,7 +60,7 @@ TEST_CASE("a cracked sphere closes when it is welded", "[input][weld]") {
     CHECK(result.summary.degenerate == 0);
 }
 
-TEST_CASE("the outcome does not depend on the order of the triangles", "[input][weld]") {
+TEST_CASE("welding does not depend on the order of the triangles", "[input][weld]") {
     shapes::Soup soup = cracked(shapes::octasphere({0, 0, 0}, 10, 3), 0.2, 9);
     const std::uint64_t hash = hash_result(slice_of(welded(soup, 0.25).view(), 0.3));
     std::mt19937 random(3);
@@ -129,7 +129,7 @@ TEST_CASE("the nearest vertex wins, across cells of the search too", "[input][we
     }
 }
 
-TEST_CASE("vertices by the hundred thousand in one cell are no trouble", "[input][weld]") {
+TEST_CASE("390,000 vertices in one cell of the search are welded", "[input][weld]") {
     std::mt19937 random(4);
     std::uniform_real_distribution<double> place(0, 1);
     shapes::Soup soup(std::size_t{9} * 130'000);
@@ -140,7 +140,7 @@ TEST_CASE("vertices by the hundred thousand in one cell are no trouble", "[input
     CHECK(welded(soup, 0.01).vertex_count < 390'000);
 }
 
-TEST_CASE("what cannot be welded is an error", "[input][weld]") {
+TEST_CASE("meshes that cannot be welded are refused", "[input][weld]") {
     shapes::Soup soup = shapes::octasphere({0, 0, 0}, 1, 1);
     for (const double tolerance : {-1.0, 1e-10, std::nan(""), std::numeric_limits<double>::infinity()}) {
         CHECK(weld(view_of(soup), {.tolerance_mm = tolerance}).error().code == ErrorCode::invalid_argument);

@@ -79,7 +79,7 @@ TEST_CASE("XML gives the same events however it is cut", "[input][xml]") {
     }
 }
 
-TEST_CASE("XML that is none is told by line", "[input][xml]") {
+TEST_CASE("malformed XML is reported with its line", "[input][xml]") {
     CHECK(events_of("", 1) == "!1 malformed XML: no element found");
     CHECK(events_of("<a>\n</b>", 3) == "<:a 1 0..3>!2 malformed XML: mismatched tag");
     CHECK(events_of("<a>\r\r\n", 1) == "<:a 1 0..3>!3 malformed XML: no element found");
@@ -99,13 +99,13 @@ TEST_CASE("XML can be left before its end", "[input][xml]") {
     CHECK_FALSE(recorder.finish());
 }
 
-TEST_CASE("what an event throws passes through the parser", "[input][xml]") {
+TEST_CASE("exceptions of an XML event pass through the parser", "[input][xml]") {
     Recorder recorder;
     CHECK_THROWS_WITH(recorder.feed("<a><throw/><b/></a>"), "thrown");
     CHECK(recorder.events == "<:a 1 0..3><:throw 1 3..11>");
 }
 
-TEST_CASE("XML takes no more memory than it may, whatever it holds", "[input][xml]") {
+TEST_CASE("XML takes no more memory than its limit", "[input][xml]") {
     const auto events_at_start = [](const std::string& before, const std::string& repeated, int count, bool numbered) {
         CountingMemory memory;
         Recorder recorder(&memory);
@@ -126,7 +126,7 @@ TEST_CASE("XML takes no more memory than it may, whatever it holds", "[input][xm
     CHECK(events_at_start("<a>", "<b/>", 200000, false) == "read");
 }
 
-TEST_CASE("XML without memory throws, and leaves nothing behind", "[input][xml]") {
+TEST_CASE("XML without memory throws, and leaks nothing", "[input][xml]") {
     int failures = 0;
     for (std::size_t limit = 0;; limit += 256) {
         CountingMemory memory(limit);
@@ -143,7 +143,7 @@ TEST_CASE("XML without memory throws, and leaves nothing behind", "[input][xml]"
     CHECK(failures > 3);
 }
 
-TEST_CASE("text is plain where nothing in it could be markup or more than one byte", "[input][xml]") {
+TEST_CASE("XML text is plain if it is ASCII without characters of markup", "[input][xml]") {
     for (int code = 0; code < 256; ++code) {
         const char c = static_cast<char>(code);
         const bool white = c == '\t' || c == '\n' || c == '\r';
@@ -157,7 +157,7 @@ TEST_CASE("text is plain where nothing in it could be markup or more than one by
     }
 }
 
-TEST_CASE("what comes behind skipped text has its place in the whole document", "[input][xml]") {
+TEST_CASE("events after skipped text have their place in the whole document", "[input][xml]") {
     const std::string before = "<a>\n<b>";
     const std::string plain = "\n1 2 3\n4\n";
     const std::string after = "</b>\n<c x=\"1\"/><fail/></a>";

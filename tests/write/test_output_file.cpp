@@ -21,7 +21,7 @@ void require_unwritable(const Status& status, const std::filesystem::path& path,
 
 }  // namespace
 
-TEST_CASE("output: the text and nothing beside it", "[write]") {
+TEST_CASE("output: the file holds the text, and no other file is left", "[write]") {
     const TempFolder folder;
     const std::string text(3 * OutputFile::buffer_bytes + 17, 'x');
     REQUIRE(write_text_file(folder / "a", text).ok());
@@ -61,7 +61,7 @@ TEST_CASE("output: what is unfinished of one file can be removed, and nothing el
     CHECK(bytes_of(folder / "a") == "old");
 }
 
-TEST_CASE("output: two writers of one file do not meet", "[write]") {
+TEST_CASE("output: two writers of one file do not disturb each other", "[write]") {
     const TempFolder folder;
     Result<OutputFile> one = OutputFile::create(folder / "a");
     Result<OutputFile> two = OutputFile::create(folder / "a");

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t chunk_bytes = std::size_t{4} << 20;
 constexpr int gzip_window = 16 + MAX_WBITS;  // 16: the format is gzip, not zlib
 
-/// What has been decompressed so far, in chunks: the whole size is known only in the end.
+/// The bytes decompressed so far, in chunks: the size is known only at the end.
 class Chunks {
 public:
     explicit Chunks(const Memory* memory) : memory_(memory) {}

@@ -21,7 +21,7 @@ struct Unzipped {
     ErrorCode code = ErrorCode::malformed_mesh;
 };
 
-/// All members of a gzip file, one behind the other. Refuses what expands beyond `limit_bytes`. Memory: the contents, once,
+/// All members of a gzip file, one after the other. Refuses what expands beyond `limit_bytes`. Memory: the contents, once,
 /// and a few megabytes; nothing is allocated by what the file says of its size. Throws std::bad_alloc.
 Unzipped unzip(std::span<const std::byte> file, std::uint64_t limit_bytes, const Memory* memory);
 

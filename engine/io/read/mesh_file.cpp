@@ -1,4 +1,4 @@
-// Stage 1: from a file to a mesh in memory, whatever the format.
+// read_mesh(): finds the reader for a file, decompresses it where needed, and completes what the reader returns.
 #include "lamella/io/mesh_file.hpp"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ constexpr std::array all_readers = {
     Reader{MeshFormat::three_mf, "3MF", ".3mf", looks_like_3mf, read_3mf},
 };
 
-/// How much of the file decides what it is.
+/// How much of the file its format is recognised by.
 constexpr std::size_t sample_bytes = std::size_t{64} << 10;
 
 std::uint64_t memory_limit(const ReadOptions& options, std::uint64_t file_bytes) {
@@ -85,11 +85,11 @@ Error unrecognised(const FileSource& source) {
                         0);
 }
 
-/// By content, else by name. A name that says otherwise than the content is warned of.
+/// The reader that recognises the content, else the one for the file's extension. Warns where the two differ.
 const Reader* choose_reader(const FileSource& source, const std::filesystem::path& path,
                             std::vector<std::string>& warnings) {
     const Reader* const by_name = reader_for_extension(extension_of(path));
-    // The name is asked first: where more than one format could begin like this, it decides.
+    // The extension's reader is asked first: it decides where the beginning fits several formats.
     if (by_name != nullptr && by_name->recognises(source)) {
         return by_name;
     }

@@ -1,4 +1,4 @@
-// Faces of more than three corners to triangles, for every reader of such.
+// Cuts faces of more than three corners into triangles, for all readers.
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@ private:
     }
 };
 
-/// Cuts polygons into triangles. Holds nothing but scratch memory, which is used again from polygon to polygon: one for each
+/// Cuts polygons into triangles. Holds nothing but scratch memory, which is kept from polygon to polygon: one for each
 /// thread. The same polygon always gives the same triangles.
 ///
 /// Whatever the polygon's shape, the boundary of its triangles is the polygon itself, so that closed meshes stay closed.
@@ -42,9 +42,9 @@ private:
 /// Cost: triangles and convex quads need no memory, convex polygons O(n), others about O(n log n).
 class PolygonTriangulator {
 public:
-    /// Writes the corners.size() - 2 triangles to `out`, which has room for as many, three indices each, in the sense of the
-    /// polygon, and returns their number. Convex polygons become the fan of their first corner. 0: refused, because a
-    /// hostile outline of thousands of corners would take forever; `out` is then unspecified.
+    /// Writes the corners.size() - 2 triangles to `out`, which has room for as many, three indices each, in the
+    /// orientation of the polygon, and returns their number. Convex polygons become the fan of their first corner. 0:
+    /// refused, because a hostile outline of thousands of corners would take minutes or more; `out` is then unspecified.
     /// Preconditions: at least three corners, each of them a vertex; finite coordinates. Throws std::bad_alloc.
     std::size_t triangulate(std::span<const std::uint32_t> corners, const VertexCoordinates& vertices, std::uint32_t* out);
 
@@ -76,8 +76,8 @@ private:
         std::uint32_t alive = 0;
     };
 
-    /// What still keeps a convex corner from being clipped: corners in or on the triangle, only those strictly within,
-    /// nothing; and, in the end, any corner may go. All but the first are for polygons that touch or cross themselves.
+    /// What keeps a convex corner from being clipped: corners in or on the triangle; only those strictly within; nothing. In
+    /// the last mode any corner is clipped. All but the first are for polygons that touch or cross themselves.
     enum class Rule { untouched, nothing_within, convex, any };
 
     /// Every leaf but a lone one has more than four corners.

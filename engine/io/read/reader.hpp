@@ -1,4 +1,4 @@
-// What a reader of one format is given and what it must say of itself. all_readers in mesh_file.cpp lists them.
+// What the reader of one format gets, and what it provides. all_readers in mesh_file.cpp lists the readers.
 #pragma once
 
 #include <cstdint>

@@ -8,7 +8,7 @@ namespace lamella {
 
 namespace {
 
-/// In "COLORSPACE=..." SPACE is no word.
+/// "SPACE" within "COLORSPACE=..." is not the word.
 bool is_name_character(char c) {
     return is_digit(c) || c == '_' || c == '-' || ((c | 0x20) >= 'a' && (c | 0x20) <= 'z');
 }

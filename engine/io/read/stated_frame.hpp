@@ -1,4 +1,4 @@
-// What a file says of the patient frame.
+// The patient frame that a file states.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace lamella {
 
-/// Collects statements as 3D Slicer writes them. The frame is never guessed: statements that contradict each other say
-/// nothing, nor does a frame that is unknown.
+/// Collects statements as 3D Slicer writes them. The frame is never guessed: contradicting statements and
+/// unknown frames are ignored.
 class StatedFrame {
 public:
     /// Any "SPACE=LPS" among the words of a header or comment.

@@ -1,4 +1,4 @@
-// Words and numbers in text files, for all readers of such.
+// Words and numbers in text files.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +12,8 @@
 #include <system_error>
 
 #include <fast_float/fast_float.h>
+
+#include "base/little_endian.hpp"
 
 namespace lamella {
 
@@ -42,9 +44,7 @@ constexpr bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
 
-// Characters by the eight: words and lines are short, and where they end is what a processor guesses wrong.
-static_assert(std::endian::native == std::endian::little, "the first character is the lowest byte");
-
+// Characters are read eight at a time: words and lines are short, and processors predict their ends wrongly.
 inline std::uint64_t load_eight(const char* p) {
     std::uint64_t eight = 0;
     std::memcpy(&eight, p, sizeof eight);
@@ -76,10 +76,10 @@ inline const char* skip_line(const char* p, const char* end) {
     return p;
 }
 
-/// Reads the decimal digits at `p` and returns what is behind them. What is beyond 10^18 is 10^18 or more.
+/// Reads the decimal digits at `p` and returns where they end. Numbers beyond 10^18 are read as 10^18 or more.
 inline const char* read_digits(const char* p, const char* end, std::uint64_t& number) {
     number = 0;
-    if (end - p >= 2 && is_digit(p[0]) && !is_digit(p[1])) {  // as the corners of nearly every face are counted
+    if (end - p >= 2 && is_digit(p[0]) && !is_digit(p[1])) {  // the number of corners of nearly every face
         number = static_cast<std::uint64_t>(*p - '0');
         return p + 1;
     }
@@ -88,7 +88,8 @@ inline const char* read_digits(const char* p, const char* end, std::uint64_t& nu
         const std::uint64_t others = ((values + eight_of('\x76')) | values) & eight_of('\x80');  // more than 9
         const int bits = std::countr_zero(others) & ~7;
         if (bits < 64) {
-            // Zeros in front, then pairs of digits to numbers below 100, of these to below 10,000, and so on.
+            // Leading zeros fill up to eight digits; then pairs of digits become numbers below 100, pairs of these numbers
+            // below 10,000, and so on.
             std::uint64_t parts = bits == 0 ? 0 : values << (64 - bits);
             parts = (parts * 10 + (parts >> 8)) & 0x00FF00FF00FF00FF;
             parts = (parts * 100 + (parts >> 16)) & 0x0000FFFF0000FFFF;
@@ -111,11 +112,11 @@ std::size_t line_of(std::string_view text, std::size_t offset);
 
 enum class NumberText { read, malformed, not_finite };
 
-/// What messages say of a coordinate that is `found` instead of a finite number of the type.
+/// The message for `found` in place of a finite coordinate of the type.
 std::string coordinate_problem(NumberText got, const std::string& type, const std::string& found);
 
-/// Reads the finite number that is the word at `p`, and moves `p` behind it. A leading + is allowed; what is too small for
-/// the type is 0. Precondition: p != end and no space is at `p`.
+/// Reads the word at `p`, a finite number, and moves `p` past it. A leading + is allowed; numbers too small for the type are
+/// 0. Precondition: p != end and no space is at `p`.
 template <class Value>
 NumberText read_number(const char*& p, const char* end, Value& value) {
     const char* digits = p;

@@ -1,4 +1,4 @@
-// The rules that a result was made by, in words: every output carries them.
+// The rules that a result was made by, as sentences for every output.
 #pragma once
 
 #include <string>

@@ -18,7 +18,7 @@ void JsonText::key(std::string_view name) {
     after_key_ = true;
 }
 
-/// A value, or how it begins: behind its key, or on a line of its own.
+/// A value or its beginning: after its key, or on a line of its own.
 void JsonText::put(std::string_view word) {
     if (!after_key_ && depth_ > 0) {
         if (const char last = text_.back(); last != '{' && last != '[') {

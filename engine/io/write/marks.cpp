@@ -1,4 +1,4 @@
-// What a diagnosis found, as a PLY file to be shown over the mesh.
+// The faults that check() found, as a PLY file to be shown over the mesh.
 #include <array>
 #include <cstdint>
 #include <string>
@@ -18,7 +18,7 @@ struct Colour {
     int blue;
 };
 
-/// By fault: reds for what is open, blues for edges and vertices, greens for faces and shells, yellows for meetings, violets
+/// By fault: reds for boundaries, blues for edges and vertices, greens for faces and shells, yellows for meetings, violets
 /// for gaps.
 constexpr std::array<Colour, fault_count> colours = {{
     {255, 0, 0},     {160, 0, 0},   {0, 160, 255}, {0, 0, 255},    {0, 0, 140},    {0, 255, 255},   {0, 128, 0},

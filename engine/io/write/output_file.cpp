@@ -166,7 +166,7 @@ void OutputFile::flush() noexcept {
 Status OutputFile::commit() {
     assert(descriptor_ >= 0);
     flush();
-    // Some file systems say only on closing that the disk is full.
+    // Some file systems report a full disk only on closing.
     if (::close(std::exchange(descriptor_, -1)) != 0 && error_number_ == 0) {
         error_number_ = errno;
     }

@@ -27,7 +27,7 @@ public:
     OutputFile& operator=(const OutputFile&) = delete;
     ~OutputFile();
 
-    /// Space for `bytes` at the end of what is written; what was used of it is told to advance(), before any other call.
+    /// Space for `bytes` at the end of what is written; advance() must follow with how much of it was used.
     char* room(std::size_t bytes);
     void advance(const char* end) noexcept;
 

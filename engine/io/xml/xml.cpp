@@ -17,10 +17,10 @@ namespace {
 /// Between a namespace's address and the local name in what expat calls a name. It refuses addresses that contain it.
 constexpr char name_separator = '\n';
 
-/// What one call of expat is given: its lengths are ints, and a tag that is cut in two is copied.
+/// Bytes for one call of expat: its lengths are ints, and it copies tags that are cut in two.
 constexpr std::size_t piece_bytes = std::size_t{1} << 20;
 
-/// Characters that may be more than text, or are not one byte of it: 1.
+/// 1 for characters that may be markup or are not ASCII.
 constexpr std::array<std::uint8_t, 256> is_other = [] {
     std::array<std::uint8_t, 256> table{};
     table.fill(1);
@@ -53,8 +53,7 @@ public:
 
     bool exhausted() const noexcept { return exhausted_; }
 
-    /// While one of these lives, expat allocates from `memory` on this thread: its allocation functions are given no
-    /// context.
+    /// While one of these lives, expat allocates from `memory` on this thread: its allocation functions take no context.
     class Scope {
     public:
         explicit Scope(ParserMemory& memory) noexcept : outer_(std::exchange(current_, &memory)) {}

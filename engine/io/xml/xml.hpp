@@ -21,7 +21,7 @@ struct XmlName {
     friend bool operator==(const XmlName&, const XmlName&) = default;
 };
 
-/// Whether `text` is text in an XML document whatever stands around it: ASCII without markup, and not even a part of some.
+/// Whether `text` is plain text at any place of an XML document: ASCII, with no character that markup consists of.
 bool is_plain_xml_text(std::string_view text) noexcept;
 
 /// The attributes of an element, as long as its event lasts.
@@ -44,7 +44,7 @@ struct XmlFailure {
     std::string what;
 };
 
-/// A parser of one document; what reads a format derives from it. Memory: at most parser_memory_limit, taken from `memory`.
+/// A parser of one document; readers of formats derive from it. Memory: at most parser_memory_limit, taken from `memory`.
 class XmlReader {
 public:
     /// Throws std::bad_alloc.
@@ -55,13 +55,13 @@ public:
 
     /// Parses what comes next. False: no more is wanted, because of a failure() or of a stop(). Throws what an event throws.
     bool feed(std::string_view bytes);
-    /// Goes over what comes next without parsing it. Its bytes count for offsets, and `lines` for lines. Precondition: all
+    /// Skips what comes next without parsing it. Its bytes count for offsets, and `lines` for lines. Precondition: all
     /// before it has been parsed, and parsing it too could only succeed and would change nothing that is open.
     void skip(std::string_view plain, std::uint64_t lines = 0) noexcept {
         skipped_bytes_ += plain.size();
         skipped_lines_ += lines;
     }
-    /// Says that the document ends here. False: a failure() or a stop().
+    /// Ends the document. False: a failure() or a stop().
     bool finish();
 
     const std::optional<XmlFailure>& failure() const noexcept { return failure_; }
@@ -83,7 +83,7 @@ protected:
     /// Ends parsing without one.
     void stop();
 
-    /// Where in the document the tag or text at hand stands: its line, from 1, and the bytes where it begins and ends.
+    /// Where in the document the current tag or text is: its line, from 1, and the bytes where it begins and ends.
     std::uint64_t event_line() const noexcept;
     std::uint64_t event_offset() const noexcept;
     std::uint64_t event_end() const noexcept;

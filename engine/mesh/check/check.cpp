@@ -60,7 +60,7 @@ Status examine(const CheckOptions& options) {
     return {};
 }
 
-/// Where one is set, every count of inspect() is one of these.
+/// inspect() counts the same faults by another method.
 void assert_census([[maybe_unused]] const MeshCheck& check) {
     assert(check.of(Fault::boundary_edge).count == check.info.boundary_edges);
     assert(check.of(Fault::overfull_balanced).count + check.of(Fault::overfull_unbalanced).count ==
@@ -68,6 +68,34 @@ void assert_census([[maybe_unused]] const MeshCheck& check) {
     assert(check.of(Fault::mismatched_edge).count == check.info.mismatched_edges);
     assert(check.of(Fault::collapsed_face).count == check.info.degenerate);
     assert(check.shells.size() == check.info.shells);
+}
+
+/// Faults that need nothing but faces and edges. Each finder notes faults of its own kinds, so they run at once.
+void find_joint_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
+    constexpr std::array finders = {find_edge_faults, find_loops, find_split_vertices, find_flipped_faces};
+    parallel.run(finders.size(), [&](std::size_t i, int) { finders[i](mesh, edges, notes); });
+}
+
+/// The stages.
+MeshCheck diagnose(const MeshView& view, const MeshInfo& info, const CheckOptions& options) {
+    MeshCheck check;
+    check.info = info;
+    check.tolerance_mm = options.tolerance_mm;
+    check.sliver_ratio = options.sliver_ratio;
+    const Parallel parallel(options.control);
+    const GridMesh mesh = make_grid_mesh(view, options.transform, info.unit_mm, parallel);
+    const EdgeTable edges(mesh, parallel);
+    Notes notes(mesh, options.most_places, check);
+
+    find_joint_faults(mesh, edges, notes, parallel);
+    find_face_faults(mesh, options.sliver_ratio, notes);
+    const std::vector<std::uint32_t> shell_of = find_shells(mesh, edges, notes, check, parallel);
+    const std::vector<std::uint8_t> meets_other = find_meeting_faces(mesh, shell_of, check.shells, notes, parallel);
+    const bool all_known = check.nesting_complete && !check.of(Fault::crossing_faces).at_least;
+    find_wrong_senses(check.shells, meets_other, all_known, notes);
+    find_gaps(mesh, edges, options.tolerance_mm, notes, parallel);
+    assert_census(check);
+    return check;
 }
 
 Result<MeshCheck> check_or_throw(const MeshView& view, const CheckOptions& options) {
@@ -81,25 +109,7 @@ Result<MeshCheck> check_or_throw(const MeshView& view, const CheckOptions& optio
     if (view.triangle_count >= std::numeric_limits<std::uint32_t>::max() / 3) {
         return Error{ErrorCode::result_too_large, "check takes at most 1,431,655,764 triangles"};
     }
-    MeshCheck check;
-    check.info = info.value();
-    check.tolerance_mm = options.tolerance_mm;
-    check.sliver_ratio = options.sliver_ratio;
-    const Parallel parallel(options.control);
-    const GridMesh mesh = make_grid_mesh(view, options.transform, check.info.unit_mm, parallel);
-    const EdgeTable edges(mesh, parallel);
-    Notes notes(mesh, options.most_places, check);
-    const std::array<void (*)(const GridMesh&, const EdgeTable&, Notes&), 4> independent = {
-        find_edge_faults, find_loops, find_split_vertices, find_flipped_faces};  // each notes faults of its own kinds
-    parallel.run(independent.size(), [&](std::size_t i, int) { independent[i](mesh, edges, notes); });
-    find_face_faults(mesh, options.sliver_ratio, notes);
-    const std::vector<std::uint32_t> shell_of = find_shells(mesh, edges, notes, check, parallel);
-    const std::vector<std::uint8_t> meets_other = find_meeting_faces(mesh, shell_of, check.shells, notes, parallel);
-    const bool all_known = check.nesting_complete && !check.of(Fault::crossing_faces).at_least;
-    find_wrong_senses(check.shells, meets_other, all_known, notes);
-    find_gaps(mesh, edges, options.tolerance_mm, notes, parallel);
-    assert_census(check);
-    return check;
+    return diagnose(view, info.value(), options);
 }
 
 }  // namespace

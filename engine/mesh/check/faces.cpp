@@ -54,7 +54,7 @@ FaultPlace place_of_pair(const Face& face, const Face& other, const Notes& notes
     return place;
 }
 
-/// Faces [begin, end) have the same vertices; they are sorted by sense.
+/// Faces [begin, end) have the same vertices; they are sorted by orientation.
 void judge_group(const GridMesh& mesh, std::size_t begin, std::size_t end, Notes& notes) {
     const auto same_sense = [&](std::size_t i) { return mesh.faces[i].corners == mesh.faces[begin].corners; };
     std::size_t middle = begin;

@@ -1,4 +1,4 @@
-// The parts of the diagnosis, each finding faults of some kinds.
+// The stages of check(), each of which finds some kinds of faults.
 #pragma once
 
 #include <cstdint>
@@ -26,16 +26,15 @@ void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& not
 /// Faces that are bad by themselves, and faces on the same three vertices. O(n).
 void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes);
 
-/// Shells, their senses and nesting; the shell of each face.
+/// Shells, their orientations and nesting. Returns the shell of each face.
 std::vector<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const Notes& notes, MeshCheck& check,
                                        const Parallel& parallel);
 
-/// Pairs of faces that cross, overlap or touch; which closed shells do so with another closed one, 1 or 0
-/// each.
+/// Pairs of faces that cross, overlap or touch. Returns for each shell 1 if it and another one are closed and meet, else 0.
 std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of,
                                              const std::vector<MeshShell>& shells, Notes& notes, const Parallel& parallel);
 
-/// Shells whose sense contradicts their depth, of those of which the depth says something.
+/// Shells whose orientation contradicts their depth, where the depth is conclusive (shells.cpp).
 void find_wrong_senses(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other, bool all_known,
                        Notes& notes);
 

@@ -111,7 +111,7 @@ public:
 private:
     GridVector at(std::uint32_t vertex) const { return half(mesh_.vertices[vertex]); }
 
-    /// For every vertex of the boundary visits what has a box within reach; what visit() adds to the tally is noted.
+    /// Calls visit() for every vertex of the boundary and every item whose box is within reach; it adds to the tally.
     template <class Visit, class MakePlace>
     void search(Fault fault, const std::vector<Box>& boxes, Visit visit, MakePlace make_place) {
         const BoxTree tree(boxes, parallel_);

@@ -81,7 +81,7 @@ GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, double
     for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
         Face face = face_of(numbers, t);
         if (is_collapsed(face)) {
-            std::sort(face.corners.begin(), face.corners.end());  // it has no sense, and may have no one smallest corner
+            std::sort(face.corners.begin(), face.corners.end());  // it has no orientation, and may have two smallest corners
             grid.collapsed.push_back(face);
         } else {
             grid.faces[count++] = face;

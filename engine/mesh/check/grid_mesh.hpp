@@ -1,5 +1,5 @@
-// The mesh as the diagnosis sees it: vertices and faces on the grid, in an order that depends on nothing but coordinates.
-// Everything found by going through them in this order is the same for any order of the input and any number of threads.
+// The mesh that check() works on: vertices and faces on the grid, in an order that depends on nothing but coordinates.
+// What is found in this order is the same for any order of the input and any number of threads.
 #pragma once
 
 #include <array>
@@ -13,13 +13,13 @@
 
 namespace lamella {
 
-/// Corners as vertex numbers, the smallest first, in the sense of the input; and the triangle that it was there.
+/// Corners as vertex numbers, the smallest first, in the orientation of the input; and its triangle there.
 struct Face {
     std::array<std::uint32_t, 3> corners;
     std::uint32_t source;
 };
 
-/// Faces with the same three vertices, in either sense, have equal keys.
+/// Faces with the same three vertices, in either orientation, have equal keys.
 inline std::array<std::uint32_t, 3> vertex_set(const Face& face) noexcept {
     const auto [a, b, c] = face.corners;
     return b < c ? std::array{a, b, c} : std::array{a, c, b};
@@ -27,7 +27,7 @@ inline std::array<std::uint32_t, 3> vertex_set(const Face& face) noexcept {
 
 struct GridMesh {
     Array<GridVertex> vertices;   ///< distinct, ascending
-    Array<Face> faces;            ///< by vertex_set(), then sense, then source; those with two equal vertices left out
+    Array<Face> faces;            ///< by vertex_set(), then orientation, then source; those with two equal vertices left out
     std::vector<Face> collapsed;  ///< these, in the same order
     double unit_mm = 0;
 

@@ -1,12 +1,14 @@
 // Two triangles in different planes can meet only on the line that the planes share. Where each has corners strictly on both
 // sides of the other's plane, each meets the line in a segment, and the segments are compared by determinants (as Guigue and
-// Devillers do). Else one of them merely reaches the other's plane, with a corner or a side, and the rest is a question in
-// that plane. So is all of it where both lie in one plane.
+// Devillers do). Else one of them touches the other's plane with a corner or a side only, and what meets there is decided
+// within that plane. Two triangles in one plane are compared within it altogether.
 #include "mesh/check/meeting.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
+
+#include "base/sign.hpp"
 
 namespace lamella {
 
@@ -61,7 +63,7 @@ public:
         axis_ = static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin());
     }
 
-    /// Sense in which a, b, c turn.
+    /// Orientation of a, b, c.
     int turn(const GridVector& a, const GridVector& b, const GridVector& c) const {
         const GridVector ab = b - a;
         const GridVector ac = c - a;
@@ -91,7 +93,7 @@ public:
         return segments_meet(p, q, a, b) || segments_meet(p, q, b, c) || segments_meet(p, q, c, a);
     }
 
-    /// Whether a side of `face` has it on one hand and `other` on the other: then their insides are apart.
+    /// Whether a side of `face` separates it from `other`: then their insides are apart.
     bool side_parts(const ExactFace& face, const ExactFace& other) const {
         const int sense = turn(face.corners[0], face.corners[1], face.corners[2]);
         for (std::size_t i = 0; i < 3; ++i) {
@@ -135,7 +137,7 @@ Meeting meet_in_plane(const ExactFace& a, const ExactFace& b, const Shared& shar
     return touch ? Meeting::touch : Meeting::none;
 }
 
-/// The corner that the plane parts from the other two, of which one may lie on the plane.
+/// The corner that the plane separates from the other two, of which one may lie on the plane.
 std::size_t lone_corner(const Sides& s) {
     for (std::size_t i = 0; i < 3; ++i) {
         if (s[i] != 0 && s[next(i)] != s[i] && s[previous(i)] != s[i]) {
@@ -147,7 +149,7 @@ std::size_t lone_corner(const Sides& s) {
 }
 
 /// Where the line leaves `a` (in two points, P and Q, on the sides at its lone corner), they are either within the angle at
-/// b's lone corner or not: for each side of that angle, whether P or Q lies on its inner hand (1), else on it (0).
+/// b's lone corner or not: for each side of that angle, whether P or Q lies inside of it (1), else on it (0).
 ///
 ///     b0 ----- b1        The line of the planes crosses both sides of the angle;
 ///       \   P . . Q      what lies between them is b's segment.
@@ -212,7 +214,7 @@ Meeting meet(const ExactFace& a, const ExactFace& b) noexcept {
     if (b_sides == Sides{}) {
         return meet_in_plane(a, b, shared);
     }
-    if (shared.count == 2) {  // two planes share one line, and on it lies the common edge
+    if (shared.count == 2) {  // the common edge lies on the line that the planes share
         return Meeting::none;
     }
     const Sides a_sides = sides_of_plane(b, a);
@@ -247,7 +249,7 @@ std::array<std::array<double, 3>, 2> crossing_segment(const ExactFace& a, const 
     };
     add_ends(a, b);
     add_ends(b, a);
-    assert(count == 4);  // the two ends of either's segment on the line; what they share lies in the middle
+    assert(count == 4);  // two segments on the line have four ends; the middle two bound what they share
     std::sort(points.begin(), points.begin() + 4);
     return {points[1], points[2]};
 }

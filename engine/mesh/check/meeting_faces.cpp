@@ -1,5 +1,5 @@
-// Faces that cross, overlap or touch: every pair whose boxes meet is tested exactly. Of faces on the same vertices, which
-// meet others alike, one is tested: a body exported a thousand times costs no more than once.
+// Faces that cross, overlap or touch: every pair whose boxes meet is tested exactly. Of faces on the same vertices only
+// one is tested, as they meet the same others: a body exported a thousand times costs no more than once.
 #include <array>
 #include <atomic>
 #include <vector>
@@ -95,7 +95,7 @@ private:
     std::vector<std::atomic<std::uint8_t>> meets_other_;  ///< by shell
 };
 
-/// Of a crossing, the segment in which the faces meet; else the middle of what their boxes share.
+/// For a crossing, the segment in which the faces meet; else the middle of their boxes' intersection.
 FaultPlace place_of(const GridMesh& mesh, const FacePair& pair, Meeting meeting) {
     FaultPlace place;
     place.triangles = {mesh.faces[pair[0]].source, mesh.faces[pair[1]].source};

@@ -1,4 +1,4 @@
-// Where the diagnosis writes down what it finds.
+// Where the finders of faults record what they find.
 #pragma once
 
 #include <initializer_list>
@@ -14,7 +14,7 @@ public:
 
     std::size_t most() const noexcept { return most_; }
 
-    /// Counts one; make() gives its FaultPlace where it is one of the first. Faults of a kind come in their order.
+    /// Counts a fault; make() returns its FaultPlace, and is called for the first few only. Faults of a kind come in order.
     template <class Make>
     void add(Fault fault, Make make) {
         FaultFinding& finding = of(fault);

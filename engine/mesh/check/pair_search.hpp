@@ -1,4 +1,4 @@
-// Searching for pairs without ever becoming quadratic: the work is bounded, and what was found does not depend on threads.
+// A search for pairs whose work is bounded, so that it never becomes quadratic. Its findings do not depend on threads.
 #pragma once
 
 #include <algorithm>
@@ -51,7 +51,7 @@ private:
     std::vector<Item> items_;
 };
 
-/// What a search may cost in all, in boxes compared: a second or so, and what meshes that mean something take.
+/// What a search may cost in all, in boxes compared: about a second, which suffices for real meshes.
 constexpr std::size_t search_budget(std::size_t items) {
     return (std::size_t{1} << 29) + 1024 * items;
 }

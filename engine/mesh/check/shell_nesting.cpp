@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "base/sign.hpp"
 #include "mesh/check/box_tree.hpp"
 #include "mesh/check/meeting.hpp"
 #include "mesh/check/pair_search.hpp"
@@ -12,7 +13,7 @@ namespace lamella {
 
 namespace {
 
-/// What a ray says of a shell at one of its faces.
+/// A ray meets a face of a shell.
 struct Hit {
     std::uint32_t shell;
     int winding;   ///< 1 where the ray leaves it, -1 where it enters
@@ -20,7 +21,7 @@ struct Hit {
     bool operator<(const Hit& other) const { return shell < other.shell; }
 };
 
-/// The sense in which a, b and the ray turn, seen from above. The ray stands at p moved by (e, e^2), e infinitely small: it
+/// The orientation of a, b and the ray, seen from above. The ray stands at p moved by (e, e^2), e infinitely small: it
 /// passes through no edge and no vertex, and the faces around one are counted as they are for a point nearby.
 int turn_from_above(const GridVector& a, const GridVector& b, const GridVector& p) {
     const std::int64_t turn = (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
@@ -30,7 +31,7 @@ int turn_from_above(const GridVector& a, const GridVector& b, const GridVector& 
     return a.y != b.y ? sign_of(a.y - b.y) : sign_of(b.x - a.x);
 }
 
-/// The winding that the face adds to p: the sense of the face from above where the ray upwards from p passes through it.
+/// The winding that the face adds to p: the face's orientation from above where the ray upwards from p passes through it.
 int winding_of(const ExactFace& face, const GridVector& p) {
     const int sense = sign_of(face.normal.z);
     if (sense == 0 || sign_of(face.height(p)) * sense >= 0) {
@@ -104,7 +105,7 @@ private:
 
     /// Appends the closed shells around this one to around_.shells; false when that takes too much.
     bool find_around(std::uint32_t shell) {
-        std::vector<std::uint32_t> unsure;  // shells that all samples so far lie on
+        std::vector<std::uint32_t> unsure;  // shells on whose surface all samples so far lie
         for (std::size_t number = 0; number < most_samples; ++number) {
             if (!cast(shell, sample(shell, number))) {
                 return false;

@@ -10,7 +10,7 @@
 namespace lamella {
 
 /// Fills in depth and parent. Rays upwards from a few vertices of each shell count, exactly, how often each closed shell
-/// winds around them; a vertex on the other shell's surface says nothing of it, and the next is asked. Returns false where
+/// winds around them; where a vertex lies on the other shell's surface, the next one is tried. Returns false where
 /// the work would have exceeded search_budget().
 bool nest_shells(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
                  const Parallel& parallel);

@@ -1,9 +1,10 @@
-// Shells: sets of triangles connected over edges, their senses, and which lies within which.
+// Shells: sets of triangles connected over edges; their orientations, and which lies within which.
 #include <algorithm>
 #include <cstddef>
 #include <vector>
 
 #include "base/disjoint_sets.hpp"
+#include "base/sign.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/check/shell_nesting.hpp"
 #include "slicing/grid/grid_vector.hpp"
@@ -14,7 +15,7 @@ namespace {
 
 /// Numbers the shells by their first faces; the shell of each face.
 std::vector<std::uint32_t> number_shells(const GridMesh& mesh, const EdgeTable& edges, std::uint32_t& count) {
-    JoinedSets sets(mesh.faces.size());
+    DisjointSets sets(mesh.faces.size());
     for (std::size_t edge = 0; edge < edges.size(); ++edge) {
         const std::span<const std::uint32_t> sides = edges.sides(edge);
         for (const std::uint32_t side : sides.subspan(1)) {
@@ -23,7 +24,7 @@ std::vector<std::uint32_t> number_shells(const GridMesh& mesh, const EdgeTable& 
     }
     std::vector<std::uint32_t> shell_of(mesh.faces.size());
     for (std::uint32_t face = 0; face < mesh.faces.size(); ++face) {
-        const std::uint32_t root = sets.find(face).root;
+        const std::uint32_t root = sets.root(face);
         shell_of[face] = root == face ? count++ : shell_of[root];
     }
     return shell_of;
@@ -64,8 +65,8 @@ void measure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std
     }
 }
 
-/// A solid that another one pierces or touches lies within it only in part, and joins it: no depth makes that wrong. Nor
-/// does a depth say anything where the shells around meet others.
+/// Whether neither the shell nor any shell around it meets another one. Where one does, solids overlap or touch, and the
+/// depth does not tell which orientation is right.
 bool lies_apart(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other, std::size_t shell) {
     while (meets_other[shell] == 0 && shells[shell].parent >= 0) {
         shell = static_cast<std::size_t>(shells[shell].parent);

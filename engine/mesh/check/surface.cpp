@@ -1,4 +1,4 @@
-// Edges, vertices and senses: what can be wrong with how faces are joined.
+// Faults in how faces are joined: edges, vertices and orientations.
 #include <algorithm>
 #include <vector>
 
@@ -36,11 +36,35 @@ std::uint32_t corner_at(const GridMesh& mesh, std::uint32_t side, std::uint32_t 
     return mesh.faces[side / 3].corners[side % 3] == vertex ? side : next;
 }
 
-/// Faces of a patch (joined over edges with two faces) by their sense towards its first face.
+/// Faces of a patch (joined over edges with two faces) by orientation relative to its first face.
 struct Patch {
     std::uint32_t alike = 0;
     std::uint32_t opposite = 0;
-    bool one_sided = false;
+};
+
+/// The patches of a mesh. Each face takes part twice, as it is and reversed, so that faces which agree in orientation are in
+/// one set. Where the reversed first face is in the set of the first face, the patch has one side.
+class Patches {
+public:
+    Patches(const GridMesh& mesh, const EdgeTable& edges) : sets_(2 * mesh.faces.size()) {
+        each_joint(edges, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
+            const std::uint32_t face = EdgeTable::face_of(side);
+            const std::uint32_t next = EdgeTable::face_of(other);
+            const bool agree = edges.is_balanced(edge);
+            sets_.unite(as_is(face), agree ? as_is(next) : reversed(next));
+            sets_.unite(reversed(face), agree ? reversed(next) : as_is(next));
+        });
+    }
+
+    std::uint32_t first_face(std::uint32_t face) { return sets_.root(as_is(face)) / 2; }
+    bool is_opposite(std::uint32_t face) { return sets_.root(as_is(face)) % 2 != 0; }
+    bool is_one_sided(std::uint32_t face) { return sets_.root(as_is(face)) == sets_.root(reversed(face)); }
+
+private:
+    static std::uint32_t as_is(std::uint32_t face) { return 2 * face; }
+    static std::uint32_t reversed(std::uint32_t face) { return 2 * face + 1; }
+
+    DisjointSets sets_;
 };
 
 }  // namespace
@@ -60,7 +84,7 @@ void find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes
 }
 
 void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, Notes& notes) {
-    JoinedSets fans(3 * mesh.faces.size());
+    DisjointSets fans(3 * mesh.faces.size());
     each_joint(edges, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
         for (const std::uint32_t vertex : {edges[edge].lower, edges[edge].upper}) {
             fans.unite(corner_at(mesh, side, vertex), corner_at(mesh, other, vertex));
@@ -69,7 +93,7 @@ void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, Notes& no
     std::vector<std::uint32_t> counts(mesh.vertices.size(), 0);
     std::vector<std::uint32_t> first_faces(mesh.vertices.size(), 0);
     for (std::uint32_t corner = 0; corner < 3 * mesh.faces.size(); ++corner) {
-        if (fans.find(corner).root == corner) {
+        if (fans.root(corner) == corner) {
             const std::uint32_t vertex = mesh.faces[corner / 3].corners[corner % 3];
             first_faces[vertex] = counts[vertex]++ == 0 ? corner / 3 : first_faces[vertex];
         }
@@ -87,27 +111,20 @@ void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, Notes& no
 }
 
 void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& notes) {
-    JoinedSets senses(mesh.faces.size());
-    each_joint(edges, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
-        senses.unite(EdgeTable::face_of(side), EdgeTable::face_of(other), !edges.is_balanced(edge));
-    });
-    std::vector<Patch> patches(mesh.faces.size());
-    each_joint(edges, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
-        const JoinedSets::Member member = senses.find(EdgeTable::face_of(side));
-        const bool agree = member.opposite == senses.find(EdgeTable::face_of(other)).opposite;
-        patches[member.root].one_sided |= agree != edges.is_balanced(edge);
-    });
-    for (std::uint32_t face = 0; face < patches.size(); ++face) {
-        const JoinedSets::Member member = senses.find(face);
-        Patch& patch = patches[member.root];
-        ++(member.opposite ? patch.opposite : patch.alike);
+    Patches patches(mesh, edges);
+    std::vector<Patch> sizes(mesh.faces.size());  // by first face
+    for (std::uint32_t face = 0; face < mesh.faces.size(); ++face) {
+        Patch& patch = sizes[patches.first_face(face)];
+        ++(patches.is_opposite(face) ? patch.opposite : patch.alike);
     }
-    for (std::uint32_t face = 0; face < patches.size(); ++face) {
-        const JoinedSets::Member member = senses.find(face);
-        const Patch& patch = patches[member.root];
-        if (patch.one_sided && member.root == face) {
-            notes.add(Fault::one_sided_patch, [&] { return notes.at(mesh.faces[face]); });
-        } else if (!patch.one_sided && member.opposite == (patch.opposite <= patch.alike)) {
+    for (std::uint32_t face = 0; face < mesh.faces.size(); ++face) {
+        const std::uint32_t first = patches.first_face(face);
+        const bool flipped = patches.is_opposite(face) == (sizes[first].opposite <= sizes[first].alike);
+        if (patches.is_one_sided(face)) {
+            if (face == first) {
+                notes.add(Fault::one_sided_patch, [&] { return notes.at(mesh.faces[face]); });
+            }
+        } else if (flipped) {
             notes.add(Fault::flipped_face, [&] { return notes.at(mesh.faces[face]); });
         }
     }

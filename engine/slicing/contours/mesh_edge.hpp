@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "base/little_endian.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"

@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "base/int128.hpp"
+#include "base/sign.hpp"
 
 namespace lamella {
 
@@ -26,10 +27,6 @@ std::array<Int128, 3> cross(const Difference& u, const Difference& v) noexcept {
             Int128{u.x} * v.y - Int128{u.y} * v.x};
 }
 
-int sign(Int128 value) noexcept {
-    return value > 0 ? 1 : (value < 0 ? -1 : 0);
-}
-
 /// Where directions lie round an axis, measured counter-clockwise from a reference.
 class AngleOrder {
 public:
@@ -39,14 +36,14 @@ public:
     /// 0: at the reference (or on the axis, where there is no angle), 1: within half a turn, 2: half a turn, 3: beyond.
     int quadrant(const GridVertex& apex) const noexcept {
         const Difference v = between(lower_, apex);
-        const int side = sign(dot(reference_normal_, v));
+        const int side = sign_of(dot(reference_normal_, v));
         if (side != 0) {
             return side > 0 ? 1 : 3;
         }
         const auto normal = cross(axis_, v);
         for (std::size_t i = 0; i < 3; ++i) {
             if (reference_normal_[i] != 0) {
-                return sign(reference_normal_[i]) * sign(normal[i]) < 0 ? 2 : 0;
+                return sign_of(reference_normal_[i]) * sign_of(normal[i]) < 0 ? 2 : 0;
             }
         }
         return 0;
@@ -54,7 +51,7 @@ public:
 
     /// Positive where b lies counter-clockwise of a by less than half a turn.
     int turn(const GridVertex& a, const GridVertex& b) const noexcept {
-        return sign(dot(cross(axis_, between(lower_, a)), between(lower_, b)));
+        return sign_of(dot(cross(axis_, between(lower_, a)), between(lower_, b)));
     }
 
     bool on_axis(const GridVertex& apex) const noexcept {

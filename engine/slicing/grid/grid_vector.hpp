@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/int128.hpp"
+#include "base/sign.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {

@@ -1,10 +1,10 @@
 // An edge of the mesh on the grid, and its hash: the one that every map of edges uses.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <cstring>
 
+#include "base/little_endian.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {
@@ -38,7 +38,6 @@ struct MeshEdge {
 private:
     /// Two coordinates as they lie in memory. Shifted together: compilers join an array by way of vector registers.
     static std::uint64_t joined(std::int32_t first, std::int32_t second) noexcept {
-        static_assert(std::endian::native == std::endian::little, "the first coordinate is the low half");
         return static_cast<std::uint32_t>(first) | static_cast<std::uint64_t>(static_cast<std::uint32_t>(second)) << 32;
     }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/int128.hpp"
+#include "base/sign.hpp"
 
 namespace lamella {
 

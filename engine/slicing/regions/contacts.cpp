@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "base/sign.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {
@@ -34,7 +35,7 @@ bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept {
 
 bool Contacts::find(std::span<const NestItem> contours) {
     near_.clear();
-    clusters_.reset(contours.size());
+    clusters_.assign(contours.size());
     contours_.assign(contours.size(), {});
     shared_.clear();
     for (std::uint32_t c = 0; c < contours.size(); ++c) {

@@ -23,7 +23,7 @@ bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept;
 /// point. Contours that meet, directly or by way of others, are a cluster.
 class Contacts {
 public:
-    explicit Contacts(const Memory* memory) : clusters_(0, memory), contours_(memory), shared_(memory) {}
+    explicit Contacts(const Memory* memory) : contours_(memory), clusters_(memory), shared_(memory) {}
 
     /// Finds the clusters of closed contours. False if there are more contacts than could be clipped in seconds. O(q log q)
     /// for q points whose edges lie apart, plus a step for each pair of edges with close boxes, up to a fixed number. Throws
@@ -31,7 +31,7 @@ public:
     bool find(std::span<const NestItem> contours);
 
     /// The first contour of the cluster.
-    std::uint32_t leader(std::uint32_t contour) noexcept { return clusters_.find(contour).root; }
+    std::uint32_t leader(std::uint32_t contour) noexcept { return clusters_.root(contour); }
     /// Merges the clusters of two contours.
     void join(std::uint32_t a, std::uint32_t b) noexcept;
 
@@ -63,8 +63,8 @@ private:
     void find_crowds();
 
     EdgePairs near_;
-    JoinedSets clusters_;
     Vector<Own> contours_;
+    DisjointSets clusters_;  // the leader is the root
     Vector<Shared> shared_;
 };
 

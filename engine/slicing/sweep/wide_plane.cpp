@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "base/atomic_word.hpp"
 #include "base/rounding.hpp"
 #include "lamella/memory.hpp"
 #include "slicing/contours/mesh_edge.hpp"
@@ -49,10 +50,10 @@ public:
         const std::uint64_t mine = tag | (std::uint64_t{segment} << 1) | (source ? 1 : 0);
         const std::size_t mask = entries_.size() - 1;
         for (std::size_t i = hash >> shift_;; i = (i + 1) & mask) {
-            std::atomic_ref<std::uint64_t> place(entries_[i]);
-            std::uint64_t entry = place.load(std::memory_order_relaxed);
+            const AtomicWord<std::uint64_t> place(entries_[i]);
+            std::uint64_t entry = place.load();
             // A failed exchange means that another thread has just put an end here: look again.
-            while (entry == 0 && !place.compare_exchange_weak(entry, mine, std::memory_order_relaxed)) {
+            while (entry == 0 && !place.replace(entry, mine)) {
             }
             if (entry == 0) {
                 return Met::nobody;
@@ -63,8 +64,7 @@ public:
                 continue;
             }
             // A failed exchange here means a third end: only the second one completes an entry.
-            if ((entry & complete) != 0 || other_source == source ||
-                !place.compare_exchange_strong(entry, entry | complete, std::memory_order_relaxed)) {
+            if ((entry & complete) != 0 || other_source == source || !place.replace(entry, entry | complete)) {
                 return Met::irregular;
             }
             partner = other;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t vertex_bytes = 3 * sizeof(double);
 
-/// Makes triangles of what FaceWriter left; one for each thread.
+/// Makes triangles of the faces that FaceWriter stored; one for each thread.
 class FaceCutter {
 public:
     /// The number of the first face that the triangulator refuses, counted from `indices`, if there is any.
@@ -68,7 +68,7 @@ TextFailure cut_faces(std::span<const FaceRange> pieces, MeshFile& mesh, const P
                       FunctionRef<const char*(std::size_t piece, std::size_t face)> place) {
     const VertexCoordinates vertices{mesh.bytes.data(), mesh.stride, mesh.coordinate_type};
     std::vector<FaceCutter> cutters(static_cast<std::size_t>(parallel.threads()));
-    return parse_pieces(pieces.size(), parallel, [&](std::size_t i, int worker) {
+    return parse_pieces<TextFailure>(pieces.size(), parallel, [&](std::size_t i, int worker) {
         const std::span<std::uint32_t> own =
             mesh.indices.span().subspan(3 * pieces[i].first_triangle, 3 * pieces[i].triangles);
         const std::optional<std::size_t> refused = cutters[static_cast<std::size_t>(worker)].cut(own, vertices);
@@ -106,7 +106,7 @@ Result<MeshFile> read_faces(const FileSource& source, std::string_view text, std
     mesh.indices = Array<std::uint32_t>(source.memory());
     mesh.indices.resize_discarding(3 * triangles);
 
-    TextFailure failure = parse_pieces(pieces.size(), parallel, [&](std::size_t i, int) {
+    TextFailure failure = parse_pieces<TextFailure>(pieces.size(), parallel, [&](std::size_t i, int) {
         FaceWriter faces(mesh.indices.data() + 3 * pieces[i].first_triangle);
         return parse(i, mesh.bytes.data(), faces);
     });

@@ -1,5 +1,5 @@
-// Faces on their way to triangles. A face of n corners becomes n - 2 triangles, so that where its indices go is known before
-// they are; what is not a triangle waits there, marked, until all vertices are known.
+// A face of n corners becomes n - 2 triangles, so that the place of its indices is known before it is cut. Until all
+// vertices are known, a face of more than three corners is stored there whole, with a mark before it.
 //
 //     a triangle   | a | b | c |
 //     n corners    | mark | n | a | b | c | d | ...        n + 2 of the 3 (n - 2) indices, and n >= 4
@@ -44,7 +44,7 @@ public:
     /// Of the face that is being written.
     std::size_t corners() const { return corners_; }
 
-    /// Leaves the face out that is being written. Precondition: corners() < 3.
+    /// Drops the face that is being written. Precondition: corners() < 3.
     void drop_face() { corners_ = 0; }
 
     /// Precondition: 3 <= corners() < polygon_mark.
@@ -82,11 +82,11 @@ struct FaceRange {
     }
 };
 
-/// What all formats have in common whose text lists vertices and then faces that refer to them: makes room for as many as
-/// were counted, within the limit on memory; calls parse(piece, coordinates, faces) for every piece, where `coordinates`
-/// are those of vertex 0, three doubles each; and cuts the faces. Doubles, because decimals as they are written seldom are
-/// floats, and reading and slicing take them as fast. Failures are told with their place in `text`; place(piece, face) finds
-/// a face that cannot be cut, of those that are not left out.
+/// For formats that list vertices and faces as text. Makes room for as many as were counted, within the limit on memory;
+/// calls parse(piece, coordinates, faces) for every piece, where `coordinates` are those of vertex 0, three doubles each;
+/// and cuts the faces into triangles. Coordinates are doubles, as few decimals are exact floats; they are read and sliced as
+/// fast. Failures are reported with their place in `text`. place(piece, face) finds a face that cannot be cut; faces that
+/// are left out do not count.
 Result<MeshFile> read_faces(const FileSource& source, std::string_view text, std::size_t vertices,
                             std::span<FaceRange> pieces,
                             FunctionRef<TextFailure(std::size_t piece, std::byte* coordinates, FaceWriter& faces)> parse,

@@ -1,21 +1,17 @@
 #include "io/read/obj_off/lines.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cstdint>
-#include <utility>
 
 namespace lamella {
 
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{1} << 20;
-
-/// Behind the first line end at or after `from` at which a piece may end.
+/// Right after the first line end from `from` on that no backslash precedes.
 const char* next_cut(const char* from, const char* end) {
     for (const char* p = skip_line(from, end); p != end; p = skip_line(p + 1, end)) {
-        // A CR that an LF follows is no end yet.
+        // CRLF ends a line with its LF.
         if (p[-1] != '\\' && !(*p == '\r' && p + 1 != end && p[1] == '\n') &&
             !(*p == '\n' && p[-1] == '\r' && p[-2] == '\\')) {
             return p + 1;
@@ -36,45 +32,11 @@ std::string_view head_comments(std::string_view text) {
 }
 
 std::vector<TextPiece> cut_at_lines(std::string_view text) {
-    std::vector<TextPiece> pieces;
     const char* const end = text.data() + text.size();
-    for (const char* begin = text.data(); begin != end;) {
-        const auto left = static_cast<std::size_t>(end - begin);
-        const char* const cut = left > piece_bytes ? next_cut(begin + piece_bytes, end) : end;
-        pieces.push_back({.text = {begin, static_cast<std::size_t>(cut - begin)}});
-        begin = cut;
-    }
-    return pieces;
+    return cut_text(text, text_piece_bytes, [end](const char*, const char* from) { return next_cut(from, end); });
 }
 
-std::size_t number_pieces(std::vector<TextPiece>& pieces) {
-    std::size_t all = 0;
-    for (TextPiece& piece : pieces) {
-        piece.first = std::exchange(all, all + piece.count);
-    }
-    return all;
-}
-
-TextFailure parse_pieces(std::size_t count, const Parallel& parallel,
-                         FunctionRef<TextFailure(std::size_t piece, int worker)> parse) {
-    std::vector<TextFailure> failures(count);
-    std::atomic<std::size_t> failed{count};
-    parallel.run(count, [&](std::size_t i, int worker) {
-        if (i > failed.load(std::memory_order_relaxed)) {
-            return;  // an earlier piece fails, and only the first failure is told
-        }
-        failures[i] = parse(i, worker);
-        if (failures[i].at != nullptr) {
-            std::size_t first = failed.load();
-            while (i < first && !failed.compare_exchange_weak(first, i)) {
-            }
-        }
-    });
-    const auto first = std::find_if(failures.begin(), failures.end(), [](const TextFailure& f) { return f.at != nullptr; });
-    return first == failures.end() ? TextFailure() : *first;
-}
-
-/// Of a line of words and single blanks, eight characters at a time; nothing where there is more to it than that.
+/// Counts eight characters at a time; nothing if the line holds a comment, a backslash, a tab or the end of the text.
 std::optional<std::size_t> LineParser::count_plain_words() {
     std::size_t words = 0;
     std::uint64_t before = 0;  // whether the last character was part of a word
@@ -115,7 +77,7 @@ void LineParser::skip_rest() {
     }
     const char* const line_end = skip_line(p_, end_);
     if (continued_ && line_end != p_ && line_end[-1] == '\\') {
-        count_words();  // leaves a comment, if that is where the backslash is
+        count_words();  // stops at a comment, where the backslash joins nothing
         p_ = skip_line(p_, end_);
     } else {
         p_ = line_end;

@@ -1,4 +1,4 @@
-// Text whose statements are lines, cut into pieces that are parsed in parallel.
+// Text whose statements are lines: OBJ and OFF.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "io/text/pieces.hpp"
 #include "io/text/text.hpp"
 
 namespace lamella {
@@ -17,7 +18,7 @@ constexpr bool is_blank(char c) {
     return (c == ' ') | (c == '\t') | (c == '\v') | (c == '\f');
 }
 
-/// The bytes of a backslash and the line end behind it, which join two lines; 0 where there is none at `p`.
+/// The bytes of a backslash and the line end after it, which join two lines; 0 where there is none at `p`.
 inline std::size_t continuation_at(const char* p, const char* end) {
     if (p == end || *p != '\\' || p + 1 == end || !ends_line(p[1])) {
         return 0;
@@ -35,21 +36,8 @@ inline const char* skip_blank(const char* p, const char* end) {
 /// The comments and empty lines that `text` begins with.
 std::string_view head_comments(std::string_view text);
 
-/// A piece of text, and which of the file's vertices (of an OBJ file) or lines (of an OFF file) are in it.
-struct TextPiece {
-    std::string_view text;
-    std::size_t first = 0;
-    std::size_t count = 0;
-
-    std::size_t end() const noexcept { return first + count; }
-};
-
-/// The pieces of `text`, about 1 MB each. Every one ends behind a line end that no backslash precedes, or with the text.
-/// They depend on the text alone, so that errors do not depend on threads.
+/// Pieces of about 1 MB. Each one ends after a line end that no backslash precedes, or with the text.
 std::vector<TextPiece> cut_at_lines(std::string_view text);
-
-/// Numbers what the pieces have counted. Returns how many there are in all.
-std::size_t number_pieces(std::vector<TextPiece>& pieces);
 
 /// What a reader leaves out of a piece or of the whole text.
 struct LeftOut {
@@ -57,27 +45,17 @@ struct LeftOut {
     const char* first = nullptr;
 
     void add(const char* at) { add({1, at}); }
-    /// Precondition: what `next` counts comes behind what was counted.
+    /// Precondition: what `next` counts comes after what was counted.
     void add(const LeftOut& next) {
         first = first != nullptr ? first : next.first;
         count += next.count;
     }
 };
 
-struct TextFailure {
-    const char* at = nullptr;  ///< null: none
-    std::string what;
-};
-
-/// Calls parse(piece, worker) for pieces in [0, count), in parallel. The failure of the first that fails; pieces behind one
-/// that is known to fail may be left out.
-TextFailure parse_pieces(std::size_t count, const Parallel& parallel,
-                         FunctionRef<TextFailure(std::size_t piece, int worker)> parse);
-
-/// Words and numbers of one line after the other. What is wrong goes to failure(), and false comes back.
+/// Reads words and numbers line by line. Calls return false on an error, which failure() holds.
 class LineParser {
 public:
-    /// Precondition: `end` is behind a line end, or the end of the text.
+    /// Precondition: `end` is right after a line end, or the end of the text.
     LineParser(const char* begin, const char* end, bool continued) : p_(begin), end_(end), continued_(continued) {}
 
     const TextFailure& failure() const { return failure_; }
@@ -97,7 +75,7 @@ protected:
         return p == end_ || is_space(*p) || (continued_ && continuation_at(p, end_) != 0);
     }
 
-    /// Behind the word at p_.
+    /// To the end of the word at p_.
     void skip_word() {
         const char* p = p_;
         do {
@@ -108,13 +86,13 @@ protected:
         p_ = p;
     }
 
-    /// The words of the line from p_ on, which is not within one, read over.
+    /// Skips the rest of the line's words and counts them. Precondition: p_ is not within a word.
     std::size_t count_words();
 
     /// To the end of the line, the lines that continue it included. Comments are not continued.
     void skip_rest();
 
-    /// The three coordinates of a vertex, and then at most `others` numbers that are read over.
+    /// The three coordinates of a vertex, and then at most `others` numbers that are skipped.
     bool vertex(double* xyz, int others);
     bool other_numbers(int most);
 

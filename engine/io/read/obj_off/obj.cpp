@@ -1,4 +1,4 @@
-// Wavefront OBJ: vertices and faces; all other statements are read over, with a warning where they may hold a shape.
+// Wavefront OBJ: vertices and faces. All other statements are skipped, with a warning where they may hold a shape.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -16,7 +16,7 @@ namespace lamella {
 
 namespace {
 
-/// Reads the statements of one piece, twice: what it counts first is what it writes then.
+/// Reads the statements of one piece twice: count() finds how much parse() writes.
 ///
 ///     v X Y Z [W | R G B [A]]
 ///     f CORNER CORNER CORNER ...          with CORNER = V[/[VT][/[VN]]]; also fo, of old
@@ -27,7 +27,7 @@ public:
     /// Statements that may hold a shape and are not read go to `skipped`.
     void count(TextPiece& piece, FaceRange& faces, LeftOut& skipped);
 
-    /// `vertex_count` is the whole file's, as faces may refer to vertices behind them.
+    /// `vertex_count` is the whole file's, as faces may refer to later vertices.
     bool parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces);
 
     /// Where the piece's face of this number begins, of those with three corners or more. Precondition: it has so many.
@@ -38,7 +38,7 @@ public:
 private:
     enum class Statement { vertex, face, other, none };
 
-    /// To the next statement and, of those that are read, behind its first word.
+    /// To the next statement; past its first word if it is one that is read.
     Statement next();
     bool skips_silently();
     bool face(FaceWriter& faces);
@@ -68,8 +68,8 @@ ObjParser::Statement ObjParser::next() {
     return Statement::other;
 }
 
-/// Whether the statement, which is not read, is known to hold no shape, or is part of one that is warned of. Goes over its
-/// first word.
+/// Skips the first word of a statement that is not read. Whether the statement holds no shape, or is part of one that a
+/// warning names.
 bool ObjParser::skips_silently() {
     constexpr std::array<std::string_view, 34> known = {
         "vt",        "vn",     "vp",     "l",      "p",     "g",        "o",        "s",    "mg",
@@ -217,7 +217,7 @@ bool looks_like_obj(const FileSource& source) {
     }
     const char* const word_end = skip_word(begin, end);
     const std::string_view word(begin, static_cast<std::size_t>(word_end - begin));
-    // A statement says something: other text may begin, or be cut off, with a single letter.
+    // A statement goes on after its first word; other text may be a single letter.
     return word_end != end && std::find(statements.begin(), statements.end(), word) != statements.end();
 }
 
@@ -234,7 +234,7 @@ Result<MeshFile> read_obj(FileSource& source) {
     std::vector<LeftOut> skipped(pieces.size());
     source.parallel().run(pieces.size(),
                           [&](std::size_t i, int) { ObjParser(pieces[i].text).count(pieces[i], faces[i], skipped[i]); });
-    const std::size_t vertices = number_pieces(pieces);
+    const std::size_t vertices = number_items(pieces);
     Result<MeshFile> mesh = read_faces(
         source, whole, vertices, faces,
         [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {

@@ -2,7 +2,7 @@
 //
 //     [ST][C][N]OFF                 may be left out where the file's name says what it is
 //     VERTICES FACES [EDGES]        on a line of its own or on the header's
-//     X Y Z ...                     for each vertex; normal, colour and texture are read over
+//     X Y Z ...                     for each vertex; normal, colour and texture are skipped
 //     CORNERS V V V ... [COLOUR]    for each face, with vertices numbered from 0
 #include <algorithm>
 #include <cstring>
@@ -42,13 +42,13 @@ struct Counts {
     std::string words() const { return counted(vertices, "vertex", "vertices") + " and " + counted(faces, "face"); }
 };
 
-/// Reads the lines of a piece, twice: what it counts first is what it writes then. Without a comment or nothing alone, each
-/// line is a vertex or a face.
+/// Reads the lines of a piece twice: count() finds how much parse() writes. Every line that is not empty and no comment is a
+/// vertex or a face.
 class OffParser : private LineParser {
 public:
     explicit OffParser(std::string_view text) : LineParser(text.data(), text.data() + text.size(), false) {}
 
-    /// Of the file's head; rest() is then behind it.
+    /// Reads the file's head, which rest() then follows.
     bool header(Counts& counts);
     const char* rest() const { return p_; }
 
@@ -58,7 +58,7 @@ public:
 
     bool parse(const TextPiece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces);
 
-    /// Where the face of this number begins, of those with three corners or more, behind `vertices` lines. Precondition:
+    /// Where the face of this number begins, of those with three corners or more, after `vertices` lines. Precondition:
     /// the piece has so many.
     const char* place_of_face(std::size_t vertices, std::size_t number);
 
@@ -134,7 +134,7 @@ std::size_t OffParser::count(FaceRange& faces, std::size_t vertices, std::size_t
 
 bool OffParser::parse(const TextPiece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces) {
     constexpr int normal_colour_and_texture = 3 + 4 + 2;
-    const std::size_t last = std::min(piece.end(), counts.lines());
+    const std::size_t last = std::min(piece.end_item(), counts.lines());
     for (std::size_t line = piece.first; line < last; ++line) {
         next_line();
         if (line < counts.vertices) {
@@ -207,11 +207,11 @@ bool OffParser::corner(std::size_t vertex_count, FaceWriter& faces) {
 std::vector<FaceRange> count_faces(std::vector<TextPiece>& pieces, const Counts& counts, const Parallel& parallel) {
     std::vector<FaceRange> faces(pieces.size());
     parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = OffParser(pieces[i].text).count(faces[i]); });
-    number_pieces(pieces);
+    number_items(pieces);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-        if (pieces[i].first < counts.vertices || pieces[i].end() > counts.lines()) {  // not all of them are faces
+        if (pieces[i].first < counts.vertices || pieces[i].end_item() > counts.lines()) {  // not all of them are faces
             faces[i] = {};
-            if (pieces[i].end() > counts.vertices && pieces[i].first < counts.lines()) {
+            if (pieces[i].end_item() > counts.vertices && pieces[i].first < counts.lines()) {
                 const std::size_t vertices = counts.vertices - std::min(counts.vertices, pieces[i].first);
                 OffParser(pieces[i].text).count(faces[i], vertices, counts.lines() - pieces[i].first);
             }
@@ -222,7 +222,7 @@ std::vector<FaceRange> count_faces(std::vector<TextPiece>& pieces, const Counts&
 
 }  // namespace
 
-/// By its first word; binary files too, so that they are refused for what they are.
+/// By its first word. Binary files too, so that they are refused as such.
 bool looks_like_off(const FileSource& source) {
     return !header_word(without_byte_order_mark(source.sample())).empty();
 }
@@ -260,7 +260,7 @@ Result<MeshFile> read_off(FileSource& source) {
     }
     std::vector<TextPiece> pieces = cut_at_lines(body);
     std::vector<FaceRange> faces = count_faces(pieces, counts, source.parallel());
-    const std::size_t lines = pieces.empty() ? 0 : pieces.back().end();
+    const std::size_t lines = pieces.empty() ? 0 : pieces.back().end_item();
     Result<MeshFile> mesh = read_faces(
         source, whole, std::min(counts.vertices, lines), faces,
         [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {

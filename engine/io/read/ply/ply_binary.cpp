@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <cassert>
 #include <cstring>
 #include <type_traits>
@@ -12,6 +11,7 @@
 #include <emmintrin.h>
 #endif
 
+#include "base/little_endian.hpp"
 #include "io/read/ply/ply_numbers.hpp"
 
 namespace lamella {
@@ -20,7 +20,6 @@ namespace {
 
 constexpr std::size_t grain = std::size_t{1} << 14;  // rows
 constexpr std::size_t rows_in_cache = 512;
-static_assert(std::endian::native == std::endian::little, "the numbers of little-endian files are used where they lie");
 
 bool is_swapped(const PlyHeader& header) {
     return header.encoding == PlyEncoding::big_endian;

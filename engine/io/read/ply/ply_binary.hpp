@@ -1,4 +1,4 @@
-// What of a binary PLY file needs no look at each number: rows of one size.
+// Binary PLY rows of one size, which are copied without parsing.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +12,15 @@ namespace lamella {
 /// Where the vertices begin in the file, if their coordinates can be used where they lie, swapped or not.
 std::optional<std::size_t> vertices_in_place(const PlyElement& vertices, std::size_t offset);
 
-/// Turns the bytes of each of `count` vertices' coordinates round, where they lie.
+/// Reverses the bytes of the coordinates of `count` vertices in place.
 void swap_vertices(std::byte* first, std::size_t stride, CoordinateType number, std::size_t count, const Parallel& parallel);
 
 /// Copies the coordinates of vertices without lists, which begin at `rows`, into those of `mesh`.
 void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char* rows, const PlyMesh& mesh);
 
 /// Copies the indices of the faces at `rows` to `indices`, if every one is a triangle: rows of one size, whose only list has
-/// three whole numbers. Returns the bytes of all rows. Nothing: they are no such rows, some index is not below
-/// `vertex_count`, or there is no memory for them.
+/// three whole numbers. Returns the bytes of all rows; nothing if there are other rows, an index is not below
+/// `vertex_count`, or memory does not suffice.
 std::optional<std::uint64_t> copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows,
                                                 std::uint64_t vertex_count, Array<std::uint32_t>& indices);
 

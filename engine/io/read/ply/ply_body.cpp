@@ -16,8 +16,8 @@ namespace lamella {
 
 namespace {
 
-/// Reads over all elements first, which finds where each begins and how much it will take; elements may come in any order,
-/// and polygons are cut into triangles only once their vertices are known.
+/// Goes through all elements twice: first to find where each begins and how much memory it takes, then to read them,
+/// vertices first. Elements may come in any order.
 template <class Numbers>
 class BodyReader {
 public:
@@ -64,7 +64,7 @@ private:
     PlyProblem& problem_;
     std::vector<Place> places_;
     std::uint64_t triangles_ = 0;  // at most
-    bool strict_ = false;          // look at each number while reading over
+    bool strict_ = false;          // check each number in the first pass
     std::vector<std::uint32_t> list_;
 };
 
@@ -90,7 +90,7 @@ bool BodyReader<Numbers>::read_all(const Numbers& numbers) {
     return true;
 }
 
-/// An element that could not be read over may come after one with a number that is none: what is told is the first.
+/// The first pass skips numbers: an earlier element may hold a malformed one. The first error in the file is reported.
 template <class Numbers>
 void BodyReader<Numbers>::find_first_problem(const Numbers& numbers) {
     const PlyProblem found = problem_;
@@ -115,7 +115,7 @@ bool BodyReader<Numbers>::locate(Numbers numbers) {
     return true;
 }
 
-/// Whether what is left could hold the elements, however small they are.
+/// Whether the bytes left could hold the element's rows at their smallest.
 template <class Numbers>
 bool BodyReader<Numbers>::fits(const PlyElement& element, const Numbers& numbers) {
     const std::uint64_t row = element.least_row_bytes(input_.header.encoding);
@@ -147,7 +147,7 @@ bool BodyReader<Numbers>::read_over(Place& place, Numbers& numbers) {
     return read_over_rows(place, numbers);
 }
 
-/// Nearly all files hold nothing but triangles, which are copied while this is found out. Returns the bytes that they take.
+/// Nearly all files hold triangles only, which are copied already in the first pass. Returns the bytes that they take.
 template <class Numbers>
 std::optional<std::uint64_t> BodyReader<Numbers>::copy_triangles(const PlyElement& element, const Numbers& numbers) {
     const PlyHeader& header = input_.header;
@@ -187,7 +187,7 @@ bool BodyReader<Numbers>::check_row(PlyRows<Numbers>& rows, const PlyElement& el
     return rows.skip(lists);
 }
 
-/// Before anything is allocated by what the file says.
+/// Whether the mesh fits the memory limit; asked before anything is allocated by the file's counts.
 template <class Numbers>
 bool BodyReader<Numbers>::affordable() {
     const Place& vertices = *place_of(PlyRole::vertices);

@@ -11,7 +11,7 @@ namespace lamella {
 
 namespace {
 
-/// Bounds what is kept of a header that declares without end.
+/// Limits what is kept of a header, which may be of any length.
 constexpr std::size_t most_declarations = 4096;
 
 constexpr std::string_view magic = "ply";
@@ -66,7 +66,7 @@ private:
 };
 
 bool HeaderParser::parse() {
-    // The first line tells how lines end: after CR alone, an LF behind "end_header" is data.
+    // The first line tells how lines end: after CR alone, an LF after "end_header" is data.
     const std::size_t first = text_.find_first_of("\r\n");
     if (first != std::string_view::npos && text_[first] == '\r' && text_.substr(first + 1, 1) != "\n") {
         line_end_ = '\r';

@@ -1,7 +1,6 @@
 #include "io/read/ply/ply_lines.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cassert>
 #include <cstring>
 #include <vector>
@@ -9,29 +8,21 @@
 #include "io/read/ply/ply_numbers.hpp"
 #include "io/read/ply/ply_rows.hpp"
 #include "io/read/ply/ply_triangles.hpp"
+#include "io/text/pieces.hpp"
 
 namespace lamella {
 
 namespace {
 
-constexpr std::size_t lines_bytes = std::size_t{1} << 20;
-
 /// Longer lines are left to the other reader, so that no thread needs much memory for a list.
 constexpr std::ptrdiff_t longest_line = std::ptrdiff_t{16} << 10;
 
-/// Whole lines.
-struct Piece {
-    const char* begin = nullptr;
-    const char* end = nullptr;
-    std::uint64_t first_row = 0;
-    std::uint64_t rows = 0;  ///< lines
+/// What is counted in a piece of whole lines, and made of it.
+struct PieceFaces {
     std::uint64_t words = 0;
-    std::size_t first_triangle = 0;  ///< where its triangles go, with room for `capacity`
-    std::size_t capacity = 0;
-    std::size_t triangles = 0;
+    ItemRun triangles;
+    std::size_t most_triangles = 0;  ///< for which there is room from triangles.first on
     std::uint64_t small_faces = 0;
-
-    std::uint64_t end_row() const { return first_row + rows; }
 };
 
 /// The rows of one element, counted over the whole body.
@@ -46,36 +37,25 @@ const char* line_end(const char* p, const char* end) {
     return found != nullptr ? static_cast<const char*>(found) : end;
 }
 
-/// Cuts that depend on the text alone.
-std::vector<Piece> cut(std::string_view text) {
+std::vector<TextPiece> cut_after_newlines(std::string_view text) {
     const char* const end = text.data() + text.size();
-    std::vector<Piece> pieces;
-    for (const char* begin = text.data(); begin != end;) {
-        Piece& piece = pieces.emplace_back();
-        piece.begin = begin;
-        const auto left = static_cast<std::size_t>(end - begin);
-        piece.end = left > lines_bytes ? line_end(begin + lines_bytes, end) : end;
-        piece.end += piece.end != end ? 1 : 0;
-        begin = piece.end;
-    }
-    return pieces;
+    return cut_text(text, text_piece_bytes, [end](const char*, const char* from) {
+        const char* const cut = line_end(from, end);
+        return cut + (cut != end ? 1 : 0);
+    });
 }
 
-/// Without branches, so that it runs at the speed of memory.
-void count(Piece& piece) {
-    const auto length = static_cast<std::size_t>(piece.end - piece.begin);
-    std::size_t lines = piece.end[-1] != '\n' ? 1 : 0;
-    std::size_t words = is_space(piece.begin[0]) ? 0 : 1;
-    for (std::size_t i = 0; i < length; ++i) {
-        lines += static_cast<std::size_t>(piece.begin[i] == '\n');
-    }
-    for (std::size_t i = 1; i < length; ++i) {
-        words +=
-            static_cast<std::size_t>(is_space(piece.begin[i - 1])) & static_cast<std::size_t>(!is_space(piece.begin[i]));
-    }
-    piece.rows = lines;
-    piece.words = words;
+/// The last may lack its end.
+std::size_t count_lines(std::string_view text) {
+    const auto ends =
+        static_cast<std::size_t>(text.front() == '\n') + count_in(text, [](char, char c) { return c == '\n'; });
+    return ends + (text.back() != '\n' ? 1 : 0);
 }
+
+/// A line that is not as usual: the reader that goes from number to number says what is wrong there, if anything is.
+struct OddLine {
+    const char* at = nullptr;  ///< null: none
+};
 
 class LineReader {
 public:
@@ -93,11 +73,12 @@ private:
     bool read_vertices(const RowRange& rows);
     bool read_faces(const RowRange& rows);
     bool read_over(const RowRange& rows);
-    void close_gaps();
+    void join_triangles();
 
     const PlyInput& input_;
     PlyMesh& mesh_;
-    std::vector<Piece> pieces_;
+    std::vector<TextPiece> pieces_;  // of lines, each a row
+    std::vector<PieceFaces> faces_;  // per piece
     std::vector<RowRange> ranges_;
     std::size_t vertices_ = 0;  // which of the ranges they are
 };
@@ -111,24 +92,24 @@ bool LineReader::read() {
             return false;
         }
     }
-    close_gaps();
+    join_triangles();
     return true;
 }
 
-/// Whether there are as many of the ones as of the others.
+/// Whether the body has as many lines as rows.
 bool LineReader::rows_are_lines() {
     std::string_view text = input_.file.substr(input_.header.body);
     while (!text.empty() && is_space(text.back())) {
         text.remove_suffix(1);
     }
     mesh_.end = input_.header.body + text.size();
-    pieces_ = cut(text);
-    input_.parallel.run(pieces_.size(), [this](std::size_t i, int) { count(pieces_[i]); });
-    std::uint64_t lines = 0;
-    for (Piece& piece : pieces_) {
-        piece.first_row = lines;
-        lines += piece.rows;
-    }
+    pieces_ = cut_after_newlines(text);
+    faces_.resize(pieces_.size());
+    input_.parallel.run(pieces_.size(), [this](std::size_t i, int) {
+        pieces_[i].count = count_lines(pieces_[i].text);
+        faces_[i].words = count_words(pieces_[i].text);
+    });
+    const std::uint64_t lines = number_items(pieces_);
     std::uint64_t rows = 0;
     for (const PlyElement& element : input_.header.elements) {
         if (element.role == PlyRole::vertices) {
@@ -153,14 +134,15 @@ bool LineReader::allocate() {
             continue;
         }
         const std::uint64_t words_beside = 2 + range.element->properties.size();
-        for (Piece& piece : pieces_) {
-            const std::uint64_t begin = std::max(piece.first_row, range.begin);
-            const std::uint64_t end = std::min(piece.end_row(), range.end);
+        for (std::size_t i = 0; i < pieces_.size(); ++i) {
+            const std::uint64_t begin = std::max<std::uint64_t>(pieces_[i].first, range.begin);
+            const std::uint64_t end = std::min<std::uint64_t>(pieces_[i].end_item(), range.end);
             if (begin < end) {
-                const std::uint64_t beside = std::min(piece.words, (end - begin) * words_beside);
-                piece.first_triangle = triangles;
-                piece.capacity = std::max(end - begin, piece.words - beside);
-                triangles += piece.capacity;
+                PieceFaces& own = faces_[i];
+                const std::uint64_t beside = std::min(own.words, (end - begin) * words_beside);
+                own.triangles.first = triangles;
+                own.most_triangles = std::max(end - begin, own.words - beside);
+                triangles += own.most_triangles;
             }
         }
     }
@@ -174,26 +156,25 @@ bool LineReader::allocate() {
 }
 
 /// Calls task(piece, line, begin, end) for the pieces that `rows` lie in, in parallel: rows [begin, end) lie from `line` on.
-/// False: a task was.
+/// False: a task returned false.
 template <class Task>
 bool LineReader::for_pieces(const RowRange& rows, Task task) {
-    std::atomic<bool> good{true};
     const auto first = std::upper_bound(pieces_.begin(), pieces_.end(), rows.begin,
-                                        [](std::uint64_t row, const Piece& piece) { return row < piece.end_row(); });
+                                        [](std::uint64_t row, const TextPiece& piece) { return row < piece.end_item(); });
     const auto last = std::lower_bound(first, pieces_.end(), rows.end,
-                                       [](const Piece& piece, std::uint64_t row) { return piece.first_row < row; });
-    input_.parallel.run(static_cast<std::size_t>(last - first), [&](std::size_t i, int) {
-        Piece& piece = first[static_cast<std::ptrdiff_t>(i)];
-        const char* line = piece.begin;
-        for (std::uint64_t row = piece.first_row; row < rows.begin; ++row) {
-            line = line_end(line, piece.end) + 1;
+                                       [](const TextPiece& piece, std::uint64_t row) { return piece.first < row; });
+    const auto skipped = static_cast<std::size_t>(first - pieces_.begin());
+    const auto parse = [&](std::size_t i, int) {
+        const TextPiece& piece = pieces_[skipped + i];
+        const char* line = piece.begin();
+        for (std::uint64_t row = piece.first; row < rows.begin; ++row) {
+            line = line_end(line, piece.end()) + 1;
         }
-        const std::uint64_t begin = std::max(piece.first_row, rows.begin);
-        if (good.load(std::memory_order_relaxed) && !task(piece, line, begin, std::min(piece.end_row(), rows.end))) {
-            good.store(false, std::memory_order_relaxed);
-        }
-    });
-    return good;
+        const std::uint64_t begin = std::max<std::uint64_t>(piece.first, rows.begin);
+        const std::uint64_t end = std::min<std::uint64_t>(piece.end_item(), rows.end);
+        return task(skipped + i, line, begin, end) ? OddLine() : OddLine{line};
+    };
+    return parse_pieces<OddLine>(static_cast<std::size_t>(last - first), input_.parallel, parse).at == nullptr;
 }
 
 bool LineReader::read_element(const RowRange& rows) {
@@ -206,27 +187,27 @@ bool LineReader::read_element(const RowRange& rows) {
     return rows.element->role == PlyRole::faces ? read_faces(rows) : read_over(rows);
 }
 
-/// Reads rows [begin, end), which lie from `line` on, each by read(parser). False: one is not as it should be, or not alone
+/// Reads rows [begin, end), which lie from `line` on, each by read(parser). False: a row is malformed, or not alone
 /// on its line.
 template <class Read>
-bool read_lines(const Piece& piece, const char* line, std::uint64_t begin, std::uint64_t end, const PlyElement& element,
+bool read_lines(const TextPiece& piece, const char* line, std::uint64_t begin, std::uint64_t end, const PlyElement& element,
                 Read read) {
     for (std::uint64_t row = begin; row < end; ++row) {
-        const char* const stop = line_end(line, piece.end);
+        const char* const stop = line_end(line, piece.end());
         PlyRows<AsciiNumbers> parser(AsciiNumbers(line, stop), element, row);
         if (stop - line > longest_line || !read(parser) || !AsciiNumbers(parser.numbers()).at_end()) {
             return false;
         }
-        line = stop != piece.end ? stop + 1 : stop;
+        line = stop != piece.end() ? stop + 1 : stop;
     }
     return true;
 }
 
 template <class Value>
 bool LineReader::read_vertices(const RowRange& rows) {
-    return for_pieces(rows, [&](const Piece& piece, const char* line, std::uint64_t begin, std::uint64_t end) {
+    return for_pieces(rows, [&](std::size_t piece, const char* line, std::uint64_t begin, std::uint64_t end) {
         std::byte* out = mesh_.coordinates.data() + (begin - rows.begin) * 3 * sizeof(Value);
-        return read_lines(piece, line, begin, end, *rows.element, [&out](PlyRows<AsciiNumbers>& parser) {
+        return read_lines(pieces_[piece], line, begin, end, *rows.element, [&out](PlyRows<AsciiNumbers>& parser) {
             Value xyz[3];
             const bool read = parser.vertex(xyz);
             if (read) {
@@ -240,38 +221,36 @@ bool LineReader::read_vertices(const RowRange& rows) {
 
 bool LineReader::read_faces(const RowRange& rows) {
     const VertexCoordinates vertices = {mesh_.coordinates.data(), mesh_.stride, mesh_.coordinate_type};
-    return for_pieces(rows, [&](Piece& piece, const char* line, std::uint64_t begin, std::uint64_t end) {
-        PlyTriangles triangles(vertices, mesh_.indices.span().subspan(3 * piece.first_triangle, 3 * piece.capacity));
+    return for_pieces(rows, [&](std::size_t piece, const char* line, std::uint64_t begin, std::uint64_t end) {
+        PieceFaces& own = faces_[piece];
+        PlyTriangles triangles(vertices, mesh_.indices.span().subspan(3 * own.triangles.first, 3 * own.most_triangles));
         std::vector<std::uint32_t> list;
-        const bool good = read_lines(piece, line, begin, end, *rows.element, [&](PlyRows<AsciiNumbers>& parser) {
+        const bool good = read_lines(pieces_[piece], line, begin, end, *rows.element, [&](PlyRows<AsciiNumbers>& parser) {
             return parser.indices(mesh_.vertex_count, list) && triangles.add_face(list);
         });
-        piece.triangles = triangles.index_count() / 3;
-        piece.small_faces = triangles.small_faces();
+        own.triangles.count = triangles.index_count() / 3;
+        own.small_faces = triangles.small_faces();
         return good;
     });
 }
 
 bool LineReader::read_over(const RowRange& rows) {
-    return for_pieces(rows, [&](const Piece& piece, const char* line, std::uint64_t begin, std::uint64_t end) {
+    return for_pieces(rows, [&](std::size_t piece, const char* line, std::uint64_t begin, std::uint64_t end) {
         PlyLists lists;
-        return read_lines(piece, line, begin, end, *rows.element,
+        return read_lines(pieces_[piece], line, begin, end, *rows.element,
                           [&lists](PlyRows<AsciiNumbers>& parser) { return parser.skip(lists); });
     });
 }
 
-/// Where pieces turned out to hold fewer triangles than there was room for.
-void LineReader::close_gaps() {
-    std::size_t triangles = 0;
-    for (const Piece& piece : pieces_) {
-        if (piece.triangles > 0 && piece.first_triangle != triangles) {
-            std::uint32_t* const indices = mesh_.indices.data();
-            std::memmove(indices + 3 * triangles, indices + 3 * piece.first_triangle, 12 * piece.triangles);
-        }
-        triangles += piece.triangles;
-        mesh_.small_faces += piece.small_faces;
+/// Joins the triangles of all pieces, which may have had more room.
+void LineReader::join_triangles() {
+    std::vector<ItemRun> runs;
+    for (const PieceFaces& own : faces_) {
+        runs.push_back(own.triangles);
+        mesh_.small_faces += own.small_faces;
     }
-    mesh_.indices.set_size(3 * triangles);
+    constexpr std::size_t triangle_bytes = 3 * sizeof(std::uint32_t);
+    mesh_.indices.set_size(3 * close_gaps(runs, triangle_bytes, reinterpret_cast<std::byte*>(mesh_.indices.data())));
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ decltype(auto) with_type(PlyType type, F&& f) {
     return f(double{});
 }
 
-/// The number at `p`, whose bytes lie the other way round if `swapped`.
+/// The number at `p`, whose bytes are reversed if `swapped`.
 template <class T>
 T load_number(const char* p, bool swapped) {
     std::array<char, sizeof(T)> bytes;
@@ -61,7 +61,7 @@ inline bool to_integer(double value, std::int64_t& integer) {
     return true;
 }
 
-/// Each call reads the next number and goes behind it. False: it stands where it stood, and found() tells what is there.
+/// Each call reads the next number and moves past it. False: it has not moved, and found() describes what is there.
 class BinaryNumbers {
 public:
     BinaryNumbers(const char* begin, const char* end, bool swapped) : p_(begin), end_(end), swapped_(swapped) {}
@@ -131,7 +131,7 @@ public:
     void go_to_next() { p_ = skip_space(p_, end_); }
     std::uint64_t most_left(PlyType) const { return (static_cast<std::uint64_t>(end_ - p_) + 1) / 2; }
 
-    /// Reads over white space. Whether no word is left.
+    /// Skips white space. Whether no word is left.
     bool at_end() {
         go_to_next();
         return p_ == end_;

@@ -1,4 +1,4 @@
-// One row after the other of an element of a PLY file, in either encoding.
+// The rows of one element of a PLY file, in either encoding.
 #pragma once
 
 #include <cstdint>
@@ -25,14 +25,14 @@ struct PlyLists {
 /// In a triangle strip: -1, after which the next strip begins.
 inline constexpr std::uint32_t strip_end = std::numeric_limits<std::uint32_t>::max();
 
-/// `Numbers` is BinaryNumbers or AsciiNumbers. Each call reads a row; false: at() and what() tell where and why not.
+/// `Numbers` is BinaryNumbers or AsciiNumbers. Each call reads a row. False: at() and what() hold the error.
 template <class Numbers>
 class PlyRows {
 public:
     PlyRows(Numbers numbers, const PlyElement& element, std::uint64_t first_row = 0)
         : numbers_(numbers), element_(element), row_(first_row) {}
 
-    /// Reads over it.
+    /// Skips it, and counts its list of indices.
     bool skip(PlyLists& lists) {
         for (const PlyProperty& property : element_.properties) {
             std::uint64_t count = 1;

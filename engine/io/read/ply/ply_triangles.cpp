@@ -40,7 +40,7 @@ bool PlyTriangles::add_strips(std::span<const std::uint32_t> corners) {
         if (i < begin + 2) {
             continue;
         }
-        // Every other triangle runs the other way round in the list.
+        // Every other triangle of a strip is listed in reverse.
         const bool odd = (i - begin) % 2 != 0;
         const std::uint32_t a = corners[odd ? i - 1 : i - 2];
         const std::uint32_t b = corners[odd ? i - 2 : i - 1];
@@ -66,7 +66,7 @@ bool PlyTriangles::fits(std::size_t triangles) {
     return false;
 }
 
-/// What is no number has no place in a polygon. (Of a triangle, slicing says so.)
+/// Polygons are cut by their coordinates, which must be finite. (Triangles are checked by slicing.)
 bool PlyTriangles::all_finite(std::span<const std::uint32_t> corners) {
     for (const std::uint32_t corner : corners) {
         const std::array<double, 3> xyz = vertices_[corner];

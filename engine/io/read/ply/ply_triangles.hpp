@@ -16,14 +16,14 @@ public:
     PlyTriangles(const VertexCoordinates& vertices, std::span<std::uint32_t> room) : vertices_(vertices), room_(room) {}
 
     /// Of a polygon, whose indices are those of vertices. One of fewer than three corners is counted and left out. False:
-    /// why() tells.
+    /// why() holds the error.
     bool add_face(std::span<const std::uint32_t> corners);
 
-    /// Of strips that strip_end separates: a b c d e makes a b c, c b d and c d e. What strips are stitched together with,
-    /// triangles of two equal indices, is left out.
+    /// Of strips that strip_end separates: a b c d e makes a b c, c b d and c d e. Triangles of two equal
+    /// indices, which join strips, are left out.
     bool add_strips(std::span<const std::uint32_t> corners);
 
-    /// Goes past indices that were written into the room from elsewhere.
+    /// Counts indices that the caller wrote into the room itself.
     void use(std::size_t indices) noexcept { used_ += indices; }
 
     std::size_t index_count() const noexcept { return used_; }

@@ -12,7 +12,7 @@ bool is_number_character(char c) {
 }
 
 /// A component of a normal: digits, or how some C library spells what is not a number ("-nan(ind)", "1.#QNAN", "inf").
-/// Normals are not used, so that no more is asked of them.
+/// Normals are not used, so they are not parsed.
 bool passes_for_number(std::string_view word) {
     if (std::all_of(word.begin(), word.end(), is_number_character)) {
         return true;
@@ -71,7 +71,7 @@ bool FacetParser::next_facet(const char* stop, float* nine) {
     return false;
 }
 
-/// Of the name behind `solid` or `endsolid`: the line's end, or where a facet begins on the same line.
+/// The end of the name after `solid` or `endsolid`: the line's end, or where a facet begins on the same line.
 const char* FacetParser::name_end() const {
     const char* p = skip_word(p_, end_);
     while (p != end_ && !ends_line(*p)) {

@@ -1,12 +1,13 @@
 // The words of ASCII STL and a parser that goes from facet to facet.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <string>
 
+#include "base/little_endian.hpp"
+#include "io/text/pieces.hpp"
 #include "io/text/text.hpp"
 
 namespace lamella {
@@ -30,7 +31,6 @@ struct Keyword {
 /// Whether the text at `p` is `keyword`, in any case, and ends there.
 template <Keyword keyword>
 inline bool is_word(const char* p, const char* end) {
-    static_assert(std::endian::native == std::endian::little, "letters are compared in the order of memory");
     constexpr std::size_t length = keyword.length;
     const auto left = static_cast<std::size_t>(end - p);
     if (left < length) {
@@ -42,20 +42,15 @@ inline bool is_word(const char* p, const char* end) {
     return (letters ^ keyword.letters) << (8 * (8 - length)) == 0 && (left == length || is_space(p[length]));
 }
 
-/// Reads facets from [begin, end) until it meets what is none of them; the failure then says what and where.
+/// Reads facets from [begin, end) up to the first error, which failure() holds.
 class FacetParser {
 public:
-    struct Failure {
-        const char* at = nullptr;  ///< null: none
-        std::string what;
-    };
-
     FacetParser(const char* begin, const char* end) : p_(begin), end_(end) {}
 
-    /// The nine coordinates of the next facet that begins before `stop`. False: there is none, or failure() tells.
+    /// The nine coordinates of the next facet that begins before `stop`. False: there is none, or failure() holds an error.
     bool next_facet(const char* stop, float* nine);
 
-    const Failure& failure() const { return failure_; }
+    const TextFailure& failure() const { return failure_; }
 
     /// Whether the last statement was `endsolid`, and where the last one ended.
     bool solid_ended() const { return solid_ended_; }
@@ -76,7 +71,7 @@ private:
     const char* end_;
     const char* last_end_ = nullptr;
     bool solid_ended_ = false;
-    Failure failure_;
+    TextFailure failure_;
 };
 
 }  // namespace lamella

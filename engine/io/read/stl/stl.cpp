@@ -1,11 +1,11 @@
 // STL, binary and ASCII. Which of the two a file is, is decided by its size and content, never by the word "solid" alone.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <string_view>
 #include <utility>
 
 #include "base/clock.hpp"
+#include "base/little_endian.hpp"
 #include "base/parallel.hpp"
 #include "base/words.hpp"
 #include "io/read/reader.hpp"
@@ -25,7 +25,6 @@ namespace {
 constexpr std::size_t header_bytes = 84;
 constexpr std::size_t record_bytes = 50;
 constexpr std::size_t normal_bytes = 12;
-static_assert(std::endian::native == std::endian::little, "the file's numbers are used where they lie");
 
 bool begins_with_solid(std::string_view text) {
     text = without_byte_order_mark(text);

@@ -1,35 +1,23 @@
 #include "io/read/stl/stl_ascii.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cassert>
 #include <cstdint>
 #include <cstring>
 #include <vector>
 
 #include "io/read/stl/facet_parser.hpp"
+#include "io/text/pieces.hpp"
 #include "lamella/memory.hpp"
 
 namespace lamella {
 
 namespace {
 
-constexpr std::size_t facets_bytes = std::size_t{1} << 20;
 constexpr std::size_t facet_floats = 9;
 constexpr std::size_t facet_bytes = facet_floats * sizeof(float);
 constexpr std::size_t shortest_facet =
     sizeof "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 0 0 vertex 0 0 0 endloop endfacet" - 1;
-
-/// Text that begins with a facet (the first piece: with the file) and ends where the next one begins.
-struct Piece {
-    const char* begin = nullptr;
-    const char* end = nullptr;
-    std::size_t first = 0;     ///< where its facets go, with room for `capacity`
-    std::size_t capacity = 0;  ///< at least as many as the piece holds
-    std::size_t count = 0;
-    const char* open_end = nullptr;  ///< behind its last statement, if that is not `endsolid`
-    FacetParser::Failure failure;
-};
 
 /// Whether [line, p) holds `solid` or `endsolid` as a word: what follows on the line is then a name.
 bool names_something(const char* line, const char* p) {
@@ -43,7 +31,7 @@ bool names_something(const char* line, const char* p) {
 }
 
 /// The first facet that begins at or after `from`, or `end`. `known` < from is the beginning of a facet or of the text: no
-/// name reaches across it, so that looking back stops there and all cuts together take O(text).
+/// name reaches across it, so the search back stops there and all cuts together take O(text).
 const char* next_facet(const char* known, const char* from, const char* end) {
     for (const char* p = from; p != end; ++p) {
         if (!is_word<"facet">(p, end) || !is_space(p[-1])) {
@@ -64,96 +52,60 @@ const char* next_facet(const char* known, const char* from, const char* end) {
     return end;
 }
 
-/// Cuts that depend on the text alone, so that errors do not depend on threads.
-std::vector<Piece> cut(std::string_view text) {
-    const char* end = text.data() + text.size();
-    std::vector<Piece> pieces;
-    for (const char* begin = text.data(); begin != end;) {
-        Piece& piece = pieces.emplace_back();
-        piece.begin = begin;
-        const auto left = static_cast<std::size_t>(end - begin);
-        piece.end = left > facets_bytes ? next_facet(begin, begin + facets_bytes, end) : end;
-        begin = piece.end;
-    }
-    return pieces;
+/// Each piece begins with a facet (the first one: with the file) and ends where the next one begins.
+std::vector<TextPiece> cut_at_facets(std::string_view text) {
+    const char* const end = text.data() + text.size();
+    return cut_text(text, text_piece_bytes,
+                    [end](const char* begin, const char* from) { return next_facet(begin, from, end); });
 }
 
-/// Words in 'f': all facets and, at most, some words of names. Without branches, so that it runs at the speed of memory.
-std::size_t most_facets(const Piece& piece) {
-    const auto length = static_cast<std::size_t>(piece.end - piece.begin);
-    std::size_t words = (piece.begin[0] | 0x20) == 'f' ? 1 : 0;
-    for (std::size_t i = 1; i < length; ++i) {
-        words += static_cast<std::size_t>((piece.begin[i] | 0x20) == 'f') &
-                 static_cast<std::size_t>(is_space(piece.begin[i - 1]));
-    }
-    return std::min(words, length / shortest_facet + 1);
+/// Words in 'f': all facets and, at most, some words of names.
+std::size_t most_facets(std::string_view piece) {
+    const auto is_f = [](char c) { return (c | 0x20) == 'f'; };
+    const std::size_t words =
+        (is_f(piece[0]) ? 1 : 0) + count_in(piece, [is_f](char before, char c) { return is_f(c) & is_space(before); });
+    return std::min(words, piece.size() / shortest_facet + 1);
 }
 
-/// Parses what begins within the piece; words are read to the end of the text, so that a cut never looks like the end.
-void parse(Piece& piece, const char* end, std::byte* coordinates) {
-    FacetParser parser(piece.begin, end);
+/// Parses what begins within the piece, which has room for `piece.count` facets from `piece.first` on. Words are read to the
+/// end of the text, so that a cut never looks like the end. `open_end`: after the last statement, if that is not `endsolid`.
+TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coordinates, ItemRun& run,
+                  const char*& open_end) {
+    FacetParser parser(piece.begin(), text_end);
     std::byte* out = coordinates + piece.first * facet_bytes;
     float facet[facet_floats];
-    while (parser.next_facet(piece.end, facet)) {
-        assert(piece.count < piece.capacity);
-        std::memcpy(out + piece.count++ * facet_bytes, facet, facet_bytes);
-    }
-    piece.open_end = parser.solid_ended() ? nullptr : parser.last_end();
-    piece.failure = parser.failure();
-}
-
-/// Closes the gaps that words of names in 'f' left; there are none otherwise.
-std::size_t close_gaps(const std::vector<Piece>& pieces, std::byte* coordinates) {
     std::size_t count = 0;
-    for (const Piece& piece : pieces) {
-        if (piece.first != count) {
-            std::memmove(coordinates + count * facet_bytes, coordinates + piece.first * facet_bytes,
-                         piece.count * facet_bytes);
-        }
-        count += piece.count;
+    while (parser.next_facet(piece.end(), facet)) {
+        assert(count < piece.count);
+        std::memcpy(out + count++ * facet_bytes, facet, facet_bytes);
     }
-    return count;
-}
-
-void parse_all(std::vector<Piece>& pieces, const char* end, std::byte* coordinates, const Parallel& parallel) {
-    std::atomic<std::size_t> failed{pieces.size()};
-    parallel.run(pieces.size(), [&](std::size_t i, int) {
-        if (i > failed.load(std::memory_order_relaxed)) {
-            return;  // an earlier piece fails, and only the first failure is told
-        }
-        parse(pieces[i], end, coordinates);
-        if (pieces[i].failure.at != nullptr) {
-            std::size_t first = failed.load();
-            while (i < first && !failed.compare_exchange_weak(first, i)) {
-            }
-        }
-    });
+    run = {piece.first, count};
+    open_end = parser.solid_ended() ? nullptr : parser.last_end();
+    return parser.failure();
 }
 
 }  // namespace
 
 AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const Parallel& parallel) {
     AsciiFacets facets{Array<std::byte>(memory), 0, std::nullopt, std::nullopt};
-    std::vector<Piece> pieces = cut(text);
-    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].capacity = most_facets(pieces[i]); });
-    std::size_t room = 0;
-    for (Piece& piece : pieces) {
-        piece.first = room;
-        room += piece.capacity;
-    }
-    facets.coordinates.resize_discarding(room * facet_bytes);
-    parse_all(pieces, text.data() + text.size(), facets.coordinates.data(), parallel);
+    std::vector<TextPiece> pieces = cut_at_facets(text);
+    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = most_facets(pieces[i].text); });
+    facets.coordinates.resize_discarding(number_items(pieces) * facet_bytes);
 
-    const auto failed = std::find_if(pieces.begin(), pieces.end(), [](const Piece& p) { return p.failure.at != nullptr; });
-    if (failed != pieces.end()) {
-        const auto offset = static_cast<std::size_t>(failed->failure.at - text.data());
-        facets.error = AsciiError{offset, failed->failure.what};
+    std::vector<ItemRun> runs(pieces.size());
+    std::vector<const char*> open_ends(pieces.size());
+    const TextFailure failure = parse_pieces<TextFailure>(pieces.size(), parallel, [&](std::size_t i, int) {
+        return parse(pieces[i], text.data() + text.size(), facets.coordinates.data(), runs[i], open_ends[i]);
+    });
+    if (failure.at != nullptr) {
+        facets.error = AsciiError{static_cast<std::size_t>(failure.at - text.data()), failure.what};
         return facets;
     }
-    if (!pieces.empty() && pieces.back().open_end != nullptr) {
-        facets.open_end = static_cast<std::size_t>(pieces.back().open_end - text.data());
+    if (!pieces.empty() && open_ends.back() != nullptr) {
+        facets.open_end = static_cast<std::size_t>(open_ends.back() - text.data());
     }
-    facets.count = close_gaps(pieces, facets.coordinates.data());
+    // Words of names in 'f' left gaps; there are none otherwise.
+    facets.count = close_gaps(runs, facet_bytes, facets.coordinates.data());
     facets.coordinates.set_size(facets.count * facet_bytes);
     return facets;
 }

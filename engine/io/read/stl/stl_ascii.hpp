@@ -20,7 +20,7 @@ struct AsciiError {
 struct AsciiFacets {
     Array<std::byte> coordinates;  ///< nine floats a facet
     std::size_t count = 0;
-    std::optional<std::size_t> open_end;  ///< byte of `text` behind the last statement, if that is not `endsolid`
+    std::optional<std::size_t> open_end;  ///< byte of `text` after the last statement, if that is not `endsolid`
     std::optional<AsciiError> error;      ///< the first in the text, whatever the number of threads
 };
 
@@ -29,8 +29,7 @@ struct AsciiFacets {
 ///     facet normal N N N  outer loop  vertex X Y Z  vertex X Y Z  vertex X Y Z  endloop  endfacet
 ///
 /// in any case and with any white space between words. A name ends before its line does where a facet begins. Normals are
-/// read over. O(text). Allocates at most 36 bytes for each
-/// 85 of text.
+/// skipped. O(text). Allocates at most 36 bytes for each 85 of text.
 AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const Parallel& parallel);
 
 }  // namespace lamella

@@ -1,5 +1,5 @@
-// A list that grows without being copied and can be given back from its front while it is read: a text's elements, of which
-// nobody knows how many there will be.
+// A list that grows without being copied, and whose memory can be released from the front while it is read: for elements of
+// a text, whose number is not known beforehand.
 #pragma once
 
 #include <algorithm>
@@ -38,11 +38,11 @@ public:
         const Array<T>& chunk = chunks_[index];
         return chunk.span().first(index + 1 < chunks_.size() ? chunk.size() : chunk.size() - room_);
     }
-    /// Gives the memory of a chunk back, which must not be read any more.
+    /// Releases the memory of a chunk, which must not be read any more.
     void release(std::size_t index) noexcept { chunks_[index] = Array<T>(memory_); }
 
 private:
-    /// Doubling at first, so that many small lists take little, and then constant.
+    /// Chunks double at first, so that small lists take little memory; later ones have one size.
     std::size_t next_count() const noexcept {
         constexpr std::size_t smallest = 16;
         constexpr std::size_t largest = std::size_t{1} << 16;

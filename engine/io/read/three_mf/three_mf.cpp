@@ -15,8 +15,8 @@ namespace lamella {
 
 namespace {
 
-/// What the parts of a file may expand to. Their text is not held, so that this bounds the time: real files compress about
-/// ten times, what expands a thousand times is no mesh.
+/// What the parts of a file may expand to. Their text is not held, so that this bounds the time: real files compress by
+/// about ten.
 std::uint64_t text_limit(const FileSource& file) {
     constexpr std::uint64_t largest_ratio = 32;
     return file.memory_limit() + largest_ratio * std::min(file.size(), std::numeric_limits<std::uint64_t>::max() / 128);

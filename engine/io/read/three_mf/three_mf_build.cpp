@@ -20,7 +20,7 @@ std::uint64_t product(std::uint64_t a, std::uint64_t b) {
     return a != 0 && b > most / a ? most : a * b;
 }
 
-/// What an object amounts to with all that is in it. Sums stop at `most`: forty objects, each of them the one before twice,
+/// Sums over an object and all its components. They stop at `most`: forty objects, each of which holds the one before twice,
 /// make 2^40.
 struct Tally {
     std::uint64_t visits = 0;  ///< of objects that come to triangles, each time they are met
@@ -39,7 +39,7 @@ struct Tally {
     }
 };
 
-/// Adds up the tallies of all objects that the build comes to, each once and its components before it.
+/// Adds up the tallies of all objects that the build reaches, each once, its components before it.
 class Census {
 public:
     explicit Census(Model& model) : model_(model), tallies_(model.objects.size()), states_(model.objects.size()) {}
@@ -211,7 +211,7 @@ void put_triangles(std::span<const Triangle> triangles, std::uint32_t first_vert
     }
 }
 
-/// Gives back the meshes that the build does not come to.
+/// Releases the meshes that the build does not reach.
 void release_unused(Model& model, const std::vector<Instance>& instances) {
     auto next = instances.begin();
     for (std::uint32_t index = 0; index < model.objects.size(); ++index) {
@@ -223,7 +223,7 @@ void release_unused(Model& model, const std::vector<Instance>& instances) {
     }
 }
 
-/// Writes the instances of one mesh behind what `mesh` holds, chunk by chunk, so that no mesh is in memory twice for long.
+/// Appends the instances of one mesh to `mesh`, chunk by chunk, so that memory never holds the whole mesh twice.
 void place_object(Object& object, std::span<const Instance> instances, MeshFile& mesh) {
     std::uint64_t done = 0;
     for (std::size_t c = 0; c < object.vertices.chunk_count(); ++c) {

@@ -1,4 +1,4 @@
-// From the objects and the build of a 3MF model to the mesh that they amount to.
+// From the objects and the build of a 3MF model to one mesh.
 #pragma once
 
 #include <cstdint>
@@ -23,15 +23,15 @@ struct BuildProblem {
 struct Instance {
     std::uint32_t object = 0;  ///< index
     Transform transform;
-    bool mirrored = false;  ///< its triangles are turned round, so that they are seen from outside again
+    bool mirrored = false;  ///< its triangles are reversed, so that they face outwards again
 };
 
-/// All that the build places, by object. Instances, of which components can nest more than any machine can hold, are counted
-/// before they are listed, and refused where they and their mesh would take more than `limit_bytes`. Types that are no part
-/// of the solid are left out, with a warning added to the model's.
+/// All instances of the build, by object. Nested components can make more instances than any machine can hold: they are
+/// counted before they are listed, and refused where they and their mesh would take more than `limit_bytes`. Types that are
+/// no part of the solid are left out, with a warning added to the model's.
 std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, std::vector<Instance>& instances);
 
-/// The mesh of all instances. The model's meshes are given back as they are copied.
+/// The mesh of all instances. The model's meshes are released as they are copied.
 void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, MeshFile& mesh);
 
 }  // namespace lamella::three_mf

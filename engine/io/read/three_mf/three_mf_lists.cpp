@@ -19,7 +19,7 @@ using PlainForm = std::array<std::string_view, 3>;
 constexpr PlainForm plain_vertex = {"<vertex x=\"", "\" y=\"", "\" z=\""};
 constexpr PlainForm plain_triangle = {"<triangle v1=\"", "\" v2=\"", "\" v3=\""};
 
-/// Goes over white space and counts its line ends. A CR alone, which is one too, is left where it is.
+/// Skips white space and counts its line ends. Stops at a CR without LF, which is a line end too.
 const char* skip_lines(const char* p, const char* end, std::uint64_t& lines) {
     while (p != end && (*p == ' ' || *p == '\n' || *p == '\t' || (*p == '\r' && p + 1 != end && p[1] == '\n'))) {
         lines += static_cast<std::uint64_t>(*p++ == '\n');
@@ -27,8 +27,8 @@ const char* skip_lines(const char* p, const char* end, std::uint64_t& lines) {
     return p;
 }
 
-/// Reads the values of the element at `p` and returns what is behind it; null if it is not of that form, or not all there.
-/// No line ends within: not around a value, and in it would make it no number, as markup does.
+/// Reads the values of the element at `p` and returns where it ends; null if it has another form or is cut off. It holds no
+/// line end: between values the form has none, and a value with one, or with markup, is no number.
 const char* read_element(const char* p, const char* end, const PlainForm& form, std::array<std::string_view, 3>& values) {
     const auto left = [&p, end] { return std::string_view(p, static_cast<std::size_t>(end - p)); };
     for (std::size_t i = 0; i < form.size(); ++i) {
@@ -90,8 +90,8 @@ std::size_t PartReader::feed_length(std::string_view piece) const noexcept {
     return piece.size();
 }
 
-/// Returns the bytes of the elements that were read, and adds their lines. What is not as it should be is left to the
-/// parser, and told by it.
+/// Returns the bytes of the elements that were read, and adds their lines. Anything unusual is left to the XML parser, which
+/// reports errors.
 std::size_t PartReader::read_plain_elements(std::string_view piece, std::uint64_t& lines) {
     const char* const end = piece.data() + piece.size();
     const char* done = piece.data();

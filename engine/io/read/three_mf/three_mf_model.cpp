@@ -45,7 +45,7 @@ private:
 };
 
 /// Streams a part through `reader` by feed(piece), which may fail without this being an error of the archive: a damaged part
-/// can fail as XML before its checksum is known, and that it is damaged says more.
+/// can fail as XML before its checksum is known, and damage is the better message.
 Status stream(ZipArchive& package, const std::string& part, XmlReader& reader,
               FunctionRef<bool(std::string_view piece)> feed) {
     Status read = package.read(part, feed);

@@ -1,4 +1,4 @@
-// What the model parts of a 3MF package say, before anything is placed: objects, of meshes or of components, and the build.
+// A 3MF model before anything is placed: objects, which are meshes or components, and the build.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ struct Reference {
     Part part = 0;  ///< that defines the object
     std::uint32_t id = 0;
     Transform transform;
-    bool mirrors = false;  ///< the transform does, so that triangles are seen from inside
+    bool mirrors = false;  ///< the transform does, so that triangles face inwards
     Place place;           ///< of the reference itself, for messages
 };
 

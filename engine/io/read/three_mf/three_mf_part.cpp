@@ -18,7 +18,7 @@ constexpr std::string_view core = "http://schemas.microsoft.com/3dmanufacturing/
 constexpr std::string_view production = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr std::string_view compatibility = "http://schemas.openxmlformats.org/markup-compatibility/2006";
 
-/// What a file may require of its readers: that which is read here, and that which says nothing of the geometry.
+/// Extensions that a file may require: those read here, and those without geometry.
 constexpr std::array supported_extensions = {
     core,
     production,
@@ -280,7 +280,7 @@ void PartReader::begin_item(const XmlAttributes& attributes) {
     if (!item) {
         return;
     }
-    // Not of the standard, but how a slicer says that an item stands beside the build plate.
+    // Not in the standard; a slicer writes it for items beside the build plate.
     if (attributes.find("printable") == "0") {
         warn("ignored an item of the build that is marked as not printable");
         ++model_.unprintable_items;

@@ -41,10 +41,10 @@ class PartReader : public XmlReader {
 public:
     PartReader(Model& model, Part part, Budget& budget, const Memory* memory);
 
-    /// feed() for the part, which goes over vertices and triangles of the usual form without parsing them as XML.
+    /// feed() for the part, which reads vertices and triangles of the usual form without the XML parser.
     bool feed_part(std::string_view piece);
 
-    /// What a failure() amounts to.
+    /// The code of the error that failure() describes.
     ErrorCode failure_code() const noexcept { return code_; }
     double mm_per_unit() const noexcept { return mm_per_unit_; }
 
@@ -111,8 +111,8 @@ private:
     State state_ = State::document;
     std::uint64_t passed_over_ = 0;  // depth within an element that is
     bool plain_list_ = false;        // in a list whose elements so far were of the usual form
-    std::uint64_t fed_ = 0;          // bytes, those gone over included
-    std::uint64_t parsed_ = 0;       // behind the last tag after which an element of a list may come
+    std::uint64_t fed_ = 0;          // bytes, those skipped included
+    std::uint64_t parsed_ = 0;       // where the last tag ended after which an element of a list may come
     double mm_per_unit_ = 1;
     ErrorCode code_ = ErrorCode::malformed_mesh;
     std::unordered_map<std::string, std::string> namespaces_;  // by prefix, as the model element declares them

@@ -31,7 +31,7 @@ std::uint64_t number_at(std::string_view file, std::size_t at) {
     return number;
 }
 
-/// Bytes before an archive whose directory's end record is at `end`, by where the archive says that something of it lies.
+/// Bytes before an archive whose directory's end record is at `end`, found by an offset that the archive states.
 ///
 ///     ... | directory | [record of zip64 (56) | where that is (20)] | end record
 std::uint64_t bytes_before_archive(std::string_view file, std::size_t end) {
@@ -68,7 +68,7 @@ Error error_in_part(const FileSource& file, ErrorCode code, std::string_view par
 struct ZipArchive::Stream {
     std::span<const std::byte> bytes;
     std::uint64_t at = 0;
-    bool fell_short = false;  // the last read: without this, minizip takes what lies behind the end for zeros
+    bool fell_short = false;  // the last read: without this, minizip takes bytes beyond the end for zeros
     unzFile zip = nullptr;
     std::array<char, inflated_bytes> piece;
 

@@ -22,7 +22,7 @@ inline constexpr std::string_view zip_magic = "PK\x03\x04";
 Error error_in_part(const FileSource& file, ErrorCode code, std::string_view part, std::uint64_t line,
                     const std::string& what);
 
-/// What lies in a file around a zip archive.
+/// Bytes of a file before and after a zip archive in it.
 struct OtherBytes {
     std::uint64_t before = 0;
     std::uint64_t after = 0;

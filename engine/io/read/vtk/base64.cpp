@@ -26,7 +26,7 @@ std::uint32_t value_of(char letter) {
     return values[static_cast<unsigned char>(letter)];
 }
 
-/// Six bits each of four letters, the first being the highest; 2^24 and more if one is none.
+/// Six bits each of four letters, the first being the highest; 2^24 and more if one is no base64.
 std::uint32_t bits_of(const char* letters) {
     const std::uint32_t a = value_of(letters[0]);
     const std::uint32_t b = value_of(letters[1]);

@@ -8,7 +8,7 @@
 
 namespace lamella {
 
-/// Reads bytes from text that may hold several runs one behind the other, each padded by '=', and white space anywhere.
+/// Reads bytes from text that may hold several runs, each padded by '=', and white space anywhere.
 class Base64Reader {
 public:
     explicit Base64Reader(std::string_view text) noexcept : p_(text.data()), end_(text.data() + text.size()) {}

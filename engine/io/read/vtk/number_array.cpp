@@ -1,5 +1,7 @@
 #include "io/read/vtk/number_array.hpp"
 
+#include "base/little_endian.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -11,9 +13,7 @@ namespace lamella {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "what is big-endian is swapped");
-
-/// The type without a sign that has the size of `T`.
+/// The unsigned type of the size of `T`.
 template <class T>
 using Bits = std::conditional_t<
     sizeof(T) == 1, std::uint8_t,
@@ -113,7 +113,7 @@ std::uint64_t decode_indices(const NumberArray& numbers, std::uint64_t first, st
     std::uint64_t largest = 0;
     use_integers(numbers, first, [&](auto values) {
         using Value = decltype(values[0]);
-        // In the type's own width, so that more of them are compared at a time, and four, so that none waits for another.
+        // In the type's own width, so that vectors hold more of them; four, so that none waits for another.
         std::array<Bits<Value>, 4> most{};
         const auto decode_one = [&](std::uint64_t i, std::size_t lane) {
             const Value value = values[i];

@@ -8,33 +8,13 @@ namespace lamella {
 
 namespace {
 
-constexpr std::ptrdiff_t words_bytes = std::ptrdiff_t{256} << 10;
+constexpr std::size_t word_piece_bytes = std::size_t{256} << 10;
 
-/// Most numbers with the space behind them are no longer; what is counted in vain beyond the run is no more than that.
+/// Few numbers with the space after them are longer. The first window of a run is cut by this, so that little text beyond
+/// the run is counted.
 constexpr std::uint64_t usual_word_bytes = 12;
 
-/// Words that begin in [begin, end), the first of which no word reaches over. In blocks whose sum fits a byte, so that it
-/// runs at the speed of memory.
-std::uint64_t count_words(const char* begin, const char* end) {
-    if (begin == end) {
-        return 0;
-    }
-    constexpr std::ptrdiff_t block = 240;
-    std::uint64_t words = is_space(*begin) ? 0 : 1;
-    for (const char* p = begin + 1; p < end;) {
-        const std::ptrdiff_t length = std::min(block, end - p);
-        std::uint8_t begun = 0;
-        for (std::ptrdiff_t i = 0; i < length; ++i) {
-            begun = static_cast<std::uint8_t>(
-                begun + (static_cast<std::uint8_t>(is_space(p[i - 1])) & static_cast<std::uint8_t>(!is_space(p[i]))));
-        }
-        words += begun;
-        p += length;
-    }
-    return words;
-}
-
-/// Behind the `count` words that follow, which exist.
+/// To the end of the next `count` words, which exist.
 const char* skip_words(const char* p, const char* end, std::uint64_t count) {
     for (; count > 0; --count) {
         p = skip_word(skip_space(p, end), end);
@@ -42,16 +22,11 @@ const char* skip_words(const char* p, const char* end, std::uint64_t count) {
     return p;
 }
 
-/// Cuts [p, end) behind words and counts those of each piece.
-std::vector<WordRun::Piece> cut_window(const char* p, const char* end, const Parallel& parallel) {
-    std::vector<WordRun::Piece> pieces;
-    while (p != end) {
-        pieces.push_back({p, 0, 0});
-        p = end - p > words_bytes ? skip_word(p + words_bytes, end) : end;
-    }
-    parallel.run(pieces.size(), [&](std::size_t i, int) {
-        pieces[i].count = count_words(pieces[i].begin, i + 1 < pieces.size() ? pieces[i + 1].begin : end);
-    });
+/// Cuts [p, end) after words and counts those of each piece.
+std::vector<TextPiece> cut_window(const char* p, const char* end, const Parallel& parallel) {
+    std::vector<TextPiece> pieces = cut_text({p, static_cast<std::size_t>(end - p)}, word_piece_bytes,
+                                             [end](const char*, const char* from) { return skip_word(from, end); });
+    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = count_words(pieces[i].text); });
     return pieces;
 }
 
@@ -90,9 +65,9 @@ WordRun find_words(const char* p, const char* end, std::uint64_t count, const Pa
         const std::uint64_t wanted = std::min(count - run.count, left);
         const std::uint64_t window = std::min(left, wanted * usual_word_bytes);
         const char* const window_end = skip_word(p + window, end);
-        for (WordRun::Piece& piece : cut_window(p, window_end, parallel)) {
+        for (TextPiece& piece : cut_window(p, window_end, parallel)) {
             piece.first = run.count;
-            piece.count = std::min(piece.count, count - run.count);
+            piece.count = std::min<std::size_t>(piece.count, count - run.count);
             run.count += piece.count;
             if (piece.count > 0) {
                 run.pieces.push_back(piece);
@@ -101,7 +76,7 @@ WordRun find_words(const char* p, const char* end, std::uint64_t count, const Pa
         p = window_end;
     }
     if (!run.pieces.empty()) {
-        run.end = skip_words(run.pieces.back().begin, end, run.pieces.back().count);
+        run.end = skip_words(run.pieces.back().begin(), end, run.pieces.back().count);
     }
     return run;
 }
@@ -116,20 +91,19 @@ const char* find_word(const char* p, const char* end, std::uint64_t index) {
 
 template <class Value>
 BadWord read_words(const WordRun& run, Value* out, const Parallel& parallel) {
-    std::vector<BadWord> bad(run.pieces.size());
-    parallel.run(run.pieces.size(), [&](std::size_t i, int) {
-        const WordRun::Piece& piece = run.pieces[i];
-        const char* p = piece.begin;
-        for (std::uint64_t k = 0; k < piece.count; ++k) {
+    return parse_pieces<BadWord>(run.pieces.size(), parallel, [&](std::size_t i, int) {
+        const TextPiece& piece = run.pieces[i];
+        BadWord bad;
+        const char* p = piece.begin();
+        for (std::size_t word = piece.first; word < piece.end_item(); ++word) {
             p = skip_space(p, run.text_end);
-            if (!read_word(p, run.text_end, out[piece.first + k], bad[i])) {
-                bad[i].at = p;
-                return;
+            if (!read_word(p, run.text_end, out[word], bad)) {
+                bad.at = p;
+                break;
             }
         }
+        return bad;
     });
-    const auto first = std::find_if(bad.begin(), bad.end(), [](const BadWord& word) { return word.at != nullptr; });
-    return first == bad.end() ? BadWord{} : *first;
 }
 
 template BadWord read_words(const WordRun&, float*, const Parallel&);

@@ -6,31 +6,27 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "io/text/pieces.hpp"
 #include "io/text/text.hpp"
 
 namespace lamella {
 
-/// Words that follow each other in a text, in pieces for parallel use.
+/// Words that follow each other in a text.
 struct WordRun {
-    struct Piece {
-        const char* begin = nullptr;  ///< space, a word's first letter, or the end
-        std::uint64_t first = 0;      ///< of its words, in the run
-        std::uint64_t count = 0;
-    };
-    std::vector<Piece> pieces;
+    std::vector<TextPiece> pieces;  ///< each begins with space or with a word, and has words
     std::uint64_t count = 0;
-    const char* end = nullptr;       ///< behind the last word
-    const char* text_end = nullptr;  ///< words are read to there, so that a cut never looks like the end
+    const char* end = nullptr;       ///< after the last word
+    const char* text_end = nullptr;  ///< words are read up to there, across cuts
 };
 
-/// The next `count` words of [p, end), or as many as there are. O(the text that they take). Precondition: no word reaches
-/// over `p`.
+/// The next `count` words of [p, end), or as many as there are. O(the text that they take). Precondition: `p` is
+/// not within a word.
 WordRun find_words(const char* p, const char* end, std::uint64_t count, const Parallel& parallel);
 
 /// The word of that index in [p, end), or `end`.
 const char* find_word(const char* p, const char* end, std::uint64_t index);
 
-/// The first word that is no number of the wanted type; null where all are.
+/// The first word that is no number of the wanted type; `at` is null where all are.
 struct BadWord {
     const char* at = nullptr;
     NumberText why = NumberText::malformed;

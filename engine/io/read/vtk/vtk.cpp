@@ -1,5 +1,5 @@
-// Legacy VTK files (.vtk) of polygonal data, as text and binary, versions 1.0 to 5.x. What comes with points and cells is
-// skipped; nothing is read beyond the beginning of the attributes, which are last.
+// Legacy VTK files (.vtk) of polygonal data, as text and binary, versions 1.0 to 5.x. Data at points and cells are
+// skipped; reading ends where they begin, as they are last.
 #include <algorithm>
 #include <charconv>
 #include <limits>
@@ -22,7 +22,7 @@ namespace lamella {
 
 namespace {
 
-/// From this major version on, cells are offsets and connectivity; before, corners behind their number.
+/// From this major version on, cells are offsets and connectivity; before, each cell's corners follow their number.
 constexpr int offsets_version = 5;
 
 /// The array from its second number on.
@@ -89,7 +89,7 @@ Status LegacyVtk::parse() {
     if (!points_) {
         return scanner_.expected("POINTS");
     }
-    for (CellArray& array : cells_) {  // points may come behind cells
+    for (CellArray& array : cells_) {  // points may follow cells
         array.point_count = static_cast<std::uint32_t>(points_->count / 3);
     }
     return {};
@@ -248,7 +248,7 @@ Status LegacyVtk::ended_cells(CellArray* array, std::uint64_t offsets, std::uint
     return {};
 }
 
-/// An array behind its keyword and type; skipped if `array` is null.
+/// An array whose keyword and type have been read; skipped if `array` is null.
 template <class Value>
 Status LegacyVtk::integers(NumberArray* array, std::string_view keyword, std::uint64_t count, std::string_view name) {
     if (!scanner_.accept(keyword)) {

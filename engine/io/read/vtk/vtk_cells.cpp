@@ -123,7 +123,7 @@ struct Failure {
     std::uint64_t number = 0;  ///< in the corners
 };
 
-/// Cuts blocks, one after the other: the state of one thread.
+/// Cuts blocks; holds the state of one thread.
 class Cutter {
 public:
     explicit Cutter(const VertexCoordinates& vertices) : vertices_(vertices) {}
@@ -187,7 +187,7 @@ void Cutter::cut_cells(const Block& block, std::uint32_t* out) {
 std::size_t Cutter::cut_cell(std::span<const std::uint32_t> corners, std::uint64_t first_number, std::uint32_t* out) {
     if (array_->kind == CellKind::strips) {
         for (std::size_t i = 2; i < corners.size(); ++i, out += 3) {
-            const std::size_t odd = i % 2;  // every other triangle runs the other way round
+            const std::size_t odd = i % 2;  // every other triangle is listed in reverse
             out[0] = corners[i - 2 + odd];
             out[1] = corners[i - 1 - odd];
             out[2] = corners[i];

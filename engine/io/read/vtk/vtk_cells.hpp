@@ -1,4 +1,4 @@
-// What the two formats of VTK have in common: cells, which are polygons and triangle strips, to triangles.
+// Shared by both formats of VTK: makes triangles of cells, which are polygons and triangle strips.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ enum class CellKind : std::uint8_t { polygons, strips };
 
 /// Cells of one kind, in one of two layouts:
 ///
-///     counted:  corners 3 a b c 4 d e f g         each cell's corners behind their number, in 32 bits
+///     counted:  corners 3 a b c 4 d e f g         each cell's corners after their number, in 32 bits
 ///     else:     corners a b c d e f g, ends 3 7   all corners, and where each cell's end among them
 struct CellArray {
     std::string_view name;  ///< for messages

@@ -1,4 +1,4 @@
-// What the two formats of VTK have in common: a file, its arrays of numbers as text, and points.
+// Shared by both formats of VTK: a file, its arrays of numbers as text, and points.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace lamella {
 
-/// The file that is being read, for all who may have to refuse it.
+/// The file that is being read, with what its parts need to report errors.
 struct VtkFile {
     FileSource& source;
     std::string_view text;  ///< all of it
@@ -26,13 +26,13 @@ struct VtkFile {
     Error error_at(const NumberArray& numbers, std::uint64_t index, const std::string& what) const;
 };
 
-/// Reads `count` numbers from the words of [p, end), and moves `p` behind them. `name` is theirs in messages. Value: what is
+/// Reads `count` numbers from the words of [p, end), and moves `p` past them. `name` is theirs in messages. Value: what is
 /// read of them; float and double for coordinates, std::uint32_t and std::uint64_t for integers.
 template <class Value>
 Result<NumberArray> read_text_array(VtkFile& file, const char*& p, const char* end, std::uint64_t count,
                                     std::string_view name, Array<std::byte>& storage);
 
-/// Moves `p` behind `count` words.
+/// Moves `p` past `count` words.
 Status skip_text_array(const VtkFile& file, const char*& p, const char* end, std::uint64_t count, std::string_view name);
 
 /// What coordinates of `type` are held as, without loss up to integers of 53 bits.

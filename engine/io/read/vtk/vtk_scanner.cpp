@@ -16,7 +16,8 @@ struct TypeName {
     NumberType type;
 };
 
-/// Of 64-bit Unix where they depend on the machine; a vtkIdType has 32 bits in these files, whatever it had in memory.
+/// Sizes are those of 64-bit Unix where they depend on the machine; a vtkIdType has 32 bits in these files, whatever it had
+/// in memory.
 constexpr std::array type_names = {
     TypeName{"FLOAT", NumberType::float32},
     TypeName{"DOUBLE", NumberType::float64},
@@ -147,7 +148,7 @@ Status VtkScanner::skip_bits(std::uint64_t count, std::string_view name) {
     return skip_numbers(binary_ ? count / 8 + (count % 8 != 0 ? 1 : 0) : count, NumberType::uint8, name);
 }
 
-/// Each on a line of its own, or behind its length.
+/// As text, each on a line of its own; as bytes, each after its length.
 Status VtkScanner::strings(std::uint64_t count, std::string_view name, std::string_view& last) {
     line();
     for (; count > 0; --count) {

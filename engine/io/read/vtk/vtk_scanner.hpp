@@ -20,14 +20,14 @@ public:
     void set_binary(bool binary) noexcept { binary_ = binary; }
     bool binary() const noexcept { return binary_; }
 
-    /// The rest of the line, behind which the next one begins.
+    /// The rest of the line; moves to the next line.
     std::string_view line();
     /// The next word, which stays the next; empty at the end.
     std::string_view peek();
     std::string_view word();
-    /// Goes over the next word if it is `keyword`, which is upper case, in any case.
+    /// Skips the next word if it is `keyword`, which is upper case, in any case.
     bool accept(std::string_view keyword);
-    /// An integer that is not negative; `what` is it for messages.
+    /// An integer that is not negative; `what` names it in messages.
     Status count(std::string_view what, std::uint64_t& value);
     /// The name of a type, or of a type of integers.
     Status type(NumberType& type, bool of_integers = false);
@@ -40,7 +40,7 @@ public:
     }
     Status skip_numbers(std::uint64_t count, NumberType type, std::string_view name);
     Status skip_bits(std::uint64_t count, std::string_view name);
-    /// Goes over strings, of which it gives the last.
+    /// Skips strings; `last` becomes the last of them.
     Status strings(std::uint64_t count, std::string_view name, std::string_view& last);
 
     /// The memory of the numbers that were read last, if they were text.

@@ -1,4 +1,4 @@
-// VTP, the XML files of VTK for polygonal data: all pieces, one behind the other. What comes with points and cells is
+// VTP, the XML files of VTK for polygonal data: all pieces are joined. Data at points and cells are
 // skipped.
 #include <algorithm>
 #include <limits>
@@ -143,7 +143,7 @@ Status Vtp::give_triangles(MeshFile& mesh) {
     return cut_cells(file_, cells_, mesh);
 }
 
-/// What the string SPACE says. One of another length says nothing that is known.
+/// What the string SPACE states. Strings of other lengths are no known frame.
 StatedFrame Vtp::patient_frame() {
     constexpr std::size_t letters = 3;  // and a 0, which ends the string
     StatedFrame frame;

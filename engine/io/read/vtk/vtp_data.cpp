@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::string_view zlib_compressor = "vtkZLibDataCompressor";
 
-/// No data are compressed by zlib to less than a 1032nd.
+/// zlib compresses by a factor of 1032 at most.
 constexpr std::uint64_t most_expansion = 1032;
 
 /// Bytes that are read from front to back: raw, or from base64.
@@ -239,8 +239,8 @@ int ArrayReader::inflate_block(const Blocks& blocks, std::size_t block, const st
     return answer == Z_OK && got != wanted ? Z_DATA_ERROR : answer;
 }
 
-/// Integers of 64 bits that fit into 32 are held so, as nearly all do: they compress so well that files which are not large
-/// would take more memory than they may. False: they do not, or are damaged; nothing is then held.
+/// Holds integers of 64 bits in 32 if all fit, as they nearly always do: they compress so well that they would exceed the
+/// memory limit of a small file. False: they do not fit or are damaged, and nothing is held.
 bool ArrayReader::inflate_narrow(const Blocks& blocks, const std::byte* packed, Array<std::byte>& storage) {
     constexpr std::uint64_t wide = sizeof(std::uint64_t);
     constexpr std::uint64_t most_bytes = std::uint64_t{1} << 20;  // of a block, which each thread holds one of

@@ -28,7 +28,7 @@ struct VtpForm {
     std::size_t header_bytes = 4;    ///< of each of the numbers before the data of an array
     std::string compressor;          ///< empty: none
     bool appended_as_base64 = true;  ///< else raw
-    std::string_view appended;       ///< the appended data, behind their underscore
+    std::string_view appended;       ///< the appended data, after their underscore
 };
 
 /// Loads arrays and keeps those that do not lie in the file as they are.
@@ -36,7 +36,7 @@ class VtpData {
 public:
     VtpData(VtkFile& file, const VtpForm& form) : file_(file), form_(form) {}
 
-    /// The `count` numbers of `array`, which must be as many. Decimals are read as Value.
+    /// The numbers of `array`, which must be `count`. Decimals are read as Value.
     template <class Value>
     Result<NumberArray> load(const VtpArray& array, std::uint64_t count);
 

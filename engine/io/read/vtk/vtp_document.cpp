@@ -110,7 +110,7 @@ private:
     std::uint64_t tag_end_ = 0;     ///< of the last element that began
     VtpArray* array_ = nullptr;     ///< whose content has not ended
     std::uint64_t content_ = 0;     ///< where it began
-    std::optional<Error> refusal_;  ///< that is not one of the XML
+    std::optional<Error> refusal_;  ///< an error that does not concern the XML
 };
 
 Result<VtpDocument> Parser::read() {
@@ -126,7 +126,7 @@ Result<VtpDocument> Parser::read() {
     return std::move(document_);
 }
 
-/// Feeds everything but the numbers of arrays: the parser takes longer to find that they are text than they take to be read.
+/// Feeds everything but the numbers of arrays: expat would take longer to pass over them than they take to be read.
 bool Parser::feed_all() {
     constexpr std::size_t window = std::size_t{64} << 10;  // appended data, which end parsing, are not searched for tags
     std::string_view rest = file_.text;
@@ -145,7 +145,7 @@ bool Parser::feed_all() {
     return true;
 }
 
-/// How much of `rest` is the text of the element that has just begun, and text alone.
+/// How much of `rest` is text of the element that has just begun, if it holds no markup or entities.
 std::size_t Parser::skippable(std::string_view rest) const {
     constexpr std::size_t grain = std::size_t{256} << 10;
     if (file_.offset_of(rest.data()) != tag_end_) {
@@ -251,7 +251,7 @@ void Parser::begin_piece(const XmlAttributes& attributes) {
     }
 }
 
-/// Where the array goes that begins; null if it is not needed.
+/// Where the array that begins is stored; null if it is not needed.
 std::optional<VtpArray>* Parser::wanted_array(Element parent, const XmlAttributes& attributes) {
     const std::string_view name = attributes.find("Name").value_or("");
     if (parent == Element::field_data) {
@@ -299,7 +299,7 @@ bool Parser::read_type(Element parent, const XmlAttributes& attributes, VtpArray
     const auto* const found =
         std::find_if(type_names.begin(), type_names.end(), [name](const TypeName& known) { return known.name == name; });
     if (name == "String" && parent == Element::field_data) {
-        array.type = NumberType::uint8;  // characters, and a 0 behind each string
+        array.type = NumberType::uint8;  // characters, and a 0 after each string
         return true;
     }
     if (found == type_names.end()) {
@@ -324,7 +324,7 @@ bool Parser::read_format(const XmlAttributes& attributes, VtpArray& array) {
     return true;
 }
 
-/// What follows is no XML, so that it is not parsed.
+/// Appended data are not XML, so parsing ends here.
 void Parser::begin_appended(const XmlAttributes& attributes) {
     if (!choose(attributes, "encoding", "raw", "base64", document_.form.appended_as_base64)) {
         return;

@@ -8,11 +8,11 @@
 #include "base/parallel.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/slice.hpp"
+#include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/sweep/band_sweep.hpp"
-#include "slicing/bands/bands.hpp"
 
 namespace lamella::bench {
 

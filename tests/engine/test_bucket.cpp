@@ -10,10 +10,10 @@
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
+#include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/grid/soup_box.hpp"
-#include "slicing/bands/bands.hpp"
 
 using lamella::BandPlan;
 using lamella::BlockTable;

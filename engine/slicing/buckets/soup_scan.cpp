@@ -31,9 +31,9 @@ SoupScan::SoupScan(const MeshView& mesh, const Transform& transform, double unit
       scale_(static_cast<float>(1 / (2 * unit_mm))),
       planes_(planes) {
     int exponent = 0;
-    const bool allowed = mesh.coordinate_type == CoordinateType::f32 && mesh.indices == nullptr && mesh.stride < (1U << 20) &&
-                         transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 && planes.size() > 0 &&
-                         planes.size() <= most_scanned_planes;
+    const bool allowed = mesh.coordinate_type == CoordinateType::f32 && mesh.indices == nullptr &&
+                         mesh.stride < (1U << 20) && transform.is_identity() && std::frexp(unit_mm, &exponent) == 0.5 &&
+                         planes.size() > 0 && planes.size() <= most_scanned_planes;
     kernels_ = allowed ? kernels() : nullptr;
     if (planes.uniform() && planes.size() <= most_by_arithmetic && planes.planes_per_unit() * least_step_units <= 1) {
         planes_per_unit_ = static_cast<float>(planes.planes_per_unit());

@@ -18,11 +18,11 @@
 
 #include "base/vector.hpp"
 #include "lamella/slice.hpp"
+#include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/contours/layer_builder.hpp"
 #include "slicing/contours/link_graph.hpp"
 #include "slicing/sweep/active_edges.hpp"
-#include "slicing/bands/bands.hpp"
 
 namespace lamella {
 

@@ -11,11 +11,11 @@
 #include "slicing/nesting/starts.hpp"
 
 using lamella::Point;
+using lamella::Vector;
 using lamella::nesting::ManyInside;
 using lamella::nesting::SortKey;
 using lamella::nesting::StartLine;
 using lamella::nesting::StartTree;
-using lamella::Vector;
 using lamella::test::below;
 
 namespace {

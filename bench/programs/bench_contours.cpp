@@ -107,7 +107,7 @@ std::vector<NestItem> items_of(const SliceResult& result, const Layer& layer) {
         item.points = points.data();
         item.count = contour.point_count;
         const Int128 area = to_int128(contour.twice_area);
-        item.twice_area = to_integer128((area < 0) == (contour.sense < 0) ? area : -area);
+        item.twice_area = to_integer128((area < 0) == (contour.orientation < 0) ? area : -area);
         item.closed = contour.role != Role::open;
         item.box_min = item.box_max = points.front();
         for (const Point& point : points) {

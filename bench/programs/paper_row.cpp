@@ -209,11 +209,11 @@ nlohmann::ordered_json to_json(const Request& request, const Mesh& mesh, const R
     const Difference apart = difference(reference.answer, row.answer);
     nlohmann::ordered_json slicing = nlohmann::ordered_json::array();
     nlohmann::ordered_json contours = nlohmann::ordered_json::array();
-    nlohmann::ordered_json sense = nlohmann::ordered_json::array();
+    nlohmann::ordered_json orientation = nlohmann::ordered_json::array();
     for (const Run& run : row.runs) {
         slicing.push_back(run.slicing_s);
         contours.push_back(run.contours_s);
-        sense.push_back(run.sense_s);
+        orientation.push_back(run.sense_s);
     }
     return {{"method", request.method},
             {"source", row.source},
@@ -226,7 +226,7 @@ nlohmann::ordered_json to_json(const Request& request, const Mesh& mesh, const R
             {"open", reference.summary.open_contours},
             {"slicing_s", slicing},
             {"contours_s", row.joins ? contours : nlohmann::ordered_json()},
-            {"sense_s", row.tells_sense ? sense : nlohmann::ordered_json()},
+            {"sense_s", row.tells_sense ? orientation : nlohmann::ordered_json()},
             {"planes_apart", apart.planes},
             {"contours_apart", row.joins ? nlohmann::ordered_json(apart.contours) : nlohmann::ordered_json()},
             {"peak_bytes", peak_bytes()}};

@@ -120,25 +120,25 @@ Complaint check_area(const Contour& contour, std::span<const Point> points) {
     return {};
 }
 
-Complaint check_sense(const Contour& contour) {
+Complaint check_orientation(const Contour& contour) {
     if (!has_area(contour)) {
-        if (contour.sense != 0 || contour.parent != -1 || (contour.flags & sense_overruled) != 0) {
+        if (contour.orientation != 0 || contour.parent != -1 || (contour.flags & orientation_overruled) != 0) {
             return "flat or open, yet with a sense, a parent or an overruled sense";
         }
         return {};
     }
-    if (contour.sense != 1 && contour.sense != -1) {
+    if (contour.orientation != 1 && contour.orientation != -1) {
         return "closed with an area, yet without a sense";
     }
     const int direction = contour.role == Role::outer ? 1 : -1;
-    if ((contour.flags & sense_overruled) == 0 && contour.sense != direction) {
+    if ((contour.flags & orientation_overruled) == 0 && contour.orientation != direction) {
         return "runs against its facets, yet is not marked as overruled";
     }
     return {};
 }
 
 Complaint check_contour(const Contour& contour, std::span<const Point> points) {
-    if (contour.role > Role::open || (contour.flags & ~(sense_overruled | sense_mixed | gap_closed)) != 0) {
+    if (contour.role > Role::open || (contour.flags & ~(orientation_overruled | orientation_mixed | gap_closed)) != 0) {
         return "an unknown role or flag";
     }
     if (contour.segments == 0) {
@@ -148,7 +148,7 @@ Complaint check_contour(const Contour& contour, std::span<const Point> points) {
     if (complaint.empty()) {
         complaint = check_area(contour, points);
     }
-    return complaint.empty() ? check_sense(contour) : complaint;
+    return complaint.empty() ? check_orientation(contour) : complaint;
 }
 
 /// One layer, its contours' own promises already checked. Indices are the layer's.
@@ -240,7 +240,7 @@ private:
                 standing[c] = standing[parent(c)];
                 ++standing[c].ancestors;
             }
-            standing[c].winding += contours_[c].sense;
+            standing[c].winding += contours_[c].orientation;
             standing[c].facets_stand = standing[c].facets_stand && standing[c].winding >= 0;
             if (!suits(contours_[c], standing[c])) {
                 return at(c) + "the role or its overruled mark does not follow from what lies around";
@@ -257,7 +257,7 @@ private:
             }
             const bool hole = contours_[c].role == Role::hole;
             const bool stands = parent(c) == none ? !hole : contours_[parent(c)].role == (hole ? Role::outer : Role::hole);
-            if (!stands || (contours_[c].flags & sense_overruled) != 0) {
+            if (!stands || (contours_[c].flags & orientation_overruled) != 0) {
                 return at(c) + "the role does not follow from what lies around";
             }
         }
@@ -265,8 +265,8 @@ private:
     }
 
     static bool suits(const Contour& contour, const Standing& standing) {
-        const bool overruled = (contour.flags & sense_overruled) != 0;
-        const bool outer = standing.facets_stand ? contour.sense > 0 : standing.ancestors % 2 == 0;
+        const bool overruled = (contour.flags & orientation_overruled) != 0;
+        const bool outer = standing.facets_stand ? contour.orientation > 0 : standing.ancestors % 2 == 0;
         return overruled == !standing.facets_stand && contour.role == (outer ? Role::outer : Role::hole);
     }
 
@@ -326,7 +326,7 @@ Complaint check_summary(const SliceResult& result) {
         counted.holes += contour.role == Role::hole;
         counted.flat_contours += contour.role == Role::flat;
         counted.open_contours += contour.role == Role::open;
-        counted.overruled_contours += (contour.flags & sense_overruled) != 0;
+        counted.overruled_contours += (contour.flags & orientation_overruled) != 0;
     }
     const SliceSummary& summary = result.summary;
     const bool agrees = (counted.segments == summary.segments || result.fill_rule != FillRule::contours) &&

@@ -233,7 +233,7 @@ LayerSize size_of(const SliceResult& result, const Layer& layer) {
             length += std::abs(std::int64_t{b.x} - a.x) + std::abs(std::int64_t{b.y} - a.y);
         }
         const int run = contour.role == Role::outer ? 1 : (contour.role == Role::hole ? -1 : 0);
-        twice_area += own * (run * contour.sense);
+        twice_area += own * (run * contour.orientation);
     }
     return {static_cast<double>(twice_area) / 2, static_cast<double>(length)};
 }

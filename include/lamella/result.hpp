@@ -62,9 +62,9 @@ enum ContourFlag : std::uint16_t {
     /// The facets' orientation gives a winding number below zero here or around here, as an inverted shell or a flipped
     /// patch
     /// does. The role was decided by the number of contours around, and the points run as the role demands.
-    sense_overruled = 1,
+    orientation_overruled = 1,
     /// Neighbouring facets disagree about which side is solid; the contour runs as most of its segments do.
-    sense_mixed = 2,
+    orientation_mixed = 2,
     /// Ends of open polylines were joined; see SliceResult::closed_gaps.
     gap_closed = 4,
 };
@@ -79,8 +79,8 @@ struct Contour {
     std::uint32_t point_count = 0;
     std::uint32_t segments = 0;
     Role role = Role::outer;
-    std::int8_t sense = 0;  ///< orientation, by the facets or the fill rule: 1 counter-clockwise, -1 clockwise, 0 flat, open
-    std::uint16_t flags = 0;  ///< ContourFlag bits
+    std::int8_t orientation = 0;  ///< by the facets or the fill rule: 1 counter-clockwise, -1 clockwise, 0 flat, open
+    std::uint16_t flags = 0;      ///< ContourFlag bits
 };
 
 /// Where two ends of open polylines were joined.
@@ -117,7 +117,7 @@ struct SliceSummary {
     std::uint64_t holes = 0;
     std::uint64_t open_contours = 0;
     std::uint64_t flat_contours = 0;
-    std::uint64_t overruled_contours = 0;  ///< contours with sense_overruled
+    std::uint64_t overruled_contours = 0;  ///< contours with orientation_overruled
     std::uint64_t bands = 0;
     int threads = 1;
     double min_mm[3] = {0, 0, 0};  ///< box of the transformed mesh
@@ -165,9 +165,9 @@ struct SliceResult {
 };
 
 /// A 64-bit hash (FNV-1a over 8-byte little-endian words) of: k; per layer the plane (int32 as int64) and its number of
-/// contours; per contour role, sense and flags (one word: role | (sense & 0xff) << 8 | flags << 16), segments, point_count,
-/// parent minus the layer's first contour (or -1), area low, area high; per point x and y (one word: x low, y high). Equal
-/// on every platform, thread count and band size.
+/// contours; per contour role, orientation and flags (one word: role | (orientation & 0xff) << 8 | flags << 16), segments,
+/// point_count, parent minus the layer's first contour (or -1), area low, area high; per point x and y (one word: x low, y
+/// high). Equal on every platform, thread count and band size.
 std::uint64_t hash_result(const SliceResult& result) noexcept;
 
 }  // namespace lamella

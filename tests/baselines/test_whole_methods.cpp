@@ -31,40 +31,41 @@ namespace {
 
 using Points = std::vector<Point>;
 
-/// Drops equal successive points and rotates to the smallest rotation. With `any_sense`, also considers the reversed
+/// Drops equal successive points and rotates to the smallest rotation. With `any_orientation`, also considers the reversed
 /// points.
-agreement::Line canonical(Points points, bool closed, bool any_sense) {
+agreement::Line canonical(Points points, bool closed, bool any_orientation) {
     points.erase(std::unique(points.begin(), points.end()), points.end());
     while (closed && points.size() > 1 && points.front() == points.back()) {
         points.pop_back();
     }
-    return agreement::canonical(std::move(points), closed, !any_sense);
+    return agreement::canonical(std::move(points), closed, !any_orientation);
 }
 
 using Canonical = std::vector<agreement::Line>;  // the sorted contours of one plane
 
-Canonical canonical(const std::vector<Polyline>& contours, bool any_sense = false) {
+Canonical canonical(const std::vector<Polyline>& contours, bool any_orientation = false) {
     Canonical all;
     for (const Polyline& contour : contours) {
-        all.push_back(canonical(contour.points, contour.closed, any_sense));
+        all.push_back(canonical(contour.points, contour.closed, any_orientation));
     }
     std::sort(all.begin(), all.end());
     return all;
 }
 
 /// The engine's contours, with the orientation of the facets.
-Canonical canonical(const SliceResult& result, const Layer& layer, bool any_sense = false) {
+Canonical canonical(const SliceResult& result, const Layer& layer, bool any_orientation = false) {
     std::vector<Polyline> contours;
     for (const Contour& contour : result.contours_of(layer)) {
         const auto points = result.points_of(contour);
         Polyline& polyline = contours.emplace_back();
         polyline.closed = contour.role != lamella::Role::open;
         polyline.points.assign(points.begin(), points.end());
-        if (contour.sense == (contour.role == lamella::Role::outer ? -1 : 1)) {  // the engine reversed it to fit its role
+        if (contour.orientation ==
+            (contour.role == lamella::Role::outer ? -1 : 1)) {  // the engine reversed it to fit its role
             std::reverse(polyline.points.begin(), polyline.points.end());
         }
     }
-    return canonical(contours, any_sense);
+    return canonical(contours, any_orientation);
 }
 
 lamella::SliceOptions options_of(const LayerPlan& plan, double unit_mm = 0) {
@@ -77,15 +78,15 @@ lamella::SliceOptions options_of(const LayerPlan& plan, double unit_mm = 0) {
 
 const WholeMethod* const exact_methods[] = {&slic3r_way, &mcmains, &topological};
 
-void check_equal(const Case& expected, const WholeMethod& method, bool any_sense = false) {
+void check_equal(const Case& expected, const WholeMethod& method, bool any_orientation = false) {
     INFO(method.name);
     const WholeOutcome outcome = method.run(expected.problem);
     REQUIRE(outcome.contours.size() == expected.result.layers.size());
     CHECK(outcome.segments == expected.result.summary.segments);
     for (std::size_t i = 0; i < outcome.contours.size(); ++i) {
         INFO("layer " << i);
-        REQUIRE(canonical(outcome.contours[i], any_sense) ==
-                canonical(expected.result, expected.result.layers[i], any_sense));
+        REQUIRE(canonical(outcome.contours[i], any_orientation) ==
+                canonical(expected.result, expected.result.layers[i], any_orientation));
     }
 }
 

@@ -66,7 +66,7 @@ TEST_CASE("places name triangles of the input", "[check]") {
     for (const Fault fault :
          {Fault::boundary_edge, Fault::overfull_balanced, Fault::overfull_unbalanced, Fault::mismatched_edge,
           Fault::split_vertex, Fault::flipped_face, Fault::duplicate_face, Fault::opposite_face, Fault::collapsed_face,
-          Fault::zero_area_face, Fault::wrong_sense_shell}) {
+          Fault::zero_area_face, Fault::misoriented_shell}) {
         for (const FaultPlace& place : check.of(fault).places) {
             for (int i = 0; i < place.point_count; ++i) {
                 CHECK(has_corner(soup, place.triangles[0], place.points_mm[static_cast<std::size_t>(i)]));

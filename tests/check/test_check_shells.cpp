@@ -1,4 +1,4 @@
-// Shells, their senses and nesting.
+// Shells, their orientations and nesting.
 #include "check/findings.hpp"
 
 namespace lamella::check_test {
@@ -26,10 +26,10 @@ TEST_CASE("a cavity has the opposite orientation, a solid in a solid the same", 
     const MeshCheck cavity = findings_of(joined({outer, flipped(inner)}));
     CHECK(cavity.clean());
     REQUIRE(cavity.shells.size() == 2);
-    CHECK(cavity.shells[0].sense == 1);
+    CHECK(cavity.shells[0].orientation == 1);
     CHECK(cavity.shells[0].volume_mm3 == 729);
     CHECK(cavity.shells[0].parent == -1);
-    CHECK(cavity.shells[1].sense == -1);
+    CHECK(cavity.shells[1].orientation == -1);
     CHECK(cavity.shells[1].volume_mm3 == -27);
     CHECK(cavity.shells[1].depth == 1);
     CHECK(cavity.shells[1].parent == 0);
@@ -37,8 +37,8 @@ TEST_CASE("a cavity has the opposite orientation, a solid in a solid the same", 
     const MeshCheck insert = findings_of(joined({inner, outer}));
     CHECK(counts(insert) == Counts{{"wrong_sense_shells", 1}});
     CHECK(depths(insert) == std::vector{0, 1});
-    CHECK(first(insert, Fault::wrong_sense_shell).points_mm[0] == Xyz{3, 3, 3});
-    CHECK(first(insert, Fault::wrong_sense_shell).measure == 27);
+    CHECK(first(insert, Fault::misoriented_shell).points_mm[0] == Xyz{3, 3, 3});
+    CHECK(first(insert, Fault::misoriented_shell).measure == 27);
 
     CHECK(counts(findings_of(flipped(outer))) == Counts{{"wrong_sense_shells", 1}});
 }
@@ -65,7 +65,7 @@ TEST_CASE("a shell that touches the one around it is still within", "[check]") {
     const MeshCheck check = findings_of(joined({box({0, 0, 0}, {9, 9, 9}), flipped(box({0, 3, 3}, {4, 5, 5}))}));
     REQUIRE(check.shells.size() == 2);
     CHECK(depths(check) == std::vector{0, 1});
-    CHECK(check.of(Fault::wrong_sense_shell).count == 0);
+    CHECK(check.of(Fault::misoriented_shell).count == 0);
     CHECK(check.of(Fault::overlapping_faces).count > 0);
 }
 
@@ -95,8 +95,8 @@ TEST_CASE("solids that interpenetrate have no wrong orientation, wherever rays s
         const Soup other = box(low, {12, low[1] + 4, low[2] + 4});
         const MeshCheck check = findings_of(joined({cube, other}));
         CHECK(check.of(Fault::crossing_faces).count + check.of(Fault::touching_faces).count > 0);
-        CHECK(check.of(Fault::wrong_sense_shell).count == 0);
-        CHECK(findings_of(joined({cube, flipped(moved(other, {-12, 0, 0}))})).of(Fault::wrong_sense_shell).count == 1);
+        CHECK(check.of(Fault::misoriented_shell).count == 0);
+        CHECK(findings_of(joined({cube, flipped(moved(other, {-12, 0, 0}))})).of(Fault::misoriented_shell).count == 1);
     }
 }
 
@@ -104,10 +104,10 @@ TEST_CASE("a cavity within two solids that interpenetrate has no wrong orientati
     const Soup solids = joined({box({0, 0, 0}, {9, 9, 9}), box({2, 2, 2}, {20, 8, 8})});
     const MeshCheck check = findings_of(joined({solids, flipped(box({4, 4, 4}, {5, 5, 5}))}));
     CHECK(depths(check) == std::vector{0, 1, 2});
-    CHECK(check.of(Fault::wrong_sense_shell).count == 0);
+    CHECK(check.of(Fault::misoriented_shell).count == 0);
     // Apart from these it has one.
     const Soup elsewhere = joined({box({0, 0, 40}, {9, 9, 49}), box({3, 3, 43}, {6, 6, 46})});
-    CHECK(findings_of(joined({solids, elsewhere})).of(Fault::wrong_sense_shell).count == 1);
+    CHECK(findings_of(joined({solids, elsewhere})).of(Fault::misoriented_shell).count == 1);
 }
 
 TEST_CASE("only closed shells are around others", "[check]") {
@@ -115,7 +115,7 @@ TEST_CASE("only closed shells are around others", "[check]") {
     CHECK(depths(check) == std::vector{0, 0});
     CHECK_FALSE(check.shells[0].closed);
     CHECK(check.shells[0].volume_mm3 == 0);
-    CHECK(check.of(Fault::wrong_sense_shell).count == 0);
+    CHECK(check.of(Fault::misoriented_shell).count == 0);
     const MeshCheck loose =
         findings_of(joined({box({0, 0, 0}, {9, 9, 9}), shapes::triangle({3, 3, 3}, {4, 3, 3}, {3, 4, 3})}));
     CHECK(depths(loose) == std::vector{0, 1});

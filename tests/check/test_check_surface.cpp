@@ -1,4 +1,4 @@
-// Edges, vertices, loops, senses and single faces.
+// Edges, vertices, loops, orientations and single faces.
 #include <cmath>
 #include <limits>
 
@@ -147,7 +147,7 @@ TEST_CASE("faces on the same vertices are duplicates or opposite", "[check]") {
     const MeshCheck folded = findings_of(joined({face, flipped(face)}));
     CHECK(counts(folded) == Counts{{"opposite_faces", 1}});
     CHECK(folded.shells.at(0).closed);
-    CHECK(folded.shells.at(0).sense == 0);
+    CHECK(folded.shells.at(0).orientation == 0);
     const MeshCheck many = findings_of(joined({face, face, face, flipped(face), flipped(face)}));
     CHECK(many.of(Fault::duplicate_face).count == 3);
     CHECK(many.of(Fault::opposite_face).count == 2);

@@ -58,15 +58,15 @@ std::vector<std::string> contours_at(const SliceResult& result, std::size_t laye
     std::vector<std::string> lines;
     for (const Contour& contour : result.contours_of(at)) {
         std::ostringstream line;
-        line << roles[static_cast<std::size_t>(contour.role)] << ' ' << "-0+"[contour.sense + 1] << " x" << contour.segments
-             << " in ";
+        line << roles[static_cast<std::size_t>(contour.role)] << ' ' << "-0+"[contour.orientation + 1] << " x"
+             << contour.segments << " in ";
         if (contour.parent < 0) {
             line << '-';
         } else {
             line << contour.parent - static_cast<std::int64_t>(at.first_contour);
         }
-        line << ((contour.flags & lamella::sense_overruled) != 0 ? " overruled" : "")
-             << ((contour.flags & lamella::sense_mixed) != 0 ? " mixed" : "") << ':';
+        line << ((contour.flags & lamella::orientation_overruled) != 0 ? " overruled" : "")
+             << ((contour.flags & lamella::orientation_mixed) != 0 ? " mixed" : "") << ':';
         for (const Point p : result.points_of(contour)) {
             line << ' ' << p.x << ',' << p.y;
         }

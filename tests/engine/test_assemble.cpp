@@ -105,7 +105,7 @@ TEST_CASE("ends without a partner make open polylines", "[assemble]") {
     const LayerContours layer = assembled({{key(2), key(3), {5, 0}, {5, 5}, 0, 0}, {key(1), key(2), {9, 0}, {5, 0}, 0, 0}});
     REQUIRE(layer.contours.size() == 1);
     CHECK(layer.contours[0].role == Role::open);
-    CHECK(layer.contours[0].sense == 0);
+    CHECK(layer.contours[0].orientation == 0);
     CHECK(points_of(layer, 0) == Points{{9, 0}, {5, 0}, {5, 5}});
 }
 
@@ -115,8 +115,8 @@ TEST_CASE("segments that disagree are joined and marked", "[assemble]") {
     std::swap(segments[1].from_key, segments[1].to_key);
     const LayerContours layer = assembled(segments);
     REQUIRE(layer.contours.size() == 1);
-    CHECK(layer.contours[0].flags == lamella::sense_mixed);
-    CHECK(layer.contours[0].sense == 1);
+    CHECK(layer.contours[0].flags == lamella::orientation_mixed);
+    CHECK(layer.contours[0].orientation == 1);
     CHECK(points_of(layer, 0) == Points{{0, 0}, {4, 0}, {4, 4}, {0, 4}});
 }
 

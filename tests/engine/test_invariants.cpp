@@ -71,7 +71,7 @@ const std::map<std::string, shapes::Soup>& meshes() {
 /// A contour without its position in the layer and its start. Equal points give equal areas and perimeters.
 struct Outline {
     Role role;
-    int sense;
+    int orientation;
     std::uint32_t segments;
     std::pair<std::int64_t, std::uint64_t> twice_area;
     std::vector<Point> points;
@@ -109,7 +109,7 @@ std::vector<Outline> outlines(const SliceResult& result, const Layer& layer, con
     std::vector<Outline> all;
     for (const Contour& contour : result.contours_of(layer)) {
         const auto points_of = [&](const Contour& c) { return moved(result.points_of(c), c.role != Role::open, motion); };
-        Outline outline{contour.role,       contour.sense,
+        Outline outline{contour.role,       contour.orientation,
                         contour.segments,   {contour.twice_area.high, contour.twice_area.low},
                         points_of(contour), {}};
         if (contour.parent >= 0 && motion.parents) {
@@ -214,10 +214,10 @@ TEST_CASE("mirroring the mesh mirrors its contours", "[engine][invariants]") {
 
 TEST_CASE("flipping facets reverses orientations and changes nothing else", "[engine][invariants]") {
     // Orientations times `over`, with the sizes of their contours.
-    const auto senses = [](const SliceResult& result, const Layer& layer, int over) {
+    const auto orientations = [](const SliceResult& result, const Layer& layer, int over) {
         std::vector<std::tuple<int, std::uint32_t, std::uint32_t, double>> all;
         for (const Contour& c : result.contours_of(layer)) {
-            all.emplace_back(over * c.sense, c.segments, c.point_count, std::abs(c.twice_area.to_double()));
+            all.emplace_back(over * c.orientation, c.segments, c.point_count, std::abs(c.twice_area.to_double()));
         }
         std::sort(all.begin(), all.end());
         return all;
@@ -231,7 +231,7 @@ TEST_CASE("flipping facets reverses orientations and changes nothing else", "[en
         const SliceResult there = sliced(shapes::flipped(mesh), uniform(layer_mm, unit_mm));
         REQUIRE(here.layers.size() == there.layers.size());
         for (std::size_t l = 0; l < here.layers.size(); ++l) {
-            REQUIRE(senses(here, here.layers[l], -1) == senses(there, there.layers[l], 1));
+            REQUIRE(orientations(here, here.layers[l], -1) == orientations(there, there.layers[l], 1));
         }
     }
 }

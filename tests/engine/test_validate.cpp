@@ -45,13 +45,14 @@ void add_layer(SliceResult& result, std::int32_t z) {
     append(result.layers, {layer});
 }
 
-void add_contour(SliceResult& result, Role role, int sense, std::int64_t parent, const Points& points, unsigned flags = 0) {
+void add_contour(SliceResult& result, Role role, int orientation, std::int64_t parent, const Points& points,
+                 unsigned flags = 0) {
     Contour contour;
     contour.first_point = result.points.size();
     contour.point_count = static_cast<std::uint32_t>(points.size());
     contour.segments = contour.point_count - (role == Role::open ? 1 : 0);
     contour.role = role;
-    contour.sense = static_cast<std::int8_t>(sense);
+    contour.orientation = static_cast<std::int8_t>(orientation);
     contour.parent = parent;
     contour.flags = static_cast<std::uint16_t>(flags);
     const std::int64_t area = role == Role::open ? 0 : twice_area(points);
@@ -65,7 +66,7 @@ void add_contour(SliceResult& result, Role role, int sense, std::int64_t parent,
     result.summary.holes += role == Role::hole;
     result.summary.flat_contours += role == Role::flat;
     result.summary.open_contours += role == Role::open;
-    result.summary.overruled_contours += (flags & lamella::sense_overruled) != 0;
+    result.summary.overruled_contours += (flags & lamella::orientation_overruled) != 0;
 }
 
 Points square(std::int32_t low, std::int32_t high) {
@@ -88,9 +89,9 @@ SliceResult sound() {
     add_contour(result, Role::open, 0, -1, {{30, 0}, {25, 0}, {25, 5}});
     add_layer(result, 3);
     add_layer(result, 5);
-    add_contour(result, Role::outer, -1, -1, square(0, 20), lamella::sense_overruled);
-    add_contour(result, Role::hole, 1, 5, clockwise(4, 8), lamella::sense_overruled);
-    add_contour(result, Role::hole, 1, 5, clockwise(10, 14), lamella::sense_overruled);
+    add_contour(result, Role::outer, -1, -1, square(0, 20), lamella::orientation_overruled);
+    add_contour(result, Role::hole, 1, 5, clockwise(4, 8), lamella::orientation_overruled);
+    add_contour(result, Role::hole, 1, 5, clockwise(10, 14), lamella::orientation_overruled);
     return result;
 }
 
@@ -162,9 +163,9 @@ TEST_CASE("broken contours are found", "[result][validate]") {
         {"contour 3: no segments", [](SliceResult& r) { r.contours[3].segments = 0; }},
         {"layer 0: contours do not use", [](SliceResult& r) { ++r.contours[2].segments; }},
         {"layer 0: contours do not use", [](SliceResult& r) { ++r.layers[0].segments; }},
-        {"contour 0: runs against", [](SliceResult& r) { r.contours[0].sense = -1; }},
-        {"contour 0: closed with an area", [](SliceResult& r) { r.contours[0].sense = 0; }},
-        {"contour 4: flat or open", [](SliceResult& r) { r.contours[4].sense = 1; }},
+        {"contour 0: runs against", [](SliceResult& r) { r.contours[0].orientation = -1; }},
+        {"contour 0: closed with an area", [](SliceResult& r) { r.contours[0].orientation = 0; }},
+        {"contour 4: flat or open", [](SliceResult& r) { r.contours[4].orientation = 1; }},
         {"contour 3: flat or open", [](SliceResult& r) { r.contours[3].parent = 0; }},
         {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].flags = 8; }},
         {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].role = static_cast<Role>(4); }},
@@ -179,8 +180,8 @@ TEST_CASE("broken nesting and order are found", "[result][validate]") {
         {"contour 2: the parent is not", [](SliceResult& r) { r.contours[2].parent = 3; }},
         {"contour 6: the parent lies", [](SliceResult& r) { r.contours[6].parent = 0; }},
         {"contour 0: the parent lies", [](SliceResult& r) { r.contours[0].parent = 8; }},
-        {"contour 2: the role", [](SliceResult& r) { r.contours[2].flags = lamella::sense_overruled; }},
-        {"contour 6: the role", [](SliceResult& r) { r.contours[6].sense = -1, r.contours[6].flags = 0; }},
+        {"contour 2: the role", [](SliceResult& r) { r.contours[2].flags = lamella::orientation_overruled; }},
+        {"contour 6: the role", [](SliceResult& r) { r.contours[6].orientation = -1, r.contours[6].flags = 0; }},
         {"contour 7: contours are not in the order", [](SliceResult& r) { swap_contours(r, 6, 7); }},
         {"contour 2: a hole that",
          [](SliceResult& r) {
@@ -236,7 +237,7 @@ TEST_CASE("the hash changes with everything that it covers", "[result][hash]") {
         [](SliceResult& r) { r.layers[1].plane = lamella::PlaneHeight(-1); },
         [](SliceResult& r) { r.layers[1].contour_count = 1; },
         [](SliceResult& r) { r.contours[0].role = Role::hole; },
-        [](SliceResult& r) { r.contours[0].sense = -1; },
+        [](SliceResult& r) { r.contours[0].orientation = -1; },
         [](SliceResult& r) { r.contours[0].flags = 2; },
         [](SliceResult& r) { ++r.contours[0].segments; },
         [](SliceResult& r) { r.contours[2].parent = 0; },
@@ -265,7 +266,7 @@ TEST_CASE("the hash follows its documented layout", "[result][hash]") {
     CHECK(hash_result(SliceResult()) == fnv({0}));
     SliceResult result;
     add_layer(result, -3);
-    add_contour(result, Role::hole, -1, -1, {{-1, 2}, {0, 3}, {0, 2}}, lamella::sense_mixed);
+    add_contour(result, Role::hole, -1, -1, {{-1, 2}, {0, 3}, {0, 2}}, lamella::orientation_mixed);
     const std::uint64_t kind = 1 | 0xffU << 8 | 2U << 16;
     const std::uint64_t minus_one = ~std::uint64_t{0};
     CHECK(hash_result(result) ==

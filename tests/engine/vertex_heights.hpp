@@ -56,7 +56,7 @@ std::string lost_at_vertex_heights(const lamella::SliceResult& result, const std
         const bool in_flat =
             contour.parent >= 0 && result.contours[static_cast<std::size_t>(contour.parent)].role == lamella::Role::flat;
         if (in_flat ||
-            (flat && (contour.parent >= 0 || contour.sense != 0 || contour.twice_area != lamella::Integer128{}))) {
+            (flat && (contour.parent >= 0 || contour.orientation != 0 || contour.twice_area != lamella::Integer128{}))) {
             return "a flat contour takes part in nesting";
         }
     }

@@ -99,7 +99,7 @@ std::ptrdiff_t count_overruled(const lamella::SliceResult& result) {
             length += std::abs(std::int64_t{to.x} - points[i].x) + std::abs(std::int64_t{to.y} - points[i].y);
         }
         const bool small = contour.twice_area.high == 0 && contour.twice_area.low <= static_cast<std::uint64_t>(length);
-        return (contour.flags & lamella::sense_overruled) != 0 && !small;
+        return (contour.flags & lamella::orientation_overruled) != 0 && !small;
     });
 }
 

@@ -115,7 +115,7 @@ Judged judged(Chain chain, const std::set<Point>& engine) {
     drop_repeated(contour.points, result.chain.closed);
     if (result.chain.closed) {
         contour.twice_area = twice_area_of(contour.points);
-        contour.sense = static_cast<int>(contour.twice_area > 0) - static_cast<int>(contour.twice_area < 0);
+        contour.orientation = static_cast<int>(contour.twice_area > 0) - static_cast<int>(contour.twice_area < 0);
     }
     return result;
 }
@@ -123,12 +123,12 @@ Judged judged(Chain chain, const std::set<Point>& engine) {
 /// Finds parents by locating each contour's start exactly.
 void find_parents(std::vector<Judged>& layer) {
     for (Judged& child : layer) {
-        for (std::size_t i = 0; i < layer.size() && child.contour.sense != 0; ++i) {
+        for (std::size_t i = 0; i < layer.size() && child.contour.orientation != 0; ++i) {
             const Judged& around = layer[i];
             const int parent = child.contour.parent;
             const bool closer =
                 parent < 0 || std::abs(around.twice_area) < std::abs(layer[static_cast<std::size_t>(parent)].twice_area);
-            if (&around != &child && around.contour.sense != 0 && closer &&
+            if (&around != &child && around.contour.orientation != 0 && closer &&
                 strictly_around(around.chain, child.chain.points[child.start])) {
                 child.contour.parent = static_cast<int>(i);
             }
@@ -141,23 +141,23 @@ void find_parents(std::vector<Judged>& layer) {
 void decide_role(Judged& judged, const std::vector<Judged>& layer) {
     oracle::Contour& contour = judged.contour;
     contour.role = judged.chain.closed ? Role::flat : Role::open;
-    if (contour.sense == 0) {
+    if (contour.orientation == 0) {
         return;
     }
-    std::vector<int> senses{contour.sense};
+    std::vector<int> orientations{contour.orientation};
     for (int around = contour.parent; around >= 0; around = layer[static_cast<std::size_t>(around)].contour.parent) {
-        senses.push_back(layer[static_cast<std::size_t>(around)].contour.sense);
+        orientations.push_back(layer[static_cast<std::size_t>(around)].contour.orientation);
     }
     int winding = 0;
     bool overruled = false;
-    for (auto sense = senses.rbegin(); sense != senses.rend(); ++sense) {
-        winding += *sense;
+    for (auto orientation = orientations.rbegin(); orientation != orientations.rend(); ++orientation) {
+        winding += *orientation;
         overruled = overruled || winding < 0;
     }
-    const bool outer = overruled ? senses.size() % 2 == 1 : contour.sense > 0;
+    const bool outer = overruled ? orientations.size() % 2 == 1 : contour.orientation > 0;
     contour.role = outer ? Role::outer : Role::hole;
-    contour.flags = overruled ? unsigned{lamella::sense_overruled} : 0U;
-    if (outer != (contour.sense > 0)) {
+    contour.flags = overruled ? unsigned{lamella::orientation_overruled} : 0U;
+    if (outer != (contour.orientation > 0)) {
         std::reverse(contour.points.begin(), contour.points.end());
         contour.twice_area = -contour.twice_area;
     }

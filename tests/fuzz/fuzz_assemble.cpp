@@ -82,8 +82,8 @@ LayerContours assembled(const std::vector<Segment>& segments) {
 
 bool same(const Contour& a, const Contour& b) {
     return a.first_point == b.first_point && a.twice_area == b.twice_area && a.parent == b.parent &&
-           a.point_count == b.point_count && a.segments == b.segments && a.role == b.role && a.sense == b.sense &&
-           a.flags == b.flags;
+           a.point_count == b.point_count && a.segments == b.segments && a.role == b.role &&
+           a.orientation == b.orientation && a.flags == b.flags;
 }
 
 bool same(const LayerContours& a, const LayerContours& b) {

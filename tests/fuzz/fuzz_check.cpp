@@ -45,7 +45,8 @@ void check_shells(const MeshCheck& found) {
         fuzz::require((shell.depth == 0) == (shell.parent < 0), "a shell with a depth has a parent");
         fuzz::require(shell.parent < 0 || found.shells[static_cast<std::size_t>(shell.parent)].closed,
                       "only closed shells enclose others");
-        fuzz::require(shell.closed || (shell.sense == 0 && shell.volume_mm3 == 0), "only closed shells have an orientation");
+        fuzz::require(shell.closed || (shell.orientation == 0 && shell.volume_mm3 == 0),
+                      "only closed shells have an orientation");
     }
     fuzz::require(triangles == found.info.triangles, "every triangle belongs to one shell, or is collapsed");
 }

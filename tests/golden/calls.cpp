@@ -76,7 +76,7 @@ void add_result(Group& group, const std::string& name, const SliceResult& result
 
 Hash& add_contours(Hash& hash, std::span<const lamella::Contour> contours, std::span<const lamella::Point> points) {
     for (const lamella::Contour& contour : contours) {
-        hash.integer(static_cast<int>(contour.role)).integer(contour.sense).word(contour.flags);
+        hash.integer(static_cast<int>(contour.role)).integer(contour.orientation).word(contour.flags);
         hash.word(contour.segments).word(contour.first_point).word(contour.point_count).integer(contour.parent);
         hash.word(contour.twice_area.low).integer(contour.twice_area.high);
     }

@@ -142,7 +142,7 @@ Soup cracked(const Soup& soup) {
     });
 }
 
-Soup of_mixed_senses(const Soup& soup) {
+Soup of_mixed_orientations(const Soup& soup) {
     return each_so_manieth(soup, 9, [](auto t) { std::swap_ranges(t + 3, t + 6, t + 6); });
 }
 
@@ -257,7 +257,7 @@ Soup self_crossing_prisms() {
 
 Soup nested_boxes() {
     Soup soup;
-    for (int i = 0; i < 12; ++i) {  // senses: + - + + - - + - + + - -
+    for (int i = 0; i < 12; ++i) {  // orientations: + - + + - - + - + + - -
         const Soup one = box({double(i), double(i), double(i)}, {40.0 - i, 41.0 - i, 42.0 - i});
         append(soup, i % 6 == 1 || i % 6 >= 4 ? flipped(one) : one);
     }
@@ -341,7 +341,7 @@ const std::map<std::string, std::function<Soup()>>& makers() {
         {"voxel body", [] { return voxel_body(); }},
         {"torn body", [] { return torn(voxel_body(), 60); }},
         {"cracked body", [] { return cracked(voxel_body()); }},
-        {"body of mixed senses", [] { return of_mixed_senses(voxel_body()); }},
+        {"body of mixed senses", [] { return of_mixed_orientations(voxel_body()); }},
         {"body with degenerate faces", [] { return with_degenerate_faces(voxel_body(4, 14)); }},
         {"crossing bodies", [] { return crossing_bodies(); }},
         {"overlapping boxes", [] { return random_boxes(7, 120, 24); }},

@@ -41,7 +41,7 @@ Triangles triangles_of(PolygonTriangulator& triangulator, const std::vector<std:
     return triangles;
 }
 
-/// The outline in the plane of `axis`, as T; the other two axes in such an order that it keeps its sense.
+/// The outline in the plane of `axis`, as T; the other two axes in such an order that it keeps its orientation.
 template <class T>
 std::vector<T> standing(const Outline& outline, std::size_t axis, double tilt) {
     std::vector<T> xyz(3 * outline.size());

@@ -118,13 +118,13 @@ inline void expect_role(std::vector<NestItem>& items, std::size_t index) {
     int winding = 0;
     bool negative = false;
     for (auto around = path.rbegin(); around != path.rend(); ++around) {
-        winding += items[*around].sense;
+        winding += items[*around].orientation;
         negative |= winding < 0;
     }
     NestItem& item = items[index];
-    item.role = (negative ? path.size() % 2 == 1 : item.sense > 0) ? Role::outer : Role::hole;
-    item.flags = negative ? sense_overruled : 0;
-    item.reverse = (item.role == Role::outer) != (item.sense > 0);
+    item.role = (negative ? path.size() % 2 == 1 : item.orientation > 0) ? Role::outer : Role::hole;
+    item.flags = negative ? orientation_overruled : 0;
+    item.reverse = (item.role == Role::outer) != (item.orientation > 0);
 }
 
 }  // namespace oracle
@@ -211,12 +211,12 @@ inline std::vector<NestItem> LayerSample::expected() const {
     for (std::size_t i = 0; i < items.size(); ++i) {
         NestItem& item = items[i];
         const oracle::Int128 area = item.closed ? oracle::twice_area(contours_[i].points) : 0;
-        item.sense = static_cast<std::int8_t>((area > 0) - (area < 0));
+        item.orientation = static_cast<std::int8_t>((area > 0) - (area < 0));
         item.role = item.closed ? Role::flat : Role::open;
     }
     for (NestItem& item : items) {
-        for (std::size_t other = 0; item.sense != 0 && other < items.size(); ++other) {
-            if (items[other].sense != 0 && oracle::contains(contours_[other].points, item.points[item.start]) &&
+        for (std::size_t other = 0; item.orientation != 0 && other < items.size(); ++other) {
+            if (items[other].orientation != 0 && oracle::contains(contours_[other].points, item.points[item.start]) &&
                 (item.parent < 0 || oracle::smaller(oracle::size_of(items[other]),
                                                     oracle::size_of(items[static_cast<std::size_t>(item.parent)])))) {
                 item.parent = static_cast<std::int32_t>(other);
@@ -224,7 +224,7 @@ inline std::vector<NestItem> LayerSample::expected() const {
         }
     }
     for (std::size_t i = 0; i < items.size(); ++i) {
-        if (items[i].sense != 0) {
+        if (items[i].orientation != 0) {
             oracle::expect_role(items, i);
         }
     }
@@ -326,7 +326,7 @@ inline LayerSample side_by_side(int count, int points_each) {
 inline int first_difference(const std::vector<NestItem>& a, const std::vector<NestItem>& b) {
     for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
         if (i >= std::min(a.size(), b.size()) || a[i].parent != b[i].parent || a[i].role != b[i].role ||
-            a[i].sense != b[i].sense || a[i].flags != b[i].flags || a[i].reverse != b[i].reverse) {
+            a[i].orientation != b[i].orientation || a[i].flags != b[i].flags || a[i].reverse != b[i].reverse) {
             return static_cast<int>(i);
         }
     }

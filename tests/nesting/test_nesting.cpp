@@ -51,7 +51,7 @@ TEST_CASE("an empty layer is accepted, and a single contour is an outer without 
     nester.nest(items);
     CHECK(items[0].role == Role::outer);
     CHECK(items[0].parent == -1);
-    CHECK(items[0].sense == 1);
+    CHECK(items[0].orientation == 1);
     CHECK_FALSE(items[0].reverse);
     CHECK(items[0].flags == 0);
 }
@@ -80,16 +80,16 @@ TEST_CASE("an inverted shell is reversed and marked", "[nesting]") {
     sample.add_box({10, 10}, {90, 90}, false);
     sample.add_box({200, 0}, {300, 100}, false);
     std::vector<NestItem> items = sample.items();
-    items[0].flags = lamella::sense_mixed;
+    items[0].flags = lamella::orientation_mixed;
     Nester(nullptr).nest(items);
     CHECK(items[0].role == Role::outer);
-    CHECK(items[0].sense == -1);
+    CHECK(items[0].orientation == -1);
     CHECK(items[0].reverse);
-    CHECK(items[0].flags == (lamella::sense_mixed | lamella::sense_overruled));
+    CHECK(items[0].flags == (lamella::orientation_mixed | lamella::orientation_overruled));
     CHECK(items[1].role == Role::hole);
-    CHECK(items[1].sense == 1);
+    CHECK(items[1].orientation == 1);
     CHECK(items[1].reverse);
-    CHECK(items[1].flags == lamella::sense_overruled);
+    CHECK(items[1].flags == lamella::orientation_overruled);
     CHECK(items[2].role == Role::outer);
     CHECK(items[2].flags == 0);
 }
@@ -107,7 +107,7 @@ TEST_CASE("shells of equal orientation nest without being reversed", "[nesting]"
     for (std::size_t i = 0; i < items.size(); ++i) {
         CHECK(items[i].parent == static_cast<std::int32_t>(i) - 1);
         CHECK(items[i].role == roles[i]);
-        CHECK((items[i].flags == lamella::sense_overruled) == (i == 4));
+        CHECK((items[i].flags == lamella::orientation_overruled) == (i == 4));
         CHECK(items[i].reverse == (i == 4));
     }
 }
@@ -124,8 +124,8 @@ TEST_CASE("open and flat contours have no parent and no children", "[nesting]") 
     CHECK(items[2].role == Role::open);
     CHECK(items[1].parent == -1);
     CHECK(items[2].parent == -1);
-    CHECK(items[1].sense == 0);
-    CHECK(items[2].sense == 0);
+    CHECK(items[1].orientation == 0);
+    CHECK(items[2].orientation == 0);
     CHECK(items[3].parent == 0);
 }
 

@@ -28,7 +28,7 @@ std::vector<Point> smallest_rotation(const std::vector<Point>& points) {
 }
 
 void print(std::ostream& out, const Contour& contour, bool any_start) {
-    out << name_of(contour.role) << " sense " << contour.sense << " flags " << contour.flags << " segments "
+    out << name_of(contour.role) << " sense " << contour.orientation << " flags " << contour.flags << " segments "
         << contour.segments << " twice area " << static_cast<std::int64_t>(contour.twice_area >> 64) << " * 2^64 + "
         << static_cast<std::uint64_t>(contour.twice_area) << " points";
     const bool rotate = any_start && contour.role != lamella::Role::open;
@@ -62,7 +62,7 @@ Layer from_engine(std::span<const lamella::Contour> contours, std::span<const Po
         copy.parent = static_cast<int>(contour.parent < 0 ? -1 : contour.parent - first_contour);
         copy.segments = contour.segments;
         copy.role = contour.role;
-        copy.sense = contour.sense > 0 ? 1 : (contour.sense < 0 ? -1 : 0);
+        copy.orientation = contour.orientation > 0 ? 1 : (contour.orientation < 0 ? -1 : 0);
         copy.flags = contour.flags;
         layer.push_back(copy);
     }

@@ -243,14 +243,14 @@ Contour contour_of(Walk walk) {
     }
     Contour contour;
     contour.segments = walk.segments;
-    contour.flags = std::abs(walk.votes) == walk.segments ? 0U : unsigned{lamella::sense_mixed};
+    contour.flags = std::abs(walk.votes) == walk.segments ? 0U : unsigned{lamella::orientation_mixed};
     contour.points = canonical_points(walk.crossings, walk.closed);
     contour.start = walk.crossings.front();
     contour.start_is_unique = std::count(walk.crossings.begin(), walk.crossings.end(), contour.start) == 1;
     if (walk.closed) {
         contour.twice_area = twice_area_of(contour.points);
-        contour.sense = (contour.twice_area > 0) - (contour.twice_area < 0);
-        contour.role = contour.sense == 0 ? Role::flat : Role::outer;
+        contour.orientation = (contour.twice_area > 0) - (contour.twice_area < 0);
+        contour.role = contour.orientation == 0 ? Role::flat : Role::outer;
     }
     return contour;
 }
@@ -283,9 +283,9 @@ bool smaller(const Contour& a, const Contour& b) {
 
 void find_parents(Layer& layer) {
     for (Contour& child : layer) {
-        for (std::size_t i = 0; i < layer.size() && child.sense != 0; ++i) {
+        for (std::size_t i = 0; i < layer.size() && child.orientation != 0; ++i) {
             const bool closer = child.parent < 0 || smaller(layer[i], layer[static_cast<std::size_t>(child.parent)]);
-            if (layer[i].sense != 0 && closer && strictly_around(layer[i].points, child.points.front())) {
+            if (layer[i].orientation != 0 && closer && strictly_around(layer[i].points, child.points.front())) {
                 child.parent = static_cast<int>(i);
             }
         }
@@ -294,27 +294,27 @@ void find_parents(Layer& layer) {
 
 void decide_roles(Layer& layer) {
     for (Contour& contour : layer) {
-        std::vector<int> senses;  // from the contour out to its outermost ancestor
-        for (const Contour* c = &contour; c->sense != 0; c = &layer[static_cast<std::size_t>(c->parent)]) {
-            senses.push_back(c->sense);
+        std::vector<int> orientations;  // from the contour out to its outermost ancestor
+        for (const Contour* c = &contour; c->orientation != 0; c = &layer[static_cast<std::size_t>(c->parent)]) {
+            orientations.push_back(c->orientation);
             if (c->parent < 0) {
                 break;
             }
         }
         int winding = 0;
         bool negative = false;
-        for (std::size_t i = senses.size(); i-- > 0;) {
-            winding += senses[i];
+        for (std::size_t i = orientations.size(); i-- > 0;) {
+            winding += orientations[i];
             negative = negative || winding < 0;
         }
-        if (contour.sense != 0) {
-            const bool outer = negative ? senses.size() % 2 == 1 : contour.sense > 0;
+        if (contour.orientation != 0) {
+            const bool outer = negative ? orientations.size() % 2 == 1 : contour.orientation > 0;
             contour.role = outer ? Role::outer : Role::hole;
-            contour.flags |= negative ? unsigned{lamella::sense_overruled} : 0U;
+            contour.flags |= negative ? unsigned{lamella::orientation_overruled} : 0U;
         }
     }
     for (Contour& contour : layer) {
-        if (contour.sense != 0 && (contour.role == Role::outer) != (contour.twice_area > 0)) {
+        if (contour.orientation != 0 && (contour.role == Role::outer) != (contour.twice_area > 0)) {
             std::reverse(contour.points.begin() + 1, contour.points.end());
             contour.twice_area = -contour.twice_area;
         }

@@ -37,7 +37,7 @@ struct Contour {
     int parent = -1;  ///< index into the layer, -1 if none
     std::uint32_t segments = 0;
     lamella::Role role = lamella::Role::open;
-    int sense = 0;
+    int orientation = 0;
     unsigned flags = 0;
 };
 

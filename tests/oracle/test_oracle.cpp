@@ -32,7 +32,7 @@ TEST_CASE("the oracle finds an outer, its hole and an open polyline", "[oracle]"
     CHECK(layer[1].points == Points{{4, 4}, {4, 11}, {4, 12}, {11, 12}, {12, 12}, {12, 5}, {12, 4}, {5, 4}});
     CHECK(layer[1].role == Role::hole);
     CHECK(layer[1].parent == 0);
-    CHECK(layer[1].sense == -1);
+    CHECK(layer[1].orientation == -1);
     CHECK(layer[2].points == Points{{18, 0}, {22, 0}});
     CHECK(layer[2].role == Role::open);
     CHECK(layer[2].segments == 1);
@@ -58,7 +58,7 @@ TEST_CASE("the comparison finds every difference", "[oracle]") {
     CHECK(differs([](lamella::SliceResult& r) { r.points[3].x += 1; }));
     CHECK(differs([](lamella::SliceResult& r) { r.contours[1].parent = -1; }));
     CHECK(differs([](lamella::SliceResult& r) { r.contours[1].role = Role::outer; }));
-    CHECK(differs([](lamella::SliceResult& r) { r.contours[1].sense = 1; }));
+    CHECK(differs([](lamella::SliceResult& r) { r.contours[1].orientation = 1; }));
     CHECK(differs([](lamella::SliceResult& r) { r.contours[1].flags = 1; }));
     CHECK(differs([](lamella::SliceResult& r) { ++r.contours[2].segments; }));
     CHECK(differs([](lamella::SliceResult& r) { r.contours[0].twice_area.low ^= 1; }));

@@ -32,7 +32,7 @@ Contour contour_of(const Ring& ring, std::size_t first_point) {
     contour.point_count = static_cast<std::uint32_t>(ring.points.size());
     contour.segments = contour.point_count;
     contour.role = ring.role;
-    contour.sense = static_cast<std::int8_t>((area > 0) - (area < 0));
+    contour.orientation = static_cast<std::int8_t>((area > 0) - (area < 0));
     contour.twice_area = {static_cast<std::uint64_t>(area), area < 0 ? -1 : 0};
     return contour;
 }

@@ -36,7 +36,7 @@ std::string detail(Fault fault, const FaultPlace& place) {
         case Fault::needle_face:
         case Fault::cap_face:
             return ", " + rounded(place.measure, 0) + " : 1";
-        case Fault::wrong_sense_shell:
+        case Fault::misoriented_shell:
             return ", " + rounded(place.measure, 3) + " mm3";
         case Fault::t_junction:
         case Fault::crack:
@@ -74,10 +74,10 @@ std::string words(Fault fault, const FaultFinding& finding, std::size_t most) {
 }
 
 std::string words(const MeshShell& shell) {
-    const std::string kind = !shell.closed     ? "not closed"
-                             : shell.sense > 0 ? "solid"
-                             : shell.sense < 0 ? "cavity"
-                                               : "no volume";
+    const std::string kind = !shell.closed           ? "not closed"
+                             : shell.orientation > 0 ? "solid"
+                             : shell.orientation < 0 ? "cavity"
+                                                     : "no volume";
     return "  " + point(shell.first_mm) + ", " + kind + ", depth " + std::to_string(shell.depth) + ", " +
            counted(shell.triangles, "triangle") + (shell.closed ? ", " + rounded(shell.volume_mm3, 3) + " mm3" : "") +
            ", triangle " + std::to_string(shell.triangle) + "\n";

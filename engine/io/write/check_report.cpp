@@ -30,7 +30,7 @@ Fields fields_of(Fault fault) {
         case Fault::needle_face:
         case Fault::cap_face:
             return {nullptr, "ratio"};
-        case Fault::wrong_sense_shell:
+        case Fault::misoriented_shell:
             return {nullptr, "volume_mm3"};
         case Fault::t_junction:
         case Fault::crack:
@@ -75,7 +75,7 @@ void write_shell(JsonText& json, const MeshShell& shell) {
         json.member("triangles", shell.triangles);
         json.member("closed", shell.closed);
         json.member_if(shell.closed, "volume_mm3", shell.volume_mm3);
-        json.member("sense", shell.sense);
+        json.member("sense", shell.orientation);
         json.member("depth", shell.depth);
         json.member_if(shell.parent >= 0, "parent", shell.parent);
     });

@@ -92,7 +92,7 @@ MeshCheck diagnose(const MeshView& view, const MeshInfo& info, const CheckOption
     const std::vector<std::uint32_t> shell_of = find_shells(mesh, edges, notes, check, parallel);
     const std::vector<std::uint8_t> meets_other = find_meeting_faces(mesh, shell_of, check.shells, notes, parallel);
     const bool all_known = check.nesting_complete && !check.of(Fault::crossing_faces).at_least;
-    find_wrong_senses(check.shells, meets_other, all_known, notes);
+    find_misoriented_shells(check.shells, meets_other, all_known, notes);
     find_gaps(mesh, edges, options.tolerance_mm, notes, parallel);
     assert_census(check);
     return check;

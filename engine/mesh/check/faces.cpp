@@ -56,9 +56,9 @@ FaultPlace place_of_pair(const Face& face, const Face& other, const Notes& notes
 
 /// Faces [begin, end) have the same vertices; they are sorted by orientation.
 void judge_group(const GridMesh& mesh, std::size_t begin, std::size_t end, Notes& notes) {
-    const auto same_sense = [&](std::size_t i) { return mesh.faces[i].corners == mesh.faces[begin].corners; };
+    const auto same_orientation = [&](std::size_t i) { return mesh.faces[i].corners == mesh.faces[begin].corners; };
     std::size_t middle = begin;
-    while (middle != end && same_sense(middle)) {
+    while (middle != end && same_orientation(middle)) {
         ++middle;
     }
     for (std::size_t i = begin + 1; i < end; ++i) {

@@ -35,8 +35,8 @@ std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const std::ve
                                              const std::vector<MeshShell>& shells, Notes& notes, const Parallel& parallel);
 
 /// Shells whose orientation contradicts their depth, where the depth is conclusive (shells.cpp).
-void find_wrong_senses(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other, bool all_known,
-                       Notes& notes);
+void find_misoriented_shells(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other,
+                             bool all_known, Notes& notes);
 
 /// T-junctions and cracks.
 void find_gaps(const GridMesh& mesh, const EdgeTable& edges, double tolerance_mm, Notes& notes, const Parallel& parallel);

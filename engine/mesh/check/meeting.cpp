@@ -95,10 +95,10 @@ public:
 
     /// Whether a side of `face` separates it from `other`: then their insides are apart.
     bool side_parts(const ExactFace& face, const ExactFace& other) const {
-        const int sense = turn(face.corners[0], face.corners[1], face.corners[2]);
+        const int orientation = turn(face.corners[0], face.corners[1], face.corners[2]);
         for (std::size_t i = 0; i < 3; ++i) {
             const auto outside = [&](const GridVector& p) {
-                return turn(face.corners[i], face.corners[next(i)], p) * sense <= 0;
+                return turn(face.corners[i], face.corners[next(i)], p) * orientation <= 0;
             };
             if (std::all_of(other.corners.begin(), other.corners.end(), outside)) {
                 return true;

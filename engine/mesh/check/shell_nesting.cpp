@@ -33,16 +33,16 @@ int turn_from_above(const GridVector& a, const GridVector& b, const GridVector& 
 
 /// The winding that the face adds to p: the face's orientation from above where the ray upwards from p passes through it.
 int winding_of(const ExactFace& face, const GridVector& p) {
-    const int sense = sign_of(face.normal.z);
-    if (sense == 0 || sign_of(face.height(p)) * sense >= 0) {
+    const int orientation = sign_of(face.normal.z);
+    if (orientation == 0 || sign_of(face.height(p)) * orientation >= 0) {
         return 0;
     }
     for (std::size_t i = 0; i < 3; ++i) {
-        if (turn_from_above(face.corners[i], face.corners[i == 2 ? 0 : i + 1], p) != sense) {
+        if (turn_from_above(face.corners[i], face.corners[i == 2 ? 0 : i + 1], p) != orientation) {
             return 0;
         }
     }
-    return sense;
+    return orientation;
 }
 
 class Nesting {

@@ -59,7 +59,7 @@ void measure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std
     const double cube_mm3 = 8 * mesh.unit_mm * mesh.unit_mm * mesh.unit_mm;
     for (std::size_t i = 0; i < shells.size(); ++i) {
         if (shells[i].closed) {
-            shells[i].sense = sign_of(volumes[i]);
+            shells[i].orientation = sign_of(volumes[i]);
             shells[i].volume_mm3 = static_cast<double>(volumes[i]) / 6 * cube_mm3;
         }
     }
@@ -86,14 +86,14 @@ std::vector<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& ed
     return shell_of;
 }
 
-void find_wrong_senses(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other, bool all_known,
-                       Notes& notes) {
-    notes.of(Fault::wrong_sense_shell).at_least = !all_known;
+void find_misoriented_shells(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other,
+                             bool all_known, Notes& notes) {
+    notes.of(Fault::misoriented_shell).at_least = !all_known;
     for (std::size_t i = 0; all_known && i < shells.size(); ++i) {
         const MeshShell& shell = shells[i];
-        const bool fits = shell.sense == 0 || shell.sense == (shell.depth % 2 == 0 ? 1 : -1);
+        const bool fits = shell.orientation == 0 || shell.orientation == (shell.depth % 2 == 0 ? 1 : -1);
         if (!fits && (shell.depth == 0 || lies_apart(shells, meets_other, i))) {
-            notes.add(Fault::wrong_sense_shell, [&] {
+            notes.add(Fault::misoriented_shell, [&] {
                 FaultPlace place;
                 place.points_mm[0] = shell.first_mm;
                 place.triangles[0] = shell.triangle;

@@ -154,7 +154,7 @@ void LayerBuilder::append(BandOutput& out) const {
         contour.point_count = item.count;
         contour.segments = contours_[order_.contour_of(i)].segments;
         contour.role = item.role;
-        contour.sense = item.sense;
+        contour.orientation = item.orientation;
         contour.flags = item.flags;
         out.counts.add(contour);
         out.point_count += item.count;

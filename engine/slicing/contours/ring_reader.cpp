@@ -43,7 +43,7 @@ std::uint32_t pick_start(const Point* ring, std::uint32_t count, const RingFacts
 }
 
 std::uint16_t flags_of(const WalkedContour& walked) noexcept {
-    return walked.mixed ? sense_mixed : 0;
+    return walked.mixed ? orientation_mixed : 0;
 }
 
 }  // namespace

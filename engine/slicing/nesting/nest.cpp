@@ -72,7 +72,7 @@ std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexce
 void NestItem::reset() noexcept {
     parent = -1;
     reverse = false;
-    sense = static_cast<std::int8_t>(closed ? sign_of(to_int128(twice_area)) : 0);
+    orientation = static_cast<std::int8_t>(closed ? sign_of(to_int128(twice_area)) : 0);
     role = closed ? Role::flat : Role::open;
 }
 
@@ -105,7 +105,7 @@ void Nester::collect(std::span<NestItem> items) {
     for (std::size_t i = 0; i < items.size(); ++i) {
         NestItem& item = items[i];
         item.reset();
-        if (item.sense != 0) {
+        if (item.orientation != 0) {
             assert(item.start < item.count && item.points[item.start].x == item.box_min.x);
             const Point start = item.points[item.start];
             by_start_.push_back({nesting::key_of(start), static_cast<std::uint32_t>(i)});
@@ -264,7 +264,7 @@ void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
 void Nester::assign_roles(std::span<NestItem> items) {
     for (Ring& ring : rings_) {
         NestItem& item = items[ring.item];
-        ring.winding = item.sense > 0 ? 1 : -1;
+        ring.winding = item.orientation > 0 ? 1 : -1;
         if (ring.parent >= 0) {
             const Ring& around = rings_[static_cast<std::size_t>(ring.parent)];
             item.parent = static_cast<std::int32_t>(around.item);
@@ -273,11 +273,11 @@ void Nester::assign_roles(std::span<NestItem> items) {
             ring.overruled = around.overruled;
         }
         ring.overruled |= ring.winding < 0;
-        const bool outer = ring.overruled ? ring.depth % 2 == 0 : item.sense > 0;
+        const bool outer = ring.overruled ? ring.depth % 2 == 0 : item.orientation > 0;
         item.role = outer ? Role::outer : Role::hole;
-        item.reverse = outer != (item.sense > 0);
+        item.reverse = outer != (item.orientation > 0);
         if (ring.overruled) {
-            item.flags = static_cast<std::uint16_t>(item.flags | sense_overruled);
+            item.flags = static_cast<std::uint16_t>(item.flags | orientation_overruled);
         }
     }
 }

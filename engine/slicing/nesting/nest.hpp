@@ -41,11 +41,11 @@ struct NestItem {
     Point box_min, box_max;   ///< closed: of its points
     bool closed = false;
 
-    bool reverse = false;      ///< out: the points must be stored backwards (outer counter-clockwise, hole clockwise)
-    std::int8_t sense = 0;     ///< out: sign of the area; 0 for flat and open
-    Role role = Role::open;    ///< out
-    std::uint16_t flags = 0;   ///< out: sense_overruled is added to what is there
-    std::int32_t parent = -1;  ///< out: index of an item, -1 for none
+    bool reverse = false;         ///< out: the points must be stored backwards (outer counter-clockwise, hole clockwise)
+    std::int8_t orientation = 0;  ///< out: sign of the area; 0 for flat and open
+    Role role = Role::open;       ///< out
+    std::uint16_t flags = 0;      ///< out: orientation_overruled is added to what is there
+    std::int32_t parent = -1;     ///< out: index of an item, -1 for none
 
     /// The i-th point from the start on, as walked.
     const Point& from_start(std::uint32_t i) const noexcept { return points[(start + i) % count]; }

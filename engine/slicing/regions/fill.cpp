@@ -82,7 +82,7 @@ void Fill::keep_or_drop(std::uint32_t contour, FillRule rule) {
     const NestItem& item = items_[contour];
     Own& own = own_[contour];
     const Own around = item.parent < 0 ? Own{} : own_[static_cast<std::size_t>(item.parent)];
-    own.winding = around.winding + item.sense * static_cast<std::int64_t>(own.times);
+    own.winding = around.winding + item.orientation * static_cast<std::int64_t>(own.times);
     if (fills(rule, own.winding) != fills(rule, around.winding)) {
         region_.push_back({own.index, 0, 0, -1, -1, !fills(rule, own.winding)});
     }
@@ -120,7 +120,7 @@ Fill::Windings Fill::windings_of(std::span<const std::uint32_t> members) const n
         if (contacts_.meets_itself(member)) {
             all.either += std::int64_t{items_[member].count} * own_[member].times;
         } else {
-            (items_[member].sense > 0 ? all.positive : all.negative) += own_[member].times;
+            (items_[member].orientation > 0 ? all.positive : all.negative) += own_[member].times;
         }
     }
     return all;
@@ -136,7 +136,7 @@ std::uint32_t Fill::copies_that_matter(std::uint32_t contour, FillRule rule, con
     std::int64_t against = all.either;
     if (contacts_.meets_itself(contour)) {
         against += all.positive + all.negative + std::abs(ambient);
-    } else if (items_[contour].sense > 0) {
+    } else if (items_[contour].orientation > 0) {
         against += all.negative + std::max<std::int64_t>(0, -ambient);
     } else {
         against += all.positive + std::max<std::int64_t>(0, ambient);

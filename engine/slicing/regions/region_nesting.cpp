@@ -17,7 +17,7 @@ bool RegionNesting::nest(std::span<NestItem> items, std::span<const std::int64_t
     nester.nest(items);
     for (std::size_t i = 0; i < items.size(); ++i) {
         NestItem& item = items[i];
-        if (item.sense == 0) {
+        if (item.orientation == 0) {
             continue;
         }
         const RegionContour& contour = region[static_cast<std::size_t>(region_of[i])];
@@ -26,14 +26,14 @@ bool RegionNesting::nest(std::span<NestItem> items, std::span<const std::int64_t
             parent = parent == unknown ? item.parent : parent;
             item.parent = contour.around < 0 ? parent : item_of_[static_cast<std::size_t>(contour.around)];
         }
-        item.reverse = contour.hole == (item.sense > 0);
-        item.sense = static_cast<std::int8_t>(contour.hole ? -1 : 1);  // as stored, whatever the facets say
+        item.reverse = contour.hole == (item.orientation > 0);
+        item.orientation = static_cast<std::int8_t>(contour.hole ? -1 : 1);  // as stored, whatever the facets say
         item.role = contour.hole ? Role::hole : Role::outer;
-        item.flags &= static_cast<std::uint16_t>(~sense_overruled);
+        item.flags &= static_cast<std::uint16_t>(~orientation_overruled);
     }
     return std::all_of(items.begin(), items.end(), [items](const NestItem& item) {
         const Role around = item.parent < 0 ? Role::hole : items[static_cast<std::size_t>(item.parent)].role;
-        return item.sense == 0 || (around == Role::hole) == (item.role == Role::outer);
+        return item.orientation == 0 || (around == Role::hole) == (item.role == Role::outer);
     });
 }
 

@@ -18,7 +18,7 @@ struct ContourCounts {
 
     void add(const Contour& contour) noexcept {
         ++by_role[static_cast<std::size_t>(contour.role)];
-        overruled += (contour.flags & sense_overruled) != 0 ? 1 : 0;
+        overruled += (contour.flags & orientation_overruled) != 0 ? 1 : 0;
     }
     void add(const ContourCounts& other) noexcept {
         for (std::size_t role = 0; role < 4; ++role) {

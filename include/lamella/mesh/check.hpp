@@ -12,9 +12,10 @@
 // It finds every departure from a closed, oriented surface without self-intersections (section 1.3 of the paper), on the
 // grid that slicing would use.
 //
-// Exact, by integer arithmetic on the grid: all edges, vertices, duplicates, senses, volumes' signs, faces without area, and
-// whether two triangles cross, overlap or touch. Approximate, in double (relative error below 1e-12): the ratio of slivers,
-// the distance of T-junctions and cracks, lengths, volumes, and the point at which crossing triangles are said to meet.
+// Exact, by integer arithmetic on the grid: all edges, vertices, duplicates, orientations, volumes' signs, faces without
+// area, and whether two triangles cross, overlap or touch. Approximate, in double (relative error below 1e-12): the ratio of
+// slivers, the distance of T-junctions and cracks, lengths, volumes, and the point at which crossing triangles are said to
+// meet.
 #pragma once
 
 #include <array>
@@ -45,7 +46,7 @@ enum class Fault : std::uint8_t {
     zero_area_face,     ///< three distinct vertices on a line; not tested against other faces
     needle_face,        ///< a sliver whose shortest side is under a tenth of the longest
     cap_face,           ///< any other sliver: one angle is nearly half a turn
-    wrong_sense_shell,  ///< a closed shell that is a cavity by its orientation and a solid by its depth, or the reverse;
+    misoriented_shell,  ///< a closed shell that is a cavity by its orientation and a solid by its depth, or the reverse;
                         ///< deeper than 0 only where neither it nor a shell around it meets another
     crossing_faces,     ///< two faces whose insides cross
     overlapping_faces,  ///< two faces of one plane whose insides overlap (duplicates are counted as such)
@@ -86,7 +87,7 @@ struct MeshShell {
     std::uint64_t triangles = 0;
     bool closed = false;       ///< every edge has as many faces one way as the other
     double volume_mm3 = 0;     ///< signed; 0 unless closed
-    int sense = 0;             ///< sign of the volume: 1 a solid, -1 a cavity, 0 neither or not closed
+    int orientation = 0;       ///< sign of the volume: 1 a solid, -1 a cavity, 0 neither or not closed
     int depth = 0;             ///< number of closed shells around it
     std::int64_t parent = -1;  ///< the innermost of them, as an index into MeshCheck::shells, or -1
 };

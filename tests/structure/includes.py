@@ -149,7 +149,7 @@ PLANTED = [
     ("engine/slicing/sweep/band_sweep.cpp", "#include <tbb/parallel_for.h>", "only base/parallel.cpp"),
     ("engine/mesh/weld.cpp", "#include <expat.h>", "only io/"),
     ("engine/slicing/regions/fill.cpp", "#include <clipper.hpp>", "only slicing/regions/clipping.cpp"),
-    ("include/lamella/slice.hpp", '#include "lamella/io/write.hpp"', "slicing must not include io"),
+    ("include/lamella/slice.hpp", '#include "lamella/io/svg.hpp"', "slicing must not include io"),
     ("include/lamella/control.hpp", '#include "lamella/slice.hpp"', "base must not include slicing"),
     ("include/lamella/lamella.hpp", '#include "lamella/io.hpp"', "audit must not include io"),
     ("include/lamella/control.hpp", "#include <functional>", "<functional> must not be"),

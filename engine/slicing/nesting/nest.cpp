@@ -101,6 +101,7 @@ void Nester::nest(std::span<NestItem> items) {
 
 /// Sets the outputs of items that take no part in nesting and lists the starts of the rest.
 void Nester::collect(std::span<NestItem> items) {
+    reserve_keys(items.size());
     by_start_.clear();
     for (std::size_t i = 0; i < items.size(); ++i) {
         NestItem& item = items[i];
@@ -110,6 +111,17 @@ void Nester::collect(std::span<NestItem> items) {
             const Point start = item.points[item.start];
             by_start_.push_back({nesting::key_of(start), static_cast<std::uint32_t>(i)});
         }
+    }
+}
+
+/// Sorting exchanges the arrays' memory, so all of them get room for the largest layer.
+void Nester::reserve_keys(std::size_t count) {
+    if (count <= by_start_.capacity()) {
+        return;
+    }
+    for (auto* keys : {&by_start_, &by_size_, &spare_keys_}) {
+        keys->clear();
+        keys->reserve(count + count / 2);
     }
 }
 

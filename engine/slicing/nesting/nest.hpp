@@ -92,6 +92,7 @@ public:
 
 private:
     void collect(std::span<NestItem> items);
+    void reserve_keys(std::size_t count);
     void sort_by_start(std::span<const NestItem> items);
     void find_parents(std::span<const NestItem> items);
     bool find_containers(std::span<const NestItem> items);

@@ -15,17 +15,17 @@ namespace lamella {
 
 namespace {
 
-struct TypeName {
+struct VtpTypeName {
     std::string_view name;
     NumberType type;
 };
 
-constexpr std::array type_names = {
-    TypeName{"Int8", NumberType::int8},       TypeName{"UInt8", NumberType::uint8},
-    TypeName{"Int16", NumberType::int16},     TypeName{"UInt16", NumberType::uint16},
-    TypeName{"Int32", NumberType::int32},     TypeName{"UInt32", NumberType::uint32},
-    TypeName{"Int64", NumberType::int64},     TypeName{"UInt64", NumberType::uint64},
-    TypeName{"Float32", NumberType::float32}, TypeName{"Float64", NumberType::float64},
+constexpr std::array vtp_type_names = {
+    VtpTypeName{"Int8", NumberType::int8},       VtpTypeName{"UInt8", NumberType::uint8},
+    VtpTypeName{"Int16", NumberType::int16},     VtpTypeName{"UInt16", NumberType::uint16},
+    VtpTypeName{"Int32", NumberType::int32},     VtpTypeName{"UInt32", NumberType::uint32},
+    VtpTypeName{"Int64", NumberType::int64},     VtpTypeName{"UInt64", NumberType::uint64},
+    VtpTypeName{"Float32", NumberType::float32}, VtpTypeName{"Float64", NumberType::float64},
 };
 
 /// Elements that matter, and where.
@@ -296,13 +296,13 @@ void Parser::begin_array(Element parent, const XmlAttributes& attributes) {
 
 bool Parser::read_type(Element parent, const XmlAttributes& attributes, VtpArray& array) {
     const std::string_view name = attributes.find("type").value_or("");
-    const auto* const found =
-        std::find_if(type_names.begin(), type_names.end(), [name](const TypeName& known) { return known.name == name; });
+    const auto* const found = std::find_if(vtp_type_names.begin(), vtp_type_names.end(),
+                                           [name](const VtpTypeName& known) { return known.name == name; });
     if (name == "String" && parent == Element::field_data) {
         array.type = NumberType::uint8;  // characters, and a 0 after each string
         return true;
     }
-    if (found == type_names.end()) {
+    if (found == vtp_type_names.end()) {
         fail("expected a DataArray of a type from Int8 to Float64, found " + quoted(name));
         return false;
     }

@@ -123,12 +123,12 @@ Complaint check_area(const Contour& contour, std::span<const Point> points) {
 Complaint check_orientation(const Contour& contour) {
     if (!has_area(contour)) {
         if (contour.orientation != 0 || contour.parent != -1 || (contour.flags & orientation_overruled) != 0) {
-            return "flat or open, yet with a sense, a parent or an overruled sense";
+            return "flat or open, yet with an orientation, a parent or an overruled orientation";
         }
         return {};
     }
     if (contour.orientation != 1 && contour.orientation != -1) {
-        return "closed with an area, yet without a sense";
+        return "closed with an area, yet without an orientation";
     }
     const int direction = contour.role == Role::outer ? 1 : -1;
     if ((contour.flags & orientation_overruled) == 0 && contour.orientation != direction) {

@@ -19,7 +19,8 @@ namespace lamella {
 
 enum class CoordinateType : std::uint8_t { f32, f64 };
 
-/// A 3x4 affine map, row-major, applied to every vertex while it is rounded to the grid: p' = m[0..2 | 3..] · (p, 1), in mm.
+/// A 3x4 affine map, row by row, to mm: x' = m[0] x + m[1] y + m[2] z + m[3]; y' by m[4..7] and z' by m[8..11] likewise.
+/// Applied to every vertex while it is rounded to the grid.
 struct Transform {
     std::array<double, 12> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
@@ -48,11 +49,13 @@ struct MeshView {
     std::size_t triangle_count = 0;
     CoordinateType coordinate_type = CoordinateType::f32;
 
-    static MeshView soup(std::span<const float> coordinates) noexcept;   ///< nine numbers a triangle
-    static MeshView soup(std::span<const double> coordinates) noexcept;  ///< nine numbers a triangle
+    /// Nine numbers a triangle. Precondition: a multiple of nine (asserted; the rest is left out).
+    static MeshView soup(std::span<const float> coordinates) noexcept;
+    static MeshView soup(std::span<const double> coordinates) noexcept;
     /// `stride` in bytes between triangles: 50 with `first` at offset 84 + 12 views a binary STL file where it lies.
     static MeshView strided_soup(const std::byte* first, std::size_t triangles, std::size_t stride,
                                  CoordinateType coordinate_type) noexcept;
+    /// Three numbers a vertex, three indices a triangle. Precondition: multiples of three (asserted; the rest is left out).
     static MeshView indexed(std::span<const float> xyz, std::span<const std::uint32_t> indices) noexcept;
     static MeshView indexed(std::span<const double> xyz, std::span<const std::uint32_t> indices) noexcept;
     static MeshView indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType coordinate_type,

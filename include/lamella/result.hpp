@@ -14,9 +14,9 @@
 //
 //     layers    [ L0 | L1 | L2 | ... ]              one per plane, ascending
 //                 |    `------.
-//     contours  [ outer, hole | outer | ... ]       per layer by start point, each outer followed by its holes
+//     contours  [ outer, hole | outer | ... ]       per layer by start, each outer followed by its holes
 //                 |      `--------.
-//     points    [ x y, x y, x y | x y, x y, ... ]   per contour, from its smallest point, solid on the left
+//     points    [ x y, x y, x y | x y, x y, ... ]   per contour, from its start, solid on the left
 #pragma once
 
 #include <cstdint>
@@ -59,9 +59,8 @@ std::string_view name_of(FillRule rule) noexcept;
 
 /// Bits of Contour::flags.
 enum ContourFlag : std::uint16_t {
-    /// The facets' orientation gives a winding number below zero here or around here, as an inverted shell or a flipped
-    /// patch
-    /// does. The role was decided by the number of contours around, and the points run as the role demands.
+    /// The facets' orientation gives a winding number below zero here or around here: an inverted shell, a flipped patch.
+    /// The role was decided by the number of contours around, and the points run as the role demands.
     orientation_overruled = 1,
     /// Neighbouring facets disagree about which side is solid; the contour runs as most of its segments do.
     orientation_mixed = 2,
@@ -69,8 +68,9 @@ enum ContourFlag : std::uint16_t {
     gap_closed = 4,
 };
 
-/// 48 bytes. A closed contour starts at its smallest (x, y, mesh edge) and the first point is not repeated; an open one
-/// starts at its source end. Equal consecutive points are stored once; `segments` still counts every crossed triangle.
+/// 48 bytes. A closed contour starts at its smallest (x, y, mesh edge), edges in the order of EndKey, and the first point is
+/// not repeated; an open one starts at its source end. Equal consecutive points are stored once; `segments` still counts
+/// every crossed triangle.
 struct Contour {
     std::uint64_t first_point = 0;  ///< index into SliceResult::points
     Integer128 twice_area;          ///< square grid units; positive for outer, negative for hole, 0 for flat and open
@@ -157,7 +157,8 @@ struct SliceResult {
     PointMm to_mm(Point point) const noexcept { return {point.x * unit_mm, point.y * unit_mm}; }
     /// Where a layer was really cut: `to_mm(layer.plane)`, within two grid units of the height asked for.
     double to_mm(PlaneHeight height) const noexcept { return height.z() * unit_mm; }
-    /// Net solid area of a layer, mm²: outers minus holes. O(contours).
+    /// Net solid area of a layer, mm²: outers minus holes. O(contours). Open polylines enclose nothing: where
+    /// `summary.open_contours` is not 0 the area may be too small; check() then says where the mesh is open.
     double area_mm2(const Layer& layer) const noexcept;
     /// Area within a contour, mm²: positive for an outer one, negative for a hole, 0 for flat and open ones.
     double area_mm2(const Contour& contour) const noexcept;

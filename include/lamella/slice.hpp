@@ -57,7 +57,8 @@ private:
     std::unique_ptr<detail::WorkspaceParts> parts_;
 };
 
-/// Slices `mesh` at the planes of `options.plan`.
+/// Slices `mesh` at the planes of `options.plan`. A mesh that no plane meets is no error: uniform layers then give no layer,
+/// given heights give empty ones.
 ///
 /// n triangles, k planes, m crossings, q points in a layer: O(n + k + m) for uniform planes, O(n log k + k + m) otherwise,
 /// and O(q log q) per layer for ordering and nesting. Memory: O(n + k + m).

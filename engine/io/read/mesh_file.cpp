@@ -18,6 +18,8 @@ namespace lamella {
 
 namespace {
 
+/// The reader of the file's own name is asked first, then all in this order. OBJ takes any text that begins with one of its
+/// statements, so that a format which might too stands before it.
 constexpr std::array all_readers = {
     Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, read_stl},
     Reader{MeshFormat::obj, "OBJ", ".obj", looks_like_obj, read_obj},

@@ -33,7 +33,8 @@ public:
     /// The first 64 KiB, or all.
     std::string_view sample() const noexcept { return sample_; }
 
-    /// The first `count` bytes, checked not to have changed while they were read. Once. Precondition: count <= size().
+    /// The first `count` bytes, checked not to have changed while they were read. May be called once. Precondition: count <=
+    /// size().
     Result<Array<std::byte>> take(std::size_t count);
 
     /// An error that names the file, and the byte where one is given.
@@ -41,7 +42,7 @@ public:
         return file_.error(code, what, byte_offset);
     }
 
-    /// An error at byte `offset` of the contents `text`, that names the line too.
+    /// An error at byte `offset` of the whole contents `text`, byte-order mark included, that names the line too.
     Error error_in_text(std::string_view text, std::size_t offset, const std::string& what) const;
 
 private:
@@ -60,7 +61,10 @@ struct Reader {
     std::string_view name;
     std::string_view extensions;                   ///< ".abc.def"
     bool (*recognises)(const FileSource& source);  ///< by its size and how it begins
-    Result<MeshFile> (*read)(FileSource& source);  ///< everything but what read_mesh() fills in for all
+    /// Fills in bytes, indices, counts, stride, coordinate_type, text, parse_ms, warnings and, where the file states them,
+    /// the unit and the patient frame; read_mesh() does the rest. What can expand to more than the file is counted in a
+    /// MemoryBudget before it is allocated. May throw std::bad_alloc.
+    Result<MeshFile> (*read)(FileSource& source);
     /// Where no reader recognises the file and its name is one of this format. Null: never.
     bool (*recognises_by_name)(const FileSource& source) = nullptr;
 };

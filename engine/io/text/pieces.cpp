@@ -30,7 +30,9 @@ std::size_t number_items(std::span<TextPiece> pieces) {
 
 std::size_t count_words(std::string_view text) {
     const bool begins = !text.empty() && !is_space(text[0]);
-    return (begins ? 1 : 0) + count_in(text, [](char before, char c) { return is_space(before) & !is_space(c); });
+    return (begins ? 1 : 0) + count_in(text, [](char before, char c) {
+               return static_cast<int>(is_space(before)) & static_cast<int>(!is_space(c));
+           });
 }
 
 std::size_t close_gaps(std::span<const ItemRun> runs, std::size_t item_bytes, std::byte* items) {

@@ -27,8 +27,8 @@ struct RingFacts {
     Point box_min;
     Point box_max;
     Int128 twice_area;     ///< positive if counter-clockwise; exact
-    std::size_t smallest;  ///< the first point that no other is smaller than, x before y
-    bool many_smallest;    ///< others are equal to it
+    std::size_t smallest;  ///< index of the first occurrence of the smallest (x, y)
+    bool many_smallest;    ///< it occurs again
     bool has_repeats;      ///< two consecutive points are equal
 };
 

@@ -1,4 +1,5 @@
-// Whether a result keeps every promise that result.hpp makes: for tests, and for results that were read or changed.
+// Whether a result keeps the promises of result.hpp that can be seen from the result alone: for tests, and for results that
+// were read or changed.
 //
 //     const lamella::Status valid = lamella::validate(result);
 //     if (!valid) {

@@ -62,8 +62,9 @@ std::vector<TextPiece> cut_at_facets(std::string_view text) {
 /// Words in 'f': all facets and, at most, some words of names.
 std::size_t most_facets(std::string_view piece) {
     const auto is_f = [](char c) { return (c | 0x20) == 'f'; };
-    const std::size_t words =
-        (is_f(piece[0]) ? 1 : 0) + count_in(piece, [is_f](char before, char c) { return is_f(c) & is_space(before); });
+    const std::size_t words = (is_f(piece[0]) ? 1 : 0) + count_in(piece, [is_f](char before, char c) {
+                                  return static_cast<int>(is_f(c)) & static_cast<int>(is_space(before));
+                              });
     return std::min(words, piece.size() / shortest_facet + 1);
 }
 

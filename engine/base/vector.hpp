@@ -25,10 +25,10 @@ public:
     Allocator(const Allocator<U>& other) noexcept : memory_(other.memory()) {}  // NOLINT(google-explicit-constructor)
 
     T* allocate(std::size_t count) {
-        if (count > std::numeric_limits<std::size_t>::max() / sizeof(T)) {
+        if (count > std::numeric_limits<std::size_t>::max() / element_bytes) {
             throw std::bad_array_new_length();
         }
-        const std::size_t bytes = count * sizeof(T);
+        const std::size_t bytes = count * element_bytes;
         void* const taken =
             memory_ == nullptr ? ::operator new(bytes) : memory_->allocate(memory_->context, bytes, alignof(T));
         if (taken == nullptr) {
@@ -40,7 +40,7 @@ public:
         if (memory_ == nullptr) {
             ::operator delete(taken);
         } else {
-            memory_->release(memory_->context, taken, count * sizeof(T), alignof(T));
+            memory_->release(memory_->context, taken, count * element_bytes, alignof(T));
         }
     }
 
@@ -48,6 +48,7 @@ public:
     friend bool operator==(const Allocator&, const Allocator&) = default;
 
 private:
+    static constexpr std::size_t element_bytes = sizeof(T);  // NOLINT(bugprone-sizeof-expression): pointers are elements too
     static_assert(alignof(T) <= alignof(std::max_align_t), "operator new aligns no further");
     const Memory* memory_;
 };

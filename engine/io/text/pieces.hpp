@@ -51,11 +51,11 @@ std::size_t count_in(std::string_view text, Counts counts) {
     constexpr std::size_t block = 240;
     std::size_t sum = 0;
     for (std::size_t begin = 1; begin < text.size(); begin += block) {
-        const char* const p = text.data() + begin;
+        const char* const before = text.data() + begin - 1;
         const std::size_t length = std::min(block, text.size() - begin);
         std::uint8_t own = 0;
         for (std::size_t i = 0; i < length; ++i) {
-            own = static_cast<std::uint8_t>(own + static_cast<std::uint8_t>(counts(p[i - 1], p[i])));
+            own = static_cast<std::uint8_t>(own + static_cast<std::uint8_t>(counts(before[i], before[i + 1])));
         }
         sum += own;
     }

@@ -76,6 +76,9 @@ void resize_exactly(Vector<T>& array, std::size_t size, const T& value = {}) {
 template <class T>
 void gather_slots(Vector<T>& array, std::span<const Slot> new_to_old, Vector<std::uint64_t>& scratch) {
     static_assert(std::is_trivially_copyable_v<T>);
+    if (new_to_old.empty()) {
+        return;  // memcpy takes no null pointers, not even for no bytes
+    }
     const std::size_t words = (new_to_old.size() * sizeof(T) + 7) / 8;
     if (scratch.size() < words) {
         scratch.resize(words);

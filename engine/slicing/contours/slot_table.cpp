@@ -157,6 +157,9 @@ void SlotTable::add_flag(Slot slot, Flag flag) noexcept {
 // --- Compaction
 
 void SlotTable::renumber(std::span<const Slot> new_to_old, FunctionRef<PortRef(PortRef)> moved) {
+    if (new_to_old.empty()) {
+        return;  // memcpy takes no null pointers, not even for no bytes
+    }
     gather_slots(edges_, new_to_old, moving_);
     gather_slots(ends_, new_to_old, moving_);
     gather_slots(flags_, new_to_old, moving_);

@@ -7,7 +7,6 @@
 #include <new>
 
 #ifdef LAMELLA_PARALLEL_STD
-#include <system_error>
 #include <thread>
 #include <vector>
 #else
@@ -79,13 +78,13 @@ struct Parallel::Arena {
     template <class Body>
     static void execute(int workers, const Body& body) {
         std::vector<std::thread> threads;
-        threads.reserve(static_cast<std::size_t>(workers - 1));
         try {
+            threads.reserve(static_cast<std::size_t>(workers - 1));
             while (threads.size() + 1 < static_cast<std::size_t>(workers)) {
                 threads.emplace_back(body);
             }
-        } catch (const std::system_error&) {
-            // The system starts no more threads: those that there are do the work.
+        } catch (const std::exception&) {
+            // No memory or no thread is left for more workers: those that there are do the work, and are joined below.
         }
         body();
         for (std::thread& thread : threads) {

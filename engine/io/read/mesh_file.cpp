@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -189,8 +190,10 @@ Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& opti
 }  // namespace
 
 std::string_view name_of(MeshFormat format) noexcept {
-    return std::find_if(all_readers.begin(), all_readers.end(), [format](const Reader& r) { return r.format == format; })
-        ->name;
+    const auto found =
+        std::find_if(all_readers.begin(), all_readers.end(), [=](const Reader& r) { return r.format == format; });
+    assert(found != all_readers.end() && "each format has a row in all_readers");
+    return found->name;
 }
 
 std::span<const std::string_view> format_names() noexcept {
@@ -263,6 +266,14 @@ Result<Array<std::byte>> FileSource::take(std::size_t count) {
         return same.error();
     }
     return bytes;
+}
+
+Result<FileText> FileSource::take_text() {
+    Result<Array<std::byte>> bytes = take(size());
+    if (!bytes) {
+        return bytes.error();
+    }
+    return FileText{std::move(bytes).value()};
 }
 
 Error FileSource::error_in_text(std::string_view text, std::size_t offset, const std::string& what) const {

@@ -6,12 +6,30 @@
 #include <string>
 #include <string_view>
 
+#include "base/clock.hpp"
 #include "base/parallel.hpp"
 #include "io/read/input_file.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/memory.hpp"
 
 namespace lamella {
+
+inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// `text` without the UTF-8 byte-order mark that it may begin with.
+inline std::string_view without_byte_order_mark(std::string_view text) noexcept {
+    return text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
+}
+
+/// The contents of a file that is text.
+struct FileText {
+    Array<std::byte> bytes;
+    std::string_view whole = as_text(bytes.span());  ///< offsets in messages count from its begin
+    std::string_view text = without_byte_order_mark(whole);
+    Clock::time_point taken = Clock::now();  ///< where parsing begins
+};
 
 /// A file as a reader sees it: its name for messages, how it begins, and its bytes once they are asked for.
 class FileSource {
@@ -36,6 +54,8 @@ public:
     /// The first `count` bytes, checked not to have changed while they were read. May be called once. Precondition: count <=
     /// size().
     Result<Array<std::byte>> take(std::size_t count);
+    /// The same for all bytes.
+    Result<FileText> take_text();
 
     /// An error that names the file, and the byte where one is given.
     Error error(ErrorCode code, const std::string& what, std::int64_t byte_offset = -1) const {
@@ -85,15 +105,6 @@ bool looks_like_vtp(const FileSource& source);
 Result<MeshFile> read_vtp(FileSource& source);
 bool looks_like_3mf(const FileSource& source);
 Result<MeshFile> read_3mf(FileSource& source);
-
-inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-/// `text` without the UTF-8 byte-order mark that it may begin with.
-inline std::string_view without_byte_order_mark(std::string_view text) noexcept {
-    return text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
-}
 
 /// No control characters but white space: every binary mesh has some in its first 64 KiB.
 bool is_text(std::string_view sample) noexcept;

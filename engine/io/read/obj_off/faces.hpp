@@ -13,8 +13,8 @@
 #include <span>
 #include <string_view>
 
-#include "io/read/obj_off/lines.hpp"
 #include "io/read/reader.hpp"
+#include "io/text/lines.hpp"
 
 namespace lamella {
 

@@ -8,9 +8,9 @@
 #include "base/clock.hpp"
 #include "base/words.hpp"
 #include "io/read/obj_off/faces.hpp"
-#include "io/read/obj_off/lines.hpp"
 #include "io/read/reader.hpp"
 #include "io/read/stated_frame.hpp"
+#include "io/text/lines.hpp"
 
 namespace lamella {
 
@@ -222,13 +222,12 @@ bool looks_like_obj(const FileSource& source) {
 }
 
 Result<MeshFile> read_obj(FileSource& source) {
-    const Result<Array<std::byte>> bytes = source.take(source.size());
-    if (!bytes) {
-        return bytes.error();
+    const Result<FileText> contents = source.take_text();
+    if (!contents) {
+        return contents.error();
     }
-    const Clock::time_point start = Clock::now();
-    const std::string_view whole = as_text(bytes.value().span());
-    const std::string_view text = without_byte_order_mark(whole);
+    const std::string_view whole = contents->whole;
+    const std::string_view text = contents->text;
     std::vector<TextPiece> pieces = cut_at_lines(text);
     std::vector<FaceRange> faces(pieces.size());
     std::vector<LeftOut> skipped(pieces.size());
@@ -246,7 +245,7 @@ Result<MeshFile> read_obj(FileSource& source) {
     if (mesh) {
         give_stated_frame(head_comments(text), source, mesh.value());
         warn_of_skipped(source, whole, skipped, mesh.value());
-        mesh->parse_ms = milliseconds_since(start);
+        mesh->parse_ms = milliseconds_since(contents->taken);
     }
     return mesh;
 }

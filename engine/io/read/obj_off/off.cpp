@@ -15,9 +15,9 @@
 #include "base/clock.hpp"
 #include "base/words.hpp"
 #include "io/read/obj_off/faces.hpp"
-#include "io/read/obj_off/lines.hpp"
 #include "io/read/reader.hpp"
 #include "io/read/stated_frame.hpp"
+#include "io/text/lines.hpp"
 
 namespace lamella {
 
@@ -237,13 +237,12 @@ Result<MeshFile> read_off(FileSource& source) {
     if (!is_text(source.sample())) {
         return source.error(ErrorCode::malformed_mesh, "is a binary OFF file; only OFF as text is read", 0);
     }
-    const Result<Array<std::byte>> bytes = source.take(source.size());
-    if (!bytes) {
-        return bytes.error();
+    const Result<FileText> contents = source.take_text();
+    if (!contents) {
+        return contents.error();
     }
-    const Clock::time_point start = Clock::now();
-    const std::string_view whole = as_text(bytes.value().span());
-    const std::string_view text = without_byte_order_mark(whole);
+    const std::string_view whole = contents->whole;
+    const std::string_view text = contents->text;
     const auto failed = [&](const TextFailure& failure) {
         return source.error_in_text(whole, static_cast<std::size_t>(failure.at - whole.data()), failure.what);
     };
@@ -277,7 +276,7 @@ Result<MeshFile> read_off(FileSource& source) {
         });
     if (mesh) {
         give_stated_frame(text.substr(0, static_cast<std::size_t>(counts.at - text.data())), source, mesh.value());
-        mesh->parse_ms = milliseconds_since(start);
+        mesh->parse_ms = milliseconds_since(contents->taken);
         if (lines > counts.lines()) {
             mesh->warnings.push_back(source.name() + ": ignored " + counted(lines - counts.lines(), "line") +
                                      " after the last of " + counted(counts.faces, "face"));

@@ -94,13 +94,12 @@ Result<MeshFile> read_binary(FileSource& file) {
 }
 
 Result<MeshFile> read_ascii(FileSource& file) {
-    const Result<Array<std::byte>> bytes = file.take(file.size());
-    if (!bytes) {
-        return bytes.error();
+    const Result<FileText> contents = file.take_text();
+    if (!contents) {
+        return contents.error();
     }
-    const Clock::time_point start = Clock::now();
-    const std::string_view whole = as_text(bytes.value().span());
-    const std::string_view text = without_byte_order_mark(whole);
+    const std::string_view whole = contents->whole;
+    const std::string_view text = contents->text;
     AsciiFacets facets = parse_ascii_stl(text, file.memory(), file.parallel());
     if (facets.error) {
         return file.error_in_text(whole, facets.error->offset + (whole.size() - text.size()), facets.error->what);
@@ -118,7 +117,7 @@ Result<MeshFile> read_ascii(FileSource& file) {
         mesh.warnings.push_back(file.name() + ": ends without 'endsolid' after line " +
                                 std::to_string(line_of(text, *facets.open_end)) + ": what follows may have been cut off");
     }
-    mesh.parse_ms = milliseconds_since(start);
+    mesh.parse_ms = milliseconds_since(contents->taken);
     return mesh;
 }
 

@@ -1,4 +1,4 @@
-// Text whose statements are lines: OBJ and OFF.
+// Text whose statements are lines, as in OBJ and OFF.
 #pragma once
 
 #include <cstddef>
@@ -92,8 +92,11 @@ protected:
     /// To the end of the line, the lines that continue it included. Comments are not continued.
     void skip_rest();
 
-    /// The three coordinates of a vertex, and then at most `others` numbers that are skipped.
+    /// The three coordinates of a vertex, and then at most `others` numbers that are skipped, to the end of the line.
     bool vertex(double* xyz, int others);
+    /// The line's next word as a coordinate; what comes after it stays.
+    bool coordinate(double& value);
+    /// At most so many numbers, which are skipped, and then the end of the line.
     bool other_numbers(int most);
 
     bool fail(const std::string& what);
@@ -104,7 +107,6 @@ protected:
 
 private:
     std::optional<std::size_t> count_plain_words();
-    bool coordinate(double& value);
     NumberText number(double& value);
 
     bool continued_;  // by a backslash

@@ -1,4 +1,4 @@
-#include "io/read/obj_off/lines.hpp"
+#include "io/text/lines.hpp"
 
 #include <algorithm>
 #include <bit>

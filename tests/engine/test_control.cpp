@@ -105,7 +105,7 @@ TEST_CASE("every call ends when it is asked to", "[engine][control]") {
     }
 }
 
-TEST_CASE("a stop is noticed wherever it comes, within a layer", "[engine][control][cancel]") {
+TEST_CASE("a stop is noticed wherever it comes, within a layer", "[engine][control][cancel][threads]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 5, 4);
     lamella::SliceOptions options = uniform(0.1);
     options.control.threads = 1;
@@ -121,7 +121,7 @@ TEST_CASE("a stop is noticed wherever it comes, within a layer", "[engine][contr
     }
 }
 
-TEST_CASE("progress never falls, comes from one thread at a time and ends at 1", "[engine][control]") {
+TEST_CASE("progress never falls, comes from one thread at a time and ends at 1", "[engine][control][threads]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
     lamella::SliceOptions options = uniform(0.01);
     options.control.threads = GENERATE(1, 4);
@@ -162,7 +162,7 @@ TEST_CASE("a call that fails does not report 1", "[engine][control]") {
     CHECK((last > 0.9 && last < 1));
 }
 
-TEST_CASE("a slow progress sink holds up no other thread", "[engine][control]") {
+TEST_CASE("a slow progress sink holds up no other thread", "[engine][control][threads]") {
     // The sink returns only once all planes but those of its own band are through: a lock that it held would end in a hang.
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
     lamella::SliceOptions options = uniform(0.01);

@@ -46,19 +46,27 @@ std::string answers(const Control& control) {
            make_check_json(*found).value();
 }
 
+/// The same by one thread.
+const std::string& expected() {
+    static const std::string text = [] {
+        Control alone;
+        alone.threads = 1;
+        return answers(alone);
+    }();
+    return text;
+}
+
 /// Any object that calls bodies, as an executor of so many threads.
 template <class Pool>
 void require_same(Pool pool, int threads) {
-    Control alone;
-    alone.threads = 1;
     Control control;
     control.executor = Executor::on(pool, threads);
-    REQUIRE(answers(control) == answers(alone));
+    REQUIRE(answers(control) == expected());
 }
 
 }  // namespace
 
-TEST_CASE("an executor of std::thread gives the same answers", "[engine][executor]") {
+TEST_CASE("an executor of std::thread gives the same answers", "[engine][executor][threads]") {
     require_same(
         [](int workers, const auto& body) noexcept {
             std::vector<std::thread> threads;
@@ -86,7 +94,7 @@ TEST_CASE("an executor that runs no body leaves the work to the caller", "[engin
     require_same([](int, const auto&) noexcept {}, 4);
 }
 
-TEST_CASE("an executor may run fewer or more bodies than asked for", "[engine][executor]") {
+TEST_CASE("an executor may run fewer or more bodies than asked for", "[engine][executor][threads]") {
     const int change = GENERATE(-3, -1, 1, 9);
     require_same(
         [change](int workers, const auto& body) noexcept {
@@ -101,7 +109,7 @@ TEST_CASE("an executor may run fewer or more bodies than asked for", "[engine][e
         4);
 }
 
-TEST_CASE("an executor whose threads begin late gives the same answers", "[engine][executor]") {
+TEST_CASE("an executor whose threads begin late gives the same answers", "[engine][executor][threads]") {
     require_same(
         [](int workers, const auto& body) noexcept {
             std::thread late([&] {
@@ -125,17 +133,12 @@ TEST_CASE("the number of threads may differ from the executor's", "[engine][exec
     Control control;
     control.executor = Executor::on(pool, GENERATE(-1, 0, 1, 2, 64));
     control.threads = 5;
-    Control alone;
-    alone.threads = 1;
-    CHECK(answers(control) == answers(alone));
+    CHECK(answers(control) == expected());
     CHECK(most == 5);
 }
 
-TEST_CASE("a call may be made from within a task of another one's executor", "[engine][executor]") {
+TEST_CASE("a call may be made from within a task of another one's executor", "[engine][executor][threads]") {
     std::atomic<int> nested = 0;
-    Control alone;
-    alone.threads = 1;
-    const std::string expected = answers(alone);
     std::string inner;
     auto pool = [&](int, const auto& body) noexcept {
         if (nested++ == 0) {
@@ -145,6 +148,6 @@ TEST_CASE("a call may be made from within a task of another one's executor", "[e
     };
     Control control;
     control.executor = Executor::on(pool, 2);
-    CHECK(answers(control) == expected);
-    CHECK(inner == expected);
+    CHECK(answers(control) == expected());
+    CHECK(inner == expected());
 }

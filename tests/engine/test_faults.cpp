@@ -126,7 +126,7 @@ TEST_CASE("filling and closing gaps fail cleanly at each of their allocations", 
     fail_slicing_everywhere(everything(), options);
 }
 
-TEST_CASE("a wide plane fails cleanly at its allocations", "[engine][faults][wide]") {
+TEST_CASE("a wide plane fails cleanly at its allocations", "[engine][faults][wide][threads]") {
     const shapes::Soup soup = wide_plane();
     SliceOptions options;
     options.plan.spacing = lamella::ExplicitPlanes{{0.5}};
@@ -138,7 +138,7 @@ TEST_CASE("a wide plane fails cleanly at its allocations", "[engine][faults][wid
     fail_slicing_everywhere(soup, options, std::max<std::uint64_t>(1, counting.asked() / 12));
 }
 
-TEST_CASE("a workspace that ran out of memory slices again", "[engine][faults]") {
+TEST_CASE("a workspace that ran out of memory slices again", "[engine][faults][threads]") {
     const shapes::Soup soup = everything();
     SliceOptions options = uniform(0.4);
     options.control.threads = 2;

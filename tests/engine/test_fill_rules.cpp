@@ -152,7 +152,7 @@ TEST_CASE("fill rules: an internal wall stays an open polyline", "[engine][fill]
     CHECK(regions(shapes::joined({square(0, 0, 10), wall})) == Lines(4, "1 outer, 0 hole, 100, 1 open"));
 }
 
-TEST_CASE("fill rules: threads, bands and triangle order do not change the bytes", "[engine][fill]") {
+TEST_CASE("fill rules: threads, bands and triangle order do not change the bytes", "[engine][fill][threads]") {
     shapes::Soup soup;
     std::mt19937 random(4);
     for (int i = 0; i < 12; ++i) {
@@ -220,7 +220,7 @@ TEST_CASE("the nearest ends are joined first", "[engine][gaps]") {
                           [&](double sum, const auto& gap) { return sum + all.length_mm(gap); }) == 4 + 8 + 8);
 }
 
-TEST_CASE("closing gaps: threads, bands and triangle order do not change the bytes", "[engine][gaps]") {
+TEST_CASE("closing gaps: threads, bands and triangle order do not change the bytes", "[engine][gaps][threads]") {
     shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 4);
     std::mt19937 random(8);
     for (int lost = 0; lost < 60; ++lost) {

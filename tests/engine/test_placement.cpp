@@ -30,7 +30,7 @@ void fill(BandOutput& output, std::int32_t band, std::uint32_t contours) {
 
 }  // namespace
 
-TEST_CASE("bands that finish in any order are placed in theirs", "[engine][placement]") {
+TEST_CASE("bands that finish in any order are placed in theirs", "[engine][placement][threads]") {
     const std::vector<lamella::Band> bands{{0, 1, 2, false}, {1, 2, 3, false}, {2, 3, 4, false}};
     lamella::ProgressMeter no_progress{lamella::Progress{}};
     for (const std::vector<std::size_t>& done : {std::vector<std::size_t>{0, 1, 2}, {2, 1, 0}, {1, 2, 0}, {1, 0, 2}}) {
@@ -71,7 +71,7 @@ TEST_CASE("bands that finish in any order are placed in theirs", "[engine][place
     }
 }
 
-TEST_CASE("bands with more or fewer points than segments are placed in order", "[engine][placement]") {
+TEST_CASE("bands with more or fewer points than segments are placed in order", "[engine][placement][threads]") {
     // Mostly as many points as segments; else one fewer (repeats) or a few more (open polylines, points of a fill rule).
     const auto seed = GENERATE(range(1U, 400U));
     std::mt19937 random(seed);

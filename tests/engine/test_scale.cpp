@@ -52,7 +52,7 @@ TEST_CASE("a tall prism of 400,000 facets is not copied once per band", "[engine
     }
 }
 
-TEST_CASE("a wide base under a thin spire agrees with the oracle on any number of threads", "[engine][scale]") {
+TEST_CASE("a wide base under a thin spire agrees with the oracle on any number of threads", "[engine][scale][threads]") {
     const shapes::Soup base = shapes::scaled(shapes::octasphere({0, 0, 0}, 10, 6), {5, 5, 0.02});
     const shapes::Soup spire = box({-0.1, -0.1, 0.1}, {0.1, 0.1, 60});
     const shapes::Soup mesh = shapes::joined({base, spire});
@@ -76,7 +76,7 @@ TEST_CASE("a wide base under a thin spire agrees with the oracle on any number o
     }
 }
 
-TEST_CASE("one plane through 160,000 facets gives one contour on any number of threads", "[engine][scale]") {
+TEST_CASE("one plane through 160,000 facets gives one contour on any number of threads", "[engine][scale][threads]") {
     const shapes::Soup prism = shapes::prism(20'000, 50, 1);
     lamella::SliceOptions options = uniform(1);
     options.control.threads = 1;

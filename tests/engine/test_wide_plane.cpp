@@ -42,7 +42,7 @@ lamella::SliceResult same_every_way(const shapes::Soup& soup) {
 
 }  // namespace
 
-TEST_CASE("a wide plane of one contour gives the same bytes on any number of threads", "[engine][wide]") {
+TEST_CASE("a wide plane of one contour gives the same bytes on any number of threads", "[engine][wide][threads]") {
     shapes::Soup soup;
     add_ring(soup, wide + 64, 0, 0, 900);
     const lamella::SliceResult result = same_every_way(soup);
@@ -51,7 +51,8 @@ TEST_CASE("a wide plane of one contour gives the same bytes on any number of thr
     CHECK(result.area_mm2(result.layers[0]) == Approx(std::acos(-1.0) * 810000).epsilon(1e-6));
 }
 
-TEST_CASE("a wide plane of many small nested contours gives the same bytes on any number of threads", "[engine][wide]") {
+TEST_CASE("a wide plane of many small nested contours gives the same bytes on any number of threads",
+          "[engine][wide][threads]") {
     shapes::Soup soup;
     std::size_t rings = 0;
     for (int x = 0; soup.size() / 9 < wide; ++x) {

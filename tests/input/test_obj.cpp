@@ -211,7 +211,7 @@ TEST_CASE("a relative OBJ reference reaches only vertices before it", "[input][o
                Contains("line 3, byte 24: vertex number out of range: 2 vertices precede"));
 }
 
-TEST_CASE("the first error of an OBJ file is reported on any number of threads", "[input][obj]") {
+TEST_CASE("the first error of an OBJ file is reported on any number of threads", "[input][obj][threads]") {
     const TempFolder dir;
     std::string text;
     for (int i = 0; i < 200'000; ++i) {  // 4 MB
@@ -243,7 +243,7 @@ TEST_CASE("an OBJ file cut anywhere is read or refused, never misread", "[input]
     }
 }
 
-TEST_CASE("pieces of OBJ text end neither within a statement nor within a comment", "[input][obj]") {
+TEST_CASE("pieces of OBJ text end neither within a statement nor within a comment", "[input][obj][threads]") {
     const TempFolder dir;
     const std::string end = GENERATE(as<std::string>(), "\n", "\r\n", "\r");
     std::string text = "v 0 0 0" + end + "v 1 0 0" + end + "v 0 1 0" + end + "f";

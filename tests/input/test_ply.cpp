@@ -333,7 +333,7 @@ TEST_CASE("ASCII PLY is read in every accepted spelling of numbers", "[input][pl
     CHECK(read_soup(dir, header + vertices + "003 -0 0000000000000000000000001 2\n") == expected);
 }
 
-TEST_CASE("ASCII PLY parsed in many pieces gives every face once, in order", "[input][ply]") {
+TEST_CASE("ASCII PLY parsed in many pieces gives every face once, in order", "[input][ply][threads]") {
     const TempFolder dir;
     const shapes::Indexed sphere = shapes::indexed(shapes::octasphere({1, 2, 3}, 20, 7));  // 5 MB
     Faces faces = triangles_of(sphere);

@@ -91,7 +91,7 @@ TEST_CASE("a solid name of 1 MB is skipped, even one made of keywords", "[input]
     CHECK(read_facets(dir.write("a.stl", text + ascii_stl({facets.begin() + 3, facets.end()}, name))) == facets);
 }
 
-TEST_CASE("ASCII STL parsed in many pieces gives every facet once, in order", "[input]") {
+TEST_CASE("ASCII STL parsed in many pieces gives every facet once, in order", "[input][threads]") {
     const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(30'000);  // 5 MB
     const bool one_line = GENERATE(false, true);

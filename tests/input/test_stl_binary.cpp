@@ -30,7 +30,7 @@ TEST_CASE("a binary file is kept as its bytes", "[input]") {
     CHECK(mesh.value().warnings.empty());
 }
 
-TEST_CASE("a binary file of several read pieces arrives whole", "[input]") {
+TEST_CASE("a binary file of several read pieces arrives whole", "[input][threads]") {
     const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(400'000);  // 20 MB
     CHECK(read_facets(dir.write("large.stl", binary_stl(facets))) == facets);

@@ -99,6 +99,13 @@ TEST_CASE("legacy VTK in every form gives the same triangles", "[input][vtk]") {
     CHECK_FALSE(mesh.states_unit);
 }
 
+TEST_CASE("legacy VTK of many pieces is read by several threads", "[input][vtk][threads]") {
+    const TempFolder dir;
+    const PolyData data = sheet(200);
+    const bool text = GENERATE(false, true);
+    CHECK(read_triangles(dir.write("a.vtk", Legacy{text, 5}(data))) == triangles_of(data));
+}
+
 TEST_CASE("legacy VTK takes points of every type", "[input][vtk]") {
     const TempFolder dir;
     const PolyData data = cube_with_strip();

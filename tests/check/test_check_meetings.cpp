@@ -83,7 +83,7 @@ TEST_CASE("two triangles that cross, overlap or touch are found as such", "[chec
     }
 }
 
-TEST_CASE("every pair of faces that meet is found", "[check][threads]") {
+TEST_CASE("every pair of faces that meet is found", "[check]") {
     // Small and large triangles, coincidences of every kind.
     const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 5)));
     const Soup soup = joined({shapes::random_soup(seed, 60, 40), shapes::random_soup(seed + 100, 60, 3),

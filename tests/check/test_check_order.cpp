@@ -26,7 +26,7 @@ bool has_corner(const Soup& soup, std::int64_t triangle, const Xyz& point) {
 
 }  // namespace
 
-TEST_CASE("the report is the same in any order", "[check][threads]") {
+TEST_CASE("the report is the same in any order", "[check]") {
     const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 13)));
     const Soup soup = faulty(seed);
     CheckOptions options;

@@ -212,7 +212,7 @@ TEST_CASE("the table finds the first plane above a vertex", "[engine][bucket][pl
     }
 }
 
-TEST_CASE("buckets hold the crossed triangles for every kind of input and thread count", "[engine][bucket][threads]") {
+TEST_CASE("buckets hold the crossed triangles for every kind of input and thread count", "[engine][bucket]") {
     const double unit_mm = lamella::default_unit_mm;
     struct Sample {
         const char* name;

@@ -118,7 +118,7 @@ TEST_CASE("certificate: random soups never get a wrong verdict", "[engine][certi
     }
 }
 
-TEST_CASE("certificate: threads and triangle order do not change it", "[engine][certificate][threads]") {
+TEST_CASE("certificate: threads and triangle order do not change it", "[engine][certificate]") {
     const shapes::Soup mesh = hollow();
     lamella::SliceOptions options = uniform(0.1);
     options.transform = lamella::Transform::from_normal(1, 2, 3);

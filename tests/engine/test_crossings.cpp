@@ -235,7 +235,7 @@ TEST_CASE("crossings: they are exact up to the limits of the grid", "[engine][cr
     CHECK(count_in({square(-far, -far, far), square(-1, -1, far)}) == 2);
 }
 
-TEST_CASE("crossings: threads do not change the crossings of intersecting shells", "[engine][crossings][threads]") {
+TEST_CASE("crossings: threads do not change the crossings of intersecting shells", "[engine][crossings]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
     const SliceResult apart = sliced(ball, uniform(0.05));
     CHECK(found(apart, 2).count == 0);

@@ -104,7 +104,7 @@ TEST_CASE("a failing allocation is an error, not an exception", "[engine][errors
     }
 }
 
-TEST_CASE("a stop request cancels slicing", "[engine][cancel][threads]") {
+TEST_CASE("a stop request cancels slicing", "[engine][cancel]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
     lamella::SliceOptions options = uniform(0.01);
     std::atomic<bool> stop = false;
@@ -123,7 +123,7 @@ TEST_CASE("a stop request cancels slicing", "[engine][cancel][threads]") {
     }
 }
 
-TEST_CASE("progress rises from 0 to 1", "[engine][cancel][threads]") {
+TEST_CASE("progress rises from 0 to 1", "[engine][cancel]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
     lamella::SliceOptions options = uniform(0.01);
     options.control.threads = GENERATE(1, 3);
@@ -140,7 +140,7 @@ TEST_CASE("progress rises from 0 to 1", "[engine][cancel][threads]") {
     CHECK(seen.back() == 1);
 }
 
-TEST_CASE("a workspace and a result can be reused, even after errors", "[engine][errors][threads]") {
+TEST_CASE("a workspace and a result can be reused, even after errors", "[engine][errors]") {
     const shapes::Soup small = shapes::octasphere({0, 0, 0}, 3, 2);
     const shapes::Soup large = shapes::octasphere({0, 0, 0}, 10, 5);
     shapes::Soup broken = large;

@@ -40,9 +40,11 @@ std::string answers(const Control& control) {
     lamella::CheckOptions checking;
     checking.control = control;
     const auto found = lamella::check(mesh, checking);
-    REQUIRE((ledger.ok() && volume.ok() && crossings.ok() && found.ok()));
+    const auto info = inspect(mesh, {.unit_mm = 0, .transform = {}, .control = control});
+    REQUIRE((ledger.ok() && volume.ok() && crossings.ok() && found.ok() && info.ok()));
     return std::to_string(hash_result(result)) + " " + std::to_string(ledger->between) + " " +
-           std::to_string(volume->mesh_mm3) + " " + std::to_string(crossings->count) + "\n" +
+           std::to_string(volume->mesh_mm3) + " " + std::to_string(crossings->count) + " " +
+           std::to_string(info->boundary_edges) + " " + std::to_string(info->shells) + "\n" +
            make_check_json(*found).value();
 }
 

@@ -212,7 +212,7 @@ TEST_CASE("ledger: pieces agree with their definition", "[engine][ledger]") {
     }
 }
 
-TEST_CASE("ledger: threads and triangle order do not change it", "[engine][ledger][threads]") {
+TEST_CASE("ledger: threads and triangle order do not change it", "[engine][ledger]") {
     // Large enough for several parts.
     const shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 0}, 10, 6), shapes::octasphere({3, 4, 5}, 10, 6)});
     const SliceResult result = sliced(soup, uniform(0.05));

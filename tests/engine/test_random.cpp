@@ -87,7 +87,7 @@ TEST_CASE("tetrahedra that share edges agree with the oracle and close", "[engin
     }
 }
 
-TEST_CASE("many bands agree with the oracle on soups with coincident corners", "[engine][random][threads]") {
+TEST_CASE("many bands agree with the oracle on soups with coincident corners", "[engine][random]") {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
         lamella::SliceOptions options = through_all(5, ContourForm::swept);
         options.control.threads = 2;

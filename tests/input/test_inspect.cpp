@@ -180,7 +180,7 @@ TEST_CASE("vertices are compared on the grid and degenerate triangles left out",
     CHECK_FALSE(info_of(cube({0, 0, 0}, 0.001F), 0.01).closed);
 }
 
-TEST_CASE("many partitions and chunks give the counts of a torus", "[input][threads]") {
+TEST_CASE("many partitions and chunks give the counts of a torus", "[input]") {
     const int rings = GENERATE(150, 300);
     const MeshInfo info = info_of(torus(rings));
     const auto quads = static_cast<std::uint64_t>(rings) * static_cast<std::uint64_t>(rings);
@@ -191,7 +191,7 @@ TEST_CASE("many partitions and chunks give the counts of a torus", "[input][thre
     CHECK(info.volume_mm3 == Approx(2 * M_PI * M_PI * 20 * 25).epsilon(1e-2));
 }
 
-TEST_CASE("counts do not depend on the order of triangles and vertices", "[input][threads]") {
+TEST_CASE("counts do not depend on the order of triangles and vertices", "[input]") {
     Soup soup = torus(60) + cube({0, 0, 0}, 2) + cube({2, 2, 0}, 2);
     soup.erase(soup.begin() + 17);
     const MeshInfo before = info_of(soup);

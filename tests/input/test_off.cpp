@@ -60,7 +60,7 @@ TEST_CASE("an OFF cube in every form slices like the same cube as STL", "[input]
     CHECK(same(cube().substr(0, cube().size() - 1)));
 }
 
-TEST_CASE("OFF of several pieces gives every vertex and face in order", "[input][off][threads]") {
+TEST_CASE("OFF of several pieces gives every vertex and face in order", "[input][off]") {
     const TempFolder dir;
     std::string text = "OFF\n150000 50001 0\n";
     std::vector<std::array<double, 9>> expected;

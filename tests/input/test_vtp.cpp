@@ -177,7 +177,7 @@ TEST_CASE("VTP takes arrays of every type", "[input][vtp]") {
     }
 }
 
-TEST_CASE("all pieces of VTP are read, one after the other", "[input][vtp][threads]") {
+TEST_CASE("all pieces of VTP are read, one after the other", "[input][vtp]") {
     const TempFolder dir;
     // The second are triangles alone, which are read another way.
     const std::vector<PolyData> pieces = GENERATE(std::vector<PolyData>{cube(3), {}, cube_with_strip(), sheet(90)},

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/disjoint_sets.hpp"
+#include "base/mixed.hpp"
 #include "lamella/array.hpp"
 #include "slicing/grid/mesh_edge.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -31,6 +32,38 @@ struct Side {
 
     Side(const GridVertex& from, const GridVertex& to)
         : edge(MeshEdge::between(std::min(from, to), std::max(from, to))), forward(from < to) {}
+};
+
+/// Vertices that are equal only where their coordinates are: the bits of floats, and of doubles a hash of 96 bits, which
+/// two of 10^9 different vertices share by a chance of 10^-11.
+class ExactReader {
+public:
+    explicit ExactReader(const MeshView& mesh) noexcept : read_(mesh) {}
+
+    GridTriangle operator()(std::size_t t) const noexcept {
+        const RawTriangle raw = read_(t);
+        return {vertex(raw.v), vertex(raw.v + 3), vertex(raw.v + 6)};
+    }
+
+private:
+    GridVertex vertex(const double* xyz) const noexcept {
+        const double x = xyz[0] + 0.0;  // makes a positive zero of a negative one
+        const double y = xyz[1] + 0.0;
+        const double z = xyz[2] + 0.0;
+        if (read_.number() == CoordinateType::f32) {
+            const auto bits = [](double value) { return std::bit_cast<std::int32_t>(static_cast<float>(value)); };
+            return {bits(x), bits(y), bits(z)};
+        }
+        const auto hash = [&](std::uint64_t seed) {
+            return mixed(std::bit_cast<std::uint64_t>(x) ^
+                         mixed(std::bit_cast<std::uint64_t>(y) ^ mixed(std::bit_cast<std::uint64_t>(z) ^ seed)));
+        };
+        const std::uint64_t first = hash(1);
+        return {static_cast<std::int32_t>(first), static_cast<std::int32_t>(first >> 32),
+                static_cast<std::int32_t>(hash(2))};
+    }
+
+    RawReader read_;
 };
 
 template <class Index, class Reader>
@@ -219,15 +252,23 @@ private:
     Array<Index> sides_;
 };
 
+template <class Reader>
+EdgeCensus census_of(const Reader& reader, std::size_t triangles, const Parallel& parallel) {
+    if (triangles < std::numeric_limits<std::uint32_t>::max() / 3) {
+        return Census<std::uint32_t, Reader>(reader, triangles, parallel).run();
+    }
+    return Census<std::uint64_t, Reader>(reader, triangles, parallel).run();
+}
+
 }  // namespace
 
 EdgeCensus count_edges(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel) {
-    return with_reader(mesh, transform, unit_mm, [&]<class Reader>(const Reader& reader) {
-        if (mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3) {
-            return Census<std::uint32_t, Reader>(reader, mesh.triangle_count, parallel).run();
-        }
-        return Census<std::uint64_t, Reader>(reader, mesh.triangle_count, parallel).run();
-    });
+    return with_reader(mesh, transform, unit_mm,
+                       [&](const auto& reader) { return census_of(reader, mesh.triangle_count, parallel); });
+}
+
+EdgeCensus count_exact_edges(const MeshView& mesh, const Parallel& parallel) {
+    return census_of(ExactReader(mesh), mesh.triangle_count, parallel);
 }
 
 }  // namespace lamella

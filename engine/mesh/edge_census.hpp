@@ -22,4 +22,7 @@ struct EdgeCensus {
 /// Precondition: indices in range, coordinates within the grid. Throws std::bad_alloc.
 EdgeCensus count_edges(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel);
 
+/// The same where vertices are one only if their coordinates are equal as numbers.
+EdgeCensus count_exact_edges(const MeshView& mesh, const Parallel& parallel);
+
 }  // namespace lamella

@@ -100,8 +100,12 @@ Result<MeshInfo> inspect_or_throw(const MeshView& mesh, const InspectOptions& op
                           (box.min_mm[2] + box.max_mm[2]) / 2};
     MeshInfo info = describe(box, measure(mesh, options.transform, middle, parallel),
                              count_edges(mesh, options.transform, unit.value(), parallel));
+    info.exact_boundary_edges = count_exact_edges(mesh, parallel).boundary;
     info.triangles = mesh.triangle_count;
     info.unit_mm = unit.value();
+    if (info.degenerate == info.triangles) {
+        return all_collapsed(info.triangles, info.unit_mm);
+    }
     return info;
 }
 

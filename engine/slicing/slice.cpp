@@ -158,6 +158,9 @@ Status Slicing::choose_grid_and_planes() {
 Status Slicing::bucket_triangles() {
     Buckets& buckets = kept_.buckets;
     count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
+    if (buckets.degenerate == mesh_.triangle_count) {
+        return all_collapsed(mesh_.triangle_count, result_.unit_mm);
+    }
     const auto cutting =
         std::count_if(buckets.segments.begin(), buckets.segments.end(), [](auto count) { return count > 0; });
     const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + kept_.planes.size() * sizeof(Layer) +

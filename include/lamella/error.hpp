@@ -26,7 +26,7 @@ enum class ErrorCode : std::uint8_t {
     invalid_argument,  ///< an option that contradicts itself or lies outside its range
     unreadable_file,   ///< missing, a directory, no permission, or it changed while it was read
     malformed_mesh,    ///< the bytes are not a mesh in the format that they claim
-    empty_mesh,        ///< no triangle at all
+    empty_mesh,        ///< no triangle at all, or none with three distinct corners on the grid
     bad_coordinate,    ///< a coordinate that is not finite, or beyond 1e9 mm
     bad_planes,        ///< heights not sorted or not distinct on the grid, a step under two units, too many planes
     result_too_large,  ///< the result is known to exceed the memory limit; nothing was allocated for it

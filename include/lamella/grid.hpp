@@ -13,9 +13,10 @@
 // 2^-20 mm (about 1 nm) for anything within ±1,024 mm, else the next power of two that fits. Equal parts therefore give
 // equal bytes wherever they stand on the grid.
 //
-// Error of each step: a vertex moves at most one unit per axis, a plane at most one unit (two for the side's step below or
-// above a vertex of that very height), and a contour point lies at most half a unit (plus 2^-20 units of floating point)
-// from the exact crossing of the rounded edge with the rounded plane.
+// Error of each step: a vertex moves at most one unit per axis. A plane moves at most half a step of the mesh's number type
+// at its height, and then at most two units: one for the grid and one for the side below or above a vertex of that very
+// height. For floats, half a step is half a unit at 8 mm and 32 units (3.1e-5 mm) at 512 mm. A contour point lies at most
+// half a unit (plus 2^-20 units of floating point) from the exact crossing of the rounded edge with the rounded plane.
 #pragma once
 
 #include <cassert>
@@ -29,6 +30,10 @@ inline constexpr std::int32_t grid_limit = 1 << 30;
 
 /// The unit used when nothing else is asked for, in mm: exactly representable, and 1,024 mm = grid_limit units.
 inline constexpr double default_unit_mm = 1.0 / (1 << 20);
+
+/// Asked for as the unit: the finest power of two, from 2^-49 mm on, of which the mesh's farthest coordinate has at most
+/// grid_limit - 2. For meshes far smaller than a metre. Equal parts at other places may then get other grids.
+inline constexpr double unit_by_box = -1;
 
 /// Inputs with a coordinate beyond this are refused.
 inline constexpr double largest_coordinate_mm = 1e9;

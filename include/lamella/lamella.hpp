@@ -28,6 +28,7 @@
 #include "lamella/mesh.hpp"
 #include "lamella/mesh/check.hpp"
 #include "lamella/mesh/inspect.hpp"
+#include "lamella/mesh/scale.hpp"
 #include "lamella/mesh/weld.hpp"
 #include "lamella/planes.hpp"
 #include "lamella/result.hpp"

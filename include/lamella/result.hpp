@@ -155,7 +155,7 @@ struct SliceResult {
         return {points.data() + contour.first_point, contour.point_count};
     }
     PointMm to_mm(Point point) const noexcept { return {point.x * unit_mm, point.y * unit_mm}; }
-    /// Where a layer was really cut: `to_mm(layer.plane)`, within two grid units of the height asked for.
+    /// Where a layer was really cut: `to_mm(layer.plane)`. How far from the height asked for: see grid.hpp.
     double to_mm(PlaneHeight height) const noexcept { return height.z() * unit_mm; }
     /// Net solid area of a layer, mm²: outers minus holes. O(contours). Open polylines enclose nothing: where
     /// `summary.open_contours` is not 0 the area may be too small; check() then says where the mesh is open.

@@ -32,7 +32,7 @@ struct WorkspaceParts;
 
 struct SliceOptions {
     LayerPlan plan{};
-    double unit_mm = 0;     ///< grid unit; 0 chooses the default (see grid.hpp)
+    double unit_mm = 0;     ///< grid unit; 0 chooses the default, unit_by_box the finest (see grid.hpp)
     Transform transform{};  ///< from the mesh's coordinates to mm and to the slicing direction, which is z
     FillRule fill_rule = FillRule::contours;
     double close_gaps_mm = 0;              ///< join ends of open polylines at most so far apart; 0 joins none

@@ -176,7 +176,9 @@ TEST_CASE("faces without area are found, collapsed or not", "[check]") {
 }
 
 TEST_CASE("collapsing is judged on the grid", "[check]") {
-    const Soup soup = triangle({0, 0, 0}, {0.3, 0, 0}, {0, 8, 0});
+    Soup soup = triangle({0, 0, 0}, {0.3, 0, 0}, {0, 8, 0});
+    const Soup whole = triangle({0, 0, 10}, {9, 0, 10}, {0, 8, 10});
+    soup.insert(soup.end(), whole.begin(), whole.end());
     CHECK(findings_of(soup).of(Fault::collapsed_face).count == 0);
     CheckOptions coarse;
     coarse.unit_mm = 1;

@@ -160,6 +160,31 @@ TEST_CASE("every plane is rounded from its exact height", "[engine][planes]") {
     }
 }
 
+TEST_CASE("a plane is cut within half a number step and two units of the height asked for", "[engine][planes]") {
+    const double low = GENERATE(0.3, 7.9, 100.7, 700.1);
+    const shapes::Soup mesh = box({0, 0, low}, {1, 1, low + 3.3});
+    const std::vector<float> floats(mesh.begin(), mesh.end());
+    lamella::SliceOptions options = uniform(0.0137);
+    options.plan.side = GENERATE(PlaneSide::below, PlaneSide::above);
+    const double toward = options.plan.side == PlaneSide::below ? -1 : 1;
+    double farthest_units = 0;
+    for (const bool as_floats : {false, true}) {
+        const auto view = as_floats ? lamella::MeshView::soup(std::span<const float>(floats)) : view_of(mesh);
+        const lamella::Result<lamella::SliceResult> cut = slice(view, options);
+        REQUIRE(cut.ok());
+        const lamella::SliceResult& result = *cut;
+        REQUIRE(result.layers.size() > 200);
+        for (const lamella::Layer& layer : result.layers) {
+            const double asked = layer.plane_mm;
+            const double step = as_floats ? std::nextafter(static_cast<float>(asked), 1e9F) - static_cast<float>(asked) : 0;
+            const double moved_units = (result.to_mm(layer.plane) - asked) / result.unit_mm;
+            CHECK(std::abs(moved_units - toward) <= step / 2 / result.unit_mm + 1.001);
+            farthest_units = std::max(farthest_units, std::abs(moved_units));
+        }
+    }
+    CHECK(farthest_units > (low > 512 ? 20 : 1));  // at 700 mm the bound of two units does not hold for floats
+}
+
 TEST_CASE("facets that end within a unit of uniform planes are cut by the right planes", "[engine][planes]") {
     // Slivers that begin and end next to planes, where division alone would be off by one.
     shapes::Soup soup = box({0, 0, 0}, {1, 1, 30});

@@ -73,7 +73,7 @@ TEST_CASE("gzip data that expand beyond the limit are refused before they are un
 TEST_CASE("unpacked gzip data are recognised by content, and gzip within gzip is refused", "[input][gzip]") {
     const TempFolder dir;
     CHECK(read_error(dir.write("a.stl.gz", gzipped(""))).message.find("is empty") != std::string::npos);
-    CHECK(read_error(dir.write("a.stl.gz", gzipped("<html>"))).message.find("'<html>'") != std::string::npos);
+    CHECK(read_error(dir.write("a.stl.gz", gzipped("<xml>"))).message.find("'<xml>'") != std::string::npos);
     const Error twice = read_error(dir.write("a.stl.gz", gzipped(gzipped(binary_stl(numbered_facets(1))))));
     CHECK(twice.code == ErrorCode::malformed_mesh);
     CHECK(twice.message.find("is compressed twice") != std::string::npos);
@@ -104,6 +104,33 @@ TEST_CASE("an STL file may have any name", "[input]") {
         CHECK(read_facets(dir.write(name, binary_stl(facets))) == facets);
         CHECK(read_facets(dir.write(name, ascii_stl(facets))) == facets);
     }
+}
+
+TEST_CASE("what is no mesh is named for what it is, under any name", "[input]") {
+    const TempFolder dir;
+    for (const char* name : {"a.stl", "a.obj", "a.ply", "a.vtk", "a.3mf", "a.txt"}) {
+        const auto message = [&](const std::string& bytes) { return read_error(dir.write(name, bytes)).message; };
+        INFO(name);
+        CHECK(message("<!DOCTYPE html>\r\n<html>\n").find("is an HTML page") != std::string::npos);
+        CHECK(message("\n  <HTML>\nv 1 2 3\n").find("is an HTML page") != std::string::npos);
+        CHECK(message("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 12\n").find("is a Git LFS pointer") !=
+              std::string::npos);
+        CHECK(message(std::string("\xFF\xFEv\0 \0", 6)).find("is text in UTF-16") != std::string::npos);
+    }
+    CHECK(read_error(dir.write("a.obj", std::string("v 1 2 3\n\0\1\2", 11))).message.find("no OBJ file as text") !=
+          std::string::npos);
+}
+
+TEST_CASE("an OBJ file by name may begin with a comment without its mark", "[input][obj]") {
+    const TempFolder dir;
+    const std::string statements = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const MeshFile mesh = read_one(dir.write("a.obj", "Exported by hand\n\n" + statements));
+    CHECK(mesh.triangle_count == 1);
+    CHECK(mesh.warnings ==
+          std::vector<std::string>{(dir / "a.obj").string() +
+                                   ": ignored 1 statement that is not read, the first in line 1: 'Exported'"});
+    CHECK_FALSE(read_mesh(dir.write("a.txt", "Exported by hand\n" + statements)).ok());
+    CHECK_FALSE(read_mesh(dir.write("b.obj", "vase and flowers\nvery nice\n")).ok());
 }
 
 }  // namespace

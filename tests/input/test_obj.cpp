@@ -193,10 +193,10 @@ TEST_CASE("unread OBJ statements that may hold a shape give one warning", "[inpu
         return std::vector<std::string>{(dir / "a.obj").string() + ": ignored " + what};
     };
     CHECK(warnings("g a\no b\ns 1\nusemtl c\nvn 0 0 1\nvt 0 0\nvp 1\nl 1 2\np 1\n# surf\nlod 3\nmtllib surf\n").empty());
-    CHECK(warnings("surf 0 1 0 1 1 2\n") == ignored("1 statements that are not read, the first in line 15: 'surf'"));
+    CHECK(warnings("surf 0 1 0 1 1 2\n") == ignored("1 statement that is not read, the first in line 15: 'surf'"));
     CHECK(warnings("vn 0 0 1\ncstype bezier\ncurv2 1 2\nend\ncurv 0 1 \\\n surf\ncall x.obj\n") ==
           ignored("3 statements that are not read, the first in line 17: 'curv2'"));
-    CHECK(warnings("F 1 2 3\n") == ignored("1 statements that are not read, the first in line 15: 'F'"));
+    CHECK(warnings("F 1 2 3\n") == ignored("1 statement that is not read, the first in line 15: 'F'"));
     std::string far;  // several pieces
     for (int i = 0; i < 300'000; ++i) {
         far += "vn 0 0 1\n";

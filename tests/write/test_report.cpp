@@ -122,6 +122,7 @@ TEST_CASE("report: every layer with open polylines is listed, with the first ten
     CHECK(open[0].at("first")[9] == json({{"from_mm", {3, 49}}, {"to_mm", {0, 45}}, {"gap_mm", 5}}));
     CHECK(open[1] == json({{"layer", 3},
                            {"plane_mm", 1.75},
+                           {"cut_mm", 3.5},
                            {"count", 1},
                            {"first", {{{"from_mm", {10, 1.5}}, {"to_mm", {10, 0}}, {"gap_mm", 1.5}}}},
                            {"not_listed", 0}}));
@@ -144,8 +145,12 @@ TEST_CASE("report: every closed gap is listed, however many", "[write]") {
     CHECK(gaps.at("longest_mm") == 6);
     CHECK(gaps.at("total_mm") == 499 * 0.5 + 6);
     REQUIRE(gaps.at("closings").size() == 500);
-    CHECK(gaps.at("closings")[123] ==
-          json({{"layer", 0}, {"plane_mm", 0.25}, {"from_mm", {61.5, 0}}, {"to_mm", {61.5, 6}}, {"length_mm", 6}}));
+    CHECK(gaps.at("closings")[123] == json({{"layer", 0},
+                                            {"plane_mm", 0.25},
+                                            {"cut_mm", 0.5},
+                                            {"from_mm", {61.5, 0}},
+                                            {"to_mm", {61.5, 6}},
+                                            {"length_mm", 6}}));
     CHECK(gaps.at("closings")[499].at("layer") == 1);
 }
 

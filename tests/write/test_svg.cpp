@@ -53,7 +53,8 @@ std::vector<double> only_points(const std::string& text) {
 TEST_CASE("svg: layers, contours, holes and open polylines in Slic3r's convention", "[write]") {
     const std::string svg = svg_of(write_test::square_with_hole());
     CHECK(svg.find("xmlns:slic3r=\"http://slic3r.org/namespaces/slic3r\"") != std::string::npos);
-    CHECK(svg.find("<g id=\"layer0\" slic3r:z=\"0.25\" slic3r:layer-height=\"0.5\"") != std::string::npos);
+    CHECK(svg.find("<g id=\"layer0\" slic3r:z=\"0.25\" lamella:cut-z=\"0.5\" slic3r:layer-height=\"0.5\"") !=
+          std::string::npos);
     CHECK(svg.find("<g id=\"layer1\" slic3r:z=\"0.75\"") != std::string::npos);
     CHECK(svg.find("<g id=\"layer2\" slic3r:z=\"1.25\"") != std::string::npos);
     CHECK(svg.find("<polygon slic3r:type=\"contour\" points=\"0,0 10,0 10,10 0,10\"/>\n"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "lamella/mesh/check.hpp"
 #include "mesh_input.hpp"
 #include "output_path.hpp"
+#include "scale_words.hpp"
 
 namespace lamella::cli {
 
@@ -30,6 +32,7 @@ struct CheckArguments : MeshArguments {
     std::string marks;
     double tolerance_mm = CheckOptions{}.tolerance_mm;
     std::size_t places = CheckOptions{}.most_places;
+    bool all_kinds = false;
 
     bool report_to_stdout() const { return report == "-"; }
 };
@@ -43,6 +46,7 @@ void require_outputs(const CheckArguments& arguments) {
     if (!arguments.marks.empty()) {
         require_writable(arguments.marks);
         require_different(arguments.marks, arguments.mesh, "--marks", "the mesh");
+        require_extension(arguments.marks, "--marks", ".ply");
     }
 }
 
@@ -76,12 +80,17 @@ void run(const CheckArguments& arguments, Interrupt& interrupt) {
     require_tolerance(arguments);
     require_outputs(arguments);
     interrupt.tidy({arguments.report, arguments.marks});
-    const MeshFile mesh = read_mesh_and_warn(arguments);
+    MeshFile mesh = read_mesh_and_warn(arguments);
     const MeshCheck found = checked(arguments, mesh);
+    for (std::string& doubt :
+         doubts_of_scale(arguments, mesh, {found.info.min_mm, found.info.max_mm, found.info.unit_mm, std::nullopt})) {
+        warn(doubt);
+        mesh.warnings.push_back(std::move(doubt));
+    }
     if (!arguments.marks.empty()) {
         require(write_marks(found, arguments.marks));
     }
-    const std::string words = check_words(arguments.mesh, mesh, found, arguments.places);
+    const std::string words = check_words(arguments.mesh, mesh, found, {arguments.places, arguments.all_kinds});
     if (arguments.report.empty()) {
         print(words);
         return;
@@ -118,6 +127,7 @@ void add_check_command(CLI::App& app, Interrupt& interrupt) {
     command->add_option("--places", arguments->places, "List at most N places of each kind (10)")
         ->type_name("N")
         ->check(CLI::Range(0, static_cast<int>(most_marks)));
+    command->add_flag("--all", arguments->all_kinds, "List the kinds of faults that were not found, too");
     command->callback([arguments, &interrupt] { run(*arguments, interrupt); });
 }
 

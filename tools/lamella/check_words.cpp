@@ -6,6 +6,7 @@
 #include "failure.hpp"
 #include "lamella/io/check_report.hpp"
 #include "mesh_input.hpp"
+#include "scale_words.hpp"
 
 namespace lamella::cli {
 
@@ -95,19 +96,22 @@ std::string shell_words(const MeshCheck& check, std::size_t most) {
 
 }  // namespace
 
-std::string check_words(const std::string& path, const MeshFile& mesh, const MeshCheck& check, std::size_t most) {
-    std::string text = line("mesh", path + ", " + description(mesh)) + line("triangles", grouped(check.info.triangles)) +
-                       line("edges", grouped(check.info.edges)) + line("grid", exact_text(check.info.unit_mm) + " mm") +
-                       line("tolerance", exact_text(check.tolerance_mm) + " mm") +
-                       line("slivers", "from " + exact_text(check.sliver_ratio) + " : 1");
+std::string check_words(const std::string& path, const MeshFile& mesh, const MeshCheck& check, const CheckWords& how) {
+    std::string text = line("mesh", path + ", " + description(mesh));
     for (std::size_t i = 0; i < fault_count; ++i) {
-        text += words(static_cast<Fault>(i), check.findings[i], most);
+        if (how.all_kinds || check.findings[i].count > 0 || check.findings[i].at_least) {
+            text += words(static_cast<Fault>(i), check.findings[i], how.most_places);
+        }
     }
+    text += line("triangles", grouped(check.info.triangles)) + line("edges", grouped(check.info.edges)) +
+            line("grid", exact_text(check.info.unit_mm) + " mm" + joined_by_grid(check.info)) +
+            line("tolerance", exact_text(check.tolerance_mm) + " mm") +
+            line("slivers", "from " + exact_text(check.sliver_ratio) + " : 1");
     const Result<std::string> verdict = make_verdict(check);
     if (!verdict) {
         throw failure_of(verdict.error());
     }
-    return text + shell_words(check, most) + *verdict + "\n";
+    return text + shell_words(check, how.most_places) + *verdict + "\n";
 }
 
 }  // namespace lamella::cli

@@ -9,7 +9,12 @@
 
 namespace lamella::cli {
 
-/// One line a kind with its count, below it at most `most` places; the last line is the verdict.
-std::string check_words(const std::string& path, const MeshFile& mesh, const MeshCheck& check, std::size_t most);
+struct CheckWords {
+    std::size_t most_places;  ///< of each kind
+    bool all_kinds;           ///< also those that were not found
+};
+
+/// One line a kind with its count, below it its places; then what was examined; the last line is the verdict.
+std::string check_words(const std::string& path, const MeshFile& mesh, const MeshCheck& check, const CheckWords& how);
 
 }  // namespace lamella::cli

@@ -1,4 +1,6 @@
 // lamella info: what a mesh is, and whether it is closed.
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -8,6 +10,7 @@
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/mesh/inspect.hpp"
 #include "mesh_input.hpp"
+#include "scale_words.hpp"
 
 namespace lamella::cli {
 
@@ -22,14 +25,34 @@ std::string box(const MeshInfo& info) {
     return text + " mm";
 }
 
+std::string size(const MeshInfo& info) {
+    std::string text;
+    for (int axis = 0; axis < 3; ++axis) {
+        text += (axis == 0 ? "" : " x ") + measure_text(info.max_mm[axis] - info.min_mm[axis]);
+    }
+    return text + " mm";
+}
+
+/// Planes lie in the middle of their layers.
+std::string layers(const MeshInfo& info) {
+    std::string text;
+    for (const double layer_mm : {0.1, 0.2}) {
+        const double count = std::max(0.0, std::ceil((info.max_mm[2] - info.min_mm[2]) / layer_mm - 0.5));
+        text += (text.empty() ? "" : ", ") + rounded(count, 0) + " of " + exact_text(layer_mm) + " mm";
+    }
+    return text;
+}
+
 std::string words(const std::string& path, const MeshFile& mesh, const MeshInfo& info) {
     return "mesh            " + path + ", " + description(mesh) + "\ntriangles       " + grouped(info.triangles) +
-           "\ndegenerate      " + grouped(info.degenerate) + "\nbox             " + box(info) + "\narea            " +
-           rounded(info.area_mm2, 3) + " mm2\nvolume          " + rounded(info.volume_mm3, 3) + " mm3" +
+           "\ndegenerate      " + grouped(info.degenerate) + "\nbox             " + box(info) + "\nsize            " +
+           size(info) + "\nlayers          " + layers(info) + "\narea            " + measure_text(info.area_mm2) +
+           " mm2\nvolume          " + measure_text(info.volume_mm3) + " mm3" +
            (info.closed ? "" : " (not meaningful: the mesh is not closed)") + "\nedges           " + grouped(info.edges) +
            "\nboundary edges  " + grouped(info.boundary_edges) + "\nover-full edges " + grouped(info.overfull_edges) +
            "\nflipped edges   " + grouped(info.mismatched_edges) + "\nshells          " + grouped(info.shells) +
-           "\ngrid            " + exact_text(info.unit_mm) + " mm\nclosed          " + (info.closed ? "yes" : "no") + "\n";
+           "\ngrid            " + exact_text(info.unit_mm) + " mm" + joined_by_grid(info) + "\nclosed          " +
+           (info.closed ? "yes" : "no") + "\n";
 }
 
 void run(const MeshArguments& arguments) {
@@ -37,6 +60,11 @@ void run(const MeshArguments& arguments) {
     const Result<MeshInfo> info = inspect(mesh, {.control = {.threads = arguments.threads}});
     if (!info) {
         throw Failure(failure_of(info.error()).status(), arguments.mesh + ": " + info.error().message);
+    }
+    constexpr double common_layer_mm = 0.2;
+    for (const std::string& doubt :
+         doubts_of_scale(arguments, mesh, {info->min_mm, info->max_mm, info->unit_mm, common_layer_mm})) {
+        warn(doubt);
     }
     print(words(arguments.mesh, mesh, info.value()));
 }

@@ -38,6 +38,7 @@ void run(MakeArguments& arguments, Interrupt& interrupt) {
         throw Failure(bad_usage, "--order: '" + arguments.order + "' is not one of z|random");
     }
     require_writable(arguments.output);
+    require_extension(arguments.output, "--output", ".stl");
     interrupt.tidy({arguments.output});
     arguments.recipe.shape = *shape;
     arguments.recipe.order = arguments.order == "z" ? models::Order::z : models::Order::random;

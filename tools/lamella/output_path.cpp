@@ -1,5 +1,7 @@
 #include "output_path.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
@@ -36,6 +38,16 @@ void require_writable(const std::string& path) {
     }
     if (!std::filesystem::is_directory(folder, unknown)) {
         throw unwritable(path, ENOTDIR);
+    }
+}
+
+void require_extension(const std::string& path, const std::string& option, const std::string& extension) {
+    std::string own = std::filesystem::path(path).extension().string();
+    std::transform(own.begin(), own.end(), own.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::error_code unknown;
+    if (!own.empty() && own != extension && !std::filesystem::is_other(path, unknown)) {
+        throw Failure(bad_usage,
+                      option + ": '" + path + "': no format that is written ends in " + own + "; there is " + extension);
     }
 }
 

@@ -80,6 +80,21 @@ ExplicitPlanes explicit_planes(const std::string& text, SliceRequest& request) {
     return {std::move(file.values)};
 }
 
+double grid_unit(const std::string& text) {
+    if (text.empty()) {
+        return 0;
+    }
+    if (text == "auto") {
+        return unit_by_box;
+    }
+    const std::optional<double> unit = parse_number(text);
+    if (!unit) {
+        throw Failure(bad_usage, "--grid: '" + text + "' is neither a number of mm nor auto");
+    }
+    require_positive(unit, "--grid");
+    return *unit;
+}
+
 Transform transform_from_file(const std::string& path) {
     const NumberFile file = read_numbers(path);
     const std::size_t count = file.values.size();
@@ -156,8 +171,11 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     declare_mesh(command, arguments);
     command.add_option("-o,--output", arguments.output, "Layered SVG to write")->type_name("OUT.svg")->check(given_path);
     declare_planes(command, arguments);
-    command.add_option("--grid", arguments.grid_mm, "Unit of the integer grid (2^-20 mm, or more if the mesh needs it)")
-        ->type_name("MM");
+    command
+        .add_option("--grid", arguments.grid,
+                    "Unit of the integer grid (2^-20 mm, or more if the mesh needs it); auto: the finest that it fits")
+        ->type_name("MM|auto")
+        ->check(given);
     command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart before slicing (off)")->type_name("MM");
     command.add_option("--close-gaps", arguments.close_gaps_mm, "Join ends of open polylines at most MM apart (off)")
         ->type_name("MM");
@@ -201,8 +219,7 @@ SliceRequest request_of(const SliceArguments& arguments) {
         plan.spacing = uniform_layers(arguments);
     }
     plan.side = arguments.side;
-    require_positive(arguments.grid_mm, "--grid");
-    request.options.unit_mm = arguments.grid_mm.value_or(0);
+    request.options.unit_mm = grid_unit(arguments.grid);
     request.options.transform = transform_of(arguments);
     for (const auto& [value, option] :
          {std::pair{&arguments.weld_mm, "--weld"}, {&arguments.close_gaps_mm, "--close-gaps"}}) {

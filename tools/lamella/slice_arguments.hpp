@@ -25,7 +25,7 @@ struct SliceArguments : MeshArguments {
     std::optional<double> first_height_mm;
     Datum datum = Datum::mesh_min;
     PlaneSide side = PlaneSide::below;
-    std::optional<double> grid_mm;
+    std::string grid;
     std::optional<double> weld_mm;
     std::optional<double> close_gaps_mm;
     FillRule fill_rule = FillRule::contours;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "commands.hpp"
@@ -13,6 +14,7 @@
 #include "lamella/lamella.hpp"
 #include "mesh_input.hpp"
 #include "output_path.hpp"
+#include "scale_words.hpp"
 #include "slice_arguments.hpp"
 #include "slice_summary.hpp"
 
@@ -34,6 +36,7 @@ public:
         if (result.summary.segments == 0) {
             note(why_nothing_is_cut(result.summary));
         }
+        note_doubts_of_scale(result, mesh);
         write(result);
         run_.total_ms = total_.ms();
         run_.peak_rss_bytes = peak_rss_bytes();
@@ -46,6 +49,7 @@ private:
         if (!arguments_.output.empty()) {
             require_writable(arguments_.output);
             require_different(arguments_.output, arguments_.mesh, "--output", "the mesh");
+            require_extension(arguments_.output, "--output", ".svg");
         }
         if (!arguments_.report.empty() && !arguments_.report_to_stdout()) {
             require_writable(arguments_.report);
@@ -54,13 +58,19 @@ private:
         }
     }
 
-    std::string why_nothing_is_cut(const SliceSummary& found) const {
-        if (welded_ && welded_->joined > 0 && found.degenerate == found.triangles) {
-            return "welding at " + exact_text(*arguments_.weld_mm) + " mm leaves no triangle of " +
-                   grouped(found.triangles) + ", so nothing is cut";
-        }
+    static std::string why_nothing_is_cut(const SliceSummary& found) {
         return "no plane meets the mesh, which reaches from " + exact_text(found.min_mm[2]) + " to " +
                exact_text(found.max_mm[2]) + " mm along the slicing direction";
+    }
+
+    void note_doubts_of_scale(const SliceResult& result, const MeshFile& mesh) {
+        const auto* layers = std::get_if<UniformLayers>(&result.plan.spacing);
+        const auto height = layers != nullptr ? std::optional(layers->layer_height_mm) : std::nullopt;
+        const bool moved = !arguments_.transform.empty() || !arguments_.normal.empty();
+        for (const std::string& doubt : doubts_of_scale(
+                 arguments_, mesh, {result.summary.min_mm, result.summary.max_mm, result.unit_mm, height, moved})) {
+            note(doubt);
+        }
     }
 
     void note(const std::string& warning) {
@@ -110,6 +120,10 @@ private:
         const auto plane = static_cast<std::size_t>(error.plane);
         if (error.code == ErrorCode::bad_planes && plane < request.plane_lines.size()) {
             return {bad_input, arguments_.planes + ":" + std::to_string(request.plane_lines[plane]) + ": " + error.message};
+        }
+        if (error.code == ErrorCode::empty_mesh && welded_ && welded_->joined > 0) {
+            return {bad_input, arguments_.mesh + ": welding at " + exact_text(*arguments_.weld_mm) +
+                                   " mm leaves nothing: " + error.message};
         }
         // Of an option the message says all; of a mesh it must say which.
         return failure.status() == bad_input ? Failure(bad_input, arguments_.mesh + ": " + error.message) : failure;

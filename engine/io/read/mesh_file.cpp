@@ -11,6 +11,7 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/words.hpp"
+#include "io/read/foreign.hpp"
 #include "io/read/gzip.hpp"
 #include "io/read/reader.hpp"
 #include "io/text/text.hpp"
@@ -23,7 +24,7 @@ namespace {
 /// statements, so that a format which might too stands before it.
 constexpr std::array all_readers = {
     Reader{MeshFormat::stl, "STL", ".stl", looks_like_stl, read_stl},
-    Reader{MeshFormat::obj, "OBJ", ".obj", looks_like_obj, read_obj},
+    Reader{MeshFormat::obj, "OBJ", ".obj", looks_like_obj, read_obj, may_be_obj},
     Reader{MeshFormat::off, "OFF", ".off", looks_like_off, read_off, looks_like_headless_off},
     Reader{MeshFormat::ply, "PLY", ".ply", looks_like_ply, read_ply},
     Reader{MeshFormat::vtk, "VTK", ".vtk", looks_like_vtk, read_vtk},
@@ -121,6 +122,11 @@ Result<MeshFile> read_source(FileSource& source, const std::filesystem::path& pa
     }
     std::vector<std::string> warnings;
     const Reader* const reader = choose_reader(source, path, warnings);
+    if (reader == nullptr || !reader->recognises(source)) {
+        if (const std::string foreign = foreign_content(source.sample()); !foreign.empty()) {
+            return source.error(ErrorCode::malformed_mesh, foreign, 0);
+        }
+    }
     if (reader == nullptr) {
         return unrecognised(source);
     }

@@ -93,6 +93,7 @@ struct Reader {
 bool looks_like_stl(const FileSource& source);
 Result<MeshFile> read_stl(FileSource& source);
 bool looks_like_obj(const FileSource& source);
+bool may_be_obj(const FileSource& source);
 Result<MeshFile> read_obj(FileSource& source);
 bool looks_like_off(const FileSource& source);
 bool looks_like_headless_off(const FileSource& source);

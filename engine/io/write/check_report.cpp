@@ -106,6 +106,8 @@ void write_report(JsonText& json, const MeshCheck& check, const ReportParts& par
     write_mesh(json, parts);
     json.member("triangles", info.triangles);
     json.member("edges", info.edges);
+    json.member("boundary_edges_on_grid", info.boundary_edges);
+    json.member("boundary_edges_exact", info.exact_boundary_edges);
     json.member("grid_mm", info.unit_mm);
     json.member("tolerance_mm", check.tolerance_mm);
     json.member("sliver_ratio", check.sliver_ratio);

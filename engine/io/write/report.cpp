@@ -95,10 +95,11 @@ std::array<double, 2> place_mm(const SliceResult& result, const Point& point) {
     return {point.x * result.unit_mm, point.y * result.unit_mm};
 }
 
-/// Which layer, and the height asked for.
+/// Which layer, the height asked for, and the one cut.
 void write_layer(JsonText& json, const SliceResult& result, std::size_t layer) {
     json.member("layer", layer);
     json.member("plane_mm", result.layers[layer].plane_mm);
+    json.member("cut_mm", result.to_mm(result.layers[layer].plane));
 }
 
 /// Its ends, and how far apart they are by that name.

@@ -105,7 +105,7 @@ public:
         out_.append(
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
             "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" "
-            "xmlns:slic3r=\"http://slic3r.org/namespaces/slic3r\" width=\"" +
+            "xmlns:slic3r=\"http://slic3r.org/namespaces/slic3r\" xmlns:lamella=\"urn:lamella\" width=\"" +
             width + "mm\" height=\"" + height + "mm\" viewBox=\"" + left + " " + top + " " + width + " " + height +
             "\" fill-rule=\"nonzero\">\n");
         out_.append("<title>" + counted(result_.layers.size(), "layer") + "</title>\n<desc>" + description() + "</desc>\n");
@@ -116,7 +116,7 @@ public:
     void layer(std::size_t index) {
         const Layer& layer = result_.layers[index];
         out_.append("<g id=\"layer" + std::to_string(index) + "\" slic3r:z=\"" + exact_text(layer.plane_mm) +
-                    "\" slic3r:layer-height=\"" + mm(layer.top_mm - layer.bottom_mm) + "\" fill=\"" + colour(index) +
+                    "\" lamella:cut-z=\"" + exact_text(result_.to_mm(layer.plane)) + "\" slic3r:layer-height=\"" + mm(layer.top_mm - layer.bottom_mm) + "\" fill=\"" + colour(index) +
                     "\" transform=\"scale(1,-1)\">\n");
         for (std::uint64_t c = layer.first_contour; c < layer.first_contour + layer.contour_count; ++c) {
             contour(c);

@@ -132,7 +132,7 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, 
     const auto workers = static_cast<std::size_t>(parallel.threads());
     std::vector<Partial> partial(workers);
     std::vector<std::int64_t> bad_index(workers, std::numeric_limits<std::int64_t>::max());
-    table.near_mm = BlockTable::near_mm_for(unit_mm != 0 ? unit_mm : default_unit_mm);
+    table.near_mm = BlockTable::near_mm_for(unit_mm > 0 ? unit_mm : default_unit_mm);
     table.blocks.resize_discarding(block_count(mesh.triangle_count));
     parallel.run_ranges(table.blocks.size(), grain, [&](std::size_t begin, std::size_t end, int worker) {
         const auto w = static_cast<std::size_t>(worker);
@@ -168,6 +168,14 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, 
     return bounds;
 }
 
+double finest_unit(double farthest_mm) noexcept {
+    double unit = 0x1p-49;
+    while (farthest_mm > unit * (grid_limit - 2)) {
+        unit *= 2;
+    }
+    return unit;
+}
+
 Result<double> choose_unit(const Bounds& bounds, double asked_mm) {
     double largest = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -180,6 +188,9 @@ Result<double> choose_unit(const Bounds& bounds, double asked_mm) {
         }
         return unit;
     }
+    if (asked_mm == unit_by_box) {
+        return finest_unit(largest);
+    }
     if (!(asked_mm > 0) || !(asked_mm <= largest_coordinate_mm) || asked_mm < 1e-15) {
         return Error{ErrorCode::invalid_argument, "the grid unit must be between 1e-15 and 1e9 mm"};
     }
@@ -189,6 +200,12 @@ Result<double> choose_unit(const Bounds& bounds, double asked_mm) {
                                                     exact_text(asked_mm) + " mm cannot hold in 32 bits"};
     }
     return asked_mm;
+}
+
+Error all_collapsed(std::size_t triangles, double unit_mm) {
+    return {ErrorCode::empty_mesh,
+            (triangles == 1 ? "the triangle has" : "each of " + counted(triangles, "triangle") + " has") +
+                std::string(" two equal corners on the grid of ") + exact_text(unit_mm) + " mm"};
 }
 
 }  // namespace lamella

@@ -20,7 +20,8 @@ struct SvgOptions {
     Control control{};
 };
 
-/// Writes `result` in the convention of Slic3r: a `<g id="layerN" slic3r:z="mm">` per layer, in it a `<polygon>` of
+/// Writes `result` in the convention of Slic3r: a `<g id="layerN" slic3r:z="mm" lamella:cut-z="mm">` per layer, with the
+/// height asked for and the one cut (grid.hpp says how far apart they may be), in it a `<polygon>` of
 /// `slic3r:type` contour, hole or flat per contour, and a `<polyline>` of type open per open one. Coordinates are in mm,
 /// rounded to 1e-6 mm or to the grid, whichever is coarser. A transform turns y up, and the viewBox lies around the mesh.
 /// `<desc>` holds the grid, the rounding rule, the datum and the frame.

@@ -23,8 +23,10 @@ struct MeshInfo {
     double max_mm[3] = {0, 0, 0};
     double volume_mm3 = 0;  ///< signed; meaningful for closed meshes
     double area_mm2 = 0;
-    std::uint64_t edges = 0;             ///< distinct, degenerate triangles left out
-    std::uint64_t boundary_edges = 0;    ///< with one face
+    std::uint64_t edges = 0;           ///< distinct, degenerate triangles left out
+    std::uint64_t boundary_edges = 0;  ///< with one face
+    /// boundary_edges of the coordinates as they are. More than those of the grid: it joins vertices that nearly meet.
+    std::uint64_t exact_boundary_edges = 0;
     std::uint64_t overfull_edges = 0;    ///< with more than two
     std::uint64_t mismatched_edges = 0;  ///< with two faces that run the same way (a flipped neighbour)
     std::uint64_t shells = 0;            ///< sets of triangles connected over edges

@@ -193,8 +193,9 @@ void warn_of_skipped(const FileSource& source, std::string_view text, std::span<
     if (skipped.count > 0) {
         const auto offset = static_cast<std::size_t>(skipped.first - text.data());
         mesh.warnings.push_back(source.name() + ": ignored " + std::to_string(skipped.count) +
-                                " statements that are not read, the first in line " + std::to_string(line_of(text, offset)) +
-                                ": " + word_at(skipped.first, text.data() + text.size()));
+                                (skipped.count == 1 ? " statement that is" : " statements that are") +
+                                " not read, the first in line " + std::to_string(line_of(text, offset)) + ": " +
+                                word_at(skipped.first, text.data() + text.size()));
     }
 }
 
@@ -221,7 +222,23 @@ bool looks_like_obj(const FileSource& source) {
     return word_end != end && std::find(statements.begin(), statements.end(), word) != statements.end();
 }
 
+/// By a vertex further down: what precedes it is then left out with a warning, as a comment without its '#'.
+bool may_be_obj(const FileSource& source) {
+    const std::string_view text = source.sample();
+    const char* const end = text.data() + text.size();
+    for (const char* line = text.data(); line != end; line = skip_space(skip_line(line, end), end)) {
+        if (end - line > 2 && *line == 'v' && is_blank(line[1])) {
+            const char first = *skip_blank(line + 1, end - 1);
+            return is_text(text) && (is_digit(first) || first == '-' || first == '+' || first == '.');
+        }
+    }
+    return false;
+}
+
 Result<MeshFile> read_obj(FileSource& source) {
+    if (!is_text(source.sample())) {
+        return source.error(ErrorCode::malformed_mesh, "is no OBJ file as text; no other OBJ is read", 0);
+    }
     const Result<FileText> contents = source.take_text();
     if (!contents) {
         return contents.error();

@@ -1,0 +1,117 @@
+// The grid's unit, and meshes that are too small or too far away for their grid and their numbers.
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "lamella/lamella.hpp"
+
+using lamella::CoordinateType;
+using lamella::ErrorCode;
+using lamella::MeshScale;
+
+namespace {
+
+/// The scale of a box from (low, low, low) to (low + edge, ...), on the default grid unless told otherwise.
+MeshScale scale_of(double low, double edge, CoordinateType number, double unit_mm = lamella::default_unit_mm) {
+    const double min_mm[3] = {low, low, low};
+    const double max_mm[3] = {low + edge, low + edge, low + edge};
+    return lamella::judge_scale(min_mm, max_mm, number, unit_mm);
+}
+
+}  // namespace
+
+TEST_CASE("the unit by box is the finest power of two that the mesh fits", "[engine][unit]") {
+    lamella::SliceOptions options;
+    options.unit_mm = lamella::unit_by_box;
+    for (const double edge : {1e-6, 0.013, 1.0, 3.0, 700.0, 2.5e4, 8e8}) {
+        std::get<lamella::UniformLayers>(options.plan.spacing).layer_height_mm = edge / 3;
+        const lamella::SliceResult result = sliced(shapes::box({0, 0, 0}, {edge, edge, edge}), options);
+        INFO("edge " << edge << " mm, unit " << result.unit_mm);
+        CHECK(std::log2(result.unit_mm) == std::round(std::log2(result.unit_mm)));
+        CHECK(edge <= result.unit_mm * (lamella::grid_limit - 2));
+        CHECK(edge > result.unit_mm / 2 * (lamella::grid_limit - 2));
+        REQUIRE(result.layers.size() == 3);
+        CHECK(result.area_mm2(result.layers[1]) == Approx(edge * edge).epsilon(1e-8));
+    }
+}
+
+TEST_CASE("a detail that the default grid loses is found on the unit by box", "[engine][unit]") {
+    // The second box is a tenth of a nanometre thick.
+    const shapes::Soup soup = shapes::joined(
+        {shapes::box({0, 0, 0}, {0.004, 0.004, 0.004}), shapes::box({0.0041, 0, 0}, {0.0041 + 1e-7, 0.004, 0.004})});
+    lamella::SliceOptions options = at_heights({0.002});
+    options.unit_mm = lamella::default_unit_mm;
+    CHECK(sliced(soup, options).summary.degenerate > 0);
+    options.unit_mm = lamella::unit_by_box;
+    const lamella::SliceResult fine = sliced(soup, options);
+    CHECK(fine.summary.degenerate == 0);
+    CHECK(fine.contours.size() == 2);
+}
+
+TEST_CASE("a mesh of which every triangle collapses is empty", "[engine][unit]") {
+    const shapes::Soup speck = shapes::box({5, 5, 5}, {5 + 1e-9, 5 + 1e-9, 5 + 1e-9});
+    const std::string reason = "each of 12 triangles has two equal corners on the grid of 9.5367431640625e-07 mm";
+    const lamella::Result<lamella::SliceResult> cut = slice(view_of(speck), uniform(0.1));
+    REQUIRE_FALSE(cut.ok());
+    CHECK(cut.error().code == ErrorCode::empty_mesh);
+    CHECK(cut.error().message == reason);
+    const lamella::Result<lamella::MeshInfo> info = inspect(view_of(speck));
+    REQUIRE_FALSE(info.ok());
+    CHECK(info.error().code == ErrorCode::empty_mesh);
+    CHECK(info.error().message == reason);
+    const lamella::Result<lamella::MeshCheck> found = lamella::check(view_of(speck));
+    REQUIRE_FALSE(found.ok());
+    CHECK(found.error().code == ErrorCode::empty_mesh);
+    const shapes::Soup half = shapes::joined({speck, shapes::box({0, 0, 0}, {1, 1, 1})});
+    CHECK(slice(view_of(half), uniform(0.1)).ok());
+}
+
+TEST_CASE("a diagonal under 2^20 units is too coarse a grid where a finer one fits", "[engine][unit]") {
+    CHECK(scale_of(0, 0.57, CoordinateType::f32).coarse_grid);        // a diagonal of 0.987 mm
+    CHECK_FALSE(scale_of(0, 0.58, CoordinateType::f32).coarse_grid);  // of 1.005 mm
+    CHECK(scale_of(0, 100, CoordinateType::f64, 1e-3).coarse_grid);
+    CHECK_FALSE(scale_of(1000, 0.5, CoordinateType::f64).coarse_grid);  // no finer grid reaches 1,000 mm
+    CHECK(scale_of(0, 0.013, CoordinateType::f32).finest_unit_mm == 0x1p-36);
+}
+
+TEST_CASE("a number step above a millionth of the diagonal is lost precision", "[engine][unit]") {
+    CHECK_FALSE(scale_of(-50, 100, CoordinateType::f32).coarse_numbers);
+    CHECK(scale_of(5000, 2, CoordinateType::f32).coarse_numbers);
+    CHECK(scale_of(5000, 2, CoordinateType::f32).number_step_mm == 0x1p-11);
+    CHECK_FALSE(scale_of(5000, 2, CoordinateType::f64).coarse_numbers);
+    CHECK(scale_of(-1e9, 1e-3, CoordinateType::f64).coarse_numbers);
+}
+
+TEST_CASE("boundary edges are counted on the grid and by exact coordinates", "[engine][unit]") {
+    using Counts = std::pair<std::uint64_t, std::uint64_t>;
+    const auto counts = [](const lamella::MeshView& mesh) {
+        const lamella::Result<lamella::MeshInfo> info = inspect(mesh);
+        REQUIRE(info.ok());
+        return Counts(info->boundary_edges, info->exact_boundary_edges);
+    };
+    shapes::Soup cube = shapes::box({1, 1, 1}, {2, 2, 2});
+    CHECK(counts(view_of(cube)) == Counts(0, 0));
+    cube[0] += 1e-9;  // the grid joins the corner of this triangle to the others
+    CHECK(counts(view_of(cube)) == Counts(0, 4));
+    cube.resize(cube.size() - 9);
+    CHECK(counts(view_of(cube)).first == 3);
+    CHECK(counts(view_of(cube)).second > 3);
+
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 3, 3);
+    std::vector<float> floats(ball.begin(), ball.end());
+    const auto view = [&] { return lamella::MeshView::soup(std::span<const float>(floats)); };
+    CHECK(counts(view()) == Counts(0, 0));
+    const auto zero = std::find(floats.begin(), floats.end(), 0.0F);
+    REQUIRE(zero != floats.end());
+    *zero = -0.0F;  // the same number
+    CHECK(counts(view()) == Counts(0, 0));
+    const auto small = std::find_if(floats.begin(), floats.end(), [](float x) { return x > 0 && x < 1; });
+    REQUIRE(small != floats.end());
+    *small = std::nextafter(*small, 1.0F);
+    CHECK(counts(view()) == Counts(0, 4));
+}

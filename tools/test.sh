@@ -103,8 +103,8 @@ check_memory() {
 
 # Uses std::thread, because the sanitizer cannot see into Debian's oneTBB.
 check_threads() {
-    stage "GCC, thread sanitizer"
-    configure_sanitizer build/tsan -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std -DLAMELLA_BUILD_TOOLS=OFF
+    stage "Clang build, thread sanitizer"
+    configure_sanitizer build/tsan -DCMAKE_CXX_COMPILER=clang++ -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std -DLAMELLA_BUILD_TOOLS=OFF
     build build/tsan
     stage "tests under the thread sanitizer"
     TSAN_OPTIONS=halt_on_error=1 quietly build/tsan/tests.log run_tests build/tsan

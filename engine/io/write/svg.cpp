@@ -116,8 +116,8 @@ public:
     void layer(std::size_t index) {
         const Layer& layer = result_.layers[index];
         out_.append("<g id=\"layer" + std::to_string(index) + "\" slic3r:z=\"" + exact_text(layer.plane_mm) +
-                    "\" lamella:cut-z=\"" + exact_text(result_.to_mm(layer.plane)) + "\" slic3r:layer-height=\"" + mm(layer.top_mm - layer.bottom_mm) + "\" fill=\"" + colour(index) +
-                    "\" transform=\"scale(1,-1)\">\n");
+                    "\" lamella:cut-z=\"" + exact_text(result_.to_mm(layer.plane)) + "\" slic3r:layer-height=\"" +
+                    mm(layer.top_mm - layer.bottom_mm) + "\" fill=\"" + colour(index) + "\" transform=\"scale(1,-1)\">\n");
         for (std::uint64_t c = layer.first_contour; c < layer.first_contour + layer.contour_count; ++c) {
             contour(c);
         }

@@ -229,7 +229,7 @@ Status write_svg_throwing(const SliceResult& result, const std::filesystem::path
     }
     SvgWriter writer(result, options.welded, *file);
     writer.head();
-    for (std::size_t index = 0; index < result.layers.size(); ++index) {
+    for (std::size_t index = 0; index < result.layers.size() && !file->failed(); ++index) {
         if (options.control.stop.stop_requested()) {
             return Error{.code = ErrorCode::cancelled, .message = "cancelled while writing '" + path.string() + "'"};
         }

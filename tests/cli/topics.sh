@@ -42,6 +42,7 @@ test_usage() {
         expect_failure 2 "is empty" check ball.stl "$option" ""
     done
     expect_failure 2 "is empty" make sphere --triangles 1000 -o ""
+    expect_failure 2 "--output" make sphere
     local command
     for command in slice info check; do
         expect_failure 2 "mesh: the path is empty" "$command" ""
@@ -51,7 +52,6 @@ test_usage() {
     expect_failure 2 "the mesh itself" "${slice[@]}" --report ./ball.stl
     expect_failure 2 "--output itself" "${slice[@]}" -o a --report a
     expect_failure 2 "cube" make cube --triangles 1000 -o cube.stl
-    expect_failure 2 "triangles" make sphere -o s.stl
     expect_failure 2 "triangles" make sphere --triangles 1 -o s.stl
     expect_failure 2 "--order" make sphere --triangles 1000 --order up -o s.stl
     expect_failure 2 "--layer-height" make sphere --triangles 1000 --layer-height 0.1 -o s.stl
@@ -543,6 +543,16 @@ test_scale() {
     grep -qE '^size  *0.0125000 x 0.0125000 x 0.0125000 mm$' .stdout || fail "no size"
     grep -qE '^layers  *0 of 0.1 mm, 0 of 0.2 mm$' .stdout || fail "no number of layers"
     grep -qE '^volume  *0.000000325521 mm3$' .stdout || fail "too few digits"
+    expect 0 check small.obj
+    grep -q 'in metres? --unit m$' .stderr || fail "check proposes no unit"
+    grep -qE ' solid, depth 0, 4 triangles, 0.000000325580 mm3,' .stdout || fail "too few digits in check"
+    expect 0 slice small.obj --planes 0.001,1,2
+    grep -q 'in metres? --unit m$' .stderr || fail "no unit proposed between given planes"
+    expect 0 slice small.obj --planes 0.001,0.005 --grid auto
+    [[ ! -s .stderr ]] || fail "a mesh higher than from plane to plane is doubted"
+    tetrahedron plate.obj 50
+    expect 0 slice plate.obj --layer-height 100
+    [[ ! -s .stderr ]] || fail "what cannot be in metres is doubted"
     expect 0 slice small.obj --unit m
     [[ ! -s .stderr ]] || fail "a stated unit is doubted"
     tetrahedron large.obj 25000
@@ -560,20 +570,31 @@ test_scale() {
     expect 0 slice small.obj --unit mm --layer-height 0.002 --grid auto --report fine.json
     [[ ! -s .stderr ]] || fail "the finest grid is doubted"
     expect_json fine.json 1.4551915228366852e-11 grid_mm
-    expect_failure 2 "--grid: 'fine' is neither a number of mm nor auto" slice small.obj --grid fine
+    local command
+    for command in slice info check; do
+        expect_failure 2 "--grid: 'fine' is neither a number of mm nor auto" "$command" small.obj --grid fine
+        expect 0 "$command" small.obj --unit mm --grid auto
+        grep -q coarse .stderr && fail "$command: the finest grid is doubted"
+    done
+    expect 0 info small.obj --grid auto
+    grep -qE '^grid  *1.4551915228366852e-11 mm$' .stdout || fail "info takes another grid"
 
     # Coordinates that were rounded before they were read.
-    tetrahedron away.obj 2 5000
+    tetrahedron away.obj 20 5000
     expect 0 info away.obj
     [[ ! -s .stderr ]] || fail "doubles are doubted"
+    tetrahedron beyond.obj 2 5000
+    expect 0 info beyond.obj
+    grep -q 'beyond.obj: the grid of 7.62939453125e-06 mm is coarse .*; none finer reaches the coordinate of 5002.000 mm' .stderr ||
+        fail "a grid without a finer one is not doubted"
     { echo solid away
       awk '$1 == "v" { v[++n] = "vertex " $2 " " $3 " " $4 }
            $1 == "f" { print "facet normal 0 0 0 outer loop", v[$2], v[$3], v[$4], "endloop endfacet" }' away.obj
       echo endsolid away; } > away.stl
     expect 0 slice away.stl
-    grep -q 'away.stl: coordinates of up to 5002.000 mm are stored in steps of 0.000488281 mm' .stderr || fail "lost precision is not reported"
+    grep -q 'away.stl: coordinates of up to 5020.000 mm are stored in steps of 0.000488281 mm' .stderr || fail "lost precision is not reported"
     printf '1 0 0 5000 0 1 0 0 0 0 1 0' > move.txt
-    tetrahedron here.obj 2
+    tetrahedron here.obj 20
     expect 0 slice here.obj --transform move.txt
     [[ ! -s .stderr ]] || fail "a transform is taken for lost precision"
 
@@ -589,5 +610,5 @@ test_scale() {
     expect_failure 2 "no format that is written ends in .png; there is .svg" slice large.obj -o out.png
     expect_failure 2 "no format that is written ends in .stl; there is .ply" check large.obj --marks out.stl
     expect_failure 2 "no format that is written ends in .svg; there is .stl" make sphere --triangles 100 -o out.svg
-    expect_files away.obj away.stl coarse.json fine.json here.obj large.obj move.txt small.obj speck.json speck.obj
+    expect_files away.obj away.stl beyond.obj coarse.json fine.json here.obj large.obj move.txt plate.obj small.obj speck.json speck.obj
 }

@@ -37,7 +37,7 @@ int run(int count, char** words) {
     app.set_version_flag("--version", lamella::version);
     app.require_subcommand(1);
     add_slice_command(app, interrupt);
-    add_info_command(app);
+    add_info_command(app, interrupt);
     add_check_command(app, interrupt);
     add_make_command(app, interrupt);
     try {

@@ -137,6 +137,12 @@ test_several() {
     expect 0 check folder/below --report folder.json
     expect_json folder.json folder/below/B.STL 0 mesh
 
+    mkdir '[old]'
+    cp ball.stl '[old]/[a,b].stl'
+    expect 0 info '[old]' '[old]/[a,b].stl'
+    (($(grep -cF '[old]/[a,b].stl, ' .stdout) == 2)) || fail "names are split"
+    rm -r '[old]'
+
     # What cannot be used is reported, and the rest is done.
     echo junk > folder/b.obj
     expect 3 info missing.stl folder

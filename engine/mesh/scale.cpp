@@ -27,7 +27,7 @@ MeshScale judge_scale(const double (&min_mm)[3], const double (&max_mm)[3], Coor
     scale.diagonal_mm = std::hypot(max_mm[0] - min_mm[0], max_mm[1] - min_mm[1], max_mm[2] - min_mm[2]);
     scale.number_step_mm = number_step(scale.farthest_mm, number);
     scale.finest_unit_mm = finest_unit(scale.farthest_mm);
-    scale.coarse_grid = scale.diagonal_mm < fewest_units * unit_mm && scale.finest_unit_mm < unit_mm;
+    scale.coarse_grid = scale.diagonal_mm < fewest_units * unit_mm;
     scale.coarse_numbers = scale.number_step_mm > coarsest_step * scale.diagonal_mm;
     return scale;
 }

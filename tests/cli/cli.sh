@@ -69,6 +69,8 @@ expect_json() {
 sphere() { expect 0 make sphere --triangles "${2:-1000}" --height 20 -o "$1"; }
 
 source "$here/topics.sh"
+source "$here/scale.sh"
 source "$here/faults.sh"
+source "$here/streams.sh"
 "test_$topic"
 echo "passed"

@@ -42,6 +42,7 @@ test_usage() {
         expect_failure 2 "is empty" check ball.stl "$option" ""
     done
     expect_failure 2 "is empty" make sphere --triangles 1000 -o ""
+    expect_failure 2 "--output" make sphere
     local command
     for command in slice info check; do
         expect_failure 2 "mesh: the path is empty" "$command" ""
@@ -51,7 +52,6 @@ test_usage() {
     expect_failure 2 "the mesh itself" "${slice[@]}" --report ./ball.stl
     expect_failure 2 "--output itself" "${slice[@]}" -o a --report a
     expect_failure 2 "cube" make cube --triangles 1000 -o cube.stl
-    expect_failure 2 "triangles" make sphere -o s.stl
     expect_failure 2 "triangles" make sphere --triangles 1 -o s.stl
     expect_failure 2 "--order" make sphere --triangles 1000 --order up -o s.stl
     expect_failure 2 "--layer-height" make sphere --triangles 1000 --layer-height 0.1 -o s.stl
@@ -523,71 +523,4 @@ test_check() {
     expect_failure 4 "none/marks.ply" check ball.stl --marks none/marks.ply
     expect_failure 4 "No space left" check ball.stl --report /dev/full
     expect_files ball.stl cm.json open.json open.ply open.stl
-}
-
-# tetrahedron FILE EDGE [X]: an OBJ file; its first corner lies at (X, 0, 0).
-tetrahedron() {
-    awk -v e="$2" -v x="${3:-0}" 'BEGIN {
-        OFMT = CONVFMT = "%.17g"
-        print "v", x, 0, 0; print "v", x + e, 0, 0; print "v", x, e, 0; print "v", x, 0, e
-        print "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4" }' > "$1"
-}
-
-test_scale() {
-    # Metres and micrometres are proposed where neither the file nor the user states a unit.
-    tetrahedron small.obj 0.0125
-    expect 0 slice small.obj
-    grep -q 'small.obj: the mesh is 0.0125000 mm high, less than a layer: in metres? --unit m$' .stderr || fail "no unit proposed"
-    expect 0 info small.obj
-    grep -q 'in metres? --unit m$' .stderr || fail "info proposes no unit"
-    grep -qE '^size  *0.0125000 x 0.0125000 x 0.0125000 mm$' .stdout || fail "no size"
-    grep -qE '^layers  *0 of 0.1 mm, 0 of 0.2 mm$' .stdout || fail "no number of layers"
-    grep -qE '^volume  *0.000000325521 mm3$' .stdout || fail "too few digits"
-    expect 0 slice small.obj --unit m
-    [[ ! -s .stderr ]] || fail "a stated unit is doubted"
-    tetrahedron large.obj 25000
-    expect 0 slice large.obj --layer-height 1000
-    grep -q 'large.obj: the mesh is 25000.000 mm long: in micrometres? --unit um$' .stderr || fail "no smaller unit proposed"
-    expect 0 info large.obj --unit um
-    [[ ! -s .stderr ]] || fail "a stated unit is doubted"
-    grep -qE '^layers  *250 of 0.1 mm, 125 of 0.2 mm$' .stdout || fail "the layers are not counted"
-
-    # A finer grid is offered, and taken.
-    expect 0 slice small.obj --unit mm --layer-height 0.002 --report coarse.json
-    grep -q 'small.obj: the grid of 9.5367431640625e-07 mm is coarse for a mesh of 0.0216506 mm from corner to corner; --grid auto takes' .stderr ||
-        fail "a coarse grid is not doubted"
-    json_value coarse.json warnings 0 | grep -q 'is coarse for a mesh' || fail "no warning in the report"
-    expect 0 slice small.obj --unit mm --layer-height 0.002 --grid auto --report fine.json
-    [[ ! -s .stderr ]] || fail "the finest grid is doubted"
-    expect_json fine.json 1.4551915228366852e-11 grid_mm
-    expect_failure 2 "--grid: 'fine' is neither a number of mm nor auto" slice small.obj --grid fine
-
-    # Coordinates that were rounded before they were read.
-    tetrahedron away.obj 2 5000
-    expect 0 info away.obj
-    [[ ! -s .stderr ]] || fail "doubles are doubted"
-    { echo solid away
-      awk '$1 == "v" { v[++n] = "vertex " $2 " " $3 " " $4 }
-           $1 == "f" { print "facet normal 0 0 0 outer loop", v[$2], v[$3], v[$4], "endloop endfacet" }' away.obj
-      echo endsolid away; } > away.stl
-    expect 0 slice away.stl
-    grep -q 'away.stl: coordinates of up to 5002.000 mm are stored in steps of 0.000488281 mm' .stderr || fail "lost precision is not reported"
-    printf '1 0 0 5000 0 1 0 0 0 0 1 0' > move.txt
-    tetrahedron here.obj 2
-    expect 0 slice here.obj --transform move.txt
-    [[ ! -s .stderr ]] || fail "a transform is taken for lost precision"
-
-    # Nothing is left where every face collapses.
-    tetrahedron speck.obj 1e-9
-    expect_failure 3 "speck.obj: each of 4 triangles has two equal corners on the grid" slice speck.obj
-    expect_failure 3 "speck.obj: each of 4 triangles has two equal corners on the grid" info speck.obj
-    expect_failure 3 "speck.obj: each of 4 triangles has two equal corners on the grid" check speck.obj
-    expect 0 slice speck.obj --grid auto --planes 3e-10 --report speck.json
-    expect_json speck.json 1 contours
-
-    # An extension that nothing writes.
-    expect_failure 2 "no format that is written ends in .png; there is .svg" slice large.obj -o out.png
-    expect_failure 2 "no format that is written ends in .stl; there is .ply" check large.obj --marks out.stl
-    expect_failure 2 "no format that is written ends in .svg; there is .stl" make sphere --triangles 100 -o out.svg
-    expect_files away.obj away.stl coarse.json fine.json here.obj large.obj move.txt small.obj speck.json speck.obj
 }

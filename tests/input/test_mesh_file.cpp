@@ -36,6 +36,34 @@ TEST_CASE("gzip of any form of STL is unpacked", "[input][gzip]") {
     }
 }
 
+TEST_CASE("a file with a name given for it is told by its content, and called by that name", "[input][gzip]") {
+    const TempFolder dir;
+    const std::string bytes = binary_stl(numbered_facets(10));
+    const bool packed = GENERATE(false, true);
+    const auto path = dir.write("a.ply", packed ? gzipped(bytes) : bytes);
+    CHECK(read_one(path).warnings.size() == (packed ? 2 : 1));
+    const Result<MeshFile> mesh = read_mesh(path, {.name = "standard\ninput"});
+    REQUIRE(mesh.ok());
+    CHECK(mesh->format == MeshFormat::stl);
+    CHECK(mesh->compressed == packed);
+    CHECK(mesh->warnings.empty());
+    const Result<MeshFile> none = read_mesh(dir.write("empty", ""), {.name = "standard\ninput"});
+    REQUIRE_FALSE(none.ok());
+    CHECK(none.error().message == "standard?input: is empty");
+}
+
+TEST_CASE("files are named as meshes by their extension alone", "[input]") {
+    for (const char* const name : {"a.stl", "A.STL", "a.b/c.obj", "a.Vtp", "/a/b.3mf", "a.stl.gz", "a.OFF.GZ", "a.gz.ply"}) {
+        INFO(name);
+        CHECK(is_named_as_mesh(name));
+    }
+    for (const char* const name : {"", "stl", ".", "..", "a", "a.", "a.stl/", "a.stl/b", "a.gz", "a.stl.gz.gz", "a.stlx",
+                                   "a.tstl", "a.st", "a.stereolitho"}) {
+        INFO(name);
+        CHECK_FALSE(is_named_as_mesh(name));
+    }
+}
+
 TEST_CASE("bytes after gzip data give a warning", "[input][gzip]") {
     const TempFolder dir;
     const auto path = dir.write("a.stl.gz", gzipped(binary_stl(numbered_facets(10))) + "tail");

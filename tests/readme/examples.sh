@@ -15,7 +15,7 @@ sed -n '/^```bash$/,/^```$/p' "$readme" | sed '/^```/d' > examples
 [[ $(grep -c lamella examples) -ge 4 ]] || { echo "README shows fewer than four commands"; exit 1; }
 PATH=$(dirname "$tool"):$PATH bash -eu examples > output
 
-for made in archive/liver.svg archive/liver.json archive/femur.svg archive/femur.json faults.ply gyroid.stl; do
+for made in archive/liver.svg archive/liver.json archive/femur.svg archive/femur.json checks.json faults.ply gyroid.stl; do
     [[ -s "$made" ]] || { echo "no $made was written"; exit 1; }
 done
 [[ $(grep -c '^contours ' output) == 4 && $(grep -c '(1 thread,' output) == 1 ]] || {

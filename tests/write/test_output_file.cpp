@@ -1,6 +1,9 @@
 #include <filesystem>
 #include <string>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 
 #include "io/write/output_file.hpp"
@@ -84,6 +87,30 @@ TEST_CASE("output: a replaced file keeps its mode, a link keeps pointing", "[wri
     CHECK(std::filesystem::is_symlink(folder / "link"));
     CHECK(bytes_of(folder / "a") == "new");
     CHECK(std::filesystem::status(folder / "a").permissions() == std::filesystem::perms(0640));
+}
+
+TEST_CASE("output: an open descriptor is written on from where it stands, and stays open", "[write]") {
+    const TempFolder folder;
+    const int descriptor = ::open((folder / "a").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    REQUIRE(descriptor >= 0);
+    REQUIRE(::write(descriptor, "before ", 7) == 7);
+    const std::filesystem::path path = "/dev/fd/" + std::to_string(descriptor);
+    REQUIRE(write_text_file(path, "written ").ok());
+    REQUIRE(::write(descriptor, "after", 5) == 5);
+    ::close(descriptor);
+    CHECK(bytes_of(folder / "a") == "before written after");
+    CHECK(folder.names() == std::vector<std::string>{"a"});
+    require_unwritable(write_text_file(path, "x"), path, "Bad file descriptor");
+}
+
+TEST_CASE("output: what cannot be written is known before the end", "[write]") {
+    Result<OutputFile> file = OutputFile::create("/dev/full");
+    REQUIRE(file.ok());
+    const std::string text(OutputFile::buffer_bytes, 'x');
+    file->append(text);
+    CHECK_FALSE(file->failed());
+    file->append(text);
+    CHECK(file->failed());
 }
 
 TEST_CASE("output: errors name the file and the reason", "[write]") {

@@ -61,6 +61,13 @@ TEST_CASE("report: what the program adds stands where it asked for it", "[write]
     CHECK(report.at("warnings") == json({"one", "two"}));
 }
 
+TEST_CASE("report: of a mesh that could not be used it holds the name and what the program adds", "[write]") {
+    const ReportMember error{.key = "error", .value = std::string_view("a.stl: is empty")};
+    const Result<std::string> text = make_mesh_json({.mesh_name = "a.stl", .members = {&error, 1}});
+    REQUIRE(text.ok());
+    CHECK(json::parse(*text) == json({{"mesh", "a.stl"}, {"error", "a.stl: is empty"}}));
+}
+
 TEST_CASE("report: the hash is the result's, in sixteen digits", "[write]") {
     const SliceResult result = write_test::square_with_hole();
     const auto digits = report_of(result).at("output_hash").get<std::string>();

@@ -1,12 +1,13 @@
 // lamella check: what is wrong with a mesh, and where.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "check_words.hpp"
 #include "commands.hpp"
@@ -16,9 +17,11 @@
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/io/text_file.hpp"
 #include "lamella/mesh/check.hpp"
-#include "mesh_input.hpp"
+#include "mesh_list.hpp"
+#include "numbers.hpp"
 #include "output_path.hpp"
 #include "scale_words.hpp"
+#include "standard_streams.hpp"
 
 namespace lamella::cli {
 
@@ -27,48 +30,13 @@ namespace {
 constexpr std::size_t most_marks =
     1'000'000;  ///< of each kind, as of what is listed; also keeps vertex numbers within PLY's int
 
-struct CheckArguments : MeshArguments {
+struct CheckArguments : MeshListArguments {
     std::string report;
     std::string marks;
     double tolerance_mm = CheckOptions{}.tolerance_mm;
     std::size_t places = CheckOptions{}.most_places;
     bool all_kinds = false;
-
-    bool report_to_stdout() const { return report == "-"; }
 };
-
-void require_outputs(const CheckArguments& arguments) {
-    if (!arguments.report.empty() && !arguments.report_to_stdout()) {
-        require_writable(arguments.report);
-        require_different(arguments.report, arguments.mesh, "--report", "the mesh");
-        require_different(arguments.report, arguments.marks, "--report", "--marks");
-    }
-    if (!arguments.marks.empty()) {
-        require_writable(arguments.marks);
-        require_different(arguments.marks, arguments.mesh, "--marks", "the mesh");
-        require_extension(arguments.marks, "--marks", ".ply");
-    }
-}
-
-MeshCheck checked(const CheckArguments& arguments, const MeshFile& mesh) {
-    CheckOptions options;
-    options.control.threads = arguments.threads;
-    options.tolerance_mm = arguments.tolerance_mm;
-    options.most_places = arguments.marks.empty() ? arguments.places : std::max(arguments.places, most_marks);
-    Result<MeshCheck> result = check(mesh, options);
-    if (!result) {
-        const Failure failure = failure_of(result.error());
-        throw failure.status() == bad_input ? Failure(bad_input, arguments.mesh + ": " + failure.what()) : failure;
-    }
-    return std::move(result).value();
-}
-
-/// "--tolerance: ..." rather than the library's words, which name no option.
-void require_tolerance(const CheckArguments& arguments) {
-    if (!(std::isfinite(arguments.tolerance_mm) && arguments.tolerance_mm >= 0)) {
-        throw Failure(bad_usage, "--tolerance: not a number of mm, zero or more");
-    }
-}
 
 void require(const Status& status) {
     if (!status) {
@@ -76,51 +44,160 @@ void require(const Status& status) {
     }
 }
 
-void run(const CheckArguments& arguments, Interrupt& interrupt) {
-    require_tolerance(arguments);
-    require_outputs(arguments);
-    interrupt.tidy({arguments.report, arguments.marks});
-    MeshFile mesh = read_mesh_and_warn(arguments);
-    const MeshCheck found = checked(arguments, mesh);
-    for (std::string& doubt :
-         doubts_of_scale(arguments, mesh, {found.info.min_mm, found.info.max_mm, found.info.unit_mm, std::nullopt})) {
-        warn(doubt);
-        mesh.warnings.push_back(std::move(doubt));
+std::string json_of(Result<std::string> made) {
+    if (!made) {
+        throw failure_of(made.error());
     }
-    if (!arguments.marks.empty()) {
-        require(write_marks(found, arguments.marks));
-    }
-    const std::string words = check_words(arguments.mesh, mesh, found, {arguments.places, arguments.all_kinds});
-    if (arguments.report.empty()) {
-        print(words);
-        return;
-    }
-    const ReportMember warnings{.key = "warnings", .value = std::span<const std::string>(mesh.warnings)};
-    const Result<std::string> json =
-        make_check_json(found, {.mesh_name = arguments.mesh, .file = &mesh, .members = {&warnings, 1}}, arguments.places);
-    if (!json) {
-        throw failure_of(json.error());
-    }
-    if (arguments.report_to_stdout()) {
-        (void)std::fputs(words.c_str(), stderr);
-        print(json.value());
-        return;
-    }
-    require(write_text_file(arguments.report, json.value()));
-    print(words);
+    return std::move(made).value();
 }
+
+/// An array of values, each of which is text that ends a line.
+std::string json_array(const std::vector<std::string>& values) {
+    std::string text = "[\n";
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        text.append(values[i], 0, values[i].size() - 1).append(i + 1 < values.size() ? ",\n" : "\n");
+    }
+    return text + "]\n";
+}
+
+class CheckCommand {
+public:
+    CheckCommand(const CheckArguments& arguments, Interrupt& interrupt)
+        : arguments_(arguments), interrupt_(interrupt), list_(arguments) {}
+
+    void run() {
+        require_tolerance();
+        require_outputs();
+        interrupt_.tidy({arguments_.report, arguments_.marks});
+        const std::optional<Failure> failure = list_.for_each(
+            interrupt_, [this](const MeshArguments& mesh) { examine(mesh); },
+            [this](const MeshArguments& mesh, const Failure& reason) { add_failure(mesh, reason); });
+        write_report();
+        print_words(held_words_, stdout_taken());
+        if (failure) {
+            throw Failure(*failure);
+        }
+    }
+
+private:
+    /// "--tolerance: ..." rather than the library's words, which name no option.
+    void require_tolerance() const {
+        if (!(std::isfinite(arguments_.tolerance_mm) && arguments_.tolerance_mm >= 0)) {
+            throw Failure(bad_usage, "--tolerance: not a number of mm, zero or more");
+        }
+    }
+
+    void require_outputs() const {
+        const std::vector<std::string> meshes = list_.paths();
+        if (!arguments_.report.empty()) {
+            require_writable(arguments_.report);
+            require_different_output(arguments_.report, arguments_.marks, "--report", "--marks");
+        }
+        if (!arguments_.marks.empty()) {
+            if (meshes.size() > 1) {
+                throw Failure(bad_usage, "--marks: the marks are of one mesh, and " + grouped(meshes.size()) + " are given");
+            }
+            require_writable(arguments_.marks);
+        }
+        for (const std::string& mesh : meshes) {
+            require_different(arguments_.report, mesh, "--report", "the mesh");
+            require_different(arguments_.marks, mesh, "--marks", "the mesh");
+        }
+        require_extension(arguments_.marks, "--marks", ".ply");
+    }
+
+    bool stdout_taken() const noexcept { return is_standard(arguments_.report) || is_standard(arguments_.marks); }
+
+    void examine(const MeshArguments& mesh) {
+        MeshFile file = read_mesh_and_warn(mesh);
+        const MeshCheck found = checked(mesh, file);
+        for (std::string& doubt : doubts_of_scale(mesh, file, {found.info.min_mm, found.info.max_mm, found.info.unit_mm})) {
+            warn(doubt);
+            file.warnings.push_back(std::move(doubt));
+        }
+        if (!arguments_.marks.empty()) {
+            require(write_marks(found, output_path(arguments_.marks)));
+        }
+        add_report(mesh, file, found);
+        add_words(check_words(mesh.name(), file, found, {arguments_.places, arguments_.all_kinds}));
+    }
+
+    MeshCheck checked(const MeshArguments& mesh, const MeshFile& file) const {
+        CheckOptions options;
+        options.unit_mm = parse_grid(mesh.grid);
+        options.control.threads = mesh.threads;
+        options.tolerance_mm = arguments_.tolerance_mm;
+        options.most_places = arguments_.marks.empty() ? arguments_.places : std::max(arguments_.places, most_marks);
+        Result<MeshCheck> result = check(file, options);
+        if (!result) {
+            const Failure failure = failure_of(result.error());
+            throw failure.status() == bad_input ? Failure(bad_input, mesh.name() + ": " + failure.what()) : failure;
+        }
+        return std::move(result).value();
+    }
+
+    /// Of one mesh the words come when the report is written; of several at once, a blank line before each but the first.
+    void add_words(const std::string& words) {
+        if (!list_.several()) {
+            held_words_ = words;
+            return;
+        }
+        print_words((any_words_ ? "\n" : "") + words, stdout_taken());
+        any_words_ = true;
+    }
+
+    void add_report(const MeshArguments& mesh, const MeshFile& file, const MeshCheck& found) {
+        if (arguments_.report.empty()) {
+            return;
+        }
+        const ReportMember warnings{.key = "warnings", .value = std::span<const std::string>(file.warnings)};
+        const ReportParts parts{.mesh_name = mesh.mesh, .file = &file, .members = {&warnings, 1}};
+        reports_.push_back(json_of(make_check_json(found, parts, arguments_.places)));
+    }
+
+    void add_failure(const MeshArguments& mesh, const Failure& failure) {
+        if (arguments_.report.empty()) {
+            return;
+        }
+        const ReportMember error{.key = "error", .value = std::string_view(failure.what())};
+        reports_.push_back(json_of(make_mesh_json({.mesh_name = mesh.mesh, .members = {&error, 1}})));
+    }
+
+    void write_report() const {
+        if (arguments_.report.empty()) {
+            return;
+        }
+        const std::string json = list_.several() ? json_array(reports_) : reports_.front();
+        if (is_standard(arguments_.report)) {
+            print(json);
+        } else {
+            require(write_text_file(arguments_.report, json));
+        }
+    }
+
+    const CheckArguments& arguments_;
+    Interrupt& interrupt_;
+    MeshList list_;
+    std::vector<std::string> reports_;  ///< one of each mesh
+    std::string held_words_;
+    bool any_words_ = false;
+};
 
 }  // namespace
 
 void add_check_command(CLI::App& app, Interrupt& interrupt) {
-    CLI::App* const command = app.add_subcommand("check", "Say what is wrong with a mesh, and where");
+    CLI::App* const command = app.add_subcommand("check", "Say what is wrong with meshes, and where");
     const auto arguments = std::make_shared<CheckArguments>();
-    declare_mesh(*command, *arguments);
-    command->add_option("--report", arguments->report, "JSON report to write; - for standard output")
+    declare_mesh_list(*command, *arguments);
+    command
+        ->add_option("--report", arguments->report,
+                     "JSON report to write, an array if several meshes are given; - for standard output")
         ->type_name("FILE|-")
         ->check(given_path);
-    command->add_option("--marks", arguments->marks, "PLY file of coloured points and edges at every place")
-        ->type_name("FILE.ply")
+    command
+        ->add_option("--marks", arguments->marks,
+                     "PLY file of coloured points and edges at every place; - for standard output")
+        ->type_name("FILE.ply|-")
         ->check(given_path);
     command->add_option("--tolerance", arguments->tolerance_mm, "Widest gap that counts as a crack or T-junction (0.01)")
         ->type_name("MM");
@@ -128,7 +205,7 @@ void add_check_command(CLI::App& app, Interrupt& interrupt) {
         ->type_name("N")
         ->check(CLI::Range(0, static_cast<int>(most_marks)));
     command->add_flag("--all", arguments->all_kinds, "List the kinds of faults that were not found, too");
-    command->callback([arguments, &interrupt] { run(*arguments, interrupt); });
+    command->callback([arguments, &interrupt] { CheckCommand(*arguments, interrupt).run(); });
 }
 
 }  // namespace lamella::cli

@@ -30,7 +30,7 @@ std::string detail(Fault fault, const FaultPlace& place) {
         case Fault::overfull_unbalanced:
             return ", " + counted(place.parts, "face");
         case Fault::boundary_loop:
-            return ", " + counted(place.parts, "edge") + ", " + rounded(place.measure, 3) + " mm" +
+            return ", " + counted(place.parts, "edge") + ", " + measure_text(place.measure) + " mm" +
                    (place.closed ? "" : ", not closed");
         case Fault::split_vertex:
             return ", " + counted(place.parts, "fan");
@@ -38,7 +38,7 @@ std::string detail(Fault fault, const FaultPlace& place) {
         case Fault::cap_face:
             return ", " + rounded(place.measure, 0) + " : 1";
         case Fault::misoriented_shell:
-            return ", " + rounded(place.measure, 3) + " mm3";
+            return ", " + measure_text(place.measure) + " mm3";
         case Fault::t_junction:
         case Fault::crack:
             return ", " + exact_text(place.measure) + " mm wide";
@@ -80,7 +80,7 @@ std::string words(const MeshShell& shell) {
                              : shell.orientation < 0 ? "cavity"
                                                      : "no volume";
     return "  " + point(shell.first_mm) + ", " + kind + ", depth " + std::to_string(shell.depth) + ", " +
-           counted(shell.triangles, "triangle") + (shell.closed ? ", " + rounded(shell.volume_mm3, 3) + " mm3" : "") +
+           counted(shell.triangles, "triangle") + (shell.closed ? ", " + measure_text(shell.volume_mm3) + " mm3" : "") +
            ", triangle " + std::to_string(shell.triangle) + "\n";
 }
 

@@ -8,7 +8,7 @@
 namespace lamella::cli {
 
 void add_slice_command(CLI::App& app, Interrupt& interrupt);
-void add_info_command(CLI::App& app);
+void add_info_command(CLI::App& app, Interrupt& interrupt);
 void add_check_command(CLI::App& app, Interrupt& interrupt);
 void add_make_command(CLI::App& app, Interrupt& interrupt);
 

@@ -79,6 +79,14 @@ void print(std::string_view text) {
     }
 }
 
+void print_words(std::string_view text, bool stdout_taken) {
+    if (stdout_taken) {
+        (void)std::fwrite(text.data(), 1, text.size(), stderr);
+    } else {
+        print(text);
+    }
+}
+
 ProgressBar::ProgressBar(When when)
     : shown_(when == When::always || (when == When::automatic && ::isatty(STDERR_FILENO) == 1)) {}
 

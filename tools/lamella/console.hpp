@@ -38,6 +38,9 @@ std::string file_size_text(std::uint64_t bytes);
 /// Writes all of `text` to standard output; throws Failure (bad_output) when that cannot be done.
 void print(std::string_view text);
 
+/// What a person reads of a command's work: on standard output, or on stderr where an output has taken that.
+void print_words(std::string_view text, bool stdout_taken);
+
 /// A bar on stderr, redrawn at most ten times a second and wiped when done.
 class ProgressBar {
 public:

@@ -1,7 +1,9 @@
 // lamella info: what a mesh is, and whether it is closed.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "commands.hpp"
@@ -10,6 +12,8 @@
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/mesh/inspect.hpp"
 #include "mesh_input.hpp"
+#include "mesh_list.hpp"
+#include "numbers.hpp"
 #include "scale_words.hpp"
 
 namespace lamella::cli {
@@ -38,7 +42,8 @@ std::string layers(const MeshInfo& info) {
     std::string text;
     for (const double layer_mm : {0.1, 0.2}) {
         const double count = std::max(0.0, std::ceil((info.max_mm[2] - info.min_mm[2]) / layer_mm - 0.5));
-        text += (text.empty() ? "" : ", ") + rounded(count, 0) + " of " + exact_text(layer_mm) + " mm";
+        text +=
+            (text.empty() ? "" : ", ") + grouped(static_cast<std::uint64_t>(count)) + " of " + exact_text(layer_mm) + " mm";
     }
     return text;
 }
@@ -55,27 +60,39 @@ std::string words(const std::string& path, const MeshFile& mesh, const MeshInfo&
            (info.closed ? "yes" : "no") + "\n";
 }
 
-void run(const MeshArguments& arguments) {
+std::string info_words(const MeshArguments& arguments) {
     const MeshFile mesh = read_mesh_and_warn(arguments);
-    const Result<MeshInfo> info = inspect(mesh, {.control = {.threads = arguments.threads}});
+    const Result<MeshInfo> info =
+        inspect(mesh, {.unit_mm = parse_grid(arguments.grid), .control = {.threads = arguments.threads}});
     if (!info) {
-        throw Failure(failure_of(info.error()).status(), arguments.mesh + ": " + info.error().message);
+        throw Failure(failure_of(info.error()).status(), arguments.name() + ": " + info.error().message);
     }
-    constexpr double common_layer_mm = 0.2;
-    for (const std::string& doubt :
-         doubts_of_scale(arguments, mesh, {info->min_mm, info->max_mm, info->unit_mm, common_layer_mm})) {
+    for (const std::string& doubt : doubts_of_scale(arguments, mesh, {info->min_mm, info->max_mm, info->unit_mm})) {
         warn(doubt);
     }
-    print(words(arguments.mesh, mesh, info.value()));
+    return words(arguments.name(), mesh, info.value());
+}
+
+void run(const MeshListArguments& arguments, Interrupt& interrupt) {
+    bool first = true;
+    const auto print_info = [&first](const MeshArguments& mesh) {
+        const std::string words = info_words(mesh);
+        print((first ? "" : "\n") + words);
+        first = false;
+    };
+    const auto refuse = [](const MeshArguments&, const Failure&) {};
+    if (const std::optional<Failure> failure = MeshList(arguments).for_each(interrupt, print_info, refuse)) {
+        throw Failure(*failure);
+    }
 }
 
 }  // namespace
 
-void add_info_command(CLI::App& app) {
-    CLI::App* const command = app.add_subcommand("info", "Say what a mesh is and whether it is closed");
-    const auto arguments = std::make_shared<MeshArguments>();
-    declare_mesh(*command, *arguments);
-    command->callback([arguments] { run(*arguments); });
+void add_info_command(CLI::App& app, Interrupt& interrupt) {
+    CLI::App* const command = app.add_subcommand("info", "Say what meshes are and whether they are closed");
+    const auto arguments = std::make_shared<MeshListArguments>();
+    declare_mesh_list(*command, *arguments);
+    command->callback([arguments, &interrupt] { run(*arguments, interrupt); });
 }
 
 }  // namespace lamella::cli

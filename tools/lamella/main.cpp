@@ -31,17 +31,28 @@ std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
            " --help)";
 }
 
+/// What follows the program's name, last word first as CLI11 takes it. To CLI11 "[a,b]" is a list of a and b where several
+/// words are taken; a path it becomes as "./[a,b]".
+std::vector<std::string> reversed_words(int count, char** words) {
+    std::vector<std::string> reversed;
+    for (int i = count - 1; i > 0; --i) {
+        const std::string_view word = words[i];
+        reversed.push_back((word.starts_with('[') && word.ends_with(']') ? "./" : "") + std::string(word));
+    }
+    return reversed;
+}
+
 int run(int count, char** words) {
     Interrupt interrupt;
     CLI::App app("Slices triangle meshes into closed, oriented, nested contours", "lamella");
     app.set_version_flag("--version", lamella::version);
     app.require_subcommand(1);
     add_slice_command(app, interrupt);
-    add_info_command(app);
+    add_info_command(app, interrupt);
     add_check_command(app, interrupt);
     add_make_command(app, interrupt);
     try {
-        app.parse(count, words);
+        app.parse(reversed_words(count, words));
         return done;
     } catch (const CLI::Success& asked) {  // --help and --version
         return app.exit(asked);

@@ -9,6 +9,7 @@
 #include "mesh_input.hpp"
 #include "models/models.hpp"
 #include "output_path.hpp"
+#include "standard_streams.hpp"
 
 namespace lamella::cli {
 
@@ -43,12 +44,14 @@ void run(MakeArguments& arguments, Interrupt& interrupt) {
     arguments.recipe.shape = *shape;
     arguments.recipe.order = arguments.order == "z" ? models::Order::z : models::Order::random;
     const Stopwatch watch;
-    const Result<std::uint64_t> triangles = models::write_stl(arguments.recipe, arguments.output, interrupt.defer());
+    const Result<std::uint64_t> triangles =
+        models::write_stl(arguments.recipe, output_path(arguments.output), interrupt.defer());
     if (!triangles) {
         throw failure_of(triangles.error());
     }
-    print(arguments.output + ": " + arguments.shape + ", " + counted(triangles.value(), "triangle") + ", " +
-          rounded(watch.ms() / 1000, 2) + " s\n");
+    print_words(output_name(arguments.output) + ": " + arguments.shape + ", " + counted(triangles.value(), "triangle") +
+                    ", " + rounded(watch.ms() / 1000, 2) + " s\n",
+                is_standard(arguments.output));
 }
 
 }  // namespace
@@ -58,7 +61,7 @@ void add_make_command(CLI::App& app, Interrupt& interrupt) {
     const auto arguments = std::make_shared<MakeArguments>();
     models::Recipe& recipe = arguments->recipe;
     command->add_option("shape", arguments->shape, "Shape to make")->required()->type_name(shape_list());
-    command->add_option("--triangles", recipe.triangles, "Number of triangles, within 1 %")->required()->type_name("N");
+    command->add_option("--triangles", recipe.triangles, "Number of triangles, within 1 % (1000000)")->type_name("N");
     command->add_option("--height", recipe.height_mm, "Height, along z (150)")->type_name("MM");
     command->add_option("--width", recipe.width_mm, "Width, along x (by the shape's proportions)")->type_name("MM");
     CLI::Option* const segments =
@@ -69,9 +72,9 @@ void add_make_command(CLI::App& app, Interrupt& interrupt) {
     layer_height->needs(segments);
     command->add_option("--order", arguments->order, "Order of the triangles in the file (z)")->type_name("z|random");
     command->add_option("--seed", recipe.seed, "Seed of the shape and of the random order (1)")->type_name("N");
-    command->add_option("-o,--output", arguments->output, "STL file to write")
+    command->add_option("-o,--output", arguments->output, "Binary STL file to write; - for standard output")
         ->required()
-        ->type_name("FILE.stl")
+        ->type_name("FILE.stl|-")
         ->check(given_path);
     command->callback([arguments, &interrupt] { run(*arguments, interrupt); });
 }

@@ -20,6 +20,17 @@ std::string mesh_formats() {
     return names + "; gzip of any";
 }
 
+Result<MeshFile> read_standard_input(const ReadOptions& options) {
+    const Stopwatch watch;
+    const SpooledInput input;
+    const double spool_ms = watch.ms();
+    Result<MeshFile> mesh = read_mesh(input.path(), options);
+    if (mesh) {
+        mesh->read_ms += spool_ms;
+    }
+    return mesh;
+}
+
 }  // namespace
 
 std::string given(const std::string& text) {
@@ -30,34 +41,52 @@ std::string given_path(const std::string& path) {
     return path.empty() ? "the path is empty" : "";
 }
 
+std::string mesh_help(const std::string& what) {
+    return what + ": " + mesh_formats();
+}
+
 void declare_mesh(CLI::App& command, MeshArguments& arguments) {
-    command.add_option("mesh", arguments.mesh, "Mesh file: " + mesh_formats())
+    command.add_option("mesh", arguments.mesh, mesh_help("Mesh file, or - for standard input"))
         ->required()
-        ->type_name("MESH")
+        ->type_name("MESH|-")
         ->check(given_path);
+    declare_reading(command, arguments);
+}
+
+void declare_reading(CLI::App& command, MeshArguments& arguments) {
     command.add_option("--unit", arguments.unit, "Unit of meshes that do not state one (default mm)")
         ->type_name("mm|um|cm|m|in|ft|MM");
+    command
+        .add_option("--grid", arguments.grid,
+                    "Unit of the integer grid (2^-20 mm, or more if the mesh needs it); auto: the finest that it fits")
+        ->type_name("MM|auto")
+        ->check(given);
     command.add_option("--threads", arguments.threads, "Use at most N threads (0: all)")
         ->type_name("N")
         ->check(CLI::Range(0, most_threads));
 }
 
 MeshFile read_mesh_of(const MeshArguments& arguments) {
+    const std::string name = arguments.name();
     if (arguments.map_file) {
-        explain_bus_errors(arguments.mesh);
+        explain_bus_errors(name);
     }
-    Result<MeshFile> mesh = read_mesh(arguments.mesh, {.map_file = arguments.map_file,
-                                                       .mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit"),
-                                                       .control = {.threads = arguments.threads}});
+    ReadOptions options;
+    options.map_file = arguments.map_file;
+    options.mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit");
+    options.control.threads = arguments.threads;
+    const bool standard = is_standard(arguments.mesh);
+    options.name = standard ? std::string_view(name) : "";
+    Result<MeshFile> mesh = standard ? read_standard_input(options) : read_mesh(arguments.mesh, options);
     if (!mesh) {
         const Failure failure = failure_of(mesh.error());
         // Where memory ran out there was none left to say in which file.
         throw mesh.error().code == ErrorCode::out_of_memory && std::string_view(failure.what()) == "out of memory"
-            ? Failure(failure.status(), arguments.mesh + ": " + failure.what())
+            ? Failure(failure.status(), name + ": " + failure.what())
             : failure;
     }
     if (arguments.unit && mesh->states_unit) {
-        mesh->warnings.push_back(arguments.mesh + ": states that its unit is " + exact_text(mesh->mm_per_unit) +
+        mesh->warnings.push_back(name + ": states that its unit is " + exact_text(mesh->mm_per_unit) +
                                  " mm, which holds instead of --unit");
     }
     return std::move(mesh).value();

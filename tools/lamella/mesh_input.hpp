@@ -7,22 +7,31 @@
 #include <CLI/CLI.hpp>
 
 #include "lamella/io/mesh_file.hpp"
+#include "standard_streams.hpp"
 
 namespace lamella::cli {
 
 struct MeshArguments {
-    std::string mesh;
+    std::string mesh;  ///< a path, or - for standard input
     std::optional<std::string> unit;
+    std::string grid;  ///< empty: the default
     int threads = 0;
     bool map_file = false;
+
+    std::string name() const { return input_name(mesh); }
 };
 
 /// A check for options whose value may not be empty: what is wrong with it, if anything.
 std::string given(const std::string& text);
 std::string given_path(const std::string& path);
 
-/// Declares the mesh, --unit and --threads on `command`, to be stored in `arguments`.
+/// Declares the mesh, --unit, --grid and --threads on `command`, to be stored in `arguments`.
 void declare_mesh(CLI::App& command, MeshArguments& arguments);
+/// The same without the mesh.
+void declare_reading(CLI::App& command, MeshArguments& arguments);
+
+/// The help of an argument that is a mesh: "Mesh file, or - for standard input: ...".
+std::string mesh_help(const std::string& what);
 
 /// Reads the mesh; its warnings are the caller's to tell. Throws Failure.
 MeshFile read_mesh_of(const MeshArguments& arguments);

@@ -10,6 +10,7 @@
 
 #include "console.hpp"
 #include "failure.hpp"
+#include "lamella/grid.hpp"
 
 namespace lamella::cli {
 
@@ -97,6 +98,27 @@ std::vector<double> parse_triple(std::string_view text, const std::string& optio
         throw Failure(bad_usage, option + ": '" + std::string(text) + "' is not three numbers X,Y,Z");
     }
     return *std::move(values);
+}
+
+double parse_grid(const std::string& text) {
+    if (text.empty()) {
+        return 0;
+    }
+    if (text == "auto") {
+        return unit_by_box;
+    }
+    const std::optional<double> unit = parse_number(text);
+    if (!unit) {
+        throw Failure(bad_usage, "--grid: '" + text + "' is neither a number of mm nor auto");
+    }
+    require_positive(unit, "--grid");
+    return *unit;
+}
+
+void require_positive(const std::optional<double>& value_mm, const std::string& option) {
+    if (value_mm && !(*value_mm > 0 && std::isfinite(*value_mm))) {
+        throw Failure(bad_usage, option + ": not a positive number of mm");
+    }
 }
 
 NumberFile read_numbers(const std::filesystem::path& path) {

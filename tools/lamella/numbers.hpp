@@ -22,6 +22,12 @@ std::vector<double> parse_triple(std::string_view text, const std::string& optio
 /// mm in a "mm", "um", "cm", "m", "in" or "ft", or in so many mm as the number says; throws Failure naming `option`.
 double parse_unit(const std::string& text, const std::string& option);
 
+/// The grid's unit in mm: a number of them, unit_by_box for "auto", 0 for "". Throws Failure naming --grid.
+double parse_grid(const std::string& text);
+
+/// Throws Failure naming `option`.
+void require_positive(const std::optional<double>& value_mm, const std::string& option);
+
 struct NumberFile {
     std::vector<double> values;
     std::vector<std::size_t> lines;  ///< where each value stands, from 1

@@ -6,9 +6,11 @@
 #include <filesystem>
 #include <system_error>
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include "failure.hpp"
+#include "standard_streams.hpp"
 
 namespace lamella::cli {
 
@@ -18,9 +20,20 @@ Failure unwritable(const std::string& path, int error_number) {
     return {bad_output, "cannot write '" + path + "': " + std::generic_category().message(error_number)};
 }
 
+void require_open_output() {
+    const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
+    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) {
+        throw Failure(bad_output, "cannot write to standard output: " + std::generic_category().message(EBADF));
+    }
+}
+
 }  // namespace
 
 void require_writable(const std::string& path) {
+    if (is_standard(path)) {
+        require_open_output();
+        return;
+    }
     const std::filesystem::path file(path);
     std::error_code unknown;
     if (!file.has_filename() || std::filesystem::is_directory(file, unknown)) {
@@ -54,9 +67,17 @@ void require_extension(const std::string& path, const std::string& option, const
 void require_different(const std::string& path, const std::string& other, const std::string& name,
                        const std::string& other_name) {
     std::error_code unknown;
-    if (path == other || std::filesystem::equivalent(path, other, unknown)) {
+    if (!is_standard(path) && !is_standard(other) && (path == other || std::filesystem::equivalent(path, other, unknown))) {
         throw Failure(bad_usage, name + ": '" + path + "' is " + other_name + " itself");
     }
+}
+
+void require_different_output(const std::string& path, const std::string& other, const std::string& name,
+                              const std::string& other_name) {
+    if (is_standard(path) && is_standard(other)) {
+        throw Failure(bad_usage, name + ": '-' is " + other_name + " too, and standard output takes one of them");
+    }
+    require_different(path, other, name, other_name);
 }
 
 }  // namespace lamella::cli

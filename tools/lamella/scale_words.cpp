@@ -1,7 +1,6 @@
 #include "scale_words.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "console.hpp"
@@ -11,24 +10,23 @@ namespace lamella::cli {
 
 namespace {
 
-constexpr double longest_mm = 10'000;  // of what is printed, or of a person
-constexpr double shortest_mm = 2;      // of what is cut into layers
+constexpr double longest_mm = 10'000;  // of what is printed, or scanned
+constexpr double shortest_mm = 1;
 
 struct Unit {
     const char* name;
     const char* words;
     double mm;
 };
-constexpr std::array larger_units = {Unit{"m", "metres", 1000}, Unit{"cm", "centimetres", 10}};
-constexpr std::array smaller_units = {Unit{"um", "micrometres", 0.001}};
+constexpr Unit metre{"m", "metres", 1000};
+constexpr Unit micrometre{"um", "micrometres", 0.001};
 
-/// "in metres? --unit m": the first unit by which the mesh is between 1 mm and 2 m long.
-template <std::size_t N>
-std::string question(const std::array<Unit, N>& units, double length_mm) {
-    const auto fits = std::find_if(units.begin(), units.end(), [length_mm](const Unit& unit) {
-        return length_mm * unit.mm >= 1 && length_mm * unit.mm <= 2000;
-    });
-    return fits == units.end() ? "in another unit? see --unit" : std::string("in ") + fits->words + "? --unit " + fits->name;
+/// "in metres? --unit m", unless the mesh would be out of proportion in that unit too.
+std::string question(const Unit& unit, double length_mm) {
+    const double length_so_mm = length_mm * unit.mm;
+    return length_so_mm < shortest_mm || length_so_mm > longest_mm
+               ? "in another unit? see --unit"
+               : std::string("in ") + unit.words + "? --unit " + unit.name;
 }
 
 std::optional<std::string> doubt_of_unit(const MeasuredMesh& mesh) {
@@ -38,11 +36,11 @@ std::optional<std::string> doubt_of_unit(const MeasuredMesh& mesh) {
     }
     const double height_mm = mesh.max_mm[2] - mesh.min_mm[2];
     if (length_mm > longest_mm) {
-        return "the mesh is " + measure_text(length_mm) + " mm long: " + question(smaller_units, length_mm);
+        return "the mesh is " + measure_text(length_mm) + " mm long: " + question(micrometre, length_mm);
     }
-    if (mesh.layer_height_mm && height_mm < *mesh.layer_height_mm && length_mm <= shortest_mm) {
-        return "the mesh is " + measure_text(height_mm) +
-               " mm high, less than a layer: " + question(larger_units, length_mm);
+    // A plate may be thinner than a layer. What would be longer than 10 m in metres is not in metres.
+    if (mesh.plane_distance_mm && height_mm < *mesh.plane_distance_mm && length_mm * metre.mm <= longest_mm) {
+        return "the mesh is " + measure_text(height_mm) + " mm high, less than a layer: " + question(metre, length_mm);
     }
     return std::nullopt;
 }
@@ -51,7 +49,7 @@ std::optional<std::string> doubt_of_unit(const MeasuredMesh& mesh) {
 
 std::vector<std::string> doubts_of_scale(const MeshArguments& arguments, const MeshFile& file, const MeasuredMesh& mesh) {
     std::vector<std::string> doubts;
-    const auto add = [&](const std::string& text) { doubts.push_back(arguments.mesh + ": " + text); };
+    const auto add = [&](const std::string& text) { doubts.push_back(arguments.name() + ": " + text); };
     if (!file.states_unit && !arguments.unit) {
         if (const std::optional<std::string> doubt = doubt_of_unit(mesh)) {
             add(*doubt);
@@ -60,7 +58,10 @@ std::vector<std::string> doubts_of_scale(const MeshArguments& arguments, const M
     const MeshScale scale = judge_scale(mesh.min_mm, mesh.max_mm, file.coordinate_type, mesh.unit_mm);
     if (scale.coarse_grid) {
         add("the grid of " + exact_text(mesh.unit_mm) + " mm is coarse for a mesh of " + measure_text(scale.diagonal_mm) +
-            " mm from corner to corner; --grid auto takes " + exact_text(scale.finest_unit_mm) + " mm");
+            " mm from corner to corner; " +
+            (scale.finest_unit_mm < mesh.unit_mm
+                 ? "--grid auto takes " + exact_text(scale.finest_unit_mm) + " mm"
+                 : "none finer reaches the coordinate of " + measure_text(scale.farthest_mm) + " mm"));
     }
     if (scale.coarse_numbers && !mesh.moved) {
         add("coordinates of up to " + measure_text(scale.farthest_mm) + " mm are stored in steps of " +

@@ -10,13 +10,16 @@
 
 namespace lamella::cli {
 
+/// What a mesh that is not sliced is judged by.
+inline constexpr double common_layer_mm = 0.2;
+
 /// A mesh as it was cut or examined.
 struct MeasuredMesh {
     const double (&min_mm)[3];
     const double (&max_mm)[3];
-    double unit_mm;                         ///< of the grid
-    std::optional<double> layer_height_mm;  ///< of uniform layers
-    bool moved = false;                     ///< by a transform, so that coordinates are not the file's
+    double unit_mm;                                             ///< of the grid
+    std::optional<double> plane_distance_mm = common_layer_mm;  ///< the least from plane to plane, if there are two
+    bool moved = false;                                         ///< by a transform, so that coordinates are not the file's
 };
 
 /// Warnings, each one line that names the file: a grid too coarse, coordinates too far away, and a size that suggests

@@ -7,6 +7,7 @@
 #include <map>
 #include <system_error>
 #include <utility>
+#include <variant>
 
 #include "console.hpp"
 #include "failure.hpp"
@@ -18,12 +19,6 @@ namespace {
 
 /// The heading in the help of what neither prints nor pictures need.
 constexpr const char* experiments = "Experiments";
-
-void require_positive(const std::optional<double>& value_mm, const std::string& option) {
-    if (value_mm && !(*value_mm > 0 && std::isfinite(*value_mm))) {
-        throw Failure(bad_usage, option + ": not a positive number of mm");
-    }
-}
 
 UniformLayers uniform_layers(const SliceArguments& arguments) {
     require_positive(arguments.layer_height_mm, "--layer-height");
@@ -78,21 +73,6 @@ ExplicitPlanes explicit_planes(const std::string& text, SliceRequest& request) {
     require_ascending(file, text);
     request.plane_lines = std::move(file.lines);
     return {std::move(file.values)};
-}
-
-double grid_unit(const std::string& text) {
-    if (text.empty()) {
-        return 0;
-    }
-    if (text == "auto") {
-        return unit_by_box;
-    }
-    const std::optional<double> unit = parse_number(text);
-    if (!unit) {
-        throw Failure(bad_usage, "--grid: '" + text + "' is neither a number of mm nor auto");
-    }
-    require_positive(unit, "--grid");
-    return *unit;
 }
 
 Transform transform_from_file(const std::string& path) {
@@ -169,13 +149,10 @@ void declare_planes(CLI::App& command, SliceArguments& arguments) {
 
 void declare(CLI::App& command, SliceArguments& arguments) {
     declare_mesh(command, arguments);
-    command.add_option("-o,--output", arguments.output, "Layered SVG to write")->type_name("OUT.svg")->check(given_path);
+    command.add_option("-o,--output", arguments.output, "Layered SVG to write; - for standard output")
+        ->type_name("OUT.svg|-")
+        ->check(given_path);
     declare_planes(command, arguments);
-    command
-        .add_option("--grid", arguments.grid,
-                    "Unit of the integer grid (2^-20 mm, or more if the mesh needs it); auto: the finest that it fits")
-        ->type_name("MM|auto")
-        ->check(given);
     command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart before slicing (off)")->type_name("MM");
     command.add_option("--close-gaps", arguments.close_gaps_mm, "Join ends of open polylines at most MM apart (off)")
         ->type_name("MM");
@@ -208,6 +185,21 @@ void declare(CLI::App& command, SliceArguments& arguments) {
         "Progress bar on stderr (auto: on a terminal)");
 }
 
+std::optional<double> least_plane_distance(const LayerPlan& plan) {
+    if (const auto* uniform = std::get_if<UniformLayers>(&plan.spacing)) {
+        return uniform->layer_height_mm;
+    }
+    if (const auto* random = std::get_if<RandomLayers>(&plan.spacing)) {
+        return random->min_height_mm;
+    }
+    std::optional<double> least;
+    const std::vector<double>& heights = std::get<ExplicitPlanes>(plan.spacing).heights_mm;
+    for (std::size_t i = 1; i < heights.size(); ++i) {
+        least = std::min(least.value_or(heights[i] - heights[i - 1]), heights[i] - heights[i - 1]);
+    }
+    return least;
+}
+
 SliceRequest request_of(const SliceArguments& arguments) {
     SliceRequest request;
     LayerPlan& plan = request.options.plan;
@@ -219,7 +211,7 @@ SliceRequest request_of(const SliceArguments& arguments) {
         plan.spacing = uniform_layers(arguments);
     }
     plan.side = arguments.side;
-    request.options.unit_mm = grid_unit(arguments.grid);
+    request.options.unit_mm = parse_grid(arguments.grid);
     request.options.transform = transform_of(arguments);
     for (const auto& [value, option] :
          {std::pair{&arguments.weld_mm, "--weld"}, {&arguments.close_gaps_mm, "--close-gaps"}}) {

@@ -12,6 +12,7 @@
 #include "console.hpp"
 #include "lamella/slice.hpp"
 #include "mesh_input.hpp"
+#include "standard_streams.hpp"
 
 namespace lamella::cli {
 
@@ -25,7 +26,6 @@ struct SliceArguments : MeshArguments {
     std::optional<double> first_height_mm;
     Datum datum = Datum::mesh_min;
     PlaneSide side = PlaneSide::below;
-    std::string grid;
     std::optional<double> weld_mm;
     std::optional<double> close_gaps_mm;
     FillRule fill_rule = FillRule::contours;
@@ -35,7 +35,8 @@ struct SliceArguments : MeshArguments {
     ContourForm form = ContourForm::swept;
     ProgressBar::When progress = ProgressBar::When::automatic;
 
-    bool report_to_stdout() const noexcept { return report == "-"; }
+    bool output_to_stdout() const noexcept { return is_standard(output); }
+    bool report_to_stdout() const noexcept { return is_standard(report); }
 };
 
 /// Declares the flags on `command`, to be stored in `arguments`.
@@ -45,6 +46,9 @@ struct SliceRequest {
     SliceOptions options;
     std::vector<std::size_t> plane_lines;  ///< where in the --planes file each height stands; empty if there is none
 };
+
+/// From one plane to the next, if there are two.
+std::optional<double> least_plane_distance(const LayerPlan& plan);
 
 /// Checks values and reads the files that flags name. Throws Failure.
 SliceRequest request_of(const SliceArguments& arguments);

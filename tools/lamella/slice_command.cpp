@@ -1,10 +1,8 @@
 // lamella slice: read, slice, write, report.
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "commands.hpp"
@@ -51,10 +49,10 @@ private:
             require_different(arguments_.output, arguments_.mesh, "--output", "the mesh");
             require_extension(arguments_.output, "--output", ".svg");
         }
-        if (!arguments_.report.empty() && !arguments_.report_to_stdout()) {
+        if (!arguments_.report.empty()) {
             require_writable(arguments_.report);
             require_different(arguments_.report, arguments_.mesh, "--report", "the mesh");
-            require_different(arguments_.report, arguments_.output, "--report", "--output");
+            require_different_output(arguments_.report, arguments_.output, "--report", "--output");
         }
     }
 
@@ -64,11 +62,10 @@ private:
     }
 
     void note_doubts_of_scale(const SliceResult& result, const MeshFile& mesh) {
-        const auto* layers = std::get_if<UniformLayers>(&result.plan.spacing);
-        const auto height = layers != nullptr ? std::optional(layers->layer_height_mm) : std::nullopt;
         const bool moved = !arguments_.transform.empty() || !arguments_.normal.empty();
-        for (const std::string& doubt : doubts_of_scale(
-                 arguments_, mesh, {result.summary.min_mm, result.summary.max_mm, result.unit_mm, height, moved})) {
+        const MeasuredMesh measured{result.summary.min_mm, result.summary.max_mm, result.unit_mm,
+                                    least_plane_distance(result.plan), moved};
+        for (const std::string& doubt : doubts_of_scale(arguments_, mesh, measured)) {
             note(doubt);
         }
     }
@@ -109,7 +106,7 @@ private:
         Result<WeldedMesh> welded = weld(mesh, {.tolerance_mm = *arguments_.weld_mm});
         bar_.wipe();
         if (!welded) {
-            throw Failure(failure_of(welded.error()).status(), arguments_.mesh + ": " + welded.error().message);
+            throw Failure(failure_of(welded.error()).status(), arguments_.name() + ": " + welded.error().message);
         }
         welded_ = std::move(welded).value();
     }
@@ -122,11 +119,11 @@ private:
             return {bad_input, arguments_.planes + ":" + std::to_string(request.plane_lines[plane]) + ": " + error.message};
         }
         if (error.code == ErrorCode::empty_mesh && welded_ && welded_->joined > 0) {
-            return {bad_input, arguments_.mesh + ": welding at " + exact_text(*arguments_.weld_mm) +
+            return {bad_input, arguments_.name() + ": welding at " + exact_text(*arguments_.weld_mm) +
                                    " mm leaves nothing: " + error.message};
         }
         // Of an option the message says all; of a mesh it must say which.
-        return failure.status() == bad_input ? Failure(bad_input, arguments_.mesh + ": " + error.message) : failure;
+        return failure.status() == bad_input ? Failure(bad_input, arguments_.name() + ": " + error.message) : failure;
     }
 
     void write(const SliceResult& result) {
@@ -136,7 +133,7 @@ private:
         bar_.show("writing", 0);
         const Stopwatch watch;
         const Status status =
-            write_svg(result, arguments_.output, {.welded = welded(), .control = {.stop = interrupt_.defer()}});
+            write_svg(result, output_path(arguments_.output), {.welded = welded(), .control = {.stop = interrupt_.defer()}});
         bar_.wipe();
         if (!status) {
             throw failure_of(status.error());
@@ -148,7 +145,7 @@ private:
     void report(const SliceResult& result, const MeshFile& mesh) {
         ReportParts parts{.mesh_name = arguments_.mesh, .file = &mesh, .welded = welded()};
         if (arguments_.report.empty()) {
-            print(summary(result, parts, run_));
+            print_words(summary(result, parts, run_), arguments_.output_to_stdout());
             return;
         }
         const MeshView sliced = welded_ ? welded_->view() : mesh.view();
@@ -176,7 +173,7 @@ private:
 
     void write_report(const std::string& words, const std::string& json) const {
         if (arguments_.report_to_stdout()) {
-            (void)std::fputs(words.c_str(), stderr);
+            print_words(words, true);
             print(json);
             return;
         }
@@ -184,7 +181,7 @@ private:
         if (!status) {
             throw failure_of(status.error());
         }
-        print(words + "report    " + arguments_.report + "\n");
+        print_words(words + "report    " + arguments_.report + "\n", arguments_.output_to_stdout());
     }
 
     const SliceArguments& arguments_;

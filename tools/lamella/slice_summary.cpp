@@ -8,6 +8,8 @@
 
 #include "console.hpp"
 #include "mesh_input.hpp"
+#include "scale_words.hpp"
+#include "standard_streams.hpp"
 
 namespace lamella::cli {
 
@@ -30,8 +32,8 @@ std::string words(const RandomLayers& layers) {
 }
 
 std::string mesh_line(const SliceSummary& counts, const ReportParts& parts) {
-    std::string text = "mesh      " + std::string(parts.mesh_name) + ", " + counted(counts.triangles, "triangle") + ", " +
-                       description(*parts.file);
+    std::string text = "mesh      " + input_name(std::string(parts.mesh_name)) + ", " +
+                       counted(counts.triangles, "triangle") + ", " + description(*parts.file);
     if (counts.degenerate > 0) {
         text += "; " + grouped(counts.degenerate) + " degenerate, dropped";
     }
@@ -52,7 +54,7 @@ std::string mending(const SliceResult& result, const ReportParts& parts) {
     if (parts.welded != nullptr) {
         text += "welded    " + counted(parts.welded->joined, "vertex", "vertices") + " onto others at most " +
                 exact_text(parts.welded->tolerance_mm) + " mm away, the farthest " +
-                rounded(parts.welded->largest_move_mm, 6) + " mm\n";
+                measure_text(parts.welded->largest_move_mm) + " mm\n";
     }
     if (result.close_gaps_mm > 0) {
         double longest = 0;
@@ -60,7 +62,7 @@ std::string mending(const SliceResult& result, const ReportParts& parts) {
             longest = std::max(longest, result.length_mm(gap));
         }
         text += "gaps      " + grouped(result.closed_gaps.size()) + " closed of up to " + exact_text(result.close_gaps_mm) +
-                " mm, the longest " + rounded(longest, 6) + " mm\n";
+                " mm, the longest " + measure_text(longest) + " mm\n";
     }
     if (result.fill_rule != FillRule::contours) {
         text += std::string("filled    by the rule ") + std::string(name_of(result.fill_rule)) + "\n";
@@ -99,9 +101,9 @@ std::string volume_line(const VolumeCertificate& volume) {
     if (!volume.applies()) {
         return "volume    not certified: " + std::string(name_of(volume.verdict)) + "\n";
     }
-    std::string text = "volume    " + rounded(volume.mesh_mm3, 3) + " mm3, ";
+    std::string text = "volume    " + measure_text(volume.mesh_mm3) + " mm3, ";
     if (volume.verdict == VolumeVerdict::volumes_differ) {
-        text += "but the slabs between planes sum to " + rounded(volume.slabs_mm3, 3) + " mm3";
+        text += "but the slabs between planes sum to " + measure_text(volume.slabs_mm3) + " mm3";
     } else {
         text += volume.verdict == VolumeVerdict::holds ? "certified" : "but areas differ";
     }
@@ -130,6 +132,13 @@ std::string findings(const ReportParts& parts) {
     return text;
 }
 
+/// ", 1.9 MB", or nothing of a pipe and of a device.
+std::string size_after(const std::string& output) {
+    std::error_code unknown;
+    const std::uintmax_t bytes = is_standard(output) ? 0 : std::filesystem::file_size(output, unknown);
+    return is_standard(output) || unknown ? "" : ", " + file_size_text(bytes);
+}
+
 }  // namespace
 
 std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh) {
@@ -149,9 +158,7 @@ std::string summary(const SliceResult& result, const ReportParts& parts, const T
                        times(result.summary, *parts.file, run) + "memory    " + file_size_text(run.peak_rss_bytes) +
                        " at the peak\n";
     if (!run.output.empty()) {
-        std::error_code unknown;
-        const std::uintmax_t bytes = std::filesystem::file_size(run.output, unknown);
-        text += "wrote     " + run.output + (unknown ? "" : ", " + file_size_text(bytes)) + "\n";
+        text += "wrote     " + output_name(run.output) + size_after(run.output) + "\n";
     }
     return text;
 }

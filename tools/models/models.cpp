@@ -130,7 +130,7 @@ Result<std::uint64_t> write_stl(const Recipe& recipe, const std::filesystem::pat
     } else {
         surface.emit([&](std::span<const Triangle> batch) {
             append(batch, *file);
-            return !stop.stop_requested();
+            return !stop.stop_requested() && !file->failed();
         });
     }
     if (stop.stop_requested()) {

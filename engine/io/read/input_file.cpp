@@ -91,8 +91,9 @@ Error InputFile::error(ErrorCode code, const std::string& what, std::int64_t byt
     return error;
 }
 
-Result<InputFile> InputFile::open(const std::filesystem::path& path) {
-    InputFile file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY), printable(path.string()));
+Result<InputFile> InputFile::open(const std::filesystem::path& path, std::string_view name) {
+    InputFile file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY),
+                   printable(name.empty() ? path.string() : std::string(name)));
     struct stat status {};
     if (file.descriptor_ < 0 || ::fstat(file.descriptor_, &status) != 0) {
         return file.error(ErrorCode::unreadable_file, "cannot be opened: " + system_message(errno));

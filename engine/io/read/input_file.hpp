@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
@@ -19,8 +20,9 @@ std::string printable(std::string text);
 
 class InputFile {
 public:
-    /// Opens without ever waiting (a FIFO would), and refuses what is not a regular file.
-    static Result<InputFile> open(const std::filesystem::path& path);
+    /// Opens without ever waiting (a FIFO would), and refuses what is not a regular file. Messages call it `name`, or by its
+    /// path.
+    static Result<InputFile> open(const std::filesystem::path& path, std::string_view name = {});
 
     InputFile(InputFile&& other) noexcept;
     InputFile& operator=(InputFile&&) = delete;

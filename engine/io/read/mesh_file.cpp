@@ -40,10 +40,13 @@ std::uint64_t memory_limit(const ReadOptions& options, std::uint64_t file_bytes)
     return options.memory_limit_bytes != 0 ? options.memory_limit_bytes : 3 * file_bytes + allowance;
 }
 
+char lower_case_of(char c) noexcept {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
+}
+
 std::string lower_case_extension(const std::filesystem::path& path) {
     std::string text = path.extension().string();
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c; });
+    std::transform(text.begin(), text.end(), text.begin(), lower_case_of);
     return text;
 }
 
@@ -113,6 +116,7 @@ const Reader* choose_reader(const FileSource& source, const std::filesystem::pat
     return &*found;
 }
 
+/// `path` is the one whose name speaks of the content, or empty.
 Result<MeshFile> read_source(FileSource& source, const std::filesystem::path& path, const ReadOptions& options) {
     if (source.size() == 0) {
         return source.error(ErrorCode::empty_mesh, "is empty");
@@ -169,7 +173,7 @@ Result<MeshFile> read_compressed(FileSource& packed, const InputFile& file, cons
 
 Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& options) {
     const Clock::time_point start = Clock::now();
-    const Result<InputFile> opened = InputFile::open(path);
+    const Result<InputFile> opened = InputFile::open(path, options.name);
     if (!opened) {
         return opened.error();
     }
@@ -179,10 +183,11 @@ Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& opti
     if (Status got = source.read_sample(); !got) {
         return got.error();
     }
-    Result<MeshFile> mesh = source.sample().starts_with(gzip_magic) ? read_compressed(source, file, path, options, parallel)
-                                                                    : read_source(source, path, options);
+    const std::filesystem::path named = options.name.empty() ? path : std::filesystem::path();
+    Result<MeshFile> mesh = source.sample().starts_with(gzip_magic) ? read_compressed(source, file, named, options, parallel)
+                                                                    : read_source(source, named, options);
     if (mesh) {
-        if (mesh->compressed != is_named_gz(path)) {
+        if (options.name.empty() && mesh->compressed != is_named_gz(path)) {
             mesh->warnings.insert(mesh->warnings.begin(),
                                   file.name() + (mesh->compressed ? ": is compressed by gzip, which its name does not say"
                                                                   : ": is not compressed by gzip, as its name says"));
@@ -209,6 +214,24 @@ std::span<const std::string_view> format_names() noexcept {
         return each;
     }();
     return names;
+}
+
+bool is_named_as_mesh(const std::filesystem::path& path) noexcept {
+    std::string_view name = path.native();
+    std::array<char, 8> lower_case;  // more than any extension has
+    const auto extension = [&]() -> std::string_view {
+        const std::size_t point = name.find_last_of("./");
+        if (point == std::string_view::npos || name[point] == '/' || name.size() - point > lower_case.size()) {
+            return {};
+        }
+        const auto end =
+            std::transform(name.begin() + static_cast<std::ptrdiff_t>(point), name.end(), lower_case.begin(), lower_case_of);
+        return {lower_case.data(), static_cast<std::size_t>(end - lower_case.begin())};
+    };
+    if (constexpr std::string_view packed = ".gz"; extension() == packed) {
+        name.remove_suffix(packed.size());
+    }
+    return reader_for_extension(extension()) != nullptr;
 }
 
 std::string_view name_of(PatientFrame frame) noexcept {

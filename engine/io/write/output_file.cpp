@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <cstring>
 #include <new>
@@ -19,6 +20,24 @@ namespace lamella {
 namespace {
 
 constexpr int create_attempts = 100;
+
+/// The descriptor of this process that the path stands for, or -1.
+int descriptor_named(std::string_view path) noexcept {
+    if (path == "/dev/stdout") {
+        return STDOUT_FILENO;
+    }
+    if (path == "/dev/stderr") {
+        return STDERR_FILENO;
+    }
+    constexpr std::string_view numbered = "/dev/fd/";
+    int number = -1;
+    if (path.starts_with(numbered)) {
+        const char* const end = path.data() + path.size();
+        const auto [stop, problem] = std::from_chars(path.data() + numbered.size(), end, number);
+        return problem == std::errc() && stop == end ? number : -1;
+    }
+    return number;
+}
 
 /// What the names of this process's files aside of `destination` begin with: hidden, and short enough for any name limit.
 std::string aside_prefix(const std::filesystem::path& destination) {
@@ -57,6 +76,11 @@ void remove_unfinished(const std::filesystem::path& path) noexcept {
 }
 
 Result<OutputFile> OutputFile::create(const std::filesystem::path& target) {
+    if (descriptor_named(target.native()) >= 0) {
+        OutputFile file(target, target);
+        const int error_number = file.open_in_place();
+        return error_number == 0 ? Result<OutputFile>(std::move(file)) : unwritable(target, error_number);
+    }
     struct stat existing {};
     const bool exists = ::stat(target.c_str(), &existing) == 0;
     if (!exists && errno != ENOENT) {
@@ -83,7 +107,8 @@ Result<OutputFile> OutputFile::create(const std::filesystem::path& target) {
 }
 
 int OutputFile::open_in_place() noexcept {
-    descriptor_ = ::open(destination_.c_str(), O_WRONLY | O_CLOEXEC);
+    const int named = descriptor_named(destination_.native());
+    descriptor_ = named >= 0 ? ::fcntl(named, F_DUPFD_CLOEXEC, 0) : ::open(destination_.c_str(), O_WRONLY | O_CLOEXEC);
     return descriptor_ < 0 ? errno : 0;
 }
 

@@ -12,7 +12,9 @@
 namespace lamella {
 
 /// Move-only. Whatever ends before commit() leaves no trace. A target that is no regular file (a device, a pipe) cannot be
-/// renamed onto and is written in place. Errors stick: the first is kept, later output is dropped, commit() reports it.
+/// renamed onto and is written in place. /dev/stdout, /dev/stderr and /dev/fd/N are this process's open descriptors,
+/// wherever they lead: opened by these paths, a file would be written from its begin again, and a socket not at all. Errors
+/// stick: the first is kept, later output is dropped, commit() reports it.
 class OutputFile {
 public:
     /// Largest request that room() serves.
@@ -32,6 +34,9 @@ public:
     void advance(const char* end) noexcept;
 
     void append(std::string_view text);
+
+    /// Something could not be written: what follows is for nothing.
+    bool failed() const noexcept { return error_number_ != 0; }
 
     /// Writes what is left and puts the file in its place. Errors: unwritable_file.
     Status commit();

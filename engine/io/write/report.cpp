@@ -295,4 +295,15 @@ Result<std::string> make_report_json(const SliceResult& result, const ReportPart
     });
 }
 
+Result<std::string> make_mesh_json(const ReportParts& parts) noexcept {
+    return guarded([&]() -> Result<std::string> {
+        JsonText json;
+        json.object([&] {
+            write_mesh(json, parts);
+            write_members(json, parts, ReportPlace::at_end);
+        });
+        return std::move(json).take();
+    });
+}
+
 }  // namespace lamella

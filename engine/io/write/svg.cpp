@@ -116,8 +116,8 @@ public:
     void layer(std::size_t index) {
         const Layer& layer = result_.layers[index];
         out_.append("<g id=\"layer" + std::to_string(index) + "\" slic3r:z=\"" + exact_text(layer.plane_mm) +
-                    "\" lamella:cut-z=\"" + exact_text(result_.to_mm(layer.plane)) + "\" slic3r:layer-height=\"" + mm(layer.top_mm - layer.bottom_mm) + "\" fill=\"" + colour(index) +
-                    "\" transform=\"scale(1,-1)\">\n");
+                    "\" lamella:cut-z=\"" + exact_text(result_.to_mm(layer.plane)) + "\" slic3r:layer-height=\"" +
+                    mm(layer.top_mm - layer.bottom_mm) + "\" fill=\"" + colour(index) + "\" transform=\"scale(1,-1)\">\n");
         for (std::uint64_t c = layer.first_contour; c < layer.first_contour + layer.contour_count; ++c) {
             contour(c);
         }
@@ -229,7 +229,7 @@ Status write_svg_throwing(const SliceResult& result, const std::filesystem::path
     }
     SvgWriter writer(result, options.welded, *file);
     writer.head();
-    for (std::size_t index = 0; index < result.layers.size(); ++index) {
+    for (std::size_t index = 0; index < result.layers.size() && !file->failed(); ++index) {
         if (options.control.stop.stop_requested()) {
             return Error{.code = ErrorCode::cancelled, .message = "cancelled while writing '" + path.string() + "'"};
         }

@@ -19,8 +19,9 @@ struct Bounds {
 Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
                               BlockTable& table);
 
-/// The unit to use: `asked_mm`, or if that is 0 the default, doubled until the box fits, or if that is unit_by_box the finest
-/// power of two that the box fits. Errors: invalid_argument, bad_coordinate (the box does not fit the requested unit).
+/// The unit to use: `asked_mm`, or if that is 0 the default, doubled until the box fits, or if that is unit_by_box the
+/// finest power of two that the box fits. Errors: invalid_argument, bad_coordinate (the box does not fit the requested
+/// unit).
 Result<double> choose_unit(const Bounds& bounds, double asked_mm);
 
 /// The unit of unit_by_box.

@@ -37,6 +37,9 @@ std::string_view name_of(MeshFormat format) noexcept;
 /// Of all formats that can be read.
 std::span<const std::string_view> format_names() noexcept;
 
+/// Whether a file's name ends as one of these formats' do, as in "a.stl", "A.STL" and "a.stl.gz". read_mesh() does not ask.
+bool is_named_as_mesh(const std::filesystem::path& path) noexcept;
+
 /// The directions in which a medical mesh's axes run through the patient: towards left, posterior and superior (LPS), or
 /// towards right, anterior and superior (RAS). Read where a file states it, and never guessed.
 enum class PatientFrame : std::uint8_t { unstated, lps, ras };
@@ -81,6 +84,9 @@ struct ReadOptions {
     /// this is for programs that own their input.
     bool map_file = false;
     double mm_per_unit = 1;  ///< for files that state no unit
+    /// What messages call a file whose path says nothing, as "/dev/fd/5" of a pipe's copy: its content alone then decides
+    /// the format. Empty: its path.
+    std::string_view name{};
     /// What reading may take beside the file's own bytes; more is an error before it is allocated. 0: three times the file
     /// and 256 MiB, which only files that expand enormously exceed.
     std::uint64_t memory_limit_bytes = 0;

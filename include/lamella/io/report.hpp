@@ -58,4 +58,7 @@ struct ReportParts {
 /// The report of a slicing, indented, with a final newline. Errors: out_of_memory.
 Result<std::string> make_report_json(const SliceResult& result, const ReportParts& parts = {}) noexcept;
 
+/// The mesh's name, the file and the program's members alone, as of a mesh that could not be used. Errors: out_of_memory.
+Result<std::string> make_mesh_json(const ReportParts& parts) noexcept;
+
 }  // namespace lamella

@@ -27,8 +27,8 @@ struct SvgOptions {
 /// `<desc>` holds the grid, the rounding rule, the datum and the frame.
 ///
 /// The file is written aside and renamed when complete, so that no half-written one is left; a device or a pipe is written
-/// in place. O(points) time and 1 MiB of memory, on the calling thread. Errors: unwritable_file, invalid_argument (negative
-/// threads), cancelled, out_of_memory.
+/// in place, and /dev/stdout is standard output wherever that leads. O(points) time and 1 MiB of memory, on the calling
+/// thread. Errors: unwritable_file, invalid_argument (negative threads), cancelled, out_of_memory.
 Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options = {}) noexcept;
 
 }  // namespace lamella

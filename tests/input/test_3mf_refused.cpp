@@ -117,6 +117,12 @@ TEST_CASE("3MF part names that leave the package are refused", "[input][3mf]") {
     }
 }
 
+TEST_CASE("a 3MF path whose prefix is not declared is refused", "[input][3mf]") {
+    const TempFolder dir;
+    CHECK(refusal_with(dir, "objectid=\"1\"", "objectid=\"1\" q:path=\"/3D/a.model\"") ==
+          in_root(29, "refers to a part by 'q:path', whose prefix is not declared"));
+}
+
 TEST_CASE("entities and whatever else a document type may hold are refused", "[input][3mf]") {
     const TempFolder dir;
     const std::string expected = in_root(2, "a document type declaration, which is refused");

@@ -36,7 +36,7 @@ struct Zip64 {
     bool directory_sizes = false;
     bool directory_offset = false;
     bool end_record = true;
-    bool all_in_directory = false;  ///< the directory's extra field holds offset and disk too, needed or not
+    bool all_in_directory = false;  ///< the directory's extra field that holds the sizes holds offset and disk too
     Descriptor descriptor = Descriptor::none;
 };
 
@@ -121,8 +121,8 @@ private:
     }
 
     void list(const ZipPart& part, std::uint32_t crc, std::uint64_t packed, std::uint64_t size, std::uint64_t offset) {
-        const bool all = zip64_.all_in_directory && (zip64_.directory_sizes || zip64_.directory_offset);
-        const std::string sizes = zip64_.directory_sizes || all ? little_endian64(size) + little_endian64(packed) : "";
+        const bool all = zip64_.all_in_directory && zip64_.directory_sizes;
+        const std::string sizes = zip64_.directory_sizes ? little_endian64(size) + little_endian64(packed) : "";
         const std::string place = zip64_.directory_offset || all ? little_endian64(offset) : "";
         const std::string extra = extra_field(sizes + place + (all ? little_endian(0) : ""));
         directory_ += "PK\1\2" + little_endian16(45) + fields(part) + little_endian(crc) +

@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "io/read/reader.hpp"
 #include "io/read/three_mf/three_mf_part.hpp"
 #include "io/xml/xml.hpp"
 #include "lamella/memory.hpp"
@@ -67,9 +68,19 @@ void warn_of_unbound(const std::string& part, const XmlReader& reader, Model& mo
     }
 }
 
+Error no_package(const ZipArchive& package) {
+    const std::string mesh = package.first_part([](std::string_view name) { return is_mesh_name(name); });
+    return mesh.empty() ? package.error(ErrorCode::malformed_mesh, package_relationships, 0, "is missing")
+                        : package.error(ErrorCode::malformed_mesh, mesh, 0,
+                                        "is a mesh in a zip archive that is no 3MF package: unpack it first");
+}
+
 Result<std::string> find_root(ZipArchive& package, Model& model, const Memory* memory) {
     RelationshipReader relationships(memory);
     const std::string part(package_relationships);
+    if (!package.contains(part)) {
+        return no_package(package);
+    }
     if (Status read =
             stream(package, part, relationships, [&](std::string_view piece) { return relationships.feed(piece); });
         !read) {

@@ -180,7 +180,8 @@ Result<MeshFile> read_off_lines(const FileSource& source, std::string_view whole
 Result<MeshFile> read_off_words(const FileSource& source, std::string_view whole, std::string_view text,
                                 const Error& refused) {
     TextFailure failure;
-    if (std::optional<Result<MeshFile>> mesh = read_off_tokens(source, whole, text, failure)) {
+    const auto offset = static_cast<std::size_t>(refused.byte_offset);
+    if (std::optional<Result<MeshFile>> mesh = read_off_tokens(source, whole, text, offset, failure)) {
         if (*mesh) {
             (*mesh)->warnings.push_back(source.name() +
                                         ": was read number by number, as it is not one vertex or one face a line (" +
@@ -188,7 +189,7 @@ Result<MeshFile> read_off_words(const FileSource& source, std::string_view whole
         }
         return *std::move(mesh);
     }
-    if (failure.at == nullptr || static_cast<std::size_t>(refused.byte_offset) == whole.size()) {
+    if (failure.at == nullptr) {
         return refused;
     }
     return source.error_in_text(whole, static_cast<std::size_t>(failure.at - whole.data()), failure.what);

@@ -29,6 +29,8 @@ public:
     const char* place_of_face(std::size_t number);
 
     bool ended_early() const { return ended_early_; }
+    /// Where the vertex or face begins that was read last.
+    const char* item() const { return item_; }
     using OffNumbers::failure;
 
 private:
@@ -41,6 +43,7 @@ private:
     OffExtras extras_;
     OffCounts counts_;
     std::size_t face_extras_ = std::numeric_limits<std::size_t>::max();  // of the first face
+    const char* item_ = nullptr;
     bool ended_early_ = false;
 };
 
@@ -88,6 +91,8 @@ bool OffTokens::extras(std::size_t most, std::size_t& count) {
 
 bool OffTokens::vertex(std::byte* to) {
     constexpr std::size_t normal_colour_and_texture = 3 + 4 + 2;
+    next_word();
+    item_ = p_;
     double xyz[3];
     for (double& value : xyz) {
         if (!to_number("a coordinate") || !coordinate(value)) {
@@ -104,6 +109,8 @@ bool OffTokens::vertex(std::byte* to) {
 template <class Corner>
 bool OffTokens::face(std::size_t& corners, Corner corner) {
     constexpr std::size_t colour = 4;
+    next_word();
+    item_ = p_;
     if (!to_number("the number of a face's corners") || !whole_number(corners, "the number of a face's corners")) {
         return false;
     }
@@ -132,13 +139,11 @@ bool OffTokens::count(FaceRange& faces) {
         }
     }
     for (std::size_t i = 0; i < counts_.faces; ++i) {
-        next_word();
-        const char* const at = p_;
         std::size_t corners = 0;
         if (!face(corners, [](std::uint32_t) {})) {
             return false;
         }
-        faces.add(corners, at);
+        faces.add(corners, item_);
     }
     return extras_ == OffExtras::to_line_end || !next_word() || fail("expected the end of the file");
 }
@@ -164,12 +169,10 @@ const char* OffTokens::place_of_face(std::size_t number) {
         vertex(nullptr);
     }
     for (;;) {
-        next_word();
-        const char* const at = p_;
         std::size_t corners = 0;
         face(corners, [](std::uint32_t) {});
         if (corners >= 3 && number-- == 0) {
-            return at;
+            return item_;
         }
     }
 }
@@ -177,7 +180,7 @@ const char* OffTokens::place_of_face(std::size_t number) {
 }  // namespace
 
 std::optional<Result<MeshFile>> read_off_tokens(const FileSource& source, std::string_view whole, std::string_view text,
-                                                TextFailure& failure) {
+                                                std::size_t refused_offset, TextFailure& failure) {
     for (const OffExtras extras : {OffExtras::to_line_end, OffExtras::none}) {
         const auto start = [&](OffTokens& tokens) {
             OffCounts counts;
@@ -187,7 +190,7 @@ std::optional<Result<MeshFile>> read_off_tokens(const FileSource& source, std::s
         OffTokens counter(text, extras);
         const std::optional<OffCounts> counts = start(counter);
         if (!counts || !counter.count(faces[0])) {
-            if (counter.ended_early() && failure.at == nullptr) {
+            if (counter.ended_early() && failure.at == nullptr && counter.item() > whole.data() + refused_offset) {
                 failure = counter.failure();
             }
             continue;

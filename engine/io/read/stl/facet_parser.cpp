@@ -1,6 +1,7 @@
 #include "io/read/stl/facet_parser.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <string_view>
 #include <utility>
 
@@ -43,6 +44,13 @@ bool begins_facet(const char* p, const char* end) {
 bool is_word_in_facet(const char* p, const char* end) {
     return is_word<"normal">(p, end) || is_word<"outer">(p, end) || is_word<"loop">(p, end) || is_word<"vertex">(p, end) ||
            is_word<"endloop">(p, end) || is_word<"endfacet">(p, end);
+}
+
+/// Whether the text ends within the first word of a statement.
+bool is_cut_off(const char* p, const char* end) {
+    const std::string_view word(p, static_cast<std::size_t>(end - p));
+    return std::string_view("facet").starts_with(word) || std::string_view("endsolid").starts_with(word) ||
+           std::string_view("solid").starts_with(word);
 }
 
 bool is_statement(const char* p, const char* end) {
@@ -95,12 +103,13 @@ bool FacetParser::next_facet(const char* stop, float* nine) {
     return false;
 }
 
-/// Skips a line that is no statement, as a comment is. False where facets would be lost: they begin within it, or it stands
-/// in the place of a facet's first line, which `skipped` then tells.
+/// Skips a line that is no statement, as a comment is. False where facets would be lost: they begin within it, it stands in
+/// the place of a facet's first line, which `skipped` then tells, or the file is cut off there.
 bool FacetParser::other_line(TextFailure& skipped) {
     TextFailure failure = {p_, "expected 'facet', 'solid' or 'endsolid', found " + found()};
     const char* const line_end = skip_line(p_, end_);
-    bool harmless = !is_word_in_facet(p_, end_);
+    bool harmless = !is_word_in_facet(p_, end_) && !is_cut_off(p_, end_) &&
+                    std::memchr(p_, '\0', static_cast<std::size_t>(line_end - p_)) == nullptr;
     for (const char* p = p_; harmless && p < line_end; p = skip_space(skip_word(p, end_), end_)) {
         harmless = !may_begin_facet(p, end_);
     }
@@ -144,7 +153,7 @@ bool FacetParser::facet(float* nine) {
     return true;
 }
 
-/// A facet by its vertices: what the normal should be is skipped, and `outer loop`, `endloop` and `endfacet` may be absent.
+/// A facet by its vertices: what the normal should be is skipped, and `outer loop` and `endfacet` may be absent.
 bool FacetParser::sloppy_facet(float* nine) {
     constexpr int most_words = 16;
     p_ = skip_space(skip_word(p_, end_), end_);
@@ -158,7 +167,10 @@ bool FacetParser::sloppy_facet(float* nine) {
         return false;
     }
     p_ = skip_space(p_, end_);
-    p_ = is_word<"endloop">(p_, end_) ? skip_space(skip_word(p_, end_), end_) : p_;
+    if (!is_word<"endloop">(p_, end_)) {
+        return false;
+    }
+    p_ = skip_space(skip_word(p_, end_), end_);
     if (is_word<"endfacet">(p_, end_)) {
         p_ = skip_word(p_, end_);
         return true;

@@ -177,6 +177,11 @@ Result<MeshFile> read_ascii(FileSource& file) {
     if (facets.error) {
         return file.error_in_text(whole, facets.error->offset + (whole.size() - text.size()), facets.error->what);
     }
+    if (const LeftOut& lines = facets.departures.lines; facets.count == 0 && lines.count > 0) {
+        return file.error_in_text(
+            whole, static_cast<std::size_t>(lines.first - whole.data()),
+            "expected 'facet', 'solid' or 'endsolid', found " + word_at(lines.first, whole.data() + whole.size()));
+    }
     if (facets.count == 0) {
         return file.error(ErrorCode::empty_mesh, "holds no triangles");
     }

@@ -3,7 +3,7 @@
 build_packages=(
     cmake ninja-build g++
     libtbb-dev libmimalloc-dev libbenchmark-dev catch2 libcli11-dev nlohmann-json3-dev libfast-float-dev
-    zlib1g-dev libexpat1-dev libminizip-dev libpolyclipping-dev pkg-config
+    zlib1g-dev libexpat1-dev libzip-dev libpolyclipping-dev pkg-config
 )
 test_packages=(libxml2-utils libcgal-dev python3)
 check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libc++-14-dev libc++abi-14-dev doxygen)

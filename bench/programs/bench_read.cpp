@@ -1,5 +1,5 @@
 // Times reading mesh files from the page cache, format by format, beside the time of pread() for the same bytes.
-#include <unzip.h>
+#include <zip.h>
 
 #include <cstring>
 #include <map>
@@ -154,17 +154,20 @@ void run_read(benchmark::State& state, Files& files, const MeshWriter& writer, i
     state.counters["threads"] = Counter(threads);
 }
 
-/// Inflates the mesh part of a 3MF file with minizip and discards it. Returns its size in bytes; zero on failure.
+/// Inflates the mesh part of a 3MF file with libzip and discards it. Returns its size in bytes; zero on failure.
 std::uint64_t inflate_model(const std::filesystem::path& file) {
-    const std::unique_ptr<void, int (*)(void*)> zip(unzOpen64(file.c_str()), unzClose);
-    if (zip == nullptr || unzLocateFile(zip.get(), "3D/3dmodel.model", 1) != UNZ_OK ||
-        unzOpenCurrentFile(zip.get()) != UNZ_OK) {
+    const std::unique_ptr<zip_t, void (*)(zip_t*)> zip(zip_open(file.c_str(), ZIP_RDONLY, nullptr), zip_discard);
+    if (zip == nullptr) {
+        return 0;
+    }
+    const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> part(zip_fopen(zip.get(), "3D/3dmodel.model", 0), zip_fclose);
+    if (part == nullptr) {
         return 0;
     }
     std::vector<char> piece(std::size_t{256} << 10);
     std::uint64_t bytes = 0;
-    int got = 0;
-    while ((got = unzReadCurrentFile(zip.get(), piece.data(), static_cast<unsigned>(piece.size()))) > 0) {
+    zip_int64_t got = 0;
+    while ((got = zip_fread(part.get(), piece.data(), piece.size())) > 0) {
         bytes += static_cast<std::uint64_t>(got);
     }
     return got == 0 ? bytes : 0;

@@ -10,6 +10,6 @@ execute_process(COMMAND ${readelf} -d ${libraries} OUTPUT_VARIABLE dynamic COMMA
 if(NOT dynamic MATCHES "NEEDED.*libc[.]so")
   message(FATAL_ERROR "readelf lists no libraries:\n${dynamic}")
 endif()
-if(dynamic MATCHES "NEEDED[^\n]*(expat|libz[.]|minizip|libzip)")
+if(dynamic MATCHES "NEEDED[^\n]*(expat|libz[.]|libzip)")
   message(FATAL_ERROR "the core links a package of lamella::io:\n${dynamic}")
 endif()

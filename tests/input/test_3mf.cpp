@@ -228,6 +228,22 @@ TEST_CASE("3MF supports and unprintable items are left out with a warning", "[in
     CHECK(file.warnings[1] == path.string() + ": ignored object 2 of type 'support'");
 }
 
+TEST_CASE("3MF names whose prefix is not declared are left out with a warning", "[input][3mf]") {
+    const TempFolder dir;
+    const auto warning = [&](const std::string& resources, const std::string& items) {
+        const MeshFile mesh = read_indexed(dir.write("a.3mf", package(model_text(resources, items))));
+        CHECK(mesh.triangle_count == 12);
+        REQUIRE(mesh.warnings.size() == 1);
+        return mesh.warnings[0].substr((dir / "a.3mf").string().size());
+    };
+    const std::string place = ": part '3D/3dmodel.model', line ";
+    CHECK(warning(cube(), item(1, "q:UUID=\"1\"")) == place + "29: ignored 'q:UUID', as its prefix is not declared");
+    CHECK(warning(object(1, cube_mesh(), "q:UUID=\"1\""), item(1)) ==
+          place + "4: ignored 'q:UUID', as its prefix is not declared");
+    CHECK(warning("<q:colours><q:colour/></q:colours>" + cube(), item(1)) ==
+          place + "4: ignored 'q:colours', as its prefix is not declared");
+}
+
 TEST_CASE("bytes around the zip archive of a 3MF file give a warning", "[input][3mf]") {
     const TempFolder dir;
     const std::string whole = package(model_text(cube(), item(1)));

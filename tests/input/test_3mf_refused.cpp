@@ -96,7 +96,11 @@ TEST_CASE("damaged archives and malformed parts have different messages", "[inpu
 TEST_CASE("archives that are no 3MF packages are refused", "[input][3mf]") {
     const TempFolder dir;
     CHECK(refusal(dir, "PK\3\4" + zip({})) == "is a zip archive without any part");
-    CHECK(refusal(dir, zip({{"mesh.stl", ascii_stl(numbered_facets(3))}})) == "part '_rels/.rels' is missing");
+    CHECK(refusal(dir, zip({{"readme.txt", "a mesh"}})) == "part '_rels/.rels' is missing");
+    for (const std::string name : {"mesh.stl", "a/mesh.OBJ", "mesh.ply.gz", "mesh.3mf"}) {
+        CHECK(refusal(dir, zip({{"readme.txt", "a mesh"}, {name, ascii_stl(numbered_facets(3))}, {"b.stl", ""}})) ==
+              "part '" + name + "' is a mesh in a zip archive that is no 3MF package: unpack it first");
+    }
     CHECK(refusal(dir, zip({content_types(), relationships()})) == "part '3D/3dmodel.model' is missing");
     CHECK(refusal(dir, zip({relationships(), relationships()})) == "part '_rels/.rels' is there twice");
     CHECK(refusal(dir, zip({{"_rels/.rels", "<a/>"}})) == "part '_rels/.rels' names no model: is no 3MF package");
@@ -115,6 +119,12 @@ TEST_CASE("3MF part names that leave the package are refused", "[input][3mf]") {
         CHECK(refusal_with(dir, "objectid=\"1\"", "objectid=\"1\" p:path=\"" + path + "\"") ==
               in_root(29, "refers to a part outside the package: '" + path + "'"));
     }
+}
+
+TEST_CASE("a 3MF path whose prefix is not declared is refused", "[input][3mf]") {
+    const TempFolder dir;
+    CHECK(refusal_with(dir, "objectid=\"1\"", "objectid=\"1\" q:path=\"/3D/a.model\"") ==
+          in_root(29, "refers to a part by 'q:path', whose prefix is not declared"));
 }
 
 TEST_CASE("entities and whatever else a document type may hold are refused", "[input][3mf]") {

@@ -163,9 +163,20 @@ TEST_CASE("impossible OBJ faces are refused with line and byte", "[input][obj]")
     CHECK(refused("f 1 2 -0") == "byte 30: vertex number out of range: 3 vertices precede, found '-0'");
     CHECK(refused("f 1 4") == "byte 28: vertex number out of range: the file has 3 vertices, found '4'");
     CHECK(refused("fo 1 2 4") == "byte 31: vertex number out of range: the file has 3 vertices, found '4'");
-    for (const char* word : {"x", "1.0", "+1", "1/a", "1/2/3/4", "1/-", "1//-", "/1", "-", "--1", "1e0", "3#", "1\\2"}) {
+    for (const char* word :
+         {"x", "1.5", "1.01", "1.0x", "+1", "1/a", "1/2/3/4", "1/-", "1//-", "/1", "-", "--1", "1e0", "3#", "1\\2"}) {
         CHECK(refused("f 1 2 " + std::string(word)) == "byte 30: malformed vertex number '" + std::string(word) + "'");
     }
+}
+
+TEST_CASE("OBJ vertex numbers with decimals that are 0 give a warning", "[input][obj]") {
+    const TempFolder dir;
+    const auto path = dir.write("a.obj", with_face("f 1 2 3\nf 3.0 2 1.00"));
+    CHECK((read_triangles(path) ==
+           std::vector<std::array<double, 9>>{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 0, 1, 0, 0, 0, 0, 0}}));
+    CHECK(read_mesh(path).value().warnings ==
+          std::vector<std::string>{path.string() +
+                                   ": 2 vertex numbers with decimals, which are 0, the first in line 5: '3.0'"});
 }
 
 TEST_CASE("OBJ faces of fewer than three corners are left out with a warning", "[input][obj]") {

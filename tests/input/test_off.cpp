@@ -60,6 +60,50 @@ TEST_CASE("an OFF cube in every form slices like the same cube as STL", "[input]
     CHECK(same(cube().substr(0, cube().size() - 1)));
 }
 
+TEST_CASE("an OFF cube whose lines end elsewhere slices like the same cube as STL, with a warning", "[input][off]") {
+    const TempFolder dir;
+    const std::uint64_t expected = cube_hash(dir);
+    const auto warnings = [&](const std::string& text) {
+        const auto path = dir.write("cube.off", text);
+        CHECK(hash_of(path) == expected);
+        return same_every_way(path, [](const MeshFile& mesh) { return mesh.warnings; });
+    };
+    const auto why = [&](const std::string& text) {
+        const std::vector<std::string> all = warnings(text);
+        REQUIRE(all.size() == 1);
+        const std::string start =
+            (dir / "cube.off").string() + ": was read number by number, as it is not one vertex or one face a line (";
+        CHECK(all[0].substr(0, start.size()) == start);
+        return all[0].substr(start.size());
+    };
+    const auto broken = [](const std::string& text, const std::string& end) { return replaced(text, "\n4 ", "\n4" + end); };
+    CHECK(why(broken(cube(), "\n")).find("line 11, byte ") == 0);
+    CHECK(why(broken(cube(), " # corners\n\n")).find("line 11, byte ") == 0);
+    CHECK(why(broken("OFF\n8 6 12\n" + body("", " 255 128 0"), "\n")).find("line 11, byte ") == 0);
+    CHECK(why(broken("CNOFF\n8 6 0\n" + body(" 0 0 1 0.5 0.5 0.5 1", " 7"), "\r\n")).find("line 11, byte ") == 0);
+    CHECK(why(replaced(cube(), " ", "\n")).find("line 4, byte ") == 0);
+    CHECK(why(replaced(cube(), "\n", " ") + "\n").find("line 1, byte ") == 0);
+    const std::string faces = body().substr(body().find("\n4 ") + 1);
+    CHECK(why("OFF\n8 6 0\n" + body().substr(0, body().find("\n4 ") + 1) + replaced(faces, "\n", " "))
+              .find("line 11, byte ") == 0);
+    CHECK(warnings("OFF\n8\n6\n" + body()).empty());
+    CHECK(warnings("OFF\n8\n# faces\n6 0\n" + body()).empty());
+}
+
+TEST_CASE("OFF whose lines end elsewhere is refused where it is malformed", "[input][off]") {
+    const TempFolder dir;
+    const auto refused = [&](const std::string& body) {
+        const Error error = read_error(dir.write("a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n" + body));
+        CHECK(error.code == ErrorCode::malformed_mesh);
+        return error.message.substr(error.message.find(": line") + 2);
+    };
+    CHECK(refused("3\n0 1 2\n3\n2 1\n") == "line 10, byte 42: expected a vertex number, found the end of the file");
+    CHECK(refused("3\n0 1 2\n3\n2 1 3\n").find("line 6, byte ") == 0);
+    // As many numbers after the corners of each face, or else they may be corners of the next one.
+    CHECK(refused("4 0 1 2\n3 0 2 1\n3 2 1 0\n").find("line 6, byte ") == 0);
+    CHECK(refused("3\n0 1 2 1 1 1 1 1\n3 2 1 0\n").find("line 6, byte ") == 0);
+}
+
 TEST_CASE("OFF of several pieces gives every vertex and face in order", "[input][off]") {
     const TempFolder dir;
     std::string text = "OFF\n150000 50001 0\n";
@@ -101,7 +145,7 @@ TEST_CASE("OFF counts that do not fit the text are refused", "[input][off]") {
     CHECK_THAT(refused("99999999999999999999999999 6 0"), Contains("line 2, byte 4: counts "));
     CHECK_THAT(refused("18446744073709551615 18446744073709551615 0"), Contains("line 2, byte 4: counts "));
     CHECK_THAT(refused("-8 6 0"), Contains("line 2, byte 4: expected the number of vertices, found '-8'"));
-    CHECK_THAT(refused("8"), Contains("line 2, byte 5: expected the number of faces, found the end of the line"));
+    CHECK_THAT(refused("8"), Contains("line 3, byte 6: expected the number of faces, found '0.000000'"));
     CHECK_THAT(refused("8 6.0 0"), Contains("line 2, byte 6: expected the number of faces, found '6.0'"));
     CHECK_THAT(refused("8 6 x"), Contains("line 2, byte 8: expected the number of edges, found 'x'"));
     CHECK_THAT(refused("8 6 0 0"), Contains("line 2, byte 10: expected the end of the line, found '0'"));

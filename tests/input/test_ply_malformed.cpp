@@ -119,6 +119,66 @@ TEST_CASE("malformed PLY headers are refused with line and byte", "[input][ply]"
     CHECK_THAT(malformed(dir, text).message, Contains(message));
 }
 
+TEST_CASE("lines of a PLY header without a keyword are skipped with a warning", "[input][ply]") {
+    const TempFolder dir;
+    const auto warnings = [&](const std::string& lines, const std::string& before) {
+        std::string text = header_of("ascii", "4", "1") + four_vertices + "3 0 1 2\n";
+        text.insert(text.find(before), lines);
+        const Result<MeshFile> mesh = read_mesh(dir.write("a.ply", text));
+        INFO((mesh ? std::string() : mesh.error().message));
+        REQUIRE(mesh.ok());
+        CHECK(mesh->triangle_count == 1);
+        REQUIRE(mesh->warnings.size() == 1);
+        return mesh->warnings[0].substr((dir / "a.ply").string().size());
+    };
+    CHECK(warnings("made by hand\n", "element vertex") ==
+          ": ignored 1 line of the header without a keyword, the first in line 3: 'made'");
+    CHECK(warnings("comment a\nb c\nd\n", "element face") ==
+          ": ignored 2 lines of the header without a keyword, the first in line 8: 'b'");
+    CHECK(warnings("float quality\n", "element face") ==
+          ": ignored 1 line of the header without a keyword, the first in line 7: 'float'");
+
+    std::string binary = header_of("binary_little_endian", "3", "1");
+    binary.insert(binary.find("element face"), "made by hand\n");
+    const float vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const std::uint32_t corners[3] = {0, 1, 2};
+    binary.append(reinterpret_cast<const char*>(vertices), sizeof vertices) += '\3';
+    binary.append(reinterpret_cast<const char*>(corners), sizeof corners);
+    CHECK(read_mesh(dir.write("b.ply", binary))->warnings.size() == 1);
+    // A property's numbers would be taken for others.
+    binary.replace(binary.find("made by hand"), 12, "float red   ");
+    CHECK_THAT(
+        malformed(dir, binary).message,
+        Contains("line 7, byte ") && Contains("expected 'element', 'property', 'comment' or 'end_header', found 'float'"));
+}
+
+TEST_CASE("a PLY property without its keyword is named where the mesh needs it", "[input][ply]") {
+    const TempFolder dir;
+    for (const std::string property : {"property float z", "property list uchar int vertex_indices"}) {
+        std::string text = header_of("ascii", "4", "1") + four_vertices + "3 0 1 2\n";
+        text.erase(text.find(property), 9);
+        const std::string word = property.substr(9, property.find(' ', 9) - 9);
+        CHECK_THAT(malformed(dir, text).message,
+                   Contains("expected 'element', 'property', 'comment' or 'end_header', found '" + word + "'"));
+    }
+}
+
+TEST_CASE("words after the declared properties of a PLY row are ignored with a warning", "[input][ply]") {
+    const TempFolder dir;
+    const std::string rows = "0 0 0 9\n1 0 0 9 8\n1 1 0\n0 1 0 7 # a\n3 0 1 2 255 0 0\n";
+    const auto path = dir.write("a.ply", header_of("ascii", "4", "1") + rows);
+    const Result<MeshFile> mesh = read_mesh(path);
+    INFO((mesh ? std::string() : mesh.error().message));
+    REQUIRE(mesh.ok());
+    CHECK(mesh->triangle_count == 1);
+    CHECK(mesh->warnings ==
+          std::vector<std::string>{path.string() + ": ignored what follows the declared properties in 4 lines, "
+                                                   "the first in line 10"});
+    // From number to number this is a mesh too, with its first face in the place of a vertex.
+    const std::string alike = "0 0 0 3\n1 0 0 0\n1 1 0 1\n0 1 0 2\n3 0 1 2\n";
+    CHECK(read_mesh(dir.write("b.ply", header_of("ascii", "4", "1") + alike))->warnings.size() == 1);
+}
+
 TEST_CASE("a PLY header without end is refused", "[input][ply]") {
     const TempFolder dir;
     const std::string header = header_of("binary_little_endian", "4", "1");

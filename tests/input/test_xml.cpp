@@ -84,10 +84,52 @@ TEST_CASE("malformed XML is reported with its line", "[input][xml]") {
     CHECK(events_of("<a>\n</b>", 3) == "<:a 1 0..3>!2 malformed XML: mismatched tag");
     CHECK(events_of("<a>\r\r\n", 1) == "<:a 1 0..3>!3 malformed XML: no element found");
     CHECK(events_of("<a x='1' x='2'/>", 1) == "!1 malformed XML: duplicate attribute");
-    CHECK(events_of("<p:a/>", 1) == "!1 malformed XML: unbound prefix");
     CHECK(events_of("<a>\n<fail/></a>", 1) == "<:a 1 0..3>\n<:fail 2 4..11>!2 failed");
     CHECK(events_of("<!DOCTYPE a><a/>", 1) == "!1 a document type declaration, which is refused");
     CHECK(events_of("<a>&b;</a>", 1) == "<:a 1 0..3>!1 malformed XML: undefined entity");
+}
+
+TEST_CASE("an XML prefix that is not declared is noted, and parsing goes on", "[input][xml]") {
+    const auto unbound_in = [](const std::string& text, const std::string& events) {
+        Recorder recorder;
+        CHECK(recorder.feed(text));
+        CHECK(recorder.finish());
+        CHECK(recorder.events == events);
+        const std::optional<XmlUnboundName>& name = recorder.unbound_name();
+        return name ? std::to_string(name->line) + " " + std::to_string(name->offset) + " " + name->name : "none";
+    };
+    CHECK(unbound_in("<p:a/>", "<:p:a 1 0..6></p:a>") == "1 0 p:a");
+    CHECK(unbound_in("<a>\n<b x='1' p:x='2'/><q:c/></a>", "<:a 1 0..3>\n<:b :x=1 2 4..22></b><:q:c 2 22..28></q:c></a>") ==
+          "2 4 p:x");
+    CHECK(unbound_in("<a xml:x='1'/>", "<:a 1 0..14></a>") == "none");
+    CHECK(unbound_in("<a><b xmlns:p='urn:p'/><c p:x='1'/></a>",
+                     "<:a 1 0..3>(p=urn:p)<:b 1 3..23></b><:c 1 23..35></c></a>") == "1 23 p:x");
+    CHECK(unbound_in("<a xmlns:p='urn:p'><b xmlns:p='' p:x='1'/><p:c/></a>",
+                     "(p=urn:p)<:a 1 0..19>(p=)<:b 1 19..42></b><urn:p:c 1 42..48></c></a>") == "1 19 p:x");
+}
+
+TEST_CASE("XML that declares more namespaces than any real file is refused", "[input][xml]") {
+    const auto refused = [](int count, std::size_t length, bool nested) {
+        std::string text = "<a";
+        for (int i = 0; i < count; ++i) {
+            text +=
+                (nested && i > 0 ? "><a" : "") + (" xmlns:p" + std::to_string(i) + "='") + std::string(length, 'x') + "'";
+        }
+        Recorder recorder;
+        return !recorder.feed(text + ">") &&
+               recorder.failure()->what == "elements too deep, names too many or a tag too long to be real";
+    };
+    for (const bool nested : {false, true}) {
+        CHECK_FALSE(refused(256, 10, nested));
+        CHECK(refused(257, 10, nested));
+        CHECK_FALSE(refused(10, 6000, nested));
+        CHECK(refused(11, 6000, nested));
+    }
+    Recorder recorder;
+    CHECK(recorder.feed("<a>"));
+    for (int i = 0; i < 1000; ++i) {
+        CHECK(recorder.feed("<b xmlns:p='urn:p'/>"));
+    }
 }
 
 TEST_CASE("XML can be left before its end", "[input][xml]") {

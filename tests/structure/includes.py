@@ -49,7 +49,7 @@ OTHERS = {
     r"(oneapi/)?tbb/": "base/parallel.cpp",
     r"clipper": "slicing/regions/clipping.cpp",
     r"mimalloc": "tools/",
-    r"(expat|zlib|unzip|minizip|fast_float|nlohmann)\b": "io/",
+    r"(expat|zlib|zip|fast_float|nlohmann)\b": "io/",
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)

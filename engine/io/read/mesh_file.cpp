@@ -239,6 +239,10 @@ std::string_view name_of(PatientFrame frame) noexcept {
     return names[static_cast<std::size_t>(frame)];
 }
 
+bool is_mesh_name(std::string_view name) {
+    return reader_for_extension(extension_of(std::string(name))) != nullptr;
+}
+
 bool is_text(std::string_view sample) noexcept {
     return std::none_of(sample.begin(), sample.end(), [](char c) { return c >= 0 && c < ' ' && !(c >= '\t' && c <= '\r'); });
 }

@@ -14,8 +14,7 @@ namespace lamella {
 
 namespace {
 
-/// Between a namespace's address and the local name in what expat calls a name. It refuses addresses that contain it.
-constexpr char name_separator = '\n';
+constexpr const char* unreal_names = "elements too deep, names too many or a tag too long to be real";
 
 /// Bytes for one call of expat: its lengths are ints, and it copies tags that are cut in two.
 constexpr std::size_t piece_bytes = std::size_t{1} << 20;
@@ -31,11 +30,13 @@ constexpr std::array<std::uint8_t, 256> is_other = [] {
     return table;
 }();
 
-XmlName split_name(const char* name) {
-    const std::string_view whole(name);
-    const std::size_t separator = whole.rfind(name_separator);
-    return separator == std::string_view::npos ? XmlName{{}, whole}
-                                               : XmlName{whole.substr(0, separator), whole.substr(separator + 1)};
+/// The prefix that an attribute of that name declares; nothing if it declares none.
+std::optional<std::string_view> declared_prefix(std::string_view name) {
+    if (!name.starts_with("xmlns")) {
+        return std::nullopt;
+    }
+    const std::string_view rest = name.substr(5);
+    return rest.empty() ? std::optional(rest) : (rest[0] == ':' ? std::optional(rest.substr(1)) : std::nullopt);
 }
 
 XML_Parser as_parser(void* parser) {
@@ -144,11 +145,29 @@ bool is_plain_xml_text(std::string_view text) noexcept {
 std::optional<std::string_view> XmlAttributes::find(const XmlName& name) const noexcept {
     for (const char* const* at = list_; *at != nullptr; at += 2) {
         // Most have no namespace and need not be split.
-        if (name.space.empty() ? at[0] == name.local : split_name(at[0]) == name) {
+        if (name.space.empty()) {
+            if (at[0] == name.local) {
+                return at[1];
+            }
+            continue;
+        }
+        const XmlWrittenName written = split_name(at[0]);
+        if (!written.prefix.empty() && written.local == name.local && namespaces_.find(written.prefix) == name.space) {
             return at[1];
         }
     }
     return std::nullopt;
+}
+
+std::string_view XmlAttributes::unbound(std::optional<std::string_view> local) const noexcept {
+    for (const char* const* at = list_; *at != nullptr; at += 2) {
+        const XmlWrittenName written = split_name(at[0]);
+        if (!written.prefix.empty() && (!local || written.local == *local) && !declared_prefix(at[0]) &&
+            !namespaces_.find(written.prefix)) {
+            return at[0];
+        }
+    }
+    return {};
 }
 
 // --- XmlReader
@@ -158,17 +177,16 @@ struct XmlReader::Callbacks {
     static XmlReader& reader(void* user) { return *static_cast<XmlReader*>(user); }
 
     static void begin(void* user, const XML_Char* name, const XML_Char** attributes) {
-        reader(user).deliver([&] { reader(user).begin_element(split_name(name), XmlAttributes(attributes)); });
+        reader(user).deliver([&] { reader(user).begin(name, attributes); });
     }
     static void end(void* user, const XML_Char* name) {
-        reader(user).deliver([&] { reader(user).end_element(split_name(name)); });
+        reader(user).deliver([&] {
+            reader(user).end_element(reader(user).namespaces_.element(name));
+            reader(user).namespaces_.close(reader(user).depth_--);
+        });
     }
     static void text(void* user, const XML_Char* piece, int length) {
         reader(user).deliver([&] { reader(user).text({piece, static_cast<std::size_t>(length)}); });
-    }
-    static void declare(void* user, const XML_Char* prefix, const XML_Char* space) {
-        const auto view = [](const XML_Char* text) { return text != nullptr ? std::string_view(text) : std::string_view(); };
-        reader(user).deliver([&] { reader(user).declare_namespace(view(prefix), view(space)); });
     }
     static void doctype(void* user, const XML_Char*, const XML_Char*, const XML_Char*, int) {
         reader(user).deliver([&] { reader(user).fail("a document type declaration, which is refused"); });
@@ -177,8 +195,7 @@ struct XmlReader::Callbacks {
 
 XmlReader::XmlReader(const Memory* memory) : memory_(std::make_unique<ParserMemory>(memory)) {
     const ParserMemory::Scope scope(*memory_);
-    const XML_Char separator[] = {name_separator, '\0'};
-    XML_Parser parser = XML_ParserCreate_MM(nullptr, &ParserMemory::functions, separator);
+    XML_Parser parser = XML_ParserCreate_MM(nullptr, &ParserMemory::functions, nullptr);
     if (parser == nullptr) {
         throw std::bad_alloc();
     }
@@ -186,7 +203,6 @@ XmlReader::XmlReader(const Memory* memory) : memory_(std::make_unique<ParserMemo
     XML_SetUserData(parser, this);
     XML_SetElementHandler(parser, Callbacks::begin, Callbacks::end);
     XML_SetCharacterDataHandler(parser, Callbacks::text);
-    XML_SetStartNamespaceDeclHandler(parser, Callbacks::declare);
     XML_SetStartDoctypeDeclHandler(parser, Callbacks::doctype);
 }
 
@@ -205,6 +221,41 @@ void XmlReader::deliver(Event&& event) noexcept {
     } catch (...) {
         thrown_ = std::current_exception();
         stop();
+    }
+}
+
+void XmlReader::begin(std::string_view name, const char* const* attributes) {
+    ++depth_;
+    if (!declare_namespaces(attributes)) {
+        return;
+    }
+    const XmlAttributes list(attributes, namespaces_);
+    note_unbound(name, list);
+    begin_element(namespaces_.element(name), list);
+}
+
+bool XmlReader::declare_namespaces(const char* const* attributes) {
+    for (const char* const* at = attributes; *at != nullptr && !stopped_; at += 2) {
+        const std::optional<std::string_view> prefix = declared_prefix(at[0]);
+        if (!prefix) {
+            continue;
+        }
+        if (!namespaces_.declare(*prefix, at[1], depth_)) {
+            fail(unreal_names);
+            return false;
+        }
+        declare_namespace(*prefix, at[1]);
+    }
+    return !stopped_;
+}
+
+void XmlReader::note_unbound(std::string_view element, const XmlAttributes& attributes) {
+    if (unbound_name_) {
+        return;
+    }
+    const bool is_bound = namespaces_.find(split_name(element).prefix).has_value();
+    if (const std::string_view name = is_bound ? attributes.unbound() : element; !name.empty()) {
+        unbound_name_ = {event_line(), event_offset(), std::string(name)};
     }
 }
 
@@ -235,8 +286,7 @@ bool XmlReader::parse(std::string_view bytes, bool last) {
     if (error == XML_ERROR_NO_MEMORY && !memory_->exhausted()) {
         throw std::bad_alloc();
     }
-    fail(error == XML_ERROR_NO_MEMORY ? std::string("elements too deep, names too many or a tag too long to be real")
-                                      : std::string("malformed XML: ") + XML_ErrorString(error));
+    fail(error == XML_ERROR_NO_MEMORY ? std::string(unreal_names) : std::string("malformed XML: ") + XML_ErrorString(error));
     return false;
 }
 

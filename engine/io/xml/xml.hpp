@@ -10,16 +10,10 @@
 #include <string>
 #include <string_view>
 
+#include "io/xml/namespaces.hpp"
 #include "lamella/memory.hpp"
 
 namespace lamella {
-
-/// A name with its namespace: of elements always, of attributes only where they carry a prefix.
-struct XmlName {
-    std::string_view space;  ///< the namespace's address, or empty
-    std::string_view local;
-    friend bool operator==(const XmlName&, const XmlName&) = default;
-};
 
 /// Whether `text` is plain text at any place of an XML document: ASCII, with no character that markup consists of.
 bool is_plain_xml_text(std::string_view text) noexcept;
@@ -27,14 +21,20 @@ bool is_plain_xml_text(std::string_view text) noexcept;
 /// The attributes of an element, as long as its event lasts.
 class XmlAttributes {
 public:
-    explicit XmlAttributes(const char* const* names_and_values) noexcept : list_(names_and_values) {}
+    XmlAttributes(const char* const* names_and_values, const XmlNamespaces& namespaces) noexcept
+        : list_(names_and_values), namespaces_(namespaces) {}
 
     /// The value of the attribute of that name, entities and white space resolved.
     std::optional<std::string_view> find(const XmlName& name) const noexcept;
     std::optional<std::string_view> find(std::string_view local) const noexcept { return find(XmlName{{}, local}); }
 
+    /// The first attribute whose prefix is not declared, as it is written, of those with that local name or, without one, of
+    /// all. Empty: there is none.
+    std::string_view unbound(std::optional<std::string_view> local = std::nullopt) const noexcept;
+
 private:
     const char* const* list_;  // name, value, name, value, ..., null
+    const XmlNamespaces& namespaces_;
 };
 
 /// Where parsing ended before the document did, and why.
@@ -42,6 +42,13 @@ struct XmlFailure {
     std::uint64_t line = 0;    ///< from 1
     std::uint64_t offset = 0;  ///< in bytes
     std::string what;
+};
+
+/// A name whose prefix no element declares.
+struct XmlUnboundName {
+    std::uint64_t line = 0;    ///< from 1
+    std::uint64_t offset = 0;  ///< in bytes, of its tag
+    std::string name;          ///< with the prefix
 };
 
 /// A parser of one document; readers of formats derive from it. Memory: at most parser_memory_limit, taken from `memory`.
@@ -65,6 +72,8 @@ public:
     bool finish();
 
     const std::optional<XmlFailure>& failure() const noexcept { return failure_; }
+    /// The first such name. Elements of one have no namespace, attributes of one are not found.
+    const std::optional<XmlUnboundName>& unbound_name() const noexcept { return unbound_name_; }
 
     /// What the stack of open elements, the names seen and the tag at hand may take: far more than any real file needs.
     static constexpr std::size_t parser_memory_limit = std::size_t{16} << 20;
@@ -94,10 +103,16 @@ private:
 
     template <class Event>
     void deliver(Event&& event) noexcept;
+    void begin(std::string_view name, const char* const* attributes);
+    bool declare_namespaces(const char* const* attributes);
+    void note_unbound(std::string_view element, const XmlAttributes& attributes);
     bool parse(std::string_view bytes, bool last);
 
     std::unique_ptr<ParserMemory> memory_;
     void* parser_ = nullptr;  // an XML_Parser; expat.h stays out of the other readers
+    XmlNamespaces namespaces_;
+    std::uint64_t depth_ = 0;  // of open elements
+    std::optional<XmlUnboundName> unbound_name_;
     std::uint64_t skipped_bytes_ = 0;
     std::uint64_t skipped_lines_ = 0;
     bool stopped_ = false;

@@ -33,6 +33,8 @@ public:
     /// Where the piece's face of this number begins, of those with three corners or more. Precondition: it has so many.
     const char* place_of_face(std::size_t number);
 
+    /// Vertex numbers with decimals that are 0.
+    const LeftOut& decimals() const { return decimals_; }
     using LineParser::failure;
 
 private:
@@ -43,9 +45,11 @@ private:
     bool skips_silently();
     bool face(FaceWriter& faces);
     bool corner(FaceWriter& faces);
+    void skip_zero_decimals(const char* corner);
     bool references();
     bool out_of_range(bool from_here);
 
+    LeftOut decimals_;
     std::size_t vertex_count_ = 0;
     std::size_t seen_ = 0;             // vertices before this statement, in the whole file
     const char* statement_ = nullptr;  // where it begins
@@ -148,6 +152,7 @@ bool ObjParser::corner(FaceWriter& faces) {
     const char* const digits = p_;
     std::uint64_t number = 0;
     p_ = read_digits(digits, end_, number);
+    skip_zero_decimals(begin);
     if (p_ == digits || !references() || !word_ends(p_)) {
         p_ = begin;
         return fail("malformed vertex number " + found());
@@ -158,6 +163,21 @@ bool ObjParser::corner(FaceWriter& faces) {
     }
     faces.add_corner(static_cast<std::uint32_t>(from_here ? seen_ - number : number - 1));
     return true;
+}
+
+/// "1.0" is the 1 of a program that knows only one type of numbers.
+void ObjParser::skip_zero_decimals(const char* corner) {
+    if (p_ == corner || p_ == end_ || *p_ != '.') {
+        return;
+    }
+    const char* p = p_ + 1;
+    while (p != end_ && *p == '0') {
+        ++p;
+    }
+    if (word_ends(p)) {
+        p_ = p;
+        decimals_.add(corner);
+    }
 }
 
 /// The numbers of a corner's texture vertex and normal, which may be left out.
@@ -185,11 +205,24 @@ bool ObjParser::out_of_range(bool from_here) {
                 found());
 }
 
-void warn_of_skipped(const FileSource& source, std::string_view text, std::span<const LeftOut> pieces, MeshFile& mesh) {
-    LeftOut skipped;
+LeftOut sum_of(std::span<const LeftOut> pieces) {
+    LeftOut sum;
     for (const LeftOut& piece : pieces) {
-        skipped.add(piece);
+        sum.add(piece);
     }
+    return sum;
+}
+
+void warn_of_decimals(const FileSource& source, std::string_view text, const LeftOut& decimals, MeshFile& mesh) {
+    if (decimals.count > 0) {
+        const auto offset = static_cast<std::size_t>(decimals.first - text.data());
+        mesh.warnings.push_back(source.name() + ": " + counted(decimals.count, "vertex number") +
+                                " with decimals, which are 0, the first in line " + std::to_string(line_of(text, offset)) +
+                                ": " + word_at(decimals.first, text.data() + text.size()));
+    }
+}
+
+void warn_of_skipped(const FileSource& source, std::string_view text, const LeftOut& skipped, MeshFile& mesh) {
     if (skipped.count > 0) {
         const auto offset = static_cast<std::size_t>(skipped.first - text.data());
         mesh.warnings.push_back(source.name() + ": ignored " + std::to_string(skipped.count) +
@@ -248,6 +281,7 @@ Result<MeshFile> read_obj(FileSource& source) {
     std::vector<TextPiece> pieces = cut_at_lines(text);
     std::vector<FaceRange> faces(pieces.size());
     std::vector<LeftOut> skipped(pieces.size());
+    std::vector<LeftOut> decimals(pieces.size());
     source.parallel().run(pieces.size(),
                           [&](std::size_t i, int) { ObjParser(pieces[i].text).count(pieces[i], faces[i], skipped[i]); });
     const std::size_t vertices = number_items(pieces);
@@ -256,12 +290,14 @@ Result<MeshFile> read_obj(FileSource& source) {
         [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {
             ObjParser parser(pieces[i].text);
             parser.parse(pieces[i], vertices, coordinates, writer);
+            decimals[i] = parser.decimals();
             return parser.failure();
         },
         [&](std::size_t i, std::size_t face) { return ObjParser(pieces[i].text).place_of_face(face); });
     if (mesh) {
         give_stated_frame(head_comments(text), source, mesh.value());
-        warn_of_skipped(source, whole, skipped, mesh.value());
+        warn_of_skipped(source, whole, sum_of(skipped), mesh.value());
+        warn_of_decimals(source, whole, sum_of(decimals), mesh.value());
         mesh->parse_ms = milliseconds_since(contents->taken);
     }
     return mesh;

@@ -1,7 +1,8 @@
-// OFF, as text: a header, two counts, then a line for each vertex and for each face.
+// OFF, as text: a header, two counts, then a line for each vertex and for each face. Where lines end elsewhere,
+// off_tokens.hpp takes over.
 //
 //     [ST][C][N]OFF                 may be left out where the file's name says what it is
-//     VERTICES FACES [EDGES]        on a line of its own or on the header's
+//     VERTICES FACES [EDGES]        on lines of their own or on the header's
 //     X Y Z ...                     for each vertex; normal, colour and texture are skipped
 //     CORNERS V V V ... [COLOUR]    for each face, with vertices numbered from 0
 #include <algorithm>
@@ -15,6 +16,8 @@
 #include "base/clock.hpp"
 #include "base/words.hpp"
 #include "io/read/obj_off/faces.hpp"
+#include "io/read/obj_off/off_numbers.hpp"
+#include "io/read/obj_off/off_tokens.hpp"
 #include "io/read/reader.hpp"
 #include "io/read/stated_frame.hpp"
 #include "io/text/lines.hpp"
@@ -23,95 +26,28 @@ namespace lamella {
 
 namespace {
 
-/// The header's word, or nothing.
-std::string_view header_word(std::string_view text) {
-    const char* const begin = text.data() + head_comments(text).size();
-    const char* const end = text.data() + text.size();
-    const std::string_view word(begin, static_cast<std::size_t>(skip_word(begin, end) - begin));
-    const bool is_header = word.ends_with("OFF") && word.size() <= std::string_view("STCN4nOFF").size() &&
-                           word.find_first_not_of("STCN4nOF") == std::string_view::npos;
-    return is_header ? word : std::string_view();
-}
-
-struct Counts {
-    std::size_t vertices = 0;
-    std::size_t faces = 0;
-    const char* at = nullptr;
-
-    std::size_t lines() const { return vertices + faces; }
-    std::string words() const { return counted(vertices, "vertex", "vertices") + " and " + counted(faces, "face"); }
-};
-
 /// Reads the lines of a piece twice: count() finds how much parse() writes. Every line that is not empty and no comment is a
 /// vertex or a face.
-class OffParser : private LineParser {
+class OffParser : private OffNumbers {
 public:
-    explicit OffParser(std::string_view text) : LineParser(text.data(), text.data() + text.size(), false) {}
-
-    /// Reads the file's head, which rest() then follows.
-    bool header(Counts& counts);
-    const char* rest() const { return p_; }
+    explicit OffParser(std::string_view text) : OffNumbers(text) {}
 
     /// The number of lines, at most `most`. All but the first `vertices` are counted as faces.
     std::size_t count(FaceRange& faces, std::size_t vertices = 0,
                       std::size_t most = std::numeric_limits<std::size_t>::max());
 
-    bool parse(const TextPiece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces);
+    bool parse(const TextPiece& piece, const OffCounts& counts, std::byte* coordinates, FaceWriter& faces);
 
     /// Where the face of this number begins, of those with three corners or more, after `vertices` lines. Precondition:
     /// the piece has so many.
     const char* place_of_face(std::size_t vertices, std::size_t number);
 
-    using LineParser::failure;
+    using OffNumbers::failure;
 
 private:
-    bool next_line();
-    bool whole_number(std::size_t& number, const char* what);
     std::size_t corners_of_line(const char* line_end) const;
     bool face(std::size_t vertex_count, FaceWriter& faces);
-    bool corner(std::size_t vertex_count, FaceWriter& faces);
 };
-
-/// To the next line that holds anything.
-bool OffParser::next_line() {
-    for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
-        if (p_ == end_) {
-            return false;
-        }
-    }
-    return true;
-}
-
-bool OffParser::whole_number(std::size_t& number, const char* what) {
-    constexpr std::size_t limit = std::size_t{1} << 53;
-    if (!to_word()) {
-        return fail(std::string("expected ") + what + ", found " + found());
-    }
-    const char* const begin = p_;
-    p_ = read_digits(begin, end_, number);
-    number = std::min(number, limit);
-    if (p_ == begin || !word_ends(p_)) {
-        p_ = begin;
-        return fail(std::string("expected ") + what + ", found " + found());
-    }
-    return true;
-}
-
-bool OffParser::header(Counts& counts) {
-    const std::string_view word = header_word({p_, static_cast<std::size_t>(end_ - p_)});
-    p_ = word.empty() ? p_ : word.data();
-    if (word.find_first_of("4n") != std::string_view::npos) {
-        return fail("vertices of other than three coordinates are not read: " + found());
-    }
-    p_ += word.size();
-    std::size_t edges = 0;
-    if (!to_word()) {
-        next_line();
-    }
-    counts.at = p_;
-    return whole_number(counts.vertices, "the number of vertices") && whole_number(counts.faces, "the number of faces") &&
-           (!to_word() || whole_number(edges, "the number of edges")) && other_numbers(0);
-}
 
 /// What a face's line begins with, where the line is long enough for so many corners.
 std::size_t OffParser::corners_of_line(const char* line_end) const {
@@ -122,7 +58,7 @@ std::size_t OffParser::corners_of_line(const char* line_end) const {
 
 std::size_t OffParser::count(FaceRange& faces, std::size_t vertices, std::size_t most) {
     std::size_t lines = 0;
-    for (; lines < most && next_line(); ++lines) {
+    for (; lines < most && next_word(); ++lines) {
         const char* const line_end = skip_line(p_, end_);
         if (lines >= vertices) {
             faces.add(corners_of_line(line_end), p_);
@@ -132,11 +68,11 @@ std::size_t OffParser::count(FaceRange& faces, std::size_t vertices, std::size_t
     return lines;
 }
 
-bool OffParser::parse(const TextPiece& piece, const Counts& counts, std::byte* coordinates, FaceWriter& faces) {
+bool OffParser::parse(const TextPiece& piece, const OffCounts& counts, std::byte* coordinates, FaceWriter& faces) {
     constexpr int normal_colour_and_texture = 3 + 4 + 2;
     const std::size_t last = std::min(piece.end_item(), counts.lines());
     for (std::size_t line = piece.first; line < last; ++line) {
-        next_line();
+        next_word();
         if (line < counts.vertices) {
             double xyz[3];
             if (!vertex(xyz, normal_colour_and_texture)) {
@@ -153,7 +89,7 @@ bool OffParser::parse(const TextPiece& piece, const Counts& counts, std::byte* c
 
 const char* OffParser::place_of_face(std::size_t vertices, std::size_t number) {
     for (;; p_ = skip_line(p_, end_)) {
-        next_line();
+        next_word();
         if (vertices > 0) {
             --vertices;
         } else if (corners_of_line(skip_line(p_, end_)) >= 3 && number-- == 0) {
@@ -175,9 +111,11 @@ bool OffParser::face(std::size_t vertex_count, FaceWriter& faces) {
         return fail("the face counts " + std::to_string(corners) + " corners, more than its line holds");
     }
     for (std::size_t i = 0; i < corners; ++i) {
-        if (!corner(vertex_count, faces)) {
+        std::uint32_t vertex = 0;
+        if (!vertex_number(vertex_count, vertex)) {
             return false;
         }
+        faces.add_corner(vertex);
     }
     if (corners < 3) {
         faces.drop_face();
@@ -187,24 +125,8 @@ bool OffParser::face(std::size_t vertex_count, FaceWriter& faces) {
     return other_numbers(colour);
 }
 
-bool OffParser::corner(std::size_t vertex_count, FaceWriter& faces) {
-    std::size_t vertex = 0;
-    to_word();
-    const char* const begin = p_;
-    if (!whole_number(vertex, "a vertex number")) {
-        return false;
-    }
-    if (vertex >= vertex_count) {
-        p_ = begin;
-        return fail("vertex number out of range: the file has " + counted(vertex_count, "vertex", "vertices") + ", found " +
-                    found());
-    }
-    faces.add_corner(static_cast<std::uint32_t>(vertex));
-    return true;
-}
-
 /// Counts what the pieces hold, each vertex and face on a line of its own.
-std::vector<FaceRange> count_faces(std::vector<TextPiece>& pieces, const Counts& counts, const Parallel& parallel) {
+std::vector<FaceRange> count_faces(std::vector<TextPiece>& pieces, const OffCounts& counts, const Parallel& parallel) {
     std::vector<FaceRange> faces(pieces.size());
     parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = OffParser(pieces[i].text).count(faces[i]); });
     number_items(pieces);
@@ -220,40 +142,13 @@ std::vector<FaceRange> count_faces(std::vector<TextPiece>& pieces, const Counts&
     return faces;
 }
 
-}  // namespace
-
-/// By its first word. Binary files too, so that they are refused as such.
-bool looks_like_off(const FileSource& source) {
-    return !header_word(without_byte_order_mark(source.sample())).empty();
-}
-
-/// By its counts, which the format allows to come first.
-bool looks_like_headless_off(const FileSource& source) {
-    Counts counts;
-    return is_text(source.sample()) && OffParser(without_byte_order_mark(source.sample())).header(counts);
-}
-
-Result<MeshFile> read_off(FileSource& source) {
-    if (!is_text(source.sample())) {
-        return source.error(ErrorCode::malformed_mesh, "is a binary OFF file; only OFF as text is read", 0);
-    }
-    const Result<FileText> contents = source.take_text();
-    if (!contents) {
-        return contents.error();
-    }
-    const std::string_view whole = contents->whole;
-    const std::string_view text = contents->text;
+/// Each vertex and each face on a line of its own. Lines after the last are left out with a warning.
+Result<MeshFile> read_off_lines(const FileSource& source, std::string_view whole, std::string_view body,
+                                const OffCounts& counts) {
     const auto failed = [&](const TextFailure& failure) {
         return source.error_in_text(whole, static_cast<std::size_t>(failure.at - whole.data()), failure.what);
     };
-    OffParser head(text);
-    Counts counts;
-    if (!head.header(counts)) {
-        return failed(head.failure());
-    }
-    const std::string_view body = text.substr(static_cast<std::size_t>(head.rest() - text.data()));
-    // The shortest lines are "0 0 0" and, of a face without corners, "0"; the last may lack its end.
-    if (6 * counts.vertices + 2 * counts.faces > body.size() + 1) {
+    if (!counts.fit(body.size())) {
         return failed({counts.at, "counts " + counts.words() + ", more than the " + std::to_string(body.size()) +
                                       " bytes that follow can hold"});
     }
@@ -274,13 +169,70 @@ Result<MeshFile> read_off(FileSource& source) {
             const std::size_t first = std::max(pieces[i].first, counts.vertices);
             return OffParser(pieces[i].text).place_of_face(first - pieces[i].first, face);
         });
-    if (mesh) {
-        give_stated_frame(text.substr(0, static_cast<std::size_t>(counts.at - text.data())), source, mesh.value());
-        mesh->parse_ms = milliseconds_since(contents->taken);
-        if (lines > counts.lines()) {
-            mesh->warnings.push_back(source.name() + ": ignored " + counted(lines - counts.lines(), "line") +
-                                     " after the last of " + counted(counts.faces, "face"));
+    if (mesh && lines > counts.lines()) {
+        mesh->warnings.push_back(source.name() + ": ignored " + counted(lines - counts.lines(), "line") +
+                                 " after the last of " + counted(counts.faces, "face"));
+    }
+    return mesh;
+}
+
+/// The same of a file that is not as lines. The error is `refused`, that of the lines, unless the file ends too early.
+Result<MeshFile> read_off_words(const FileSource& source, std::string_view whole, std::string_view text,
+                                const Error& refused) {
+    TextFailure failure;
+    const auto offset = static_cast<std::size_t>(refused.byte_offset);
+    if (std::optional<Result<MeshFile>> mesh = read_off_tokens(source, whole, text, offset, failure)) {
+        if (*mesh) {
+            (*mesh)->warnings.push_back(source.name() +
+                                        ": was read number by number, as it is not one vertex or one face a line (" +
+                                        refused.message.substr(source.name().size() + 2) + ")");
         }
+        return *std::move(mesh);
+    }
+    if (failure.at == nullptr) {
+        return refused;
+    }
+    return source.error_in_text(whole, static_cast<std::size_t>(failure.at - whole.data()), failure.what);
+}
+
+}  // namespace
+
+/// By its first word. Binary files too, so that they are refused as such.
+bool looks_like_off(const FileSource& source) {
+    return !off_header_word(without_byte_order_mark(source.sample())).empty();
+}
+
+/// By its counts, which the format allows to come first.
+bool looks_like_headless_off(const FileSource& source) {
+    OffCounts counts;
+    return is_text(source.sample()) && OffNumbers(without_byte_order_mark(source.sample())).header(counts);
+}
+
+Result<MeshFile> read_off(FileSource& source) {
+    if (!is_text(source.sample())) {
+        return source.error(ErrorCode::malformed_mesh, "is a binary OFF file; only OFF as text is read", 0);
+    }
+    const Result<FileText> contents = source.take_text();
+    if (!contents) {
+        return contents.error();
+    }
+    const std::string_view whole = contents->whole;
+    const std::string_view text = contents->text;
+    OffNumbers head(text);
+    OffCounts counts;
+    const bool has_head = head.header(counts);
+    const auto offset_of = [&](const char* at) { return static_cast<std::size_t>(at - text.data()); };
+    Result<MeshFile> mesh =
+        has_head
+            ? read_off_lines(source, whole, text.substr(offset_of(head.rest())), counts)
+            : source.error_in_text(whole, static_cast<std::size_t>(head.failure().at - whole.data()), head.failure().what);
+    if (!mesh && mesh.error().code == ErrorCode::malformed_mesh) {
+        mesh = read_off_words(source, whole, text, mesh.error());
+    }
+    if (mesh) {
+        const std::size_t head_bytes = counts.at != nullptr ? offset_of(counts.at) : 0;
+        give_stated_frame(text.substr(0, head_bytes), source, mesh.value());
+        mesh->parse_ms = milliseconds_since(contents->taken);
     }
     return mesh;
 }

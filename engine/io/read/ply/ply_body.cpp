@@ -315,7 +315,9 @@ bool read_ply_body(const PlyInput& input, PlyMesh& mesh, PlyProblem& problem) {
         const bool swapped = input.header.encoding == PlyEncoding::big_endian;
         return BodyReader<BinaryNumbers>(input, mesh, problem).read({begin, end, swapped});
     }
-    return read_ply_lines(input, mesh) || BodyReader<AsciiNumbers>(input, mesh, problem).read({begin, end});
+    // From number to number, words that no property takes would be read as the next row.
+    return read_ply_lines(input, mesh) || read_ply_long_lines(input, mesh) ||
+           BodyReader<AsciiNumbers>(input, mesh, problem).read({begin, end});
 }
 
 }  // namespace lamella

@@ -30,6 +30,7 @@ struct PlyMesh {
     std::uint64_t vertex_count = 0;
     Array<std::uint32_t> indices;
     std::uint64_t small_faces = 0;  ///< left out: of fewer than three vertices
+    LeftOut long_rows;              ///< lines with more words than their row takes, which are ignored
     std::size_t end = 0;            ///< of the last element in the file
 };
 

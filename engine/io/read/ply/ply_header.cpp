@@ -40,9 +40,13 @@ public:
 
     bool parse();
 
+    /// The first line skipped that declares a property, if it had the keyword.
+    const std::optional<PlyProblem>& lost_property() const { return lost_property_; }
+
 private:
     bool next_line();
     bool line(bool& ended);
+    bool other_line(std::string_view first);
     bool format();
     bool element();
     bool property();
@@ -63,6 +67,7 @@ private:
     const char* word_ = nullptr;  // the last one read
     std::size_t declarations_ = 0;
     bool has_format_ = false;
+    std::optional<PlyProblem> lost_property_;
 };
 
 bool HeaderParser::parse() {
@@ -119,7 +124,28 @@ bool HeaderParser::line(bool& ended) {
     if (ended && !has_format_) {
         return fail("a line 'format' before it");
     }
-    return ended ? end_of_line() : keyword.empty() || fail("'element', 'property', 'comment' or 'end_header'");
+    return ended ? end_of_line() : keyword.empty() || other_line(keyword);
+}
+
+/// Skips a line without a keyword, as a comment is that goes on in the next line. Not numbers, with which the body begins,
+/// and not what may be a keyword in capitals.
+bool HeaderParser::other_line(std::string_view first) {
+    const std::string_view line(word_, static_cast<std::size_t>(end_ - word_));
+    std::string lower(first.substr(0, 16));
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c; });
+    const bool is_keyword =
+        lower.starts_with("element") || lower.starts_with("propert") || lower.starts_with("end_head") || lower == "format";
+    const bool begins_body = is_digit(first.front()) || first.front() == '-' || first.front() == '+' || first.front() == '.';
+    (void)fail("'element', 'property', 'comment' or 'end_header'");
+    if (is_keyword || begins_body || !is_text(line)) {
+        return false;
+    }
+    if (!lost_property_ && (first == "list" || type_named(first))) {
+        lost_property_ = problem_;
+    }
+    header_.skipped.add(word_);
+    return true;
 }
 
 bool HeaderParser::format() {
@@ -310,7 +336,17 @@ bool begins_as_ply(std::string_view text) noexcept {
 }
 
 bool parse_ply_header(std::string_view text, PlyHeader& header, PlyProblem& problem) {
-    return HeaderParser(text, header, problem).parse() && find_roles(header, problem);
+    HeaderParser parser(text, header, problem);
+    if (!parser.parse()) {
+        return false;
+    }
+    // Without it, binary rows would have other sizes, and what is missing may be the mesh.
+    const bool found = find_roles(header, problem);
+    if (parser.lost_property() && (!found || header.encoding != PlyEncoding::ascii)) {
+        problem = *parser.lost_property();
+        return false;
+    }
+    return found;
 }
 
 }  // namespace lamella

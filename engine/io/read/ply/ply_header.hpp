@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/read/stated_frame.hpp"
+#include "io/text/lines.hpp"
 #include "lamella/io/mesh_file.hpp"
 
 namespace lamella {
@@ -61,6 +62,7 @@ struct PlyHeader {
     std::vector<PlyElement> elements;
     std::size_t body = 0;  ///< where the first element begins
     StatedFrame patient_frame;
+    LeftOut skipped;  ///< lines that begin with no keyword
 
     /// One with a count above 0; null where there is none.
     const PlyElement* element_of(PlyRole role) const noexcept;

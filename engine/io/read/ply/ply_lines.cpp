@@ -23,6 +23,7 @@ struct PieceFaces {
     ItemRun triangles;
     std::size_t most_triangles = 0;  ///< for which there is room from triangles.first on
     std::uint64_t small_faces = 0;
+    LeftOut long_rows;
 };
 
 /// The rows of one element, counted over the whole body.
@@ -59,7 +60,8 @@ struct OddLine {
 
 class LineReader {
 public:
-    LineReader(const PlyInput& input, PlyMesh& mesh) : input_(input), mesh_(mesh) {}
+    LineReader(const PlyInput& input, bool takes_long_rows, PlyMesh& mesh)
+        : input_(input), takes_long_rows_(takes_long_rows), mesh_(mesh) {}
 
     bool read();
 
@@ -75,7 +77,12 @@ private:
     bool read_over(const RowRange& rows);
     void join_triangles();
 
+    template <class Read>
+    bool read_lines(std::size_t piece, const char* line, std::uint64_t begin, std::uint64_t end, const PlyElement& element,
+                    Read read);
+
     const PlyInput& input_;
+    bool takes_long_rows_;
     PlyMesh& mesh_;
     std::vector<TextPiece> pieces_;  // of lines, each a row
     std::vector<PieceFaces> faces_;  // per piece
@@ -187,16 +194,24 @@ bool LineReader::read_element(const RowRange& rows) {
     return rows.element->role == PlyRole::faces ? read_faces(rows) : read_over(rows);
 }
 
-/// Reads rows [begin, end), which lie from `line` on, each by read(parser). False: a row is malformed, or not alone
-/// on its line.
+/// Reads rows [begin, end), which lie in the piece from `line` on, each by read(parser). False: a row is malformed, or not
+/// alone on its line.
 template <class Read>
-bool read_lines(const TextPiece& piece, const char* line, std::uint64_t begin, std::uint64_t end, const PlyElement& element,
-                Read read) {
+bool LineReader::read_lines(std::size_t index, const char* line, std::uint64_t begin, std::uint64_t end,
+                            const PlyElement& element, Read read) {
+    const TextPiece& piece = pieces_[index];
     for (std::uint64_t row = begin; row < end; ++row) {
         const char* const stop = line_end(line, piece.end());
         PlyRows<AsciiNumbers> parser(AsciiNumbers(line, stop), element, row);
-        if (stop - line > longest_line || !read(parser) || !AsciiNumbers(parser.numbers()).at_end()) {
+        if (stop - line > longest_line || !read(parser)) {
             return false;
+        }
+        if (!AsciiNumbers(parser.numbers()).at_end()) {
+            if (!takes_long_rows_) {
+                return false;
+            }
+            LeftOut& own = faces_[index].long_rows;
+            own = {own.count + 1, own.first == nullptr ? line : std::min(own.first, line)};
         }
         line = stop != piece.end() ? stop + 1 : stop;
     }
@@ -207,7 +222,7 @@ template <class Value>
 bool LineReader::read_vertices(const RowRange& rows) {
     return for_pieces(rows, [&](std::size_t piece, const char* line, std::uint64_t begin, std::uint64_t end) {
         std::byte* out = mesh_.coordinates.data() + (begin - rows.begin) * 3 * sizeof(Value);
-        return read_lines(pieces_[piece], line, begin, end, *rows.element, [&out](PlyRows<AsciiNumbers>& parser) {
+        return read_lines(piece, line, begin, end, *rows.element, [&out](PlyRows<AsciiNumbers>& parser) {
             Value xyz[3];
             const bool read = parser.vertex(xyz);
             if (read) {
@@ -225,7 +240,7 @@ bool LineReader::read_faces(const RowRange& rows) {
         PieceFaces& own = faces_[piece];
         PlyTriangles triangles(vertices, mesh_.indices.span().subspan(3 * own.triangles.first, 3 * own.most_triangles));
         std::vector<std::uint32_t> list;
-        const bool good = read_lines(pieces_[piece], line, begin, end, *rows.element, [&](PlyRows<AsciiNumbers>& parser) {
+        const bool good = read_lines(piece, line, begin, end, *rows.element, [&](PlyRows<AsciiNumbers>& parser) {
             return parser.indices(mesh_.vertex_count, list) && triangles.add_face(list);
         });
         own.triangles.count = triangles.index_count() / 3;
@@ -237,7 +252,7 @@ bool LineReader::read_faces(const RowRange& rows) {
 bool LineReader::read_over(const RowRange& rows) {
     return for_pieces(rows, [&](std::size_t piece, const char* line, std::uint64_t begin, std::uint64_t end) {
         PlyLists lists;
-        return read_lines(pieces_[piece], line, begin, end, *rows.element,
+        return read_lines(piece, line, begin, end, *rows.element,
                           [&lists](PlyRows<AsciiNumbers>& parser) { return parser.skip(lists); });
     });
 }
@@ -248,20 +263,29 @@ void LineReader::join_triangles() {
     for (const PieceFaces& own : faces_) {
         runs.push_back(own.triangles);
         mesh_.small_faces += own.small_faces;
+        mesh_.long_rows.add(own.long_rows);
     }
     constexpr std::size_t triangle_bytes = 3 * sizeof(std::uint32_t);
     mesh_.indices.set_size(3 * close_gaps(runs, triangle_bytes, reinterpret_cast<std::byte*>(mesh_.indices.data())));
 }
 
-}  // namespace
-
-bool read_ply_lines(const PlyInput& input, PlyMesh& mesh) {
+bool read_lines_of(const PlyInput& input, bool takes_long_rows, PlyMesh& mesh) {
     PlyMesh attempt(mesh.indices.memory());
-    if (!LineReader(input, attempt).read()) {
+    if (!LineReader(input, takes_long_rows, attempt).read()) {
         return false;
     }
     mesh = std::move(attempt);
     return true;
+}
+
+}  // namespace
+
+bool read_ply_lines(const PlyInput& input, PlyMesh& mesh) {
+    return read_lines_of(input, false, mesh);
+}
+
+bool read_ply_long_lines(const PlyInput& input, PlyMesh& mesh) {
+    return read_lines_of(input, true, mesh);
 }
 
 }  // namespace lamella

@@ -9,4 +9,7 @@ namespace lamella {
 /// succeeds, and what it makes, does not depend on threads.
 bool read_ply_lines(const PlyInput& input, PlyMesh& mesh);
 
+/// The same of rows that are lines with more words than the header declares, which are ignored and counted.
+bool read_ply_long_lines(const PlyInput& input, PlyMesh& mesh);
+
 }  // namespace lamella

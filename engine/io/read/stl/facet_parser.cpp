@@ -1,7 +1,9 @@
 #include "io/read/stl/facet_parser.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <string_view>
+#include <utility>
 
 namespace lamella {
 
@@ -38,7 +40,32 @@ bool begins_facet(const char* p, const char* end) {
     return is_word<"outer">(p, end);
 }
 
+/// Whether a facet goes on with the word at `p`.
+bool is_word_in_facet(const char* p, const char* end) {
+    return is_word<"normal">(p, end) || is_word<"outer">(p, end) || is_word<"loop">(p, end) || is_word<"vertex">(p, end) ||
+           is_word<"endloop">(p, end) || is_word<"endfacet">(p, end);
+}
+
+/// Whether the text ends within the first word of a statement.
+bool is_cut_off(const char* p, const char* end) {
+    const std::string_view word(p, static_cast<std::size_t>(end - p));
+    return std::string_view("facet").starts_with(word) || std::string_view("endsolid").starts_with(word) ||
+           std::string_view("solid").starts_with(word);
+}
+
+bool is_statement(const char* p, const char* end) {
+    return is_word<"facet">(p, end) || is_word<"solid">(p, end) || is_word<"endsolid">(p, end);
+}
+
 }  // namespace
+
+bool may_begin_facet(const char* p, const char* end) {
+    if (!is_word<"facet">(p, end)) {
+        return false;
+    }
+    p = skip_space(skip_word(p, end), end);
+    return is_word<"normal">(p, end) || is_word<"outer">(p, end) || is_word<"vertex">(p, end);
+}
 
 bool FacetParser::fail(const std::string& what) {
     failure_ = {p_, what};
@@ -56,19 +83,44 @@ inline bool FacetParser::word(const char* place) {
 }
 
 bool FacetParser::next_facet(const char* stop, float* nine) {
+    TextFailure skipped;  // the line right before
     for (p_ = skip_space(p_, end_); p_ < stop; p_ = skip_space(p_, end_)) {
+        if (!is_statement(p_, end_)) {
+            if (!other_line(skipped)) {
+                return false;
+            }
+            continue;
+        }
+        skipped = {};
         solid_ended_ = is_word<"endsolid">(p_, end_);
         if (is_word<"facet">(p_, end_)) {
             const bool read = facet(nine);
             last_end_ = p_;
             return read;
         }
-        if (!solid_ended_ && !is_word<"solid">(p_, end_)) {
-            return fail("expected 'facet', 'solid' or 'endsolid', found " + found());
-        }
         p_ = last_end_ = name_end();
     }
     return false;
+}
+
+/// Skips a line that is no statement, as a comment is. False where facets would be lost: they begin within it, it stands in
+/// the place of a facet's first line, which `skipped` then tells, or the file is cut off there.
+bool FacetParser::other_line(TextFailure& skipped) {
+    TextFailure failure = {p_, "expected 'facet', 'solid' or 'endsolid', found " + found()};
+    const char* const line_end = skip_line(p_, end_);
+    bool harmless = !is_word_in_facet(p_, end_) && !is_cut_off(p_, end_) &&
+                    std::memchr(p_, '\0', static_cast<std::size_t>(line_end - p_)) == nullptr;
+    for (const char* p = p_; harmless && p < line_end; p = skip_space(skip_word(p, end_), end_)) {
+        harmless = !may_begin_facet(p, end_);
+    }
+    if (!harmless) {
+        failure_ = skipped.at != nullptr ? skipped : failure;
+        return false;
+    }
+    departures_.lines.add(p_);
+    skipped = skipped.at != nullptr ? skipped : failure;
+    p_ = line_end;
+    return true;
 }
 
 /// The end of the name after `solid` or `endsolid`: the line's end, or where a facet begins on the same line.
@@ -84,6 +136,49 @@ const char* FacetParser::name_end() const {
 }
 
 bool FacetParser::facet(float* nine) {
+    const char* const begin = p_;
+    if (strict_facet(nine)) {
+        return true;
+    }
+    const TextFailure failure = std::exchange(failure_, {});
+    p_ = begin;
+    if (!sloppy_facet(nine)) {
+        failure_ = failure;
+        return false;
+    }
+    if (departures_.facets.count == 0) {
+        departures_.first_facet = failure.what;
+    }
+    departures_.facets.add(failure.at);
+    return true;
+}
+
+/// A facet by its vertices: what the normal should be is skipped, and `outer loop` and `endfacet` may be absent.
+bool FacetParser::sloppy_facet(float* nine) {
+    constexpr int most_words = 16;
+    p_ = skip_space(skip_word(p_, end_), end_);
+    for (int words = 0; !is_word<"vertex">(p_, end_); ++words) {
+        if (words == most_words || is_statement(p_, end_) || is_word<"endloop">(p_, end_) || is_word<"endfacet">(p_, end_)) {
+            return false;
+        }
+        p_ = skip_space(skip_word(p_, end_), end_);
+    }
+    if (!vertex(nine) || !vertex(nine + 3) || !vertex(nine + 6)) {
+        return false;
+    }
+    p_ = skip_space(p_, end_);
+    if (!is_word<"endloop">(p_, end_)) {
+        return false;
+    }
+    p_ = skip_space(skip_word(p_, end_), end_);
+    if (is_word<"endfacet">(p_, end_)) {
+        p_ = skip_word(p_, end_);
+        return true;
+    }
+    return is_statement(p_, end_);
+}
+
+bool FacetParser::strict_facet(float* nine) {
     return word<"facet">("") && normal() && word<"outer">("after the normal") && word<"loop">("after 'outer'") &&
            vertex(nine) && vertex(nine + 3) && vertex(nine + 6) && word<"endloop">("after three vertices") &&
            word<"endfacet">("after 'endloop'");

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/little_endian.hpp"
+#include "io/text/lines.hpp"
 #include "io/text/pieces.hpp"
 #include "io/text/text.hpp"
 
@@ -42,6 +43,16 @@ inline bool is_word(const char* p, const char* end) {
     return (letters ^ keyword.letters) << (8 * (8 - length)) == 0 && (left == length || is_space(p[length]));
 }
 
+/// What a piece of text holds that is not as the format says, and is read all the same.
+struct StlDepartures {
+    LeftOut facets;           ///< with an unusable normal, or without a word other than `facet` and `vertex`
+    LeftOut lines;            ///< between facets, skipped
+    std::string first_facet;  ///< what is wrong with it
+};
+
+/// Whether a facet may begin at `p`, by two words: `facet` may be one of a name or of a comment.
+bool may_begin_facet(const char* p, const char* end);
+
 /// Reads facets from [begin, end) up to the first error, which failure() holds.
 class FacetParser {
 public:
@@ -51,6 +62,7 @@ public:
     bool next_facet(const char* stop, float* nine);
 
     const TextFailure& failure() const { return failure_; }
+    const StlDepartures& departures() const { return departures_; }
 
     /// Whether the last statement was `endsolid`, and where the last one ended.
     bool solid_ended() const { return solid_ended_; }
@@ -58,7 +70,10 @@ public:
 
 private:
     const char* name_end() const;
+    bool other_line(TextFailure& skipped);
     bool facet(float* nine);
+    bool strict_facet(float* nine);
+    bool sloppy_facet(float* nine);
     bool normal();
     bool vertex(float* xyz);
     bool number(float& value);
@@ -72,6 +87,7 @@ private:
     const char* last_end_ = nullptr;
     bool solid_ended_ = false;
     TextFailure failure_;
+    StlDepartures departures_;
 };
 
 }  // namespace lamella

@@ -93,26 +93,104 @@ Result<MeshFile> read_binary(FileSource& file) {
     return mesh;
 }
 
+/// Whether what is no text would be, were it not for NUL bytes, and holds a facet.
+bool is_ascii_with_nuls(const FileSource& file) {
+    const std::string_view sample = file.sample();
+    if (!begins_with_solid(sample) || check_binary(file)) {
+        return false;
+    }
+    const bool others = std::any_of(sample.begin(), sample.end(), [](char c) { return c > 0 && c < ' ' && !is_space(c); });
+    constexpr std::string_view facet = "facet";
+    return !others && std::search(sample.begin(), sample.end(), facet.begin(), facet.end(),
+                                  [](char a, char b) { return (a | 0x20) == b; }) != sample.end();
+}
+
+/// Whether NUL bytes in [begin, end) of `text` stand where a space may: between words, or in the line of a name.
+bool may_be_spaces(std::string_view text, std::size_t begin, std::size_t end) {
+    if ((begin == 0 || is_space(text[begin - 1])) && (end == text.size() || is_space(text[end]))) {
+        return true;
+    }
+    const std::size_t line = begin == 0 ? 0 : text.find_last_of("\r\n", begin - 1) + 1;
+    const char* const text_end = text.data() + text.size();
+    const char* const first = skip_space(text.data() + line, text_end);
+    return is_word<"solid">(first, text_end) || is_word<"endsolid">(first, text_end);
+}
+
+/// Writes spaces over the NUL bytes, and says so in a warning. An error where they are within words, as what they replace is
+/// then unknown.
+Status blank_nuls(const FileSource& file, std::span<std::byte> bytes, std::vector<std::string>& warnings) {
+    const std::string_view text = as_text(bytes);
+    std::size_t count = 0;
+    const std::size_t first = text.find('\0');
+    for (std::size_t begin = first; begin != std::string_view::npos; begin = text.find('\0', begin)) {
+        const std::size_t end = std::min(text.find_first_not_of('\0', begin), text.size());
+        if (!may_be_spaces(text, begin, end)) {
+            return file.error_in_text(text, begin,
+                                      "a NUL byte within a word of an ASCII STL file: what stood there is lost");
+        }
+        std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(begin), bytes.begin() + static_cast<std::ptrdiff_t>(end),
+                  std::byte{' '});
+        count += end - begin;
+    }
+    warnings.push_back(file.name() + ": is an ASCII STL file with " + counted(count, "NUL byte") +
+                       ", read as spaces, the first in line " + std::to_string(line_of(text, first)));
+    return {};
+}
+
+void warn_of_departures(const FileSource& file, std::string_view whole, const StlDepartures& departures, MeshFile& mesh) {
+    const auto place = [&](const LeftOut& left_out) {
+        return ", the first in line " +
+               std::to_string(line_of(whole, static_cast<std::size_t>(left_out.first - whole.data()))) + ": ";
+    };
+    if (departures.facets.count > 0) {
+        mesh.warnings.push_back(file.name() + ": read " + counted(departures.facets.count, "facet") +
+                                " by the vertices alone" + place(departures.facets) + departures.first_facet);
+    }
+    if (departures.lines.count > 0) {
+        mesh.warnings.push_back(file.name() + ": ignored " + counted(departures.lines.count, "line") + " between facets" +
+                                place(departures.lines) + word_at(departures.lines.first, whole.data() + whole.size()));
+    }
+}
+
 Result<MeshFile> read_ascii(FileSource& file) {
-    const Result<FileText> contents = file.take_text();
+    Result<FileText> contents = file.take_text();
     if (!contents) {
         return contents.error();
     }
     const std::string_view whole = contents->whole;
     const std::string_view text = contents->text;
+    MeshFile mesh;
+    const auto blank = [&] { return blank_nuls(file, contents->bytes.span(), mesh.warnings); };
+    bool has_nuls = !is_text(file.sample());
+    if (Status blanked = has_nuls ? blank() : Status(); !blanked) {
+        return blanked.error();
+    }
     AsciiFacets facets = parse_ascii_stl(text, file.memory(), file.parallel());
+    // Beyond the sample they are looked for only where something is wrong.
+    has_nuls = facets.error && text.find('\0') != std::string_view::npos;
+    if (Status blanked = has_nuls ? blank() : Status(); !blanked) {
+        return blanked.error();
+    }
+    if (has_nuls) {
+        facets = parse_ascii_stl(text, file.memory(), file.parallel());
+    }
     if (facets.error) {
         return file.error_in_text(whole, facets.error->offset + (whole.size() - text.size()), facets.error->what);
+    }
+    if (const LeftOut& lines = facets.departures.lines; facets.count == 0 && lines.count > 0) {
+        return file.error_in_text(
+            whole, static_cast<std::size_t>(lines.first - whole.data()),
+            "expected 'facet', 'solid' or 'endsolid', found " + word_at(lines.first, whole.data() + whole.size()));
     }
     if (facets.count == 0) {
         return file.error(ErrorCode::empty_mesh, "holds no triangles");
     }
-    MeshFile mesh;
     mesh.bytes = std::move(facets.coordinates);
     mesh.stride = 9 * sizeof(float);
     mesh.triangle_count = facets.count;
     mesh.text = true;
     give_stated_frame(text.substr(0, text.find_first_of("\r\n")), file, mesh);
+    warn_of_departures(file, whole, facets.departures, mesh);
     if (facets.open_end) {
         mesh.warnings.push_back(file.name() + ": ends without 'endsolid' after line " +
                                 std::to_string(line_of(text, *facets.open_end)) + ": what follows may have been cut off");
@@ -124,11 +202,12 @@ Result<MeshFile> read_ascii(FileSource& file) {
 }  // namespace
 
 bool looks_like_stl(const FileSource& source) {
-    return is_text(source.sample()) ? begins_with_solid(source.sample()) : check_binary(source).ok();
+    return is_text(source.sample()) ? begins_with_solid(source.sample())
+                                    : check_binary(source).ok() || is_ascii_with_nuls(source);
 }
 
 Result<MeshFile> read_stl(FileSource& source) {
-    return is_text(source.sample()) ? read_ascii(source) : read_binary(source);
+    return is_text(source.sample()) || is_ascii_with_nuls(source) ? read_ascii(source) : read_binary(source);
 }
 
 }  // namespace lamella

@@ -16,8 +16,7 @@ namespace {
 
 constexpr std::size_t facet_floats = 9;
 constexpr std::size_t facet_bytes = facet_floats * sizeof(float);
-constexpr std::size_t shortest_facet =
-    sizeof "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 0 0 vertex 0 0 0 endloop endfacet" - 1;
+constexpr std::size_t shortest_facet = sizeof "facet vertex 0 0 0 vertex 0 0 0 vertex 0 0 0" - 1;
 
 /// Whether [line, p) holds `solid` or `endsolid` as a word: what follows on the line is then a name.
 bool names_something(const char* line, const char* p) {
@@ -34,7 +33,7 @@ bool names_something(const char* line, const char* p) {
 /// name reaches across it, so the search back stops there and all cuts together take O(text).
 const char* next_facet(const char* known, const char* from, const char* end) {
     for (const char* p = from; p != end; ++p) {
-        if (!is_word<"facet">(p, end) || !is_space(p[-1])) {
+        if (!may_begin_facet(p, end) || !is_space(p[-1])) {
             continue;
         }
         const char* line = p;
@@ -70,8 +69,8 @@ std::size_t most_facets(std::string_view piece) {
 
 /// Parses what begins within the piece, which has room for `piece.count` facets from `piece.first` on. Words are read to the
 /// end of the text, so that a cut never looks like the end. `open_end`: after the last statement, if that is not `endsolid`.
-TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coordinates, ItemRun& run,
-                  const char*& open_end) {
+TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coordinates, ItemRun& run, const char*& open_end,
+                  StlDepartures& departures) {
     FacetParser parser(piece.begin(), text_end);
     std::byte* out = coordinates + piece.first * facet_bytes;
     float facet[facet_floats];
@@ -81,6 +80,7 @@ TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coord
         std::memcpy(out + count++ * facet_bytes, facet, facet_bytes);
     }
     run = {piece.first, count};
+    departures = parser.departures();
     open_end = parser.solid_ended() ? nullptr : parser.last_end();
     return parser.failure();
 }
@@ -88,15 +88,16 @@ TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coord
 }  // namespace
 
 AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const Parallel& parallel) {
-    AsciiFacets facets{Array<std::byte>(memory), 0, std::nullopt, std::nullopt};
+    AsciiFacets facets{Array<std::byte>(memory), 0, {}, std::nullopt, std::nullopt};
     std::vector<TextPiece> pieces = cut_at_facets(text);
     parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = most_facets(pieces[i].text); });
     facets.coordinates.resize_discarding(number_items(pieces) * facet_bytes);
 
     std::vector<ItemRun> runs(pieces.size());
     std::vector<const char*> open_ends(pieces.size());
+    std::vector<StlDepartures> departures(pieces.size());
     const TextFailure failure = parse_pieces<TextFailure>(pieces.size(), parallel, [&](std::size_t i, int) {
-        return parse(pieces[i], text.data() + text.size(), facets.coordinates.data(), runs[i], open_ends[i]);
+        return parse(pieces[i], text.data() + text.size(), facets.coordinates.data(), runs[i], open_ends[i], departures[i]);
     });
     if (failure.at != nullptr) {
         facets.error = AsciiError{static_cast<std::size_t>(failure.at - text.data()), failure.what};
@@ -104,6 +105,13 @@ AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const P
     }
     if (!pieces.empty() && open_ends.back() != nullptr) {
         facets.open_end = static_cast<std::size_t>(open_ends.back() - text.data());
+    }
+    for (const StlDepartures& departure : departures) {
+        if (facets.departures.facets.count == 0) {
+            facets.departures.first_facet = departure.first_facet;
+        }
+        facets.departures.facets.add(departure.facets);
+        facets.departures.lines.add(departure.lines);
     }
     // Words of names in 'f' left gaps; there are none otherwise.
     facets.count = close_gaps(runs, facet_bytes, facets.coordinates.data());

@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "io/read/reader.hpp"
 #include "io/read/three_mf/three_mf_part.hpp"
 #include "io/xml/xml.hpp"
 #include "lamella/memory.hpp"
@@ -59,9 +60,27 @@ Error failure_of(const ZipArchive& package, const std::string& part, const XmlRe
     return package.error(code, part, reader.failure()->line, reader.failure()->what);
 }
 
-Result<std::string> find_root(ZipArchive& package, const Memory* memory) {
+void warn_of_unbound(const std::string& part, const XmlReader& reader, Model& model) {
+    if (const std::optional<XmlUnboundName>& name = reader.unbound_name()) {
+        constexpr std::size_t longest = 64;
+        model.warnings.push_back("part '" + printable(part) + "', line " + std::to_string(name->line) + ": ignored '" +
+                                 printable(name->name.substr(0, longest)) + "', as its prefix is not declared");
+    }
+}
+
+Error no_package(const ZipArchive& package) {
+    const std::string mesh = package.first_part([](std::string_view name) { return is_mesh_name(name); });
+    return mesh.empty() ? package.error(ErrorCode::malformed_mesh, package_relationships, 0, "is missing")
+                        : package.error(ErrorCode::malformed_mesh, mesh, 0,
+                                        "is a mesh in a zip archive that is no 3MF package: unpack it first");
+}
+
+Result<std::string> find_root(ZipArchive& package, Model& model, const Memory* memory) {
     RelationshipReader relationships(memory);
     const std::string part(package_relationships);
+    if (!package.contains(part)) {
+        return no_package(package);
+    }
     if (Status read =
             stream(package, part, relationships, [&](std::string_view piece) { return relationships.feed(piece); });
         !read) {
@@ -73,6 +92,7 @@ Result<std::string> find_root(ZipArchive& package, const Memory* memory) {
     if (relationships.root().empty()) {
         return package.error(ErrorCode::malformed_mesh, part, 0, "names no model: is no 3MF package");
     }
+    warn_of_unbound(part, relationships, model);
     return relationships.root();
 }
 
@@ -86,6 +106,7 @@ Status read_part(ZipArchive& package, Model& model, Part part, Budget& budget, c
     if (reader.failure()) {
         return failure_of(package, name, reader, reader.failure_code());
     }
+    warn_of_unbound(name, reader, model);
     if (part == 0) {
         model.mm_per_unit = reader.mm_per_unit();
     } else if (reader.mm_per_unit() != model.mm_per_unit) {
@@ -105,11 +126,11 @@ Part Model::part_of(const std::string& name) {
 }
 
 Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, const Memory* memory) {
-    const Result<std::string> root = find_root(package, memory);
+    Model model;
+    const Result<std::string> root = find_root(package, model, memory);
     if (!root) {
         return root.error();
     }
-    Model model;
     if (!package.contains(content_types)) {
         model.warnings.push_back("has no part '" + std::string(content_types) + "', as a 3MF package must");
     }

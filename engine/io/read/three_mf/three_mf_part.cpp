@@ -297,6 +297,10 @@ std::optional<Reference> PartReader::reference(const XmlAttributes& attributes) 
     if (reference.id == 0 || !keep(2 * sizeof(Reference))) {
         return std::nullopt;
     }
+    if (const std::string_view unbound = attributes.unbound("path"); !unbound.empty()) {
+        fail("refers to a part by " + in_quotes(unbound) + ", whose prefix is not declared");
+        return std::nullopt;
+    }
     const std::optional<std::string_view> path = attributes.find(XmlName{production, "path"});
     const std::optional<std::string_view> numbers = attributes.find("transform");
     if ((path && !set_part(*path, reference)) || (numbers && !set_transform(*numbers, reference))) {

@@ -1,5 +1,5 @@
-// A zip archive in memory, read part by part as a stream. minizip does the work: it seeks the directory once, backwards, and
-// allocates nothing by what the archive says of itself.
+// A zip archive in memory, with or without ZIP64, read part by part as a stream. libzip does the work. It is shown one end
+// record and no directory longer than a stated size, so that what it allocates and how long it takes are bounded.
 #pragma once
 
 #include <cstddef>
@@ -39,6 +39,9 @@ public:
 
     bool contains(std::string_view part) const { return find(part) != nullptr; }
 
+    /// The first part in the archive's order whose name passes, or an empty string.
+    std::string first_part(FunctionRef<bool(std::string_view name)> passes) const;
+
     /// Hands the part to `take`, piece by piece, until it answers false; the rest is then only checked to be undamaged.
     /// Errors, which name the part: there is none of that name, it is damaged or encrypted, or it expands too far.
     Status read(std::string_view part, FunctionRef<bool(std::string_view piece)> take);
@@ -48,11 +51,9 @@ public:
     }
 
 private:
-    /// Where in the archive's directory a part stands.
     struct Entry {
-        std::string key;  // the name in lower case
-        std::uint64_t directory_offset;
-        std::uint64_t index;
+        std::string key;      // the name in lower case
+        std::uint64_t index;  // in the archive's directory
     };
     struct Stream;
     struct StreamDeleter {
@@ -64,7 +65,8 @@ private:
     Status list_parts();
     const Entry* find(std::string_view part) const;
     Status open_part(std::string_view part, std::uint64_t& bytes);
-    Status close_part(std::string_view part);
+    Status copy_part(std::string_view part, std::uint64_t stated_bytes, FunctionRef<bool(std::string_view piece)> take);
+    Error unreadable(std::string_view part, std::uint64_t bytes, std::uint64_t stated_bytes) const;
 
     const FileSource* file_;
     std::uint64_t limit_bytes_;

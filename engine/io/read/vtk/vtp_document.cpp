@@ -123,6 +123,7 @@ Result<VtpDocument> Parser::read() {
     if (refusal_) {
         return *refusal_;
     }
+    document_.unbound_name = unbound_name();
     return std::move(document_);
 }
 

@@ -7,6 +7,7 @@
 
 #include "io/read/vtk/vtk_file.hpp"
 #include "io/read/vtk/vtp_data.hpp"
+#include "io/xml/xml.hpp"
 
 namespace lamella {
 
@@ -28,6 +29,7 @@ struct VtpPiece {
 struct VtpDocument {
     VtpForm form;
     std::deque<VtpPiece> pieces;
+    std::optional<XmlUnboundName> unbound_name;
     std::optional<VtpArray> space;  ///< the string of that name among the field data, as 3D Slicer writes it
 };
 

@@ -27,7 +27,7 @@ TIMEOUT_S = 60
 REFUSED = "refused"
 NO_READER = "no reader"
 NONE = "no triangles"
-GARBAGE = "garbage"
+UNDEFINED = "undefined"  # it crashes, or gives coordinates that the file does not hold
 SANE = 1e9  # the corners of the files lie between 0 and 10
 
 HEAD = """\
@@ -35,7 +35,7 @@ HEAD = """\
 # area. Written by answers.py --update, checked by the test sloppy_answers. Versions: those of Debian 12.
 #
 # Rule: what two of assimp, VTK, CGAL and meshio agree on is lamella's answer, and lamella warns. Lines "why" give the reason
-# where it is not so.
+# where it is not so. "undefined": a crash, or coordinates that the file does not hold; not compared again.
 """
 
 
@@ -46,7 +46,7 @@ def words(triangles):
     corners = [corner for triangle in triangles for corner in triangle]
     sizes = [abs(x) for corner in corners for x in corner]
     if not max(sizes) < SANE or not max(sizes) > 1 / SANE:
-        return GARBAGE  # that the file does not hold; what is from other memory differs from run to run
+        return UNDEFINED
     area = 0.0
     for a, b, c in triangles:
         u = [b[i] - a[i] for i in range(3)]
@@ -154,7 +154,7 @@ def apart(answer, path):
     with os.fdopen(out) as pipe:
         text = pipe.read()
     os.waitpid(child, 0)
-    return text or "crashed"
+    return text or UNDEFINED
 
 
 def is_installed(module):
@@ -176,7 +176,7 @@ def readers(cgal):
         found["VTK"] = lambda path: apart(vtk, path)
     if cgal:
         formats = (".stl", ".obj", ".off", ".ply")
-        found["CGAL"] = lambda path: (run([cgal, str(path)]).stdout.strip() or "crashed") if path.suffix in formats else NO_READER
+        found["CGAL"] = lambda path: (run([cgal, str(path)]).stdout.strip() or UNDEFINED) if path.suffix in formats else NO_READER
     if is_installed("meshio"):
         import meshio as library  # noqa: F401
 
@@ -233,6 +233,8 @@ def merged(old, new, others):
     """The rows of readers that ran, and the old ones of those that are not installed; the reasons stay."""
     kept = {name: answer for name, answer in old if name in OTHERS and name not in others}
     measured = dict(new)
+    # What is read from other memory differs from run to run.
+    measured.update({name: UNDEFINED for name, answer in old if name in measured and answer == UNDEFINED})
     rows = [(name, measured.get(name, kept.get(name))) for name in OTHERS if name in measured or name in kept]
     return rows + [row for row in new if row[0] not in OTHERS] + [row for row in old if row[0] == "why"]
 

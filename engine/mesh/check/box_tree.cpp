@@ -4,6 +4,7 @@
 #include <bit>
 #include <cassert>
 #include <limits>
+#include <utility>
 
 #include "base/parallel_sort.hpp"
 
@@ -78,8 +79,40 @@ void Box::include(const Box& other) noexcept {
 
 BoxTree::BoxTree(std::span<const Box> boxes, const Parallel& parallel) {
     assert(boxes.size() < std::numeric_limits<std::uint32_t>::max());
+    sort_items(boxes, parallel);
+    levels_.emplace_back().resize_discarding(boxes.size());
+    parallel.run_ranges(boxes.size(), box_grain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i != end; ++i) {
+            levels_[0][i] = boxes[items_[i]];
+        }
+    });
+    while (levels_.back().size() > fan) {
+        Array<Box> level;
+        level.resize_discarding((levels_.back().size() + fan - 1) / fan);
+        const Array<Box>& below = levels_.back();
+        parallel.run_ranges(level.size(), box_grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i != end; ++i) {
+                level[i] = nothing();
+                for (std::size_t j = i * fan; j < std::min(below.size(), (i + 1) * fan); ++j) {
+                    level[i].include(below[j]);
+                }
+            }
+        });
+        levels_.push_back(std::move(level));
+    }
+    assert(levels_.size() <= deepest);
+}
+
+/// In Morton order.
+void BoxTree::sort_items(std::span<const Box> boxes, const Parallel& parallel) {
+    std::vector<Box> own(static_cast<std::size_t>(parallel.threads()), nothing());
+    parallel.run_ranges(boxes.size(), box_grain, [&](std::size_t begin, std::size_t end, int worker) {
+        for (std::size_t i = begin; i != end; ++i) {
+            own[static_cast<std::size_t>(worker)].include(boxes[i]);
+        }
+    });
     Box all = nothing();
-    for (const Box& box : boxes) {
+    for (const Box& box : own) {
         all.include(box);
     }
     Array<Keyed> keyed;
@@ -94,22 +127,11 @@ BoxTree::BoxTree(std::span<const Box> boxes, const Parallel& parallel) {
         keyed.span(), [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.item < b.item; },
         parallel);
     items_.resize_discarding(boxes.size());
-    levels_.emplace_back().resize_discarding(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-        items_[i] = keyed[i].item;
-        levels_[0][i] = boxes[items_[i]];
-    }
-    while (levels_.back().size() > fan) {
-        const Array<Box>& below = levels_.back();
-        Array<Box> level;
-        level.resize_discarding((below.size() + fan - 1) / fan);
-        std::fill(level.begin(), level.end(), nothing());
-        for (std::size_t i = 0; i < below.size(); ++i) {
-            level[i / fan].include(below[i]);
+    parallel.run_ranges(boxes.size(), box_grain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i != end; ++i) {
+            items_[i] = keyed[i].item;
         }
-        levels_.push_back(std::move(level));
-    }
-    assert(levels_.size() <= deepest);
+    });
 }
 
 }  // namespace lamella

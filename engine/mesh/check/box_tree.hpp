@@ -34,7 +34,7 @@ struct Box {
 /// Items are numbered as the boxes were given; positions count them in Morton order.
 class BoxTree {
 public:
-    /// O(n log n). Throws std::bad_alloc.
+    /// O(n log n), in at most 18 calls of run(). Throws std::bad_alloc.
     BoxTree(std::span<const Box> boxes, const Parallel& parallel);
 
     std::size_t size() const noexcept { return items_.size(); }
@@ -72,7 +72,64 @@ public:
         return cost;
     }
 
+    /// Neighbouring positions, of which a group holds eight, the last one what is left.
+    std::size_t groups() const noexcept { return (size() + fan - 1) / fan; }
+    std::size_t group_begin(std::size_t group) const noexcept { return group * fan; }
+    std::size_t group_end(std::size_t group) const noexcept { return std::min(size(), (group + 1) * fan); }
+
+    /// Calls visit(position, other) for each pair of boxes that meet, the first in the group and the other one after it,
+    /// until that has cost `limit`; returns what it cost.
+    template <class Visit>
+    std::size_t search_pairs(std::size_t group, std::size_t limit, Visit visit) const {
+        const Array<Box>& boxes = levels_[0];
+        Box query = boxes[group_begin(group)];
+        for (std::size_t i = group_begin(group) + 1; i != group_end(group); ++i) {
+            query.include(boxes[i]);
+        }
+        std::array<Node, deepest * fan> stack;
+        std::size_t depth = 0;
+        std::size_t cost = 0;
+        stack[depth++] = {levels_.size() - 1, 0};
+        while (depth > 0 && cost < limit) {
+            const auto [level, node] = stack[--depth];
+            if (level == 0) {
+                cost += fan * fan + visit_cost * search_groups(group, node, query, visit);
+                continue;
+            }
+            const Array<Box>& nodes = levels_[level];
+            const std::size_t end = std::min(nodes.size(), (node + 1) * fan);
+            cost += end - node * fan;
+            for (std::size_t i = node * fan; i != end; ++i) {
+                if (query.meets(nodes[i]) && last_position(level, i) >= group_begin(group)) {
+                    stack[depth++] = {level - 1, i};
+                }
+            }
+        }
+        return cost;
+    }
+
 private:
+    /// visit() for the pairs of two groups, of which `query` is the first one's box; returns their number.
+    template <class Visit>
+    std::size_t search_groups(std::size_t group, std::size_t other, const Box& query, Visit& visit) const {
+        const Array<Box>& boxes = levels_[0];
+        std::size_t pairs = 0;
+        for (std::size_t j = group_begin(other); j != group_end(other); ++j) {
+            if (!query.meets(boxes[j])) {
+                continue;
+            }
+            for (std::size_t i = group_begin(group); i != std::min(group_end(group), j); ++i) {
+                if (boxes[i].meets(boxes[j])) {
+                    visit(i, j);
+                    ++pairs;
+                }
+            }
+        }
+        return pairs;
+    }
+
+    void sort_items(std::span<const Box> boxes, const Parallel& parallel);
+
     static constexpr std::size_t fan = 8;
     static constexpr std::size_t deepest = 11;  ///< 8^11 exceeds 2^32
 

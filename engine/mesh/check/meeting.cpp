@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstddef>
 
 #include "base/sign.hpp"
@@ -28,6 +29,8 @@ struct Shared {
     int count = 0;
     std::size_t of_a = 0;
     std::size_t of_b = 0;
+    std::array<bool, 3> corners_of_a{};
+    std::array<bool, 3> corners_of_b{};
 
     Shared(const ExactFace& a, const ExactFace& b) {
         for (std::size_t i = 0; i < 3; ++i) {
@@ -36,16 +39,39 @@ struct Shared {
                     ++count;
                     of_a = i;
                     of_b = j;
+                    corners_of_a[i] = true;
+                    corners_of_b[j] = true;
                 }
             }
         }
     }
 };
 
-/// On which side of a triangle's plane the other's corners lie.
-Sides sides_of_plane(const ExactFace& plane, const ExactFace& face) {
-    return {sign_of(plane.height(face.corners[0])), sign_of(plane.height(face.corners[1])),
-            sign_of(plane.height(face.corners[2]))};
+/// On which side of a triangle's plane a point lies. In double first: the error is below 5 * 2^-53 of the sum of magnitudes,
+/// as the normal, its products with the differences, which are exact, and their sums are rounded.
+int side_of_plane(const ExactFace& plane, const GridVector& p) {
+    const GridVector from = p - plane.corners[0];
+    const double x = static_cast<double>(plane.normal.x) * static_cast<double>(from.x);
+    const double y = static_cast<double>(plane.normal.y) * static_cast<double>(from.y);
+    const double z = static_cast<double>(plane.normal.z) * static_cast<double>(from.z);
+    const double height = x + y + z;
+    const double error = (std::abs(x) + std::abs(y) + std::abs(z)) * 0x1p-50;
+    return std::abs(height) > error ? (height > 0 ? 1 : -1) : sign_of(plane.height(p));
+}
+
+/// Whether the one shared corner is all that a triangle has in common with the other's plane.
+bool leans_on_corner(const Sides& s, const std::array<bool, 3>& shared) {
+    const std::size_t at = shared[0] ? 0 : (shared[1] ? 1 : 2);
+    return s[next(at)] != 0 && s[next(at)] == s[previous(at)];
+}
+
+/// On which side of a triangle's plane the other's corners lie, of which some are the triangle's own.
+Sides sides_of_plane(const ExactFace& plane, const ExactFace& face, const std::array<bool, 3>& shared) {
+    Sides sides{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        sides[i] = shared[i] ? 0 : side_of_plane(plane, face.corners[i]);
+    }
+    return sides;
 }
 
 bool in_front_or_behind(const Sides& s) {
@@ -203,12 +229,12 @@ bool contains(const ExactFace& face, const GridVector& p) noexcept {
 
 Meeting meet(const ExactFace& a, const ExactFace& b) noexcept {
     assert(a.has_area() && b.has_area());
-    const Sides b_sides = sides_of_plane(a, b);
-    if (in_front_or_behind(b_sides)) {
-        return Meeting::none;
-    }
     const Shared shared(a, b);
     if (shared.count == 3) {
+        return Meeting::none;
+    }
+    const Sides b_sides = sides_of_plane(a, b, shared.corners_of_b);
+    if (in_front_or_behind(b_sides) || (shared.count == 1 && leans_on_corner(b_sides, shared.corners_of_b))) {
         return Meeting::none;
     }
     if (b_sides == Sides{}) {
@@ -217,8 +243,8 @@ Meeting meet(const ExactFace& a, const ExactFace& b) noexcept {
     if (shared.count == 2) {  // the common edge lies on the line that the planes share
         return Meeting::none;
     }
-    const Sides a_sides = sides_of_plane(b, a);
-    if (in_front_or_behind(a_sides)) {
+    const Sides a_sides = sides_of_plane(b, a, shared.corners_of_a);
+    if (in_front_or_behind(a_sides) || (shared.count == 1 && leans_on_corner(a_sides, shared.corners_of_a))) {
         return Meeting::none;
     }
     if (!straddles(a_sides)) {

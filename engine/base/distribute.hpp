@@ -16,8 +16,10 @@ namespace lamella {
 
 /// Items in parts; within a part they keep the order in which they came.
 template <class T>
-class Parts {
+class Distributed {
 public:
+    explicit Distributed(const Memory* memory) noexcept : items(memory) {}
+
     Array<T> items;
     std::vector<std::size_t> firsts;  ///< of each part, and the end of the last
 
@@ -28,11 +30,14 @@ public:
 };
 
 /// Two calls of run(). `each(begin, end, emit)` calls emit(part, item) for every item that comes from [begin, end), and the
-/// same again when it is called again. Beside the items 8 bytes a part for each 2^16 of `count`. Throws std::bad_alloc.
+/// same again when it is called again. The items' memory comes from
+/// `memory`; beside them 8 bytes a part for each 2^16 of `count`. Throws std::bad_alloc.
 template <class T, class Each>
-Parts<T> distribute(std::size_t count, std::size_t parts, const Parallel& parallel, Each each) {
+Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& parallel, Each each,
+                          const Memory* memory = nullptr) {
     constexpr std::size_t most_in_range = std::size_t{1} << 16;
-    const std::size_t enough = std::max<std::size_t>(static_cast<std::size_t>(parallel.threads()) * 4, count / most_in_range);
+    const std::size_t enough =
+        std::max<std::size_t>(static_cast<std::size_t>(parallel.threads()) * 4, count / most_in_range);
     const std::size_t ranges = std::clamp<std::size_t>(count / 4096, 1, enough);
     const auto first = [&](std::size_t range) { return count * range / ranges; };
     std::vector<std::size_t> cursors(ranges * parts, 0);  // first a count, then where the next item goes
@@ -40,7 +45,7 @@ Parts<T> distribute(std::size_t count, std::size_t parts, const Parallel& parall
         std::size_t* const own = cursors.data() + range * parts;
         each(first(range), first(range + 1), [&](std::size_t part, const T&) { ++own[part]; });
     });
-    Parts<T> sorted;
+    Distributed<T> sorted(memory);
     sorted.firsts.resize(parts + 1);
     std::size_t sum = 0;
     for (std::size_t part = 0; part < parts; ++part) {

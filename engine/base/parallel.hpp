@@ -42,13 +42,16 @@ public:
     void run_ranges(std::size_t count, std::size_t grain,
                     FunctionRef<void(std::size_t begin, std::size_t end, int worker)> task) const;
 
-    /// From here on calls of run() lead the progress on to `fraction`, each by an equal share of the way: `runs` are expected,
-    /// and further ones add nothing. Before the first stage nothing is reported.
+    /// From here on calls of run() lead the progress on to `fraction`, each by an equal share of the way: `runs` are
+    /// expected, and further ones add nothing. Before the first stage nothing is reported.
     void begin_stage(double fraction, std::size_t runs = 1) const noexcept { stages_.begin(fraction, runs); }
+    /// For what is done on the calling thread within a stage.
+    void reach(double fraction) const noexcept { stages_.reach(fraction); }
     /// The call has succeeded.
     void finish() const noexcept { stages_.finish(); }
 
-    /// For what is done on the calling thread, between two of its steps: throws Stopped where the host wants the call to end.
+    /// For what is done on the calling thread, between two of its steps: throws Stopped where the host wants the call to
+    /// end.
     void stop_if_asked() const {
         if (stop_.stop_requested()) {
             throw Stopped();
@@ -67,6 +70,7 @@ private:
                 meter_.reach(from_ + (to_ - from_) * static_cast<double>(index) / static_cast<double>(count));
             }
         }
+        void reach(double fraction) noexcept { meter_.reach(fraction); }
         void finish() noexcept { meter_.finish(); }
 
     private:

@@ -51,11 +51,11 @@ private:
     Less less_;
 };
 
-/// As std::sort, in three calls of run(): items are distributed to parts, which are sorted one by one and written back. `less`
-/// must tell any two items apart, or equal ones may change places from call to call where it cannot be seen. As many bytes
-/// again as the items have. Throws std::bad_alloc.
+/// As std::sort, in three calls of run(): items are distributed to parts, which are sorted one by one and written back.
+/// `less` must tell any two items apart, or equal ones may change places from call to call where it cannot be seen. As many
+/// bytes again as the items have. Throws std::bad_alloc.
 template <class T, class Less>
-void sort_in_parallel(std::span<T> items, Less less, const Parallel& parallel) {
+void sort_in_parallel(std::span<T> items, Less less, const Parallel& parallel, const Memory* memory = nullptr) {
     constexpr std::size_t wanted = std::size_t{1} << 14;  // stays in the cache
     if (items.size() <= wanted) {
         std::sort(items.begin(), items.end(), less);
@@ -63,12 +63,14 @@ void sort_in_parallel(std::span<T> items, Less less, const Parallel& parallel) {
     }
     const Splitters<T, Less> splitters(items.size(), parts_for(items.size(), wanted), less,
                                        [&](std::size_t i) { return items[i]; });
-    Parts<T> parts = distribute<T>(items.size(), splitters.parts(), parallel,
-                                   [&](std::size_t begin, std::size_t end, const auto& emit) {
-                                       for (std::size_t i = begin; i != end; ++i) {
-                                           emit(splitters.part_of(items[i]), items[i]);
-                                       }
-                                   });
+    Distributed<T> parts = distribute<T>(
+        items.size(), splitters.parts(), parallel,
+        [&](std::size_t begin, std::size_t end, const auto& emit) {
+            for (std::size_t i = begin; i != end; ++i) {
+                emit(splitters.part_of(items[i]), items[i]);
+            }
+        },
+        memory);
     parallel.run(parts.size(), [&](std::size_t part, int) {
         const std::span<T> own = parts.of(part);
         std::sort(own.begin(), own.end(), less);

@@ -290,8 +290,8 @@ EdgeCensus census_of(const Reader& reader, const MeshView& mesh, const Parallel&
 }  // namespace
 
 EdgeCensus count_edges(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel) {
-    EdgeCensus census = with_reader(mesh, transform, unit_mm,
-                                    [&](const auto& reader) { return census_of(reader, mesh, parallel); });
+    EdgeCensus census =
+        with_reader(mesh, transform, unit_mm, [&](const auto& reader) { return census_of(reader, mesh, parallel); });
     // Where the sides at every edge have the same ends, edges are the same with and without the grid.
     const bool same = census.joined == 0 && census.degenerate == 0;
     census.exact_boundary = same ? census.boundary : count_exact_boundary(mesh, parallel);

@@ -20,8 +20,9 @@ struct EdgeCensus {
     std::uint64_t exact_boundary = 0;  ///< `boundary` where vertices are one only if their coordinates are equal as numbers
 };
 
-/// Four calls of run(), or eight where the grid joins vertices or lets triangles collapse. O(n) expected; 16 bytes a triangle (32 from 2^32 / 3 triangles on) beside the mesh. The counts do not depend on threads.
-/// Precondition: indices in range, coordinates within the grid. Throws std::bad_alloc.
+/// Four calls of run(), or eight where the grid joins vertices or lets triangles collapse. O(n) expected; 16 bytes a
+/// triangle (32 from 2^32 / 3 triangles on) beside the mesh. The counts do not depend on threads. Precondition: indices in
+/// range, coordinates within the grid. Throws std::bad_alloc.
 EdgeCensus count_edges(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel);
 
 /// EdgeCensus::exact_boundary alone. As much work as all of count_edges().

@@ -28,8 +28,8 @@ void add_census(const EdgeCensus& census, MeshInfo& info) {
 Result<MeshInfo> inspect_or_throw(const MeshView& mesh, const InspectOptions& options) {
     const Parallel parallel(options.control);
     parallel.begin_stage(box_share);
-    Result<MeshInfo> info = measure_mesh(mesh, options.transform, options.unit_mm, parallel,
-                                         [&] { parallel.begin_stage(measure_share); });
+    Result<MeshInfo> info =
+        measure_mesh(mesh, options.transform, options.unit_mm, parallel, [&] { parallel.begin_stage(measure_share); });
     if (!info) {
         return info;
     }

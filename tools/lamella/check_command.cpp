@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "check_words.hpp"
 #include "commands.hpp"
@@ -19,6 +20,7 @@
 #include "mesh_input.hpp"
 #include "output_path.hpp"
 #include "scale_words.hpp"
+#include "slice_arguments.hpp"
 
 namespace lamella::cli {
 
@@ -50,9 +52,11 @@ void require_outputs(const CheckArguments& arguments) {
     }
 }
 
-MeshCheck checked(const CheckArguments& arguments, const MeshFile& mesh) {
+MeshCheck checked(const CheckArguments& arguments, const MeshFile& mesh, ProgressBar& bar) {
+    const Stage stage(bar, "checking");
     CheckOptions options;
     options.control.threads = arguments.threads;
+    options.control.progress = stage.progress();
     options.tolerance_mm = arguments.tolerance_mm;
     options.most_places = arguments.marks.empty() ? arguments.places : std::max(arguments.places, most_marks);
     Result<MeshCheck> result = check(mesh, options);
@@ -61,6 +65,22 @@ MeshCheck checked(const CheckArguments& arguments, const MeshFile& mesh) {
         throw failure.status() == bad_input ? Failure(bad_input, arguments.mesh + ": " + failure.what()) : failure;
     }
     return std::move(result).value();
+}
+
+/// The members that the tool adds to the report. They refer to `mesh`.
+std::vector<ReportMember> members_of(const CheckTimes& ms, const MeshFile& mesh, double write_ms, double total_ms) {
+    return {{ReportPlace::in_times, "read", mesh.read_ms},
+            {ReportPlace::in_times, "parse", mesh.parse_ms},
+            {ReportPlace::in_times, "measure", ms.measure},
+            {ReportPlace::in_times, "faces", ms.faces},
+            {ReportPlace::in_times, "edges", ms.edges},
+            {ReportPlace::in_times, "joints", ms.joints},
+            {ReportPlace::in_times, "shells", ms.shells},
+            {ReportPlace::in_times, "meeting", ms.meeting},
+            {ReportPlace::in_times, "gaps", ms.gaps},
+            {ReportPlace::in_times, "write", write_ms},
+            {ReportPlace::in_times, "total", total_ms},
+            {ReportPlace::at_end, "warnings", std::span<const std::string>(mesh.warnings)}};
 }
 
 /// "--tolerance: ..." rather than the library's words, which name no option.
@@ -80,24 +100,30 @@ void run(const CheckArguments& arguments, Interrupt& interrupt) {
     require_tolerance(arguments);
     require_outputs(arguments);
     interrupt.tidy({arguments.report, arguments.marks});
-    MeshFile mesh = read_mesh_and_warn(arguments);
-    const MeshCheck found = checked(arguments, mesh);
+    const Stopwatch watch;
+    ProgressBar bar(arguments.progress);
+    MeshFile mesh = read_mesh_and_warn(arguments, bar);
+    const MeshCheck found = checked(arguments, mesh, bar);
     for (std::string& doubt :
          doubts_of_scale(arguments, mesh, {found.info.min_mm, found.info.max_mm, found.info.unit_mm, std::nullopt})) {
         warn(doubt);
         mesh.warnings.push_back(std::move(doubt));
     }
+    double write_ms = 0;
     if (!arguments.marks.empty()) {
+        const Stage stage(bar, "writing");
+        const Stopwatch writing;
         require(write_marks(found, arguments.marks));
+        write_ms = writing.ms();
     }
     const std::string words = check_words(arguments.mesh, mesh, found, {arguments.places, arguments.all_kinds});
     if (arguments.report.empty()) {
         print(words);
         return;
     }
-    const ReportMember warnings{.key = "warnings", .value = std::span<const std::string>(mesh.warnings)};
+    const std::vector<ReportMember> members = members_of(found.ms, mesh, write_ms, watch.ms());
     const Result<std::string> json =
-        make_check_json(found, {.mesh_name = arguments.mesh, .file = &mesh, .members = {&warnings, 1}}, arguments.places);
+        make_check_json(found, {.mesh_name = arguments.mesh, .file = &mesh, .members = members}, arguments.places);
     if (!json) {
         throw failure_of(json.error());
     }
@@ -116,6 +142,7 @@ void add_check_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("check", "Say what is wrong with a mesh, and where");
     const auto arguments = std::make_shared<CheckArguments>();
     declare_mesh(*command, *arguments);
+    declare_progress(*command, *arguments);
     command->add_option("--report", arguments->report, "JSON report to write; - for standard output")
         ->type_name("FILE|-")
         ->check(given_path);

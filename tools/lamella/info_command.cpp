@@ -11,6 +11,7 @@
 #include "lamella/mesh/inspect.hpp"
 #include "mesh_input.hpp"
 #include "scale_words.hpp"
+#include "slice_arguments.hpp"
 
 namespace lamella::cli {
 
@@ -55,9 +56,15 @@ std::string words(const std::string& path, const MeshFile& mesh, const MeshInfo&
            (info.closed ? "yes" : "no") + "\n";
 }
 
+Result<MeshInfo> inspected(const MeshArguments& arguments, const MeshFile& mesh, ProgressBar& bar) {
+    const Stage stage(bar, "inspecting");
+    return inspect(mesh, {.control = {.threads = arguments.threads, .progress = stage.progress()}});
+}
+
 void run(const MeshArguments& arguments) {
-    const MeshFile mesh = read_mesh_and_warn(arguments);
-    const Result<MeshInfo> info = inspect(mesh, {.control = {.threads = arguments.threads}});
+    ProgressBar bar(arguments.progress);
+    const MeshFile mesh = read_mesh_and_warn(arguments, bar);
+    const Result<MeshInfo> info = inspected(arguments, mesh, bar);
     if (!info) {
         throw Failure(failure_of(info.error()).status(), arguments.mesh + ": " + info.error().message);
     }
@@ -75,6 +82,7 @@ void add_info_command(CLI::App& app) {
     CLI::App* const command = app.add_subcommand("info", "Say what a mesh is and whether it is closed");
     const auto arguments = std::make_shared<MeshArguments>();
     declare_mesh(*command, *arguments);
+    declare_progress(*command, *arguments);
     command->callback([arguments] { run(*arguments); });
 }
 

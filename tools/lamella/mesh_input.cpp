@@ -42,13 +42,15 @@ void declare_mesh(CLI::App& command, MeshArguments& arguments) {
         ->check(CLI::Range(0, most_threads));
 }
 
-MeshFile read_mesh_of(const MeshArguments& arguments) {
+MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar) {
     if (arguments.map_file) {
         explain_bus_errors(arguments.mesh);
     }
-    Result<MeshFile> mesh = read_mesh(arguments.mesh, {.map_file = arguments.map_file,
-                                                       .mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit"),
-                                                       .control = {.threads = arguments.threads}});
+    const Stage stage(bar, "reading");
+    Result<MeshFile> mesh =
+        read_mesh(arguments.mesh, {.map_file = arguments.map_file,
+                                   .mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit"),
+                                   .control = {.threads = arguments.threads, .progress = stage.progress()}});
     if (!mesh) {
         const Failure failure = failure_of(mesh.error());
         // Where memory ran out there was none left to say in which file.
@@ -63,8 +65,8 @@ MeshFile read_mesh_of(const MeshArguments& arguments) {
     return std::move(mesh).value();
 }
 
-MeshFile read_mesh_and_warn(const MeshArguments& arguments) {
-    MeshFile mesh = read_mesh_of(arguments);
+MeshFile read_mesh_and_warn(const MeshArguments& arguments, ProgressBar& bar) {
+    MeshFile mesh = read_mesh_of(arguments, bar);
     for (const std::string& warning : mesh.warnings) {
         warn(warning);
     }

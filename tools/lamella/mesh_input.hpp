@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "console.hpp"
 #include "lamella/io/mesh_file.hpp"
 
 namespace lamella::cli {
@@ -15,6 +16,7 @@ struct MeshArguments {
     std::optional<std::string> unit;
     int threads = 0;
     bool map_file = false;
+    ProgressBar::When progress = ProgressBar::When::automatic;
 };
 
 /// A check for options whose value may not be empty: what is wrong with it, if anything.
@@ -24,11 +26,11 @@ std::string given_path(const std::string& path);
 /// Declares the mesh, --unit and --threads on `command`, to be stored in `arguments`.
 void declare_mesh(CLI::App& command, MeshArguments& arguments);
 
-/// Reads the mesh; its warnings are the caller's to tell. Throws Failure.
-MeshFile read_mesh_of(const MeshArguments& arguments);
+/// Reads the mesh, which `bar` shows; its warnings are the caller's to tell. Throws Failure.
+MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar);
 
-/// The same for a command that has nothing on the screen that warnings could run into.
-MeshFile read_mesh_and_warn(const MeshArguments& arguments);
+/// The same, with the warnings told.
+MeshFile read_mesh_and_warn(const MeshArguments& arguments, ProgressBar& bar);
 
 /// "binary STL, 1.9 MB", with what else is known of the file.
 std::string description(const MeshFile& mesh);

@@ -9,7 +9,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "console.hpp"
 #include "lamella/slice.hpp"
 #include "mesh_input.hpp"
 
@@ -33,13 +32,15 @@ struct SliceArguments : MeshArguments {
     std::string transform;
     int band_planes = 0;
     ContourForm form = ContourForm::swept;
-    ProgressBar::When progress = ProgressBar::When::automatic;
 
     bool report_to_stdout() const noexcept { return report == "-"; }
 };
 
 /// Declares the flags on `command`, to be stored in `arguments`.
 void declare(CLI::App& command, SliceArguments& arguments);
+
+/// --progress, which info and check have too.
+void declare_progress(CLI::App& command, MeshArguments& arguments);
 
 struct SliceRequest {
     SliceOptions options;

@@ -119,9 +119,8 @@ private:
 
     Status measure() {
         begin(box_share);
-        const Result<MeshInfo> measured = measure_mesh(view_, options_.transform, options_.unit_mm, parallel_, [&] {
-            begin(measure_share);
-        });
+        const Result<MeshInfo> measured =
+            measure_mesh(view_, options_.transform, options_.unit_mm, parallel_, [&] { begin(measure_share); });
         if (!measured) {
             return measured.error();
         }

@@ -66,26 +66,25 @@ private:
     std::vector<std::uint32_t> ends_;  ///< of the sides of a vertex, once they are placed
 };
 
-Parts<EdgeSide> distribute_sides(const GridMesh& mesh, const Parallel& parallel) {
+Distributed<EdgeSide> distribute_sides(const GridMesh& mesh, const Parallel& parallel) {
     const std::size_t parts = parts_for(3 * mesh.faces.size(), sides_a_part);
     const std::size_t vertices = mesh.vertices.size();
-    return distribute<EdgeSide>(mesh.faces.size(), parts, parallel,
-                                [&, parts, vertices](std::size_t begin, std::size_t end, const auto& emit) {
-                                    for (std::size_t f = begin; f != end; ++f) {
-                                        const auto& corners = mesh.faces[f].corners;
-                                        for (std::size_t i = 0; i < 3; ++i) {
-                                            const auto [low, high] = std::minmax(corners[i], corners[i == 2 ? 0 : i + 1]);
-                                            emit(part_of_number(low, vertices, parts),
-                                                 EdgeSide{low, high, static_cast<std::uint32_t>(3 * f + i)});
-                                        }
-                                    }
-                                });
+    return distribute<EdgeSide>(
+        mesh.faces.size(), parts, parallel, [&, parts, vertices](std::size_t begin, std::size_t end, const auto& emit) {
+            for (std::size_t f = begin; f != end; ++f) {
+                const auto& corners = mesh.faces[f].corners;
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const auto [low, high] = std::minmax(corners[i], corners[i == 2 ? 0 : i + 1]);
+                    emit(part_of_number(low, vertices, parts), EdgeSide{low, high, static_cast<std::uint32_t>(3 * f + i)});
+                }
+            }
+        });
 }
 
 }  // namespace
 
 EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel) : mesh_(mesh) {
-    Parts<EdgeSide> sides = distribute_sides(mesh, parallel);
+    Distributed<EdgeSide> sides = distribute_sides(mesh, parallel);
     std::vector<SideSort> workers(static_cast<std::size_t>(parallel.threads()));
     std::vector<std::size_t> firsts(sides.size() + 1, 0);  // edges of a part, then the first of it
     parallel.run(sides.size(), [&](std::size_t part, int worker) {

@@ -75,12 +75,15 @@ public:
     }
 
     void find_t_junctions() {
-        std::vector<Box> boxes;
-        for (const std::uint32_t edge : boundary_) {
-            boxes.push_back(Box::around(std::array{mesh_.vertices[edges_[edge].lower], mesh_.vertices[edges_[edge].upper]}));
-        }
+        const BoxTree tree(
+            boundary_.size(),
+            [&](std::size_t item) {
+                const EdgeTable::Edge& edge = edges_[boundary_[item]];
+                return Box::around(std::array{mesh_.vertices[edge.lower], mesh_.vertices[edge.upper]});
+            },
+            parallel_);
         search(
-            Fault::t_junction, boxes,
+            Fault::t_junction, tree,
             [&](std::uint32_t vertex, std::uint32_t item, std::vector<Near>& found) {
                 if (is_t_junction(vertex, boundary_[item])) {
                     found.push_back({vertex, boundary_[item]});
@@ -90,12 +93,11 @@ public:
     }
 
     void find_cracks() {
-        std::vector<Box> boxes;
-        for (const std::uint32_t vertex : vertices_) {
-            boxes.push_back(Box::around(std::array{mesh_.vertices[vertex]}));
-        }
+        const BoxTree tree(
+            vertices_.size(), [&](std::size_t item) { return Box::around(std::array{mesh_.vertices[vertices_[item]]}); },
+            parallel_);
         search(
-            Fault::crack, boxes,
+            Fault::crack, tree,
             [&](std::uint32_t vertex, std::uint32_t item, std::vector<Near>& found) {
                 const std::uint32_t other = vertices_[item];
                 if (vertex < other && length(at(other) - at(vertex)) <= half_reach_ && !edges_.joins(vertex, other)) {
@@ -114,8 +116,7 @@ private:
 
     /// Calls visit() for every vertex of the boundary and every item whose box is within reach; it adds to what is found.
     template <class Visit, class MakePlace>
-    void search(Fault fault, const std::vector<Box>& boxes, Visit visit, MakePlace make_place) {
-        const BoxTree tree(boxes, parallel_);
+    void search(Fault fault, const BoxTree& tree, Visit visit, MakePlace make_place) {
         std::vector<Tally<Near>> tallies(static_cast<std::size_t>(parallel_.threads()), Tally<Near>(notes_.most()));
         FaultFinding& finding = notes_.of(fault);
         BudgetedSearch<Near> search(vertices_.size(), search_budget(vertices_.size()), parallel_);
@@ -171,10 +172,10 @@ private:
     const EdgeTable& edges_;
     Notes& notes_;
     const Parallel& parallel_;
-    double reach_;                         ///< the tolerance in grid units
-    double half_reach_;                    ///< the tolerance in halves of vertices, which are twice the unit
+    double reach_;                                ///< the tolerance in grid units
+    double half_reach_;                           ///< the tolerance in halves of vertices, which are twice the unit
     const std::vector<std::uint32_t>& boundary_;  ///< edges
-    std::vector<std::uint32_t> vertices_;  ///< their ends, ascending
+    std::vector<std::uint32_t> vertices_;         ///< their ends, ascending
 };
 
 }  // namespace

@@ -15,9 +15,20 @@ namespace {
 
 constexpr std::size_t faces_a_part = std::size_t{1} << 13;
 
-bool face_less(const Face& a, const Face& b) {
-    return std::make_tuple(vertex_set(a), a.corners, a.source) < std::make_tuple(vertex_set(b), b.corners, b.source);
+/// The two smaller vertices, as one number.
+std::uint64_t lower_two(const Face& face) {
+    return std::uint64_t{face.corners[0]} << 32 | std::min(face.corners[1], face.corners[2]);
 }
+
+struct FaceLess {
+    bool operator()(const Face& a, const Face& b) const noexcept {
+        if (lower_two(a) != lower_two(b)) {
+            return lower_two(a) < lower_two(b);
+        }
+        return std::make_tuple(vertex_set(a)[2], a.corners, a.source) <
+               std::make_tuple(vertex_set(b)[2], b.corners, b.source);
+    }
+};
 
 Face face_of(const Array<std::uint32_t>& numbers, std::size_t triangle) {
     Face face{{numbers[3 * triangle], numbers[3 * triangle + 1], numbers[3 * triangle + 2]},
@@ -32,7 +43,7 @@ bool is_collapsed(const Face& face) {
 }
 
 /// Faces in parts by their smallest corner, and in one more those that have collapsed.
-Parts<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::size_t vertices, const Parallel& parallel) {
+Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::size_t vertices, const Parallel& parallel) {
     const std::size_t triangles = numbers.size() / 3;
     const std::size_t parts = parts_for(triangles, faces_a_part);
     return distribute<Face>(triangles, parts + 1, parallel, [&](std::size_t begin, std::size_t end, const auto& emit) {
@@ -57,14 +68,14 @@ GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, double
     VertexNumbers numbers = number_vertices(mesh, transform, unit_mm, parallel);
     grid.vertices = std::move(numbers.vertices);
     grid.joined = numbers.joined;
-    Parts<Face> parts = distribute_faces(numbers.of_corners, grid.vertices.size(), parallel);
+    Distributed<Face> parts = distribute_faces(numbers.of_corners, grid.vertices.size(), parallel);
     const std::size_t whole = parts.size() - 1;
     parallel.run(whole, [&](std::size_t part, int) {
         const std::span<Face> own = parts.of(part);
-        std::sort(own.begin(), own.end(), face_less);
+        std::sort(own.begin(), own.end(), FaceLess{});
     });
     const std::span<Face> collapsed = parts.of(whole);
-    sort_in_parallel(collapsed, face_less, parallel);
+    sort_in_parallel(collapsed, FaceLess{}, parallel);
     grid.collapsed.assign(collapsed.begin(), collapsed.end());
     grid.faces = std::move(parts.items);
     grid.faces.set_size(parts.firsts[whole]);

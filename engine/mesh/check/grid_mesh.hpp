@@ -37,8 +37,8 @@ struct GridMesh {
     }
 };
 
-/// O(n log n), in seven calls of run(). Precondition: indices in range, coordinates within the grid, fewer than 2^32 / 3 triangles. Throws
-/// std::bad_alloc.
+/// O(n log n), in seven calls of run(). Precondition: indices in range, coordinates within the grid, fewer than 2^32 / 3
+/// triangles. Throws std::bad_alloc.
 GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel);
 
 }  // namespace lamella

@@ -47,29 +47,11 @@ struct Shared {
     }
 };
 
-/// On which side of a triangle's plane a point lies. In double first: the error is below 5 * 2^-53 of the sum of magnitudes,
-/// as the normal, its products with the differences, which are exact, and their sums are rounded.
-int side_of_plane(const ExactFace& plane, const GridVector& p) {
-    const GridVector from = p - plane.corners[0];
-    const double x = static_cast<double>(plane.normal.x) * static_cast<double>(from.x);
-    const double y = static_cast<double>(plane.normal.y) * static_cast<double>(from.y);
-    const double z = static_cast<double>(plane.normal.z) * static_cast<double>(from.z);
-    const double height = x + y + z;
-    const double error = (std::abs(x) + std::abs(y) + std::abs(z)) * 0x1p-50;
-    return std::abs(height) > error ? (height > 0 ? 1 : -1) : sign_of(plane.height(p));
-}
-
-/// Whether the one shared corner is all that a triangle has in common with the other's plane.
-bool leans_on_corner(const Sides& s, const std::array<bool, 3>& shared) {
-    const std::size_t at = shared[0] ? 0 : (shared[1] ? 1 : 2);
-    return s[next(at)] != 0 && s[next(at)] == s[previous(at)];
-}
-
 /// On which side of a triangle's plane the other's corners lie, of which some are the triangle's own.
 Sides sides_of_plane(const ExactFace& plane, const ExactFace& face, const std::array<bool, 3>& shared) {
     Sides sides{};
     for (std::size_t i = 0; i < 3; ++i) {
-        sides[i] = shared[i] ? 0 : side_of_plane(plane, face.corners[i]);
+        sides[i] = shared[i] ? 0 : sign_of(plane.height(face.corners[i]));
     }
     return sides;
 }
@@ -221,7 +203,57 @@ Meeting meet_at_plane(const ExactFace& a, const Sides& a_sides, const ExactFace&
     return touch ? Meeting::touch : Meeting::none;
 }
 
+/// Whether the corners of `face` but the common ones lie on one side of the plane. In double: with u = 2^-53, the normal and
+/// its products with the differences, which are exact, and their sums are off by less than 5 u of `products` by the
+/// differences.
+bool lies_beside(const RealFace& plane, const RealFace& face, unsigned common) noexcept {
+    unsigned in_front = common;  // bits again, as no predictor knows which corner lies where
+    unsigned behind = common;
+    for (std::size_t i = 0; i < 3; ++i) {
+        double height = 0;
+        double error = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double from = face.corners[i][axis] - plane.corners[0][axis];
+            height += plane.normal[axis] * from;
+            error += plane.products[axis] * std::abs(from);
+        }
+        error *= 0x1p-50;
+        in_front |= (height > error ? 1U : 0U) << i;
+        behind |= (height < -error ? 1U : 0U) << i;
+    }
+    return in_front == 7 || behind == 7;
+}
+
 }  // namespace
+
+RealFace::RealFace(const std::array<std::uint32_t, 3>& vertex_ids, const std::array<GridVertex, 3>& vertices) noexcept
+    : ids(vertex_ids) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        corners[i] = {static_cast<double>(vertices[i].x), static_cast<double>(vertices[i].y),
+                      static_cast<double>(vertices[i].z)};
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t u = next(axis);
+        const std::size_t v = previous(axis);
+        const double first = (corners[1][u] - corners[0][u]) * (corners[2][v] - corners[0][v]);
+        const double second = (corners[1][v] - corners[0][v]) * (corners[2][u] - corners[0][u]);
+        normal[axis] = first - second;
+        products[axis] = std::abs(first) + std::abs(second);
+    }
+}
+
+bool are_apart(const RealFace& a, const RealFace& b) noexcept {
+    unsigned common_of_a = 0;  // a bit a corner
+    unsigned common_of_b = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            const unsigned same = a.ids[i] == b.ids[j] ? 1 : 0;
+            common_of_a |= same << i;
+            common_of_b |= same << j;
+        }
+    }
+    return lies_beside(a, b, common_of_b) || lies_beside(b, a, common_of_a);
+}
 
 bool contains(const ExactFace& face, const GridVector& p) noexcept {
     return face.height(p) == 0 && PlaneView(face.normal).is_in(p, face);
@@ -234,7 +266,7 @@ Meeting meet(const ExactFace& a, const ExactFace& b) noexcept {
         return Meeting::none;
     }
     const Sides b_sides = sides_of_plane(a, b, shared.corners_of_b);
-    if (in_front_or_behind(b_sides) || (shared.count == 1 && leans_on_corner(b_sides, shared.corners_of_b))) {
+    if (in_front_or_behind(b_sides)) {
         return Meeting::none;
     }
     if (b_sides == Sides{}) {
@@ -244,7 +276,7 @@ Meeting meet(const ExactFace& a, const ExactFace& b) noexcept {
         return Meeting::none;
     }
     const Sides a_sides = sides_of_plane(b, a, shared.corners_of_a);
-    if (in_front_or_behind(a_sides) || (shared.count == 1 && leans_on_corner(a_sides, shared.corners_of_a))) {
+    if (in_front_or_behind(a_sides)) {
         return Meeting::none;
     }
     if (!straddles(a_sides)) {

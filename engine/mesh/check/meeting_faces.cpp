@@ -27,6 +27,10 @@ ExactFace exact(const GridMesh& mesh, std::uint32_t face) {
     return {mesh.faces[face].corners, mesh.corners(mesh.faces[face])};
 }
 
+RealFace real(const GridMesh& mesh, std::uint32_t face) {
+    return {mesh.faces[face].corners, mesh.corners(mesh.faces[face])};
+}
+
 /// Two faces that meet.
 struct Met {
     Meeting meeting;
@@ -49,22 +53,17 @@ public:
 
     /// Whether nothing was left out.
     bool run(double progress) {
-        std::vector<Box> boxes(faces_.size());
-        parallel_.run_ranges(faces_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t i = begin; i != end; ++i) {
-                boxes[i] = Box::around(mesh_.corners(mesh_.faces[faces_[i]]));
-            }
-        });
-        const BoxTree tree(boxes, parallel_);
+        const BoxTree tree(
+            faces_.size(), [&](std::size_t i) { return Box::around(mesh_.corners(mesh_.faces[faces_[i]])); }, parallel_);
         parallel_.begin_stage(progress, BudgetedSearch<Met>::runs_for(tree.groups()));
         BudgetedSearch<Met> search(tree.groups(), search_budget(tree.size()), parallel_);
-        return search.run(
-            [&](std::size_t group, std::size_t limit, std::vector<Met>& found) { return meet_group(tree, group, limit, found); },
-            [&](std::size_t, const std::vector<Met>& found, int worker) {
-                for (const Met& met : found) {
-                    note(met, worker);
-                }
-            });
+        return search.run([&](std::size_t group, std::size_t limit,
+                              std::vector<Met>& found) { return meet_group(tree, group, limit, found); },
+                          [&](std::size_t, const std::vector<Met>& found, int worker) {
+                              for (const Met& met : found) {
+                                  note(met, worker);
+                              }
+                          });
     }
 
     Tally<FacePair>& total(std::size_t kind) {
@@ -99,24 +98,28 @@ private:
 
     /// Compares the faces of a group with all after them in the tree. Returns what it cost.
     std::size_t meet_group(const BoxTree& tree, std::size_t group, std::size_t limit, std::vector<Met>& found) const {
-        std::vector<ExactFace> own;
+        std::array<RealFace, BoxTree::fan> own;
         const std::size_t begin = tree.group_begin(group);
         for (std::size_t position = begin; position != tree.group_end(group); ++position) {
-            own.push_back(exact(mesh_, faces_[tree.item_at(position)]));
+            own[position - begin] = real(mesh_, faces_[tree.item_at(position)]);
         }
         std::size_t last = tree.size();
-        ExactFace other = own.front();  // of `last`, as pairs with one face follow one another
+        RealFace other = own[0];  // of `last`, as pairs with one face follow one another
         return tree.search_pairs(group, limit, [&](std::size_t position, std::size_t other_position) {
-            const std::uint32_t face = faces_[tree.item_at(other_position)];
             if (other_position != std::exchange(last, other_position)) {
-                other = exact(mesh_, face);
+                other = real(mesh_, faces_[tree.item_at(other_position)]);
             }
-            const Meeting meeting = meet(own[position - begin], other);
-            if (meeting != Meeting::none) {
-                const auto [first, second] = std::minmax(faces_[tree.item_at(position)], face);
-                found.push_back({meeting, {first, second}});
+            if (!are_apart(own[position - begin], other)) {
+                meet_exactly(faces_[tree.item_at(position)], faces_[tree.item_at(other_position)], found);
             }
         });
+    }
+
+    void meet_exactly(std::uint32_t face, std::uint32_t other, std::vector<Met>& found) const {
+        const Meeting meeting = meet(exact(mesh_, face), exact(mesh_, other));
+        if (meeting != Meeting::none) {
+            found.push_back({meeting, {std::min(face, other), std::max(face, other)}});
+        }
     }
 
     void note(const Met& met, int worker) {

@@ -72,8 +72,9 @@ public:
     /// How many calls of run() it makes where no query takes much.
     static constexpr std::size_t runs_for(std::size_t queries) { return (queries + first_batch - 1) / first_batch; }
 
-    /// Calls search(query, limit, found) for the queries, which adds to `found`, stops at the limit and returns what it cost,
-    /// and keep(query, found, worker) once for each that is searched. Returns whether every query was searched to its end.
+    /// Calls search(query, limit, found) for the queries, which adds to `found`, stops at the limit and returns what it
+    /// cost, and keep(query, found, worker) once for each that is searched. Returns whether every query was searched to its
+    /// end.
     template <class Search, class Keep>
     bool run(Search search, Keep keep) {
         const std::size_t most_in_vain = left_ / 2;
@@ -82,7 +83,8 @@ public:
         for (; first < queries_ && in_vain < most_in_vain; first += first_batch) {
             const std::size_t count = std::min(first_batch, queries_ - first);
             const std::size_t limit = std::min(most_at_first, left_ / first_batch);
-            run_batch(count, limit, false, [&](std::size_t i) { return first + i; }, search, keep);
+            run_batch(
+                count, limit, false, [&](std::size_t i) { return first + i; }, search, keep);
             for (std::size_t i = 0; i < count; ++i) {
                 spend(costs_[i]);
                 if (costs_[i] >= limit) {
@@ -114,7 +116,8 @@ private:
             if (limit == 0) {
                 return false;
             }
-            run_batch(count, limit, true, [&](std::size_t i) { return later_[first + i]; }, search, keep);
+            run_batch(
+                count, limit, true, [&](std::size_t i) { return later_[first + i]; }, search, keep);
             for (std::size_t i = 0; i < count; ++i) {
                 spend(costs_[i]);
                 complete = complete && costs_[i] < limit;

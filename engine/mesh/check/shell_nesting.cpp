@@ -53,7 +53,10 @@ public:
           shell_of_(shell_of),
           shells_(shells),
           parallel_(parallel),
-          tree_(boxes_of_closed(), parallel) {
+          closed_faces_(faces_of_closed()),
+          tree_(
+              closed_faces_.size(),
+              [&](std::size_t item) { return Box::around(mesh.corners(mesh.faces[closed_faces_[item]])); }, parallel) {
         sort_faces();
     }
 
@@ -77,15 +80,14 @@ public:
 private:
     static constexpr std::size_t most_samples = 8;
 
-    std::vector<Box> boxes_of_closed() {
-        std::vector<Box> boxes;
+    std::vector<std::uint32_t> faces_of_closed() const {
+        std::vector<std::uint32_t> faces;
         for (std::uint32_t face = 0; face < mesh_.faces.size(); ++face) {
             if (shells_[shell_of_[face]].closed) {
-                closed_faces_.push_back(face);
-                boxes.push_back(Box::around(mesh_.corners(mesh_.faces[face])));
+                faces.push_back(face);
             }
         }
-        return boxes;
+        return faces;
     }
 
     void sort_faces() {

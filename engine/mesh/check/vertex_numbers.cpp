@@ -36,25 +36,24 @@ std::uint32_t hash_of_exact(const double* xyz) {
     return static_cast<std::uint32_t>(hash >> 32);
 }
 
-Parts<Corner> distribute_corners(const MeshView& mesh, const Transform& transform, double unit_mm,
-                                 const Parallel& parallel) {
+Distributed<Corner> distribute_corners(const MeshView& mesh, const Transform& transform, double unit_mm,
+                                       const Parallel& parallel) {
     return with_reader(mesh, transform, unit_mm, [&](const auto& read) {
         const std::size_t corners = 3 * mesh.triangle_count;
         const Splitters<GridVertex, VertexLess> splitters(corners, parts_for(corners, corners_a_part), VertexLess{},
                                                           [&](std::size_t i) { return read(i / 3)[i % 3]; });
         const RawReader exact(mesh);
-        return distribute<Corner>(mesh.triangle_count, splitters.parts(), parallel,
-                                  [&](std::size_t begin, std::size_t end, const auto& emit) {
-                                      for (std::size_t t = begin; t != end; ++t) {
-                                          const GridTriangle triangle = read(t);
-                                          const RawTriangle raw = exact(t);
-                                          for (std::size_t i = 0; i < 3; ++i) {
-                                              emit(splitters.part_of(triangle[i]),
-                                                   Corner{triangle[i], hash_of_exact(raw.v + 3 * i),
-                                                          static_cast<std::uint32_t>(3 * t + i)});
-                                          }
-                                      }
-                                  });
+        return distribute<Corner>(
+            mesh.triangle_count, splitters.parts(), parallel, [&](std::size_t begin, std::size_t end, const auto& emit) {
+                for (std::size_t t = begin; t != end; ++t) {
+                    const GridTriangle triangle = read(t);
+                    const RawTriangle raw = exact(t);
+                    for (std::size_t i = 0; i < 3; ++i) {
+                        emit(splitters.part_of(triangle[i]),
+                             Corner{triangle[i], hash_of_exact(raw.v + 3 * i), static_cast<std::uint32_t>(3 * t + i)});
+                    }
+                }
+            });
     });
 }
 
@@ -113,7 +112,7 @@ private:
 }  // namespace
 
 VertexNumbers number_vertices(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel) {
-    Parts<Corner> corners = distribute_corners(mesh, transform, unit_mm, parallel);
+    Distributed<Corner> corners = distribute_corners(mesh, transform, unit_mm, parallel);
     std::vector<std::vector<GridVertex>> vertices(corners.size());
     std::vector<PartNumbers> workers(static_cast<std::size_t>(parallel.threads()));
     std::atomic<bool> joined = false;

@@ -11,9 +11,9 @@
 namespace lamella {
 
 struct VertexNumbers {
-    Array<GridVertex> vertices;           ///< distinct, ascending
-    Array<std::uint32_t> of_corners;      ///< three a triangle
-    bool joined = false;  ///< some vertex of the grid stands for corners whose coordinates, as they are, differ
+    Array<GridVertex> vertices;       ///< distinct, ascending
+    Array<std::uint32_t> of_corners;  ///< three a triangle
+    bool joined = false;              ///< some vertex of the grid stands for corners whose coordinates, as they are, differ
 };
 
 /// Four calls of run(). Corners are distributed to parts of the order of vertices, each of which is small enough for a hash

@@ -92,7 +92,7 @@ struct MeshShell {
     std::int64_t parent = -1;  ///< the innermost of them, as an index into MeshCheck::shells, or -1
 };
 
-struct CheckTimes {  ///< wall time of the stages, ms
+struct CheckTimes {      ///< wall time of the stages, ms
     double measure = 0;  ///< box, volume and area
     double faces = 0;    ///< vertices numbered, faces put in order
     double edges = 0;    ///< faces brought together at their edges

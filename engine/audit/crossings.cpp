@@ -2,6 +2,7 @@
 #include "lamella/audit/crossings.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <tuple>
 
@@ -16,7 +17,11 @@ namespace lamella {
 
 namespace {
 
-constexpr std::uint64_t steps_per_edge = 1024;
+constexpr std::uint64_t steps_per_comparison = 64;  ///< of the edges' order: what O(m log m) allows for
+
+std::uint64_t most_steps(std::uint64_t edges) noexcept {
+    return steps_per_comparison * edges * static_cast<std::uint64_t>(std::bit_width(edges) + 1);
+}
 
 int side(Point from, Point to, Point p) noexcept {
     return sign_of(side_of_line(from, to, p));
@@ -51,7 +56,7 @@ bool pass_through(Point o, Point a, Point b, Point c, Point d) noexcept {
 /// Searches one layer after another; its memory is kept.
 class LayerSearch {
 public:
-    explicit LayerSearch(const SliceResult& result) : result_(result) {}
+    LayerSearch(const SliceResult& result, const StopCheck& stop) : result_(result) { near_.follow(stop); }
 
     LayerCrossings run(std::size_t layer) {
         found_ = {};
@@ -63,7 +68,7 @@ public:
             near_.add({result_.points_of(contour), c, contour.role != Role::open});
         }
         found_.at_least = !near_.find(
-            0, steps_per_edge * near_.edges(),
+            0, most_steps(near_.edges()),
             [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) { compare_edges(a, i, b, j); });
         return found_;
     }
@@ -111,6 +116,9 @@ private:
             found_.first = place;
             found_.contours = pair;
         }
+        if (found_.count == most_crossings_in_layer) {
+            near_.stop();
+        }
     }
 
     const SliceResult& result_;
@@ -127,7 +135,8 @@ Result<Crossings> find_or_throw(const SliceResult& result, const Control& contro
         LayerSearch search;
         std::vector<LayerCrossings> found;
     };
-    std::vector<Worker> workers(static_cast<std::size_t>(parallel.threads()), Worker{LayerSearch(result), {}});
+    std::vector<Worker> workers(static_cast<std::size_t>(parallel.threads()), Worker{LayerSearch(result, control.stop), {}});
+    parallel.begin_stage(0.99);
     parallel.run(result.layers.size(), [&](std::size_t layer, int worker) {
         Worker& own = workers[static_cast<std::size_t>(worker)];
         const LayerCrossings found = own.search.run(layer);
@@ -145,6 +154,7 @@ Result<Crossings> find_or_throw(const SliceResult& result, const Control& contro
         all.count += layer.count;
         all.at_least = all.at_least || layer.at_least;
     }
+    parallel.finish();
     return all;
 }
 

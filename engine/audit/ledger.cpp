@@ -205,14 +205,17 @@ private:
 
 Result<Ledger> ledger_or_throw(const MeshView& mesh, const SliceResult& result, const Control& control) {
     const Parallel parallel(control);
+    parallel.begin_stage(0.1);
     if (const Result<Bounds> bounds = examine(mesh, result, parallel); !bounds) {
         return bounds.error();
     }
     PlaneSet planes(nullptr);
     planes.build(result.layers);
-    return with_reader(mesh, result.frame, result.unit_mm, [&](const auto& read) -> Result<Ledger> {
-        return Bookkeeping(read, result, planes, parallel).run();
-    });
+    parallel.begin_stage(0.99, 3);
+    Ledger ledger = with_reader(mesh, result.frame, result.unit_mm,
+                                [&](const auto& read) { return Bookkeeping(read, result, planes, parallel).run(); });
+    parallel.finish();
+    return ledger;
 }
 
 }  // namespace

@@ -334,6 +334,7 @@ private:
 
 Result<VolumeCertificate> certify_or_throw(const MeshView& mesh, const SliceResult& result, const Control& control) {
     const Parallel parallel(control);
+    parallel.begin_stage(0.1);
     const Result<Bounds> bounds = examine(mesh, result, parallel);
     if (!bounds) {
         return bounds.error();
@@ -341,8 +342,12 @@ Result<VolumeCertificate> certify_or_throw(const MeshView& mesh, const SliceResu
     PlaneSet planes(nullptr);
     planes.build(result.layers);
     const Scale scale = Scale::of(*bounds, result);
+    parallel.begin_stage(0.8, static_cast<std::size_t>(parallel.threads()));
     const Sums sums = sum_faces(mesh, result, planes, scale, parallel);
-    return sums.edges == 0 ? Certifier(result, sums, scale, parallel).run() : VolumeCertificate{};
+    parallel.begin_stage(0.99);
+    VolumeCertificate certificate = sums.edges == 0 ? Certifier(result, sums, scale, parallel).run() : VolumeCertificate{};
+    parallel.finish();
+    return certificate;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/atomic_word.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
 
@@ -54,6 +55,17 @@ class SharedSets {
 public:
     /// Members [0, count), each to be set alone or left out before any is united.
     explicit SharedSets(std::size_t count) { parents_.resize_discarding(count); }
+    /// One call of run(): members [0, count), each alone in its set.
+    SharedSets(std::size_t count, const Parallel& parallel) : SharedSets(count) {
+        constexpr std::size_t grain = std::size_t{1} << 16;
+        parallel.run_ranges(count, grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i != end; ++i) {
+                set_alone(i);
+            }
+        });
+    }
+
+    std::size_t size() const noexcept { return parents_.size(); }
 
     void set_alone(std::size_t i) { parents_[i] = static_cast<Index>(i); }
     void leave_out(std::size_t i) { parents_[i] = left_out; }
@@ -78,11 +90,7 @@ public:
         }
     }
 
-private:
-    static constexpr Index left_out = std::numeric_limits<Index>::max();
-
-    AtomicWord<Index> at(Index i) { return AtomicWord<Index>(parents_[i]); }
-
+    /// The smallest member of the set, as far as it has been united.
     Index root(Index i) {
         for (Index parent = at(i).load(); parent != i; parent = at(i).load()) {
             const Index grandparent = at(parent).load();
@@ -92,6 +100,11 @@ private:
         }
         return i;
     }
+
+private:
+    static constexpr Index left_out = std::numeric_limits<Index>::max();
+
+    AtomicWord<Index> at(Index i) { return AtomicWord<Index>(parents_[i]); }
 
     Array<Index> parents_;
 };

@@ -126,9 +126,24 @@ Parallel::Parallel(const Control& control)
     : arena_(control.executor.run != nullptr ? nullptr : std::make_unique<Arena>(count_for(control))),
       executor_(control.executor),
       stop_(control.stop),
+      stages_(control.progress),
       threads_(count_for(control)) {}
 
 Parallel::~Parallel() = default;
+
+void Parallel::Stages::begin(double fraction, std::size_t runs) noexcept {
+    from_ = to_ = end_;  // where the stage before ends, whether or not it had as many runs
+    end_ = fraction;
+    runs_left_ = runs;
+    reach(0, 1);
+}
+
+void Parallel::Stages::begin_run() noexcept {
+    from_ = to_;
+    if (runs_left_ > 0) {
+        to_ = from_ + (end_ - from_) / static_cast<double>(runs_left_--);
+    }
+}
 
 bool Parallel::serves(const Control& control) const {
     return threads_ == count_for(control) && executor_.run == control.executor.run &&
@@ -137,7 +152,12 @@ bool Parallel::serves(const Control& control) const {
 
 void Parallel::run(std::size_t count, FunctionRef<void(std::size_t, int)> task) const {
     const int workers = static_cast<int>(std::min<std::size_t>(count, static_cast<std::size_t>(threads_)));
-    Dispenser dispenser{count, workers, task, stop_};
+    const auto shown = [&](std::size_t index, int worker) {
+        stages_.reach(index, count);
+        task(index, worker);
+    };
+    stages_.begin_run();
+    Dispenser dispenser{count, workers, shown, stop_};
     if (workers > 1 && executor_.run != nullptr) {
         executor_.run(
             executor_.context, workers, [](void* argument) noexcept { static_cast<Dispenser*>(argument)->join(); },
@@ -163,8 +183,10 @@ void Parallel::run(std::size_t count, FunctionRef<void(std::size_t, int)> task) 
 
 void Parallel::run_ranges(std::size_t count, std::size_t grain,
                           FunctionRef<void(std::size_t, std::size_t, int)> task) const {
-    const std::size_t most = static_cast<std::size_t>(threads_) * 8;
-    const std::size_t ranges = std::clamp<std::size_t>(count / std::max<std::size_t>(grain, 1), 1, most);
+    constexpr std::size_t most_grains = 16;  // so that a range ends soon after a stop is asked for
+    const std::size_t grains = std::max<std::size_t>(count / std::max<std::size_t>(grain, 1), 1);
+    const std::size_t enough = std::max(static_cast<std::size_t>(threads_) * 8, grains / most_grains);
+    const std::size_t ranges = std::min(grains, enough);
     run(ranges, [&](std::size_t i, int worker) { task(count * i / ranges, count * (i + 1) / ranges, worker); });
 }
 

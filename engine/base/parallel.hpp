@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/function_ref.hpp"
+#include "base/progress_meter.hpp"
 #include "lamella/control.hpp"
 
 namespace lamella {
@@ -36,15 +37,56 @@ public:
     /// thrown.
     void run(std::size_t count, FunctionRef<void(std::size_t index, int worker)> task) const;
 
-    /// run() over the half-open ranges into which [0, count) is cut, each of about `grain` items or more.
+    /// run() over the half-open ranges into which [0, count) is cut, each of about `grain` items or more, up to 16 times as
+    /// many.
     void run_ranges(std::size_t count, std::size_t grain,
                     FunctionRef<void(std::size_t begin, std::size_t end, int worker)> task) const;
 
+    /// From here on calls of run() lead the progress on to `fraction`, each by an equal share of the way: `runs` are
+    /// expected, and further ones add nothing. Before the first stage nothing is reported.
+    void begin_stage(double fraction, std::size_t runs = 1) const noexcept { stages_.begin(fraction, runs); }
+    /// For what is done on the calling thread within a stage.
+    void reach(double fraction) const noexcept { stages_.reach(fraction); }
+    /// The call has succeeded.
+    void finish() const noexcept { stages_.finish(); }
+
+    /// For what is done on the calling thread, between two of its steps: throws Stopped where the host wants the call to
+    /// end.
+    void stop_if_asked() const {
+        if (stop_.stop_requested()) {
+            throw Stopped();
+        }
+    }
+
 private:
+    /// How far the stages have led.
+    class Stages {
+    public:
+        explicit Stages(const Progress& sink) noexcept : meter_(sink), shown_(sink.report != nullptr) {}
+        void begin(double fraction, std::size_t runs) noexcept;
+        void begin_run() noexcept;
+        void reach(std::size_t index, std::size_t count) noexcept {
+            if (shown_) {
+                meter_.reach(from_ + (to_ - from_) * static_cast<double>(index) / static_cast<double>(count));
+            }
+        }
+        void reach(double fraction) noexcept { meter_.reach(fraction); }
+        void finish() noexcept { meter_.finish(); }
+
+    private:
+        ProgressMeter meter_;
+        bool shown_;
+        std::size_t runs_left_ = 0;
+        double from_ = 0;  ///< of the run
+        double to_ = 0;
+        double end_ = 0;  ///< of the stage
+    };
+
     struct Arena;
     std::unique_ptr<Arena> arena_;
     Executor executor_;
     StopCheck stop_;
+    mutable Stages stages_;
     int threads_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <limits>
@@ -13,6 +14,7 @@
 #include "lamella/array.hpp"
 #include "slicing/grid/mesh_edge.hpp"
 #include "slicing/grid/quantise.hpp"
+#include "slicing/grid/vertex_hash.hpp"
 
 namespace lamella {
 
@@ -24,6 +26,7 @@ namespace {
 
 constexpr std::size_t sides_per_partition = std::size_t{1} << 15;
 constexpr std::size_t most_partitions = std::size_t{1} << 14;
+constexpr std::size_t most_in_range = std::size_t{1} << 18;  ///< triangles
 
 /// A side's edge, and whether the side runs from the edge's lower end to its upper.
 struct Side {
@@ -69,13 +72,13 @@ private:
 template <class Index, class Reader>
 class Census {
 public:
-    Census(const Reader& reader, std::size_t triangles, const Parallel& parallel)
-        : reader_(reader), triangles_(triangles), parallel_(parallel), shells_(triangles) {
+    Census(const Reader& reader, const ExactReader& exact, std::size_t triangles, const Parallel& parallel)
+        : reader_(reader), exact_(exact), triangles_(triangles), parallel_(parallel), shells_(triangles) {
         // Two at least, as a hash cannot be shifted by all of its bits.
         const std::size_t wanted = std::bit_ceil(3 * triangles / sides_per_partition + 2);
         partitions_ = std::min(wanted, most_partitions);
         partition_bits_ = std::countr_zero(partitions_);
-        ranges_ = static_cast<std::size_t>(parallel.threads()) * 4;
+        ranges_ = std::max(static_cast<std::size_t>(parallel.threads()) * 4, triangles / most_in_range + 1);
     }
 
     EdgeCensus run() {
@@ -83,9 +86,7 @@ public:
         scatter_sides();
         EdgeCensus census = count_partitions();
         census.degenerate = degenerate_;
-        for (std::size_t t = 0; t < triangles_; ++t) {
-            census.shells += shells_.is_root(t) ? 1 : 0;
-        }
+        census.shells = count_shells();
         return census;
     }
 
@@ -95,6 +96,8 @@ private:
         Index forward = 0;
         Index backward = 0;
         Index triangle = 0;
+        std::uint64_t exact = 0;  ///< of the first side
+        bool joined = false;      ///< some other side has other ends, as the coordinates are
     };
 
     struct Scratch {
@@ -109,6 +112,12 @@ private:
     Side side_of(std::size_t side) const {
         const GridTriangle triangle = reader_(side / 3);
         return {triangle[side % 3], triangle[(side % 3 + 1) % 3]};
+    }
+
+    /// A hash of the side's ends as they are, in either order.
+    std::uint64_t exact_ends(std::size_t side) const {
+        const GridTriangle triangle = exact_(side / 3);
+        return hash_of(triangle[side % 3]) + hash_of(triangle[(side % 3 + 1) % 3]);
     }
 
     /// Calls visit(triangle, three sides) for what is not degenerate, skip(triangle) for the rest.
@@ -174,6 +183,18 @@ private:
         });
     }
 
+    std::uint64_t count_shells() const {
+        std::atomic<std::uint64_t> shells = 0;
+        parallel_.run_ranges(triangles_, std::size_t{1} << 14, [&](std::size_t begin, std::size_t end, int) {
+            std::uint64_t own = 0;
+            for (std::size_t t = begin; t != end; ++t) {
+                own += shells_.is_root(t) ? 1 : 0;
+            }
+            shells += own;
+        });
+        return shells;
+    }
+
     EdgeCensus count_partitions() {
         std::vector<Scratch> scratch(static_cast<std::size_t>(parallel_.threads()));
         parallel_.run(partitions_, [&](std::size_t partition, int worker) {
@@ -190,6 +211,7 @@ private:
             total.overfull += own.census.overfull;
             total.mismatched += own.census.mismatched;
             total.unbalanced += own.census.unbalanced;
+            total.joined += own.census.joined;
         }
         return total;
     }
@@ -206,11 +228,13 @@ private:
             const Side side = side_of(number);
             const Index triangle = static_cast<Index>(number / 3);
             std::uint32_t& slot = find(side.edge, own);
+            const std::uint64_t exact = exact_ends(number);
             if (slot == 0) {
-                own.edges[distinct] = {side.edge, 0, 0, triangle};
+                own.edges[distinct] = {side.edge, 0, 0, triangle, exact, false};
                 slot = ++distinct;
             }
             Edge& edge = own.edges[slot - 1];
+            edge.joined = edge.joined || edge.exact != exact;
             ++(side.forward ? edge.forward : edge.backward);
             shells_.unite(edge.triangle, triangle);
         }
@@ -237,9 +261,11 @@ private:
         census.overfull += faces > 2 ? 1 : 0;
         census.mismatched += faces == 2 && !balanced ? 1 : 0;
         census.unbalanced += balanced ? 0 : 1;
+        census.joined += edge.joined ? 1 : 0;
     }
 
     Reader reader_;
+    ExactReader exact_;
     std::size_t triangles_;
     const Parallel& parallel_;
     SharedSets<Index> shells_;  ///< triangles, united over edges
@@ -253,22 +279,27 @@ private:
 };
 
 template <class Reader>
-EdgeCensus census_of(const Reader& reader, std::size_t triangles, const Parallel& parallel) {
-    if (triangles < std::numeric_limits<std::uint32_t>::max() / 3) {
-        return Census<std::uint32_t, Reader>(reader, triangles, parallel).run();
+EdgeCensus census_of(const Reader& reader, const MeshView& mesh, const Parallel& parallel) {
+    const ExactReader exact(mesh);
+    if (mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3) {
+        return Census<std::uint32_t, Reader>(reader, exact, mesh.triangle_count, parallel).run();
     }
-    return Census<std::uint64_t, Reader>(reader, triangles, parallel).run();
+    return Census<std::uint64_t, Reader>(reader, exact, mesh.triangle_count, parallel).run();
 }
 
 }  // namespace
 
 EdgeCensus count_edges(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel) {
-    return with_reader(mesh, transform, unit_mm,
-                       [&](const auto& reader) { return census_of(reader, mesh.triangle_count, parallel); });
+    EdgeCensus census =
+        with_reader(mesh, transform, unit_mm, [&](const auto& reader) { return census_of(reader, mesh, parallel); });
+    // Where the sides at every edge have the same ends, edges are the same with and without the grid.
+    const bool same = census.joined == 0 && census.degenerate == 0;
+    census.exact_boundary = same ? census.boundary : count_exact_boundary(mesh, parallel);
+    return census;
 }
 
-EdgeCensus count_exact_edges(const MeshView& mesh, const Parallel& parallel) {
-    return census_of(ExactReader(mesh), mesh.triangle_count, parallel);
+std::uint64_t count_exact_boundary(const MeshView& mesh, const Parallel& parallel) {
+    return census_of(ExactReader(mesh), mesh, parallel).boundary;
 }
 
 }  // namespace lamella

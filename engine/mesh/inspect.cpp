@@ -1,111 +1,44 @@
 #include "lamella/mesh/inspect.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "mesh/edge_census.hpp"
+#include "mesh/measure.hpp"
 #include "slicing/grid/bounds.hpp"
-#include "slicing/grid/quantise.hpp"
 
 namespace lamella {
 
 namespace {
 
-/// Sums are made per chunk and then over the chunks in order, so that they do not depend on threads.
-constexpr std::size_t chunk_triangles = 8192;
+constexpr double box_share = 0.05;  ///< of the progress, when it ends
+constexpr double measure_share = 0.1;
+constexpr double census_share = 0.99;
 
-struct VectorMm {
-    double x = 0;
-    double y = 0;
-    double z = 0;
-};
-
-VectorMm operator-(const VectorMm& a, const VectorMm& b) {
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-double dot(const VectorMm& a, const VectorMm& b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-VectorMm cross(const VectorMm& a, const VectorMm& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-struct Measure {
-    double six_volumes = 0;
-    double two_areas = 0;
-};
-
-/// Volume as the sum of tetrahedra to the middle of the box: near, so that little cancels.
-Measure measure(const MeshView& mesh, const Transform& transform, const VectorMm& middle, const Parallel& parallel) {
-    const std::size_t chunks = (mesh.triangle_count + chunk_triangles - 1) / chunk_triangles;
-    const RawReader read(mesh);
-    const bool transformed = !transform.is_identity();
-    std::vector<Measure> parts(chunks);
-    parallel.run(chunks, [&](std::size_t chunk, int) {
-        Measure part;
-        const std::size_t end = std::min(mesh.triangle_count, (chunk + 1) * chunk_triangles);
-        for (std::size_t t = chunk * chunk_triangles; t != end; ++t) {
-            RawTriangle raw = read(t);
-            if (transformed) {
-                apply(transform, raw);
-            }
-            const VectorMm a{raw.v[0], raw.v[1], raw.v[2]};
-            const VectorMm normal =
-                cross(VectorMm{raw.v[3], raw.v[4], raw.v[5]} - a, VectorMm{raw.v[6], raw.v[7], raw.v[8]} - a);
-            part.six_volumes += dot(a - middle, normal);
-            part.two_areas += std::sqrt(dot(normal, normal));
-        }
-        parts[chunk] = part;
-    });
-    Measure sum;
-    for (const Measure& part : parts) {
-        sum.six_volumes += part.six_volumes;
-        sum.two_areas += part.two_areas;
-    }
-    return sum;
-}
-
-MeshInfo describe(const Bounds& box, const Measure& measured, const EdgeCensus& census) {
-    MeshInfo info;
-    std::copy(std::begin(box.min_mm), std::end(box.min_mm), info.min_mm);
-    std::copy(std::begin(box.max_mm), std::end(box.max_mm), info.max_mm);
-    info.volume_mm3 = measured.six_volumes / 6;
-    info.area_mm2 = measured.two_areas / 2;
+void add_census(const EdgeCensus& census, MeshInfo& info) {
     info.degenerate = census.degenerate;
     info.edges = census.edges;
     info.boundary_edges = census.boundary;
+    info.exact_boundary_edges = census.exact_boundary;
     info.overfull_edges = census.overfull;
     info.mismatched_edges = census.mismatched;
     info.shells = census.shells;
     info.closed = census.edges > 0 && census.unbalanced == 0;
-    return info;
 }
 
 Result<MeshInfo> inspect_or_throw(const MeshView& mesh, const InspectOptions& options) {
     const Parallel parallel(options.control);
-    BlockTable blocks(nullptr);
-    const Result<Bounds> bounds = measure_bounds(mesh, options.transform, options.unit_mm, parallel, blocks);
-    if (!bounds) {
-        return bounds.error();
+    parallel.begin_stage(box_share);
+    Result<MeshInfo> info =
+        measure_mesh(mesh, options.transform, options.unit_mm, parallel, [&] { parallel.begin_stage(measure_share); });
+    if (!info) {
+        return info;
     }
-    const Bounds& box = bounds.value();
-    const Result<double> unit = choose_unit(box, options.unit_mm);
-    if (!unit) {
-        return unit.error();
+    parallel.begin_stage(census_share, 4);
+    add_census(count_edges(mesh, options.transform, info->unit_mm, parallel), *info);
+    if (info->degenerate == info->triangles) {
+        return all_collapsed(info->triangles, info->unit_mm);
     }
-    const VectorMm middle{(box.min_mm[0] + box.max_mm[0]) / 2, (box.min_mm[1] + box.max_mm[1]) / 2,
-                          (box.min_mm[2] + box.max_mm[2]) / 2};
-    MeshInfo info = describe(box, measure(mesh, options.transform, middle, parallel),
-                             count_edges(mesh, options.transform, unit.value(), parallel));
-    info.exact_boundary_edges = count_exact_edges(mesh, parallel).boundary;
-    info.triangles = mesh.triangle_count;
-    info.unit_mm = unit.value();
-    if (info.degenerate == info.triangles) {
-        return all_collapsed(info.triangles, info.unit_mm);
-    }
+    parallel.finish();
     return info;
 }
 

@@ -4,13 +4,15 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <stdexcept>
+#include <span>
 #include <string>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "base/guard.hpp"
+#include "base/parallel_sort.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/memory.hpp"
@@ -42,6 +44,8 @@ struct CellHash {
         return h;
     }
 };
+
+constexpr double sorted_share = 0.5;  ///< of the progress, when corners are sorted
 
 /// The vertices kept so far, by cell of a grid so coarse that a vertex seldom has to look into two.
 class KeptVertices {
@@ -124,49 +128,81 @@ private:
     double nearest_squared_ = 0;
 };
 
+constexpr std::size_t weld_grain = 8192;
+
+/// Reads a corner; false if a coordinate cannot be used.
 template <class Number>
-Result<Vector<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory* memory) {
-    Vector<Corner<Number>> corners(3 * mesh.triangle_count, memory);
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        if (mesh.indices != nullptr && mesh.indices[i] >= mesh.vertex_count) {
-            return Error{ErrorCode::invalid_argument,
-                         "triangle " + std::to_string(i / 3) + " has index " + std::to_string(mesh.indices[i]) +
-                             ", but there are " + std::to_string(mesh.vertex_count) + " vertices",
-                         static_cast<std::int64_t>(i / 3)};
-        }
-        const std::byte* at = mesh.indices != nullptr ? mesh.vertices + mesh.indices[i] * mesh.stride
-                                                      : mesh.vertices + i / 3 * mesh.stride + i % 3 * 3 * sizeof(Number);
-        Corner<Number>& corner = corners[i];
-        std::memcpy(corner.at, at, sizeof corner.at);
-        corner.index = static_cast<std::uint32_t>(i);
-        for (Number& coordinate : corner.at) {
-            if (!(std::abs(coordinate) <= static_cast<Number>(largest_coordinate_mm))) {
-                return Error{ErrorCode::bad_coordinate,
-                             "triangle " + std::to_string(i / 3) + " has a coordinate that is not finite or beyond 1e9",
-                             static_cast<std::int64_t>(i / 3)};
-            }
-            coordinate += Number{0};  // one zero, not two
-        }
+bool read_corner(const MeshView& mesh, std::size_t i, Corner<Number>& corner) {
+    const std::byte* at = mesh.indices != nullptr ? mesh.vertices + mesh.indices[i] * mesh.stride
+                                                  : mesh.vertices + i / 3 * mesh.stride + i % 3 * 3 * sizeof(Number);
+    std::memcpy(corner.at, at, sizeof corner.at);
+    corner.index = static_cast<std::uint32_t>(i);
+    bool usable = true;
+    for (Number& coordinate : corner.at) {
+        usable = usable && std::abs(coordinate) <= static_cast<Number>(largest_coordinate_mm);
+        coordinate += Number{0};  // one zero, not two
     }
-    std::sort(corners.begin(), corners.end(),
-              [](const auto& a, const auto& b) { return a.coordinates() < b.coordinates(); });
+    return usable;
+}
+
+/// Of corner `i`, the first that cannot be used.
+Error unusable(const MeshView& mesh, std::size_t i) {
+    const std::string triangle = "triangle " + std::to_string(i / 3);
+    if (mesh.indices != nullptr && mesh.indices[i] >= mesh.vertex_count) {
+        return {ErrorCode::invalid_argument,
+                triangle + " has index " + std::to_string(mesh.indices[i]) + ", but there are " +
+                    std::to_string(mesh.vertex_count) + " vertices",
+                static_cast<std::int64_t>(i / 3)};
+    }
+    return {ErrorCode::bad_coordinate, triangle + " has a coordinate that is not finite or beyond 1e9",
+            static_cast<std::int64_t>(i / 3)};
+}
+
+template <class Number>
+Result<Vector<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory* memory, const Parallel& parallel) {
+    Vector<Corner<Number>> corners(3 * mesh.triangle_count, memory);
+    constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> first_bad(static_cast<std::size_t>(parallel.threads()), none);
+    parallel.run_ranges(corners.size(), weld_grain, [&](std::size_t begin, std::size_t end, int worker) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const bool no_vertex = mesh.indices != nullptr && mesh.indices[i] >= mesh.vertex_count;
+            if (no_vertex || !read_corner(mesh, i, corners[i])) {
+                std::size_t& first = first_bad[static_cast<std::size_t>(worker)];
+                first = std::min(first, i);
+                return;
+            }
+        }
+    });
+    if (const std::size_t bad = *std::min_element(first_bad.begin(), first_bad.end()); bad != none) {
+        return unusable(mesh, bad);
+    }
+    // Which of two equal corners comes first does not show: both get one vertex.
+    sort_in_parallel(
+        std::span<Corner<Number>>(corners.data(), corners.size()),
+        [](const auto& a, const auto& b) { return a.coordinates() < b.coordinates(); }, parallel, memory);
     return corners;
 }
 
 template <class Number>
-Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Control& control) {
-    const Memory* const memory = control.memory;
-    const Result<Vector<Corner<Number>>> corners = sorted_corners<Number>(mesh, memory);
+Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Memory* memory, const Parallel& parallel) {
+    parallel.begin_stage(sorted_share, 4);
+    const Result<Vector<Corner<Number>>> corners = sorted_corners<Number>(mesh, memory, parallel);
     if (!corners) {
         return corners.error();
     }
-    stop_if_asked(control);
     WeldedMesh welded{Array<std::byte>(memory), Array<std::uint32_t>(memory), mesh.coordinate_type};
     welded.indices.resize_discarding(corners.value().size());
     KeptVertices kept(tolerance, memory);
     const Corner<Number>* last = nullptr;
     std::uint32_t vertex = 0;
+    constexpr std::size_t corners_between_stops = std::size_t{1} << 14;
+    std::size_t seen = 0;
     for (const Corner<Number>& corner : corners.value()) {
+        if (seen++ % corners_between_stops == 0) {
+            parallel.stop_if_asked();
+            parallel.reach(sorted_share +
+                           (1 - sorted_share) * static_cast<double>(seen) / static_cast<double>(corners.value().size() + 1));
+        }
         if (last == nullptr || last->coordinates() != corner.coordinates()) {
             const double at[3] = {static_cast<double>(corner.at[0]), static_cast<double>(corner.at[1]),
                                   static_cast<double>(corner.at[2])};
@@ -206,11 +242,13 @@ Result<WeldedMesh> weld_or_throw(const MeshView& mesh, const WeldOptions& option
     if (mesh.triangle_count > std::numeric_limits<std::uint32_t>::max() / 3) {
         return Error{ErrorCode::invalid_argument, "more than 2^32 / 3 triangles cannot be welded"};
     }
-    stop_if_asked(options.control);
+    const Parallel parallel(options.control);
+    const Memory* const memory = options.control.memory;
     Result<WeldedMesh> welded = mesh.coordinate_type == CoordinateType::f32
-                                    ? weld_corners<float>(mesh, tolerance, options.control)
-                                    : weld_corners<double>(mesh, tolerance, options.control);
+                                    ? weld_corners<float>(mesh, tolerance, memory, parallel)
+                                    : weld_corners<double>(mesh, tolerance, memory, parallel);
     if (welded) {
+        parallel.finish();
         welded->tolerance_mm = options.tolerance_mm;
         welded->mm_per_unit = options.mm_per_unit;
         welded->largest_move_mm *= options.mm_per_unit;

@@ -15,12 +15,12 @@
 //     call                                           threads, executor  stop                progress  memory
 //     slice()                                        yes                at every layer      yes       result and scratch
 //     assemble()                                     calling thread     between its steps   -         result and scratch
-//     read_mesh()                                    yes                yes                 -         mesh and scratch
-//     weld()                                         calling thread     between its steps   -         mesh and scratch
-//     inspect(), check()                             yes                yes                 -         -
+//     read_mesh()                                    yes                yes                 yes       mesh and scratch
+//     weld()                                         to sort; then one  yes                 yes       mesh and scratch
+//     inspect(), check()                             yes                yes                 yes       -
 //     make_ledger(), certify_volume(),
-//     find_crossings()                               yes                yes                 -         -
-//     write_svg()                                    calling thread     at every layer      -         -
+//     find_crossings()                               yes                yes                 yes       -
+//     write_svg()                                    calling thread     at every layer      yes       -
 //
 // A negative number of threads is invalid_argument in all of them.
 #pragma once

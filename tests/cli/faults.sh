@@ -173,3 +173,44 @@ test_shrinking_map() {
     [[ ! -s .stdout ]] || fail "wrote to stdout"
     expect_files ball.stl out.svg
 }
+
+# ended_by SIGNAL SECONDS ARGUMENT...: the command ends with the signal at most half a second after it, which leaves room for
+# freeing memory and for a busy machine. Finishing before the signal is not a failure.
+ended_by() {
+    local signal=$1 delay=$2 tool status begin
+    shift 2
+    set -m
+    "$lamella" "$@" > .stdout 2> .stderr &
+    set +m
+    tool=$!
+    while [[ "$(cat "/proc/$tool/comm")" == bash ]]; do :; done
+    sleep "$delay"
+    kill -s "$signal" "$tool" 2> /dev/null
+    begin=$(date +%s%N)
+    wait "$tool" 2> /dev/null
+    status=$?
+    (($(date +%s%N) - begin < 500000000)) || fail "$*: went on for over half a second"
+    ((status == 0 || status == 128 + $(kill -l "$signal"))) || fail "$*: exit status $status"
+    [[ ! -s .stderr || $(tail -c 21 .stderr) == "lamella: interrupted" || $status == 0 ]] || fail "$*: another message"
+}
+
+# Every command on a mesh of some millions of triangles, at random moments of the time that it takes.
+test_stops() {
+    expect 0 make bone --triangles 2000000 -o bone.stl
+    local begin whole i
+    stop_at_random() {
+        begin=$(date +%s%N)
+        expect 0 "$@"
+        whole=$((($(date +%s%N) - begin) / 1000000))
+        for i in 1 2 3 4; do
+            ended_by INT "$(awk -v ms="$((RANDOM * whole / 32768))" 'BEGIN { printf "%.3f", ms / 1000 }')" "$@"
+        done
+        rm -f out.svg report.json marks.ply
+    }
+    stop_at_random info bone.stl
+    stop_at_random check bone.stl --report report.json --marks marks.ply
+    stop_at_random slice bone.stl --layer-height 0.1
+    stop_at_random slice bone.stl --layer-height 0.1 --weld 0.0001 -o out.svg
+    stop_at_random slice bone.stl --layer-height 0.1 --report report.json
+    expect_files bone.stl
+}

@@ -21,6 +21,7 @@
 #include "numbers.hpp"
 #include "output_path.hpp"
 #include "scale_words.hpp"
+#include "slice_arguments.hpp"
 #include "standard_streams.hpp"
 
 namespace lamella::cli {
@@ -58,6 +59,22 @@ std::string json_array(const std::vector<std::string>& values) {
         text.append(values[i], 0, values[i].size() - 1).append(i + 1 < values.size() ? ",\n" : "\n");
     }
     return text + "]\n";
+}
+
+/// The members that the tool adds to the report. They refer to `mesh`.
+std::vector<ReportMember> members_of(const CheckTimes& ms, const MeshFile& mesh, double write_ms, double total_ms) {
+    return {{ReportPlace::in_times, "read", mesh.read_ms},
+            {ReportPlace::in_times, "parse", mesh.parse_ms},
+            {ReportPlace::in_times, "measure", ms.measure},
+            {ReportPlace::in_times, "faces", ms.faces},
+            {ReportPlace::in_times, "edges", ms.edges},
+            {ReportPlace::in_times, "joints", ms.joints},
+            {ReportPlace::in_times, "shells", ms.shells},
+            {ReportPlace::in_times, "meeting", ms.meeting},
+            {ReportPlace::in_times, "gaps", ms.gaps},
+            {ReportPlace::in_times, "write", write_ms},
+            {ReportPlace::in_times, "total", total_ms},
+            {ReportPlace::at_end, "warnings", std::span<const std::string>(mesh.warnings)}};
 }
 
 class CheckCommand {
@@ -109,23 +126,36 @@ private:
     bool stdout_taken() const noexcept { return is_standard(arguments_.report) || is_standard(arguments_.marks); }
 
     void examine(const MeshArguments& mesh) {
-        MeshFile file = read_mesh_and_warn(mesh);
-        const MeshCheck found = checked(mesh, file);
+        const Stopwatch watch;
+        ProgressBar bar(mesh.progress);
+        MeshFile file = read_mesh_and_warn(mesh, bar);
+        const MeshCheck found = checked(mesh, file, bar);
         for (std::string& doubt : doubts_of_scale(mesh, file, {found.info.min_mm, found.info.max_mm, found.info.unit_mm})) {
             warn(doubt);
             file.warnings.push_back(std::move(doubt));
         }
-        if (!arguments_.marks.empty()) {
-            require(write_marks(found, output_path(arguments_.marks)));
-        }
-        add_report(mesh, file, found);
+        const double write_ms = mark_faults(found, bar);
+        add_report(mesh, file, found, members_of(found.ms, file, write_ms, watch.ms()));
         add_words(check_words(mesh.name(), file, found, {arguments_.places, arguments_.all_kinds}));
     }
 
-    MeshCheck checked(const MeshArguments& mesh, const MeshFile& file) const {
+    /// How long it took, in milliseconds.
+    double mark_faults(const MeshCheck& found, ProgressBar& bar) const {
+        if (arguments_.marks.empty()) {
+            return 0;
+        }
+        const Stage stage(bar, "writing");
+        const Stopwatch watch;
+        require(write_marks(found, output_path(arguments_.marks)));
+        return watch.ms();
+    }
+
+    MeshCheck checked(const MeshArguments& mesh, const MeshFile& file, ProgressBar& bar) const {
+        const Stage stage(bar, "checking");
         CheckOptions options;
         options.unit_mm = parse_grid(mesh.grid);
         options.control.threads = mesh.threads;
+        options.control.progress = stage.progress();
         options.tolerance_mm = arguments_.tolerance_mm;
         options.most_places = arguments_.marks.empty() ? arguments_.places : std::max(arguments_.places, most_marks);
         Result<MeshCheck> result = check(file, options);
@@ -146,12 +176,12 @@ private:
         any_words_ = true;
     }
 
-    void add_report(const MeshArguments& mesh, const MeshFile& file, const MeshCheck& found) {
+    void add_report(const MeshArguments& mesh, const MeshFile& file, const MeshCheck& found,
+                    const std::vector<ReportMember>& members) {
         if (arguments_.report.empty()) {
             return;
         }
-        const ReportMember warnings{.key = "warnings", .value = std::span<const std::string>(file.warnings)};
-        const ReportParts parts{.mesh_name = mesh.mesh, .file = &file, .members = {&warnings, 1}};
+        const ReportParts parts{.mesh_name = mesh.mesh, .file = &file, .members = members};
         reports_.push_back(json_of(make_check_json(found, parts, arguments_.places)));
     }
 
@@ -189,6 +219,7 @@ void add_check_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("check", "Say what is wrong with meshes, and where");
     const auto arguments = std::make_shared<CheckArguments>();
     declare_mesh_list(*command, *arguments);
+    declare_progress(*command, arguments->each);
     command
         ->add_option("--report", arguments->report,
                      "JSON report to write, an array if several meshes are given; - for standard output")

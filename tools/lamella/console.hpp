@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "lamella/control.hpp"
+
 namespace lamella::cli {
 
 inline constexpr int most_threads = 4096;  ///< that --threads takes
@@ -60,6 +62,27 @@ private:
     bool drawn_ = false;
     std::string last_what_;
     std::chrono::steady_clock::time_point next_;
+};
+
+/// While it lives, the bar shows one stage of a command.
+class Stage {
+public:
+    Stage(ProgressBar& bar, std::string_view what) : show_{bar, what} { bar.show(what, 0); }
+    ~Stage() { show_.bar.wipe(); }
+    Stage(const Stage&) = delete;
+    Stage& operator=(const Stage&) = delete;
+
+    /// For the library's call; empty where no bar is shown.
+    Progress progress() const noexcept { return show_.bar.shown() ? Progress::to(show_) : Progress{}; }
+
+private:
+    struct Show {
+        ProgressBar& bar;
+        std::string_view what;
+        void operator()(double fraction) const noexcept { bar.show(what, fraction); }
+    };
+
+    Show show_;
 };
 
 /// Milliseconds since construction.

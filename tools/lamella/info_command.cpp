@@ -15,6 +15,7 @@
 #include "mesh_list.hpp"
 #include "numbers.hpp"
 #include "scale_words.hpp"
+#include "slice_arguments.hpp"
 
 namespace lamella::cli {
 
@@ -60,10 +61,16 @@ std::string words(const std::string& path, const MeshFile& mesh, const MeshInfo&
            (info.closed ? "yes" : "no") + "\n";
 }
 
+Result<MeshInfo> inspected(const MeshArguments& arguments, const MeshFile& mesh, ProgressBar& bar) {
+    const Stage stage(bar, "inspecting");
+    return inspect(mesh, {.unit_mm = parse_grid(arguments.grid),
+                          .control = {.threads = arguments.threads, .progress = stage.progress()}});
+}
+
 std::string info_words(const MeshArguments& arguments) {
-    const MeshFile mesh = read_mesh_and_warn(arguments);
-    const Result<MeshInfo> info =
-        inspect(mesh, {.unit_mm = parse_grid(arguments.grid), .control = {.threads = arguments.threads}});
+    ProgressBar bar(arguments.progress);
+    const MeshFile mesh = read_mesh_and_warn(arguments, bar);
+    const Result<MeshInfo> info = inspected(arguments, mesh, bar);
     if (!info) {
         throw Failure(failure_of(info.error()).status(), arguments.name() + ": " + info.error().message);
     }
@@ -92,6 +99,7 @@ void add_info_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("info", "Say what meshes are and whether they are closed");
     const auto arguments = std::make_shared<MeshListArguments>();
     declare_mesh_list(*command, *arguments);
+    declare_progress(*command, arguments->each);
     command->callback([arguments, &interrupt] { run(*arguments, interrupt); });
 }
 

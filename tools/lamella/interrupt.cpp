@@ -59,6 +59,11 @@ StopCheck Interrupt::defer() noexcept {
     return StopCheck::when(stop_);
 }
 
+void Interrupt::end_deferring() noexcept {
+    deferring_ = false;
+    die_if_interrupted();
+}
+
 void Interrupt::wait_for_signals() {
     int signal_number = 0;
     while (!finished_ && sigwait(&signals_, &signal_number) == 0) {

@@ -29,6 +29,9 @@ public:
     /// that comes when all is written is too late: the command ends as it would have.
     StopCheck defer() noexcept;
 
+    /// From here on a signal ends the process again, and one that was deferred does so now.
+    void end_deferring() noexcept;
+
     /// Ends the process as the deferred signal would have, if one came.
     void die_if_interrupted() noexcept;
 

@@ -66,15 +66,17 @@ void declare_reading(CLI::App& command, MeshArguments& arguments) {
         ->check(CLI::Range(0, most_threads));
 }
 
-MeshFile read_mesh_of(const MeshArguments& arguments) {
+MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar) {
     const std::string name = arguments.name();
     if (arguments.map_file) {
         explain_bus_errors(name);
     }
+    const Stage stage(bar, "reading");
     ReadOptions options;
     options.map_file = arguments.map_file;
     options.mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit");
     options.control.threads = arguments.threads;
+    options.control.progress = stage.progress();
     const bool standard = is_standard(arguments.mesh);
     options.name = standard ? std::string_view(name) : "";
     Result<MeshFile> mesh = standard ? read_standard_input(options) : read_mesh(arguments.mesh, options);
@@ -92,8 +94,8 @@ MeshFile read_mesh_of(const MeshArguments& arguments) {
     return std::move(mesh).value();
 }
 
-MeshFile read_mesh_and_warn(const MeshArguments& arguments) {
-    MeshFile mesh = read_mesh_of(arguments);
+MeshFile read_mesh_and_warn(const MeshArguments& arguments, ProgressBar& bar) {
+    MeshFile mesh = read_mesh_of(arguments, bar);
     for (const std::string& warning : mesh.warnings) {
         warn(warning);
     }

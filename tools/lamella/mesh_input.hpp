@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "console.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "standard_streams.hpp"
 
@@ -17,6 +18,7 @@ struct MeshArguments {
     std::string grid;  ///< empty: the default
     int threads = 0;
     bool map_file = false;
+    ProgressBar::When progress = ProgressBar::When::automatic;
 
     std::string name() const { return input_name(mesh); }
 };
@@ -33,11 +35,11 @@ void declare_reading(CLI::App& command, MeshArguments& arguments);
 /// The help of an argument that is a mesh: "Mesh file, or - for standard input: ...".
 std::string mesh_help(const std::string& what);
 
-/// Reads the mesh; its warnings are the caller's to tell. Throws Failure.
-MeshFile read_mesh_of(const MeshArguments& arguments);
+/// Reads the mesh, which `bar` shows; its warnings are the caller's to tell. Throws Failure.
+MeshFile read_mesh_of(const MeshArguments& arguments, ProgressBar& bar);
 
-/// The same for a command that has nothing on the screen that warnings could run into.
-MeshFile read_mesh_and_warn(const MeshArguments& arguments);
+/// The same, with the warnings told.
+MeshFile read_mesh_and_warn(const MeshArguments& arguments, ProgressBar& bar);
 
 /// "binary STL, 1.9 MB", with what else is known of the file.
 std::string description(const MeshFile& mesh);

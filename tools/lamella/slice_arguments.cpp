@@ -179,6 +179,10 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     command.add_option("--report", arguments.report, "JSON report to write; - for standard output")
         ->type_name("FILE|-")
         ->check(given_path);
+    declare_progress(command, arguments);
+}
+
+void declare_progress(CLI::App& command, MeshArguments& arguments) {
     declare_choice<ProgressBar::When>(
         command, "--progress", arguments.progress,
         {{"auto", ProgressBar::When::automatic}, {"always", ProgressBar::When::always}, {"never", ProgressBar::When::never}},

@@ -9,7 +9,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "console.hpp"
 #include "lamella/slice.hpp"
 #include "mesh_input.hpp"
 #include "standard_streams.hpp"
@@ -33,7 +32,6 @@ struct SliceArguments : MeshArguments {
     std::string transform;
     int band_planes = 0;
     ContourForm form = ContourForm::swept;
-    ProgressBar::When progress = ProgressBar::When::automatic;
 
     bool output_to_stdout() const noexcept { return is_standard(output); }
     bool report_to_stdout() const noexcept { return is_standard(report); }
@@ -41,6 +39,9 @@ struct SliceArguments : MeshArguments {
 
 /// Declares the flags on `command`, to be stored in `arguments`.
 void declare(CLI::App& command, SliceArguments& arguments);
+
+/// --progress, which info and check have too.
+void declare_progress(CLI::App& command, MeshArguments& arguments);
 
 struct SliceRequest {
     SliceOptions options;

@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -36,8 +37,6 @@ public:
         }
         note_doubts_of_scale(result, mesh);
         write(result);
-        run_.total_ms = total_.ms();
-        run_.peak_rss_bytes = peak_rss_bytes();
         report(result, mesh);
     }
 
@@ -77,8 +76,7 @@ private:
     }
 
     MeshFile read() {
-        bar_.show("reading", 0);
-        MeshFile mesh = read_mesh_of(arguments_);
+        MeshFile mesh = read_mesh_of(arguments_, bar_);
         for (const std::string& warning : mesh.warnings) {
             note(warning);
         }
@@ -86,15 +84,13 @@ private:
     }
 
     SliceResult slice_mesh(const MeshFile& mesh, SliceRequest& request) {
-        request.options.control.stop = interrupt_.defer();
-        if (bar_.shown()) {
-            request.options.control.progress = Progress::to(show_slicing_);
-        }
         if (arguments_.weld_mm) {
             weld_vertices(mesh);
         }
+        const Stage stage(bar_, "slicing");
+        request.options.control.stop = interrupt_.defer();
+        request.options.control.progress = stage.progress();
         Result<SliceResult> result = welded_ ? slice(*welded_, request.options) : slice(mesh, request.options);
-        bar_.wipe();
         if (!result) {
             throw slicing_failure(result.error(), request);
         }
@@ -102,10 +98,12 @@ private:
     }
 
     void weld_vertices(const MeshFile& mesh) {
-        bar_.show("welding", 0);
-        Result<WeldedMesh> welded = weld(mesh, {.tolerance_mm = *arguments_.weld_mm});
-        bar_.wipe();
+        const Stage stage(bar_, "welding");
+        const Stopwatch watch;
+        Result<WeldedMesh> welded = weld(mesh, {.tolerance_mm = *arguments_.weld_mm, .control = control_of(stage)});
+        run_.weld_ms = watch.ms();
         if (!welded) {
+            interrupt_.die_if_interrupted();
             throw Failure(failure_of(welded.error()).status(), arguments_.name() + ": " + welded.error().message);
         }
         welded_ = std::move(welded).value();
@@ -130,38 +128,16 @@ private:
         if (arguments_.output.empty()) {
             return;
         }
-        bar_.show("writing", 0);
+        const Stage stage(bar_, "writing");
         const Stopwatch watch;
         const Status status =
-            write_svg(result, output_path(arguments_.output), {.welded = welded(), .control = {.stop = interrupt_.defer()}});
-        bar_.wipe();
+            write_svg(result, output_path(arguments_.output), {.welded = welded(), .control = control_of(stage)});
         if (!status) {
             throw failure_of(status.error());
         }
         run_.output = arguments_.output;
         run_.write_ms = watch.ms();
     }
-
-    void report(const SliceResult& result, const MeshFile& mesh) {
-        ReportParts parts{.mesh_name = arguments_.mesh, .file = &mesh, .welded = welded()};
-        if (arguments_.report.empty()) {
-            print_words(summary(result, parts, run_), arguments_.output_to_stdout());
-            return;
-        }
-        const MeshView sliced = welded_ ? welded_->view() : mesh.view();
-        const auto ledger = found(make_ledger(sliced, result, {.threads = arguments_.threads}));
-        const auto volume = found(certify_volume(sliced, result, {.threads = arguments_.threads}));
-        const auto crossings = found(find_crossings(result, {.threads = arguments_.threads}));
-        interrupt_.die_if_interrupted();
-        const std::vector<ReportMember> members = members_of(run_, mesh);
-        parts.ledger = &ledger;
-        parts.volume = &volume;
-        parts.crossings = &crossings;
-        parts.members = members;
-        write_report(summary(result, parts, run_), found(make_report_json(result, parts)));
-    }
-
-    const WeldedMesh* welded() const noexcept { return welded_ ? &*welded_ : nullptr; }
 
     template <class T>
     static T found(Result<T> result) {
@@ -170,6 +146,51 @@ private:
         }
         return std::move(result).value();
     }
+
+    /// What a stage of the report finds.
+    template <class Call>
+    auto timed(std::string_view what, double& ms, const Call& call) {
+        const Stage stage(bar_, what);
+        const Stopwatch watch;
+        auto answer = found(call(control_of(stage)));
+        ms = watch.ms();
+        return answer;
+    }
+
+    void report(const SliceResult& result, const MeshFile& mesh) {
+        ReportParts parts{.mesh_name = arguments_.mesh, .file = &mesh, .welded = welded()};
+        if (arguments_.report.empty()) {
+            end_run();
+            print_words(summary(result, parts, run_), arguments_.output_to_stdout());
+            return;
+        }
+        const MeshView sliced = welded_ ? welded_->view() : mesh.view();
+        const auto ledger =
+            timed("ledger", run_.ledger_ms, [&](const Control& c) { return make_ledger(sliced, result, c); });
+        const auto volume =
+            timed("certificate", run_.certificate_ms, [&](const Control& c) { return certify_volume(sliced, result, c); });
+        const auto crossings =
+            timed("crossings", run_.crossings_ms, [&](const Control& c) { return find_crossings(result, c); });
+        interrupt_.end_deferring();  // what follows does not look for stop requests
+        end_run();
+        const std::vector<ReportMember> members = members_of(run_, mesh);
+        parts.ledger = &ledger;
+        parts.volume = &volume;
+        parts.crossings = &crossings;
+        parts.members = members;
+        write_report(summary(result, parts, run_), found(make_report_json(result, parts)));
+    }
+
+    void end_run() {
+        run_.total_ms = total_.ms();
+        run_.peak_rss_bytes = peak_rss_bytes();
+    }
+
+    Control control_of(const Stage& stage) {
+        return {.threads = arguments_.threads, .stop = interrupt_.defer(), .progress = stage.progress()};
+    }
+
+    const WeldedMesh* welded() const noexcept { return welded_ ? &*welded_ : nullptr; }
 
     void write_report(const std::string& words, const std::string& json) const {
         if (arguments_.report_to_stdout()) {
@@ -187,10 +208,6 @@ private:
     const SliceArguments& arguments_;
     Interrupt& interrupt_;
     ProgressBar bar_;
-    struct ShowSlicing {
-        ProgressBar& bar;
-        void operator()(double fraction) const noexcept { bar.show("slicing", fraction); }
-    } show_slicing_{bar_};
     std::optional<WeldedMesh> welded_;
     ToolRun run_;
     Stopwatch total_;

@@ -75,10 +75,17 @@ std::string times(const SliceSummary& summary, const MeshFile& mesh, const ToolR
     if (mesh.parse_ms > 0) {
         text += ", parse " + rounded(mesh.parse_ms, 1);
     }
+    if (run.weld_ms > 0) {
+        text += ", weld " + rounded(run.weld_ms, 1);
+    }
     text += ", bucket " + rounded(summary.ms.bucket, 1) + ", sweep " + rounded(summary.ms.sweep, 1) + ", contours " +
             rounded(summary.ms.contours, 1) + ", nesting " + rounded(summary.ms.nesting, 1);
     if (run.write_ms > 0) {
         text += ", write " + rounded(run.write_ms, 1);
+    }
+    if (run.ledger_ms > 0) {
+        text += ", ledger " + rounded(run.ledger_ms, 1) + ", certificate " + rounded(run.certificate_ms, 1) +
+                ", crossings " + rounded(run.crossings_ms, 1);
     }
     return text + " (" + counted(static_cast<std::uint64_t>(summary.threads), "thread") + ", " +
            counted(summary.bands, "band") + ")\n";
@@ -146,7 +153,11 @@ std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh) {
     return {{ReportPlace::after_mesh, "output", output},
             {ReportPlace::in_times, "read", mesh.read_ms},
             {ReportPlace::in_times, "parse", mesh.parse_ms},
+            {ReportPlace::in_times, "weld", run.weld_ms},
             {ReportPlace::in_times, "write", run.write_ms},
+            {ReportPlace::in_times, "ledger", run.ledger_ms},
+            {ReportPlace::in_times, "certificate", run.certificate_ms},
+            {ReportPlace::in_times, "crossings", run.crossings_ms},
             {ReportPlace::in_times, "total", run.total_ms},
             {ReportPlace::after_times, "peak_rss_bytes", run.peak_rss_bytes},
             {ReportPlace::at_end, "warnings", std::span<const std::string>(run.warnings)}};

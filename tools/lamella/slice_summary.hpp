@@ -14,7 +14,11 @@ namespace lamella::cli {
 /// What the tool itself did, and what that took.
 struct ToolRun {
     std::string output;  ///< the SVG file, if one was written
+    double weld_ms = 0;
     double write_ms = 0;
+    double ledger_ms = 0;
+    double certificate_ms = 0;
+    double crossings_ms = 0;
     double total_ms = 0;
     std::uint64_t peak_rss_bytes = 0;
     std::vector<std::string> warnings{};

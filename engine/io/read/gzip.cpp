@@ -98,11 +98,12 @@ private:
 
 }  // namespace
 
-Unzipped unzip(std::span<const std::byte> file, std::uint64_t limit_bytes, const Memory* memory) {
+Unzipped unzip(std::span<const std::byte> file, std::uint64_t limit_bytes, const Memory* memory, const Parallel& parallel) {
     Unzipped result{Array<std::byte>(memory), 0, {}, ErrorCode::malformed_mesh};
     Inflater inflater(file);
     Chunks chunks(memory);
     for (;;) {
+        parallel.stop_if_asked();
         const int answer = inflater.step(chunks);
         if (chunks.size() > limit_bytes) {
             result.problem = "expands to more than the " + std::to_string(limit_bytes) + " bytes that reading it may take";

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/parallel.hpp"
 #include "lamella/array.hpp"
 #include "lamella/error.hpp"
 #include "lamella/memory.hpp"
@@ -23,6 +24,6 @@ struct Unzipped {
 
 /// All members of a gzip file, one after the other. Refuses what expands beyond `limit_bytes`. Memory: the contents, once,
 /// and a few megabytes; nothing is allocated by what the file says of its size. Throws std::bad_alloc.
-Unzipped unzip(std::span<const std::byte> file, std::uint64_t limit_bytes, const Memory* memory);
+Unzipped unzip(std::span<const std::byte> file, std::uint64_t limit_bytes, const Memory* memory, const Parallel& parallel);
 
 }  // namespace lamella

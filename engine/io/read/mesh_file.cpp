@@ -150,7 +150,7 @@ Result<MeshFile> read_compressed(FileSource& packed, const InputFile& file, cons
         return bytes.error();
     }
     const Clock::time_point start = Clock::now();
-    Unzipped unzipped = unzip(bytes.value().span(), packed.memory_limit(), options.control.memory);
+    Unzipped unzipped = unzip(bytes.value().span(), packed.memory_limit(), options.control.memory, parallel);
     if (!unzipped.problem.empty()) {
         return file.error(unzipped.code, unzipped.problem);
     }
@@ -179,6 +179,7 @@ Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& opti
     }
     const InputFile& file = opened.value();
     const Parallel parallel(options.control);
+    parallel.begin_stage(0.99, 3);  // formats differ in their runs: some more or fewer do no harm
     FileSource source(file, options, parallel);
     if (Status got = source.read_sample(); !got) {
         return got.error();
@@ -194,6 +195,7 @@ Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& opti
         }
         mesh->file_bytes = file.size();
         mesh->read_ms = milliseconds_since(start) - mesh->parse_ms;
+        parallel.finish();
     }
     return mesh;
 }

@@ -125,6 +125,10 @@ void write_report(JsonText& json, const MeshCheck& check, const ReportParts& par
         json.member("nesting_complete", check.nesting_complete);
         json.list("first", check.shells, most_places, [&](const MeshShell& shell) { write_shell(json, shell); });
     });
+    if (std::any_of(parts.members.begin(), parts.members.end(),
+                    [](const ReportMember& member) { return member.place == ReportPlace::in_times; })) {
+        json.object("ms", [&] { write_members(json, parts, ReportPlace::in_times); });
+    }
     write_members(json, parts, ReportPlace::at_end);
 }
 

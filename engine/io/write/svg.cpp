@@ -15,6 +15,7 @@
 #include <string_view>
 
 #include "base/guard.hpp"
+#include "base/progress_meter.hpp"
 #include "base/words.hpp"
 #include "io/write/describe.hpp"
 #include "io/write/output_file.hpp"
@@ -228,16 +229,22 @@ Status write_svg_throwing(const SliceResult& result, const std::filesystem::path
         return file.error();
     }
     SvgWriter writer(result, options.welded, *file);
+    ProgressMeter progress(options.control.progress);
     writer.head();
     for (std::size_t index = 0; index < result.layers.size() && !file->failed(); ++index) {
         if (options.control.stop.stop_requested()) {
             return Error{.code = ErrorCode::cancelled, .message = "cancelled while writing '" + path.string() + "'"};
         }
         writer.layer(index);
+        progress.reach(static_cast<double>(index) / static_cast<double>(result.layers.size()));
     }
     writer.open_overlay();
     writer.tail();
-    return file->commit();
+    Status status = file->commit();
+    if (status) {
+        progress.finish();
+    }
+    return status;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cassert>
 #include <limits>
+#include <utility>
 
 #include "base/parallel_sort.hpp"
 
@@ -13,10 +14,17 @@ namespace {
 
 constexpr int key_bits = 21;  ///< an axis: three fit 64
 constexpr std::size_t box_grain = 8192;
+constexpr std::size_t items_a_part = std::size_t{1} << 13;
 
 struct Keyed {
     std::uint64_t key;
     std::uint32_t item;
+};
+
+struct KeyedLess {
+    bool operator()(const Keyed& a, const Keyed& b) const noexcept {
+        return a.key != b.key ? a.key < b.key : a.item < b.item;
+    }
 };
 
 constexpr Box nothing() {
@@ -76,40 +84,69 @@ void Box::include(const Box& other) noexcept {
     }
 }
 
-BoxTree::BoxTree(std::span<const Box> boxes, const Parallel& parallel) {
-    assert(boxes.size() < std::numeric_limits<std::uint32_t>::max());
-    Box all = nothing();
-    for (const Box& box : boxes) {
-        all.include(box);
-    }
-    Array<Keyed> keyed;
-    keyed.resize_discarding(boxes.size());
-    const MortonKey key(boxes.empty() ? Box{} : all);
-    parallel.run_ranges(boxes.size(), box_grain, [&](std::size_t begin, std::size_t end, int) {
+BoxTree::BoxTree(std::size_t count, BoxOf box_of, const Parallel& parallel) {
+    assert(count < std::numeric_limits<std::uint32_t>::max());
+    Array<Box> boxes;
+    boxes.resize_discarding(count);
+    parallel.run_ranges(count, box_grain, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i != end; ++i) {
-            keyed[i] = {key(boxes[i]), static_cast<std::uint32_t>(i)};
+            boxes[i] = box_of(i);
         }
     });
-    sort_in_parallel(
-        keyed.span(), [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.item < b.item; },
-        parallel);
-    items_.resize_discarding(boxes.size());
-    levels_.emplace_back().resize_discarding(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-        items_[i] = keyed[i].item;
-        levels_[0][i] = boxes[items_[i]];
-    }
-    while (levels_.back().size() > fan) {
-        const Array<Box>& below = levels_.back();
-        Array<Box> level;
-        level.resize_discarding((below.size() + fan - 1) / fan);
-        std::fill(level.begin(), level.end(), nothing());
-        for (std::size_t i = 0; i < below.size(); ++i) {
-            level[i / fan].include(below[i]);
+    sort_items(boxes, parallel);
+    levels_.emplace_back().resize_discarding(count);
+    parallel.run_ranges(count, box_grain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i != end; ++i) {
+            levels_[0][i] = boxes[items_[i]];
         }
+    });
+    while (levels_.back().size() > fan) {
+        Array<Box> level;
+        level.resize_discarding((levels_.back().size() + fan - 1) / fan);
+        const Array<Box>& below = levels_.back();
+        parallel.run_ranges(level.size(), box_grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t i = begin; i != end; ++i) {
+                level[i] = nothing();
+                for (std::size_t j = i * fan; j < std::min(below.size(), (i + 1) * fan); ++j) {
+                    level[i].include(below[j]);
+                }
+            }
+        });
         levels_.push_back(std::move(level));
     }
     assert(levels_.size() <= deepest);
+}
+
+/// In Morton order.
+void BoxTree::sort_items(const Array<Box>& boxes, const Parallel& parallel) {
+    const std::size_t count = boxes.size();
+    std::vector<Box> own(static_cast<std::size_t>(parallel.threads()), nothing());
+    parallel.run_ranges(count, box_grain, [&](std::size_t begin, std::size_t end, int worker) {
+        for (std::size_t i = begin; i != end; ++i) {
+            own[static_cast<std::size_t>(worker)].include(boxes[i]);
+        }
+    });
+    Box all = nothing();
+    for (const Box& box : own) {
+        all.include(box);
+    }
+    const MortonKey key(count == 0 ? Box{} : all);
+    const auto keyed = [&](std::size_t i) { return Keyed{key(boxes[i]), static_cast<std::uint32_t>(i)}; };
+    const Splitters<Keyed, KeyedLess> splitters(count, parts_for(count, items_a_part), KeyedLess{}, keyed);
+    Distributed<Keyed> parts =
+        distribute<Keyed>(count, splitters.parts(), parallel, [&](std::size_t begin, std::size_t end, const auto& emit) {
+            for (std::size_t i = begin; i != end; ++i) {
+                const Keyed item = keyed(i);
+                emit(splitters.part_of(item), item);
+            }
+        });
+    items_.resize_discarding(count);
+    parallel.run(parts.size(), [&](std::size_t part, int) {
+        const std::span<Keyed> sorted = parts.of(part);
+        std::sort(sorted.begin(), sorted.end(), KeyedLess{});
+        std::transform(sorted.begin(), sorted.end(), items_.begin() + parts.firsts[part],
+                       [](const Keyed& item) { return item.item; });
+    });
 }
 
 }  // namespace lamella

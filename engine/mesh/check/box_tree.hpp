@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/function_ref.hpp"
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
 #include "lamella/grid.hpp"
@@ -34,8 +35,12 @@ struct Box {
 /// Items are numbered as the boxes were given; positions count them in Morton order.
 class BoxTree {
 public:
-    /// O(n log n). Throws std::bad_alloc.
-    BoxTree(std::span<const Box> boxes, const Parallel& parallel);
+    /// The box of an item; called once for each.
+    using BoxOf = FunctionRef<Box(std::size_t item)>;
+    static constexpr std::size_t fan = 8;  ///< boxes of a node
+
+    /// O(n log n), in at most 15 calls of run(). Throws std::bad_alloc.
+    BoxTree(std::size_t count, BoxOf box_of, const Parallel& parallel);
 
     std::size_t size() const noexcept { return items_.size(); }
     std::uint32_t item_at(std::size_t position) const noexcept { return items_[position]; }
@@ -72,8 +77,97 @@ public:
         return cost;
     }
 
+    /// Neighbouring positions, of which a group holds eight, the last one what is left.
+    std::size_t groups() const noexcept { return (size() + fan - 1) / fan; }
+    std::size_t group_begin(std::size_t group) const noexcept { return group * fan; }
+    std::size_t group_end(std::size_t group) const noexcept { return std::min(size(), (group + 1) * fan); }
+
+    /// Calls visit(position, other) for each pair of boxes that meet, the first in the group and the other one after it,
+    /// until that has cost `limit`; returns what it cost.
+    template <class Visit>
+    std::size_t search_pairs(std::size_t group, std::size_t limit, Visit visit) const {
+        const Group own = group_of(group);
+        std::array<Node, deepest * fan> stack;
+        std::size_t depth = 0;
+        std::size_t cost = 0;
+        stack[depth++] = {levels_.size() - 1, 0};
+        while (depth > 0 && cost < limit) {
+            const auto [level, node] = stack[--depth];
+            if (level == 0) {
+                cost += fan * fan + visit_cost * search_groups(own, node, visit);
+                continue;
+            }
+            const Array<Box>& nodes = levels_[level];
+            const std::size_t end = std::min(nodes.size(), (node + 1) * fan);
+            cost += end - node * fan;
+            for (std::size_t i = node * fan; i != end; ++i) {
+                if (own.all.meets(nodes[i]) && last_position(level, i) >= own.first) {
+                    stack[depth++] = {level - 1, i};
+                }
+            }
+        }
+        return cost;
+    }
+
 private:
-    static constexpr std::size_t fan = 8;
+    /// The boxes of a group side by side, so that all are compared at once. Where it has fewer the first one stands again,
+    /// at positions beyond the last.
+    struct Group {
+        std::size_t first;
+        Box all;
+        std::array<std::array<std::int32_t, fan>, 3> low;
+        std::array<std::array<std::int32_t, fan>, 3> high;
+
+        std::array<std::int32_t, fan> meets(const Box& other) const noexcept {
+            std::array<std::int32_t, fan> met;
+            met.fill(-1);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                for (std::size_t i = 0; i < fan; ++i) {
+                    met[i] &= low[axis][i] <= other.high[axis] ? -1 : 0;
+                    met[i] &= other.low[axis] <= high[axis][i] ? -1 : 0;
+                }
+            }
+            return met;
+        }
+    };
+
+    Group group_of(std::size_t group) const noexcept {
+        Group sides{};
+        sides.first = group_begin(group);
+        sides.all = levels_[0][sides.first];
+        for (std::size_t i = 0; i < fan; ++i) {
+            const std::size_t at = sides.first + i < group_end(group) ? sides.first + i : sides.first;
+            sides.all.include(levels_[0][at]);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                sides.low[axis][i] = levels_[0][at].low[axis];
+                sides.high[axis][i] = levels_[0][at].high[axis];
+            }
+        }
+        return sides;
+    }
+
+    /// visit() for the pairs of two groups; returns their number.
+    template <class Visit>
+    std::size_t search_groups(const Group& group, std::size_t other, Visit& visit) const {
+        const Array<Box>& boxes = levels_[0];
+        std::size_t pairs = 0;
+        for (std::size_t j = group_begin(other); j != group_end(other); ++j) {
+            if (!group.all.meets(boxes[j])) {
+                continue;
+            }
+            const std::array<std::int32_t, fan> met = group.meets(boxes[j]);
+            for (std::size_t i = 0; i != fan && group.first + i < j; ++i) {
+                if (met[i] != 0) {
+                    visit(group.first + i, j);
+                    ++pairs;
+                }
+            }
+        }
+        return pairs;
+    }
+
+    void sort_items(const Array<Box>& boxes, const Parallel& parallel);
+
     static constexpr std::size_t deepest = 11;  ///< 8^11 exceeds 2^32
 
     /// Boxes [group * fan, (group + 1) * fan) of a level, which are what box `group` of the level above holds.

@@ -4,65 +4,126 @@
 #include <utility>
 #include <vector>
 
+#include "base/distribute.hpp"
+
 namespace lamella {
 
 namespace {
 
-constexpr std::size_t vertex_grain = 8192;
+constexpr std::size_t sides_a_part = std::size_t{1} << 14;
 
-/// The upper vertex in the high half, the side in the low: sorting brings the sides of an edge together, ascending.
-using Entry = std::uint64_t;
-
-std::uint32_t upper_of(Entry entry) {
-    return static_cast<std::uint32_t>(entry >> 32);
-}
-
-struct FaceSide {
+/// A side of a face, by the edge on which it lies.
+struct EdgeSide {
     std::uint32_t lower;
-    Entry entry;
-
-    FaceSide(const Face& face, std::size_t number) {
-        const auto [low, high] = std::minmax({face.corners[number % 3], face.corners[(number % 3 + 1) % 3]});
-        lower = low;
-        entry = Entry{high} << 32 | static_cast<std::uint32_t>(number);
-    }
+    std::uint32_t upper;
+    std::uint32_t side;
 };
+
+/// Sorts the sides of a part, which come in ascending order; its memory is kept.
+class SideSort {
+public:
+    /// By lower vertex, then upper, then side. Returns the number of edges.
+    std::size_t run(std::span<EdgeSide> sides) {
+        if (sides.empty()) {
+            return 0;
+        }
+        const auto [first, last] = std::minmax_element(
+            sides.begin(), sides.end(), [](const EdgeSide& a, const EdgeSide& b) { return a.lower < b.lower; });
+        const std::uint32_t low = first->lower;
+        ends_.assign(std::size_t{last->lower} - low + 2, 0);
+        for (const EdgeSide& side : sides) {
+            ++ends_[side.lower - low + 1];
+        }
+        for (std::size_t i = 1; i < ends_.size(); ++i) {
+            ends_[i] += ends_[i - 1];
+        }
+        sorted_.resize(sides.size());
+        for (const EdgeSide& side : sides) {
+            sorted_[ends_[side.lower - low]++] = side;
+        }
+        std::size_t begin = 0;
+        for (std::size_t i = 0; i + 1 < ends_.size(); ++i) {
+            std::sort(sorted_.begin() + static_cast<std::ptrdiff_t>(begin), sorted_.begin() + ends_[i],
+                      [](const EdgeSide& a, const EdgeSide& b) {
+                          return a.upper != b.upper ? a.upper < b.upper : a.side < b.side;
+                      });
+            begin = ends_[i];
+        }
+        std::copy(sorted_.begin(), sorted_.end(), sides.begin());
+        return count_edges(sides);
+    }
+
+private:
+    static std::size_t count_edges(std::span<const EdgeSide> sides) {
+        std::size_t edges = 1;
+        for (std::size_t i = 1; i < sides.size(); ++i) {
+            edges += sides[i].lower != sides[i - 1].lower || sides[i].upper != sides[i - 1].upper ? 1 : 0;
+        }
+        return edges;
+    }
+
+    std::vector<EdgeSide> sorted_;
+    std::vector<std::uint32_t> ends_;  ///< of the sides of a vertex, once they are placed
+};
+
+Distributed<EdgeSide> distribute_sides(const GridMesh& mesh, const Parallel& parallel) {
+    const std::size_t parts = parts_for(3 * mesh.faces.size(), sides_a_part);
+    const std::size_t vertices = mesh.vertices.size();
+    return distribute<EdgeSide>(
+        mesh.faces.size(), parts, parallel, [&, parts, vertices](std::size_t begin, std::size_t end, const auto& emit) {
+            for (std::size_t f = begin; f != end; ++f) {
+                const auto& corners = mesh.faces[f].corners;
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const auto [low, high] = std::minmax(corners[i], corners[i == 2 ? 0 : i + 1]);
+                    emit(part_of_number(low, vertices, parts), EdgeSide{low, high, static_cast<std::uint32_t>(3 * f + i)});
+                }
+            }
+        });
+}
 
 }  // namespace
 
 EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel) : mesh_(mesh) {
-    const std::size_t count = 3 * mesh.faces.size();
-    std::vector<std::uint32_t> firsts(mesh.vertices.size() + 2, 0);  // of the entries of a vertex, shifted by one to scatter
-    for (std::size_t side = 0; side < count; ++side) {
-        ++firsts[FaceSide(mesh.faces[side / 3], side).lower + 2];
+    Distributed<EdgeSide> sides = distribute_sides(mesh, parallel);
+    std::vector<SideSort> workers(static_cast<std::size_t>(parallel.threads()));
+    std::vector<std::size_t> firsts(sides.size() + 1, 0);  // edges of a part, then the first of it
+    parallel.run(sides.size(), [&](std::size_t part, int worker) {
+        firsts[part + 1] = workers[static_cast<std::size_t>(worker)].run(sides.of(part));
+    });
+    for (std::size_t part = 0; part < sides.size(); ++part) {
+        firsts[part + 1] += firsts[part];
     }
-    for (std::size_t vertex = 2; vertex < firsts.size(); ++vertex) {
-        firsts[vertex] += firsts[vertex - 1];
-    }
-    Array<Entry> entries;
-    entries.resize_discarding(count);
-    for (std::size_t side = 0; side < count; ++side) {
-        const FaceSide at(mesh.faces[side / 3], side);
-        entries[firsts[at.lower + 1]++] = at.entry;
-    }
-    parallel.run_ranges(mesh.vertices.size(), vertex_grain, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t vertex = begin; vertex != end; ++vertex) {
-            std::sort(entries.begin() + firsts[vertex], entries.begin() + firsts[vertex + 1]);
+    sides_.resize_discarding(sides.items.size());
+    edges_.resize_discarding(firsts.back() + 1);
+    parallel.run(sides.size(), [&](std::size_t part, int) {
+        std::size_t edge = firsts[part];
+        const EdgeSide* last = nullptr;
+        for (const EdgeSide& side : sides.of(part)) {
+            const auto at = static_cast<std::uint32_t>(&side - sides.items.data());
+            if (last == nullptr || last->lower != side.lower || last->upper != side.upper) {
+                edges_[edge++] = {side.lower, side.upper, at};
+            }
+            sides_[at] = side.side;
+            last = &side;
         }
     });
-    sides_.resize_discarding(count);
-    edges_.resize_discarding(count + 1);
-    std::size_t edges = 0;
-    for (std::uint32_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
-        for (std::uint32_t i = firsts[vertex]; i < firsts[vertex + 1]; ++i) {
-            if (i == firsts[vertex] || upper_of(entries[i]) != upper_of(entries[i - 1])) {
-                edges_[edges++] = {vertex, upper_of(entries[i]), i};
+    edges_[firsts.back()] = {0, 0, static_cast<std::uint32_t>(sides.items.size())};
+    find_boundary(parallel);
+}
+
+void EdgeTable::find_boundary(const Parallel& parallel) {
+    const std::size_t ranges = size() / sides_a_part + 1;
+    std::vector<std::vector<std::uint32_t>> found(ranges);
+    parallel.run(ranges, [&](std::size_t range, int) {
+        for (std::size_t edge = size() * range / ranges; edge != size() * (range + 1) / ranges; ++edge) {
+            if (sides(edge).size() == 1) {
+                found[range].push_back(static_cast<std::uint32_t>(edge));
             }
-            sides_[i] = static_cast<std::uint32_t>(entries[i]);
         }
+    });
+    for (const std::vector<std::uint32_t>& own : found) {
+        boundary_.insert(boundary_.end(), own.begin(), own.end());
     }
-    edges_[edges++] = {0, 0, static_cast<std::uint32_t>(count)};
-    edges_.set_size(edges);
 }
 
 std::size_t EdgeTable::forward_count(std::size_t edge) const noexcept {

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "mesh/check/grid_mesh.hpp"
 
@@ -18,7 +19,7 @@ public:
         std::uint32_t first_side;
     };
 
-    /// O(n log(faces at a vertex)). `mesh` must outlive the table. Throws std::bad_alloc.
+    /// O(n log(faces at a vertex)), in five calls of run(). `mesh` must outlive the table. Throws std::bad_alloc.
     EdgeTable(const GridMesh& mesh, const Parallel& parallel);
 
     /// By lower vertex, then upper.
@@ -39,13 +40,19 @@ public:
     std::size_t forward_count(std::size_t edge) const noexcept;
     bool is_balanced(std::size_t edge) const noexcept { return 2 * forward_count(edge) == sides(edge).size(); }
 
+    /// Edges with one side, ascending.
+    const std::vector<std::uint32_t>& boundary() const noexcept { return boundary_; }
+
     /// Whether two vertices are joined by an edge. O(log n).
     bool joins(std::uint32_t a, std::uint32_t b) const noexcept;
 
 private:
+    void find_boundary(const Parallel& parallel);
+
     const GridMesh& mesh_;
     Array<Edge> edges_;  ///< and one past the end, for its first_side
     Array<std::uint32_t> sides_;
+    std::vector<std::uint32_t> boundary_;
 };
 
 }  // namespace lamella

@@ -74,18 +74,26 @@ void judge_group(const GridMesh& mesh, std::size_t begin, std::size_t end, Notes
 
 }  // namespace
 
-void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes) {
+void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes, const Parallel& parallel) {
     for (const Face& face : mesh.collapsed) {
         notes.add(Fault::collapsed_face, [&] { return notes.at(face); });
     }
-    for (std::size_t begin = 0; begin < mesh.faces.size();) {
-        std::size_t end = begin;
-        while (end < mesh.faces.size() && vertex_set(mesh.faces[end]) == vertex_set(mesh.faces[begin])) {
-            judge_shape(mesh, mesh.faces[end++], sliver_ratio, notes);
+    const auto same_vertices = [&](std::size_t a, std::size_t b) {
+        return vertex_set(mesh.faces[a]) == vertex_set(mesh.faces[b]);
+    };
+    notes.in_ranges(mesh.faces.size(), parallel, [&](std::size_t first, std::size_t last, Notes& own) {
+        while (first < last && first > 0 && same_vertices(first, first - 1)) {
+            ++first;  // belongs to the range before
         }
-        judge_group(mesh, begin, end, notes);
-        begin = end;
-    }
+        for (std::size_t begin = first; begin < last;) {
+            std::size_t end = begin;
+            while (end < mesh.faces.size() && same_vertices(end, begin)) {
+                judge_shape(mesh, mesh.faces[end++], sliver_ratio, own);
+            }
+            judge_group(mesh, begin, end, own);
+            begin = end;
+        }
+    });
 }
 
 }  // namespace lamella

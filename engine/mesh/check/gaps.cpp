@@ -1,9 +1,12 @@
 // T-junctions and cracks: vertices of the boundary that nearly meet it elsewhere.
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "base/parallel_sort.hpp"
 #include "mesh/check/box_tree.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/check/pair_search.hpp"
@@ -61,44 +64,44 @@ public:
           notes_(notes),
           parallel_(parallel),
           reach_(tolerance_mm / mesh.unit_mm),
-          half_reach_(reach_ / 2) {
-        for (std::uint32_t edge = 0; edge < edges.size(); ++edge) {
-            if (edges.sides(edge).size() == 1) {
-                boundary_.push_back(edge);
-                vertices_.push_back(edges[edge].lower);
-                vertices_.push_back(edges[edge].upper);
-            }
+          half_reach_(reach_ / 2),
+          boundary_(edges.boundary()) {
+        for (const std::uint32_t edge : boundary_) {
+            vertices_.push_back(edges[edge].lower);
+            vertices_.push_back(edges[edge].upper);
         }
-        std::sort(vertices_.begin(), vertices_.end());
+        sort_in_parallel(std::span<std::uint32_t>(vertices_), std::less<>{}, parallel);
         vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
     }
 
     void find_t_junctions() {
-        std::vector<Box> boxes;
-        for (const std::uint32_t edge : boundary_) {
-            boxes.push_back(Box::around(std::array{mesh_.vertices[edges_[edge].lower], mesh_.vertices[edges_[edge].upper]}));
-        }
+        const BoxTree tree(
+            boundary_.size(),
+            [&](std::size_t item) {
+                const EdgeTable::Edge& edge = edges_[boundary_[item]];
+                return Box::around(std::array{mesh_.vertices[edge.lower], mesh_.vertices[edge.upper]});
+            },
+            parallel_);
         search(
-            Fault::t_junction, boxes,
-            [&](std::uint32_t vertex, std::uint32_t item, Tally<Near>& tally) {
+            Fault::t_junction, tree,
+            [&](std::uint32_t vertex, std::uint32_t item, std::vector<Near>& found) {
                 if (is_t_junction(vertex, boundary_[item])) {
-                    tally.add({vertex, boundary_[item]});
+                    found.push_back({vertex, boundary_[item]});
                 }
             },
             [&](const Near& near) { return place_of_t_junction(near.first, near.second); });
     }
 
     void find_cracks() {
-        std::vector<Box> boxes;
-        for (const std::uint32_t vertex : vertices_) {
-            boxes.push_back(Box::around(std::array{mesh_.vertices[vertex]}));
-        }
+        const BoxTree tree(
+            vertices_.size(), [&](std::size_t item) { return Box::around(std::array{mesh_.vertices[vertices_[item]]}); },
+            parallel_);
         search(
-            Fault::crack, boxes,
-            [&](std::uint32_t vertex, std::uint32_t item, Tally<Near>& tally) {
+            Fault::crack, tree,
+            [&](std::uint32_t vertex, std::uint32_t item, std::vector<Near>& found) {
                 const std::uint32_t other = vertices_[item];
                 if (vertex < other && length(at(other) - at(vertex)) <= half_reach_ && !edges_.joins(vertex, other)) {
-                    tally.add({vertex, other});
+                    found.push_back({vertex, other});
                 }
             },
             [&](const Near& near) {
@@ -111,18 +114,22 @@ public:
 private:
     GridVector at(std::uint32_t vertex) const { return half(mesh_.vertices[vertex]); }
 
-    /// Calls visit() for every vertex of the boundary and every item whose box is within reach; it adds to the tally.
+    /// Calls visit() for every vertex of the boundary and every item whose box is within reach; it adds to what is found.
     template <class Visit, class MakePlace>
-    void search(Fault fault, const std::vector<Box>& boxes, Visit visit, MakePlace make_place) {
-        const BoxTree tree(boxes, parallel_);
+    void search(Fault fault, const BoxTree& tree, Visit visit, MakePlace make_place) {
         std::vector<Tally<Near>> tallies(static_cast<std::size_t>(parallel_.threads()), Tally<Near>(notes_.most()));
         FaultFinding& finding = notes_.of(fault);
-        finding.at_least =
-            !search_within_budget(vertices_.size(), parallel_, [&](std::size_t query, std::size_t limit, int worker) {
+        BudgetedSearch<Near> search(vertices_.size(), search_budget(vertices_.size()), parallel_);
+        finding.at_least = !search.run(
+            [&](std::size_t query, std::size_t limit, std::vector<Near>& found) {
                 const std::uint32_t vertex = vertices_[query];
-                return tree.search(widened(mesh_.vertices[vertex], reach_), 0, limit, [&](std::uint32_t item) {
-                    visit(vertex, item, tallies[static_cast<std::size_t>(worker)]);
-                });
+                return tree.search(widened(mesh_.vertices[vertex], reach_), 0, limit,
+                                   [&](std::uint32_t item) { visit(vertex, item, found); });
+            },
+            [&](std::size_t, const std::vector<Near>& found, int worker) {
+                for (const Near& near : found) {
+                    tallies[static_cast<std::size_t>(worker)].add(near);
+                }
             });
         for (std::size_t worker = 1; worker < tallies.size(); ++worker) {
             tallies[0].add(tallies[worker]);
@@ -165,10 +172,10 @@ private:
     const EdgeTable& edges_;
     Notes& notes_;
     const Parallel& parallel_;
-    double reach_;                         ///< the tolerance in grid units
-    double half_reach_;                    ///< the tolerance in halves of vertices, which are twice the unit
-    std::vector<std::uint32_t> boundary_;  ///< edges
-    std::vector<std::uint32_t> vertices_;  ///< their ends, ascending
+    double reach_;                                ///< the tolerance in grid units
+    double half_reach_;                           ///< the tolerance in halves of vertices, which are twice the unit
+    const std::vector<std::uint32_t>& boundary_;  ///< edges
+    std::vector<std::uint32_t> vertices_;         ///< their ends, ascending
 };
 
 }  // namespace

@@ -4,58 +4,31 @@
 #include <cassert>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "base/parallel_sort.hpp"
-#include "slicing/grid/quantise.hpp"
+#include "mesh/check/vertex_numbers.hpp"
 
 namespace lamella {
 
 namespace {
 
-constexpr std::size_t triangle_grain = 8192;
+constexpr std::size_t faces_a_part = std::size_t{1} << 13;
 
-struct Corner {
-    GridVertex vertex;
-    std::uint32_t number;  ///< 3 * triangle + corner
-};
-
-bool face_less(const Face& a, const Face& b) {
-    return std::make_tuple(vertex_set(a), a.corners, a.source) < std::make_tuple(vertex_set(b), b.corners, b.source);
+/// The two smaller vertices, as one number.
+std::uint64_t lower_two(const Face& face) {
+    return std::uint64_t{face.corners[0]} << 32 | std::min(face.corners[1], face.corners[2]);
 }
 
-Array<Corner> sorted_corners(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel) {
-    Array<Corner> corners;
-    corners.resize_discarding(3 * mesh.triangle_count);
-    with_reader(mesh, transform, unit_mm, [&](const auto& read) {
-        parallel.run_ranges(mesh.triangle_count, triangle_grain, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t t = begin; t != end; ++t) {
-                const GridTriangle triangle = read(t);
-                for (std::size_t i = 0; i < 3; ++i) {
-                    corners[3 * t + i] = {triangle[i], static_cast<std::uint32_t>(3 * t + i)};
-                }
-            }
-        });
-    });
-    sort_in_parallel(
-        corners.span(), [](const Corner& a, const Corner& b) { return a.vertex < b.vertex; }, parallel);
-    return corners;
-}
-
-/// Numbers the distinct vertices; the number of each corner of the input.
-Array<std::uint32_t> number_vertices(const Array<Corner>& corners, Array<GridVertex>& vertices) {
-    Array<std::uint32_t> numbers;
-    numbers.resize_discarding(corners.size());
-    vertices.resize_discarding(corners.size());
-    std::uint32_t count = 0;
-    for (const Corner& corner : corners) {
-        if (count == 0 || vertices[count - 1] != corner.vertex) {
-            vertices[count++] = corner.vertex;
+struct FaceLess {
+    bool operator()(const Face& a, const Face& b) const noexcept {
+        if (lower_two(a) != lower_two(b)) {
+            return lower_two(a) < lower_two(b);
         }
-        numbers[corner.number] = count - 1;
+        return std::make_tuple(vertex_set(a)[2], a.corners, a.source) <
+               std::make_tuple(vertex_set(b)[2], b.corners, b.source);
     }
-    vertices.set_size(count);
-    return numbers;
-}
+};
 
 Face face_of(const Array<std::uint32_t>& numbers, std::size_t triangle) {
     Face face{{numbers[3 * triangle], numbers[3 * triangle + 1], numbers[3 * triangle + 2]},
@@ -69,27 +42,43 @@ bool is_collapsed(const Face& face) {
     return a == b || b == c || c == a;
 }
 
+/// Faces in parts by their smallest corner, and in one more those that have collapsed.
+Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::size_t vertices, const Parallel& parallel) {
+    const std::size_t triangles = numbers.size() / 3;
+    const std::size_t parts = parts_for(triangles, faces_a_part);
+    return distribute<Face>(triangles, parts + 1, parallel, [&](std::size_t begin, std::size_t end, const auto& emit) {
+        for (std::size_t t = begin; t != end; ++t) {
+            Face face = face_of(numbers, t);
+            if (is_collapsed(face)) {
+                std::sort(face.corners.begin(), face.corners.end());  // without orientation; two corners may be smallest
+                emit(parts, face);
+            } else {
+                emit(part_of_number(face.corners[0], vertices, parts), face);
+            }
+        }
+    });
+}
+
 }  // namespace
 
 GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel) {
     assert(mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3);
     GridMesh grid;
     grid.unit_mm = unit_mm;
-    const Array<std::uint32_t> numbers = number_vertices(sorted_corners(mesh, transform, unit_mm, parallel), grid.vertices);
-    grid.faces.resize_discarding(mesh.triangle_count);
-    std::size_t count = 0;
-    for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
-        Face face = face_of(numbers, t);
-        if (is_collapsed(face)) {
-            std::sort(face.corners.begin(), face.corners.end());  // it has no orientation, and may have two smallest corners
-            grid.collapsed.push_back(face);
-        } else {
-            grid.faces[count++] = face;
-        }
-    }
-    grid.faces.set_size(count);
-    sort_in_parallel(grid.faces.span(), face_less, parallel);
-    std::sort(grid.collapsed.begin(), grid.collapsed.end(), face_less);
+    VertexNumbers numbers = number_vertices(mesh, transform, unit_mm, parallel);
+    grid.vertices = std::move(numbers.vertices);
+    grid.joined = numbers.joined;
+    Distributed<Face> parts = distribute_faces(numbers.of_corners, grid.vertices.size(), parallel);
+    const std::size_t whole = parts.size() - 1;
+    parallel.run(whole, [&](std::size_t part, int) {
+        const std::span<Face> own = parts.of(part);
+        std::sort(own.begin(), own.end(), FaceLess{});
+    });
+    const std::span<Face> collapsed = parts.of(whole);
+    sort_in_parallel(collapsed, FaceLess{}, parallel);
+    grid.collapsed.assign(collapsed.begin(), collapsed.end());
+    grid.faces = std::move(parts.items);
+    grid.faces.set_size(parts.firsts[whole]);
     return grid;
 }
 

@@ -30,14 +30,15 @@ struct GridMesh {
     Array<Face> faces;            ///< by vertex_set(), then orientation, then source; those with two equal vertices left out
     std::vector<Face> collapsed;  ///< these, in the same order
     double unit_mm = 0;
+    bool joined = false;  ///< some vertex stands for corners that differ before rounding
 
     std::array<GridVertex, 3> corners(const Face& face) const noexcept {
         return {vertices[face.corners[0]], vertices[face.corners[1]], vertices[face.corners[2]]};
     }
 };
 
-/// O(n log n). Precondition: indices in range, coordinates within the grid, fewer than 2^32 / 3 triangles. Throws
-/// std::bad_alloc.
+/// O(n log n), in seven calls of run(). Precondition: indices in range, coordinates within the grid, fewer than 2^32 / 3
+/// triangles. Throws std::bad_alloc.
 GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel);
 
 }  // namespace lamella

@@ -2,11 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "base/parallel_sort.hpp"
 #include "mesh/check/finders.hpp"
 #include "slicing/grid/grid_vector.hpp"
 
@@ -30,15 +33,13 @@ struct Loop {
 /// that holes which touch at a vertex come out as separate loops. What is left when it can go no further is an open chain.
 class LoopWalk {
 public:
-    LoopWalk(const GridMesh& mesh, const EdgeTable& edges) : mesh_(mesh) {
-        for (std::size_t edge = 0; edge < edges.size(); ++edge) {
-            if (edges.sides(edge).size() == 1) {
-                ends_.push_back({edges[edge].lower, edges[edge].upper, boundary_count_});
-                ends_.push_back({edges[edge].upper, edges[edge].lower, boundary_count_++});
-                sides_.push_back(edges.sides(edge)[0]);
-            }
+    LoopWalk(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel) : mesh_(mesh), parallel_(parallel) {
+        for (const std::uint32_t edge : edges.boundary()) {
+            ends_.push_back({edges[edge].lower, edges[edge].upper, boundary_count_});
+            ends_.push_back({edges[edge].upper, edges[edge].lower, boundary_count_++});
+            sides_.push_back(edges.sides(edge)[0]);
         }
-        std::sort(ends_.begin(), ends_.end());
+        sort_in_parallel(std::span<End>(ends_), std::less<>{}, parallel);
         used_.assign(boundary_count_, false);
         for (std::uint32_t i = 0; i < ends_.size(); ++i) {
             if (i == 0 || ends_[i].from != ends_[i - 1].from) {
@@ -63,6 +64,7 @@ public:
     }
 
 private:
+    static constexpr std::uint32_t steps_between_stops = 1024;
     static constexpr std::uint32_t not_on_path = std::numeric_limits<std::uint32_t>::max();
 
     /// A boundary edge as seen from one of its ends.
@@ -101,6 +103,9 @@ private:
         const std::uint32_t start = stop;
         stops_[start].position = 0;
         while (const End* const end = leave(stop)) {
+            if (++steps_ % steps_between_stops == 0) {
+                parallel_.stop_if_asked();
+            }
             path_.push_back(end);
             stop = stop_of(end->to);
             if (stops_[stop].position == not_on_path) {
@@ -141,6 +146,8 @@ private:
     }
 
     const GridMesh& mesh_;
+    const Parallel& parallel_;
+    std::uint32_t steps_ = 0;
     std::uint32_t boundary_count_ = 0;
     std::vector<End> ends_;             ///< two an edge, by vertex
     std::vector<std::uint32_t> sides_;  ///< by boundary edge
@@ -152,8 +159,8 @@ private:
 
 }  // namespace
 
-void find_loops(const GridMesh& mesh, const EdgeTable& edges, Notes& notes) {
-    for (const Loop& loop : LoopWalk(mesh, edges).run()) {
+void find_loops(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
+    for (const Loop& loop : LoopWalk(mesh, edges, parallel).run()) {
         notes.add(Fault::boundary_loop, [&] {
             FaultPlace place = notes.at({loop.vertex});
             place.triangles[0] = mesh.faces[EdgeTable::face_of(loop.side)].source;

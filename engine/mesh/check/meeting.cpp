@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstddef>
 
 #include "base/sign.hpp"
@@ -28,6 +29,8 @@ struct Shared {
     int count = 0;
     std::size_t of_a = 0;
     std::size_t of_b = 0;
+    std::array<bool, 3> corners_of_a{};
+    std::array<bool, 3> corners_of_b{};
 
     Shared(const ExactFace& a, const ExactFace& b) {
         for (std::size_t i = 0; i < 3; ++i) {
@@ -36,16 +39,21 @@ struct Shared {
                     ++count;
                     of_a = i;
                     of_b = j;
+                    corners_of_a[i] = true;
+                    corners_of_b[j] = true;
                 }
             }
         }
     }
 };
 
-/// On which side of a triangle's plane the other's corners lie.
-Sides sides_of_plane(const ExactFace& plane, const ExactFace& face) {
-    return {sign_of(plane.height(face.corners[0])), sign_of(plane.height(face.corners[1])),
-            sign_of(plane.height(face.corners[2]))};
+/// On which side of a triangle's plane the other's corners lie, of which some are the triangle's own.
+Sides sides_of_plane(const ExactFace& plane, const ExactFace& face, const std::array<bool, 3>& shared) {
+    Sides sides{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        sides[i] = shared[i] ? 0 : sign_of(plane.height(face.corners[i]));
+    }
+    return sides;
 }
 
 bool in_front_or_behind(const Sides& s) {
@@ -195,7 +203,57 @@ Meeting meet_at_plane(const ExactFace& a, const Sides& a_sides, const ExactFace&
     return touch ? Meeting::touch : Meeting::none;
 }
 
+/// Whether the corners of `face` but the common ones lie on one side of the plane. In double: with u = 2^-53, the normal and
+/// its products with the differences, which are exact, and their sums are off by less than 5 u of `products` by the
+/// differences.
+bool lies_beside(const RealFace& plane, const RealFace& face, unsigned common) noexcept {
+    unsigned in_front = common;  // bits again, as no predictor knows which corner lies where
+    unsigned behind = common;
+    for (std::size_t i = 0; i < 3; ++i) {
+        double height = 0;
+        double error = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double from = face.corners[i][axis] - plane.corners[0][axis];
+            height += plane.normal[axis] * from;
+            error += plane.products[axis] * std::abs(from);
+        }
+        error *= 0x1p-50;
+        in_front |= (height > error ? 1U : 0U) << i;
+        behind |= (height < -error ? 1U : 0U) << i;
+    }
+    return in_front == 7 || behind == 7;
+}
+
 }  // namespace
+
+RealFace::RealFace(const std::array<std::uint32_t, 3>& vertex_ids, const std::array<GridVertex, 3>& vertices) noexcept
+    : ids(vertex_ids) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        corners[i] = {static_cast<double>(vertices[i].x), static_cast<double>(vertices[i].y),
+                      static_cast<double>(vertices[i].z)};
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t u = next(axis);
+        const std::size_t v = previous(axis);
+        const double first = (corners[1][u] - corners[0][u]) * (corners[2][v] - corners[0][v]);
+        const double second = (corners[1][v] - corners[0][v]) * (corners[2][u] - corners[0][u]);
+        normal[axis] = first - second;
+        products[axis] = std::abs(first) + std::abs(second);
+    }
+}
+
+bool are_apart(const RealFace& a, const RealFace& b) noexcept {
+    unsigned common_of_a = 0;  // a bit a corner
+    unsigned common_of_b = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            const unsigned same = a.ids[i] == b.ids[j] ? 1 : 0;
+            common_of_a |= same << i;
+            common_of_b |= same << j;
+        }
+    }
+    return lies_beside(a, b, common_of_b) || lies_beside(b, a, common_of_a);
+}
 
 bool contains(const ExactFace& face, const GridVector& p) noexcept {
     return face.height(p) == 0 && PlaneView(face.normal).is_in(p, face);
@@ -203,12 +261,12 @@ bool contains(const ExactFace& face, const GridVector& p) noexcept {
 
 Meeting meet(const ExactFace& a, const ExactFace& b) noexcept {
     assert(a.has_area() && b.has_area());
-    const Sides b_sides = sides_of_plane(a, b);
-    if (in_front_or_behind(b_sides)) {
-        return Meeting::none;
-    }
     const Shared shared(a, b);
     if (shared.count == 3) {
+        return Meeting::none;
+    }
+    const Sides b_sides = sides_of_plane(a, b, shared.corners_of_b);
+    if (in_front_or_behind(b_sides)) {
         return Meeting::none;
     }
     if (b_sides == Sides{}) {
@@ -217,7 +275,7 @@ Meeting meet(const ExactFace& a, const ExactFace& b) noexcept {
     if (shared.count == 2) {  // the common edge lies on the line that the planes share
         return Meeting::none;
     }
-    const Sides a_sides = sides_of_plane(b, a);
+    const Sides a_sides = sides_of_plane(b, a, shared.corners_of_a);
     if (in_front_or_behind(a_sides)) {
         return Meeting::none;
     }

@@ -1,16 +1,24 @@
 // Where the finders of faults record what they find.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <initializer_list>
+#include <vector>
 
+#include "base/parallel.hpp"
 #include "lamella/mesh/check.hpp"
 #include "mesh/check/grid_mesh.hpp"
 
 namespace lamella {
 
+using Findings = std::array<FaultFinding, fault_count>;
+
 class Notes {
 public:
-    Notes(const GridMesh& mesh, std::size_t most, MeshCheck& check) noexcept : mesh_(mesh), most_(most), check_(check) {}
+    Notes(const GridMesh& mesh, std::size_t most, Findings& findings) noexcept
+        : mesh_(mesh), most_(most), findings_(findings) {}
 
     std::size_t most() const noexcept { return most_; }
 
@@ -24,7 +32,23 @@ public:
         }
     }
 
-    FaultFinding& of(Fault fault) noexcept { return check_.findings[static_cast<std::size_t>(fault)]; }
+    /// One call of run(): search(begin, end, notes) for ranges of [0, count), each with notes of its own, which are added to
+    /// these in the order of the ranges. So faults of a kind come in the order of the items.
+    template <class Search>
+    void in_ranges(std::size_t count, const Parallel& parallel, Search search) {
+        constexpr std::size_t items_a_range = std::size_t{1} << 15;
+        const std::size_t ranges = count / items_a_range + 1;
+        std::vector<Findings> found(ranges);
+        parallel.run(ranges, [&](std::size_t range, int) {
+            Notes own(mesh_, most_, found[range]);
+            search(count * range / ranges, count * (range + 1) / ranges, own);
+        });
+        for (const Findings& own : found) {
+            add(own);
+        }
+    }
+
+    FaultFinding& of(Fault fault) noexcept { return findings_[static_cast<std::size_t>(fault)]; }
 
     std::array<double, 3> mm(const GridVertex& vertex) const noexcept {
         return {vertex.x * mesh_.unit_mm, vertex.y * mesh_.unit_mm, vertex.z * mesh_.unit_mm};
@@ -47,9 +71,19 @@ public:
     }
 
 private:
+    void add(const Findings& other) {
+        for (std::size_t fault = 0; fault < fault_count; ++fault) {
+            std::vector<FaultPlace>& places = findings_[fault].places;
+            const std::vector<FaultPlace>& more = other[fault].places;
+            const std::size_t taken = std::min(more.size(), most_ - std::min(most_, places.size()));
+            places.insert(places.end(), more.begin(), more.begin() + static_cast<std::ptrdiff_t>(taken));
+            findings_[fault].count += other[fault].count;
+        }
+    }
+
     const GridMesh& mesh_;
     std::size_t most_;
-    MeshCheck& check_;
+    Findings& findings_;
 };
 
 }  // namespace lamella

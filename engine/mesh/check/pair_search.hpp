@@ -2,7 +2,7 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -56,36 +56,98 @@ constexpr std::size_t search_budget(std::size_t items) {
     return (std::size_t{1} << 29) + 1024 * items;
 }
 
-/// Calls search(query, limit, worker) for each query in [0, count); it returns what it cost, and stops at the limit, which
-/// is an equal share, within a batch, of what is left of the budget: where the search ends depends on the queries alone.
-/// Returns whether every query was searched to its end.
-template <class Search>
-bool search_within_budget(std::size_t count, const Parallel& parallel, Search search) {
-    constexpr std::size_t chunk = 16;
-    constexpr std::size_t batch = 16 * chunk;
-    std::atomic<bool> complete = true;
-    std::size_t left = search_budget(count);
-    for (std::size_t first = 0; first < count; first += batch) {
-        const std::size_t limit = left / batch;
-        if (limit == 0) {
-            return false;
-        }
-        const std::size_t last = std::min(count, first + batch);
-        std::atomic<std::size_t> spent = 0;
-        parallel.run((last - first + chunk - 1) / chunk, [&](std::size_t i, int worker) {
-            std::size_t own = 0;
-            for (std::size_t query = first + i * chunk; query < std::min(last, first + (i + 1) * chunk); ++query) {
-                const std::size_t cost = search(query, limit, worker);
-                if (cost >= limit) {
-                    complete = false;
+/// Searches for queries one after another within a budget, on all threads. Most queries are done at the first attempt, at
+/// which each may cost a little. Those that take more are begun anew when all others are done: each may then cost an equal
+/// share, within a batch, of what is left. Where the search ends depends on the queries alone.
+template <class Item>
+class BudgetedSearch {
+public:
+    BudgetedSearch(std::size_t queries, std::size_t budget, const Parallel& parallel)
+        : queries_(queries),
+          left_(budget),
+          parallel_(parallel),
+          found_(static_cast<std::size_t>(parallel.threads())),
+          costs_(first_batch) {}
+
+    /// How many calls of run() it makes where no query takes much.
+    static constexpr std::size_t runs_for(std::size_t queries) { return (queries + first_batch - 1) / first_batch; }
+
+    /// Calls search(query, limit, found) for the queries, which adds to `found`, stops at the limit and returns what it
+    /// cost, and keep(query, found, worker) once for each that is searched. Returns whether every query was searched to its
+    /// end.
+    template <class Search, class Keep>
+    bool run(Search search, Keep keep) {
+        const std::size_t most_in_vain = left_ / 2;
+        std::size_t in_vain = 0;
+        std::size_t first = 0;
+        for (; first < queries_ && in_vain < most_in_vain; first += first_batch) {
+            const std::size_t count = std::min(first_batch, queries_ - first);
+            const std::size_t limit = std::min(most_at_first, left_ / first_batch);
+            run_batch(
+                count, limit, false, [&](std::size_t i) { return first + i; }, search, keep);
+            for (std::size_t i = 0; i < count; ++i) {
+                spend(costs_[i]);
+                if (costs_[i] >= limit) {
+                    in_vain += costs_[i];
+                    later_.push_back(first + i);
                 }
-                own += cost;
             }
-            spent += own;
-        });
-        left -= std::min<std::size_t>(left, spent);
+        }
+        for (; first < queries_; ++first) {
+            later_.push_back(first);
+        }
+        return run_later(search, keep);
     }
-    return complete;
-}
+
+private:
+    static constexpr std::size_t first_batch = std::size_t{1} << 14;
+    static constexpr std::size_t most_at_first = std::size_t{1} << 16;
+    static constexpr std::size_t later_batch = 256;
+    static constexpr std::size_t most_for_one = std::size_t{1} << 25;  // so that a query ends soon after a stop is asked for
+
+    void spend(std::size_t cost) noexcept { left_ -= std::min(left_, cost); }
+
+    template <class Search, class Keep>
+    bool run_later(Search& search, Keep& keep) {
+        bool complete = true;
+        for (std::size_t first = 0; first < later_.size(); first += later_batch) {
+            const std::size_t count = std::min(later_batch, later_.size() - first);
+            const std::size_t limit = std::min(most_for_one, left_ / later_batch);
+            if (limit == 0) {
+                return false;
+            }
+            run_batch(
+                count, limit, true, [&](std::size_t i) { return later_[first + i]; }, search, keep);
+            for (std::size_t i = 0; i < count; ++i) {
+                spend(costs_[i]);
+                complete = complete && costs_[i] < limit;
+            }
+        }
+        return complete;
+    }
+
+    /// `cut_short`: what is found of a query that reaches the limit is kept, too.
+    template <class Query, class Search, class Keep>
+    void run_batch(std::size_t count, std::size_t limit, bool cut_short, Query query, Search& search, Keep& keep) {
+        const std::size_t grain = cut_short ? 1 : 16;
+        parallel_.run_ranges(count, grain, [&](std::size_t begin, std::size_t end, int worker) {
+            std::vector<Item>& found = found_[static_cast<std::size_t>(worker)];
+            for (std::size_t i = begin; i != end; ++i) {
+                found.clear();
+                costs_[i] = search(query(i), limit, found);
+                if (cut_short || costs_[i] < limit) {
+                    keep(query(i), found, worker);
+                }
+            }
+        });
+    }
+
+    std::size_t queries_;
+    std::size_t left_;
+    const Parallel& parallel_;
+    std::vector<std::vector<Item>> found_;  ///< by worker, of one query
+    std::vector<std::size_t> costs_;        ///< of a batch
+    std::vector<std::size_t> later_;        ///< queries
+};
 
 }  // namespace lamella

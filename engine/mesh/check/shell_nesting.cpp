@@ -49,36 +49,45 @@ class Nesting {
 public:
     Nesting(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
             const Parallel& parallel)
-        : mesh_(mesh), shell_of_(shell_of), shells_(shells), tree_(boxes_of_closed(), parallel) {
+        : mesh_(mesh),
+          shell_of_(shell_of),
+          shells_(shells),
+          parallel_(parallel),
+          closed_faces_(faces_of_closed()),
+          tree_(
+              closed_faces_.size(),
+              [&](std::size_t item) { return Box::around(mesh.corners(mesh.faces[closed_faces_[item]])); }, parallel) {
         sort_faces();
     }
 
     bool run() {
-        bool complete = true;
-        for (std::uint32_t shell = 0; shell < shells_.size() && complete; ++shell) {
-            complete = find_around(shell);
-            around_.firsts.push_back(around_.shells.size());
-            shells_[shell].depth = static_cast<int>(around_.shells.size() - around_.firsts[shell]);
-        }
-        for (std::uint32_t shell = 0; shell + 1 < around_.firsts.size(); ++shell) {
-            choose_parent(shell);
+        std::vector<std::vector<std::uint32_t>> around(shells_.size());
+        BudgetedSearch<std::uint32_t> search(shells_.size(), search_budget(mesh_.faces.size()), parallel_);
+        const bool complete = search.run(
+            [&](std::size_t shell, std::size_t limit, std::vector<std::uint32_t>& found) {
+                return find_around(static_cast<std::uint32_t>(shell), limit, found);
+            },
+            [&](std::size_t shell, const std::vector<std::uint32_t>& found, int) {
+                around[shell] = found;
+                shells_[shell].depth = static_cast<int>(found.size());
+            });
+        for (std::uint32_t shell = 0; shell < shells_.size(); ++shell) {
+            choose_parent(shell, around[shell]);
         }
         return complete;
     }
 
 private:
     static constexpr std::size_t most_samples = 8;
-    static constexpr std::size_t containers_per_face = 16;
 
-    std::vector<Box> boxes_of_closed() {
-        std::vector<Box> boxes;
+    std::vector<std::uint32_t> faces_of_closed() const {
+        std::vector<std::uint32_t> faces;
         for (std::uint32_t face = 0; face < mesh_.faces.size(); ++face) {
             if (shells_[shell_of_[face]].closed) {
-                closed_faces_.push_back(face);
-                boxes.push_back(Box::around(mesh_.corners(mesh_.faces[face])));
+                faces.push_back(face);
             }
         }
-        return boxes;
+        return faces;
     }
 
     void sort_faces() {
@@ -103,17 +112,17 @@ private:
         return half(mesh_.vertices[mesh_.faces[face].corners[number % 3]]);
     }
 
-    /// Appends the closed shells around this one to around_.shells; false when that takes too much.
-    bool find_around(std::uint32_t shell) {
+    /// Appends the closed shells around this one to `around`; returns what it cost.
+    std::size_t find_around(std::uint32_t shell, std::size_t limit, std::vector<std::uint32_t>& around) const {
         std::vector<std::uint32_t> unsure;  // shells on whose surface all samples so far lie
-        for (std::size_t number = 0; number < most_samples; ++number) {
-            if (!cast(shell, sample(shell, number))) {
-                return false;
-            }
+        std::vector<Hit> hits;
+        std::size_t cost = 0;
+        for (std::size_t number = 0; number < most_samples && cost < limit; ++number) {
+            cost += cast(shell, sample(shell, number), limit - cost, hits);
             std::vector<std::uint32_t> still_unsure;
-            for (auto hit = hits_.begin(); hit != hits_.end();) {
+            for (auto hit = hits.begin(); hit != hits.end();) {
                 Hit sum = *hit;
-                for (++hit; hit != hits_.end() && hit->shell == sum.shell; ++hit) {
+                for (++hit; hit != hits.end() && hit->shell == sum.shell; ++hit) {
                     sum.winding += hit->winding;
                     sum.touches |= hit->touches;
                 }
@@ -123,7 +132,7 @@ private:
                 if (sum.touches) {
                     still_unsure.push_back(sum.shell);
                 } else if (sum.winding != 0) {
-                    around_.shells.push_back(sum.shell);
+                    around.push_back(sum.shell);
                 }
             }
             unsure = std::move(still_unsure);
@@ -131,15 +140,15 @@ private:
                 break;
             }
         }
-        return around_.shells.size() <= containers_per_face * mesh_.faces.size();
+        return cost;
     }
 
-    /// Fills hits_ from the ray upwards from p, by shell.
-    bool cast(std::uint32_t shell, const GridVector& p) {
+    /// Fills `hits` from the ray upwards from p, by shell; returns what it cost.
+    std::size_t cast(std::uint32_t shell, const GridVector& p, std::size_t limit, std::vector<Hit>& hits) const {
         const auto on_grid = [](std::int64_t value) { return static_cast<std::int32_t>(2 * value); };
         const Box ray{{on_grid(p.x), on_grid(p.y), on_grid(p.z)}, {on_grid(p.x), on_grid(p.y), grid_limit}};
-        hits_.clear();
-        spent_ += tree_.search(ray, 0, budget_ - spent_, [&](std::uint32_t item) {
+        hits.clear();
+        const std::size_t cost = tree_.search(ray, 0, limit, [&](std::uint32_t item) {
             const std::uint32_t number = closed_faces_[item];
             const ExactFace face(mesh_.faces[number].corners, mesh_.corners(mesh_.faces[number]));
             if (shell_of_[number] == shell || !face.has_area()) {
@@ -148,17 +157,16 @@ private:
             const bool touches = contains(face, p);
             const int winding = winding_of(face, p);
             if (touches || winding != 0) {
-                hits_.push_back({shell_of_[number], winding, touches});
+                hits.push_back({shell_of_[number], winding, touches});
             }
         });
-        std::sort(hits_.begin(), hits_.end());
-        return spent_ < budget_;
+        std::sort(hits.begin(), hits.end());
+        return cost;
     }
 
     /// The deepest of the shells around; of several equally deep ones, which then cross, the first.
-    void choose_parent(std::uint32_t shell) {
-        for (std::size_t i = around_.firsts[shell]; i < around_.firsts[shell + 1]; ++i) {
-            const std::uint32_t other = around_.shells[i];
+    void choose_parent(std::uint32_t shell, const std::vector<std::uint32_t>& around) {
+        for (const std::uint32_t other : around) {
             std::int64_t& parent = shells_[shell].parent;
             const int deepest = parent < 0 ? -1 : shells_[static_cast<std::size_t>(parent)].depth;
             if (shells_[other].depth > deepest || (shells_[other].depth == deepest && other < parent)) {
@@ -170,17 +178,11 @@ private:
     const GridMesh& mesh_;
     const std::vector<std::uint32_t>& shell_of_;
     std::vector<MeshShell>& shells_;
+    const Parallel& parallel_;
     std::vector<std::uint32_t> closed_faces_;  ///< of closed shells, as the tree numbers them
     BoxTree tree_;
     std::vector<std::uint32_t> faces_;  ///< by shell
     std::vector<std::size_t> firsts_;   ///< per shell, into faces_
-    struct {
-        std::vector<std::size_t> firsts = {0};  ///< per shell, into shells
-        std::vector<std::uint32_t> shells;      ///< those around it
-    } around_;
-    std::vector<Hit> hits_;
-    std::size_t budget_ = search_budget(mesh_.faces.size());
-    std::size_t spent_ = 0;
 };
 
 }  // namespace

@@ -1,6 +1,8 @@
 // Shells: sets of triangles connected over edges; their orientations, and which lies within which.
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "base/disjoint_sets.hpp"
@@ -13,21 +15,55 @@ namespace lamella {
 
 namespace {
 
-/// Numbers the shells by their first faces; the shell of each face.
-std::vector<std::uint32_t> number_shells(const GridMesh& mesh, const EdgeTable& edges, std::uint32_t& count) {
-    DisjointSets sets(mesh.faces.size());
-    for (std::size_t edge = 0; edge < edges.size(); ++edge) {
-        const std::span<const std::uint32_t> sides = edges.sides(edge);
-        for (const std::uint32_t side : sides.subspan(1)) {
-            sets.unite(EdgeTable::face_of(sides[0]), EdgeTable::face_of(side));
+constexpr std::size_t faces_a_range = std::size_t{1} << 15;
+
+/// Three calls of run() after those that unite: numbers the shells by their first faces. The shell of each face.
+std::vector<std::uint32_t> number_shells(SharedSets<std::uint32_t>& sets, std::uint32_t& count, const Parallel& parallel) {
+    const std::size_t faces = sets.size();
+    const std::size_t ranges = faces / faces_a_range + 1;
+    const auto first = [&](std::size_t range) { return static_cast<std::uint32_t>(faces * range / ranges); };
+    std::vector<std::uint32_t> firsts(ranges + 1, 0);  // shells that begin in a range, then the first of them
+    parallel.run(ranges, [&](std::size_t range, int) {
+        for (std::uint32_t face = first(range); face != first(range + 1); ++face) {
+            firsts[range + 1] += sets.is_root(face) ? 1 : 0;
         }
+    });
+    for (std::size_t range = 0; range < ranges; ++range) {
+        firsts[range + 1] += firsts[range];
     }
-    std::vector<std::uint32_t> shell_of(mesh.faces.size());
-    for (std::uint32_t face = 0; face < mesh.faces.size(); ++face) {
-        const std::uint32_t root = sets.root(face);
-        shell_of[face] = root == face ? count++ : shell_of[root];
-    }
+    count = firsts[ranges];
+    std::vector<std::uint32_t> shell_of(faces);
+    parallel.run(ranges, [&](std::size_t range, int) {
+        std::uint32_t shell = firsts[range];
+        for (std::uint32_t face = first(range); face != first(range + 1); ++face) {
+            if (sets.is_root(face)) {
+                shell_of[face] = shell++;
+            }
+        }
+    });
+    parallel.run(ranges, [&](std::size_t range, int) {
+        for (std::uint32_t face = first(range); face != first(range + 1); ++face) {
+            if (!sets.is_root(face)) {
+                shell_of[face] = shell_of[sets.root(face)];
+            }
+        }
+    });
     return shell_of;
+}
+
+/// Five calls of run().
+std::vector<std::uint32_t> join_shells(const GridMesh& mesh, const EdgeTable& edges, std::uint32_t& count,
+                                       const Parallel& parallel) {
+    SharedSets<std::uint32_t> sets(mesh.faces.size(), parallel);
+    parallel.run_ranges(edges.size(), faces_a_range, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t edge = begin; edge != end; ++edge) {
+            const std::span<const std::uint32_t> sides = edges.sides(edge);
+            for (const std::uint32_t side : sides.subspan(1)) {
+                sets.unite(EdgeTable::face_of(sides[0]), EdgeTable::face_of(side));
+            }
+        }
+    });
+    return number_shells(sets, count, parallel);
 }
 
 /// Six times the volume between a face and a point near it, in halves of grid units: summed over a closed shell, exact.
@@ -36,34 +72,108 @@ Int128 six_volumes(const GridMesh& mesh, const Face& face, const GridVector& ori
     return dot(cross(half(corners[0]) - origin, half(corners[1]) - origin), half(corners[2]) - origin);
 }
 
-void measure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std::uint32_t>& shell_of,
-             std::vector<MeshShell>& shells, const Notes& notes) {
-    std::vector<Int128> volumes(shells.size(), 0);
-    std::vector<GridVector> origins(shells.size());
-    for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-        const Face& face = mesh.faces[i];
-        MeshShell& shell = shells[shell_of[i]];
-        if (shell.triangles++ == 0) {
-            origins[shell_of[i]] = half(mesh.vertices[face.corners[0]]);
-            shell.first_mm = notes.mm(mesh.vertices[face.corners[0]]);
-            shell.triangle = face.source;
-            shell.closed = true;
+/// What faces that follow one another in one shell add to it.
+struct ShellPart {
+    std::uint32_t shell;
+    std::uint32_t triangles;
+    Int128 six_volumes;
+};
+
+class ShellMeasure {
+public:
+    ShellMeasure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std::uint32_t>& shell_of,
+                 std::vector<MeshShell>& shells, const Parallel& parallel)
+        : mesh_(mesh),
+          edges_(edges),
+          shell_of_(shell_of),
+          shells_(shells),
+          parallel_(parallel),
+          volumes_(shells.size(), 0),
+          origins_(shells.size()) {}
+
+    void run(const Notes& notes) {
+        find_first_faces(notes);
+        add_faces();
+        find_open();
+        const double cube_mm3 = 8 * mesh_.unit_mm * mesh_.unit_mm * mesh_.unit_mm;
+        for (std::size_t i = 0; i < shells_.size(); ++i) {
+            if (shells_[i].closed) {
+                shells_[i].orientation = sign_of(volumes_[i]);
+                shells_[i].volume_mm3 = static_cast<double>(volumes_[i]) / 6 * cube_mm3;
+            }
         }
-        volumes[shell_of[i]] += six_volumes(mesh, face, origins[shell_of[i]]);
     }
-    for (std::size_t edge = 0; edge < edges.size(); ++edge) {
-        if (!edges.is_balanced(edge)) {
-            shells[shell_of[EdgeTable::face_of(edges.sides(edge)[0])]].closed = false;
+
+private:
+    /// A shell's number is first met at its first face.
+    void find_first_faces(const Notes& notes) {
+        std::size_t next = 0;
+        for (std::size_t i = 0; next < shells_.size(); ++i) {
+            if (shell_of_[i] != next) {
+                continue;
+            }
+            if (next % faces_a_range == 0) {
+                parallel_.stop_if_asked();
+            }
+            const Face& face = mesh_.faces[i];
+            origins_[next] = half(mesh_.vertices[face.corners[0]]);
+            shells_[next].first_mm = notes.mm(mesh_.vertices[face.corners[0]]);
+            shells_[next].triangle = face.source;
+            ++next;
         }
     }
-    const double cube_mm3 = 8 * mesh.unit_mm * mesh.unit_mm * mesh.unit_mm;
-    for (std::size_t i = 0; i < shells.size(); ++i) {
-        if (shells[i].closed) {
-            shells[i].orientation = sign_of(volumes[i]);
-            shells[i].volume_mm3 = static_cast<double>(volumes[i]) / 6 * cube_mm3;
+
+    /// Some ranges at a time, so that what they found stays small where every face is a shell.
+    void add_faces() {
+        const std::size_t ranges = shell_of_.size() / faces_a_range + 1;
+        const std::size_t at_once = static_cast<std::size_t>(parallel_.threads()) * 8;
+        std::vector<std::vector<ShellPart>> parts(at_once);
+        for (std::size_t begin = 0; begin < ranges; begin += at_once) {
+            parallel_.run(std::min(at_once, ranges - begin), [&](std::size_t i, int) {
+                add_range(shell_of_.size() * (begin + i) / ranges, shell_of_.size() * (begin + i + 1) / ranges, parts[i]);
+            });
+            for (std::vector<ShellPart>& own : parts) {
+                for (const ShellPart& part : own) {
+                    shells_[part.shell].triangles += part.triangles;
+                    volumes_[part.shell] += part.six_volumes;
+                }
+                own.clear();
+            }
         }
     }
-}
+
+    void add_range(std::size_t begin, std::size_t end, std::vector<ShellPart>& parts) const {
+        for (std::size_t i = begin; i != end; ++i) {
+            if (parts.empty() || parts.back().shell != shell_of_[i]) {
+                parts.push_back({shell_of_[i], 0, 0});
+            }
+            ++parts.back().triangles;
+            parts.back().six_volumes += six_volumes(mesh_, mesh_.faces[i], origins_[shell_of_[i]]);
+        }
+    }
+
+    void find_open() {
+        std::vector<std::atomic<bool>> open(shells_.size());
+        parallel_.run_ranges(edges_.size(), faces_a_range, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t edge = begin; edge != end; ++edge) {
+                if (!edges_.is_balanced(edge)) {
+                    open[shell_of_[EdgeTable::face_of(edges_.sides(edge)[0])]].store(true, std::memory_order_relaxed);
+                }
+            }
+        });
+        for (std::size_t i = 0; i < shells_.size(); ++i) {
+            shells_[i].closed = !open[i].load(std::memory_order_relaxed);
+        }
+    }
+
+    const GridMesh& mesh_;
+    const EdgeTable& edges_;
+    const std::vector<std::uint32_t>& shell_of_;
+    std::vector<MeshShell>& shells_;
+    const Parallel& parallel_;
+    std::vector<Int128> volumes_;
+    std::vector<GridVector> origins_;
+};
 
 /// Whether neither the shell nor any shell around it meets another one. Where one does, solids overlap or touch, and the
 /// depth does not tell which orientation is right.
@@ -79,9 +189,9 @@ bool lies_apart(const std::vector<MeshShell>& shells, const std::vector<std::uin
 std::vector<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const Notes& notes, MeshCheck& check,
                                        const Parallel& parallel) {
     std::uint32_t count = 0;
-    std::vector<std::uint32_t> shell_of = number_shells(mesh, edges, count);
+    std::vector<std::uint32_t> shell_of = join_shells(mesh, edges, count, parallel);
     check.shells.resize(count);
-    measure(mesh, edges, shell_of, check.shells, notes);
+    ShellMeasure(mesh, edges, shell_of, check.shells, parallel).run(notes);
     check.nesting_complete = nest_shells(mesh, shell_of, check.shells, parallel);
     return shell_of;
 }

@@ -1,8 +1,14 @@
 // Faults in how faces are joined: edges, vertices and orientations.
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <functional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "base/disjoint_sets.hpp"
+#include "base/parallel_sort.hpp"
 #include "mesh/check/finders.hpp"
 
 namespace lamella {
@@ -20,14 +26,17 @@ FaultPlace place_of_edge(const GridMesh& mesh, const EdgeTable& edges, std::size
     return place;
 }
 
-/// Calls visit(edge, side, other side) for every edge with two faces.
+/// One call of run(): visit(edge, side, other side) for every edge with two faces.
 template <class Visit>
-void each_joint(const EdgeTable& edges, Visit visit) {
-    for (std::size_t edge = 0; edge < edges.size(); ++edge) {
-        if (const auto sides = edges.sides(edge); sides.size() == 2) {
-            visit(edge, sides[0], sides[1]);
+void each_joint(const EdgeTable& edges, const Parallel& parallel, Visit visit) {
+    constexpr std::size_t grain = 8192;
+    parallel.run_ranges(edges.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t edge = begin; edge != end; ++edge) {
+            if (const auto sides = edges.sides(edge); sides.size() == 2) {
+                visit(edge, sides[0], sides[1]);
+            }
         }
-    }
+    });
 }
 
 /// The corner (3 * face + index) of the side's face at that vertex, which is one of the side's ends.
@@ -38,16 +47,18 @@ std::uint32_t corner_at(const GridMesh& mesh, std::uint32_t side, std::uint32_t 
 
 /// Faces of a patch (joined over edges with two faces) by orientation relative to its first face.
 struct Patch {
-    std::uint32_t alike = 0;
-    std::uint32_t opposite = 0;
+    std::atomic<std::uint32_t> alike = 0;
+    std::atomic<std::uint32_t> opposite = 0;
 };
 
 /// The patches of a mesh. Each face takes part twice, as it is and reversed, so that faces which agree in orientation are in
 /// one set. Where the reversed first face is in the set of the first face, the patch has one side.
 class Patches {
 public:
-    Patches(const GridMesh& mesh, const EdgeTable& edges) : sets_(2 * mesh.faces.size()) {
-        each_joint(edges, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
+    /// Two calls of run().
+    Patches(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel)
+        : sets_(2 * mesh.faces.size(), parallel) {
+        each_joint(edges, parallel, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
             const std::uint32_t face = EdgeTable::face_of(side);
             const std::uint32_t next = EdgeTable::face_of(other);
             const bool agree = edges.is_balanced(edge);
@@ -64,70 +75,134 @@ private:
     static std::uint32_t as_is(std::uint32_t face) { return 2 * face; }
     static std::uint32_t reversed(std::uint32_t face) { return 2 * face + 1; }
 
-    DisjointSets sets_;
+    SharedSets<std::uint32_t> sets_;
 };
+
+/// One call of run(): counts the faces of each patch, by its first face.
+std::vector<Patch> sizes_of(Patches& patches, std::size_t faces, const Parallel& parallel) {
+    constexpr std::size_t grain = 8192;
+    std::vector<Patch> sizes(faces);
+    parallel.run_ranges(faces, grain, [&](std::size_t begin, std::size_t end, int) {
+        std::uint32_t first = 0;
+        std::array<std::uint32_t, 2> counts{0, 0};  // of faces that follow one another in one patch
+        const auto add = [&] {
+            sizes[first].alike.fetch_add(std::exchange(counts[0], 0), std::memory_order_relaxed);
+            sizes[first].opposite.fetch_add(std::exchange(counts[1], 0), std::memory_order_relaxed);
+        };
+        for (auto face = static_cast<std::uint32_t>(begin); face != end; ++face) {
+            if (const std::uint32_t own = patches.first_face(face); own != first) {
+                add();
+                first = own;
+            }
+            ++counts[patches.is_opposite(face) ? 1 : 0];
+        }
+        add();
+    });
+    return sizes;
+}
+
+/// A vertex and one of its fans: the fan's smallest corner.
+struct Fan {
+    std::uint32_t vertex;
+    std::uint32_t corner;
+    friend auto operator<=>(const Fan&, const Fan&) = default;
+};
+
+/// Four calls of run(): the fans of vertices that have several, in order.
+std::vector<Fan> find_several_fans(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel) {
+    constexpr std::size_t grain = 8192;
+    const std::size_t corners = 3 * mesh.faces.size();
+    SharedSets<std::uint32_t> sets(corners, parallel);
+    each_joint(edges, parallel, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
+        for (const std::uint32_t vertex : {edges[edge].lower, edges[edge].upper}) {
+            sets.unite(corner_at(mesh, side, vertex), corner_at(mesh, other, vertex));
+        }
+    });
+    const auto vertex_of = [&](std::size_t corner) { return mesh.faces[corner / 3].corners[corner % 3]; };
+    std::vector<std::atomic<std::uint32_t>> counts(mesh.vertices.size());
+    parallel.run_ranges(corners, grain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t corner = begin; corner != end; ++corner) {
+            if (sets.is_root(corner)) {
+                counts[vertex_of(corner)].fetch_add(1, std::memory_order_relaxed);
+            }
+        }
+    });
+    std::vector<std::vector<Fan>> found(static_cast<std::size_t>(parallel.threads()));
+    parallel.run_ranges(corners, grain, [&](std::size_t begin, std::size_t end, int worker) {
+        for (std::size_t corner = begin; corner != end; ++corner) {
+            if (sets.is_root(corner) && counts[vertex_of(corner)].load(std::memory_order_relaxed) > 1) {
+                found[static_cast<std::size_t>(worker)].push_back({vertex_of(corner), static_cast<std::uint32_t>(corner)});
+            }
+        }
+    });
+    std::vector<Fan> fans;
+    for (const std::vector<Fan>& own : found) {
+        fans.insert(fans.end(), own.begin(), own.end());
+    }
+    sort_in_parallel(std::span<Fan>(fans), std::less<>{}, parallel);
+    return fans;
+}
 
 }  // namespace
 
-void find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes) {
-    for (std::size_t edge = 0; edge < edges.size(); ++edge) {
-        const auto add = [&](Fault fault) { notes.add(fault, [&] { return place_of_edge(mesh, edges, edge, notes); }); };
-        const std::size_t faces = edges.sides(edge).size();
-        if (faces == 1) {
-            add(Fault::boundary_edge);
-        } else if (faces > 2) {
-            add(edges.is_balanced(edge) ? Fault::overfull_balanced : Fault::overfull_unbalanced);
-        } else if (!edges.is_balanced(edge)) {
-            add(Fault::mismatched_edge);
+EdgeCounts find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
+    std::atomic<std::uint64_t> unbalanced = 0;
+    notes.in_ranges(edges.size(), parallel, [&](std::size_t begin, std::size_t end, Notes& own) {
+        std::uint64_t unbalanced_here = 0;
+        for (std::size_t edge = begin; edge != end; ++edge) {
+            const auto add = [&](Fault fault) { own.add(fault, [&] { return place_of_edge(mesh, edges, edge, own); }); };
+            const std::size_t faces = edges.sides(edge).size();
+            const bool balanced = edges.is_balanced(edge);
+            unbalanced_here += balanced ? 0 : 1;
+            if (faces == 1) {
+                add(Fault::boundary_edge);
+            } else if (faces > 2) {
+                add(balanced ? Fault::overfull_balanced : Fault::overfull_unbalanced);
+            } else if (!balanced) {
+                add(Fault::mismatched_edge);
+            }
         }
+        unbalanced += unbalanced_here;
+    });
+    return {edges.size(), unbalanced};
+}
+
+void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
+    const std::vector<Fan> fans = find_several_fans(mesh, edges, parallel);
+    for (std::size_t begin = 0; begin < fans.size();) {
+        std::size_t end = begin;
+        while (end < fans.size() && fans[end].vertex == fans[begin].vertex) {
+            ++end;
+        }
+        notes.add(Fault::split_vertex, [&] {
+            FaultPlace place = notes.at({fans[begin].vertex});
+            place.triangles[0] = mesh.faces[fans[begin].corner / 3].source;
+            place.parts = end - begin;
+            return place;
+        });
+        begin = end;
     }
 }
 
-void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, Notes& notes) {
-    DisjointSets fans(3 * mesh.faces.size());
-    each_joint(edges, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
-        for (const std::uint32_t vertex : {edges[edge].lower, edges[edge].upper}) {
-            fans.unite(corner_at(mesh, side, vertex), corner_at(mesh, other, vertex));
+void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
+    if (notes.of(Fault::mismatched_edge).count == 0) {
+        return;  // all faces of a patch agree
+    }
+    Patches patches(mesh, edges, parallel);
+    const std::vector<Patch> sizes = sizes_of(patches, mesh.faces.size(), parallel);
+    notes.in_ranges(mesh.faces.size(), parallel, [&](std::size_t begin, std::size_t end, Notes& own) {
+        for (auto face = static_cast<std::uint32_t>(begin); face != end; ++face) {
+            const std::uint32_t first = patches.first_face(face);
+            const bool flipped = patches.is_opposite(face) == (sizes[first].opposite <= sizes[first].alike);
+            if (patches.is_one_sided(face)) {
+                if (face == first) {
+                    own.add(Fault::one_sided_patch, [&] { return own.at(mesh.faces[face]); });
+                }
+            } else if (flipped) {
+                own.add(Fault::flipped_face, [&] { return own.at(mesh.faces[face]); });
+            }
         }
     });
-    std::vector<std::uint32_t> counts(mesh.vertices.size(), 0);
-    std::vector<std::uint32_t> first_faces(mesh.vertices.size(), 0);
-    for (std::uint32_t corner = 0; corner < 3 * mesh.faces.size(); ++corner) {
-        if (fans.root(corner) == corner) {
-            const std::uint32_t vertex = mesh.faces[corner / 3].corners[corner % 3];
-            first_faces[vertex] = counts[vertex]++ == 0 ? corner / 3 : first_faces[vertex];
-        }
-    }
-    for (std::uint32_t vertex = 0; vertex < counts.size(); ++vertex) {
-        if (counts[vertex] > 1) {
-            notes.add(Fault::split_vertex, [&] {
-                FaultPlace place = notes.at({vertex});
-                place.triangles[0] = mesh.faces[first_faces[vertex]].source;
-                place.parts = counts[vertex];
-                return place;
-            });
-        }
-    }
-}
-
-void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& notes) {
-    Patches patches(mesh, edges);
-    std::vector<Patch> sizes(mesh.faces.size());  // by first face
-    for (std::uint32_t face = 0; face < mesh.faces.size(); ++face) {
-        Patch& patch = sizes[patches.first_face(face)];
-        ++(patches.is_opposite(face) ? patch.opposite : patch.alike);
-    }
-    for (std::uint32_t face = 0; face < mesh.faces.size(); ++face) {
-        const std::uint32_t first = patches.first_face(face);
-        const bool flipped = patches.is_opposite(face) == (sizes[first].opposite <= sizes[first].alike);
-        if (patches.is_one_sided(face)) {
-            if (face == first) {
-                notes.add(Fault::one_sided_patch, [&] { return notes.at(mesh.faces[face]); });
-            }
-        } else if (flipped) {
-            notes.add(Fault::flipped_face, [&] { return notes.at(mesh.faces[face]); });
-        }
-    }
 }
 
 }  // namespace lamella

@@ -15,6 +15,7 @@
 #include <span>
 #include <vector>
 
+#include "base/parallel.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/nesting/strips.hpp"
 
@@ -60,6 +61,9 @@ public:
     /// To be called in `meet`: find() ends, and returns false.
     void stop() noexcept { cut_short_ = true; }
 
+    /// From here on find() throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept { host_ = host; }
+
     /// Calls meet(a, i, b, j) once for each pair, in no order, of edge i of path a and edge j of path b whose boxes come
     /// within `margin` of each other: all such pairs of two paths, and of one path all that meet elsewhere than in the joint
     /// of two runs, and some that do not. Edge i leads from a[i] to a[i + 1]. False if it would take more than `steps`, and
@@ -96,7 +100,11 @@ private:
         bool goes_on_in(const Run& next) const noexcept { return right * next.right >= 0 || up * next.up >= 0; }
     };
 
-    void spend(std::uint64_t steps) noexcept {
+    void spend(std::uint64_t steps) {
+        constexpr std::uint32_t calls_between_stops = 4096;
+        if (++calls_ % calls_between_stops == 0 && host_.stop_requested()) {
+            throw Stopped();
+        }
         cut_short_ = cut_short_ || steps > steps_left_;
         steps_left_ -= std::min(steps, steps_left_);
     }
@@ -191,6 +199,8 @@ private:
     std::int32_t margin_ = 0;
     std::uint64_t steps_left_ = 0;
     bool cut_short_ = false;
+    StopCheck host_;
+    std::uint32_t calls_ = 0;
 };
 
 }  // namespace lamella

@@ -19,6 +19,9 @@
 
 namespace lamella {
 
+/// Where a layer has so many, no more are searched for.
+inline constexpr std::uint64_t most_crossings_in_layer = 4096;
+
 /// The crossings in one layer that has any.
 struct LayerCrossings {
     std::uint64_t layer = 0;  ///< index into SliceResult::layers
@@ -39,9 +42,10 @@ struct Crossings {
 /// runs along a stretch of it, does not cross it there. The end of an open polyline crosses nothing. An outline that is
 /// traced twice, as flat contours may be, crosses another twice.
 ///
-/// O(c log c) for a layer of c monotone runs of edges, and for two runs whose boxes meet as many steps as they have edges
-/// close to each other. A layer that takes more than 1,024 steps an edge is not searched to its end: at_least. Only
-/// thousands of long slanting edges side by side make that happen. The answer does not depend on threads. Errors:
+/// O(m log m + c) for a layer of m edges with c crossings, of which at most most_crossings_in_layer are counted. A layer
+/// that takes more than 64 steps an edge for each bit of m is not searched to its end. In both cases it has `at_least` so
+/// many, and `first` is the first of those found. Only thousands of long slanting edges side by side take more steps. The
+/// layers are shared out to threads, and the answer does not depend on them. Errors:
 /// invalid_argument (layers, contours and points do not follow one another, negative threads), out_of_memory, cancelled.
 Result<Crossings> find_crossings(const SliceResult& result, const Control& control = {}) noexcept;
 

@@ -31,7 +31,7 @@ namespace lamella {
 /// are left out.
 enum class ReportPlace : std::uint8_t {
     after_mesh,  ///< after the members "mesh" and before "file"
-    in_times,    ///< within "ms", after the times of slicing
+    in_times,    ///< within "ms", after the times of slicing; in the report of a check alone there
     after_times,
     at_end,
 };

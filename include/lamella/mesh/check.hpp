@@ -92,6 +92,16 @@ struct MeshShell {
     std::int64_t parent = -1;  ///< the innermost of them, as an index into MeshCheck::shells, or -1
 };
 
+struct CheckTimes {      ///< wall time of the stages, ms
+    double measure = 0;  ///< box, volume and area
+    double faces = 0;    ///< vertices numbered, faces put in order
+    double edges = 0;    ///< faces brought together at their edges
+    double joints = 0;   ///< faults of edges, vertices, orientations and single faces
+    double shells = 0;
+    double meeting = 0;  ///< faces that cross, overlap or touch
+    double gaps = 0;     ///< T-junctions and cracks
+};
+
 struct MeshCheck {
     MeshInfo info;
     std::array<FaultFinding, fault_count> findings{};
@@ -99,6 +109,7 @@ struct MeshCheck {
     bool nesting_complete = true;   ///< false: rays through too many triangles; depths are then too small for some
     double tolerance_mm = 0;
     double sliver_ratio = 0;
+    CheckTimes ms;
 
     const FaultFinding& of(Fault fault) const noexcept { return findings[static_cast<std::size_t>(fault)]; }
     /// No search was cut short.

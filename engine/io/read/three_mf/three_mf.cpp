@@ -41,7 +41,8 @@ Result<three_mf::Model> load(FileSource& file, std::chrono::steady_clock::time_p
     if (!package) {
         return package.error();
     }
-    Result<three_mf::Model> model = three_mf::read_model(package.value(), file.memory_limit(), file.memory());
+    Result<three_mf::Model> model =
+        three_mf::read_model(package.value(), file.memory_limit(), file.memory(), file.parallel());
     if (model) {
         warn_of_other_bytes(other_bytes(as_text(bytes.value().span())), model.value());
     }

@@ -132,6 +132,7 @@ bool Parser::feed_all() {
     constexpr std::size_t window = std::size_t{64} << 10;  // appended data, which end parsing, are not searched for tags
     std::string_view rest = file_.text;
     while (!rest.empty()) {
+        file_.source.parallel().stop_if_asked();
         const std::string_view ahead = rest.substr(0, window);
         const std::size_t tag_end = ahead.find('>', ahead.find("<DataArray"));
         const std::string_view head = ahead.substr(0, tag_end == std::string_view::npos ? tag_end : tag_end + 1);

@@ -1,0 +1,78 @@
+// Items brought together by a number that each has: count, prefix sum, scatter. No locks, and the order does not depend on
+// threads.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "lamella/array.hpp"
+
+namespace lamella {
+
+/// Items in parts; within a part they keep the order in which they came.
+template <class T>
+class Distributed {
+public:
+    explicit Distributed(const Memory* memory) noexcept : items(memory) {}
+
+    Array<T> items;
+    std::vector<std::size_t> firsts;  ///< of each part, and the end of the last
+
+    std::size_t size() const noexcept { return firsts.size() - 1; }
+    std::span<T> of(std::size_t part) noexcept {
+        return items.span().subspan(firsts[part], firsts[part + 1] - firsts[part]);
+    }
+};
+
+/// Two calls of run(). `each(begin, end, emit)` calls emit(part, item) for every item that comes from [begin, end), and the
+/// same again when it is called again. The items' memory comes from
+/// `memory`; beside them 8 bytes a part for each 2^16 of `count`. Throws std::bad_alloc.
+template <class T, class Each>
+Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& parallel, Each each,
+                          const Memory* memory = nullptr) {
+    constexpr std::size_t most_in_range = std::size_t{1} << 16;
+    const std::size_t enough =
+        std::max<std::size_t>(static_cast<std::size_t>(parallel.threads()) * 4, count / most_in_range);
+    const std::size_t ranges = std::clamp<std::size_t>(count / 4096, 1, enough);
+    const auto first = [&](std::size_t range) { return count * range / ranges; };
+    std::vector<std::size_t> cursors(ranges * parts, 0);  // first a count, then where the next item goes
+    parallel.run(ranges, [&](std::size_t range, int) {
+        std::size_t* const own = cursors.data() + range * parts;
+        each(first(range), first(range + 1), [&](std::size_t part, const T&) { ++own[part]; });
+    });
+    Distributed<T> sorted(memory);
+    sorted.firsts.resize(parts + 1);
+    std::size_t sum = 0;
+    for (std::size_t part = 0; part < parts; ++part) {
+        sorted.firsts[part] = sum;
+        for (std::size_t range = 0; range < ranges; ++range) {
+            sum += std::exchange(cursors[range * parts + part], sum);
+        }
+    }
+    sorted.firsts[parts] = sum;
+    sorted.items.resize_discarding(sum);
+    T* const items = sorted.items.data();
+    parallel.run(ranges, [&](std::size_t range, int) {
+        std::size_t* const own = cursors.data() + range * parts;
+        each(first(range), first(range + 1), [&](std::size_t part, const T& item) { items[own[part]++] = item; });
+    });
+    return sorted;
+}
+
+/// How many parts of about `wanted` items make up `count`.
+constexpr std::size_t parts_for(std::size_t count, std::size_t wanted) {
+    constexpr std::size_t most_parts = std::size_t{1} << 12;
+    return std::clamp<std::size_t>(count / wanted, 1, most_parts);
+}
+
+/// Part of `number`, which is under `end`, of `parts` that ascend with it.
+inline std::size_t part_of_number(std::uint64_t number, std::uint64_t end, std::size_t parts) noexcept {
+    return static_cast<std::size_t>(number * parts / end);
+}
+
+}  // namespace lamella

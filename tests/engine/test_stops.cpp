@@ -1,0 +1,220 @@
+// A stop that comes at any moment ends every call soon; and no call's answer depends on threads.
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "lamella/io.hpp"
+#include "lamella/lamella.hpp"
+#include "models/models.hpp"
+#include "temp_folder.hpp"
+
+using lamella::Control;
+using lamella::ErrorCode;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Says yes from a moment on, and notes when it first did so: what a machine under load adds before a thread that waits
+/// notices the moment is not the library's.
+class StopAt {
+public:
+    explicit StopAt(double ms) : at_(Clock::now() + std::chrono::microseconds(static_cast<std::int64_t>(1000 * ms))) {}
+
+    lamella::StopCheck check() {
+        return {[](void* context) noexcept { return Clock::now() >= static_cast<StopAt*>(context)->at_; }, this};
+    }
+    double ms_late() const { return ms_since(at_); }
+
+private:
+    Clock::time_point at_;
+};
+
+struct Call {
+    std::string name;
+    std::function<std::optional<ErrorCode>(const Control&)> run;
+};
+
+template <class Outcome>
+std::optional<ErrorCode> code_of(const Outcome& outcome) {
+    return outcome.ok() ? std::nullopt : std::optional(outcome.error().code);
+}
+
+#ifdef LAMELLA_TESTS_SANITIZED
+constexpr std::uint64_t triangles = 20'000;
+constexpr double most_ms = 2000;
+#else
+constexpr std::uint64_t triangles = 300'000;
+constexpr double most_ms = 100;
+#endif
+
+class ScannedBone {
+public:
+    ScannedBone() {
+        const lamella::models::Recipe recipe{.shape = lamella::models::Shape::bone, .triangles = triangles};
+        REQUIRE(lamella::models::write_stl(recipe, path(), {}).ok());
+        mesh_ = lamella::read_mesh(path());
+        REQUIRE(mesh_.ok());
+        lamella::SliceOptions options = uniform(0.1);
+        result_ = lamella::slice(mesh_.value(), options);
+        REQUIRE(result_.ok());
+    }
+
+    std::filesystem::path path() const { return folder_ / "bone.stl"; }
+    const lamella::MeshFile& mesh() const { return mesh_.value(); }
+    const lamella::SliceResult& result() const { return result_.value(); }
+
+    std::vector<Call> calls() const {
+        const lamella::MeshView view = mesh().view();
+        return {
+            {"read_mesh", [this](const Control& c) { return code_of(lamella::read_mesh(path(), {.control = c})); }},
+            {"inspect", [=](const Control& c) { return code_of(lamella::inspect(view, {.control = c})); }},
+            {"check",
+             [=](const Control& c) {
+                 lamella::CheckOptions options;
+                 options.control = c;
+                 return code_of(lamella::check(view, options));
+             }},
+            {"weld", [=](const Control& c) { return code_of(lamella::weld(view, {.control = c})); }},
+            {"slice",
+             [=](const Control& c) {
+                 lamella::SliceOptions options = uniform(0.02);
+                 options.control = c;
+                 return code_of(lamella::slice(view, options));
+             }},
+            {"make_ledger", [=, this](const Control& c) { return code_of(lamella::make_ledger(view, result(), c)); }},
+            {"certify_volume", [=, this](const Control& c) { return code_of(lamella::certify_volume(view, result(), c)); }},
+            {"find_crossings", [this](const Control& c) { return code_of(lamella::find_crossings(result(), c)); }},
+            {"write_svg",
+             [this](const Control& c) {
+                 return code_of(lamella::write_svg(result(), folder_ / "bone.svg", {.control = c}));
+             }},
+        };
+    }
+
+private:
+    TempFolder folder_;
+    lamella::Result<lamella::MeshFile> mesh_ = lamella::Error{};
+    lamella::Result<lamella::SliceResult> result_ = lamella::Error{};
+};
+
+/// Triangles through one another, as a burst of needles from one place.
+shapes::Soup burst(std::size_t count) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> place(-10, 10);
+    shapes::Soup soup;
+    for (std::size_t i = 0; i < 9 * count; ++i) {
+        soup.push_back(place(random));
+    }
+    return soup;
+}
+
+}  // namespace
+
+TEST_CASE("a stop that comes at any moment ends every call within 100 ms", "[engine][control][stops]") {
+    const ScannedBone bone;
+    std::mt19937 random(1);
+    for (const Call& call : bone.calls()) {
+        for (const int threads : {1, 2}) {
+            INFO(call.name << " on " << threads << " threads");
+            const Clock::time_point start = Clock::now();
+            REQUIRE(call.run({.threads = threads}) == std::nullopt);
+            const double whole = ms_since(start);
+            std::vector<double> late;
+            for (int round = 0; round < 8; ++round) {
+                StopAt stop(std::uniform_real_distribution<double>(0, whole)(random));
+                if (call.run({.threads = threads, .stop = stop.check()}) == ErrorCode::cancelled) {
+                    late.push_back(stop.ms_late());
+                }
+            }
+            // A busy machine may hold up a thread for long: of the rounds all but the slowest must keep the bound.
+            std::sort(late.begin(), late.end());
+            INFO("of " << whole << " ms");
+            CHECK((late.size() < 2 || late[late.size() - 2] <= most_ms));
+        }
+    }
+}
+
+TEST_CASE("every call shows its progress, which never falls and ends at 1", "[engine][control][stops][threads]") {
+    const ScannedBone bone;
+    for (const Call& call : bone.calls()) {
+        for (const int threads : {1, 3}) {
+            std::vector<double> seen;
+            const auto note = [&](double fraction) noexcept { seen.push_back(fraction); };
+            INFO(call.name);
+            REQUIRE(call.run({.threads = threads, .progress = lamella::Progress::to(note)}) == std::nullopt);
+            REQUIRE(seen.size() >= 3);
+            CHECK(std::adjacent_find(seen.begin(), seen.end(), std::greater_equal<>()) == seen.end());
+            CHECK(seen.front() >= 0);
+            CHECK(seen.back() == 1);
+            CHECK(seen[seen.size() - 2] > 0.5);
+        }
+    }
+}
+
+TEST_CASE("crossings of triangles through one another are counted up to a number, and the search ends soon",
+          "[engine][crossings][stops]") {
+    const shapes::Soup soup = burst(3000);
+    const lamella::SliceResult result = sliced(soup, uniform(0.5));
+    const lamella::Crossings one = lamella::find_crossings(result, {.threads = 1}).value();
+    REQUIRE(one.at_least);
+    for (const lamella::LayerCrossings& layer : one.layers) {
+        CHECK(layer.count <= lamella::most_crossings_in_layer);
+        CHECK(layer.at_least == (layer.count == lamella::most_crossings_in_layer));
+    }
+    for (const int threads : {2, 4}) {
+        const lamella::Crossings other = lamella::find_crossings(result, {.threads = threads}).value();
+        CHECK(other.count == one.count);
+        REQUIRE(other.layers.size() == one.layers.size());
+        for (std::size_t i = 0; i < one.layers.size(); ++i) {
+            CHECK(other.layers[i].count == one.layers[i].count);
+            CHECK(other.layers[i].first == one.layers[i].first);
+            CHECK(other.layers[i].contours == one.layers[i].contours);
+        }
+    }
+}
+
+TEST_CASE("check and its report are the same on any number of threads", "[engine][stops][threads]") {
+    const ScannedBone bone;
+    const shapes::Soup crossing = burst(2000);
+    for (const lamella::MeshView& view : {bone.mesh().view(), view_of(crossing)}) {
+        std::string first;
+        for (const int threads : {1, 2, 4}) {
+            lamella::CheckOptions options;
+            options.control.threads = threads;
+            const lamella::Result<lamella::MeshCheck> found = lamella::check(view, options);
+            REQUIRE(found.ok());
+            const std::string json = lamella::make_check_json(found.value()).value();
+            CHECK((first.empty() || json == first));
+            first = json;
+        }
+    }
+}
+
+TEST_CASE("check counts the edges that inspect counts", "[engine][stops]") {
+    const ScannedBone bone;
+    const lamella::Result<lamella::MeshInfo> info = lamella::inspect(bone.mesh().view());
+    const lamella::Result<lamella::MeshCheck> found = lamella::check(bone.mesh().view());
+    REQUIRE(info.ok());
+    REQUIRE(found.ok());
+    CHECK(found->info.edges == info->edges);
+    CHECK(found->info.boundary_edges == info->boundary_edges);
+    CHECK(found->info.exact_boundary_edges == info->exact_boundary_edges);
+    CHECK(found->info.shells == info->shells);
+    CHECK(found->info.degenerate == info->degenerate);
+    CHECK(found->info.closed == info->closed);
+    CHECK(found->info.volume_mm3 == info->volume_mm3);
+}

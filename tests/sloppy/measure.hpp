@@ -35,8 +35,8 @@ public:
             return "no triangles";
         }
         char text[256];
-        std::snprintf(text, sizeof text, "%zu triangles, box %.5g %.5g %.5g to %.5g %.5g %.5g, area %.5g", triangles_, min_[0],
-                      min_[1], min_[2], max_[0], max_[1], max_[2], area_);
+        std::snprintf(text, sizeof text, "%zu triangles, box %.5g %.5g %.5g to %.5g %.5g %.5g, area %.5g", triangles_,
+                      min_[0], min_[1], min_[2], max_[0], max_[1], max_[2], area_);
         return text;
     }
 

@@ -18,7 +18,8 @@ enum class OffExtras : std::uint8_t {
 /// Goes through all numbers of the body. Runs twice: first to count and to check, then to write.
 class OffTokens : private OffNumbers {
 public:
-    OffTokens(std::string_view text, OffExtras extras) : OffNumbers(text), extras_(extras) {}
+    OffTokens(std::string_view text, OffExtras extras, const Parallel& parallel)
+        : OffNumbers(text), extras_(extras), parallel_(parallel) {}
 
     /// Past the head.
     bool begin(OffCounts& counts);
@@ -38,9 +39,16 @@ private:
     bool vertex(std::byte* to);
     template <class Corner>
     bool face(std::size_t& corners, Corner corner);
+    /// Looks for a stop request, which throws, once in a few thousand items.
+    void look_for_stop(std::size_t item) const {
+        if (item % 4096 == 0) {
+            parallel_.stop_if_asked();
+        }
+    }
     bool extras(std::size_t most, std::size_t& count);
 
     OffExtras extras_;
+    const Parallel& parallel_;
     OffCounts counts_;
     std::size_t face_extras_ = std::numeric_limits<std::size_t>::max();  // of the first face
     const char* item_ = nullptr;
@@ -139,6 +147,7 @@ bool OffTokens::count(FaceRange& faces) {
         }
     }
     for (std::size_t i = 0; i < counts_.faces; ++i) {
+        look_for_stop(i);
         std::size_t corners = 0;
         if (!face(corners, [](std::uint32_t) {})) {
             return false;
@@ -151,9 +160,11 @@ bool OffTokens::count(FaceRange& faces) {
 void OffTokens::write(std::byte* coordinates, FaceWriter& faces) {
     constexpr std::size_t vertex_bytes = 3 * sizeof(double);
     for (std::size_t i = 0; i < counts_.vertices; ++i) {
+        look_for_stop(i);
         vertex(coordinates + i * vertex_bytes);
     }
     for (std::size_t i = 0; i < counts_.faces; ++i) {
+        look_for_stop(i);
         std::size_t corners = 0;
         face(corners, [&faces](std::uint32_t vertex) { faces.add_corner(vertex); });
         if (corners < 3) {
@@ -187,7 +198,7 @@ std::optional<Result<MeshFile>> read_off_tokens(const FileSource& source, std::s
             return tokens.begin(counts) && counts.fit(text.size()) ? std::optional(counts) : std::nullopt;
         };
         std::vector<FaceRange> faces(1);
-        OffTokens counter(text, extras);
+        OffTokens counter(text, extras, source.parallel());
         const std::optional<OffCounts> counts = start(counter);
         if (!counts || !counter.count(faces[0])) {
             if (counter.ended_early() && failure.at == nullptr && counter.item() > whole.data() + refused_offset) {
@@ -198,13 +209,13 @@ std::optional<Result<MeshFile>> read_off_tokens(const FileSource& source, std::s
         return read_faces(
             source, whole, counts->vertices, faces,
             [&](std::size_t, std::byte* coordinates, FaceWriter& writer) {
-                OffTokens tokens(text, extras);
+                OffTokens tokens(text, extras, source.parallel());
                 (void)start(tokens);
                 tokens.write(coordinates, writer);
                 return TextFailure();
             },
             [&](std::size_t, std::size_t face) {
-                OffTokens tokens(text, extras);
+                OffTokens tokens(text, extras, source.parallel());
                 (void)start(tokens);
                 return tokens.place_of_face(face);
             });

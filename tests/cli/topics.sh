@@ -264,6 +264,19 @@ test_progress() {
     expect 0 slice ball.stl --progress always
     grep -q 'slicing \[' .stderr || fail "no bar"
     grep -q 'slicing' .stdout && fail "the bar is on stdout"
+    local stage
+    expect 0 slice ball.stl --progress always --weld 0.0001 --report report.json -o out.svg
+    for stage in reading welding slicing writing ledger certificate crossings; do
+        grep -q "$stage \[" .stderr || fail "no bar of $stage"
+    done
+    for stage in read parse weld bucket sweep contours nesting write ledger certificate crossings total; do
+        json_value report.json ms "$stage" > .value || exit 1
+    done
+    rm .value
+    expect 0 check ball.stl --progress always
+    grep -q 'checking \[' .stderr || fail "no bar of the check"
+    expect 0 info ball.stl --progress always
+    grep -q 'inspecting \[' .stderr || fail "no bar of the inspection"
     expect 0 slice ball.stl --progress auto
     [[ ! -s .stderr ]] || fail "a bar where stderr is no terminal"
     expect 0 slice ball.stl --progress never
@@ -505,6 +518,11 @@ test_check() {
     cp .stdout words
     expect 0 check open.stl --threads 1 --report - --marks again.ply
     cmp <(without_times < .stdout) <(without_times < open.json) || fail "another report on one thread"
+    local stage
+    for stage in read parse measure faces edges joints shells meeting gaps write total; do
+        json_value open.json ms "$stage" > .value || exit 1
+    done
+    rm .value
     cmp .stderr words || fail "other words on one thread"
     cmp open.ply again.ply || fail "other marks on one thread"
     grep -qE '^self-|^duplicate|^cracks' words && fail "kinds that were not found are listed"

@@ -76,7 +76,8 @@ TEST_CASE("a diagonal under 2^20 units is too coarse a grid, whether or not a fi
     CHECK_FALSE(scale_of(0, 0.58, CoordinateType::f32).coarse_grid);  // of 1.005 mm
     CHECK(scale_of(0, 100, CoordinateType::f64, 1e-3).coarse_grid);
     CHECK(scale_of(1000, 0.5, CoordinateType::f64).coarse_grid);
-    CHECK(scale_of(1000, 0.5, CoordinateType::f64).finest_unit_mm == lamella::default_unit_mm);  // none finer reaches 1,000 mm
+    CHECK(scale_of(1000, 0.5, CoordinateType::f64).finest_unit_mm ==
+          lamella::default_unit_mm);  // none finer reaches 1,000 mm
     CHECK(scale_of(0, 0.013, CoordinateType::f32).finest_unit_mm == 0x1p-36);
 }
 

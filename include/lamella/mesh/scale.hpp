@@ -19,7 +19,8 @@ struct MeshScale {
     double farthest_mm = 0;     ///< the largest magnitude of a coordinate
     double number_step_mm = 0;  ///< between neighbouring numbers there
     double finest_unit_mm = 0;  ///< the grid that unit_by_box chooses
-    /// The diagonal is under 2^20 grid units: details may have been lost. finest_unit_mm tells whether a finer grid would do.
+    /// The diagonal is under 2^20 grid units: details may have been lost. finest_unit_mm tells whether a finer grid would
+    /// do.
     bool coarse_grid = false;
     /// The step exceeds 1e-6 of the diagonal: details were lost when the coordinates were stored. No grid brings them back.
     bool coarse_numbers = false;

@@ -135,6 +135,7 @@ void Parallel::Stages::begin(double fraction, std::size_t runs) noexcept {
     from_ = to_ = end_;  // where the stage before ends, whether or not it had as many runs
     end_ = fraction;
     runs_left_ = runs;
+    shown_ = true;
     reach(0, 1);
 }
 

@@ -62,7 +62,7 @@ private:
     /// How far the stages have led.
     class Stages {
     public:
-        explicit Stages(const Progress& sink) noexcept : meter_(sink), shown_(sink.report != nullptr) {}
+        explicit Stages(const Progress& sink) noexcept : meter_(sink) {}
         void begin(double fraction, std::size_t runs) noexcept;
         void begin_run() noexcept;
         void reach(std::size_t index, std::size_t count) noexcept {
@@ -75,7 +75,7 @@ private:
 
     private:
         ProgressMeter meter_;
-        bool shown_;
+        bool shown_ = false;  ///< a stage has begun
         std::size_t runs_left_ = 0;
         double from_ = 0;  ///< of the run
         double to_ = 0;

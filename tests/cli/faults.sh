@@ -196,7 +196,7 @@ ended_by() {
 
 # Every command on a mesh of some millions of triangles, at random moments of the time that it takes.
 test_stops() {
-    expect 0 make bone --triangles 2000000 -o bone.stl
+    expect 0 make bone --triangles 1000000 -o bone.stl
     local begin whole i
     stop_at_random() {
         begin=$(date +%s%N)

@@ -57,7 +57,7 @@ std::optional<ErrorCode> code_of(const Outcome& outcome) {
 constexpr std::uint64_t triangles = 20'000;
 constexpr double most_ms = 2000;
 #else
-constexpr std::uint64_t triangles = 300'000;
+constexpr std::uint64_t triangles = 150'000;
 constexpr double most_ms = 100;
 #endif
 

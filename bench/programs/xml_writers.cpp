@@ -131,10 +131,15 @@ std::string model_part(const WeldedMesh& mesh) {
     return text.all();
 }
 
-bool add_part(zipFile zip, const char* name, const std::string& contents) {
-    return zipOpenNewFileInZip(zip, name, nullptr, nullptr, 0, nullptr, 0, nullptr, Z_DEFLATED, 6) == ZIP_OK &&
-           zipWriteInFileInZip(zip, contents.data(), static_cast<unsigned>(contents.size())) == ZIP_OK &&
-           zipCloseFileInZip(zip) == ZIP_OK;
+/// `contents` must outlive the archive.
+bool add_part(zip_t* zip, const char* name, const std::string& contents) {
+    zip_source_t* const source = zip_source_buffer(zip, contents.data(), contents.size(), 0);
+    const zip_int64_t part = source == nullptr ? -1 : zip_file_add(zip, name, source, 0);
+    if (part < 0) {
+        zip_source_free(source);
+        return false;
+    }
+    return zip_set_file_compression(zip, static_cast<zip_uint64_t>(part), ZIP_CM_DEFLATE, 6) == 0;
 }
 
 }  // namespace
@@ -177,14 +182,14 @@ std::uint64_t write_3mf(const WeldedMesh& mesh, const std::filesystem::path& fil
         R"(<?xml version="1.0"?><Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">)"
         R"(<Relationship Target="/3D/3dmodel.model" Id="rel0")"
         R"( Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>)";
-    zipFile zip = zipOpen64(file.c_str(), APPEND_STATUS_CREATE);
+    zip_t* const zip = zip_open(file.c_str(), ZIP_CREATE | ZIP_TRUNCATE, nullptr);
     if (zip == nullptr) {
         return 0;
     }
     const std::string model = model_part(mesh);
     const bool added = add_part(zip, "[Content_Types].xml", types) && add_part(zip, "_rels/.rels", relationships) &&
                        add_part(zip, "3D/3dmodel.model", model);
-    return zipClose(zip, nullptr) == ZIP_OK && added ? model.size() : 0;
+    return zip_close(zip) == 0 && added ? model.size() : 0;
 }
 
 }  // namespace lamella::bench

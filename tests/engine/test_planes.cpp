@@ -253,3 +253,15 @@ TEST_CASE("planes far beyond the grid give empty layers", "[engine][planes]") {
     options.plan.spacing = lamella::ExplicitPlanes{{0.5, 1e8, 1e8}};
     CHECK(failure_of(view_of(shapes::box({0, 0, 0}, {1, 1, 1})), options).plane == 2);
 }
+
+TEST_CASE("layers far thicker than the mesh do not cut it", "[engine][planes]") {
+    // A half layer is 2,500 mm or more, and the grid ends at 1,024 mm.
+    const shapes::Soup soup = box({-1, -1, -1}, {1, 1, 1});
+    for (const double layer_mm : {5'000.0, 10'000.0, 1e6, 1e300}) {
+        for (const Datum datum : {Datum::mesh_min, Datum::zero}) {
+            lamella::SliceOptions options = uniform(layer_mm);
+            uniform_of(options).datum = datum;
+            CHECK(planes_of(sliced(soup, options)).empty());
+        }
+    }
+}

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::int32_t below_all = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t above_all = std::numeric_limits<std::int32_t>::max();
+constexpr double beyond_grid = 1.5 * grid_limit;  ///< in grid units
 constexpr double most_planes = 2147483648.0 - 4;
 constexpr std::size_t most_listed = std::size_t{1} << 27;  // more would not fit beyond either end of the grid
 
@@ -71,7 +72,8 @@ void PlaneSet::build(const Array<Layer>& layers) {
 
 std::int32_t PlaneSet::round_height(double mm) const noexcept {
     const double as_vertex = number_ == CoordinateType::f32 ? static_cast<double>(static_cast<float>(mm)) : mm;
-    return to_even_grid(as_vertex, unit_mm_) + (plan_.side == PlaneSide::below ? -1 : 1);
+    const double reach_mm = beyond_grid * unit_mm_;  // what lies further cuts nothing, and would overflow
+    return to_even_grid(std::clamp(as_vertex, -reach_mm, reach_mm), unit_mm_) + (plan_.side == PlaneSide::below ? -1 : 1);
 }
 
 Status PlaneSet::check_count(double planes, std::uint64_t memory_limit) const {
@@ -221,10 +223,9 @@ void PlaneSet::fill_from_heights() {
     count_ = static_cast<PlaneIndex>(heights_mm_.size());
     padded_.resize_discarding(heights_mm_.size() + 2);
     padded_[0] = below_all;
-    constexpr double reach = 1.5 * grid_limit;
     for (PlaneIndex i = 0; i < count_; ++i) {
         const double mm = heights_mm_[i];
-        if (std::abs(mm / unit_mm_) < reach) {
+        if (std::abs(mm / unit_mm_) < beyond_grid) {
             padded_[i + 1] = round_height(mm);
         } else {
             padded_[i + 1] = mm < 0 ? below_all + 3 + 2 * static_cast<std::int32_t>(i)

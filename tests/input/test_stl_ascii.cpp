@@ -13,11 +13,14 @@ using Catch::Contains;
 
 namespace {
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
-        text.replace(at, what.size(), by);
+std::string replaced(const std::string& text, const std::string& what, const std::string& by) {
+    std::string result;
+    std::size_t begin = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, begin)) {
+        result.append(text, begin, at - begin).append(by);
+        begin = at + what.size();
     }
-    return text;
+    return result.append(text, begin);
 }
 
 std::string upper(std::string text) {

@@ -20,6 +20,15 @@ public:
         return __atomic_compare_exchange_n(word_, &expected, desired, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
     }
 
+    void add(Word value) const noexcept { __atomic_fetch_add(word_, value, __ATOMIC_RELAXED); }
+
+    /// Clears the bits that are not among `bits`. Most often none is set: then nothing is written.
+    void keep(Word bits) const noexcept {
+        if ((load() & ~bits) != 0) {
+            __atomic_fetch_and(word_, bits, __ATOMIC_RELAXED);
+        }
+    }
+
 private:
     Word* word_;
 };

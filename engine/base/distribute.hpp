@@ -30,8 +30,8 @@ public:
 };
 
 /// Two calls of run(). `each(begin, end, emit)` calls emit(part, item) for every item that comes from [begin, end), and the
-/// same again when it is called again. The items' memory comes from
-/// `memory`; beside them 8 bytes a part for each 2^16 of `count`. Throws std::bad_alloc.
+/// same again when it is called again. The items' memory comes from `memory`; beside them 8 bytes a part for each 2^16 of
+/// `count`. Throws std::bad_alloc.
 template <class T, class Each>
 Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& parallel, Each each,
                           const Memory* memory = nullptr) {
@@ -62,6 +62,25 @@ Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& 
         each(first(range), first(range + 1), [&](std::size_t part, const T& item) { items[own[part]++] = item; });
     });
     return sorted;
+}
+
+/// One call of run(): the indices under `count` for which test(index) holds, ascending. Throws std::bad_alloc.
+template <class Test>
+std::vector<std::uint32_t> indices_where(std::size_t count, const Parallel& parallel, Test test) {
+    const std::size_t ranges = count / (std::size_t{1} << 14) + 1;
+    std::vector<std::vector<std::uint32_t>> found(ranges);
+    parallel.run(ranges, [&](std::size_t range, int) {
+        for (std::size_t i = count * range / ranges; i != count * (range + 1) / ranges; ++i) {
+            if (test(i)) {
+                found[range].push_back(static_cast<std::uint32_t>(i));
+            }
+        }
+    });
+    std::vector<std::uint32_t> all;
+    for (const std::vector<std::uint32_t>& own : found) {
+        all.insert(all.end(), own.begin(), own.end());
+    }
+    return all;
 }
 
 /// How many parts of about `wanted` items make up `count`.

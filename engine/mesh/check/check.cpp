@@ -95,7 +95,7 @@ public:
             return status.error();
         }
         begin(faces_share);
-        const GridMesh mesh = make_grid_mesh(view_, options_.transform, check_.info.unit_mm, parallel_);
+        const GridMesh mesh = make_grid_mesh(view_, options_.transform, check_.info, parallel_);
         if (mesh.faces.empty()) {
             return all_collapsed(view_.triangle_count, check_.info.unit_mm);
         }
@@ -132,21 +132,24 @@ private:
     void find_faults(const GridMesh& mesh, const EdgeTable& edges) {
         Notes notes(mesh, options_.most_places, check_.findings);
         begin(joints_share);
+        const EmbeddedStars stars(mesh, edges, parallel_);
         const EdgeCounts counts = find_edge_faults(mesh, edges, notes, parallel_);
         find_loops(mesh, edges, notes, parallel_);
         find_face_faults(mesh, options_.sliver_ratio, notes, parallel_);
-        find_split_vertices(mesh, edges, notes, parallel_);
+        find_split_vertices(mesh, edges, stars, notes, parallel_);
         find_flipped_faces(mesh, edges, notes, parallel_);
         check_.ms.joints = lap();
-        begin(shells_share);
-        const std::vector<std::uint32_t> shell_of = find_shells(mesh, edges, notes, check_, parallel_);
-        check_.ms.shells = lap();
         begin(tree_share);
+        const FaceTree tree(mesh, parallel_);
+        check_.ms.meeting = lap();
+        begin(shells_share);
+        const std::vector<std::uint32_t> shell_of = find_shells(mesh, edges, tree, notes, check_, parallel_);
+        check_.ms.shells = lap();
         const std::vector<std::uint8_t> meets_other =
-            find_meeting_faces(mesh, shell_of, check_.shells, notes, meeting_share, parallel_);
+            find_meeting_faces(mesh, tree, stars, shell_of, check_.shells, notes, meeting_share, parallel_);
         const bool all_known = check_.nesting_complete && !check_.of(Fault::crossing_faces).at_least;
         find_misoriented_shells(check_.shells, meets_other, all_known, notes);
-        check_.ms.meeting = lap();
+        check_.ms.meeting += lap();
         begin(gaps_share);
         find_gaps(mesh, edges, options_.tolerance_mm, notes, parallel_);
         check_.ms.gaps = lap();

@@ -108,22 +108,7 @@ EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel) : mesh_(mes
         }
     });
     edges_[firsts.back()] = {0, 0, static_cast<std::uint32_t>(sides.items.size())};
-    find_boundary(parallel);
-}
-
-void EdgeTable::find_boundary(const Parallel& parallel) {
-    const std::size_t ranges = size() / sides_a_part + 1;
-    std::vector<std::vector<std::uint32_t>> found(ranges);
-    parallel.run(ranges, [&](std::size_t range, int) {
-        for (std::size_t edge = size() * range / ranges; edge != size() * (range + 1) / ranges; ++edge) {
-            if (sides(edge).size() == 1) {
-                found[range].push_back(static_cast<std::uint32_t>(edge));
-            }
-        }
-    });
-    for (const std::vector<std::uint32_t>& own : found) {
-        boundary_.insert(boundary_.end(), own.begin(), own.end());
-    }
+    boundary_ = indices_where(size(), parallel, [&](std::size_t edge) { return this->sides(edge).size() == 1; });
 }
 
 std::size_t EdgeTable::forward_count(std::size_t edge) const noexcept {

@@ -47,8 +47,6 @@ public:
     bool joins(std::uint32_t a, std::uint32_t b) const noexcept;
 
 private:
-    void find_boundary(const Parallel& parallel);
-
     const GridMesh& mesh_;
     Array<Edge> edges_;  ///< and one past the end, for its first_side
     Array<std::uint32_t> sides_;

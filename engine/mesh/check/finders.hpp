@@ -7,6 +7,8 @@
 #include "base/parallel.hpp"
 #include "lamella/mesh/check.hpp"
 #include "mesh/check/edge_table.hpp"
+#include "mesh/check/embedded_stars.hpp"
+#include "mesh/check/face_tree.hpp"
 #include "mesh/check/notes.hpp"
 
 namespace lamella {
@@ -22,8 +24,9 @@ EdgeCounts find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes&
 /// Loops of boundary edges. O(b log b) for b of them.
 void find_loops(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel);
 
-/// Vertices whose triangles do not form one cone. O(n), four calls of run().
-void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel);
+/// Vertices whose triangles do not form one cone. O(n + s log s) for s faces around vertices without embedded stars.
+void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, const EmbeddedStars& stars, Notes& notes,
+                         const Parallel& parallel);
 
 /// Flipped faces and one-sided patches, once edge faults have been found. O(n), where any edge is mismatched.
 void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel);
@@ -32,12 +35,13 @@ void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& not
 void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes, const Parallel& parallel);
 
 /// Shells, their orientations and nesting. Returns the shell of each face.
-std::vector<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const Notes& notes, MeshCheck& check,
-                                       const Parallel& parallel);
+std::vector<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree,
+                                       const Notes& notes, MeshCheck& check, const Parallel& parallel);
 
 /// Pairs of faces that cross, overlap or touch. Returns for each shell 1 if it and another one are closed and meet, else 0.
 /// The search itself leads the progress on to `progress`.
-std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of,
+std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTree& tree, const EmbeddedStars& stars,
+                                             const std::vector<std::uint32_t>& shell_of,
                                              const std::vector<MeshShell>& shells, Notes& notes, double progress,
                                              const Parallel& parallel);
 

@@ -84,7 +84,7 @@ public:
             parallel_);
         search(
             Fault::t_junction, tree,
-            [&](std::uint32_t vertex, std::uint32_t item, std::vector<Near>& found) {
+            [&](std::uint32_t vertex, std::size_t item, std::vector<Near>& found) {
                 if (is_t_junction(vertex, boundary_[item])) {
                     found.push_back({vertex, boundary_[item]});
                 }
@@ -98,7 +98,7 @@ public:
             parallel_);
         search(
             Fault::crack, tree,
-            [&](std::uint32_t vertex, std::uint32_t item, std::vector<Near>& found) {
+            [&](std::uint32_t vertex, std::size_t item, std::vector<Near>& found) {
                 const std::uint32_t other = vertices_[item];
                 if (vertex < other && length(at(other) - at(vertex)) <= half_reach_ && !edges_.joins(vertex, other)) {
                     found.push_back({vertex, other});
@@ -123,8 +123,8 @@ private:
         finding.at_least = !search.run(
             [&](std::size_t query, std::size_t limit, std::vector<Near>& found) {
                 const std::uint32_t vertex = vertices_[query];
-                return tree.search(widened(mesh_.vertices[vertex], reach_), 0, limit,
-                                   [&](std::uint32_t item) { visit(vertex, item, found); });
+                return tree.search(widened(mesh_.vertices[vertex], reach_), limit,
+                                   [&](std::size_t item) { visit(vertex, item, found); });
             },
             [&](std::size_t, const std::vector<Near>& found, int worker) {
                 for (const Near& near : found) {

@@ -61,11 +61,11 @@ Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::siz
 
 }  // namespace
 
-GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel) {
+GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel) {
     assert(mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3);
     GridMesh grid;
-    grid.unit_mm = unit_mm;
-    VertexNumbers numbers = number_vertices(mesh, transform, unit_mm, parallel);
+    grid.unit_mm = info.unit_mm;
+    VertexNumbers numbers = number_vertices(mesh, transform, info, parallel);
     grid.vertices = std::move(numbers.vertices);
     grid.joined = numbers.joined;
     Distributed<Face> parts = distribute_faces(numbers.of_corners, grid.vertices.size(), parallel);

@@ -10,6 +10,7 @@
 #include "lamella/array.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/mesh.hpp"
+#include "lamella/mesh/inspect.hpp"
 
 namespace lamella {
 
@@ -26,7 +27,7 @@ inline std::array<std::uint32_t, 3> vertex_set(const Face& face) noexcept {
 }
 
 struct GridMesh {
-    Array<GridVertex> vertices;   ///< distinct, ascending
+    Array<GridVertex> vertices;   ///< distinct, in Morton order
     Array<Face> faces;            ///< by vertex_set(), then orientation, then source; those with two equal vertices left out
     std::vector<Face> collapsed;  ///< these, in the same order
     double unit_mm = 0;
@@ -37,8 +38,8 @@ struct GridMesh {
     }
 };
 
-/// O(n log n), in seven calls of run(). Precondition: indices in range, coordinates within the grid, fewer than 2^32 / 3
+/// O(n log n), in seven calls of run(). `info` holds the box and the unit. Precondition: indices in range, coordinates within the grid, fewer than 2^32 / 3
 /// triangles. Throws std::bad_alloc.
-GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel);
+GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel);
 
 }  // namespace lamella

@@ -1,5 +1,5 @@
-// Faces that cross, overlap or touch: every pair whose boxes meet is tested exactly. Of faces on the same vertices only
-// one is tested, as they meet the same others: a body exported a thousand times costs no more than once.
+// Faces that cross, overlap or touch. Of the pairs whose boxes meet most share a vertex with an embedded star; most others
+// are told apart in double; the rest is tested exactly.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "mesh/check/box_tree.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/check/meeting.hpp"
 #include "mesh/check/pair_search.hpp"
@@ -37,28 +36,61 @@ struct Met {
     FacePair faces;
 };
 
+/// Of eight faces the vertices with embedded stars.
+class StarBlock {
+public:
+    void set(std::size_t lane, const Face& face, const EmbeddedStars& stars) {
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            const std::uint32_t vertex = face.corners[corner];
+            vertices_[corner].set(lane, static_cast<std::int32_t>(stars.contains(vertex) ? vertex : none));
+        }
+    }
+
+    /// Which of the faces have one in common with the other.
+    LaneBits share(const StarBlock& other, std::size_t lane) const {
+        Eight same(0);
+        for (const Eight& theirs : other.vertices_) {
+            if (const std::int32_t vertex = theirs[lane]; vertex != static_cast<std::int32_t>(none)) {
+                const Eight all(vertex);
+                same = same | (vertices_[0] == all) | (vertices_[1] == all) | (vertices_[2] == all);
+            }
+        }
+        return same.bits();
+    }
+
+private:
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+    std::array<Eight, 3> vertices_;  ///< by corner
+};
+
 class MeetingSearch {
 public:
-    MeetingSearch(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of, const std::vector<MeshShell>& shells,
-                  std::size_t most, const Parallel& parallel)
+    MeetingSearch(const GridMesh& mesh, const FaceTree& tree, const EmbeddedStars& stars,
+                  const std::vector<std::uint32_t>& shell_of, const std::vector<MeshShell>& shells, std::size_t most,
+                  const Parallel& parallel)
         : mesh_(mesh),
+          tree_(tree),
           shell_of_(shell_of),
           shells_(shells),
           parallel_(parallel),
           tallies_(static_cast<std::size_t>(parallel.threads()),
                    {Tally<FacePair>(most), Tally<FacePair>(most), Tally<FacePair>(most)}),
           meets_other_(shells.size()) {
-        choose_faces();
+        blocks_.resize_discarding(tree.boxes.groups());
+        parallel.run_ranges(blocks_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t item = tree.boxes.group_begin(begin); item != tree.boxes.group_end(end - 1); ++item) {
+                blocks_[item / BoxTree::fan].set(item % BoxTree::fan, mesh.faces[tree.faces[item]], stars);
+            }
+        });
     }
 
     /// Whether nothing was left out.
     bool run(double progress) {
-        const BoxTree tree(
-            faces_.size(), [&](std::size_t i) { return Box::around(mesh_.corners(mesh_.faces[faces_[i]])); }, parallel_);
-        parallel_.begin_stage(progress, BudgetedSearch<Met>::runs_for(tree.groups()));
-        BudgetedSearch<Met> search(tree.groups(), search_budget(tree.size()), parallel_);
+        const std::size_t groups = tree_.boxes.groups();
+        parallel_.begin_stage(progress, BudgetedSearch<Met>::runs_for(groups));
+        BudgetedSearch<Met> search(groups, search_budget(tree_.boxes.size()), parallel_);
         return search.run([&](std::size_t group, std::size_t limit,
-                              std::vector<Met>& found) { return meet_group(tree, group, limit, found); },
+                              std::vector<Met>& found) { return meet_group(group, limit, found); },
                           [&](std::size_t, const std::vector<Met>& found, int worker) {
                               for (const Met& met : found) {
                                   note(met, worker);
@@ -76,42 +108,26 @@ public:
     std::vector<std::uint8_t> meets_other() const { return {meets_other_.begin(), meets_other_.end()}; }
 
 private:
-    static constexpr std::size_t grain = 8192;
-
-    /// Those with area, of several on the same vertices the first.
-    void choose_faces() {
-        const std::size_t ranges = mesh_.faces.size() / grain + 1;
-        std::vector<std::vector<std::uint32_t>> found(ranges);
-        parallel_.run(ranges, [&](std::size_t range, int) {
-            const std::size_t end = mesh_.faces.size() * (range + 1) / ranges;
-            for (std::size_t face = mesh_.faces.size() * range / ranges; face != end; ++face) {
-                const bool again = face > 0 && vertex_set(mesh_.faces[face]) == vertex_set(mesh_.faces[face - 1]);
-                if (!again && exact(mesh_, static_cast<std::uint32_t>(face)).has_area()) {
-                    found[range].push_back(static_cast<std::uint32_t>(face));
-                }
-            }
-        });
-        for (const std::vector<std::uint32_t>& own : found) {
-            faces_.insert(faces_.end(), own.begin(), own.end());
-        }
-    }
+    static constexpr std::size_t grain = 1024;  ///< groups
 
     /// Compares the faces of a group with all after them in the tree. Returns what it cost.
-    std::size_t meet_group(const BoxTree& tree, std::size_t group, std::size_t limit, std::vector<Met>& found) const {
+    std::size_t meet_group(std::size_t group, std::size_t limit, std::vector<Met>& found) const {
         std::array<RealFace, BoxTree::fan> own;
-        const std::size_t begin = tree.group_begin(group);
-        for (std::size_t position = begin; position != tree.group_end(group); ++position) {
-            own[position - begin] = real(mesh_, faces_[tree.item_at(position)]);
+        const std::size_t begin = tree_.boxes.group_begin(group);
+        for (std::size_t item = begin; item != tree_.boxes.group_end(group); ++item) {
+            own[item - begin] = real(mesh_, tree_.faces[item]);
         }
-        std::size_t last = tree.size();
-        RealFace other = own[0];  // of `last`, as pairs with one face follow one another
-        return tree.search_pairs(group, limit, [&](std::size_t position, std::size_t other_position) {
-            if (other_position != std::exchange(last, other_position)) {
-                other = real(mesh_, faces_[tree.item_at(other_position)]);
+        return tree_.boxes.search_pairs(group, limit, [&](std::size_t item, LaneBits bits) {
+            bits &= ~blocks_[group].share(blocks_[item / BoxTree::fan], item % BoxTree::fan);
+            if (bits == 0) {
+                return;
             }
-            if (!are_apart(own[position - begin], other)) {
-                meet_exactly(faces_[tree.item_at(position)], faces_[tree.item_at(other_position)], found);
-            }
+            const RealFace other = real(mesh_, tree_.faces[item]);
+            each_lane(bits, [&](std::size_t lane) {
+                if (!are_apart(own[lane], other)) {
+                    meet_exactly(tree_.faces[begin + lane], tree_.faces[item], found);
+                }
+            });
         });
     }
 
@@ -138,10 +154,11 @@ private:
     }
 
     const GridMesh& mesh_;
+    const FaceTree& tree_;
     const std::vector<std::uint32_t>& shell_of_;
     const std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
-    std::vector<std::uint32_t> faces_;  ///< those with area, of several on the same vertices the first
+    Array<StarBlock> blocks_;  ///< by group
     std::vector<std::array<Tally<FacePair>, kinds.size()>> tallies_;
     std::vector<std::atomic<std::uint8_t>> meets_other_;  ///< by shell
 };
@@ -172,10 +189,11 @@ FaultPlace place_of(const GridMesh& mesh, const FacePair& pair, Meeting meeting)
 
 }  // namespace
 
-std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of,
+std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTree& tree, const EmbeddedStars& stars,
+                                             const std::vector<std::uint32_t>& shell_of,
                                              const std::vector<MeshShell>& shells, Notes& notes, double progress,
                                              const Parallel& parallel) {
-    MeetingSearch search(mesh, shell_of, shells, notes.most(), parallel);
+    MeetingSearch search(mesh, tree, stars, shell_of, shells, notes.most(), parallel);
     const bool complete = search.run(progress);
     for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
         const auto& [meeting, fault] = kinds[kind];

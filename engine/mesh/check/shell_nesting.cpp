@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "base/sign.hpp"
-#include "mesh/check/box_tree.hpp"
 #include "mesh/check/meeting.hpp"
 #include "mesh/check/pair_search.hpp"
 
@@ -16,7 +15,7 @@ namespace {
 /// A ray meets a face of a shell.
 struct Hit {
     std::uint32_t shell;
-    int winding;   ///< 1 where the ray leaves it, -1 where it enters
+    int winding;   ///< 1 where the ray leaves it, -1 where it enters; summed over faces on the same vertices
     bool touches;  ///< the ray begins on this face
     bool operator<(const Hit& other) const { return shell < other.shell; }
 };
@@ -47,16 +46,13 @@ int winding_of(const ExactFace& face, const GridVector& p) {
 
 class Nesting {
 public:
-    Nesting(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
+    Nesting(const GridMesh& mesh, const FaceTree& tree, const std::vector<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
             const Parallel& parallel)
         : mesh_(mesh),
+          tree_(tree),
           shell_of_(shell_of),
           shells_(shells),
-          parallel_(parallel),
-          closed_faces_(faces_of_closed()),
-          tree_(
-              closed_faces_.size(),
-              [&](std::size_t item) { return Box::around(mesh.corners(mesh.faces[closed_faces_[item]])); }, parallel) {
+          parallel_(parallel) {
         sort_faces();
     }
 
@@ -79,16 +75,6 @@ public:
 
 private:
     static constexpr std::size_t most_samples = 8;
-
-    std::vector<std::uint32_t> faces_of_closed() const {
-        std::vector<std::uint32_t> faces;
-        for (std::uint32_t face = 0; face < mesh_.faces.size(); ++face) {
-            if (shells_[shell_of_[face]].closed) {
-                faces.push_back(face);
-            }
-        }
-        return faces;
-    }
 
     void sort_faces() {
         firsts_.assign(shells_.size() + 1, 0);
@@ -148,20 +134,27 @@ private:
         const auto on_grid = [](std::int64_t value) { return static_cast<std::int32_t>(2 * value); };
         const Box ray{{on_grid(p.x), on_grid(p.y), on_grid(p.z)}, {on_grid(p.x), on_grid(p.y), grid_limit}};
         hits.clear();
-        const std::size_t cost = tree_.search(ray, 0, limit, [&](std::uint32_t item) {
-            const std::uint32_t number = closed_faces_[item];
-            const ExactFace face(mesh_.faces[number].corners, mesh_.corners(mesh_.faces[number]));
-            if (shell_of_[number] == shell || !face.has_area()) {
+        const std::size_t cost = tree_.boxes.search(ray, limit, [&](std::size_t item) {
+            const std::uint32_t first = tree_.faces[item];
+            if (shell_of_[first] == shell || !shells_[shell_of_[first]].closed) {
                 return;
             }
-            const bool touches = contains(face, p);
-            const int winding = winding_of(face, p);
+            const bool touches = contains(exact(first), p);
+            int winding = 0;
+            for (std::uint32_t face = first; face < mesh_.faces.size() && are_alike(face, first); ++face) {
+                winding += winding_of(exact(face), p);
+            }
             if (touches || winding != 0) {
-                hits.push_back({shell_of_[number], winding, touches});
+                hits.push_back({shell_of_[first], winding, touches});
             }
         });
         std::sort(hits.begin(), hits.end());
         return cost;
+    }
+
+    ExactFace exact(std::uint32_t face) const { return {mesh_.faces[face].corners, mesh_.corners(mesh_.faces[face])}; }
+    bool are_alike(std::uint32_t face, std::uint32_t other) const {
+        return vertex_set(mesh_.faces[face]) == vertex_set(mesh_.faces[other]);
     }
 
     /// The deepest of the shells around; of several equally deep ones, which then cross, the first.
@@ -176,21 +169,20 @@ private:
     }
 
     const GridMesh& mesh_;
+    const FaceTree& tree_;
     const std::vector<std::uint32_t>& shell_of_;
     std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
-    std::vector<std::uint32_t> closed_faces_;  ///< of closed shells, as the tree numbers them
-    BoxTree tree_;
     std::vector<std::uint32_t> faces_;  ///< by shell
     std::vector<std::size_t> firsts_;   ///< per shell, into faces_
 };
 
 }  // namespace
 
-bool nest_shells(const GridMesh& mesh, const std::vector<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
+bool nest_shells(const GridMesh& mesh, const FaceTree& tree, const std::vector<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
                  const Parallel& parallel) {
     const bool any_closed = std::any_of(shells.begin(), shells.end(), [](const MeshShell& shell) { return shell.closed; });
-    return shells.size() < 2 || !any_closed || Nesting(mesh, shell_of, shells, parallel).run();
+    return shells.size() < 2 || !any_closed || Nesting(mesh, tree, shell_of, shells, parallel).run();
 }
 
 }  // namespace lamella

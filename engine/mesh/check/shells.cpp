@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <numeric>
 #include <span>
 #include <vector>
 
 #include "base/disjoint_sets.hpp"
+#include "base/parallel_sort.hpp"
 #include "base/sign.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/check/shell_nesting.hpp"
@@ -72,11 +74,24 @@ Int128 six_volumes(const GridMesh& mesh, const Face& face, const GridVector& ori
     return dot(cross(half(corners[0]) - origin, half(corners[1]) - origin), half(corners[2]) - origin);
 }
 
+/// A vertex and one of its faces: the smallest is what a shell is known by.
+struct FirstPlace {
+    GridVertex vertex;
+    std::uint32_t face;
+    friend auto operator<=>(const FirstPlace&, const FirstPlace&) = default;
+};
+
+FirstPlace first_place(const GridMesh& mesh, std::uint32_t face) {
+    const auto [a, b, c] = mesh.corners(mesh.faces[face]);
+    return {std::min({a, b, c}), face};
+}
+
 /// What faces that follow one another in one shell add to it.
 struct ShellPart {
     std::uint32_t shell;
     std::uint32_t triangles;
     Int128 six_volumes;
+    FirstPlace first;
 };
 
 class ShellMeasure {
@@ -89,37 +104,37 @@ public:
           shells_(shells),
           parallel_(parallel),
           volumes_(shells.size(), 0),
-          origins_(shells.size()) {}
+          firsts_(shells.size()) {}
 
-    void run(const Notes& notes) {
-        find_first_faces(notes);
+    /// Five calls of run() or more. Returns what each shell is known by.
+    std::vector<FirstPlace> run(const Notes& notes) {
+        find_origins();
         add_faces();
         find_open();
         const double cube_mm3 = 8 * mesh_.unit_mm * mesh_.unit_mm * mesh_.unit_mm;
         for (std::size_t i = 0; i < shells_.size(); ++i) {
+            shells_[i].first_mm = notes.mm(firsts_[i].vertex);
+            shells_[i].triangle = mesh_.faces[firsts_[i].face].source;
             if (shells_[i].closed) {
                 shells_[i].orientation = sign_of(volumes_[i]);
                 shells_[i].volume_mm3 = static_cast<double>(volumes_[i]) / 6 * cube_mm3;
             }
         }
+        return std::move(firsts_);
     }
 
 private:
     /// A shell's number is first met at its first face.
-    void find_first_faces(const Notes& notes) {
-        std::size_t next = 0;
-        for (std::size_t i = 0; next < shells_.size(); ++i) {
-            if (shell_of_[i] != next) {
+    void find_origins() {
+        for (std::uint32_t face = 0; origins_.size() < shells_.size(); ++face) {
+            if (shell_of_[face] != origins_.size()) {
                 continue;
             }
-            if (next % faces_a_range == 0) {
+            if (origins_.size() % faces_a_range == 0) {
                 parallel_.stop_if_asked();
             }
-            const Face& face = mesh_.faces[i];
-            origins_[next] = half(mesh_.vertices[face.corners[0]]);
-            shells_[next].first_mm = notes.mm(mesh_.vertices[face.corners[0]]);
-            shells_[next].triangle = face.source;
-            ++next;
+            firsts_[origins_.size()] = first_place(mesh_, face);
+            origins_.push_back(half(mesh_.vertices[mesh_.faces[face].corners[0]]));
         }
     }
 
@@ -136,6 +151,7 @@ private:
                 for (const ShellPart& part : own) {
                     shells_[part.shell].triangles += part.triangles;
                     volumes_[part.shell] += part.six_volumes;
+                    firsts_[part.shell] = std::min(firsts_[part.shell], part.first);
                 }
                 own.clear();
             }
@@ -144,11 +160,15 @@ private:
 
     void add_range(std::size_t begin, std::size_t end, std::vector<ShellPart>& parts) const {
         for (std::size_t i = begin; i != end; ++i) {
-            if (parts.empty() || parts.back().shell != shell_of_[i]) {
-                parts.push_back({shell_of_[i], 0, 0});
+            const std::uint32_t shell = shell_of_[i];
+            const FirstPlace first = first_place(mesh_, static_cast<std::uint32_t>(i));
+            if (parts.empty() || parts.back().shell != shell) {
+                parts.push_back({shell, 0, 0, first});
             }
-            ++parts.back().triangles;
-            parts.back().six_volumes += six_volumes(mesh_, mesh_.faces[i], origins_[shell_of_[i]]);
+            ShellPart& part = parts.back();
+            ++part.triangles;
+            part.six_volumes += six_volumes(mesh_, mesh_.faces[i], origins_[shell]);
+            part.first = std::min(part.first, first);
         }
     }
 
@@ -172,8 +192,30 @@ private:
     std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
     std::vector<Int128> volumes_;
-    std::vector<GridVector> origins_;
+    std::vector<GridVector> origins_;  ///< a vertex of each shell
+    std::vector<FirstPlace> firsts_;
 };
+
+/// One call of run(): numbers the shells anew, by what they are known by.
+void sort_shells(const std::vector<FirstPlace>& firsts, std::vector<MeshShell>& shells, std::vector<std::uint32_t>& shell_of,
+                 const Parallel& parallel) {
+    std::vector<std::uint32_t> order(shells.size());
+    std::iota(order.begin(), order.end(), 0U);
+    sort_in_parallel(std::span<std::uint32_t>(order),
+                     [&](std::uint32_t a, std::uint32_t b) { return firsts[a] < firsts[b]; }, parallel);
+    std::vector<MeshShell> sorted(shells.size());
+    std::vector<std::uint32_t> ranks(shells.size());
+    for (std::uint32_t rank = 0; rank < order.size(); ++rank) {
+        sorted[rank] = shells[order[rank]];
+        ranks[order[rank]] = rank;
+    }
+    shells = std::move(sorted);
+    parallel.run_ranges(shell_of.size(), faces_a_range, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t face = begin; face != end; ++face) {
+            shell_of[face] = ranks[shell_of[face]];
+        }
+    });
+}
 
 /// Whether neither the shell nor any shell around it meets another one. Where one does, solids overlap or touch, and the
 /// depth does not tell which orientation is right.
@@ -186,13 +228,14 @@ bool lies_apart(const std::vector<MeshShell>& shells, const std::vector<std::uin
 
 }  // namespace
 
-std::vector<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const Notes& notes, MeshCheck& check,
-                                       const Parallel& parallel) {
+std::vector<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree,
+                                       const Notes& notes, MeshCheck& check, const Parallel& parallel) {
     std::uint32_t count = 0;
     std::vector<std::uint32_t> shell_of = join_shells(mesh, edges, count, parallel);
     check.shells.resize(count);
-    ShellMeasure(mesh, edges, shell_of, check.shells, parallel).run(notes);
-    check.nesting_complete = nest_shells(mesh, shell_of, check.shells, parallel);
+    const std::vector<FirstPlace> firsts = ShellMeasure(mesh, edges, shell_of, check.shells, parallel).run(notes);
+    sort_shells(firsts, check.shells, shell_of, parallel);
+    check.nesting_complete = nest_shells(mesh, tree, shell_of, check.shells, parallel);
     return shell_of;
 }
 

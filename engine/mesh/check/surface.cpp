@@ -108,36 +108,29 @@ struct Fan {
     friend auto operator<=>(const Fan&, const Fan&) = default;
 };
 
-/// Four calls of run(): the fans of vertices that have several, in order.
-std::vector<Fan> find_several_fans(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel) {
-    constexpr std::size_t grain = 8192;
-    const std::size_t corners = 3 * mesh.faces.size();
-    SharedSets<std::uint32_t> sets(corners, parallel);
+/// The fans at vertices without embedded stars, in order. The others have one each.
+std::vector<Fan> find_fans(const GridMesh& mesh, const EdgeTable& edges, const EmbeddedStars& stars,
+                           const Parallel& parallel) {
+    const auto vertex_of = [&](std::size_t corner) { return mesh.faces[corner / 3].corners[corner % 3]; };
+    const std::vector<std::uint32_t> corners = indices_where(
+        3 * mesh.faces.size(), parallel, [&](std::size_t corner) { return !stars.contains(vertex_of(corner)); });
+    if (corners.empty()) {
+        return {};
+    }
+    const auto index_of = [&](std::uint32_t corner) {
+        return static_cast<std::uint32_t>(std::lower_bound(corners.begin(), corners.end(), corner) - corners.begin());
+    };
+    SharedSets<std::uint32_t> sets(corners.size(), parallel);
     each_joint(edges, parallel, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
         for (const std::uint32_t vertex : {edges[edge].lower, edges[edge].upper}) {
-            sets.unite(corner_at(mesh, side, vertex), corner_at(mesh, other, vertex));
-        }
-    });
-    const auto vertex_of = [&](std::size_t corner) { return mesh.faces[corner / 3].corners[corner % 3]; };
-    std::vector<std::atomic<std::uint32_t>> counts(mesh.vertices.size());
-    parallel.run_ranges(corners, grain, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t corner = begin; corner != end; ++corner) {
-            if (sets.is_root(corner)) {
-                counts[vertex_of(corner)].fetch_add(1, std::memory_order_relaxed);
-            }
-        }
-    });
-    std::vector<std::vector<Fan>> found(static_cast<std::size_t>(parallel.threads()));
-    parallel.run_ranges(corners, grain, [&](std::size_t begin, std::size_t end, int worker) {
-        for (std::size_t corner = begin; corner != end; ++corner) {
-            if (sets.is_root(corner) && counts[vertex_of(corner)].load(std::memory_order_relaxed) > 1) {
-                found[static_cast<std::size_t>(worker)].push_back({vertex_of(corner), static_cast<std::uint32_t>(corner)});
+            if (!stars.contains(vertex)) {
+                sets.unite(index_of(corner_at(mesh, side, vertex)), index_of(corner_at(mesh, other, vertex)));
             }
         }
     });
     std::vector<Fan> fans;
-    for (const std::vector<Fan>& own : found) {
-        fans.insert(fans.end(), own.begin(), own.end());
+    for (const std::uint32_t root : indices_where(corners.size(), parallel, [&](std::size_t i) { return sets.is_root(i); })) {
+        fans.push_back({vertex_of(corners[root]), corners[root]});
     }
     sort_in_parallel(std::span<Fan>(fans), std::less<>{}, parallel);
     return fans;
@@ -167,19 +160,22 @@ EdgeCounts find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes&
     return {edges.size(), unbalanced};
 }
 
-void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
-    const std::vector<Fan> fans = find_several_fans(mesh, edges, parallel);
+void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, const EmbeddedStars& stars, Notes& notes,
+                         const Parallel& parallel) {
+    const std::vector<Fan> fans = find_fans(mesh, edges, stars, parallel);
     for (std::size_t begin = 0; begin < fans.size();) {
         std::size_t end = begin;
         while (end < fans.size() && fans[end].vertex == fans[begin].vertex) {
             ++end;
         }
-        notes.add(Fault::split_vertex, [&] {
-            FaultPlace place = notes.at({fans[begin].vertex});
-            place.triangles[0] = mesh.faces[fans[begin].corner / 3].source;
-            place.parts = end - begin;
-            return place;
-        });
+        if (end - begin > 1) {
+            notes.add(Fault::split_vertex, [&] {
+                FaultPlace place = notes.at({fans[begin].vertex});
+                place.triangles[0] = mesh.faces[fans[begin].corner / 3].source;
+                place.parts = end - begin;
+                return place;
+            });
+        }
         begin = end;
     }
 }

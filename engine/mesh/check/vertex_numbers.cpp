@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <functional>
 #include <vector>
 
 #include "base/distribute.hpp"
 #include "base/mixed.hpp"
 #include "base/parallel_sort.hpp"
+#include "mesh/check/morton.hpp"
 #include "slicing/grid/quantise.hpp"
 #include "slicing/grid/vertex_hash.hpp"
 
@@ -23,10 +25,6 @@ struct Corner {
     std::uint32_t number;  ///< 3 * triangle + corner
 };
 
-struct VertexLess {
-    bool operator()(const GridVertex& a, const GridVertex& b) const noexcept { return a < b; }
-};
-
 std::uint32_t hash_of_exact(const double* xyz) {
     std::uint64_t hash = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -37,11 +35,11 @@ std::uint32_t hash_of_exact(const double* xyz) {
 }
 
 Distributed<Corner> distribute_corners(const MeshView& mesh, const Transform& transform, double unit_mm,
-                                       const Parallel& parallel) {
+                                       const MortonOrder& order, const Parallel& parallel) {
     return with_reader(mesh, transform, unit_mm, [&](const auto& read) {
         const std::size_t corners = 3 * mesh.triangle_count;
-        const Splitters<GridVertex, VertexLess> splitters(corners, parts_for(corners, corners_a_part), VertexLess{},
-                                                          [&](std::size_t i) { return read(i / 3)[i % 3]; });
+        const Splitters<std::uint64_t, std::less<>> splitters(corners, parts_for(corners, corners_a_part), std::less<>{},
+                                                              [&](std::size_t i) { return order.key(read(i / 3)[i % 3]); });
         const RawReader exact(mesh);
         return distribute<Corner>(
             mesh.triangle_count, splitters.parts(), parallel, [&](std::size_t begin, std::size_t end, const auto& emit) {
@@ -49,7 +47,7 @@ Distributed<Corner> distribute_corners(const MeshView& mesh, const Transform& tr
                     const GridTriangle triangle = read(t);
                     const RawTriangle raw = exact(t);
                     for (std::size_t i = 0; i < 3; ++i) {
-                        emit(splitters.part_of(triangle[i]),
+                        emit(splitters.part_of(order.key(triangle[i])),
                              Corner{triangle[i], hash_of_exact(raw.v + 3 * i), static_cast<std::uint32_t>(3 * t + i)});
                     }
                 }
@@ -60,6 +58,8 @@ Distributed<Corner> distribute_corners(const MeshView& mesh, const Transform& tr
 /// Numbers the vertices of one part after another; its memory is kept.
 class PartNumbers {
 public:
+    explicit PartNumbers(const MortonOrder& order) : order_(order) {}
+
     /// Leaves each corner its vertex's rank in `exact`, and the vertices in `vertices`; true if some corners were joined.
     bool run(std::span<Corner> corners, std::vector<GridVertex>& vertices) {
         bool joined = false;
@@ -68,13 +68,15 @@ public:
         for (Corner& corner : corners) {
             std::uint32_t& slot = find(corner.vertex);
             if (slot == 0) {
-                found_.push_back({corner.vertex, corner.exact, static_cast<std::uint32_t>(found_.size())});
+                found_.push_back(
+                    {order_.key(corner.vertex), corner.vertex, corner.exact, static_cast<std::uint32_t>(found_.size())});
                 slot = static_cast<std::uint32_t>(found_.size());
             }
             joined = joined || found_[slot - 1].exact != corner.exact;
             corner.exact = slot - 1;
         }
-        std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) { return a.vertex < b.vertex; });
+        std::sort(found_.begin(), found_.end(),
+                  [](const Found& a, const Found& b) { return a.key != b.key ? a.key < b.key : a.vertex < b.vertex; });
         ranks_.resize(found_.size());
         vertices.resize(found_.size());
         for (std::uint32_t rank = 0; rank < found_.size(); ++rank) {
@@ -89,6 +91,7 @@ public:
 
 private:
     struct Found {
+        std::uint64_t key;
         GridVertex vertex;
         std::uint32_t exact;
         std::uint32_t first;  ///< the order in which they came
@@ -104,6 +107,7 @@ private:
         }
     }
 
+    MortonOrder order_;
     std::vector<Found> found_;
     std::vector<std::uint32_t> slots_;  ///< open addressing: 1 + index into found_, or 0
     std::vector<std::uint32_t> ranks_;
@@ -111,10 +115,12 @@ private:
 
 }  // namespace
 
-VertexNumbers number_vertices(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel) {
-    Distributed<Corner> corners = distribute_corners(mesh, transform, unit_mm, parallel);
+VertexNumbers number_vertices(const MeshView& mesh, const Transform& transform, const MeshInfo& info,
+                              const Parallel& parallel) {
+    const MortonOrder order(info);
+    Distributed<Corner> corners = distribute_corners(mesh, transform, info.unit_mm, order, parallel);
     std::vector<std::vector<GridVertex>> vertices(corners.size());
-    std::vector<PartNumbers> workers(static_cast<std::size_t>(parallel.threads()));
+    std::vector<PartNumbers> workers(static_cast<std::size_t>(parallel.threads()), PartNumbers(order));
     std::atomic<bool> joined = false;
     parallel.run(corners.size(), [&](std::size_t part, int worker) {
         if (workers[static_cast<std::size_t>(worker)].run(corners.of(part), vertices[part])) {

@@ -7,18 +7,19 @@
 #include "lamella/array.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/mesh.hpp"
+#include "lamella/mesh/inspect.hpp"
 
 namespace lamella {
 
 struct VertexNumbers {
-    Array<GridVertex> vertices;       ///< distinct, ascending
+    Array<GridVertex> vertices;       ///< distinct, in Morton order
     Array<std::uint32_t> of_corners;  ///< three a triangle
     bool joined = false;              ///< some vertex of the grid stands for corners whose coordinates, as they are, differ
 };
 
-/// Four calls of run(). Corners are distributed to parts of the order of vertices, each of which is small enough for a hash
+/// Four calls of run(). `info` holds the box and the unit. Corners are distributed to parts of the order of vertices, each of which is small enough for a hash
 /// table in the cache: O(n) expected for the corners, O(v log v) for v vertices. Coordinates are compared by hashes of 32
 /// bits: that the only difference is missed has a chance of 2^-32. Throws std::bad_alloc.
-VertexNumbers number_vertices(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel);
+VertexNumbers number_vertices(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel);
 
 }  // namespace lamella

@@ -1,0 +1,60 @@
+// Eight 32-bit integers that are compared at once, with what every compiler and processor has: vectors of four.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "base/dispatch.hpp"
+
+namespace lamella {
+
+/// A bit for each of eight lanes.
+using LaneBits = unsigned;
+constexpr LaneBits all_eight = 0xFF;
+
+/// Calls visit(lane) for each bit that is set, from the lowest.
+template <class Visit>
+void each_lane(LaneBits bits, Visit visit) {
+    for (; bits != 0; bits &= bits - 1) {
+        visit(static_cast<std::size_t>(std::countr_zero(bits)));
+    }
+}
+
+class Eight {
+public:
+    static constexpr std::size_t lanes = 8;
+
+    Eight() = default;
+    explicit Eight(std::int32_t all) noexcept : low_{all, all, all, all}, high_{all, all, all, all} {}
+
+    std::int32_t operator[](std::size_t lane) const noexcept { return lane < 4 ? low_[lane] : high_[lane - 4]; }
+    void set(std::size_t lane, std::int32_t value) noexcept { (lane < 4 ? low_[lane] : high_[lane - 4]) = value; }
+
+    /// Lanes of -1 where it holds, else 0.
+    friend Eight operator>(const Eight& a, const Eight& b) noexcept { return {a.low_ > b.low_, a.high_ > b.high_}; }
+    friend Eight operator==(const Eight& a, const Eight& b) noexcept { return {a.low_ == b.low_, a.high_ == b.high_}; }
+    friend Eight operator|(const Eight& a, const Eight& b) noexcept { return {a.low_ | b.low_, a.high_ | b.high_}; }
+
+    /// Of lanes that are -1 or 0: which are -1.
+    LaneBits bits() const noexcept { return bits_of(low_) | bits_of(high_) << 4; }
+
+private:
+    using Four = std::int32_t __attribute__((vector_size(16)));
+
+    Eight(Four low, Four high) noexcept : low_(low), high_(high) {}
+
+    static LaneBits bits_of(Four four) noexcept {
+#ifdef LAMELLA_X86_FORMS
+        return static_cast<LaneBits>(_mm_movemask_ps(reinterpret_cast<__m128>(four)));
+#else
+        return (four[0] & 1) | (four[1] & 2) | (four[2] & 4) | (four[3] & 8);
+#endif
+    }
+
+    Four low_;
+    Four high_;
+};
+
+}  // namespace lamella

@@ -19,7 +19,6 @@ namespace lamella {
 class DisjointSets {
 public:
     explicit DisjointSets(const Memory* memory = nullptr) : parents_(memory) {}
-    explicit DisjointSets(std::size_t count) { assign(count); }
 
     /// Members [0, count), each alone in its set.
     void assign(std::size_t count) {

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "base/dispatch.hpp"
 
@@ -25,12 +26,14 @@ void each_lane(LaneBits bits, Visit visit) {
 class Eight {
 public:
     static constexpr std::size_t lanes = 8;
+    /// As they lie in memory, where lanes are read and written one by one.
+    using Stored = std::array<std::int32_t, lanes>;
 
-    Eight() = default;
-    explicit Eight(std::int32_t all) noexcept : low_{all, all, all, all}, high_{all, all, all, all} {}
-
-    std::int32_t operator[](std::size_t lane) const noexcept { return lane < 4 ? low_[lane] : high_[lane - 4]; }
-    void set(std::size_t lane, std::int32_t value) noexcept { (lane < 4 ? low_[lane] : high_[lane - 4]) = value; }
+    Eight(std::int32_t all) noexcept : low_{all, all, all, all}, high_{all, all, all, all} {}
+    Eight(const Stored& stored) noexcept {
+        std::memcpy(&low_, stored.data(), sizeof low_);
+        std::memcpy(&high_, stored.data() + lanes / 2, sizeof high_);
+    }
 
     /// Lanes of -1 where it holds, else 0.
     friend Eight operator>(const Eight& a, const Eight& b) noexcept { return {a.low_ > b.low_, a.high_ > b.high_}; }

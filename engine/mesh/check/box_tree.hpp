@@ -33,8 +33,8 @@ public:
 
     void set(std::size_t lane, const Box& box) noexcept {
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            low_[axis].set(lane, box.low[axis]);
-            high_[axis].set(lane, box.high[axis]);
+            low_[axis][lane] = box.low[axis];
+            high_[axis][lane] = box.high[axis];
         }
     }
     Box operator[](std::size_t lane) const noexcept {
@@ -45,14 +45,14 @@ public:
     LaneBits meets(const Box& other) const noexcept {
         Eight apart(0);
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            apart = apart | (low_[axis] > Eight(other.high[axis])) | (Eight(other.low[axis]) > high_[axis]);
+            apart = apart | (Eight(low_[axis]) > other.high[axis]) | (Eight(other.low[axis]) > high_[axis]);
         }
         return ~apart.bits() & all_eight;
     }
 
 private:
-    std::array<Eight, 3> low_;
-    std::array<Eight, 3> high_;
+    std::array<Eight::Stored, 3> low_;
+    std::array<Eight::Stored, 3> high_;
 };
 
 /// Items come in an order in which neighbours lie close, as the vertices of a GridMesh do: eight that follow one another are

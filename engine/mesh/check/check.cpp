@@ -136,7 +136,7 @@ private:
         const EdgeCounts counts = find_edge_faults(mesh, edges, notes, parallel_);
         find_loops(mesh, edges, notes, parallel_);
         find_face_faults(mesh, options_.sliver_ratio, notes, parallel_);
-        find_split_vertices(mesh, edges, stars, notes, parallel_);
+        find_split_vertices(mesh, stars, notes, parallel_);
         find_flipped_faces(mesh, edges, notes, parallel_);
         check_.ms.joints = lap();
         begin(tree_share);

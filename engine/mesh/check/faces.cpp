@@ -13,6 +13,13 @@ double square(const GridVector& v) {
     return static_cast<double>(dot(v, v));
 }
 
+double real_square(const GridVector& v) {
+    const auto x = static_cast<double>(v.x);
+    const auto y = static_cast<double>(v.y);
+    const auto z = static_cast<double>(v.z);
+    return x * x + y * y + z * z;
+}
+
 /// A sliver is a needle when its shortest side is under a tenth of the longest; else two angles are acute and small: a cap.
 constexpr double needle_ratio = 10;
 
@@ -22,23 +29,35 @@ struct Shape {
     double over_shortest;
 };
 
-Shape shape_of(const GridVector& ab, const GridVector& ac, const GridVector& bc) {
-    const GridVector normal = cross(ab, ac);
+Shape shape_of(const GridVector& ab, const GridVector& ac, const GridVector& bc, const GridVector& normal) {
     const double twice_area =
         std::hypot(static_cast<double>(normal.x), static_cast<double>(normal.y), static_cast<double>(normal.z));
     const auto [shortest, longest] = std::minmax({square(ab), square(ac), square(bc)});
     return {longest / twice_area, std::sqrt(longest / shortest)};
 }
 
+/// What shape_of() would say, without roots and with a margin for rounding: false for nearly all faces.
+bool may_be_sliver(const GridVector& ab, const GridVector& ac, const GridVector& bc, const GridVector& normal,
+                   double sliver_ratio) {
+    constexpr double margin = 1 - 1e-9;
+    const double longest = std::max({real_square(ab), real_square(ac), real_square(bc)});
+    return longest * longest >= margin * sliver_ratio * sliver_ratio * real_square(normal);
+}
+
 void judge_shape(const GridMesh& mesh, const Face& face, double sliver_ratio, Notes& notes) {
     const std::array<GridVertex, 3> corners = mesh.corners(face);
     const GridVector ab = half(corners[1]) - half(corners[0]);
     const GridVector ac = half(corners[2]) - half(corners[0]);
-    if (cross(ab, ac) == GridVector{}) {
+    const GridVector bc = half(corners[2]) - half(corners[1]);
+    const GridVector normal = cross(ab, ac);
+    if (normal == GridVector{}) {
         notes.add(Fault::zero_area_face, [&] { return notes.at(face); });
         return;
     }
-    const Shape shape = shape_of(ab, ac, half(corners[2]) - half(corners[1]));
+    if (!may_be_sliver(ab, ac, bc, normal, sliver_ratio)) {
+        return;
+    }
+    const Shape shape = shape_of(ab, ac, bc, normal);
     if (shape.over_height >= sliver_ratio) {
         notes.add(shape.over_shortest > needle_ratio ? Fault::needle_face : Fault::cap_face, [&] {
             FaultPlace place = notes.at(face);

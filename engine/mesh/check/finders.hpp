@@ -25,8 +25,7 @@ EdgeCounts find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes&
 void find_loops(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel);
 
 /// Vertices whose triangles do not form one cone. O(n + s log s) for s faces around vertices without embedded stars.
-void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, const EmbeddedStars& stars, Notes& notes,
-                         const Parallel& parallel);
+void find_split_vertices(const GridMesh& mesh, const EmbeddedStars& stars, Notes& notes, const Parallel& parallel);
 
 /// Flipped faces and one-sided patches, once edge faults have been found. O(n), where any edge is mismatched.
 void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel);

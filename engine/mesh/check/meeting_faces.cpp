@@ -42,17 +42,17 @@ public:
     void set(std::size_t lane, const Face& face, const EmbeddedStars& stars) {
         for (std::size_t corner = 0; corner < 3; ++corner) {
             const std::uint32_t vertex = face.corners[corner];
-            vertices_[corner].set(lane, static_cast<std::int32_t>(stars.contains(vertex) ? vertex : none));
+            vertices_[corner][lane] = static_cast<std::int32_t>(stars.contains(vertex) ? vertex : none);
         }
     }
 
     /// Which of the faces have one in common with the other.
     LaneBits share(const StarBlock& other, std::size_t lane) const {
         Eight same(0);
-        for (const Eight& theirs : other.vertices_) {
+        for (const Eight::Stored& theirs : other.vertices_) {
             if (const std::int32_t vertex = theirs[lane]; vertex != static_cast<std::int32_t>(none)) {
                 const Eight all(vertex);
-                same = same | (vertices_[0] == all) | (vertices_[1] == all) | (vertices_[2] == all);
+                same = same | (all == vertices_[0]) | (all == vertices_[1]) | (all == vertices_[2]);
             }
         }
         return same.bits();
@@ -60,7 +60,7 @@ public:
 
 private:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
-    std::array<Eight, 3> vertices_;  ///< by corner
+    std::array<Eight::Stored, 3> vertices_;  ///< by corner
 };
 
 class MeetingSearch {

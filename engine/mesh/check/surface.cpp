@@ -39,12 +39,6 @@ void each_joint(const EdgeTable& edges, const Parallel& parallel, Visit visit) {
     });
 }
 
-/// The corner (3 * face + index) of the side's face at that vertex, which is one of the side's ends.
-std::uint32_t corner_at(const GridMesh& mesh, std::uint32_t side, std::uint32_t vertex) {
-    const std::uint32_t next = side % 3 == 2 ? side - 2 : side + 1;
-    return mesh.faces[side / 3].corners[side % 3] == vertex ? side : next;
-}
-
 /// Faces of a patch (joined over edges with two faces) by orientation relative to its first face.
 struct Patch {
     std::atomic<std::uint32_t> alike = 0;
@@ -101,40 +95,61 @@ std::vector<Patch> sizes_of(Patches& patches, std::size_t faces, const Parallel&
     return sizes;
 }
 
-/// A vertex and one of its fans: the fan's smallest corner.
-struct Fan {
+/// A corner of a face, by the vertex there.
+struct CornerAt {
     std::uint32_t vertex;
-    std::uint32_t corner;
-    friend auto operator<=>(const Fan&, const Fan&) = default;
+    std::uint32_t corner;  ///< 3 * face + index
+    friend auto operator<=>(const CornerAt&, const CornerAt&) = default;
 };
 
-/// The fans at vertices without embedded stars, in order. The others have one each.
-std::vector<Fan> find_fans(const GridMesh& mesh, const EdgeTable& edges, const EmbeddedStars& stars,
-                           const Parallel& parallel) {
+/// Those at vertices without embedded stars, in order. At the others the faces form one fan.
+std::vector<CornerAt> loose_corners(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel) {
     const auto vertex_of = [&](std::size_t corner) { return mesh.faces[corner / 3].corners[corner % 3]; };
-    const std::vector<std::uint32_t> corners = indices_where(
-        3 * mesh.faces.size(), parallel, [&](std::size_t corner) { return !stars.contains(vertex_of(corner)); });
-    if (corners.empty()) {
-        return {};
+    std::vector<CornerAt> corners;
+    for (const std::uint32_t corner : indices_where(3 * mesh.faces.size(), parallel,
+                                                    [&](std::size_t i) { return !stars.contains(vertex_of(i)); })) {
+        corners.push_back({vertex_of(corner), corner});
     }
-    const auto index_of = [&](std::uint32_t corner) {
-        return static_cast<std::uint32_t>(std::lower_bound(corners.begin(), corners.end(), corner) - corners.begin());
-    };
-    SharedSets<std::uint32_t> sets(corners.size(), parallel);
-    each_joint(edges, parallel, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
-        for (const std::uint32_t vertex : {edges[edge].lower, edges[edge].upper}) {
-            if (!stars.contains(vertex)) {
-                sets.unite(index_of(corner_at(mesh, side, vertex)), index_of(corner_at(mesh, other, vertex)));
+    sort_in_parallel(std::span<CornerAt>(corners), std::less<>{}, parallel);
+    return corners;
+}
+
+/// How many fans the faces at a vertex form, joined over edges with two faces; its memory is kept.
+class FanCount {
+public:
+    explicit FanCount(const GridMesh& mesh) : mesh_(mesh) {}
+
+    std::size_t run(std::span<const CornerAt> corners) {
+        spokes_.clear();
+        for (std::uint32_t i = 0; i < corners.size(); ++i) {
+            for (const std::uint32_t end : mesh_.faces[corners[i].corner / 3].corners) {
+                if (end != corners[i].vertex) {
+                    spokes_.push_back({end, i});
+                }
             }
         }
-    });
-    std::vector<Fan> fans;
-    for (const std::uint32_t root : indices_where(corners.size(), parallel, [&](std::size_t i) { return sets.is_root(i); })) {
-        fans.push_back({vertex_of(corners[root]), corners[root]});
+        std::sort(spokes_.begin(), spokes_.end());
+        fans_.assign(corners.size());
+        std::size_t count = corners.size();
+        for (std::size_t begin = 0; begin < spokes_.size();) {
+            std::size_t end = begin;
+            while (end < spokes_.size() && spokes_[end].first == spokes_[begin].first) {
+                ++end;
+            }
+            if (end - begin == 2 && fans_.root(spokes_[begin].second) != fans_.root(spokes_[begin + 1].second)) {
+                fans_.unite(spokes_[begin].second, spokes_[begin + 1].second);
+                --count;
+            }
+            begin = end;
+        }
+        return count;
     }
-    sort_in_parallel(std::span<Fan>(fans), std::less<>{}, parallel);
-    return fans;
-}
+
+private:
+    const GridMesh& mesh_;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> spokes_;  ///< the other end of an edge, and which corner has it
+    DisjointSets fans_;
+};
 
 }  // namespace
 
@@ -160,24 +175,30 @@ EdgeCounts find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes&
     return {edges.size(), unbalanced};
 }
 
-void find_split_vertices(const GridMesh& mesh, const EdgeTable& edges, const EmbeddedStars& stars, Notes& notes,
-                         const Parallel& parallel) {
-    const std::vector<Fan> fans = find_fans(mesh, edges, stars, parallel);
-    for (std::size_t begin = 0; begin < fans.size();) {
-        std::size_t end = begin;
-        while (end < fans.size() && fans[end].vertex == fans[begin].vertex) {
-            ++end;
+void find_split_vertices(const GridMesh& mesh, const EmbeddedStars& stars, Notes& notes, const Parallel& parallel) {
+    const std::vector<CornerAt> corners = loose_corners(mesh, stars, parallel);
+    notes.in_ranges(corners.size(), parallel, [&](std::size_t first, std::size_t last, Notes& own) {
+        FanCount fans(mesh);
+        while (first < last && first > 0 && corners[first].vertex == corners[first - 1].vertex) {
+            ++first;  // belongs to the range before
         }
-        if (end - begin > 1) {
-            notes.add(Fault::split_vertex, [&] {
-                FaultPlace place = notes.at({fans[begin].vertex});
-                place.triangles[0] = mesh.faces[fans[begin].corner / 3].source;
-                place.parts = end - begin;
-                return place;
-            });
+        for (std::size_t begin = first; begin < last;) {
+            std::size_t end = begin;
+            while (end < corners.size() && corners[end].vertex == corners[begin].vertex) {
+                ++end;
+            }
+            const std::size_t count = fans.run(std::span(corners).subspan(begin, end - begin));
+            if (count > 1) {
+                own.add(Fault::split_vertex, [&] {
+                    FaultPlace place = own.at({corners[begin].vertex});
+                    place.triangles[0] = mesh.faces[corners[begin].corner / 3].source;
+                    place.parts = count;
+                    return place;
+                });
+            }
+            begin = end;
         }
-        begin = end;
-    }
+    });
 }
 
 void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {

@@ -83,6 +83,42 @@ std::vector<std::uint32_t> indices_where(std::size_t count, const Parallel& para
     return all;
 }
 
+/// Sorts the items of a part by a number that each has, where these lie close together, and then by `less`; its memory is
+/// kept. O(items + range of numbers), and what std::sort takes for the items of each number.
+template <class T>
+class PartSort {
+public:
+    template <class Number, class Less>
+    void run(std::span<T> items, Number number_of, Less less) {
+        if (items.empty()) {
+            return;
+        }
+        const auto by_number = [&](const T& a, const T& b) { return number_of(a) < number_of(b); };
+        const auto [first, last] = std::minmax_element(items.begin(), items.end(), by_number);
+        const std::size_t low = number_of(*first);
+        ends_.assign(number_of(*last) - low + 2, 0);
+        for (const T& item : items) {
+            ++ends_[number_of(item) - low + 1];
+        }
+        for (std::size_t i = 1; i < ends_.size(); ++i) {
+            ends_[i] += ends_[i - 1];
+        }
+        unsorted_.assign(items.begin(), items.end());
+        for (const T& item : unsorted_) {
+            items[ends_[number_of(item) - low]++] = item;
+        }
+        std::size_t begin = 0;
+        for (std::size_t i = 0; i + 1 < ends_.size(); ++i) {
+            std::sort(items.begin() + static_cast<std::ptrdiff_t>(begin), items.begin() + ends_[i], less);
+            begin = ends_[i];
+        }
+    }
+
+private:
+    std::vector<T> unsorted_;
+    std::vector<std::uint32_t> ends_;  ///< of the items of a number, once they are placed
+};
+
 /// How many parts of about `wanted` items make up `count`.
 constexpr std::size_t parts_for(std::size_t count, std::size_t wanted) {
     constexpr std::size_t most_parts = std::size_t{1} << 12;

@@ -1,6 +1,7 @@
 #include "mesh/check/edge_table.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -19,52 +20,17 @@ struct EdgeSide {
     std::uint32_t side;
 };
 
-/// Sorts the sides of a part, which come in ascending order; its memory is kept.
-class SideSort {
-public:
-    /// By lower vertex, then upper, then side. Returns the number of edges.
-    std::size_t run(std::span<EdgeSide> sides) {
-        if (sides.empty()) {
-            return 0;
-        }
-        const auto [first, last] = std::minmax_element(
-            sides.begin(), sides.end(), [](const EdgeSide& a, const EdgeSide& b) { return a.lower < b.lower; });
-        const std::uint32_t low = first->lower;
-        ends_.assign(std::size_t{last->lower} - low + 2, 0);
-        for (const EdgeSide& side : sides) {
-            ++ends_[side.lower - low + 1];
-        }
-        for (std::size_t i = 1; i < ends_.size(); ++i) {
-            ends_[i] += ends_[i - 1];
-        }
-        sorted_.resize(sides.size());
-        for (const EdgeSide& side : sides) {
-            sorted_[ends_[side.lower - low]++] = side;
-        }
-        std::size_t begin = 0;
-        for (std::size_t i = 0; i + 1 < ends_.size(); ++i) {
-            std::sort(sorted_.begin() + static_cast<std::ptrdiff_t>(begin), sorted_.begin() + ends_[i],
-                      [](const EdgeSide& a, const EdgeSide& b) {
-                          return a.upper != b.upper ? a.upper < b.upper : a.side < b.side;
-                      });
-            begin = ends_[i];
-        }
-        std::copy(sorted_.begin(), sorted_.end(), sides.begin());
-        return count_edges(sides);
+/// Sorts the sides of a part by lower vertex, then upper, then side. Returns the number of edges.
+std::size_t sort_sides(std::span<EdgeSide> sides, PartSort<EdgeSide>& sort) {
+    sort.run(
+        sides, [](const EdgeSide& side) { return side.lower; },
+        [](const EdgeSide& a, const EdgeSide& b) { return a.upper != b.upper ? a.upper < b.upper : a.side < b.side; });
+    std::size_t edges = sides.empty() ? 0 : 1;
+    for (std::size_t i = 1; i < sides.size(); ++i) {
+        edges += sides[i].lower != sides[i - 1].lower || sides[i].upper != sides[i - 1].upper ? 1 : 0;
     }
-
-private:
-    static std::size_t count_edges(std::span<const EdgeSide> sides) {
-        std::size_t edges = 1;
-        for (std::size_t i = 1; i < sides.size(); ++i) {
-            edges += sides[i].lower != sides[i - 1].lower || sides[i].upper != sides[i - 1].upper ? 1 : 0;
-        }
-        return edges;
-    }
-
-    std::vector<EdgeSide> sorted_;
-    std::vector<std::uint32_t> ends_;  ///< of the sides of a vertex, once they are placed
-};
+    return edges;
+}
 
 Distributed<EdgeSide> distribute_sides(const GridMesh& mesh, const Parallel& parallel) {
     const std::size_t parts = parts_for(3 * mesh.faces.size(), sides_a_part);
@@ -85,10 +51,10 @@ Distributed<EdgeSide> distribute_sides(const GridMesh& mesh, const Parallel& par
 
 EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel) : mesh_(mesh) {
     Distributed<EdgeSide> sides = distribute_sides(mesh, parallel);
-    std::vector<SideSort> workers(static_cast<std::size_t>(parallel.threads()));
+    std::vector<PartSort<EdgeSide>> workers(static_cast<std::size_t>(parallel.threads()));
     std::vector<std::size_t> firsts(sides.size() + 1, 0);  // edges of a part, then the first of it
     parallel.run(sides.size(), [&](std::size_t part, int worker) {
-        firsts[part + 1] = workers[static_cast<std::size_t>(worker)].run(sides.of(part));
+        firsts[part + 1] = sort_sides(sides.of(part), workers[static_cast<std::size_t>(worker)]);
     });
     for (std::size_t part = 0; part < sides.size(); ++part) {
         firsts[part + 1] += firsts[part];
@@ -108,7 +74,10 @@ EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel) : mesh_(mes
         }
     });
     edges_[firsts.back()] = {0, 0, static_cast<std::uint32_t>(sides.items.size())};
-    boundary_ = indices_where(size(), parallel, [&](std::size_t edge) { return this->sides(edge).size() == 1; });
+    irregular_ = indices_where(size(), parallel,
+                               [&](std::size_t edge) { return this->sides(edge).size() != 2 || !is_balanced(edge); });
+    std::copy_if(irregular_.begin(), irregular_.end(), std::back_inserter(boundary_),
+                 [&](std::uint32_t edge) { return this->sides(edge).size() == 1; });
 }
 
 std::size_t EdgeTable::forward_count(std::size_t edge) const noexcept {

@@ -40,7 +40,9 @@ public:
     std::size_t forward_count(std::size_t edge) const noexcept;
     bool is_balanced(std::size_t edge) const noexcept { return 2 * forward_count(edge) == sides(edge).size(); }
 
-    /// Edges with one side, ascending.
+    /// Edges that have not one face on either hand, ascending: one face, or more than two, or two that run the same way.
+    const std::vector<std::uint32_t>& irregular() const noexcept { return irregular_; }
+    /// Of these, those with one face.
     const std::vector<std::uint32_t>& boundary() const noexcept { return boundary_; }
 
     /// Whether two vertices are joined by an edge. O(log n).
@@ -50,6 +52,7 @@ private:
     const GridMesh& mesh_;
     Array<Edge> edges_;  ///< and one past the end, for its first_side
     Array<std::uint32_t> sides_;
+    std::vector<std::uint32_t> irregular_;
     std::vector<std::uint32_t> boundary_;
 };
 

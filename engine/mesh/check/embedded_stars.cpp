@@ -33,21 +33,12 @@ EmbeddedStars::EmbeddedStars(const GridMesh& mesh, const EdgeTable& edges, const
     parallel.run_ranges(words_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
         std::fill(words_.begin() + begin, words_.begin() + end, every_view);
     });
-    leave_out_edges(edges, parallel);
+    for (const std::uint32_t edge : edges.irregular()) {
+        words_[edges[edge].lower] = 0;
+        words_[edges[edge].upper] = 0;
+    }
     find_views(parallel);
     count_rounds(parallel);
-}
-
-/// Vertices at edges that have not one face on either hand.
-void EmbeddedStars::leave_out_edges(const EdgeTable& edges, const Parallel& parallel) {
-    parallel.run_ranges(edges.size(), grain, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t edge = begin; edge != end; ++edge) {
-            if (edges.sides(edge).size() != 2 || !edges.is_balanced(edge)) {
-                AtomicWord<Word>(words_[edges[edge].lower]).keep(0);
-                AtomicWord<Word>(words_[edges[edge].upper]).keep(0);
-            }
-        }
-    });
 }
 
 void EmbeddedStars::find_views(const Parallel& parallel) {

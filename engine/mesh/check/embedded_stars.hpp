@@ -19,7 +19,7 @@ namespace lamella {
 
 class EmbeddedStars {
 public:
-    /// O(n), in four calls of run(). Throws std::bad_alloc.
+    /// O(n), in three calls of run(). Throws std::bad_alloc.
     EmbeddedStars(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel);
 
     /// Whether the vertex is known to have one: then its faces form one closed fan, and no two meet but in an edge or vertex
@@ -32,7 +32,6 @@ private:
     static constexpr Word every_view = 0x3F;  ///< the low bits: from which ends of the axes all faces so far are seen in front
     static constexpr Word one_round = 0x40;   ///< the others count faces that hold the ray
 
-    void leave_out_edges(const EdgeTable& edges, const Parallel& parallel);
     void find_views(const Parallel& parallel);
     void count_rounds(const Parallel& parallel);
 

@@ -15,18 +15,9 @@ namespace {
 
 constexpr std::size_t faces_a_part = std::size_t{1} << 13;
 
-/// The two smaller vertices, as one number.
-std::uint64_t lower_two(const Face& face) {
-    return std::uint64_t{face.corners[0]} << 32 | std::min(face.corners[1], face.corners[2]);
-}
-
 struct FaceLess {
     bool operator()(const Face& a, const Face& b) const noexcept {
-        if (lower_two(a) != lower_two(b)) {
-            return lower_two(a) < lower_two(b);
-        }
-        return std::make_tuple(vertex_set(a)[2], a.corners, a.source) <
-               std::make_tuple(vertex_set(b)[2], b.corners, b.source);
+        return std::make_tuple(vertex_set(a), a.corners, a.source) < std::make_tuple(vertex_set(b), b.corners, b.source);
     }
 };
 
@@ -70,9 +61,10 @@ GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const 
     grid.joined = numbers.joined;
     Distributed<Face> parts = distribute_faces(numbers.of_corners, grid.vertices.size(), parallel);
     const std::size_t whole = parts.size() - 1;
-    parallel.run(whole, [&](std::size_t part, int) {
-        const std::span<Face> own = parts.of(part);
-        std::sort(own.begin(), own.end(), FaceLess{});
+    std::vector<PartSort<Face>> workers(static_cast<std::size_t>(parallel.threads()));
+    parallel.run(whole, [&](std::size_t part, int worker) {
+        workers[static_cast<std::size_t>(worker)].run(
+            parts.of(part), [](const Face& face) { return face.corners[0]; }, FaceLess{});
     });
     const std::span<Face> collapsed = parts.of(whole);
     sort_in_parallel(collapsed, FaceLess{}, parallel);

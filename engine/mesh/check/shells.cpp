@@ -1,6 +1,5 @@
 // Shells: sets of triangles connected over edges; their orientations, and which lies within which.
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <numeric>
 #include <span>
@@ -173,16 +172,13 @@ private:
     }
 
     void find_open() {
-        std::vector<std::atomic<bool>> open(shells_.size());
-        parallel_.run_ranges(edges_.size(), faces_a_range, [&](std::size_t begin, std::size_t end, int) {
-            for (std::size_t edge = begin; edge != end; ++edge) {
-                if (!edges_.is_balanced(edge)) {
-                    open[shell_of_[EdgeTable::face_of(edges_.sides(edge)[0])]].store(true, std::memory_order_relaxed);
-                }
+        for (MeshShell& shell : shells_) {
+            shell.closed = true;
+        }
+        for (const std::uint32_t edge : edges_.irregular()) {
+            if (!edges_.is_balanced(edge)) {
+                shells_[shell_of_[EdgeTable::face_of(edges_.sides(edge)[0])]].closed = false;
             }
-        });
-        for (std::size_t i = 0; i < shells_.size(); ++i) {
-            shells_[i].closed = !open[i].load(std::memory_order_relaxed);
         }
     }
 

@@ -155,9 +155,10 @@ private:
 
 EdgeCounts find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
     std::atomic<std::uint64_t> unbalanced = 0;
-    notes.in_ranges(edges.size(), parallel, [&](std::size_t begin, std::size_t end, Notes& own) {
+    notes.in_ranges(edges.irregular().size(), parallel, [&](std::size_t begin, std::size_t end, Notes& own) {
         std::uint64_t unbalanced_here = 0;
-        for (std::size_t edge = begin; edge != end; ++edge) {
+        for (std::size_t i = begin; i != end; ++i) {
+            const std::uint32_t edge = edges.irregular()[i];
             const auto add = [&](Fault fault) { own.add(fault, [&] { return place_of_edge(mesh, edges, edge, own); }); };
             const std::size_t faces = edges.sides(edge).size();
             const bool balanced = edges.is_balanced(edge);
@@ -166,7 +167,7 @@ EdgeCounts find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes&
                 add(Fault::boundary_edge);
             } else if (faces > 2) {
                 add(balanced ? Fault::overfull_balanced : Fault::overfull_unbalanced);
-            } else if (!balanced) {
+            } else {
                 add(Fault::mismatched_edge);
             }
         }

@@ -53,9 +53,11 @@ template <class Index>
 class SharedSets {
 public:
     /// Members [0, count), each to be set alone or left out before any is united.
-    explicit SharedSets(std::size_t count) { parents_.resize_discarding(count); }
+    explicit SharedSets(std::size_t count, const Memory* memory = nullptr) : parents_(memory) {
+        parents_.resize_discarding(count);
+    }
     /// One call of run(): members [0, count), each alone in its set.
-    SharedSets(std::size_t count, const Parallel& parallel) : SharedSets(count) {
+    SharedSets(std::size_t count, const Parallel& parallel, const Memory* memory) : SharedSets(count, memory) {
         constexpr std::size_t grain = std::size_t{1} << 16;
         parallel.run_ranges(count, grain, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i != end; ++i) {

@@ -64,23 +64,33 @@ Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& 
     return sorted;
 }
 
-/// One call of run(): the indices under `count` for which test(index) holds, ascending. Throws std::bad_alloc.
+/// One call of run(): the indices under `count` for which test(index) holds, ascending. Takes 4 bytes for each of `count`.
+/// Throws std::bad_alloc.
 template <class Test>
-std::vector<std::uint32_t> indices_where(std::size_t count, const Parallel& parallel, Test test) {
+Array<std::uint32_t> indices_where(std::size_t count, const Parallel& parallel, const Memory* memory, Test test) {
     const std::size_t ranges = count / (std::size_t{1} << 14) + 1;
-    std::vector<std::vector<std::uint32_t>> found(ranges);
+    const auto first = [&](std::size_t range) { return count * range / ranges; };
+    Array<std::uint32_t> found(memory);
+    found.resize_discarding(count);
+    std::vector<std::size_t> ends(ranges);  // of what a range has found, which it writes from its beginning on
     parallel.run(ranges, [&](std::size_t range, int) {
-        for (std::size_t i = count * range / ranges; i != count * (range + 1) / ranges; ++i) {
+        std::size_t end = first(range);
+        for (std::size_t i = end; i != first(range + 1); ++i) {
             if (test(i)) {
-                found[range].push_back(static_cast<std::uint32_t>(i));
+                found[end++] = static_cast<std::uint32_t>(i);
             }
         }
+        ends[range] = end;
     });
-    std::vector<std::uint32_t> all;
-    for (const std::vector<std::uint32_t>& own : found) {
-        all.insert(all.end(), own.begin(), own.end());
+    std::size_t all = 0;
+    for (std::size_t range = 0; range < ranges; ++range) {
+        if (all != first(range)) {
+            std::copy(found.begin() + first(range), found.begin() + ends[range], found.begin() + all);
+        }
+        all += ends[range] - first(range);
     }
-    return all;
+    found.set_size(all);
+    return found;
 }
 
 /// Sorts the items of a part by a number that each has, where these lie close together, and then by `less`; its memory is

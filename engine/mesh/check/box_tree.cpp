@@ -36,10 +36,10 @@ void Box::include(const Box& other) noexcept {
     }
 }
 
-BoxTree::BoxTree(std::size_t count, BoxOf box_of, const Parallel& parallel) : size_(count) {
+BoxTree::BoxTree(std::size_t count, BoxOf box_of, const Parallel& parallel, const Memory* memory) : size_(count) {
     assert(count < std::numeric_limits<std::uint32_t>::max());
     const auto add_level = [&](std::size_t boxes_in_it, auto box_at) {
-        Array<BoxBlock>& level = levels_.emplace_back();
+        Array<BoxBlock>& level = levels_.emplace_back(memory);
         level.resize_discarding(std::max<std::size_t>((boxes_in_it + fan - 1) / fan, 1));
         parallel.run_ranges(level.size(), box_grain / fan, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t block = begin; block != end; ++block) {

@@ -64,7 +64,7 @@ public:
     static constexpr std::size_t fan = BoxBlock::lanes;  ///< boxes of a node
 
     /// O(n log n), in at most 15 calls of run(). Throws std::bad_alloc.
-    BoxTree(std::size_t count, BoxOf box_of, const Parallel& parallel);
+    BoxTree(std::size_t count, BoxOf box_of, const Parallel& parallel, const Memory* memory = nullptr);
 
     std::size_t size() const noexcept { return size_; }
 

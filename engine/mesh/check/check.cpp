@@ -10,6 +10,7 @@
 
 #include "base/clock.hpp"
 #include "base/guard.hpp"
+#include "base/recycler.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/edge_census.hpp"
 #include "mesh/measure.hpp"
@@ -95,7 +96,7 @@ public:
             return status.error();
         }
         begin(faces_share);
-        const GridMesh mesh = make_grid_mesh(view_, options_.transform, check_.info, parallel_);
+        const GridMesh mesh = make_grid_mesh(view_, options_.transform, check_.info, parallel_, recycler_.memory());
         if (mesh.faces.empty()) {
             return all_collapsed(view_.triangle_count, check_.info.unit_mm);
         }
@@ -143,7 +144,7 @@ private:
         const FaceTree tree(mesh, parallel_);
         check_.ms.meeting = lap();
         begin(shells_share);
-        const std::vector<std::uint32_t> shell_of = find_shells(mesh, edges, tree, notes, check_, parallel_);
+        const Array<std::uint32_t> shell_of = find_shells(mesh, edges, tree, notes, check_, parallel_);
         check_.ms.shells = lap();
         const std::vector<std::uint8_t> meets_other =
             find_meeting_faces(mesh, tree, stars, shell_of, check_.shells, notes, meeting_share, parallel_);
@@ -173,6 +174,7 @@ private:
     const MeshView& view_;
     const CheckOptions& options_;
     const Parallel parallel_;
+    Recycler recycler_;
     Clock::time_point last_ = Clock::now();
     MeshCheck check_;
 };

@@ -44,12 +44,14 @@ Distributed<EdgeSide> distribute_sides(const GridMesh& mesh, const Parallel& par
                     emit(part_of_number(low, vertices, parts), EdgeSide{low, high, static_cast<std::uint32_t>(3 * f + i)});
                 }
             }
-        });
+        },
+        mesh.memory);
 }
 
 }  // namespace
 
-EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel) : mesh_(mesh) {
+EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel)
+    : mesh_(mesh), edges_(mesh.memory), sides_(mesh.memory), irregular_(mesh.memory) {
     Distributed<EdgeSide> sides = distribute_sides(mesh, parallel);
     std::vector<PartSort<EdgeSide>> workers(static_cast<std::size_t>(parallel.threads()));
     std::vector<std::size_t> firsts(sides.size() + 1, 0);  // edges of a part, then the first of it
@@ -74,7 +76,7 @@ EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel) : mesh_(mes
         }
     });
     edges_[firsts.back()] = {0, 0, static_cast<std::uint32_t>(sides.items.size())};
-    irregular_ = indices_where(size(), parallel,
+    irregular_ = indices_where(size(), parallel, mesh.memory,
                                [&](std::size_t edge) { return this->sides(edge).size() != 2 || !is_balanced(edge); });
     std::copy_if(irregular_.begin(), irregular_.end(), std::back_inserter(boundary_),
                  [&](std::uint32_t edge) { return this->sides(edge).size() == 1; });

@@ -41,7 +41,7 @@ public:
     bool is_balanced(std::size_t edge) const noexcept { return 2 * forward_count(edge) == sides(edge).size(); }
 
     /// Edges that have not one face on either hand, ascending: one face, or more than two, or two that run the same way.
-    const std::vector<std::uint32_t>& irregular() const noexcept { return irregular_; }
+    const Array<std::uint32_t>& irregular() const noexcept { return irregular_; }
     /// Of these, those with one face.
     const std::vector<std::uint32_t>& boundary() const noexcept { return boundary_; }
 
@@ -52,7 +52,7 @@ private:
     const GridMesh& mesh_;
     Array<Edge> edges_;  ///< and one past the end, for its first_side
     Array<std::uint32_t> sides_;
-    std::vector<std::uint32_t> irregular_;
+    Array<std::uint32_t> irregular_;
     std::vector<std::uint32_t> boundary_;
 };
 

@@ -28,7 +28,8 @@ std::int32_t height_in(std::size_t axis, const GridVertex& v) {
 
 }  // namespace
 
-EmbeddedStars::EmbeddedStars(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel) : mesh_(mesh) {
+EmbeddedStars::EmbeddedStars(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel)
+    : mesh_(mesh), words_(mesh.memory) {
     words_.resize_discarding(mesh.vertices.size());
     parallel.run_ranges(words_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
         std::fill(words_.begin() + begin, words_.begin() + end, every_view);

@@ -9,8 +9,8 @@ namespace lamella {
 
 namespace {
 
-std::vector<std::uint32_t> distinct_faces(const GridMesh& mesh, const Parallel& parallel) {
-    return indices_where(mesh.faces.size(), parallel, [&](std::size_t face) {
+Array<std::uint32_t> distinct_faces(const GridMesh& mesh, const Parallel& parallel) {
+    return indices_where(mesh.faces.size(), parallel, mesh.memory, [&](std::size_t face) {
         const bool again = face > 0 && vertex_set(mesh.faces[face]) == vertex_set(mesh.faces[face - 1]);
         if (again) {
             return false;
@@ -25,6 +25,7 @@ std::vector<std::uint32_t> distinct_faces(const GridMesh& mesh, const Parallel& 
 FaceTree::FaceTree(const GridMesh& mesh, const Parallel& parallel)
     : faces(distinct_faces(mesh, parallel)),
       boxes(
-          faces.size(), [&](std::size_t item) { return Box::around(mesh.corners(mesh.faces[faces[item]])); }, parallel) {}
+          faces.size(), [&](std::size_t item) { return Box::around(mesh.corners(mesh.faces[faces[item]])); }, parallel,
+          mesh.memory) {}
 
 }  // namespace lamella

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "mesh/check/box_tree.hpp"
 #include "mesh/check/grid_mesh.hpp"
@@ -12,8 +11,8 @@ namespace lamella {
 /// Without those that have no area. Of several faces on the same vertices, which follow one another in the mesh, it has the
 /// first: so a body that was exported a thousand times costs no more than once.
 struct FaceTree {
-    std::vector<std::uint32_t> faces;  ///< ascending
-    BoxTree boxes;                     ///< items as in `faces`
+    Array<std::uint32_t> faces;  ///< ascending
+    BoxTree boxes;               ///< items as in `faces`
 
     /// O(n), in at most 13 calls of run(). Throws std::bad_alloc.
     FaceTree(const GridMesh& mesh, const Parallel& parallel);

@@ -34,7 +34,8 @@ bool is_collapsed(const Face& face) {
 }
 
 /// Faces in parts by their smallest corner, and in one more those that have collapsed.
-Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::size_t vertices, const Parallel& parallel) {
+Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::size_t vertices, const Parallel& parallel,
+                                   const Memory* memory) {
     const std::size_t triangles = numbers.size() / 3;
     const std::size_t parts = parts_for(triangles, faces_a_part);
     return distribute<Face>(triangles, parts + 1, parallel, [&](std::size_t begin, std::size_t end, const auto& emit) {
@@ -47,19 +48,16 @@ Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::siz
                 emit(part_of_number(face.corners[0], vertices, parts), face);
             }
         }
-    });
+    }, memory);
 }
 
 }  // namespace
 
-GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel) {
+GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel,
+                        const Memory* memory) {
     assert(mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3);
-    GridMesh grid;
-    grid.unit_mm = info.unit_mm;
-    VertexNumbers numbers = number_vertices(mesh, transform, info, parallel);
-    grid.vertices = std::move(numbers.vertices);
-    grid.joined = numbers.joined;
-    Distributed<Face> parts = distribute_faces(numbers.of_corners, grid.vertices.size(), parallel);
+    VertexNumbers numbers = number_vertices(mesh, transform, info, parallel, memory);
+    Distributed<Face> parts = distribute_faces(numbers.of_corners, numbers.vertices.size(), parallel, memory);
     const std::size_t whole = parts.size() - 1;
     std::vector<PartSort<Face>> workers(static_cast<std::size_t>(parallel.threads()));
     parallel.run(whole, [&](std::size_t part, int worker) {
@@ -68,8 +66,8 @@ GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const 
     });
     const std::span<Face> collapsed = parts.of(whole);
     sort_in_parallel(collapsed, FaceLess{}, parallel);
-    grid.collapsed.assign(collapsed.begin(), collapsed.end());
-    grid.faces = std::move(parts.items);
+    GridMesh grid{memory, std::move(numbers.vertices), std::move(parts.items), {collapsed.begin(), collapsed.end()},
+                  info.unit_mm, numbers.joined};
     grid.faces.set_size(parts.firsts[whole]);
     return grid;
 }

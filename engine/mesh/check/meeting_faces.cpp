@@ -66,7 +66,7 @@ private:
 class MeetingSearch {
 public:
     MeetingSearch(const GridMesh& mesh, const FaceTree& tree, const EmbeddedStars& stars,
-                  const std::vector<std::uint32_t>& shell_of, const std::vector<MeshShell>& shells, std::size_t most,
+                  const Array<std::uint32_t>& shell_of, const std::vector<MeshShell>& shells, std::size_t most,
                   const Parallel& parallel)
         : mesh_(mesh),
           tree_(tree),
@@ -75,6 +75,7 @@ public:
           parallel_(parallel),
           tallies_(static_cast<std::size_t>(parallel.threads()),
                    {Tally<FacePair>(most), Tally<FacePair>(most), Tally<FacePair>(most)}),
+          blocks_(mesh.memory),
           meets_other_(shells.size()) {
         blocks_.resize_discarding(tree.boxes.groups());
         parallel.run_ranges(blocks_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
@@ -155,7 +156,7 @@ private:
 
     const GridMesh& mesh_;
     const FaceTree& tree_;
-    const std::vector<std::uint32_t>& shell_of_;
+    const Array<std::uint32_t>& shell_of_;
     const std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
     Array<StarBlock> blocks_;  ///< by group
@@ -190,7 +191,7 @@ FaultPlace place_of(const GridMesh& mesh, const FacePair& pair, Meeting meeting)
 }  // namespace
 
 std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTree& tree, const EmbeddedStars& stars,
-                                             const std::vector<std::uint32_t>& shell_of,
+                                             const Array<std::uint32_t>& shell_of,
                                              const std::vector<MeshShell>& shells, Notes& notes, double progress,
                                              const Parallel& parallel) {
     MeetingSearch search(mesh, tree, stars, shell_of, shells, notes.most(), parallel);

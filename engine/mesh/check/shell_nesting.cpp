@@ -46,7 +46,7 @@ int winding_of(const ExactFace& face, const GridVector& p) {
 
 class Nesting {
 public:
-    Nesting(const GridMesh& mesh, const FaceTree& tree, const std::vector<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
+    Nesting(const GridMesh& mesh, const FaceTree& tree, const Array<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
             const Parallel& parallel)
         : mesh_(mesh),
           tree_(tree),
@@ -170,7 +170,7 @@ private:
 
     const GridMesh& mesh_;
     const FaceTree& tree_;
-    const std::vector<std::uint32_t>& shell_of_;
+    const Array<std::uint32_t>& shell_of_;
     std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
     std::vector<std::uint32_t> faces_;  ///< by shell
@@ -179,7 +179,7 @@ private:
 
 }  // namespace
 
-bool nest_shells(const GridMesh& mesh, const FaceTree& tree, const std::vector<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
+bool nest_shells(const GridMesh& mesh, const FaceTree& tree, const Array<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
                  const Parallel& parallel) {
     const bool any_closed = std::any_of(shells.begin(), shells.end(), [](const MeshShell& shell) { return shell.closed; });
     return shells.size() < 2 || !any_closed || Nesting(mesh, tree, shell_of, shells, parallel).run();

@@ -19,7 +19,8 @@ namespace {
 constexpr std::size_t faces_a_range = std::size_t{1} << 15;
 
 /// Three calls of run() after those that unite: numbers the shells by their first faces. The shell of each face.
-std::vector<std::uint32_t> number_shells(SharedSets<std::uint32_t>& sets, std::uint32_t& count, const Parallel& parallel) {
+Array<std::uint32_t> number_shells(SharedSets<std::uint32_t>& sets, std::uint32_t& count, const Parallel& parallel,
+                                   const Memory* memory) {
     const std::size_t faces = sets.size();
     const std::size_t ranges = faces / faces_a_range + 1;
     const auto first = [&](std::size_t range) { return static_cast<std::uint32_t>(faces * range / ranges); };
@@ -33,7 +34,8 @@ std::vector<std::uint32_t> number_shells(SharedSets<std::uint32_t>& sets, std::u
         firsts[range + 1] += firsts[range];
     }
     count = firsts[ranges];
-    std::vector<std::uint32_t> shell_of(faces);
+    Array<std::uint32_t> shell_of(memory);
+    shell_of.resize_discarding(faces);
     parallel.run(ranges, [&](std::size_t range, int) {
         std::uint32_t shell = firsts[range];
         for (std::uint32_t face = first(range); face != first(range + 1); ++face) {
@@ -53,9 +55,9 @@ std::vector<std::uint32_t> number_shells(SharedSets<std::uint32_t>& sets, std::u
 }
 
 /// Five calls of run().
-std::vector<std::uint32_t> join_shells(const GridMesh& mesh, const EdgeTable& edges, std::uint32_t& count,
-                                       const Parallel& parallel) {
-    SharedSets<std::uint32_t> sets(mesh.faces.size(), parallel);
+Array<std::uint32_t> join_shells(const GridMesh& mesh, const EdgeTable& edges, std::uint32_t& count,
+                                 const Parallel& parallel) {
+    SharedSets<std::uint32_t> sets(mesh.faces.size(), parallel, mesh.memory);
     parallel.run_ranges(edges.size(), faces_a_range, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t edge = begin; edge != end; ++edge) {
             const std::span<const std::uint32_t> sides = edges.sides(edge);
@@ -64,7 +66,7 @@ std::vector<std::uint32_t> join_shells(const GridMesh& mesh, const EdgeTable& ed
             }
         }
     });
-    return number_shells(sets, count, parallel);
+    return number_shells(sets, count, parallel, mesh.memory);
 }
 
 /// Six times the volume between a face and a point near it, in halves of grid units: summed over a closed shell, exact.
@@ -95,7 +97,7 @@ struct ShellPart {
 
 class ShellMeasure {
 public:
-    ShellMeasure(const GridMesh& mesh, const EdgeTable& edges, const std::vector<std::uint32_t>& shell_of,
+    ShellMeasure(const GridMesh& mesh, const EdgeTable& edges, const Array<std::uint32_t>& shell_of,
                  std::vector<MeshShell>& shells, const Parallel& parallel)
         : mesh_(mesh),
           edges_(edges),
@@ -184,7 +186,7 @@ private:
 
     const GridMesh& mesh_;
     const EdgeTable& edges_;
-    const std::vector<std::uint32_t>& shell_of_;
+    const Array<std::uint32_t>& shell_of_;
     std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
     std::vector<Int128> volumes_;
@@ -193,7 +195,7 @@ private:
 };
 
 /// One call of run(): numbers the shells anew, by what they are known by.
-void sort_shells(const std::vector<FirstPlace>& firsts, std::vector<MeshShell>& shells, std::vector<std::uint32_t>& shell_of,
+void sort_shells(const std::vector<FirstPlace>& firsts, std::vector<MeshShell>& shells, Array<std::uint32_t>& shell_of,
                  const Parallel& parallel) {
     std::vector<std::uint32_t> order(shells.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -224,10 +226,10 @@ bool lies_apart(const std::vector<MeshShell>& shells, const std::vector<std::uin
 
 }  // namespace
 
-std::vector<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree,
+Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree,
                                        const Notes& notes, MeshCheck& check, const Parallel& parallel) {
     std::uint32_t count = 0;
-    std::vector<std::uint32_t> shell_of = join_shells(mesh, edges, count, parallel);
+    Array<std::uint32_t> shell_of = join_shells(mesh, edges, count, parallel);
     check.shells.resize(count);
     const std::vector<FirstPlace> firsts = ShellMeasure(mesh, edges, shell_of, check.shells, parallel).run(notes);
     sort_shells(firsts, check.shells, shell_of, parallel);

@@ -51,7 +51,7 @@ class Patches {
 public:
     /// Two calls of run().
     Patches(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel)
-        : sets_(2 * mesh.faces.size(), parallel) {
+        : sets_(2 * mesh.faces.size(), parallel, mesh.memory) {
         each_joint(edges, parallel, [&](std::size_t edge, std::uint32_t side, std::uint32_t other) {
             const std::uint32_t face = EdgeTable::face_of(side);
             const std::uint32_t next = EdgeTable::face_of(other);
@@ -106,8 +106,9 @@ struct CornerAt {
 std::vector<CornerAt> loose_corners(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel) {
     const auto vertex_of = [&](std::size_t corner) { return mesh.faces[corner / 3].corners[corner % 3]; };
     std::vector<CornerAt> corners;
-    for (const std::uint32_t corner : indices_where(3 * mesh.faces.size(), parallel,
-                                                    [&](std::size_t i) { return !stars.contains(vertex_of(i)); })) {
+    for (const std::uint32_t corner :
+         indices_where(3 * mesh.faces.size(), parallel, mesh.memory,
+                       [&](std::size_t i) { return !stars.contains(vertex_of(i)); })) {
         corners.push_back({vertex_of(corner), corner});
     }
     sort_in_parallel(std::span<CornerAt>(corners), std::less<>{}, parallel);

@@ -35,7 +35,7 @@ std::uint32_t hash_of_exact(const double* xyz) {
 }
 
 Distributed<Corner> distribute_corners(const MeshView& mesh, const Transform& transform, double unit_mm,
-                                       const MortonOrder& order, const Parallel& parallel) {
+                                       const MortonOrder& order, const Parallel& parallel, const Memory* memory) {
     return with_reader(mesh, transform, unit_mm, [&](const auto& read) {
         const std::size_t corners = 3 * mesh.triangle_count;
         const Splitters<std::uint64_t, std::less<>> splitters(corners, parts_for(corners, corners_a_part), std::less<>{},
@@ -51,7 +51,8 @@ Distributed<Corner> distribute_corners(const MeshView& mesh, const Transform& tr
                              Corner{triangle[i], hash_of_exact(raw.v + 3 * i), static_cast<std::uint32_t>(3 * t + i)});
                     }
                 }
-            });
+            },
+            memory);
     });
 }
 
@@ -116,9 +117,9 @@ private:
 }  // namespace
 
 VertexNumbers number_vertices(const MeshView& mesh, const Transform& transform, const MeshInfo& info,
-                              const Parallel& parallel) {
+                              const Parallel& parallel, const Memory* memory) {
     const MortonOrder order(info);
-    Distributed<Corner> corners = distribute_corners(mesh, transform, info.unit_mm, order, parallel);
+    Distributed<Corner> corners = distribute_corners(mesh, transform, info.unit_mm, order, parallel, memory);
     std::vector<std::vector<GridVertex>> vertices(corners.size());
     std::vector<PartNumbers> workers(static_cast<std::size_t>(parallel.threads()), PartNumbers(order));
     std::atomic<bool> joined = false;
@@ -131,8 +132,7 @@ VertexNumbers number_vertices(const MeshView& mesh, const Transform& transform, 
     for (std::size_t part = 0; part < corners.size(); ++part) {
         firsts[part + 1] = firsts[part] + static_cast<std::uint32_t>(vertices[part].size());
     }
-    VertexNumbers numbers;
-    numbers.joined = joined;
+    VertexNumbers numbers{Array<GridVertex>(memory), Array<std::uint32_t>(memory), joined};
     numbers.vertices.resize_discarding(firsts.back());
     numbers.of_corners.resize_discarding(corners.items.size());
     parallel.run(corners.size(), [&](std::size_t part, int) {

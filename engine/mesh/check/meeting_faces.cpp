@@ -73,9 +73,9 @@ public:
           shell_of_(shell_of),
           shells_(shells),
           parallel_(parallel),
+          blocks_(mesh.memory),
           tallies_(static_cast<std::size_t>(parallel.threads()),
                    {Tally<FacePair>(most), Tally<FacePair>(most), Tally<FacePair>(most)}),
-          blocks_(mesh.memory),
           meets_other_(shells.size()) {
         blocks_.resize_discarding(tree.boxes.groups());
         parallel.run_ranges(blocks_.size(), grain, [&](std::size_t begin, std::size_t end, int) {

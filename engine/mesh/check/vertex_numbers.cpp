@@ -1,15 +1,14 @@
 #include "mesh/check/vertex_numbers.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <functional>
 #include <vector>
 
 #include "base/distribute.hpp"
-#include "base/mixed.hpp"
 #include "base/parallel_sort.hpp"
 #include "mesh/check/morton.hpp"
+#include "mesh/exact_reader.hpp"
 #include "slicing/grid/quantise.hpp"
 #include "slicing/grid/vertex_hash.hpp"
 
@@ -17,131 +16,232 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t corners_a_part = std::size_t{1} << 15;
+constexpr std::size_t triangles_a_range = std::size_t{1} << 16;
+constexpr std::size_t vertices_a_part = std::size_t{1} << 14;
 
-struct Corner {
-    GridVertex vertex;
-    std::uint32_t exact;   ///< a hash of its coordinates as they are; then its number among the part's vertices
-    std::uint32_t number;  ///< 3 * triangle + corner
+/// A vertex on the grid, and a hash of its coordinates as they are.
+struct Vertex {
+    GridVertex place;
+    std::uint32_t exact;
 };
 
-std::uint32_t hash_of_exact(const double* xyz) {
-    std::uint64_t hash = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double positive = xyz[axis] + 0.0;  // makes a positive zero of a negative one
-        hash = (std::rotl(hash, 23) ^ std::bit_cast<std::uint64_t>(positive)) * 0x9E3779B97F4A7C15U;
-    }
-    return static_cast<std::uint32_t>(hash >> 32);
-}
-
-Distributed<Corner> distribute_corners(const MeshView& mesh, const Transform& transform, double unit_mm,
-                                       const MortonOrder& order, const Parallel& parallel, const Memory* memory) {
-    return with_reader(mesh, transform, unit_mm, [&](const auto& read) {
-        const std::size_t corners = 3 * mesh.triangle_count;
-        const Splitters<std::uint64_t, std::less<>> splitters(corners, parts_for(corners, corners_a_part), std::less<>{},
-                                                              [&](std::size_t i) { return order.key(read(i / 3)[i % 3]); });
-        const RawReader exact(mesh);
-        return distribute<Corner>(
-            mesh.triangle_count, splitters.parts(), parallel, [&](std::size_t begin, std::size_t end, const auto& emit) {
-                for (std::size_t t = begin; t != end; ++t) {
-                    const GridTriangle triangle = read(t);
-                    const RawTriangle raw = exact(t);
-                    for (std::size_t i = 0; i < 3; ++i) {
-                        emit(splitters.part_of(order.key(triangle[i])),
-                             Corner{triangle[i], hash_of_exact(raw.v + 3 * i), static_cast<std::uint32_t>(3 * t + i)});
-                    }
-                }
-            },
-            memory);
-    });
-}
-
-/// Numbers the vertices of one part after another; its memory is kept.
-class PartNumbers {
+/// Numbers vertices in the order in which they come; its memory is kept.
+class VertexTable {
 public:
-    explicit PartNumbers(const MortonOrder& order) : order_(order) {}
-
-    /// Leaves each corner its vertex's rank in `exact`, and the vertices in `vertices`; true if some corners were joined.
-    bool run(std::span<Corner> corners, std::vector<GridVertex>& vertices) {
-        bool joined = false;
+    void clear() {
         found_.clear();
-        slots_.assign(std::bit_ceil(2 * corners.size() + 1), 0);
-        for (Corner& corner : corners) {
-            std::uint32_t& slot = find(corner.vertex);
-            if (slot == 0) {
-                found_.push_back(
-                    {order_.key(corner.vertex), corner.vertex, corner.exact, static_cast<std::uint32_t>(found_.size())});
-                slot = static_cast<std::uint32_t>(found_.size());
-            }
-            joined = joined || found_[slot - 1].exact != corner.exact;
-            corner.exact = slot - 1;
-        }
-        std::sort(found_.begin(), found_.end(),
-                  [](const Found& a, const Found& b) { return a.key != b.key ? a.key < b.key : a.vertex < b.vertex; });
-        ranks_.resize(found_.size());
-        vertices.resize(found_.size());
-        for (std::uint32_t rank = 0; rank < found_.size(); ++rank) {
-            ranks_[found_[rank].first] = rank;
-            vertices[rank] = found_[rank].vertex;
-        }
-        for (Corner& corner : corners) {
-            corner.exact = ranks_[corner.exact];
-        }
-        return joined;
+        slots_.assign(std::max<std::size_t>(slots_.size(), 1024), 0);
     }
+
+    std::uint32_t number(const Vertex& vertex) {
+        std::uint32_t& slot = find(vertex.place);
+        if (slot != 0) {
+            joined_ = joined_ || found_[slot - 1].exact != vertex.exact;
+            return slot - 1;
+        }
+        found_.push_back(vertex);
+        slot = static_cast<std::uint32_t>(found_.size());
+        if (2 * found_.size() > slots_.size()) {
+            grow();
+        }
+        return static_cast<std::uint32_t>(found_.size() - 1);
+    }
+
+    const std::vector<Vertex>& found() const noexcept { return found_; }
+    /// Whether it ever gave one number to vertices that differ as they are.
+    bool joined() const noexcept { return joined_; }
 
 private:
-    struct Found {
-        std::uint64_t key;
-        GridVertex vertex;
-        std::uint32_t exact;
-        std::uint32_t first;  ///< the order in which they came
-    };
-
-    /// The slot of the vertex, or the free one where it belongs. Before sorting.
-    std::uint32_t& find(const GridVertex& vertex) {
+    /// The slot of the vertex, or the free one where it belongs.
+    std::uint32_t& find(const GridVertex& place) {
         const std::size_t mask = slots_.size() - 1;
-        for (std::size_t slot = hash_of(vertex) & mask;; slot = (slot + 1) & mask) {
-            if (slots_[slot] == 0 || found_[slots_[slot] - 1].vertex == vertex) {
+        for (std::size_t slot = hash_of(place) & mask;; slot = (slot + 1) & mask) {
+            if (slots_[slot] == 0 || found_[slots_[slot] - 1].place == place) {
                 return slots_[slot];
             }
         }
     }
 
-    MortonOrder order_;
-    std::vector<Found> found_;
+    void grow() {
+        slots_.assign(2 * slots_.size(), 0);
+        for (std::uint32_t i = 0; i < found_.size(); ++i) {
+            find(found_[i].place) = i + 1;
+        }
+    }
+
+    std::vector<Vertex> found_;
     std::vector<std::uint32_t> slots_;  ///< open addressing: 1 + index into found_, or 0
-    std::vector<std::uint32_t> ranks_;
+    bool joined_ = false;
+};
+
+/// Triangles that follow one another share most of their vertices: each range of them is numbered by itself first, so that
+/// only what it found need be brought together with what the others found.
+///
+///     range 0: corners a b c  b d c   ->  a b c d   numbers 0 1 2  1 3 2
+///     range 1: corners c d e  d f e   ->  c d e f   numbers 0 1 2  1 3 2   ->  all: a b c d e f
+class Numbering {
+public:
+    Numbering(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel,
+              const Memory* memory)
+        : mesh_(mesh),
+          transform_(transform),
+          unit_mm_(info.unit_mm),
+          order_(info),
+          parallel_(parallel),
+          memory_(memory),
+          ranges_(std::clamp<std::size_t>(mesh.triangle_count / 4096, 1,
+                                          std::max<std::size_t>(static_cast<std::size_t>(parallel.threads()) * 4,
+                                                                mesh.triangle_count / triangles_a_range))),
+          of_corners_(memory),
+          of_found_(memory),
+          tables_(static_cast<std::size_t>(parallel.threads())) {}
+
+    VertexNumbers run() {
+        number_ranges();
+        Distributed<Item> parts = distribute_found();
+        Array<GridVertex> vertices = number_parts(parts);
+        rename_corners();
+        const bool joined = std::any_of(tables_.begin(), tables_.end(), [](const VertexTable& table) { return table.joined(); });
+        return {std::move(vertices), std::move(of_corners_), joined};
+    }
+
+private:
+    /// A vertex that some range has found.
+    struct Item {
+        Vertex vertex;
+        std::uint32_t number;  ///< among all that were found
+    };
+
+    std::size_t first_triangle(std::size_t range) const noexcept { return mesh_.triangle_count * range / ranges_; }
+
+    /// Leaves each corner its vertex's number among what its range has found.
+    void number_ranges() {
+        found_.resize(ranges_);
+        of_corners_.resize_discarding(3 * mesh_.triangle_count);
+        const ExactReader exact(mesh_);
+        with_reader(mesh_, transform_, unit_mm_, [&](const auto& read) {
+            parallel_.run(ranges_, [&](std::size_t range, int worker) {
+                VertexTable& table = tables_[static_cast<std::size_t>(worker)];
+                table.clear();
+                for (std::size_t t = first_triangle(range); t != first_triangle(range + 1); ++t) {
+                    const GridTriangle places = read(t);
+                    const GridTriangle as_they_are = exact(t);
+                    for (std::size_t i = 0; i < 3; ++i) {
+                        const auto hash = static_cast<std::uint32_t>(hash_of(as_they_are[i]));
+                        of_corners_[3 * t + i] = table.number({places[i], hash});
+                    }
+                }
+                found_[range] = table.found();
+            });
+        });
+    }
+
+    /// In parts of the Morton order. Frees what the ranges have found.
+    Distributed<Item> distribute_found() {
+        firsts_.assign(ranges_ + 1, 0);
+        for (std::size_t range = 0; range < ranges_; ++range) {
+            firsts_[range + 1] = firsts_[range] + static_cast<std::uint32_t>(found_[range].size());
+        }
+        const std::size_t count = firsts_.back();
+        Array<Vertex> all(memory_);
+        all.resize_discarding(count);
+        parallel_.run(ranges_, [&](std::size_t range, int) {
+            std::copy(found_[range].begin(), found_[range].end(), all.begin() + firsts_[range]);
+            found_[range] = {};
+        });
+        const auto key = [&](std::size_t i) { return order_.key(all[i].place); };
+        const Splitters<std::uint64_t, std::less<>> splitters(count, parts_for(count, vertices_a_part), std::less<>{}, key);
+        return distribute<Item>(
+            count, splitters.parts(), parallel_,
+            [&](std::size_t begin, std::size_t end, const auto& emit) {
+                for (std::size_t i = begin; i != end; ++i) {
+                    emit(splitters.part_of(key(i)), Item{all[i], static_cast<std::uint32_t>(i)});
+                }
+            },
+            memory_);
+    }
+
+    /// All vertices in order; of_found_ becomes the number of each that a range has found.
+    Array<GridVertex> number_parts(Distributed<Item>& parts) {
+        std::vector<std::vector<GridVertex>> vertices(parts.size());
+        of_found_.resize_discarding(parts.items.size());
+        parallel_.run(parts.size(), [&](std::size_t part, int worker) {
+            vertices[part] = number_part(parts.of(part), tables_[static_cast<std::size_t>(worker)]);
+        });
+        std::vector<std::uint32_t> firsts(parts.size() + 1, 0);
+        for (std::size_t part = 0; part < parts.size(); ++part) {
+            firsts[part + 1] = firsts[part] + static_cast<std::uint32_t>(vertices[part].size());
+        }
+        Array<GridVertex> all(memory_);
+        all.resize_discarding(firsts.back());
+        parallel_.run(parts.size(), [&](std::size_t part, int) {
+            std::copy(vertices[part].begin(), vertices[part].end(), all.begin() + firsts[part]);
+            for (const Item& item : parts.of(part)) {
+                of_found_[item.number] += firsts[part];
+            }
+        });
+        return all;
+    }
+
+    /// The part's vertices in order; of_found_ becomes the rank among these.
+    std::vector<GridVertex> number_part(std::span<const Item> items, VertexTable& table) {
+        struct Ranked {
+            std::uint64_t key;
+            GridVertex place;
+            std::uint32_t arrival;
+        };
+        table.clear();
+        for (const Item& item : items) {
+            of_found_[item.number] = table.number(item.vertex);
+        }
+        std::vector<Ranked> ranked;
+        ranked.reserve(table.found().size());
+        for (const Vertex& vertex : table.found()) {
+            ranked.push_back({order_.key(vertex.place), vertex.place, static_cast<std::uint32_t>(ranked.size())});
+        }
+        std::sort(ranked.begin(), ranked.end(),
+                  [](const Ranked& a, const Ranked& b) { return a.key != b.key ? a.key < b.key : a.place < b.place; });
+        std::vector<std::uint32_t> ranks(ranked.size());
+        std::vector<GridVertex> vertices;
+        vertices.reserve(ranked.size());
+        for (const Ranked& vertex : ranked) {
+            ranks[vertex.arrival] = static_cast<std::uint32_t>(vertices.size());
+            vertices.push_back(vertex.place);
+        }
+        for (const Item& item : items) {
+            of_found_[item.number] = ranks[of_found_[item.number]];
+        }
+        return vertices;
+    }
+
+    void rename_corners() {
+        parallel_.run(ranges_, [&](std::size_t range, int) {
+            const std::uint32_t* const of_own = of_found_.data() + firsts_[range];
+            for (std::size_t corner = 3 * first_triangle(range); corner != 3 * first_triangle(range + 1); ++corner) {
+                of_corners_[corner] = of_own[of_corners_[corner]];
+            }
+        });
+    }
+
+    const MeshView& mesh_;
+    const Transform& transform_;
+    double unit_mm_;
+    MortonOrder order_;
+    const Parallel& parallel_;
+    const Memory* memory_;
+    std::size_t ranges_;
+    Array<std::uint32_t> of_corners_;
+    Array<std::uint32_t> of_found_;
+    std::vector<VertexTable> tables_;         ///< by worker
+    std::vector<std::vector<Vertex>> found_;  ///< by range
+    std::vector<std::uint32_t> firsts_;       ///< of each range, among all that were found
 };
 
 }  // namespace
 
 VertexNumbers number_vertices(const MeshView& mesh, const Transform& transform, const MeshInfo& info,
                               const Parallel& parallel, const Memory* memory) {
-    const MortonOrder order(info);
-    Distributed<Corner> corners = distribute_corners(mesh, transform, info.unit_mm, order, parallel, memory);
-    std::vector<std::vector<GridVertex>> vertices(corners.size());
-    std::vector<PartNumbers> workers(static_cast<std::size_t>(parallel.threads()), PartNumbers(order));
-    std::atomic<bool> joined = false;
-    parallel.run(corners.size(), [&](std::size_t part, int worker) {
-        if (workers[static_cast<std::size_t>(worker)].run(corners.of(part), vertices[part])) {
-            joined.store(true, std::memory_order_relaxed);
-        }
-    });
-    std::vector<std::uint32_t> firsts(corners.size() + 1, 0);
-    for (std::size_t part = 0; part < corners.size(); ++part) {
-        firsts[part + 1] = firsts[part] + static_cast<std::uint32_t>(vertices[part].size());
-    }
-    VertexNumbers numbers{Array<GridVertex>(memory), Array<std::uint32_t>(memory), joined};
-    numbers.vertices.resize_discarding(firsts.back());
-    numbers.of_corners.resize_discarding(corners.items.size());
-    parallel.run(corners.size(), [&](std::size_t part, int) {
-        std::copy(vertices[part].begin(), vertices[part].end(), numbers.vertices.begin() + firsts[part]);
-        for (const Corner& corner : corners.of(part)) {
-            numbers.of_corners[corner.number] = firsts[part] + corner.exact;
-        }
-    });
-    return numbers;
+    return Numbering(mesh, transform, info, parallel, memory).run();
 }
 
 }  // namespace lamella

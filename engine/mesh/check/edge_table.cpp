@@ -1,6 +1,7 @@
 #include "mesh/check/edge_table.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -13,35 +14,62 @@ namespace {
 
 constexpr std::size_t sides_a_part = std::size_t{1} << 14;
 
-/// A side of a face, by the edge on which it lies.
-struct EdgeSide {
-    std::uint32_t lower;
-    std::uint32_t upper;
-    std::uint32_t side;
-};
+using Ends = std::array<std::uint32_t, 2>;
 
-/// Sorts the sides of a part by lower vertex, then upper, then side. Returns the number of edges.
-std::size_t sort_sides(std::span<EdgeSide> sides, PartSort<EdgeSide>& sort) {
-    sort.run(
-        sides, [](const EdgeSide& side) { return side.lower; },
-        [](const EdgeSide& a, const EdgeSide& b) { return a.upper != b.upper ? a.upper < b.upper : a.side < b.side; });
-    std::size_t edges = sides.empty() ? 0 : 1;
-    for (std::size_t i = 1; i < sides.size(); ++i) {
-        edges += sides[i].lower != sides[i - 1].lower || sides[i].upper != sides[i - 1].upper ? 1 : 0;
-    }
-    return edges;
+/// Of the edge on which a side lies, the lower vertex first.
+Ends ends_of(const GridMesh& mesh, std::uint32_t side) {
+    const auto& corners = mesh.faces[side / 3].corners;
+    const auto [lower, upper] = std::minmax(corners[side % 3], corners[(side % 3 + 1) % 3]);
+    return {lower, upper};
 }
 
-Distributed<EdgeSide> distribute_sides(const GridMesh& mesh, const Parallel& parallel) {
+/// Sorts the sides of a part; its memory is kept.
+class SideSort {
+public:
+    explicit SideSort(const GridMesh& mesh) : mesh_(mesh) {}
+
+    /// By lower vertex, then upper, then side. Returns the number of edges.
+    std::size_t run(std::span<std::uint32_t> sides) {
+        sides_.clear();
+        for (const std::uint32_t side : sides) {
+            sides_.push_back({ends_of(mesh_, side), side});
+        }
+        sort_.run(
+            std::span<EdgeSide>(sides_), [](const EdgeSide& side) { return side.ends[0]; },
+            [](const EdgeSide& a, const EdgeSide& b) {
+                return a.ends[1] != b.ends[1] ? a.ends[1] < b.ends[1] : a.side < b.side;
+            });
+        std::size_t edges = 0;
+        for (std::size_t i = 0; i < sides.size(); ++i) {
+            edges += i == 0 || sides_[i].ends != sides_[i - 1].ends ? 1 : 0;
+            sides[i] = sides_[i].side;
+        }
+        return edges;
+    }
+
+private:
+    struct EdgeSide {
+        Ends ends;
+        std::uint32_t side;
+    };
+
+    const GridMesh& mesh_;
+    std::vector<EdgeSide> sides_;
+    PartSort<EdgeSide> sort_;
+};
+
+/// In parts of the order of lower vertices.
+Distributed<std::uint32_t> distribute_sides(const GridMesh& mesh, const Parallel& parallel) {
     const std::size_t parts = parts_for(3 * mesh.faces.size(), sides_a_part);
     const std::size_t vertices = mesh.vertices.size();
-    return distribute<EdgeSide>(
-        mesh.faces.size(), parts, parallel, [&, parts, vertices](std::size_t begin, std::size_t end, const auto& emit) {
+    return distribute<std::uint32_t>(
+        mesh.faces.size(), parts, parallel,
+        [&, parts, vertices](std::size_t begin, std::size_t end, const auto& emit) {
             for (std::size_t f = begin; f != end; ++f) {
                 const auto& corners = mesh.faces[f].corners;
                 for (std::size_t i = 0; i < 3; ++i) {
-                    const auto [low, high] = std::minmax(corners[i], corners[i == 2 ? 0 : i + 1]);
-                    emit(part_of_number(low, vertices, parts), EdgeSide{low, high, static_cast<std::uint32_t>(3 * f + i)});
+                    const std::uint32_t lower = std::min(corners[i], corners[i == 2 ? 0 : i + 1]);
+                    emit(part_of_number(lower, vertices, parts), static_cast<std::uint32_t>(3 * f + i));
                 }
             }
         },
@@ -51,35 +79,37 @@ Distributed<EdgeSide> distribute_sides(const GridMesh& mesh, const Parallel& par
 }  // namespace
 
 EdgeTable::EdgeTable(const GridMesh& mesh, const Parallel& parallel)
-    : mesh_(mesh), edges_(mesh.memory), sides_(mesh.memory), irregular_(mesh.memory) {
-    Distributed<EdgeSide> sides = distribute_sides(mesh, parallel);
-    std::vector<PartSort<EdgeSide>> workers(static_cast<std::size_t>(parallel.threads()));
-    std::vector<std::size_t> firsts(sides.size() + 1, 0);  // edges of a part, then the first of it
-    parallel.run(sides.size(), [&](std::size_t part, int worker) {
-        firsts[part + 1] = sort_sides(sides.of(part), workers[static_cast<std::size_t>(worker)]);
+    : mesh_(mesh), first_sides_(mesh.memory), sides_(mesh.memory), irregular_(mesh.memory) {
+    Distributed<std::uint32_t> parts = distribute_sides(mesh, parallel);
+    std::vector<SideSort> workers(static_cast<std::size_t>(parallel.threads()), SideSort(mesh));
+    std::vector<std::size_t> firsts(parts.size() + 1, 0);  // edges of a part, then the first of it
+    parallel.run(parts.size(), [&](std::size_t part, int worker) {
+        firsts[part + 1] = workers[static_cast<std::size_t>(worker)].run(parts.of(part));
     });
-    for (std::size_t part = 0; part < sides.size(); ++part) {
+    for (std::size_t part = 0; part < parts.size(); ++part) {
         firsts[part + 1] += firsts[part];
     }
-    sides_.resize_discarding(sides.items.size());
-    edges_.resize_discarding(firsts.back() + 1);
-    parallel.run(sides.size(), [&](std::size_t part, int) {
+    first_sides_.resize_discarding(firsts.back() + 1);
+    parallel.run(parts.size(), [&](std::size_t part, int) {
         std::size_t edge = firsts[part];
-        const EdgeSide* last = nullptr;
-        for (const EdgeSide& side : sides.of(part)) {
-            const auto at = static_cast<std::uint32_t>(&side - sides.items.data());
-            if (last == nullptr || last->lower != side.lower || last->upper != side.upper) {
-                edges_[edge++] = {side.lower, side.upper, at};
+        Ends last{};  // no edge's: its ends differ
+        for (std::size_t at = parts.firsts[part]; at != parts.firsts[part + 1]; ++at) {
+            if (const Ends ends = ends_of(mesh, parts.items[at]); ends != std::exchange(last, ends)) {
+                first_sides_[edge++] = static_cast<std::uint32_t>(at);
             }
-            sides_[at] = side.side;
-            last = &side;
         }
     });
-    edges_[firsts.back()] = {0, 0, static_cast<std::uint32_t>(sides.items.size())};
+    first_sides_[firsts.back()] = static_cast<std::uint32_t>(parts.items.size());
+    sides_ = std::move(parts.items);
     irregular_ = indices_where(size(), parallel, mesh.memory,
-                               [&](std::size_t edge) { return this->sides(edge).size() != 2 || !is_balanced(edge); });
+                               [&](std::size_t edge) { return sides(edge).size() != 2 || !is_balanced(edge); });
     std::copy_if(irregular_.begin(), irregular_.end(), std::back_inserter(boundary_),
-                 [&](std::uint32_t edge) { return this->sides(edge).size() == 1; });
+                 [&](std::uint32_t edge) { return sides(edge).size() == 1; });
+}
+
+EdgeTable::Edge EdgeTable::operator[](std::size_t edge) const noexcept {
+    const auto [lower, upper] = ends_of(mesh_, sides_[first_sides_[edge]]);
+    return {lower, upper};
 }
 
 std::size_t EdgeTable::forward_count(std::size_t edge) const noexcept {
@@ -89,12 +119,18 @@ std::size_t EdgeTable::forward_count(std::size_t edge) const noexcept {
 }
 
 bool EdgeTable::joins(std::uint32_t a, std::uint32_t b) const noexcept {
-    const std::pair<std::uint32_t, std::uint32_t> wanted = std::minmax(a, b);
-    const Edge* const end = edges_.end() - 1;
-    const Edge* const found = std::lower_bound(edges_.begin(), end, wanted, [](const Edge& edge, const auto& key) {
-        return std::pair(edge.lower, edge.upper) < key;
-    });
-    return found != end && std::pair(found->lower, found->upper) == wanted;
+    const Ends wanted = {std::min(a, b), std::max(a, b)};
+    std::size_t first = 0;
+    for (std::size_t left = size(); left > 0;) {
+        const std::size_t half = left / 2;
+        if (ends_of(mesh_, sides_[first_sides_[first + half]]) < wanted) {
+            first += half + 1;
+            left -= half + 1;
+        } else {
+            left = half;
+        }
+    }
+    return first != size() && ends_of(mesh_, sides_[first_sides_[first]]) == wanted;
 }
 
 }  // namespace lamella

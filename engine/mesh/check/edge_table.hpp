@@ -16,19 +16,18 @@ public:
     struct Edge {
         std::uint32_t lower;
         std::uint32_t upper;
-        std::uint32_t first_side;
     };
 
     /// O(n log(faces at a vertex)), in five calls of run(). `mesh` must outlive the table. Throws std::bad_alloc.
     EdgeTable(const GridMesh& mesh, const Parallel& parallel);
 
     /// By lower vertex, then upper.
-    std::size_t size() const noexcept { return edges_.size() - 1; }
-    const Edge& operator[](std::size_t edge) const noexcept { return edges_[edge]; }
+    std::size_t size() const noexcept { return first_sides_.size() - 1; }
+    Edge operator[](std::size_t edge) const noexcept;
 
     /// Ascending.
     std::span<const std::uint32_t> sides(std::size_t edge) const noexcept {
-        return {sides_.data() + edges_[edge].first_side, edges_[edge + 1].first_side - edges_[edge].first_side};
+        return {sides_.data() + first_sides_[edge], first_sides_[edge + 1] - first_sides_[edge]};
     }
     static std::uint32_t face_of(std::uint32_t side) noexcept { return side / 3; }
 
@@ -50,7 +49,7 @@ public:
 
 private:
     const GridMesh& mesh_;
-    Array<Edge> edges_;  ///< and one past the end, for its first_side
+    Array<std::uint32_t> first_sides_;  ///< of each edge, and the end of the last
     Array<std::uint32_t> sides_;
     Array<std::uint32_t> irregular_;
     std::vector<std::uint32_t> boundary_;

@@ -78,7 +78,7 @@ public:
         const BoxTree tree(
             boundary_.size(),
             [&](std::size_t item) {
-                const EdgeTable::Edge& edge = edges_[boundary_[item]];
+                const EdgeTable::Edge edge = edges_[boundary_[item]];
                 return Box::around(std::array{mesh_.vertices[edge.lower], mesh_.vertices[edge.upper]});
             },
             parallel_);
@@ -143,7 +143,7 @@ private:
     /// Near the ends of the edge the vertex makes a crack with them instead. A face's own corner near its side makes it a
     /// cap, or leaves it without area.
     bool is_t_junction(std::uint32_t vertex, std::uint32_t edge) const {
-        const auto [lower, upper, first_side] = edges_[edge];
+        const auto [lower, upper] = edges_[edge];
         double share = 0;
         const double distance = distance_to_inside(at(vertex), at(lower), at(upper), share);
         const Face& face = mesh_.faces[EdgeTable::face_of(edges_.sides(edge)[0])];
@@ -154,7 +154,7 @@ private:
 
     /// The vertex, and the point of the edge next to it.
     FaultPlace place_of_t_junction(std::uint32_t vertex, std::uint32_t edge) const {
-        const auto [lower, upper, first_side] = edges_[edge];
+        const auto [lower, upper] = edges_[edge];
         double share = 0;
         FaultPlace place = notes_.at({vertex});
         place.measure = distance_to_inside(at(vertex), at(lower), at(upper), share) * 2 * mesh_.unit_mm;

@@ -1,4 +1,4 @@
-// Boxes on the grid, found by where they lie: a tree without pointers over the boxes in Morton order, eight to a node.
+// Boxes on the grid, found by where they lie: a tree without pointers, eight boxes to a node.
 #pragma once
 
 #include <algorithm>
@@ -63,7 +63,7 @@ public:
     using BoxOf = FunctionRef<Box(std::size_t item)>;
     static constexpr std::size_t fan = BoxBlock::lanes;  ///< boxes of a node
 
-    /// O(n log n), in at most 15 calls of run(). Throws std::bad_alloc.
+    /// O(n), in at most 11 calls of run(). Throws std::bad_alloc.
     BoxTree(std::size_t count, BoxOf box_of, const Parallel& parallel, const Memory* memory = nullptr);
 
     std::size_t size() const noexcept { return size_; }

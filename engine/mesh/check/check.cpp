@@ -74,11 +74,11 @@ struct Share {
 };
 constexpr Share box_share = {0.02, 1};
 constexpr Share measure_share = {0.04, 1};
-constexpr Share faces_share = {0.27, 7};
-constexpr Share edges_share = {0.38, 5};
-constexpr Share joints_share = {0.55, 6};
-constexpr Share shells_share = {0.63, 8};
-constexpr Share tree_share = {0.72, 16};
+constexpr Share faces_share = {0.24, 9};
+constexpr Share edges_share = {0.36, 5};
+constexpr Share joints_share = {0.48, 7};
+constexpr Share tree_share = {0.54, 9};
+constexpr Share shells_share = {0.60, 9};
 constexpr double meeting_share = 0.97;
 constexpr Share gaps_share = {0.99, 40};
 

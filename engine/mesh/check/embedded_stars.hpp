@@ -24,13 +24,15 @@ public:
 
     /// Whether the vertex is known to have one: then its faces form one closed fan, and no two meet but in an edge or vertex
     /// that they share.
-    bool contains(std::uint32_t vertex) const noexcept { return (words_[vertex] & ~every_view) == one_round &&
-                                                                (words_[vertex] & every_view) != 0; }
+    bool contains(std::uint32_t vertex) const noexcept {
+        return (words_[vertex] & ~every_view) == one_round && (words_[vertex] & every_view) != 0;
+    }
 
 private:
     using Word = std::uint32_t;
-    static constexpr Word every_view = 0x3F;  ///< the low bits: from which ends of the axes all faces so far are seen in front
-    static constexpr Word one_round = 0x40;   ///< the others count faces that hold the ray
+    static constexpr Word every_view =
+        0x3F;  ///< the low bits: from which ends of the axes all faces so far are seen in front
+    static constexpr Word one_round = 0x40;  ///< the others count faces that hold the ray
 
     void find_views(const Parallel& parallel);
     void count_rounds(const Parallel& parallel);

@@ -34,15 +34,14 @@ void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& not
 void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes, const Parallel& parallel);
 
 /// Shells, their orientations and nesting. Returns the shell of each face.
-Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree,
-                                       const Notes& notes, MeshCheck& check, const Parallel& parallel);
+Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree, const Notes& notes,
+                                 MeshCheck& check, const Parallel& parallel);
 
 /// Pairs of faces that cross, overlap or touch. Returns for each shell 1 if it and another one are closed and meet, else 0.
 /// The search itself leads the progress on to `progress`.
 std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTree& tree, const EmbeddedStars& stars,
-                                             const Array<std::uint32_t>& shell_of,
-                                             const std::vector<MeshShell>& shells, Notes& notes, double progress,
-                                             const Parallel& parallel);
+                                             const Array<std::uint32_t>& shell_of, const std::vector<MeshShell>& shells,
+                                             Notes& notes, double progress, const Parallel& parallel);
 
 /// Shells whose orientation contradicts their depth, where the depth is conclusive (shells.cpp).
 void find_misoriented_shells(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other,

@@ -38,17 +38,20 @@ Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::siz
                                    const Memory* memory) {
     const std::size_t triangles = numbers.size() / 3;
     const std::size_t parts = parts_for(triangles, faces_a_part);
-    return distribute<Face>(triangles, parts + 1, parallel, [&](std::size_t begin, std::size_t end, const auto& emit) {
-        for (std::size_t t = begin; t != end; ++t) {
-            Face face = face_of(numbers, t);
-            if (is_collapsed(face)) {
-                std::sort(face.corners.begin(), face.corners.end());  // without orientation; two corners may be smallest
-                emit(parts, face);
-            } else {
-                emit(part_of_number(face.corners[0], vertices, parts), face);
+    return distribute<Face>(
+        triangles, parts + 1, parallel,
+        [&](std::size_t begin, std::size_t end, const auto& emit) {
+            for (std::size_t t = begin; t != end; ++t) {
+                Face face = face_of(numbers, t);
+                if (is_collapsed(face)) {
+                    std::sort(face.corners.begin(), face.corners.end());  // without orientation; two corners may be smallest
+                    emit(parts, face);
+                } else {
+                    emit(part_of_number(face.corners[0], vertices, parts), face);
+                }
             }
-        }
-    }, memory);
+        },
+        memory);
 }
 
 }  // namespace
@@ -66,8 +69,12 @@ GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const 
     });
     const std::span<Face> collapsed = parts.of(whole);
     sort_in_parallel(collapsed, FaceLess{}, parallel);
-    GridMesh grid{memory, std::move(numbers.vertices), std::move(parts.items), {collapsed.begin(), collapsed.end()},
-                  info.unit_mm, numbers.joined};
+    GridMesh grid{memory,
+                  std::move(numbers.vertices),
+                  std::move(parts.items),
+                  {collapsed.begin(), collapsed.end()},
+                  info.unit_mm,
+                  numbers.joined};
     grid.faces.set_size(parts.firsts[whole]);
     return grid;
 }

@@ -27,7 +27,7 @@ inline std::array<std::uint32_t, 3> vertex_set(const Face& face) noexcept {
 }
 
 struct GridMesh {
-    const Memory* memory;  ///< for arrays that are as large as the mesh
+    const Memory* memory;         ///< for arrays that are as large as the mesh
     Array<GridVertex> vertices;   ///< distinct, in Morton order
     Array<Face> faces;            ///< by vertex_set(), then orientation, then source; those with two equal vertices left out
     std::vector<Face> collapsed;  ///< these, in the same order
@@ -39,8 +39,8 @@ struct GridMesh {
     }
 };
 
-/// O(n log n), in seven calls of run(). `info` holds the box and the unit. Precondition: indices in range, coordinates within the grid, fewer than 2^32 / 3
-/// triangles. Throws std::bad_alloc.
+/// O(n log n), in nine calls of run(). `info` holds the box and the unit. Precondition: indices in range, coordinates within
+/// the grid, fewer than 2^32 / 3 triangles. Throws std::bad_alloc.
 GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel,
                         const Memory* memory);
 

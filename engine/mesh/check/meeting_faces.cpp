@@ -90,13 +90,13 @@ public:
         const std::size_t groups = tree_.boxes.groups();
         parallel_.begin_stage(progress, BudgetedSearch<Met>::runs_for(groups));
         BudgetedSearch<Met> search(groups, search_budget(tree_.boxes.size()), parallel_);
-        return search.run([&](std::size_t group, std::size_t limit,
-                              std::vector<Met>& found) { return meet_group(group, limit, found); },
-                          [&](std::size_t, const std::vector<Met>& found, int worker) {
-                              for (const Met& met : found) {
-                                  note(met, worker);
-                              }
-                          });
+        return search.run(
+            [&](std::size_t group, std::size_t limit, std::vector<Met>& found) { return meet_group(group, limit, found); },
+            [&](std::size_t, const std::vector<Met>& found, int worker) {
+                for (const Met& met : found) {
+                    note(met, worker);
+                }
+            });
     }
 
     Tally<FacePair>& total(std::size_t kind) {
@@ -191,9 +191,8 @@ FaultPlace place_of(const GridMesh& mesh, const FacePair& pair, Meeting meeting)
 }  // namespace
 
 std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTree& tree, const EmbeddedStars& stars,
-                                             const Array<std::uint32_t>& shell_of,
-                                             const std::vector<MeshShell>& shells, Notes& notes, double progress,
-                                             const Parallel& parallel) {
+                                             const Array<std::uint32_t>& shell_of, const std::vector<MeshShell>& shells,
+                                             Notes& notes, double progress, const Parallel& parallel) {
     MeetingSearch search(mesh, tree, stars, shell_of, shells, notes.most(), parallel);
     const bool complete = search.run(progress);
     for (std::size_t kind = 0; kind < kinds.size(); ++kind) {

@@ -48,11 +48,7 @@ class Nesting {
 public:
     Nesting(const GridMesh& mesh, const FaceTree& tree, const Array<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
             const Parallel& parallel)
-        : mesh_(mesh),
-          tree_(tree),
-          shell_of_(shell_of),
-          shells_(shells),
-          parallel_(parallel) {
+        : mesh_(mesh), tree_(tree), shell_of_(shell_of), shells_(shells), parallel_(parallel) {
         sort_faces();
     }
 
@@ -179,8 +175,8 @@ private:
 
 }  // namespace
 
-bool nest_shells(const GridMesh& mesh, const FaceTree& tree, const Array<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
-                 const Parallel& parallel) {
+bool nest_shells(const GridMesh& mesh, const FaceTree& tree, const Array<std::uint32_t>& shell_of,
+                 std::vector<MeshShell>& shells, const Parallel& parallel) {
     const bool any_closed = std::any_of(shells.begin(), shells.end(), [](const MeshShell& shell) { return shell.closed; });
     return shells.size() < 2 || !any_closed || Nesting(mesh, tree, shell_of, shells, parallel).run();
 }

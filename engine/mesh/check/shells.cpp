@@ -199,8 +199,8 @@ void sort_shells(const std::vector<FirstPlace>& firsts, std::vector<MeshShell>& 
                  const Parallel& parallel) {
     std::vector<std::uint32_t> order(shells.size());
     std::iota(order.begin(), order.end(), 0U);
-    sort_in_parallel(std::span<std::uint32_t>(order),
-                     [&](std::uint32_t a, std::uint32_t b) { return firsts[a] < firsts[b]; }, parallel);
+    sort_in_parallel(
+        std::span<std::uint32_t>(order), [&](std::uint32_t a, std::uint32_t b) { return firsts[a] < firsts[b]; }, parallel);
     std::vector<MeshShell> sorted(shells.size());
     std::vector<std::uint32_t> ranks(shells.size());
     for (std::uint32_t rank = 0; rank < order.size(); ++rank) {
@@ -226,8 +226,8 @@ bool lies_apart(const std::vector<MeshShell>& shells, const std::vector<std::uin
 
 }  // namespace
 
-Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree,
-                                       const Notes& notes, MeshCheck& check, const Parallel& parallel) {
+Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree, const Notes& notes,
+                                 MeshCheck& check, const Parallel& parallel) {
     std::uint32_t count = 0;
     Array<std::uint32_t> shell_of = join_shells(mesh, edges, count, parallel);
     check.shells.resize(count);

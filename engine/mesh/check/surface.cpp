@@ -106,9 +106,8 @@ struct CornerAt {
 std::vector<CornerAt> loose_corners(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel) {
     const auto vertex_of = [&](std::size_t corner) { return mesh.faces[corner / 3].corners[corner % 3]; };
     std::vector<CornerAt> corners;
-    for (const std::uint32_t corner :
-         indices_where(3 * mesh.faces.size(), parallel, mesh.memory,
-                       [&](std::size_t i) { return !stars.contains(vertex_of(i)); })) {
+    for (const std::uint32_t corner : indices_where(3 * mesh.faces.size(), parallel, mesh.memory,
+                                                    [&](std::size_t i) { return !stars.contains(vertex_of(i)); })) {
         corners.push_back({vertex_of(corner), corner});
     }
     sort_in_parallel(std::span<CornerAt>(corners), std::less<>{}, parallel);

@@ -101,7 +101,8 @@ public:
         Distributed<Item> parts = distribute_found();
         Array<GridVertex> vertices = number_parts(parts);
         rename_corners();
-        const bool joined = std::any_of(tables_.begin(), tables_.end(), [](const VertexTable& table) { return table.joined(); });
+        const bool joined =
+            std::any_of(tables_.begin(), tables_.end(), [](const VertexTable& table) { return table.joined(); });
         return {std::move(vertices), std::move(of_corners_), joined};
     }
 

@@ -75,8 +75,8 @@ struct FaultPlace {
 struct FaultFinding {
     std::uint64_t count = 0;
     bool at_least = false;  ///< the search was cut short: the true count may be larger
-    /// The first, by smallest coordinates: no order of triangles or vertices and no number of threads changes them. At most
-    /// CheckOptions::most_places.
+    /// The first along a curve that fills the mesh's box (Morton order): no order of triangles or vertices and no number of
+    /// threads changes them. At most CheckOptions::most_places.
     std::vector<FaultPlace> places;
 };
 

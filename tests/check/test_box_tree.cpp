@@ -1,0 +1,146 @@
+// The tree of boxes, and what numbers and sorts its items, against looking at everything.
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "base/distribute.hpp"
+#include "mesh/check/box_tree.hpp"
+#include "mesh/check/morton.hpp"
+
+namespace lamella::check_test {
+
+namespace {
+
+bool overlap(const Box& a, const Box& b) {
+    bool met = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        met = met && a.low[axis] <= b.high[axis] && b.low[axis] <= a.high[axis];
+    }
+    return met;
+}
+
+/// Of up to `size` a side, on a lattice, so that many touch.
+std::vector<Box> drawn_boxes(std::size_t count, int size) {
+    std::mt19937 random(static_cast<std::mt19937::result_type>(count));
+    std::vector<Box> boxes(count);
+    for (Box& box : boxes) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            box.low[axis] = static_cast<std::int32_t>(random() % 100) - 50;
+            box.high[axis] = box.low[axis] + static_cast<std::int32_t>(random() % static_cast<unsigned>(size));
+        }
+    }
+    return boxes;
+}
+
+BoxTree tree_of(const std::vector<Box>& boxes, int threads) {
+    return {boxes.size(), [&](std::size_t i) { return boxes[i]; }, Parallel({.threads = threads})};
+}
+
+}  // namespace
+
+TEST_CASE("the tree finds the boxes that meet a box", "[check]") {
+    const std::size_t count = GENERATE(0, 1, 7, 8, 9, 64, 65, 700, 5000);
+    const std::vector<Box> boxes = drawn_boxes(count, 20);
+    const BoxTree tree = tree_of(boxes, 2);
+    for (const Box& query : drawn_boxes(50, 30)) {
+        std::vector<std::size_t> found;
+        tree.search(query, ~std::size_t{0}, [&](std::size_t item) { found.push_back(item); });
+        std::sort(found.begin(), found.end());
+        std::vector<std::size_t> wanted;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (overlap(query, boxes[i])) {
+                wanted.push_back(i);
+            }
+        }
+        CHECK(found == wanted);
+    }
+}
+
+TEST_CASE("the tree finds every pair of boxes that meet once", "[check]") {
+    const std::size_t count = GENERATE(1, 8, 9, 63, 600, 1500);
+    const std::vector<Box> boxes = drawn_boxes(count, 12);
+    const BoxTree tree = tree_of(boxes, 1);
+    std::vector<std::pair<std::size_t, std::size_t>> found;
+    for (std::size_t group = 0; group < tree.groups(); ++group) {
+        tree.search_pairs(group, ~std::size_t{0}, [&](std::size_t item, LaneBits bits) {
+            each_lane(bits, [&](std::size_t lane) { found.push_back({tree.group_begin(group) + lane, item}); });
+        });
+    }
+    std::sort(found.begin(), found.end());
+    std::vector<std::pair<std::size_t, std::size_t>> wanted;
+    for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t j = i + 1; j < count; ++j) {
+            if (overlap(boxes[i], boxes[j])) {
+                wanted.push_back({i, j});
+            }
+        }
+    }
+    CHECK(found == wanted);
+}
+
+TEST_CASE("a search of the tree ends soon after its limit", "[check]") {
+    const std::vector<Box> boxes(5000, Box{{0, 0, 0}, {1, 1, 1}});
+    const BoxTree tree = tree_of(boxes, 1);
+    std::size_t visits = 0;
+    const std::size_t cost = tree.search(boxes[0], 1000, [&](std::size_t) { ++visits; });
+    CHECK(cost >= 1000);
+    CHECK(cost < 1000 + 2 * BoxTree::fan * BoxTree::visit_cost);
+    CHECK(visits >= 8);
+    CHECK(visits < 24);
+}
+
+TEST_CASE("Morton keys take the axes' bits by turns", "[check]") {
+    MeshInfo mesh;
+    mesh.unit_mm = 1;
+    std::fill(std::begin(mesh.max_mm), std::end(mesh.max_mm), 2'000'000);  // 21 bits: every bit counts
+    const MortonOrder order(mesh);
+    std::mt19937 random(3);
+    for (int round = 0; round < 200; ++round) {
+        const auto drawn = [&] { return static_cast<std::int32_t>(random() % 1'000'001) * 2; };
+        const GridVertex v{drawn(), drawn(), drawn()};
+        std::uint64_t wanted = 0;
+        for (int bit = 20; bit >= 0; --bit) {
+            for (const std::int32_t coordinate : {v.x, v.y, v.z}) {
+                wanted = wanted << 1 | static_cast<std::uint64_t>(coordinate >> bit & 1);
+            }
+        }
+        CHECK(order.key(v) == wanted);
+    }
+}
+
+TEST_CASE("a part is sorted by number, then as it is told", "[check]") {
+    std::mt19937 random(4);
+    PartSort<std::pair<int, int>> sort;
+    for (const std::size_t count : {0, 1, 2, 100, 3000}) {
+        std::vector<std::pair<int, int>> items(count);
+        for (auto& item : items) {
+            item = {static_cast<int>(random() % 50) + 1000, static_cast<int>(random() % 9)};
+        }
+        std::vector<std::pair<int, int>> wanted = items;
+        std::sort(wanted.begin(), wanted.end());
+        sort.run(
+            std::span(items), [](const auto& item) { return static_cast<std::size_t>(item.first); },
+            [](const auto& a, const auto& b) { return a.second < b.second; });
+        CHECK(items == wanted);
+    }
+}
+
+TEST_CASE("indices come in order from any number of threads", "[check]") {
+    for (const int threads : {1, 4}) {
+        for (const std::size_t count : {0, 1, 16384, 100'000}) {
+            const auto test = [](std::size_t i) { return i % 7 == 3 || i % 16384 < 2; };
+            const Array<std::uint32_t> found = indices_where(count, Parallel({.threads = threads}), nullptr, test);
+            std::vector<std::uint32_t> wanted;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                if (test(i)) {
+                    wanted.push_back(i);
+                }
+            }
+            CHECK(std::equal(found.begin(), found.end(), wanted.begin(), wanted.end()));
+        }
+    }
+}
+
+}  // namespace lamella::check_test

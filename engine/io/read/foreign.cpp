@@ -1,7 +1,5 @@
 #include "io/read/foreign.hpp"
 
-#include <algorithm>
-
 #include "io/read/reader.hpp"
 #include "io/text/text.hpp"
 
@@ -9,18 +7,9 @@ namespace lamella {
 
 namespace {
 
-/// Whether `text` begins with `start`, given in lower case, in any case.
-bool begins_with(std::string_view text, std::string_view start) {
-    return text.size() >= start.size() && std::equal(start.begin(), start.end(), text.begin(), [](char wanted, char c) {
-               return c == wanted || (c >= 'A' && c <= 'Z' && c - 'A' + 'a' == wanted);
-           });
-}
-
 bool is_html(std::string_view text) {
-    while (!text.empty() && is_space(text.front())) {
-        text.remove_prefix(1);
-    }
-    return begins_with(text, "<!doctype html") || begins_with(text, "<html");
+    text.remove_prefix(static_cast<std::size_t>(skip_space(text.begin(), text.end()) - text.begin()));
+    return begins_in_any_case(text, "<!doctype html") || begins_in_any_case(text, "<html");
 }
 
 }  // namespace

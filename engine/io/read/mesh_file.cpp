@@ -40,14 +40,8 @@ std::uint64_t memory_limit(const ReadOptions& options, std::uint64_t file_bytes)
     return options.memory_limit_bytes != 0 ? options.memory_limit_bytes : 3 * file_bytes + allowance;
 }
 
-char lower_case_of(char c) noexcept {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
-}
-
 std::string lower_case_extension(const std::filesystem::path& path) {
-    std::string text = path.extension().string();
-    std::transform(text.begin(), text.end(), text.begin(), lower_case_of);
-    return text;
+    return lower_case(path.extension().native());
 }
 
 bool is_named_gz(const std::filesystem::path& path) {
@@ -220,15 +214,15 @@ std::span<const std::string_view> format_names() noexcept {
 
 bool is_named_as_mesh(const std::filesystem::path& path) noexcept {
     std::string_view name = path.native();
-    std::array<char, 8> lower_case;  // more than any extension has
+    std::array<char, 8> letters;  // more than any extension has
     const auto extension = [&]() -> std::string_view {
         const std::size_t point = name.find_last_of("./");
-        if (point == std::string_view::npos || name[point] == '/' || name.size() - point > lower_case.size()) {
+        if (point == std::string_view::npos || name[point] == '/' || name.size() - point > letters.size()) {
             return {};
         }
-        const auto end =
-            std::transform(name.begin() + static_cast<std::ptrdiff_t>(point), name.end(), lower_case.begin(), lower_case_of);
-        return {lower_case.data(), static_cast<std::size_t>(end - lower_case.begin())};
+        const auto end = std::transform(name.begin() + static_cast<std::ptrdiff_t>(point), name.end(), letters.begin(),
+                                        [](char c) { return lower_case(c); });
+        return {letters.data(), static_cast<std::size_t>(end - letters.begin())};
     };
     if (constexpr std::string_view packed = ".gz"; extension() == packed) {
         name.remove_suffix(packed.size());

@@ -6,6 +6,17 @@
 
 namespace lamella {
 
+std::string lower_case(std::string_view text) {
+    std::string lower(text);
+    std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) { return lower_case(c); });
+    return lower;
+}
+
+bool begins_in_any_case(std::string_view text, std::string_view start) {
+    return text.size() >= start.size() &&
+           std::equal(start.begin(), start.end(), text.begin(), [](char wanted, char c) { return lower_case(c) == wanted; });
+}
+
 std::string word_at(const char* p, const char* end) {
     if (p == end) {
         return "the end of the file";

@@ -44,6 +44,15 @@ constexpr bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
 
+/// Of ASCII letters; other characters stay.
+constexpr char lower_case(char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
+}
+std::string lower_case(std::string_view text);
+
+/// Whether `text` begins with `start`, given in lower case, in any case.
+bool begins_in_any_case(std::string_view text, std::string_view start);
+
 // Characters are read eight at a time: words and lines are short, and processors predict their ends wrongly.
 inline std::uint64_t load_eight(const char* p) {
     std::uint64_t eight = 0;

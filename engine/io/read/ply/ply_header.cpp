@@ -131,11 +131,8 @@ bool HeaderParser::line(bool& ended) {
 /// and not what may be a keyword in capitals.
 bool HeaderParser::other_line(std::string_view first) {
     const std::string_view line(word_, static_cast<std::size_t>(end_ - word_));
-    std::string lower(first.substr(0, 16));
-    std::transform(lower.begin(), lower.end(), lower.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c; });
-    const bool is_keyword =
-        lower.starts_with("element") || lower.starts_with("propert") || lower.starts_with("end_head") || lower == "format";
+    const bool is_keyword = begins_in_any_case(first, "element") || begins_in_any_case(first, "propert") ||
+                            begins_in_any_case(first, "end_head") || lower_case(first.substr(0, 16)) == "format";
     const bool begins_body = is_digit(first.front()) || first.front() == '-' || first.front() == '+' || first.front() == '.';
     (void)fail("'element', 'property', 'comment' or 'end_header'");
     if (is_keyword || begins_body || !is_text(line)) {

@@ -19,8 +19,7 @@ bool passes_for_number(std::string_view word) {
     if (std::all_of(word.begin(), word.end(), is_number_character)) {
         return true;
     }
-    std::string lower(word.substr(0, 16));
-    std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) { return static_cast<char>(c | 0x20); });
+    const std::string lower = lower_case(word.substr(0, 16));
     return lower.find("nan") != std::string::npos || lower.find("inf") != std::string::npos ||
            lower.find(".#") != std::string::npos;
 }

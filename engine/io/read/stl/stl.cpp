@@ -28,11 +28,8 @@ constexpr std::size_t normal_bytes = 12;
 
 bool begins_with_solid(std::string_view text) {
     text = without_byte_order_mark(text);
-    const char* end = text.data() + text.size();
-    const char* p = skip_space(text.data(), end);
-    constexpr std::string_view solid = "solid";
-    return end - p >= static_cast<std::ptrdiff_t>(solid.size()) &&
-           std::equal(solid.begin(), solid.end(), p, [](char a, char b) { return a == (b | 0x20); });
+    text.remove_prefix(static_cast<std::size_t>(skip_space(text.begin(), text.end()) - text.begin()));
+    return begins_in_any_case(text, "solid");
 }
 
 std::uint32_t counted_triangles(std::string_view sample) {
@@ -102,7 +99,7 @@ bool is_ascii_with_nuls(const FileSource& file) {
     const bool others = std::any_of(sample.begin(), sample.end(), [](char c) { return c > 0 && c < ' ' && !is_space(c); });
     constexpr std::string_view facet = "facet";
     return !others && std::search(sample.begin(), sample.end(), facet.begin(), facet.end(),
-                                  [](char a, char b) { return (a | 0x20) == b; }) != sample.end();
+                                  [](char a, char b) { return lower_case(a) == b; }) != sample.end();
 }
 
 /// Whether NUL bytes in [begin, end) of `text` stand where a space may: between words, or in the line of a name.

@@ -9,6 +9,8 @@
 #include <optional>
 #include <utility>
 
+#include "io/text/text.hpp"
+
 namespace lamella {
 
 namespace {
@@ -20,13 +22,6 @@ constexpr std::uint64_t longest_comment = 0xFFFF;
 /// About ten thousand parts. libzip puts their names into a hash table, which takes the square of their number where names
 /// were chosen to collide: half a second for a directory of this size.
 constexpr std::uint64_t most_directory_bytes = std::uint64_t{1} << 20;
-
-std::string lower_case(std::string_view name) {
-    std::string lower(name);
-    std::transform(lower.begin(), lower.end(), lower.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c; });
-    return lower;
-}
 
 template <class Value>
 std::uint64_t number_at(std::string_view file, std::uint64_t at) {

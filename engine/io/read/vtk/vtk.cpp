@@ -356,10 +356,7 @@ Status LegacyVtk::give_points(Array<std::byte>& bytes, MeshFile& mesh) {
 }  // namespace
 
 bool looks_like_vtk(const FileSource& source) {
-    const std::string_view sample = without_byte_order_mark(source.sample());
-    constexpr std::string_view first_words = "# vtk datafile";
-    return sample.size() >= first_words.size() && std::equal(first_words.begin(), first_words.end(), sample.begin(),
-                                                             [](char a, char b) { return a == b || a == (b | 0x20); });
+    return begins_in_any_case(without_byte_order_mark(source.sample()), "# vtk datafile");
 }
 
 Result<MeshFile> read_vtk(FileSource& source) {

@@ -41,14 +41,10 @@ constexpr std::array type_names = {
     TypeName{"VTKTYPEUINT64", NumberType::uint64},
 };
 
-constexpr char in_upper_case(char c) {
-    return c >= 'a' && c <= 'z' ? static_cast<char>(c - ('a' - 'A')) : c;
-}
-
-/// Whether `word`, in any case, is `keyword`, which is upper case.
+/// Whether `word` is `keyword`, in any case.
 bool is_keyword(std::string_view word, std::string_view keyword) {
     return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
-                      [](char a, char b) { return in_upper_case(a) == b; });
+                      [](char a, char b) { return lower_case(a) == lower_case(b); });
 }
 
 }  // namespace

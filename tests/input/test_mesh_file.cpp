@@ -58,7 +58,7 @@ TEST_CASE("files are named as meshes by their extension alone", "[input]") {
         CHECK(is_named_as_mesh(name));
     }
     for (const char* const name : {"", "stl", ".", "..", "a", "a.", "a.stl/", "a.stl/b", "a.gz", "a.stl.gz.gz", "a.stlx",
-                                   "a.tstl", "a.st", "a.stereolitho"}) {
+                                   "a.tstl", "a.st", "a.stereolitho", ".stl", "a/.stl", "a.b/.stl.gz", ".gz"}) {
         INFO(name);
         CHECK_FALSE(is_named_as_mesh(name));
     }

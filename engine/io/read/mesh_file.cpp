@@ -40,20 +40,38 @@ std::uint64_t memory_limit(const ReadOptions& options, std::uint64_t file_bytes)
     return options.memory_limit_bytes != 0 ? options.memory_limit_bytes : 3 * file_bytes + allowance;
 }
 
-std::string lower_case_extension(const std::filesystem::path& path) {
-    return lower_case(path.extension().native());
+/// A file name's extension in lower case, as ".stl". Empty where there is none, as of a file that is called ".stl", or one
+/// that is longer than that of any format.
+class Extension {
+public:
+    explicit Extension(std::string_view path) noexcept {
+        const std::size_t name = path.rfind('/') + 1;  // 0 where there is none
+        const std::size_t point = path.rfind('.');
+        if (point != std::string_view::npos && point > name && path.size() - point <= letters_.size()) {
+            path.remove_prefix(point);
+            std::transform(path.begin(), path.end(), letters_.begin(), [](char c) { return lower_case(c); });
+            size_ = path.size();
+        }
+    }
+
+    std::string_view text() const noexcept { return {letters_.data(), size_}; }
+
+private:
+    std::array<char, 8> letters_{};
+    std::size_t size_ = 0;
+};
+
+constexpr std::string_view gz = ".gz";
+
+bool is_named_gz(std::string_view path) noexcept {
+    return Extension(path).text() == gz;
 }
 
-bool is_named_gz(const std::filesystem::path& path) {
-    return lower_case_extension(path) == ".gz";
-}
-
-/// The name's extension in lower case, ".gz" left out.
-std::string extension_of(const std::filesystem::path& path) {
-    return lower_case_extension(is_named_gz(path) ? path.stem() : path);
-}
-
-const Reader* reader_for_extension(std::string_view extension) {
+/// By the name, ".gz" left out.
+const Reader* reader_for_name(std::string_view path) noexcept {
+    path.remove_suffix(is_named_gz(path) ? gz.size() : 0);
+    const Extension own(path);
+    const std::string_view extension = own.text();
     const auto* const found = std::find_if(all_readers.begin(), all_readers.end(), [extension](const Reader& reader) {
         for (std::size_t at = reader.extensions.find(extension); at != std::string_view::npos;
              at = reader.extensions.find(extension, at + 1)) {
@@ -89,7 +107,7 @@ Error unrecognised(const FileSource& source) {
 /// The reader that recognises the content, else the one for the file's extension. Warns where the two differ.
 const Reader* choose_reader(const FileSource& source, const std::filesystem::path& path,
                             std::vector<std::string>& warnings) {
-    const Reader* const by_name = reader_for_extension(extension_of(path));
+    const Reader* const by_name = reader_for_name(path.native());
     // The extension's reader is asked first: it decides where the beginning fits several formats.
     if (by_name != nullptr && by_name->recognises(source)) {
         return by_name;
@@ -182,7 +200,7 @@ Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& opti
     Result<MeshFile> mesh = source.sample().starts_with(gzip_magic) ? read_compressed(source, file, named, options, parallel)
                                                                     : read_source(source, named, options);
     if (mesh) {
-        if (options.name.empty() && mesh->compressed != is_named_gz(path)) {
+        if (options.name.empty() && mesh->compressed != is_named_gz(path.native())) {
             mesh->warnings.insert(mesh->warnings.begin(),
                                   file.name() + (mesh->compressed ? ": is compressed by gzip, which its name does not say"
                                                                   : ": is not compressed by gzip, as its name says"));
@@ -213,30 +231,12 @@ std::span<const std::string_view> format_names() noexcept {
 }
 
 bool is_named_as_mesh(const std::filesystem::path& path) noexcept {
-    std::string_view name = path.native();
-    std::array<char, 8> letters;  // more than any extension has
-    const auto extension = [&]() -> std::string_view {
-        const std::size_t point = name.find_last_of("./");
-        if (point == std::string_view::npos || name[point] == '/' || name.size() - point > letters.size()) {
-            return {};
-        }
-        const auto end = std::transform(name.begin() + static_cast<std::ptrdiff_t>(point), name.end(), letters.begin(),
-                                        [](char c) { return lower_case(c); });
-        return {letters.data(), static_cast<std::size_t>(end - letters.begin())};
-    };
-    if (constexpr std::string_view packed = ".gz"; extension() == packed) {
-        name.remove_suffix(packed.size());
-    }
-    return reader_for_extension(extension()) != nullptr;
+    return reader_for_name(path.native()) != nullptr;
 }
 
 std::string_view name_of(PatientFrame frame) noexcept {
     constexpr std::array<std::string_view, 3> names = {"", "LPS", "RAS"};
     return names[static_cast<std::size_t>(frame)];
-}
-
-bool is_mesh_name(std::string_view name) {
-    return reader_for_extension(extension_of(std::string(name))) != nullptr;
 }
 
 bool is_text(std::string_view sample) noexcept {

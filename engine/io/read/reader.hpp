@@ -107,9 +107,6 @@ Result<MeshFile> read_vtp(FileSource& source);
 bool looks_like_3mf(const FileSource& source);
 Result<MeshFile> read_3mf(FileSource& source);
 
-/// Whether the name's extension is one of a format that is read, ".gz" left out.
-bool is_mesh_name(std::string_view name);
-
 /// No control characters but white space: every binary mesh has some in its first 64 KiB.
 bool is_text(std::string_view sample) noexcept;
 

@@ -37,7 +37,8 @@ std::string_view name_of(MeshFormat format) noexcept;
 /// Of all formats that can be read.
 std::span<const std::string_view> format_names() noexcept;
 
-/// Whether a file's name ends as one of these formats' do, as in "a.stl", "A.STL" and "a.stl.gz". read_mesh() does not ask.
+/// Whether a file's name ends as those of one of these formats, as in "a.stl", "A.STL" and "a.stl.gz"; ".stl" alone is a
+/// name without an end. read_mesh() reads files of any name.
 bool is_named_as_mesh(const std::filesystem::path& path) noexcept;
 
 /// The directions in which a medical mesh's axes run through the patient: towards left, posterior and superior (LPS), or

@@ -69,7 +69,7 @@ void warn_of_unbound(const std::string& part, const XmlReader& reader, Model& mo
 }
 
 Error no_package(const ZipArchive& package) {
-    const std::string mesh = package.first_part([](std::string_view name) { return is_mesh_name(name); });
+    const std::string mesh = package.first_part([](std::string_view name) { return is_named_as_mesh(name); });
     return mesh.empty() ? package.error(ErrorCode::malformed_mesh, package_relationships, 0, "is missing")
                         : package.error(ErrorCode::malformed_mesh, mesh, 0,
                                         "is a mesh in a zip archive that is no 3MF package: unpack it first");

@@ -14,6 +14,7 @@
 #include "io/read/foreign.hpp"
 #include "io/read/gzip.hpp"
 #include "io/read/reader.hpp"
+#include "io/text/pieces.hpp"
 #include "io/text/text.hpp"
 
 namespace lamella {
@@ -309,6 +310,10 @@ Error FileSource::error_in_text(std::string_view text, std::size_t offset, const
     return error(ErrorCode::malformed_mesh,
                  "line " + std::to_string(line_of(text, offset)) + ", byte " + std::to_string(offset) + ": " + what,
                  static_cast<std::int64_t>(offset));
+}
+
+Error FileSource::error_in_text(std::string_view text, const TextFailure& failure) const {
+    return error_in_text(text, static_cast<std::size_t>(failure.at - text.data()), failure.what);
 }
 
 // ---

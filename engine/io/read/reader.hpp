@@ -14,6 +14,8 @@
 
 namespace lamella {
 
+struct TextFailure;
+
 inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -64,6 +66,7 @@ public:
 
     /// An error at byte `offset` of the whole contents `text`, byte-order mark included, that names the line too.
     Error error_in_text(std::string_view text, std::size_t offset, const std::string& what) const;
+    Error error_in_text(std::string_view text, const TextFailure& failure) const;
 
 private:
     const InputFile& file_;

@@ -114,7 +114,7 @@ Result<MeshFile> read_faces(const FileSource& source, std::string_view text, std
         failure = cut_faces(pieces, mesh, parallel, place);
     }
     if (failure.at != nullptr) {
-        return source.error_in_text(text, static_cast<std::size_t>(failure.at - text.data()), failure.what);
+        return source.error_in_text(text, failure);
     }
     LeftOut small;
     for (const FaceRange& piece : pieces) {

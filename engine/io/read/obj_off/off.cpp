@@ -145,12 +145,9 @@ std::vector<FaceRange> count_faces(std::vector<TextPiece>& pieces, const OffCoun
 /// Each vertex and each face on a line of its own. Lines after the last are left out with a warning.
 Result<MeshFile> read_off_lines(const FileSource& source, std::string_view whole, std::string_view body,
                                 const OffCounts& counts) {
-    const auto failed = [&](const TextFailure& failure) {
-        return source.error_in_text(whole, static_cast<std::size_t>(failure.at - whole.data()), failure.what);
-    };
     if (!counts.fit(body.size())) {
-        return failed({counts.at, "counts " + counts.words() + ", more than the " + std::to_string(body.size()) +
-                                      " bytes that follow can hold"});
+        return source.error_in_text(whole, {counts.at, "counts " + counts.words() + ", more than the " +
+                                                           std::to_string(body.size()) + " bytes that follow can hold"});
     }
     std::vector<TextPiece> pieces = cut_at_lines(body);
     std::vector<FaceRange> faces = count_faces(pieces, counts, source.parallel());
@@ -192,7 +189,7 @@ Result<MeshFile> read_off_words(const FileSource& source, std::string_view whole
     if (failure.at == nullptr) {
         return refused;
     }
-    return source.error_in_text(whole, static_cast<std::size_t>(failure.at - whole.data()), failure.what);
+    return source.error_in_text(whole, failure);
 }
 
 }  // namespace
@@ -222,10 +219,8 @@ Result<MeshFile> read_off(FileSource& source) {
     OffCounts counts;
     const bool has_head = head.header(counts);
     const auto offset_of = [&](const char* at) { return static_cast<std::size_t>(at - text.data()); };
-    Result<MeshFile> mesh =
-        has_head
-            ? read_off_lines(source, whole, text.substr(offset_of(head.rest())), counts)
-            : source.error_in_text(whole, static_cast<std::size_t>(head.failure().at - whole.data()), head.failure().what);
+    Result<MeshFile> mesh = has_head ? read_off_lines(source, whole, text.substr(offset_of(head.rest())), counts)
+                                     : source.error_in_text(whole, head.failure());
     if (!mesh && mesh.error().code == ErrorCode::malformed_mesh) {
         mesh = read_off_words(source, whole, text, mesh.error());
     }

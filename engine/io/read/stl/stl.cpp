@@ -164,20 +164,19 @@ Result<MeshFile> read_ascii(FileSource& file) {
     }
     AsciiFacets facets = parse_ascii_stl(text, file.memory(), file.parallel());
     // Beyond the sample they are looked for only where something is wrong.
-    has_nuls = facets.error && text.find('\0') != std::string_view::npos;
+    has_nuls = facets.failure.at != nullptr && text.find('\0') != std::string_view::npos;
     if (Status blanked = has_nuls ? blank() : Status(); !blanked) {
         return blanked.error();
     }
     if (has_nuls) {
         facets = parse_ascii_stl(text, file.memory(), file.parallel());
     }
-    if (facets.error) {
-        return file.error_in_text(whole, facets.error->offset + (whole.size() - text.size()), facets.error->what);
+    if (facets.failure.at != nullptr) {
+        return file.error_in_text(whole, facets.failure);
     }
     if (const LeftOut& lines = facets.departures.lines; facets.count == 0 && lines.count > 0) {
-        return file.error_in_text(
-            whole, static_cast<std::size_t>(lines.first - whole.data()),
-            "expected 'facet', 'solid' or 'endsolid', found " + word_at(lines.first, whole.data() + whole.size()));
+        return file.error_in_text(whole, {lines.first, "expected 'facet', 'solid' or 'endsolid', found " +
+                                                           word_at(lines.first, whole.data() + whole.size())});
     }
     if (facets.count == 0) {
         return file.error(ErrorCode::empty_mesh, "holds no triangles");

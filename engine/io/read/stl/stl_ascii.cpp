@@ -88,7 +88,7 @@ TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coord
 }  // namespace
 
 AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const Parallel& parallel) {
-    AsciiFacets facets{Array<std::byte>(memory), 0, {}, std::nullopt, std::nullopt};
+    AsciiFacets facets{Array<std::byte>(memory), 0, {}, std::nullopt, {}};
     std::vector<TextPiece> pieces = cut_at_facets(text);
     parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = most_facets(pieces[i].text); });
     facets.coordinates.resize_discarding(number_items(pieces) * facet_bytes);
@@ -96,11 +96,10 @@ AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const P
     std::vector<ItemRun> runs(pieces.size());
     std::vector<const char*> open_ends(pieces.size());
     std::vector<StlDepartures> departures(pieces.size());
-    const TextFailure failure = parse_pieces<TextFailure>(pieces.size(), parallel, [&](std::size_t i, int) {
+    facets.failure = parse_pieces<TextFailure>(pieces.size(), parallel, [&](std::size_t i, int) {
         return parse(pieces[i], text.data() + text.size(), facets.coordinates.data(), runs[i], open_ends[i], departures[i]);
     });
-    if (failure.at != nullptr) {
-        facets.error = AsciiError{static_cast<std::size_t>(failure.at - text.data()), failure.what};
+    if (facets.failure.at != nullptr) {
         return facets;
     }
     if (!pieces.empty() && open_ends.back() != nullptr) {

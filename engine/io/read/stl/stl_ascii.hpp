@@ -13,17 +13,12 @@
 
 namespace lamella {
 
-struct AsciiError {
-    std::size_t offset = 0;  ///< byte of `text`
-    std::string what;
-};
-
 struct AsciiFacets {
     Array<std::byte> coordinates;  ///< nine floats a facet
     std::size_t count = 0;
     StlDepartures departures;
     std::optional<std::size_t> open_end;  ///< byte of `text` after the last statement, if that is not `endsolid`
-    std::optional<AsciiError> error;      ///< the first in the text, whatever the number of threads
+    TextFailure failure;                  ///< the first in the text, whatever the number of threads
 };
 
 /// Grammar: any number of `solid NAME-TO-END-OF-LINE`, `endsolid NAME-TO-END-OF-LINE` and

@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/crossings.hpp"
 #include "engine/slicing.hpp"
 
 using lamella::Crossings;
@@ -244,14 +245,7 @@ TEST_CASE("crossings: threads do not change the crossings of intersecting shells
     CHECK(one.count >= 2 * one.layers.size());
     CHECK(one.layers.size() > 200);
     for (const int threads : {2, 3, 0}) {
-        const Crossings other = found(result, threads);
-        CHECK(other.count == one.count);
-        REQUIRE(other.layers.size() == one.layers.size());
-        for (std::size_t i = 0; i < one.layers.size(); ++i) {
-            CHECK(other.layers[i].layer == one.layers[i].layer);
-            CHECK(other.layers[i].count == one.layers[i].count);
-            CHECK(other.layers[i].first == one.layers[i].first);
-        }
+        check_equal(one, found(result, threads));
     }
 }
 

@@ -11,6 +11,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/crossings.hpp"
 #include "engine/slicing.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
@@ -176,14 +177,7 @@ TEST_CASE("crossings of triangles through one another are counted up to a number
         CHECK(layer.at_least == (layer.count == lamella::most_crossings_in_layer));
     }
     for (const int threads : {2, 4}) {
-        const lamella::Crossings other = lamella::find_crossings(result, {.threads = threads}).value();
-        CHECK(other.count == one.count);
-        REQUIRE(other.layers.size() == one.layers.size());
-        for (std::size_t i = 0; i < one.layers.size(); ++i) {
-            CHECK(other.layers[i].count == one.layers[i].count);
-            CHECK(other.layers[i].first == one.layers[i].first);
-            CHECK(other.layers[i].contours == one.layers[i].contours);
-        }
+        check_equal(one, lamella::find_crossings(result, {.threads = threads}).value());
     }
 }
 

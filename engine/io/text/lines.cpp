@@ -36,6 +36,14 @@ std::vector<TextPiece> cut_at_lines(std::string_view text) {
     return cut_text(text, text_piece_bytes, [end](const char*, const char* from) { return next_cut(from, end); });
 }
 
+std::string first_line_words(const LeftOut& left_out, std::string_view text) {
+    return ", the first in line " + std::to_string(line_of(text, static_cast<std::size_t>(left_out.first - text.data())));
+}
+
+std::string first_word_words(const LeftOut& left_out, std::string_view text) {
+    return first_line_words(left_out, text) + ": " + word_at(left_out.first, text.data() + text.size());
+}
+
 /// Counts eight characters at a time; nothing if the line holds a comment, a backslash, a tab or the end of the text.
 std::optional<std::size_t> LineParser::count_plain_words() {
     std::size_t words = 0;

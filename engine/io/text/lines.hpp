@@ -52,6 +52,11 @@ struct LeftOut {
     }
 };
 
+/// ", the first in line 7": where in the whole text it is. Precondition: left_out.count > 0.
+std::string first_line_words(const LeftOut& left_out, std::string_view text);
+/// ", the first in line 7: 'abc'", with the word that is there.
+std::string first_word_words(const LeftOut& left_out, std::string_view text);
+
 /// Reads words and numbers line by line. Calls return false on an error, which failure() holds.
 class LineParser {
 public:

@@ -126,8 +126,7 @@ Result<MeshFile> read_faces(const FileSource& source, std::string_view text, std
     }
     if (small.count > 0) {
         mesh.warnings.push_back(source.name() + ": left out " + std::to_string(small.count) +
-                                " faces of fewer than three corners, the first in line " +
-                                std::to_string(line_of(text, static_cast<std::size_t>(small.first - text.data()))));
+                                " faces of fewer than three corners" + first_line_words(small, text));
     }
     return mesh;
 }

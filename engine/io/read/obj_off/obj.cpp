@@ -215,20 +215,16 @@ LeftOut sum_of(std::span<const LeftOut> pieces) {
 
 void warn_of_decimals(const FileSource& source, std::string_view text, const LeftOut& decimals, MeshFile& mesh) {
     if (decimals.count > 0) {
-        const auto offset = static_cast<std::size_t>(decimals.first - text.data());
         mesh.warnings.push_back(source.name() + ": " + counted(decimals.count, "vertex number") +
-                                " with decimals, which are 0, the first in line " + std::to_string(line_of(text, offset)) +
-                                ": " + word_at(decimals.first, text.data() + text.size()));
+                                " with decimals, which are 0" + first_word_words(decimals, text));
     }
 }
 
 void warn_of_skipped(const FileSource& source, std::string_view text, const LeftOut& skipped, MeshFile& mesh) {
     if (skipped.count > 0) {
-        const auto offset = static_cast<std::size_t>(skipped.first - text.data());
         mesh.warnings.push_back(source.name() + ": ignored " + std::to_string(skipped.count) +
-                                (skipped.count == 1 ? " statement that is" : " statements that are") +
-                                " not read, the first in line " + std::to_string(line_of(text, offset)) + ": " +
-                                word_at(skipped.first, text.data() + text.size()));
+                                (skipped.count == 1 ? " statement that is" : " statements that are") + " not read" +
+                                first_word_words(skipped, text));
     }
 }
 

@@ -27,18 +27,13 @@ Error error_of(const FileSource& file, std::string_view contents, const PlyHeade
 std::vector<std::string> warnings_of(const FileSource& file, std::string_view contents, const PlyHeader& header,
                                      const PlyMesh& body) {
     std::vector<std::string> warnings;
-    const auto place_of = [&](const LeftOut& left_out) {
-        return ", the first in line " +
-               std::to_string(line_of(contents, static_cast<std::size_t>(left_out.first - contents.data())));
-    };
     if (header.skipped.count > 0) {
         warnings.push_back(file.name() + ": ignored " + counted(header.skipped.count, "line") +
-                           " of the header without a keyword" + place_of(header.skipped) + ": " +
-                           word_at(header.skipped.first, contents.data() + contents.size()));
+                           " of the header without a keyword" + first_word_words(header.skipped, contents));
     }
     if (body.long_rows.count > 0) {
         warnings.push_back(file.name() + ": ignored what follows the declared properties in " +
-                           counted(body.long_rows.count, "line") + place_of(body.long_rows));
+                           counted(body.long_rows.count, "line") + first_line_words(body.long_rows, contents));
     }
     if (body.small_faces > 0) {
         warnings.push_back(file.name() + ": left out " + counted(body.small_faces, "face") +

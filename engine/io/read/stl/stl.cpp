@@ -135,17 +135,14 @@ Status blank_nuls(const FileSource& file, std::span<std::byte> bytes, std::vecto
 }
 
 void warn_of_departures(const FileSource& file, std::string_view whole, const StlDepartures& departures, MeshFile& mesh) {
-    const auto place = [&](const LeftOut& left_out) {
-        return ", the first in line " +
-               std::to_string(line_of(whole, static_cast<std::size_t>(left_out.first - whole.data()))) + ": ";
-    };
     if (departures.facets.count > 0) {
         mesh.warnings.push_back(file.name() + ": read " + counted(departures.facets.count, "facet") +
-                                " by the vertices alone" + place(departures.facets) + departures.first_facet);
+                                " by the vertices alone" + first_line_words(departures.facets, whole) + ": " +
+                                departures.first_facet);
     }
     if (departures.lines.count > 0) {
         mesh.warnings.push_back(file.name() + ": ignored " + counted(departures.lines.count, "line") + " between facets" +
-                                place(departures.lines) + word_at(departures.lines.first, whole.data() + whole.size()));
+                                first_word_words(departures.lines, whole));
     }
 }
 

@@ -49,6 +49,9 @@ struct XmlUnboundName {
     std::uint64_t line = 0;    ///< from 1
     std::uint64_t offset = 0;  ///< in bytes, of its tag
     std::string name;          ///< with the prefix
+
+    /// For a warning: "ignored 'a:b', as its prefix is not declared".
+    std::string words() const;
 };
 
 /// A parser of one document; readers of formats derive from it. Memory: at most parser_memory_limit, taken from `memory`.

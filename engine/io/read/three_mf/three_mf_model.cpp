@@ -62,9 +62,8 @@ Error failure_of(const ZipArchive& package, const std::string& part, const XmlRe
 
 void warn_of_unbound(const std::string& part, const XmlReader& reader, Model& model) {
     if (const std::optional<XmlUnboundName>& name = reader.unbound_name()) {
-        constexpr std::size_t longest = 64;
-        model.warnings.push_back("part '" + printable(part) + "', line " + std::to_string(name->line) + ": ignored '" +
-                                 printable(name->name.substr(0, longest)) + "', as its prefix is not declared");
+        model.warnings.push_back("part '" + printable(part) + "', line " + std::to_string(name->line) + ": " +
+                                 name->words());
     }
 }
 

@@ -186,10 +186,8 @@ Result<MeshFile> read_vtp(FileSource& source) {
     }
     MeshFile mesh;
     if (const std::optional<XmlUnboundName>& unbound = document->unbound_name) {
-        constexpr std::size_t longest = 64;
-        mesh.warnings.push_back(source.name() + ": line " + std::to_string(line_of(file.text, unbound->offset)) +
-                                ": ignored '" + printable(unbound->name.substr(0, longest)) +
-                                "', as its prefix is not declared");
+        mesh.warnings.push_back(source.name() + ": line " + std::to_string(line_of(file.text, unbound->offset)) + ": " +
+                                unbound->words());
     }
     Vtp vtp(file, std::move(document).value());
     vtp.patient_frame().give(source, mesh);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "io/read/input_file.hpp"
+#include "io/text/pieces.hpp"
 
 namespace lamella {
 
@@ -35,12 +36,11 @@ std::string coordinate_problem(NumberText got, const std::string& type, const st
 }
 
 std::size_t line_of(std::string_view text, std::size_t offset) {
-    std::size_t lines = 1;
-    for (std::size_t i = 0; i < offset; ++i) {
-        const bool carriage_return_alone = text[i] == '\r' && (i + 1 == text.size() || text[i + 1] != '\n');
-        lines += static_cast<std::size_t>(text[i] == '\n') + static_cast<std::size_t>(carriage_return_alone);
-    }
-    return lines;
+    const std::size_t ends = count_in(text.substr(0, offset + 1), [](char before, char c) {
+        return static_cast<int>(before == '\n') | (static_cast<int>(before == '\r') & static_cast<int>(c != '\n'));
+    });
+    const bool at_end = offset > 0 && offset == text.size() && ends_line(text.back());
+    return 1 + ends + (at_end ? 1 : 0);
 }
 
 }  // namespace lamella

@@ -248,6 +248,18 @@ TEST_CASE("NUL bytes of ASCII STL are read as spaces with a warning, and refused
     CHECK_FALSE(read_mesh(dir.write("c.stl", replaced(good, "vertex 0", "vertex 0" + std::string(1, '\0')))).ok());
 }
 
+TEST_CASE("NUL bytes in one long line of ASCII STL take no more time than as many lines", "[input]") {
+    const TempFolder dir;
+    std::string name = "solid ";
+    for (int i = 0; i < 200'000; ++i) {
+        name += std::string("x\0", 2);
+    }
+    const auto path = dir.write("a.stl", ascii_stl(numbered_facets(2)) + name + "\n");
+    const auto start = std::chrono::steady_clock::now();
+    CHECK(read_facets(path) == numbered_facets(2));
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(10));  // a search back from each takes minutes
+}
+
 TEST_CASE("ASCII cut within a facet is refused wherever the cut is", "[input]") {
     const TempFolder dir;
     const std::string whole = ascii_stl(numbered_facets(2));

@@ -66,8 +66,10 @@ bool may_begin_facet(const char* p, const char* end) {
     return is_word<"normal">(p, end) || is_word<"outer">(p, end) || is_word<"vertex">(p, end);
 }
 
-bool FacetParser::fail(const std::string& what) {
-    failure_ = {p_, what};
+/// With the words of what().
+template <class What>
+bool FacetParser::fail(const What& what) {
+    failure_ = {p_, silent_ ? std::string() : what()};
     return false;
 }
 
@@ -75,7 +77,7 @@ template <Keyword keyword>
 inline bool FacetParser::word(const char* place) {
     p_ = skip_space(p_, end_);
     if (!is_word<keyword>(p_, end_)) {
-        return fail(std::string("expected '") + keyword.text + "' " + place + ", found " + found());
+        return fail([&] { return std::string("expected '") + keyword.text + "' " + place + ", found " + found(); });
     }
     p_ += keyword.length;
     return true;
@@ -105,27 +107,30 @@ bool FacetParser::next_facet(const char* stop, float* nine) {
 /// Skips a line that is no statement, as a comment is. False where facets would be lost: they begin within it, it stands in
 /// the place of a facet's first line, which `skipped` then tells, or the file is cut off there.
 bool FacetParser::other_line(TextFailure& skipped) {
-    TextFailure failure = {p_, "expected 'facet', 'solid' or 'endsolid', found " + found()};
     const char* const line_end = skip_line(p_, end_);
     bool harmless = !is_word_in_facet(p_, end_) && !is_cut_off(p_, end_) &&
                     std::memchr(p_, '\0', static_cast<std::size_t>(line_end - p_)) == nullptr;
     for (const char* p = p_; harmless && p < line_end; p = skip_space(skip_word(p, end_), end_)) {
+        lookout_.pass();
         harmless = !may_begin_facet(p, end_);
     }
+    if (skipped.at == nullptr) {
+        skipped = {p_, "expected 'facet', 'solid' or 'endsolid', found " + found()};
+    }
     if (!harmless) {
-        failure_ = skipped.at != nullptr ? skipped : failure;
+        failure_ = skipped;
         return false;
     }
     departures_.lines.add(p_);
-    skipped = skipped.at != nullptr ? skipped : failure;
     p_ = line_end;
     return true;
 }
 
 /// The end of the name after `solid` or `endsolid`: the line's end, or where a facet begins on the same line.
-const char* FacetParser::name_end() const {
+const char* FacetParser::name_end() {
     const char* p = skip_word(p_, end_);
     while (p != end_ && !ends_line(*p)) {
+        lookout_.pass();
         if (begins_facet(p, end_)) {
             return p;
         }
@@ -136,20 +141,22 @@ const char* FacetParser::name_end() const {
 
 bool FacetParser::facet(float* nine) {
     const char* const begin = p_;
+    silent_ = departures_.facets.count > 0;  // words take longer than facets, and most departures are alike
     if (strict_facet(nine)) {
         return true;
     }
-    const TextFailure failure = std::exchange(failure_, {});
+    TextFailure failure = std::exchange(failure_, {});
     p_ = begin;
-    if (!sloppy_facet(nine)) {
-        failure_ = failure;
-        return false;
+    if (sloppy_facet(nine)) {
+        if (departures_.facets.count == 0) {
+            departures_.first_facet = std::move(failure.what);
+        }
+        departures_.facets.add(failure.at);
+        return true;
     }
-    if (departures_.facets.count == 0) {
-        departures_.first_facet = failure.what;
-    }
-    departures_.facets.add(failure.at);
-    return true;
+    p_ = begin;
+    silent_ = false;
+    return strict_facet(nine);
 }
 
 /// A facet by its vertices: what the normal should be is skipped, and `outer loop` and `endfacet` may be absent.
@@ -191,7 +198,7 @@ bool FacetParser::normal() {
         p_ = skip_space(p_, end_);
         const char* word_end = skip_word(p_, end_);
         if (p_ == word_end || !passes_for_number({p_, static_cast<std::size_t>(word_end - p_)})) {
-            return fail("expected a number of the normal, found " + found());
+            return fail([&] { return "expected a number of the normal, found " + found(); });
         }
         p_ = word_end;
     }
@@ -205,10 +212,10 @@ bool FacetParser::vertex(float* xyz) {
 bool FacetParser::number(float& value) {
     p_ = skip_space(p_, end_);
     if (p_ == end_) {
-        return fail("expected a coordinate, found the end of the file");
+        return fail([] { return std::string("expected a coordinate, found the end of the file"); });
     }
     const NumberText got = read_number(p_, end_, value);
-    return got == NumberText::read || fail(coordinate_problem(got, "float", found()));
+    return got == NumberText::read || fail([&] { return coordinate_problem(got, "float", found()); });
 }
 
 }  // namespace lamella

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/little_endian.hpp"
+#include "io/read/lookout.hpp"
 #include "io/text/lines.hpp"
 #include "io/text/pieces.hpp"
 #include "io/text/text.hpp"
@@ -56,7 +57,7 @@ bool may_begin_facet(const char* p, const char* end);
 /// Reads facets from [begin, end) up to the first error, which failure() holds.
 class FacetParser {
 public:
-    FacetParser(const char* begin, const char* end) : p_(begin), end_(end) {}
+    FacetParser(const char* begin, const char* end, const Parallel& parallel) : p_(begin), end_(end), lookout_(parallel) {}
 
     /// The nine coordinates of the next facet that begins before `stop`. False: there is none, or failure() holds an error.
     bool next_facet(const char* stop, float* nine);
@@ -69,7 +70,7 @@ public:
     const char* last_end() const { return last_end_; }
 
 private:
-    const char* name_end() const;
+    const char* name_end();
     bool other_line(TextFailure& skipped);
     bool facet(float* nine);
     bool strict_facet(float* nine);
@@ -79,13 +80,16 @@ private:
     bool number(float& value);
     template <Keyword keyword>
     bool word(const char* place);
-    bool fail(const std::string& what);
+    template <class What>
+    bool fail(const What& what);
     std::string found() const { return word_at(p_, end_); }
 
     const char* p_;
     const char* end_;
+    Lookout lookout_;
     const char* last_end_ = nullptr;
     bool solid_ended_ = false;
+    bool silent_ = false;  // failures are without words
     TextFailure failure_;
     StlDepartures departures_;
 };

@@ -8,6 +8,7 @@
 #include "base/little_endian.hpp"
 #include "base/parallel.hpp"
 #include "base/words.hpp"
+#include "io/read/lookout.hpp"
 #include "io/read/reader.hpp"
 #include "io/read/stated_frame.hpp"
 #include "io/read/stl/facet_parser.hpp"
@@ -102,26 +103,44 @@ bool is_ascii_with_nuls(const FileSource& file) {
                                   [](char a, char b) { return lower_case(a) == b; }) != sample.end();
 }
 
-/// Whether NUL bytes in [begin, end) of `text` stand where a space may: between words, or in the line of a name.
-bool may_be_spaces(std::string_view text, std::size_t begin, std::size_t end) {
-    if ((begin == 0 || is_space(text[begin - 1])) && (end == text.size() || is_space(text[end]))) {
-        return true;
+/// The line of each place in a text, one place after the other.
+class LineOfPlaces {
+public:
+    explicit LineOfPlaces(std::string_view text) : end_(text.data() + text.size()), place_(text.data()), word_(place_) {}
+
+    /// Whether the line begins with `solid` or `endsolid`. Precondition: `place` is not before that of the last call. All
+    /// calls together take O(text).
+    bool is_name(const char* place) {
+        const std::string_view between(place_, static_cast<std::size_t>(place - place_));
+        const std::size_t line_end = between.find_last_of("\r\n");
+        word_ = skip_space(line_end == std::string_view::npos ? word_ : place_ + line_end + 1, end_);
+        place_ = place;
+        return is_word<"solid">(word_, end_) || is_word<"endsolid">(word_, end_);
     }
-    const std::size_t line = begin == 0 ? 0 : text.find_last_of("\r\n", begin - 1) + 1;
-    const char* const text_end = text.data() + text.size();
-    const char* const first = skip_space(text.data() + line, text_end);
-    return is_word<"solid">(first, text_end) || is_word<"endsolid">(first, text_end);
+
+private:
+    const char* end_;
+    const char* place_;
+    const char* word_;  // the first of the line, or white space before it
+};
+
+/// Whether NUL bytes in [begin, end) of `text` stand between words.
+bool are_between_words(std::string_view text, std::size_t begin, std::size_t end) {
+    return (begin == 0 || is_space(text[begin - 1])) && (end == text.size() || is_space(text[end]));
 }
 
-/// Writes spaces over the NUL bytes, and says so in a warning. An error where they are within words, as what they replace is
-/// then unknown.
+/// Writes spaces over the NUL bytes, and says so in a warning. An error where they are within words other than those of a
+/// name, as what they replace is then unknown.
 Status blank_nuls(const FileSource& file, std::span<std::byte> bytes, std::vector<std::string>& warnings) {
     const std::string_view text = as_text(bytes);
+    LineOfPlaces lines(text);
+    Lookout lookout(file.parallel());
     std::size_t count = 0;
     const std::size_t first = text.find('\0');
     for (std::size_t begin = first; begin != std::string_view::npos; begin = text.find('\0', begin)) {
         const std::size_t end = std::min(text.find_first_not_of('\0', begin), text.size());
-        if (!may_be_spaces(text, begin, end)) {
+        lookout.pass();
+        if (!are_between_words(text, begin, end) && !lines.is_name(text.data() + begin)) {
             return file.error_in_text(text, begin,
                                       "a NUL byte within a word of an ASCII STL file: what stood there is lost");
         }

@@ -31,8 +31,11 @@ bool names_something(const char* line, const char* p) {
 
 /// The first facet that begins at or after `from`, or `end`. `known` < from is the beginning of a facet or of the text: no
 /// name reaches across it, so the search back stops there and all cuts together take O(text).
-const char* next_facet(const char* known, const char* from, const char* end) {
+const char* next_facet(const char* known, const char* from, const char* end, const Parallel& parallel) {
     for (const char* p = from; p != end; ++p) {
+        if ((p - from) % static_cast<std::ptrdiff_t>(text_piece_bytes) == 0) {
+            parallel.stop_if_asked();
+        }
         if (!may_begin_facet(p, end) || !is_space(p[-1])) {
             continue;
         }
@@ -52,10 +55,11 @@ const char* next_facet(const char* known, const char* from, const char* end) {
 }
 
 /// Each piece begins with a facet (the first one: with the file) and ends where the next one begins.
-std::vector<TextPiece> cut_at_facets(std::string_view text) {
+std::vector<TextPiece> cut_at_facets(std::string_view text, const Parallel& parallel) {
     const char* const end = text.data() + text.size();
-    return cut_text(text, text_piece_bytes,
-                    [end](const char* begin, const char* from) { return next_facet(begin, from, end); });
+    return cut_text(text, text_piece_bytes, [end, &parallel](const char* begin, const char* from) {
+        return next_facet(begin, from, end, parallel);
+    });
 }
 
 /// Words in 'f': all facets and, at most, some words of names.
@@ -70,8 +74,8 @@ std::size_t most_facets(std::string_view piece) {
 /// Parses what begins within the piece, which has room for `piece.count` facets from `piece.first` on. Words are read to the
 /// end of the text, so that a cut never looks like the end. `open_end`: after the last statement, if that is not `endsolid`.
 TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coordinates, ItemRun& run, const char*& open_end,
-                  StlDepartures& departures) {
-    FacetParser parser(piece.begin(), text_end);
+                  StlDepartures& departures, const Parallel& parallel) {
+    FacetParser parser(piece.begin(), text_end, parallel);
     std::byte* out = coordinates + piece.first * facet_bytes;
     float facet[facet_floats];
     std::size_t count = 0;
@@ -89,7 +93,7 @@ TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coord
 
 AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const Parallel& parallel) {
     AsciiFacets facets{Array<std::byte>(memory), 0, {}, std::nullopt, {}};
-    std::vector<TextPiece> pieces = cut_at_facets(text);
+    std::vector<TextPiece> pieces = cut_at_facets(text, parallel);
     parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = most_facets(pieces[i].text); });
     facets.coordinates.resize_discarding(number_items(pieces) * facet_bytes);
 
@@ -97,7 +101,8 @@ AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const P
     std::vector<const char*> open_ends(pieces.size());
     std::vector<StlDepartures> departures(pieces.size());
     facets.failure = parse_pieces<TextFailure>(pieces.size(), parallel, [&](std::size_t i, int) {
-        return parse(pieces[i], text.data() + text.size(), facets.coordinates.data(), runs[i], open_ends[i], departures[i]);
+        return parse(pieces[i], text.data() + text.size(), facets.coordinates.data(), runs[i], open_ends[i], departures[i],
+                     parallel);
     });
     if (facets.failure.at != nullptr) {
         return facets;

@@ -1,11 +1,12 @@
 #include "io/read/gzip.hpp"
-#include "lamella/memory.hpp"
 
 #include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
 #include <vector>
+
+#include "lamella/memory.hpp"
 
 namespace lamella {
 
@@ -32,7 +33,7 @@ public:
     void used(std::size_t bytes) noexcept { used_ += bytes; }
 
     /// All in one piece; each chunk is given back once it is copied.
-    Array<std::byte> joined() {
+    Array<std::byte> joined(const Parallel& parallel) {
         Array<std::byte> whole(memory_);
         if (size() == 0) {
             return whole;  // without memory that bytes could be copied to
@@ -40,6 +41,7 @@ public:
         whole.resize_discarding(size());
         std::byte* to = whole.data();
         for (std::size_t c = 0; c < chunks_.size(); ++c) {
+            parallel.stop_if_asked();
             const std::size_t bytes = c + 1 < chunks_.size() ? chunk_bytes : used_;
             std::memcpy(to, chunks_[c].data(), bytes);
             to += bytes;
@@ -126,7 +128,7 @@ Unzipped unzip(std::span<const std::byte> file, std::uint64_t limit_bytes, const
         }
     }
     result.ignored_bytes = inflater.left();
-    result.contents = chunks.joined();
+    result.contents = chunks.joined(parallel);
     return result;
 }
 

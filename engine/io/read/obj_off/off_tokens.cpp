@@ -3,6 +3,7 @@
 #include <cstring>
 #include <limits>
 
+#include "io/read/lookout.hpp"
 #include "io/read/obj_off/faces.hpp"
 
 namespace lamella {
@@ -19,7 +20,7 @@ enum class OffExtras : std::uint8_t {
 class OffTokens : private OffNumbers {
 public:
     OffTokens(std::string_view text, OffExtras extras, const Parallel& parallel)
-        : OffNumbers(text), extras_(extras), parallel_(parallel) {}
+        : OffNumbers(text), extras_(extras), lookout_(parallel) {}
 
     /// Past the head.
     bool begin(OffCounts& counts);
@@ -39,16 +40,10 @@ private:
     bool vertex(std::byte* to);
     template <class Corner>
     bool face(std::size_t& corners, Corner corner);
-    /// Looks for a stop request, which throws, once in a few thousand items.
-    void look_for_stop(std::size_t item) const {
-        if (item % 4096 == 0) {
-            parallel_.stop_if_asked();
-        }
-    }
     bool extras(std::size_t most, std::size_t& count);
 
     OffExtras extras_;
-    const Parallel& parallel_;
+    Lookout lookout_;
     OffCounts counts_;
     std::size_t face_extras_ = std::numeric_limits<std::size_t>::max();  // of the first face
     const char* item_ = nullptr;
@@ -99,6 +94,7 @@ bool OffTokens::extras(std::size_t most, std::size_t& count) {
 
 bool OffTokens::vertex(std::byte* to) {
     constexpr std::size_t normal_colour_and_texture = 3 + 4 + 2;
+    lookout_.pass();
     next_word();
     item_ = p_;
     double xyz[3];
@@ -122,7 +118,9 @@ bool OffTokens::face(std::size_t& corners, Corner corner) {
     if (!to_number("the number of a face's corners") || !whole_number(corners, "the number of a face's corners")) {
         return false;
     }
+    lookout_.pass();
     for (std::size_t i = 0; i < corners; ++i) {
+        lookout_.pass();
         std::uint32_t vertex = 0;
         if (!to_number("a vertex number") || !vertex_number(counts_.vertices, vertex)) {
             return false;
@@ -147,7 +145,6 @@ bool OffTokens::count(FaceRange& faces) {
         }
     }
     for (std::size_t i = 0; i < counts_.faces; ++i) {
-        look_for_stop(i);
         std::size_t corners = 0;
         if (!face(corners, [](std::uint32_t) {})) {
             return false;
@@ -160,11 +157,9 @@ bool OffTokens::count(FaceRange& faces) {
 void OffTokens::write(std::byte* coordinates, FaceWriter& faces) {
     constexpr std::size_t vertex_bytes = 3 * sizeof(double);
     for (std::size_t i = 0; i < counts_.vertices; ++i) {
-        look_for_stop(i);
         vertex(coordinates + i * vertex_bytes);
     }
     for (std::size_t i = 0; i < counts_.faces; ++i) {
-        look_for_stop(i);
         std::size_t corners = 0;
         face(corners, [&faces](std::uint32_t vertex) { faces.add_corner(vertex); });
         if (corners < 3) {

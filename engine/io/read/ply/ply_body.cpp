@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "io/read/lookout.hpp"
 #include "io/read/ply/ply_binary.hpp"
 #include "io/read/ply/ply_lines.hpp"
 #include "io/read/ply/ply_numbers.hpp"
@@ -160,7 +161,9 @@ std::optional<std::uint64_t> BodyReader<Numbers>::copy_triangles(const PlyElemen
 template <class Numbers>
 bool BodyReader<Numbers>::read_over_rows(Place& place, Numbers& numbers) {
     PlyRows<Numbers> rows(numbers, place.element);
+    Lookout lookout(input_.parallel);
     for (std::uint64_t row = 0; row < place.element.count; ++row) {
+        lookout.pass();
         if (!(strict_ ? check_row(rows, place.element) : rows.skip(place.lists))) {
             return fail(rows.at(), rows.what());
         }
@@ -247,7 +250,9 @@ template <class Numbers>
 template <class Value>
 bool BodyReader<Numbers>::read_vertex_rows(const Place& place) {
     PlyRows<Numbers> rows(place.begin, place.element);
+    Lookout lookout(input_.parallel);
     for (std::uint64_t row = 0; row < place.element.count; ++row) {
+        lookout.pass();
         Value xyz[3];
         if (!rows.vertex(xyz)) {
             return fail(rows.at(), rows.what());
@@ -265,7 +270,9 @@ bool BodyReader<Numbers>::read_lists(const Place& place, PlyTriangles& triangles
         return true;
     }
     PlyRows<Numbers> rows(place.begin, element);
+    Lookout lookout(input_.parallel);
     for (std::uint64_t row = 0; row < element.count; ++row) {
+        lookout.pass(1 + list_.size());
         const char* const begin = rows.numbers().at();
         if (!rows.indices(mesh_.vertex_count, list_)) {
             return fail(rows.at(), rows.what());

@@ -41,8 +41,7 @@ Result<three_mf::Model> load(FileSource& file, std::chrono::steady_clock::time_p
     if (!package) {
         return package.error();
     }
-    Result<three_mf::Model> model =
-        three_mf::read_model(package.value(), file.memory_limit(), file.memory(), file.parallel());
+    Result<three_mf::Model> model = three_mf::read_model(package.value(), file.memory_limit(), file.memory());
     if (model) {
         warn_of_other_bytes(other_bytes(as_text(bytes.value().span())), model.value());
     }
@@ -57,14 +56,14 @@ Result<MeshFile> build(const FileSource& file, three_mf::Model& model) {
     }
     std::vector<three_mf::Instance> instances;
     if (const std::optional<three_mf::BuildProblem> problem =
-            three_mf::list_instances(model, file.memory_limit(), instances)) {
+            three_mf::list_instances(model, file.memory_limit(), file.parallel(), instances)) {
         return error_in_part(file, problem->code, model.parts[problem->place.part], problem->place.line, problem->what);
     }
     if (instances.empty()) {
         return file.error(ErrorCode::empty_mesh, "holds no triangles");
     }
     MeshFile mesh;
-    three_mf::place(model, instances, file.memory(), mesh);
+    three_mf::place(model, instances, file.memory(), file.parallel(), mesh);
     mesh.text = true;
     mesh.mm_per_unit = model.mm_per_unit;
     mesh.states_unit = true;

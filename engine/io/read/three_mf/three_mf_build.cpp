@@ -1,10 +1,12 @@
 #include "io/read/three_mf/three_mf_build.hpp"
-#include "lamella/memory.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
 #include <utility>
+
+#include "io/read/lookout.hpp"
+#include "lamella/memory.hpp"
 
 namespace lamella::three_mf {
 
@@ -42,7 +44,8 @@ struct Tally {
 /// Adds up the tallies of all objects that the build reaches, each once, its components before it.
 class Census {
 public:
-    explicit Census(Model& model) : model_(model), tallies_(model.objects.size()), states_(model.objects.size()) {}
+    Census(Model& model, const Parallel& parallel)
+        : model_(model), lookout_(parallel), tallies_(model.objects.size()), states_(model.objects.size()) {}
 
     std::optional<BuildProblem> run() {
         for (const Reference& item : model_.items) {
@@ -68,6 +71,7 @@ private:
 
     /// The index of the object referred to, which is opened unless it is done; nothing after a problem.
     std::optional<std::uint32_t> enter(const Reference& reference) {
+        lookout_.pass();
         const auto found = model_.object_index.find(Model::key(reference.part, reference.id));
         if (found == model_.object_index.end()) {
             return refuse(reference, "there is no object " + std::to_string(reference.id) +
@@ -133,6 +137,7 @@ private:
     }
 
     Model& model_;
+    Lookout lookout_;
     std::vector<Tally> tallies_;
     std::vector<State> states_;
     std::vector<Open> open_;
@@ -144,8 +149,8 @@ private:
 /// are those that the census counted.
 class Lister {
 public:
-    Lister(const Model& model, const Census& census, std::vector<Instance>& instances)
-        : model_(model), census_(census), instances_(instances) {}
+    Lister(const Model& model, const Census& census, const Parallel& parallel, std::vector<Instance>& instances)
+        : model_(model), census_(census), lookout_(parallel), instances_(instances) {}
 
     void run() {
         for (const Reference& item : model_.items) {
@@ -171,6 +176,7 @@ private:
     };
 
     void meet(const Reference& reference, const Transform& outer, bool mirrored) {
+        lookout_.pass();
         const std::uint32_t index = model_.object_index.at(Model::key(reference.part, reference.id));
         if (census_.of(index).triangles == 0) {
             return;
@@ -185,6 +191,7 @@ private:
 
     const Model& model_;
     const Census& census_;
+    Lookout lookout_;
     std::vector<Instance>& instances_;
     std::vector<Open> open_;
 };
@@ -224,11 +231,13 @@ void release_unused(Model& model, const std::vector<Instance>& instances) {
 }
 
 /// Appends the instances of one mesh to `mesh`, chunk by chunk, so that memory never holds the whole mesh twice.
-void place_object(Object& object, std::span<const Instance> instances, MeshFile& mesh) {
+void place_object(Object& object, std::span<const Instance> instances, const Parallel& parallel, MeshFile& mesh) {
+    Lookout lookout(parallel);
     std::uint64_t done = 0;
     for (std::size_t c = 0; c < object.vertices.chunk_count(); ++c) {
         const std::span<const Vertex> chunk = object.vertices.chunk(c);
         for (std::size_t i = 0; i < instances.size(); ++i) {
+            lookout.pass(chunk.size());
             const std::uint64_t first = mesh.vertex_count + i * object.vertices.size() + done;
             put_vertices(chunk, instances[i].transform, mesh.bytes.data() + first * sizeof(Vertex));
         }
@@ -239,6 +248,7 @@ void place_object(Object& object, std::span<const Instance> instances, MeshFile&
     for (std::size_t c = 0; c < object.triangles.chunk_count(); ++c) {
         const std::span<const Triangle> chunk = object.triangles.chunk(c);
         for (std::size_t i = 0; i < instances.size(); ++i) {
+            lookout.pass(chunk.size());
             const std::uint64_t first = mesh.triangle_count + i * object.triangles.size() + done;
             put_triangles(chunk, static_cast<std::uint32_t>(mesh.vertex_count + i * object.vertices.size()),
                           instances[i].mirrored, mesh.indices.data() + 3 * first);
@@ -252,8 +262,9 @@ void place_object(Object& object, std::span<const Instance> instances, MeshFile&
 
 }  // namespace
 
-std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, std::vector<Instance>& instances) {
-    Census census(model);
+std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, const Parallel& parallel,
+                                           std::vector<Instance>& instances) {
+    Census census(model, parallel);
     if (std::optional<BuildProblem> problem = census.run()) {
         return problem;
     }
@@ -267,13 +278,14 @@ std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_byt
     if (total.vertices > std::numeric_limits<std::uint32_t>::max()) {
         return BuildProblem{ErrorCode::out_of_memory, Place{}, "builds more vertices than 32-bit indices can tell apart"};
     }
-    Lister(model, census, instances).run();
+    Lister(model, census, parallel, instances).run();
     std::stable_sort(instances.begin(), instances.end(),
                      [](const Instance& a, const Instance& b) { return a.object < b.object; });
     return std::nullopt;
 }
 
-void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, MeshFile& mesh) {
+void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, const Parallel& parallel,
+           MeshFile& mesh) {
     std::uint64_t vertices = 0;
     std::uint64_t triangles = 0;
     for (const Instance& instance : instances) {
@@ -290,7 +302,7 @@ void place(Model& model, const std::vector<Instance>& instances, const Memory* m
     for (auto first = instances.begin(); first != instances.end();) {
         const auto last =
             std::find_if(first, instances.end(), [first](const Instance& other) { return other.object != first->object; });
-        place_object(model.objects[first->object], {first, last}, mesh);
+        place_object(model.objects[first->object], {first, last}, parallel, mesh);
         first = last;
     }
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/parallel.hpp"
 #include "io/read/three_mf/three_mf_model.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/memory.hpp"
@@ -29,9 +30,11 @@ struct Instance {
 /// All instances of the build, by object. Nested components can make more instances than any machine can hold: they are
 /// counted before they are listed, and refused where they and their mesh would take more than `limit_bytes`. Types that are
 /// no part of the solid are left out, with a warning added to the model's.
-std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, std::vector<Instance>& instances);
+std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, const Parallel& parallel,
+                                           std::vector<Instance>& instances);
 
 /// The mesh of all instances. The model's meshes are released as they are copied.
-void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, MeshFile& mesh);
+void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, const Parallel& parallel,
+           MeshFile& mesh);
 
 }  // namespace lamella::three_mf

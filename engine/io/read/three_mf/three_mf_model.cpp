@@ -95,15 +95,11 @@ Result<std::string> find_root(ZipArchive& package, Model& model, const Memory* m
     return relationships.root();
 }
 
-Status read_part(ZipArchive& package, Model& model, Part part, Budget& budget, const Memory* memory,
-                 const Parallel& parallel) {
+Status read_part(ZipArchive& package, Model& model, Part part, Budget& budget, const Memory* memory) {
     PartReader reader(model, part, budget, memory);
     const std::string name = model.parts[part];
-    const auto feed = [&](std::string_view piece) {
-        parallel.stop_if_asked();
-        return reader.feed_part(piece);
-    };
-    if (Status read = stream(package, name, reader, feed); !read) {
+    if (Status read = stream(package, name, reader, [&](std::string_view piece) { return reader.feed_part(piece); });
+        !read) {
         return read;
     }
     if (reader.failure()) {
@@ -128,7 +124,7 @@ Part Model::part_of(const std::string& name) {
     return at->second;
 }
 
-Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, const Memory* memory, const Parallel& parallel) {
+Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, const Memory* memory) {
     Model model;
     const Result<std::string> root = find_root(package, model, memory);
     if (!root) {
@@ -140,7 +136,7 @@ Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, const M
     model.part_of(root.value());
     Budget budget(limit_bytes);
     for (Part part = 0; part < model.parts.size(); ++part) {  // the root part adds to them
-        if (Status read = read_part(package, model, part, budget, memory, parallel); !read) {
+        if (Status read = read_part(package, model, part, budget, memory); !read) {
             return read.error();
         }
     }

@@ -67,6 +67,6 @@ struct Model {
 
 /// The model of a package: its root part, found by the package's relationships, and all parts that it refers to. What is
 /// kept of them may take `limit_bytes`.
-Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, const Memory* memory, const Parallel& parallel);
+Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, const Memory* memory);
 
 }  // namespace lamella::three_mf

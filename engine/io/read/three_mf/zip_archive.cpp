@@ -299,6 +299,7 @@ Status ZipArchive::copy_part(std::string_view part, std::uint64_t stated_bytes,
     std::uint64_t bytes = 0;
     bool wanted = true;
     for (;;) {
+        file_->parallel().stop_if_asked();
         const zip_int64_t got = zip_fread(stream_->part, piece.data(), piece.size());
         if (got < 0 || (got == 0 && bytes != stated_bytes)) {
             return unreadable(part, bytes, stated_bytes);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "io/read/lookout.hpp"
 #include "io/read/polygon.hpp"
 #include "io/read/vtk/vtk_triangles.hpp"
 
@@ -71,7 +72,9 @@ Status plan_counted(const VtkFile& file, Plan& plan) {
     const CellArray& array = *plan.array;
     const NumberArray& words = array.corners;
     std::uint64_t at = 0;
+    Lookout lookout(file.source.parallel());
     for (std::uint64_t cell = 0; cell < array.cells; ++cell) {
+        lookout.pass();
         const std::uint64_t corners = at < words.count ? word_of(words, at) : 0;
         if (at + corners >= words.count) {
             return file.error_at(words, at,
@@ -94,6 +97,7 @@ Status plan_ended(const VtkFile& file, Plan& plan) {
     std::array<std::uint64_t, 4096> ends;
     std::uint64_t begin = 0;
     for (std::uint64_t first = 0; first < array.cells; first += ends.size()) {
+        file.source.parallel().stop_if_asked();
         const std::uint64_t count = std::min<std::uint64_t>(ends.size(), array.cells - first);
         decode_integers(array.ends, first, count, ends.data());
         for (std::uint64_t i = 0; i < count; ++i) {

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <charconv>
 
+#include "io/read/lookout.hpp"
 #include "io/text/text.hpp"
 
 namespace lamella {
@@ -147,7 +148,9 @@ Status VtkScanner::skip_bits(std::uint64_t count, std::string_view name) {
 /// As text, each on a line of its own; as bytes, each after its length.
 Status VtkScanner::strings(std::uint64_t count, std::string_view name, std::string_view& last) {
     line();
+    Lookout lookout(file_.source.parallel());
     for (; count > 0; --count) {
+        lookout.pass();
         if (p_ == end_) {
             return truncated_strings(name);
         }

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/read/lookout.hpp"
 #include "io/read/vtk/base64.hpp"
 #include "io/read/vtk/number_words.hpp"
 #include "io/text/text.hpp"
@@ -129,7 +130,9 @@ Result<NumberArray> ArrayReader::read(std::uint64_t count, Array<std::byte>& sto
 
 Status ArrayReader::read_header(std::span<std::uint64_t> numbers) {
     std::array<std::byte, 8> bytes{};
+    Lookout lookout(file_.source.parallel());
     for (std::uint64_t& number : numbers) {
+        lookout.pass();
         if (!stream_.read(std::span(bytes).first(form_.header_bytes))) {
             return ended();
         }
@@ -148,7 +151,16 @@ Status ArrayReader::read_stored(std::uint64_t count, Array<std::byte>& storage) 
         return room;
     }
     storage.resize_discarding(count);
-    return stream_.read(storage.span()) ? Status() : ended();
+    constexpr std::size_t piece_bytes = std::size_t{1} << 20;
+    for (std::span<std::byte> rest = storage.span(); !rest.empty();) {
+        file_.source.parallel().stop_if_asked();
+        const std::size_t bytes = std::min(piece_bytes, rest.size());
+        if (!stream_.read(rest.first(bytes))) {
+            return ended();
+        }
+        rest = rest.subspan(bytes);
+    }
+    return {};
 }
 
 Result<const std::byte*> ArrayReader::read_plain(std::uint64_t total, Array<std::byte>& storage) {

@@ -68,7 +68,10 @@ expect_json() {
 
 sphere() { expect 0 make sphere --triangles "${2:-1000}" --height 20 -o "$1"; }
 
-source "$here/topics.sh"
+source "$here/input.sh"
+source "$here/output.sh"
+source "$here/slicing.sh"
+source "$here/commands.sh"
 source "$here/scale.sh"
 source "$here/faults.sh"
 source "$here/streams.sh"

@@ -1,0 +1,130 @@
+# What the tool is given: arguments and mesh files; sourced by cli.sh.
+
+test_usage() {
+    sphere ball.stl
+    local slice=(slice ball.stl)
+    expect_failure 2 "subcommand"
+    expect_failure 2 "'shred' is not a command" shred ball.stl
+    expect_failure 2 "mesh" slice
+    expect_failure 2 "--wings" "${slice[@]}" --wings
+    expect_failure 2 "extra" "${slice[@]}" extra
+    local height
+    for height in 0 -0.1 nan inf; do
+        expect_failure 2 "--layer-height" "${slice[@]}" --layer-height "$height"
+    done
+    expect_failure 2 "--layer-height" "${slice[@]}" --layer-height thin
+    expect_failure 2 "--layer-height" "${slice[@]}" --layer-height 0.1 --planes 1
+    expect_failure 2 "--first-height" "${slice[@]}" --planes 1 --first-height 0.1
+    expect_failure 2 "--first-height" "${slice[@]}" --first-height nan
+    expect_failure 2 "--seed" "${slice[@]}" --seed 3
+    expect_failure 2 "--random-heights" "${slice[@]}" --random-heights 2:1
+    expect_failure 2 "--random-heights" "${slice[@]}" --random-heights 0:1
+    expect_failure 2 "--random-heights" "${slice[@]}" --random-heights 1
+    expect_failure 2 "--planes" "${slice[@]}" --planes 1,two
+    expect_failure 2 "plane" "${slice[@]}" --planes 2,1
+    expect_failure 2 "plane" "${slice[@]}" --planes 1,1
+    expect_failure 2 "--datum" "${slice[@]}" --datum middle
+    expect_failure 2 "--side" "${slice[@]}" --side left
+    expect_failure 2 "--grid" "${slice[@]}" --grid 0
+    expect_failure 2 "--grid" "${slice[@]}" --grid -1
+    expect_failure 2 "--normal" "${slice[@]}" --normal 0,0,0
+    expect_failure 2 "--normal" "${slice[@]}" --normal 1,2
+    expect_failure 2 "--threads" "${slice[@]}" --threads -1
+    expect_failure 2 "--threads" "${slice[@]}" --threads many
+    expect_failure 2 "--band" "${slice[@]}" --band -1
+    expect_failure 2 "--progress" "${slice[@]}" --progress sometimes
+    expect_failure 2 "" "${slice[@]}" --layer-height 1e-7
+    local option
+    for option in -o --report --planes --transform --normal --random-heights; do
+        expect_failure 2 "is empty" "${slice[@]}" "$option" ""
+    done
+    for option in --report --marks; do
+        expect_failure 2 "is empty" check ball.stl "$option" ""
+    done
+    expect_failure 2 "is empty" make sphere --triangles 1000 -o ""
+    expect_failure 2 "--output" make sphere
+    local command
+    for command in slice info check; do
+        expect_failure 2 "mesh: the path is empty" "$command" ""
+    done
+    expect_failure 3 "a grid unit of 1e-12 mm" "${slice[@]}" --grid 1e-12
+    expect_failure 2 "the mesh itself" "${slice[@]}" -o ball.stl
+    expect_failure 2 "the mesh itself" "${slice[@]}" --report ./ball.stl
+    expect_failure 2 "--output itself" "${slice[@]}" -o a --report a
+    expect_failure 2 "cube" make cube --triangles 1000 -o cube.stl
+    expect_failure 2 "triangles" make sphere --triangles 1 -o s.stl
+    expect_failure 2 "--order" make sphere --triangles 1000 --order up -o s.stl
+    expect_failure 2 "--layer-height" make sphere --triangles 1000 --layer-height 0.1 -o s.stl
+    expect_files ball.stl
+    expect 0 --help
+    expect 0 slice --help
+    expect 0 --version
+}
+
+le32() { printf '%b' "$(printf '\\x%02x\\x%02x\\x%02x\\x%02x' $(($1 & 255)) $(($1 >> 8 & 255)) $(($1 >> 16 & 255)) $(($1 >> 24 & 255)))"; }
+
+# with_count FILE COUNT: prints a binary file with its triangle count replaced
+with_count() { head -c 80 "$1"; le32 "$2"; tail -c +85 "$1"; }
+
+# with_float FILE BITS: prints a binary file with the first coordinate of the first triangle replaced
+with_float() { head -c 96 "$1"; le32 "$2"; tail -c +101 "$1"; }
+
+facet() { printf 'facet normal 0 0 1\nouter loop\n%sendloop\nendfacet\n' "$1"; }
+
+test_bad_input() {
+    sphere ball.stl
+    mkdir folder.stl
+    : > empty.stl
+    head -c 30000 ball.stl > truncated.stl
+    with_count ball.stl 4294967295 > huge_count.stl
+    with_count ball.stl 0 > zero_count.stl
+    head -c 80 ball.stl > header_only.stl
+    { head -c 80 ball.stl; le32 0; } > no_triangles.stl
+    head -c 5000 /dev/urandom > random.stl
+    printf '<!DOCTYPE html>\n<html><body>404 Not Found</body></html>\n' > page.stl
+    with_float ball.stl 0x7fc00000 > nan.stl
+    with_float ball.stl 0xff800000 > infinite.stl
+    with_float ball.stl 0x7f6fffff > far_away.stl
+    local v=$'vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n'
+    printf 'solid a\n%s\nendsolid a\n' "$(facet "$v")" | head -c 60 > cut.stl
+    printf 'solid a\n%s\nendsolid a\n' "$(facet "${v/1 0 0/1 x 0}")" > number.stl
+    printf 'solid a\n%s\nendsolid a\n' "$(facet $'vertex 0 0 0\nvertex 1 0 0\n')" > two.stl
+    printf 'solid a\n%s\nendsolid a\n' "$(facet "$v"$'vertex 1 1 0\n')" > four.stl
+    printf 'solid a\nendsolid a\n' > no_facets.stl
+    local file begin command
+    for file in missing.stl *.stl; do
+        [[ $file != ball.stl ]] || continue
+        for command in slice info check; do
+            begin=$(date +%s%N)
+            expect_failure 3 "$file" "$command" "$file"
+            (($(date +%s%N) - begin < 1000000000)) || [[ $lamella == */asan/* || $lamella == */tsan/* ]] || fail "$file: over a second"
+        done
+        expect_failure 3 "$file" slice "$file" -o out.svg --report out.json
+        [[ ! -e out.svg && ! -e out.json ]] || fail "$file: an output"
+    done
+}
+
+test_accepted_input() {
+    sphere ball.stl
+    expect 0 slice ball.stl --report plain.json
+    local hash
+    hash=$(json_value plain.json output_hash)
+    { printf 'solid but binary'; tail -c +17 ball.stl; } > solid.stl
+    expect 0 slice solid.stl --report report.json
+    expect_json report.json "$hash" output_hash
+    { cat ball.stl; printf 'seven more bytes'; } > trailing.stl
+    expect 0 slice trailing.stl --report report.json
+    expect_json report.json "$hash" output_hash
+    json_value report.json warnings 0 | grep -q '16' || fail "no warning in the report"
+    grep -q '^lamella: warning: .*16' .stderr || fail "no warning that says how many bytes"
+    cp ball.stl $'odd\nname.stl'
+    expect 0 slice $'odd\nname.stl' --report report.json
+    expect_failure 3 'no?file' info $'no\nfile'
+    local format
+    for format in --map "--threads 1" "--threads 3" "--threads 64" "--band 1" "--band 7" "--form assembled"; do
+        # shellcheck disable=SC2086
+        expect 0 slice ball.stl $format --report report.json
+        [[ ! -s .stderr ]] || fail "$format: stderr is not silent"
+        expect_json report.json "$hash" output_hash
+    done
+}

@@ -1,0 +1,178 @@
+# What the options of slicing do; sourced by cli.sh.
+
+test_no_plane_warning() {
+    sphere ball.stl
+    expect 0 slice ball.stl --planes 100,101 -o out.svg --report report.json
+    [[ $(wc -l < .stderr) == 1 ]] || fail "not one line"
+    grep -q '^lamella: warning: no plane meets the mesh' .stderr || fail "no warning"
+    expect_json report.json 2 planes
+    expect_json report.json 0 segments
+    json_value report.json warnings 0 | grep -q 'no plane' || fail "no warning in the report"
+    [[ -s out.svg ]] || fail "no SVG"
+}
+
+test_planes_file() {
+    sphere ball.stl
+    printf '# heights\n-5, -2.5\n\n0 2.5 # more\r\n+5\n' > heights.txt
+    expect 0 slice ball.stl --planes heights.txt --report file.json
+    expect 0 slice ball.stl --planes=-5,-2.5,0,2.5,5 --report list.json
+    expect 0 slice ball.stl --planes "-5, -2.5, 0, 2.5, 5" --report spaced.json
+    local hash
+    hash=$(json_value file.json output_hash)
+    expect_json list.json "$hash" output_hash
+    expect_json spaced.json "$hash" output_hash
+    expect_json file.json 5 planes
+    expect_json file.json explicit plan kind
+    expect_json file.json below plan side
+    expect 0 slice ball.stl --planes heights.txt --side above --report above.json
+    expect_json above.json above plan side
+    [[ $(json_value above.json output_hash) != "$hash" ]] || fail "--side above cut where below does"
+    expect_failure 3 "none.txt" slice ball.stl --planes none.txt
+    printf '1\n2\nthree\n' > bad.txt
+    expect_failure 3 "bad.txt:3: 'three'" slice ball.stl --planes bad.txt
+    printf '1\n\n3 2\n' > order.txt
+    expect_failure 3 "order.txt:3" slice ball.stl --planes order.txt
+    printf '1\n\0a\x1b%050d\n' 0 > binary.txt
+    expect_failure 3 "binary.txt:2: '?a?$(printf %037d 0)...' is not a number" slice ball.stl --planes binary.txt
+    expect_failure 3 "binary.txt:2: '?a?$(printf %037d 0)...' is not a number" slice ball.stl --transform binary.txt
+    printf '1\n1.0000000001\n' > close.txt
+    expect_failure 3 "close.txt:2" slice ball.stl --planes close.txt
+    : > none.txt
+    expect_failure 3 "none.txt" slice ball.stl --planes none.txt
+    expect_failure 3 "Is a directory" slice ball.stl --planes .
+}
+
+test_orientation() {
+    expect 0 make sphere --triangles 2000 --height 20 --width 10 -o egg.stl
+    expect 0 slice egg.stl --layer-height 0.5 --report up.json
+    expect_json up.json 40 planes
+    expect 0 slice egg.stl --layer-height 0.5 --normal 0,0,3 --report same.json
+    expect_json same.json "$(json_value up.json output_hash)" output_hash
+    expect 0 slice egg.stl --layer-height 0.5 --normal 1,0,0 --report side.json
+    expect_json side.json 20 planes
+    printf '1 0 0 0\n0 1 0 0\n0 0 2 0 # twice as tall\n' > tall.txt
+    expect 0 slice egg.stl --layer-height 0.5 --transform tall.txt --report tall.json
+    expect_json tall.json 80 planes
+    expect_json tall.json 2.0 frame 10
+    printf '1 0 0 0 0 1 0 0 0 0 2 0 0 0 0 1\n' > square.txt
+    expect 0 slice egg.stl --layer-height 0.5 --transform square.txt --report square.json
+    expect_json square.json "$(json_value tall.json output_hash)" output_hash
+    printf '1 2 3\n' > short.txt
+    expect_failure 3 "short.txt: 3 numbers" slice egg.stl --transform short.txt
+    printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 2\n' > projective.txt
+    expect_failure 3 "projective.txt:4" slice egg.stl --transform projective.txt
+    expect_failure 3 "none.txt" slice egg.stl --transform none.txt
+    expect_failure 2 "--normal" slice egg.stl --transform tall.txt --normal 1,0,0
+}
+
+test_units() {
+    expect 0 make sphere --triangles 2000 --height 2 -o ball.stl
+    expect 0 slice ball.stl --layer-height 0.5 --unit cm --report cm.json
+    expect_json cm.json 40 planes
+    expect_json cm.json 10.0 file mm_per_unit
+    expect_json cm.json OFF file states_unit
+    expect_json cm.json STL file format
+    expect_json cm.json "" file patient_frame
+    expect 0 slice ball.stl --layer-height 0.5 --unit 10 --report ten.json
+    expect_json ten.json "$(json_value cm.json output_hash)" output_hash
+    printf '10 0 0 0 0 10 0 0 0 0 10 0\n' > ten.txt
+    expect 0 slice ball.stl --layer-height 0.5 --transform ten.txt --report moved.json
+    expect_json moved.json "$(json_value cm.json output_hash)" output_hash
+    expect 0 info ball.stl --unit in
+    grep -q 'units of 25.4 mm' .stdout || fail "info does not say the unit"
+    expect_failure 2 "--unit" slice ball.stl --unit furlong
+    expect_failure 2 "--unit" slice ball.stl --unit -1
+    (printf '3D Slicer output. SPACE=RAS' | head -c 80; head -c 53 /dev/zero; tail -c +81 ball.stl) > ras.stl
+    expect 0 slice ras.stl --layer-height 0.5 --report ras.json
+    expect_json ras.json RAS file patient_frame
+    grep -q 'patient frame RAS' .stdout || fail "the summary does not say the frame"
+    gzip -k ras.stl
+    expect 0 slice ras.stl.gz --layer-height 0.5 --report zipped.json
+    expect_json zipped.json "$(json_value ras.json output_hash)" output_hash
+    expect_json zipped.json ON file compressed
+}
+
+# cube FILE X SIDES: writes an ASCII cube of 10 mm at x with the first SIDES of its six sides
+cube() {
+    local x0=$2 x1=$(($2 + 10)) sides=$3
+    local a="$x0 0 0" b="$x1 0 0" c="$x1 10 0" d="$x0 10 0" e="$x0 0 10" f="$x1 0 10" g="$x1 10 10" h="$x0 10 10"
+    local corners=("$a|$d|$c" "$a|$c|$b" "$e|$f|$g" "$e|$g|$h" "$b|$c|$g" "$b|$g|$f" "$c|$d|$h" "$c|$h|$g" "$d|$a|$e" "$d|$e|$h"
+        "$a|$b|$f" "$a|$f|$e") i
+    {
+        echo solid
+        for ((i = 0; i < 2 * sides; ++i)); do
+            facet "$(tr '|' '\n' <<< "${corners[i]}" | sed 's/^/vertex /')"$'\n'
+        done
+        echo endsolid
+    } > "$1"
+}
+
+test_mending() {
+    cube left.stl 0 6
+    cube right.stl 5 6
+    cat left.stl right.stl > both.stl
+    local rule
+    for rule in contours even-odd non-zero positive; do
+        expect 0 slice both.stl --planes 5 --fill-rule "$rule" -o out.svg --report report.json
+        expect_json report.json "$rule" fill_rule
+        grep -q "Fill rule $rule" out.svg || fail "the SVG does not say the rule"
+    done
+    expect 0 slice both.stl --layer-height 10 --first-height 5 --fill-rule non-zero --report report.json
+    expect_json report.json 1500.0 solid_volume_mm3
+    expect_json report.json 1 contours
+    grep -q 'rule non-zero' .stdout || fail "the summary does not say the rule"
+    expect_failure 2 "--fill-rule" slice both.stl --fill-rule odd
+    expect_json report.json "contours not as walked" volume verdict
+
+    sed -E 's/^vertex ([0-9]+) 0 /vertex \1 5 /; s/^vertex ([0-9]+) 10 /vertex \1 15 /' right.stl > shifted.stl
+    cat left.stl shifted.stl > through.stl
+    expect 0 slice through.stl --planes 5 --report through.json
+    expect_json through.json 2 crossings count
+    expect_json through.json 5.0 crossings layers 0 first_mm 0
+    expect_json through.json 10.0 crossings layers 0 first_mm 1
+    expect_json through.json 2000.0 volume mesh_mm3
+    expect_json through.json holds volume verdict
+    grep -q '^crossings 2 of contours, in layers 1' .stdout || fail "the summary does not say what crosses"
+
+    cube open.stl 0 5
+    expect 0 slice open.stl --planes 5 --report open.json
+    expect_json open.json 1 open_contours
+    expect_json open.json 5.0 open_layers 0 plane_mm
+    expect_json open.json 1 open_layers 0 count
+    expect_json open.json 10.0 open_layers 0 first 0 gap_mm
+    expect_json open.json 0 open_layers 0 not_listed
+    expect_json open.json 10 ledger triangles
+    expect_json open.json 6 ledger cut
+    expect_json open.json 4 ledger between_planes
+    expect_json open.json 100.0 ledger flat_up_mm2
+    expect_json open.json "open mesh" volume verdict
+    grep -q '^volume *not certified: open mesh' .stdout || fail "an open mesh has a volume"
+    expect 0 slice open.stl --planes 5 --close-gaps 9.5 --report report.json
+    expect_json report.json 1 open_contours
+    expect_json report.json 0 gaps closed
+    expect 0 slice open.stl --planes 5 --close-gaps 10 --report report.json
+    expect_json report.json 0 open_contours
+    expect_json report.json 1 gaps closed
+    expect_json report.json 10.0 gaps total_mm
+    expect_json report.json 10.0 gaps closings 0 length_mm
+    grep -q '^gaps *1 closed' .stdout || fail "the summary does not say what was closed"
+    expect_failure 2 "--close-gaps" slice open.stl --close-gaps -1
+
+    awk '/^vertex 10 10 10$/ && ++n == 3 {$2 = 10.001} 1' left.stl > cracked.stl
+    expect 0 slice cracked.stl --planes 5 --report report.json
+    expect_json report.json 2 open_contours
+    expect 0 slice cracked.stl --planes 5 --weld 0.01 --report report.json
+    expect_json report.json 0 open_contours
+    expect_json report.json 1 weld joined
+    expect_json report.json 8 weld vertices
+    grep -q '^welded *1 vertex onto' .stdout || fail "the summary does not say what was welded"
+    expect 0 slice cracked.stl --planes 5 --weld 0.01 -o out.svg
+    grep -q 'Vertices at most 0.01 mm apart welded before: 1 moved' out.svg || fail "the SVG does not say what was welded"
+    expect 0 slice left.stl --planes 5 --weld 0 -o out.svg
+    grep -q 'Vertices at most 0 mm apart welded before: 0 moved' out.svg || fail "the SVG does not say that nothing moved"
+    expect 0 slice left.stl --planes 5 -o out.svg
+    grep -q 'weld' out.svg && fail "the SVG speaks of welding"
+    expect_failure 3 "left.stl: welding at 20 mm leaves nothing: each of 12 triangles has two equal corners" \
+        slice left.stl --planes 5 --weld 20
+    expect_failure 2 "--weld" slice cracked.stl --weld nan
+}

@@ -1,0 +1,245 @@
+// VTP that is cut off, damaged or made to mislead.
+#include <string>
+
+#include <catch2/catch.hpp>
+
+#include "read.hpp"
+#include "vtp_files.hpp"
+
+namespace lamella::vtk_test {
+
+using Catch::Contains;
+
+TEST_CASE("VTP cut off anywhere is refused", "[input][vtp]") {
+    const TempFolder dir;
+    const std::string format = GENERATE(as<std::string>(), "ascii", "binary", "raw", "base64");
+    const bool zlib = format == "raw" || format == "binary";
+    PolyData data;
+    data.points = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
+    data.polygons = {{0, 1, 2, 3}};
+    const std::string whole = Xml{format, zlib}({data});
+    // All that is read lies before the end of the appended data.
+    const std::size_t complete =
+        format == "raw" || format == "base64" ? whole.rfind("</AppendedData") + 14 : whole.rfind('>') + 1;
+    for (std::size_t length = whole.find("<VTKFile") + 8; length < complete; ++length) {
+        INFO(length);
+        const Result<MeshFile> mesh = read_mesh(dir.write("a.vtp", whole.substr(0, length)));
+        REQUIRE_FALSE(mesh.ok());
+        CHECK(mesh.error().code == ErrorCode::malformed_mesh);
+    }
+    CHECK(read_triangles(dir.write("a.vtp", whole.substr(0, complete))) == triangles_of(data));
+}
+
+TEST_CASE("appended data of VTP that are cut short are refused", "[input][vtp]") {
+    const TempFolder dir;
+    const std::string format = GENERATE(as<std::string>(), "raw", "base64");
+    const bool zlib = GENERATE(false, true);
+    const std::string whole = Xml{format, zlib}({cube()});
+    const std::size_t begin = whole.find('_', whole.find("<AppendedData")) + 1;
+    const std::size_t end = whole.rfind("\n</AppendedData");
+    for (std::size_t length = begin; length < end; ++length) {
+        INFO(length);
+        const Result<MeshFile> mesh = read_mesh(dir.write("a.vtp", whole.substr(0, length) + whole.substr(end + 1)));
+        REQUIRE_FALSE(mesh.ok());
+        CHECK(mesh.error().code == ErrorCode::malformed_mesh);
+    }
+}
+
+TEST_CASE("malformed VTP is refused with the place", "[input][vtp]") {
+    const TempFolder dir;
+    const auto complaint = [&](const std::string& file) { return read_error(dir.write("a.vtp", file)).message; };
+    const std::string plain = Xml{}({cube()});
+    const auto with = [&](const std::string& what, const std::string& by) {
+        REQUIRE(plain.find(what) != std::string::npos);
+        return complaint(replaced(plain, what, by));
+    };
+    CHECK_THAT(with("type=\"PolyData\"", "type=\"UnstructuredGrid\""),
+               Contains("line 2, byte 22: expected a file of type PolyData, the only one that is read, found "
+                        "'UnstructuredGrid'"));
+    CHECK_THAT(with("LittleEndian", "MiddleEndian"),
+               Contains("expected byte_order LittleEndian or BigEndian, found 'Middle"));
+    CHECK_THAT(with("UInt64\"", "UInt16\""), Contains("expected header_type UInt32 or UInt64, found 'UInt16'"));
+    CHECK_THAT(with("NumberOfPoints=\"8\"", "NumberOfPoints=\"-8\""),
+               Contains("expected a number as NumberOfPoints, found '-8'"));
+    CHECK_THAT(with("NumberOfPoints=\"8\"", ""), Contains("expected a Piece with NumberOfPoints"));
+    CHECK_THAT(with("NumberOfPoints=\"8\"", "NumberOfPoints=\"9\""), Contains("expected 27 numbers of Points, found 24"));
+    CHECK_THAT(with("NumberOfPoints=\"8\"", "NumberOfPoints=\"7\""),
+               Contains("expected the end of the 21 numbers of Points"));
+    CHECK_THAT(with("NumberOfPoints=\"8\"", "NumberOfPoints=\"5000000000\""), Contains("expected fewer than 2^32 points"));
+    CHECK_THAT(with("NumberOfPolys=\"6\"", "NumberOfPolys=\"18446744073709551615\""),
+               Contains("numbers of offsets of Polys, found 6"));
+    CHECK_THAT(with("NumberOfPolys=\"6\"", "NumberOfPolys=\"5\""),
+               Contains("expected the end of the 5 numbers of offsets of Polys"));
+    CHECK_THAT(with("NumberOfStrips=\"0\"", "NumberOfStrips=\"1\""),
+               Contains("expected 1 numbers of offsets of Strips, found 0"));
+    CHECK_THAT(with("NumberOfComponents=\"3\"", "NumberOfComponents=\"2\""), Contains("expected Points of 3 components"));
+    CHECK_THAT(with("Name=\"offsets\"", "Name=\"others\""), Contains("'connectivity' and 'offsets' of the Polys"));
+    CHECK_THAT(with("Name=\"offsets\"", "Name=\"connectivity\""), Contains("expected one such DataArray, found a second"));
+    CHECK_THAT(with("type=\"Int64\" Name=\"offsets\"", "type=\"Float32\" Name=\"offsets\""),
+               Contains("expected integers, found"));
+    CHECK_THAT(with("type=\"Int64\" Name=\"offsets\"", "type=\"String\" Name=\"offsets\""), Contains("found 'String'"));
+    CHECK_THAT(with("format=\"ascii\"", "format=\"morse\""), Contains("expected format ascii or binary, found 'morse'"));
+    CHECK_THAT(with("<VTKFile", "<VTKFiles"), Contains("expected the element VTKFile, found 'VTKFiles'"));
+    CHECK_THAT(with("<Points>", "<Point>"), Contains("malformed XML: mismatched tag"));
+    CHECK_THAT(with("<?xml version=\"1.0\"?>", "<!DOCTYPE a [<!ENTITY b \"c\">]>"), Contains("document type"));
+    CHECK_THAT(with("0 2 3 1 ", "0 2 8 1 "), Contains("point 8 of Polys does not exist: there are 8"));
+    CHECK_THAT(with("0 2 3 1 ", "0 &#50; 3 1 "), Contains("found '&#50;'"));
+    CHECK_THAT(with("4 8 12 ", "4 3 12 "), Contains("cell 1 of Polys ends at 3, which is not from 4 to 24"));
+    CHECK_THAT(with("4 8 12 ", "4 25 12 "), Contains("cell 1 of Polys ends at 25"));
+    CHECK_THAT(with("20 24 ", "20 23 "), Contains("expected the end of the 23 numbers of connectivity of Polys"));
+    // Decimals are expected, and the element has no text at all.
+    const std::size_t offsets = plain.find("Name=\"offsets\" format=\"ascii\"", plain.find("<Polys>"));
+    REQUIRE(offsets != std::string::npos);
+    const std::size_t text = plain.find('>', offsets);
+    const std::size_t closing = plain.find("</DataArray>", text);
+    CHECK_THAT(complaint(plain.substr(0, text) + "/>" + plain.substr(closing + 12)),
+               Contains("line ") && Contains("expected 6 numbers of offsets of Polys, found 0"));
+    CHECK(read_error(dir.write("a.vtp", Xml{}({}))).code == ErrorCode::empty_mesh);
+    CHECK_THAT(with("NumberOfPolys=\"6\"", "NumberOfPolys=\"0\""), Contains("holds no triangles"));
+}
+
+TEST_CASE("binary VTP arrays with wrong sizes are refused", "[input][vtp]") {
+    const TempFolder dir;
+    const auto complaint = [&](const std::string& file) { return read_error(dir.write("a.vtp", file)).message; };
+    for (const char* format : {"binary", "raw", "base64"}) {
+        Xml xml{format};
+        const std::string plain = xml({cube()});
+        CHECK_THAT(complaint(replaced(plain, "NumberOfPoints=\"8\"", "NumberOfPoints=\"4294967295\"")),
+                   Contains("Points should have 51539607540 bytes, but counts 96"));
+        CHECK_THAT(complaint(replaced(plain, "NumberOfPolys=\"6\"", "NumberOfPolys=\"2305843009213693952\"")),
+                   Contains("offsets of Polys should have"));
+        CHECK_THAT(complaint(replaced(plain, "NumberOfPolys=\"6\"", "NumberOfPolys=\"5\"")), Contains("but counts 48"));
+        CHECK_THAT(complaint(replaced(plain, " header_type=\"UInt64\"", "")), Contains(" should have "));
+        PolyData bad = cube();
+        bad.polygons[5][3] = 9;
+        CHECK_THAT(complaint(xml({bad})), Contains("point 9 of Polys does not exist: there are 8"));
+    }
+    CHECK_THAT(complaint(replaced(Xml{"raw"}({cube()}), " offset=\"", " offset=\"9")), Contains("is truncated"));
+    CHECK_THAT(complaint(replaced(Xml{"raw"}({cube()}), " offset=\"", " offset=\"-")),
+               Contains("expected a number as offset"));
+    CHECK_THAT(complaint(replaced(Xml{"raw"}({cube()}), " _", " ?")), Contains("expected '_' at the beginning"));
+    CHECK_THAT(complaint(replaced(Xml{"raw"}({cube()}), "\"raw\"", "\"hex\"")), Contains("expected encoding raw or base64"));
+    CHECK_THAT(complaint(replaced(Xml{"binary"}({cube()}), "AAAA", "AA?A")), Contains("is truncated, or malformed base64"));
+    CHECK_THAT(complaint(replaced(Xml{"binary", true}({cube()}), "vtkZLib", "vtkLZ4")),
+               Contains("is compressed by 'vtkLZ4DataCompressor', which is not read: only vtkZLibDataCompressor is"));
+}
+
+TEST_CASE("base64 may hold white space and padding anywhere", "[input][vtp]") {
+    const TempFolder dir;
+    const std::string plain = Xml{"binary"}({cube()});
+    std::string spaced;
+    bool data = false;
+    for (std::size_t i = 0; i < plain.size(); ++i) {
+        data = plain[i] == '>' ? true : (plain[i] == '<' ? false : data);
+        spaced += plain[i];
+        spaced += data && i % 5 == 0 ? "\n " : "";
+    }
+    CHECK(read_triangles(dir.write("a.vtp", spaced)) == triangles_of(cube()));
+    // Some writers pad the header by itself.
+    std::string coordinates;
+    for (const auto& point : cube().points) {
+        for (const double c : point) {
+            coordinates += Encoding{false, false}.as("Float32", c);
+        }
+    }
+    Xml xml{"binary"};
+    const std::string joined = base64(xml.header({96}) + coordinates);
+    REQUIRE(plain.find(joined) != std::string::npos);
+    CHECK(read_triangles(dir.write("a.vtp", replaced(plain, joined, base64(xml.header({96})) + base64(coordinates)))) ==
+          triangles_of(cube()));
+}
+
+TEST_CASE("compressed VTP blocks with wrong sizes are refused", "[input][vtp]") {
+    const TempFolder dir;
+    const Xml xml{"raw", true};
+    const std::string plain = Xml{xml}({cube()});
+    // The header of the points: two blocks, of 64 and 32 bytes.
+    const std::size_t header = plain.find(xml.header({2, 64, 32}));
+    REQUIRE(header != std::string::npos);
+    const auto with = [&](std::size_t word, std::uint64_t value) {
+        std::string file = plain;
+        file.replace(header + 8 * word, 8, xml.header({value}));
+        return read_error(dir.write("a.vtp", file));
+    };
+    for (const std::uint64_t value : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{3}, std::uint64_t{1} << 31,
+                                      std::uint64_t{1} << 61, ~std::uint64_t{0}}) {
+        for (const std::size_t word : {0U, 1U, 2U, 3U, 4U}) {
+            INFO(word << " " << value);
+            const Error error = with(word, value);
+            CHECK(error.code == ErrorCode::malformed_mesh);
+            CHECK_THAT(error.message, Contains("Points"));
+        }
+    }
+    CHECK_THAT(with(0, 1U << 31).message, Contains("counts 2147483648 compressed blocks"));
+    CHECK_THAT(with(1, 65).message, Contains("should have 96 bytes, which its compressed blocks do not hold"));
+    std::string damaged = plain;
+    damaged[header + 8 * 5 + 20] ^= 0x55;
+    CHECK_THAT(read_error(dir.write("a.vtp", damaged)).message, Contains("its compressed block 0 does not expand"));
+}
+
+TEST_CASE("VTP that expands enormously is refused before it is unpacked", "[input][vtp]") {
+    const TempFolder dir;
+    PolyData data = sheet(150);
+    for (auto& cell : data.polygons) {
+        cell = {0, 1, 2};
+    }
+    Xml xml{"raw", true, false, true, "Float32", "Int64", 32768};
+    const auto path = dir.write("a.vtp", xml({data}));
+    ReadOptions options;
+    options.memory_limit_bytes = 500'000;
+    const Result<MeshFile> mesh = read_mesh(path, options);
+    REQUIRE_FALSE(mesh.ok());
+    CHECK(mesh.error().code == ErrorCode::out_of_memory);
+    CHECK_THAT(mesh.error().message, Contains("expands to more than the 500000 bytes that reading it may take"));
+    // A count that the compressed bytes cannot hold is not asked of the limit.
+    const std::string few = replaced(Xml{"raw", true}({cube()}), "NumberOfPoints=\"8\"", "NumberOfPoints=\"1000000\"");
+    CHECK(read_error(dir.write("b.vtp", few)).code == ErrorCode::malformed_mesh);
+    std::string pieces;
+    for (int i = 0; i < 5000; ++i) {
+        pieces += "<Piece NumberOfPoints=\"0\"/>";
+    }
+    const auto many = dir.write("c.vtp", replaced(Xml{}({cube()}), "<PolyData>", "<PolyData>" + pieces));
+    CHECK(read_one(many).triangle_count == 12);
+    CHECK(read_mesh(many, options).error().code == ErrorCode::out_of_memory);
+}
+
+TEST_CASE("compressed integers of 64 bits are held in 32, unless they are larger", "[input][vtp]") {
+    const TempFolder dir;
+    const PolyData data = sheet(200);
+    const Xml xml{"raw", true, GENERATE(false, true), true, "Float32", "Int64", 32768};
+    const auto path = dir.write("a.vtp", Xml{xml}({data}));
+    ReadOptions options;
+    options.memory_limit_bytes = 2'300'000;  // 1.9 MB are needed so, and 2.6 otherwise
+    const Result<MeshFile> mesh = read_mesh(path, options);
+    REQUIRE(mesh.ok());
+    CHECK(triangles_of(mesh.value()) == triangles_of(read_one(dir.write("b.vtp", Xml{}({data})))));
+    PolyData large = cube();
+    large.polygons[5][3] = 0xFFFFFFFF;
+    Xml larger{xml};
+    larger.integers = "Int64";
+    CHECK_THAT(read_error(dir.write("a.vtp", larger({large}))).message,
+               Contains("point 4294967295 of Polys does not exist: there are 8"));
+}
+
+TEST_CASE("markup in VTP array text is parsed as XML, and refused with its line", "[input][vtp]") {
+    const TempFolder dir;
+    const std::string whole = Xml{}({cube()});
+    const std::size_t numbers = whole.find('>', whole.find("connectivity", whole.find("<Polys"))) + 1;
+    const auto with = [&](const std::string& more) {
+        std::string file = whole;
+        file.insert(file.find('<', numbers), more);
+        return file;
+    };
+    CHECK(read_one(dir.write("a.vtp", with(" \t\r\n "))).triangle_count == 12);
+    CHECK_THAT(read_error(dir.write("a.vtp", with("<!-- <DataArray> -->"))).message, Contains("found '<!--'"));
+    const std::size_t lines = static_cast<std::size_t>(
+        std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.find('<', numbers)), '\n'));
+    const std::string line = "line " + std::to_string(lines + 1) + ",";
+    for (const char* const more : {"&", "]]>", "&unknown;", "\x01", "\xFF"}) {
+        const std::string message = read_error(dir.write("a.vtp", with(more))).message;
+        CHECK_THAT(message, Contains("malformed XML") && Contains(line));
+    }
+    CHECK_THAT(read_error(dir.write("a.vtp", with("+"))).message, Contains("found '+"));
+}
+
+}  // namespace lamella::vtk_test

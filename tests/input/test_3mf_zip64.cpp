@@ -2,12 +2,12 @@
 #include <sys/stat.h>
 
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <fstream>
 
 #include <catch2/catch.hpp>
 
+#include "cpu_time.hpp"
 #include "files.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "read.hpp"
@@ -262,9 +262,9 @@ TEST_CASE("thousands of end records in a zip archive do not take long", "[input]
     }
     parts.push_back({"records", records, false});
     const auto path = dir.write("a.3mf", zip(parts));
-    const auto start = std::chrono::steady_clock::now();
+    const double start = cpu_ms();
     CHECK(read_mesh(path).ok());
-    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(2));
+    CHECK(cpu_ms() - start < 2000);
 }
 
 TEST_CASE("a zip directory whose names collide does not take long", "[input][3mf]") {
@@ -279,9 +279,9 @@ TEST_CASE("a zip directory whose names collide does not take long", "[input][3mf
         parts.push_back({name, "", false});
     }
     const auto path = dir.write("a.3mf", zip(parts));
-    const auto start = std::chrono::steady_clock::now();
+    const double start = cpu_ms();
     CHECK(read_mesh(path).ok());
-    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
+    CHECK(cpu_ms() - start < 5000);
     parts.resize(parts.size() + 3000, {std::string(28, 'x'), "", false});
     CHECK(read_error(dir.write("b.3mf", zip(parts))).message.find(": has a zip directory of ") != std::string::npos);
 }

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -13,6 +12,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "cpu_time.hpp"
 #include "files.hpp"
 #include "lamella/io.hpp"
 #include "zip.hpp"
@@ -31,11 +31,6 @@ constexpr std::uint32_t side = 390;  // 304,200 triangles
 constexpr double most_ms_late = 100;
 constexpr double always_short_ms = 10;  // of a piece of text, and of a row of pages
 #endif
-
-/// Of the process, on any thread: time in which a busy machine does other work is not the library's.
-double cpu_ms() {
-    return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 /// A sheet of side * side quads, each of two triangles.
 constexpr std::uint32_t vertices = (side + 1) * (side + 1);

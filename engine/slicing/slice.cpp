@@ -45,10 +45,6 @@ std::uint64_t memory_limit(const SliceOptions& options) {
     return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
 }
 
-Error cancelled() {
-    return {ErrorCode::cancelled, "cancelled"};
-}
-
 }  // namespace
 
 /// Scratch that is kept from call to call.
@@ -114,7 +110,7 @@ private:
     Status choose_grid_and_planes();
     Status bucket_triangles();
     Status sweep_bands();
-    bool sweep_all_into(std::span<Point> points);
+    void sweep_all_into(std::span<Point> points);
     void sweep_band(std::size_t band, int worker);
     void sweep_wide(std::size_t band);
     Error too_entangled(std::int64_t plane) const;
@@ -171,14 +167,12 @@ Status Slicing::bucket_triangles() {
                                                       std::to_string(bytes) + " bytes, more than the memory limit of " +
                                                       std::to_string(memory_limit(options_))};
     }
-    if (options_.control.stop.stop_requested()) {
-        return cancelled();
-    }
+    parallel_.stop_if_asked();
     BandPlan& bands = kept_.bands;
     bands.cut(buckets, kept_.planes.size(), options_.tuning.band_planes, parallel_.threads());
     const std::size_t reaching = scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes, bands.band_end,
                                                    parallel_, buckets, bands.reaching.span());
-    bands.find_seeds(kept_.planes.size(), reaching);
+    bands.find_seeds(kept_.planes.size(), reaching, options_.control.stop);
     return {};
 }
 
@@ -191,12 +185,9 @@ Status Slicing::sweep_bands() {
     std::uint64_t room = kept_.buckets.segment_count + kept_.buckets.segment_count / 64 + 64;
     for (;;) {
         result_.points.resize_discarding(room);
-        const bool all = sweep_all_into(result_.points.span());
+        sweep_all_into(result_.points.span());
         if (kept_.placement.refused_plane() >= 0) {
             return too_entangled(kept_.placement.refused_plane());
-        }
-        if (!all) {
-            return cancelled();
         }
         const std::uint64_t needed = kept_.placement.point_count();
         if (needed <= room) {
@@ -219,11 +210,13 @@ Error Slicing::too_entangled(std::int64_t plane) const {
     return error;
 }
 
-/// Wide planes by all threads, the bands between them by one thread each. False if the host asked to stop.
-bool Slicing::sweep_all_into(std::span<Point> points) {
+/// Wide planes by all threads, the bands between them by one thread each.
+void Slicing::sweep_all_into(std::span<Point> points) {
     const auto& bands = kept_.bands.bands;
-    kept_.placement.begin(bands, parallel_.threads(), kept_.buckets.segment_count, points, progress_);
-    for (std::size_t begin = 0; begin < bands.size() && !options_.control.stop.stop_requested();) {
+    kept_.placement.begin(bands, parallel_.threads(), kept_.buckets.segment_count, points, progress_,
+                          options_.control.stop);
+    for (std::size_t begin = 0; begin < bands.size() && kept_.placement.refused_plane() < 0;) {
+        parallel_.stop_if_asked();
         if (bands[begin].wide && options_.tuning.form == ContourForm::swept) {
             sweep_wide(begin++);
             continue;
@@ -235,7 +228,6 @@ bool Slicing::sweep_all_into(std::span<Point> points) {
         parallel_.run(end - begin, [&](std::size_t i, int worker) { sweep_band(begin + i, worker); });
         begin = end;
     }
-    return !options_.control.stop.stop_requested();
 }
 
 void Slicing::sweep_band(std::size_t band, int worker) {
@@ -246,12 +238,10 @@ void Slicing::sweep_band(std::size_t band, int worker) {
             sweep = std::make_unique<BandSweep>(kept_.memory);
         }
         sweep->set_rules(rules());
-        BandOutput* output = placement.acquire(band);
-        if (output != nullptr && sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes,
-                                            options_.tuning.form, options_.control.stop, *output)) {
+        if (BandOutput* output = placement.acquire(band); output != nullptr) {
+            sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, options_.tuning.form,
+                       options_.control.stop, *output);
             placement.submit(band);
-        } else {
-            placement.abort();
         }
     } catch (...) {
         placement.abort();
@@ -260,7 +250,7 @@ void Slicing::sweep_band(std::size_t band, int worker) {
 }
 
 void Slicing::sweep_wide(std::size_t band) {
-    WidePlane wide(kept_.memory, parallel_, rules());
+    WidePlane wide(kept_.memory, parallel_, options_.control.stop, rules());
     BandOutput* output = kept_.placement.acquire(band);
     if (output == nullptr) {
         return;
@@ -295,7 +285,7 @@ void Slicing::finish_result() {
     result_.contours.resize_discarding(kept_.placement.contour_count());
     result_.layers.resize_discarding(kept_.planes.size());
     result_.closed_gaps.resize_discarding(kept_.placement.closed_gap_count());
-    kept_.placement.write_closed_gaps(result_.closed_gaps.span());
+    kept_.placement.write_closed_gaps(result_.closed_gaps.span(), options_.control.stop);
     fill_layers();
     kept_.placement.write_contours(parallel_, result_.contours.span(), result_.layers.span());
     summarise();

@@ -59,8 +59,8 @@ struct LayerContours {
 /// solid between them is on the left and contours do not cross. What is left is paired whatever its orientation, and an odd
 /// end becomes the end of an open polyline. Points are in grid units: their magnitude is at most grid_limit.
 ///
-/// O(q) expected for linking, O(q log q) for order and nesting. It works on the calling thread: of `control` it uses
-/// `memory`, for the result and all scratch, and `stop`, which it asks before each of its steps. Errors: invalid_argument
+/// O(q) expected for linking, O(q log q) for order and nesting. It works on the calling thread; of `control` it uses
+/// `memory`, for the result and all scratch, `stop` and `progress`. Errors: invalid_argument
 /// (more than 2^30 segments, negative threads), out_of_memory, cancelled.
 Result<LayerContours> assemble(std::span<const Segment> segments, const Control& control = {}) noexcept;
 

@@ -13,14 +13,14 @@
 // Which call uses what:
 //
 //     call                                           threads, executor  stop                progress  memory
-//     slice()                                        yes                at every layer      yes       result and scratch
-//     assemble()                                     calling thread     between its steps   -         result and scratch
+//     slice()                                        yes                yes                 yes       result and scratch
+//     assemble()                                     calling thread     yes                 yes       result and scratch
 //     read_mesh()                                    yes                yes                 yes       mesh and scratch
-//     weld()                                         to sort; then one  yes                 yes       mesh and scratch
+//     weld()                                         yes                yes                 yes       mesh and scratch
 //     inspect(), check()                             yes                yes                 yes       -
 //     make_ledger(), certify_volume(),
 //     find_crossings()                               yes                yes                 yes       -
-//     write_svg()                                    calling thread     at every layer      yes       -
+//     write_svg()                                    calling thread     yes                 yes       -
 //
 // A negative number of threads is invalid_argument in all of them.
 #pragma once

@@ -95,7 +95,8 @@ TEST_CASE("keys are sorted whatever their number and distribution", "[nesting]")
         }
         Keys expected = keys;
         std::sort(expected.begin(), expected.end(), before);
-        lamella::nesting::sort_keys(keys, spare);
+        lamella::StopPace pace;
+        lamella::nesting::sort_keys(keys, spare, pace);
         CAPTURE(spread);
         REQUIRE(std::equal(keys.begin(), keys.end(), expected.begin(), expected.end(), equal));
     }

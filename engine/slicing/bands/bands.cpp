@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/stop_pace.hpp"
+
 namespace lamella {
 
 namespace {
@@ -100,7 +102,10 @@ void BandPlan::make_room(const Buckets& buckets, PlaneIndex planes) {
     reaching.resize_discarding(std::min<std::size_t>(most_reaching, buckets.list_begin[planes]));
 }
 
-void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count) {
+void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const StopCheck& stop) {
+    constexpr std::size_t seed_work = 4;  // its place waits for memory
+    StopPace pace;
+    pace.follow(stop);
     const std::span<const Reaching> found{reaching.data(), reaching_count};
     Vector<std::uint32_t> band_of(planes, bands.get_allocator());
     for (std::uint32_t b = 0; b < bands.size(); ++b) {
@@ -108,10 +113,12 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count) {
     }
     // Count, prefix sum, scatter. A triangle is counted from the band after its first to its last.
     Vector<std::int64_t> change(bands.size() + 1, 0, bands.get_allocator());
-    for (const Reaching& triangle : found) {
-        ++change[band_of[triangle.first] + 1];
-        --change[band_of[triangle.last - 1] + 1];
-    }
+    pace.in_stretches(0, found.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (const Reaching& triangle : found.subspan(begin, end - begin)) {
+            ++change[band_of[triangle.first] + 1];
+            --change[band_of[triangle.last - 1] + 1];
+        }
+    });
     seed_begin.assign(bands.size() + 1, 0);
     std::int64_t seeds_here = 0;
     for (std::size_t b = 0; b < bands.size(); ++b) {
@@ -120,12 +127,15 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count) {
     }
     seeds.resize_discarding(seed_begin.back());
     Vector<std::uint64_t> next_seed(seed_begin);
-    for (const Reaching& triangle : found) {
-        const std::uint32_t last = band_of[triangle.last - 1];
-        for (std::uint32_t b = band_of[triangle.first] + 1; b <= last; ++b) {
-            seeds[next_seed[b]++] = triangle.record;
+    pace.in_stretches(0, found.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (const Reaching& triangle : found.subspan(begin, end - begin)) {
+            const std::uint32_t last = band_of[triangle.last - 1];
+            for (std::uint32_t b = band_of[triangle.first] + 1; b <= last; ++b) {
+                seeds[next_seed[b]++] = triangle.record;
+            }
+            pace.spend(seed_work * (last - band_of[triangle.first]));
         }
-    }
+    });
     give_back_many(reaching);
 }
 

@@ -41,8 +41,8 @@ struct BandPlan {
     void cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads);
 
     /// Finds every band's seeds in the first `reaching_count` of `reaching`. O(k + reaching_count + seeds); a seed has at
-    /// least one segment in its band.
-    void find_seeds(PlaneIndex planes, std::size_t reaching_count);
+    /// least one segment in its band. Throws Stopped where `stop` asks for it.
+    void find_seeds(PlaneIndex planes, std::size_t reaching_count, const StopCheck& stop = {});
 
     /// Releases the memory of the seeds if it is large. To be called when all bands are swept.
     void forget_many_seeds();

@@ -14,6 +14,9 @@ namespace lamella {
 
 namespace {
 
+/// So long a part of the mesh is gone through in a millisecond or so, after which the host is asked whether to end.
+constexpr std::size_t blocks_between_stops = 512;
+
 /// The mesh in as many parts as there are threads, cut between blocks.
 struct Parts {
     std::size_t triangles;
@@ -233,6 +236,9 @@ void count_crossings(const MeshView& mesh, const Transform& transform, double un
         parallel.run(parts.count, [&](std::size_t part, int) {
             PartCount counter(read, scan, planes, PartCounts(buckets, part, k));
             for (std::size_t block = parts.begin_block(part); block < parts.begin_block(part + 1); ++block) {
+                if (block % blocks_between_stops == 0) {
+                    parallel.stop_if_asked();
+                }
                 const std::size_t begin = block * block_triangles;
                 const std::size_t end = std::min(begin + block_triangles, parts.triangles);
                 const bool may_be_degenerate = blocks.may_be_degenerate(block, unit_mm);
@@ -258,6 +264,9 @@ std::size_t scatter_triangles(const MeshView& mesh, const Transform& transform, 
         parallel.run(parts.count, [&](std::size_t part, int) {
             PartScatter scatter(read, scan, planes, reach_end, PartCursors(buckets, part, planes.size()), buckets, output);
             for (std::size_t block = parts.begin_block(part); block < parts.begin_block(part + 1); ++block) {
+                if (block % blocks_between_stops == 0) {
+                    parallel.stop_if_asked();
+                }
                 const std::size_t begin = block * block_triangles;
                 scatter.scatter(begin, buckets.crossed_mask[block], begin + block_triangles <= parts.triangles);
             }

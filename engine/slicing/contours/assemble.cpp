@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "base/guard.hpp"
+#include "base/progress_meter.hpp"
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/contours/layer_builder.hpp"
 #include "slicing/contours/link_graph.hpp"
@@ -20,38 +22,74 @@ constexpr std::size_t most_segments = std::size_t{1} << 30;  // two ends each mu
 
 class Assembly {
 public:
-    Assembly(std::span<const Segment> segments, const Memory* memory)
-        : segments_(segments), graph_(memory), layer_(memory), output_(memory), links_(memory), points_(memory) {}
+    Assembly(std::span<const Segment> segments, const Control& control)
+        : segments_(segments),
+          graph_(control.memory),
+          layer_(control.memory),
+          output_(control.memory),
+          links_(control.memory),
+          points_(control.memory),
+          progress_(control.progress) {
+        pace_.follow(control.stop);
+        graph_.follow(control.stop);
+        layer_.follow(control.stop);
+    }
 
     void link() {
+        constexpr std::size_t segment_work = 32;  // two ends are looked up
+        progress_.reach(0);
         SlotTable::Attaching attaching = graph_.begin_attaching(2 * segments_.size());
         links_.reserve(segments_.size());
-        for (std::uint32_t i = 0; i < segments_.size(); ++i) {
-            const Segment& segment = segments_[i];
-            const PortRef source = attach(attaching, segment.from_key, segment.from, source_port, i);
-            const PortRef target = attach(attaching, segment.to_key, segment.to, target_port, i);
-            links_.push_back({{target, source}});
-        }
+        resize_exactly(points_, graph_.capacity(), pace_);  // an edge has one slot where two segments meet
+        pace_.in_stretches(0, segments_.size(), segment_work, [&](std::size_t begin, std::size_t end) {
+            attach_all(attaching, begin, end);
+            progress_.reach(attached_share * static_cast<double>(end) / static_cast<double>(segments_.size()));
+        });
         graph_.end_attaching(attaching, 2 * segments_.size());
         graph_.settle(
             links_, [this](Slot, std::span<MeetingEnd> ends) { sort_by_rank(ends); },
             [this](Slot to, Slot from) { put(to, Point(points_[from])); });
         graph_.connect(links_);
         graph_.walk();
+        progress_.reach(walked_share);
     }
 
     LayerContours build(const Memory* memory) {
-        output_.begin({});
+        output_.buffer.resize_discarding(segments_.size() + segments_.size() / 64 + 64);  // seldom more, see slice()
+        output_.begin(output_.buffer.span());
         layer_.build(graph_, points_.data(), output_);
+        progress_.reach(built_share);
         LayerContours layer{Array<Contour>(memory), Array<Point>(memory)};
         layer.contours.resize_discarding(output_.contours.size());
-        std::copy(output_.contours.begin(), output_.contours.end(), layer.contours.begin());
+        copy_paced(output_.contours.data(), output_.contours.size(), layer.contours.data());
         layer.points.resize_discarding(output_.point_count);
-        std::copy_n(output_.points, output_.point_count, layer.points.begin());
+        copy_paced(output_.points, output_.point_count, layer.points.data());
+        progress_.finish();
         return layer;
     }
 
 private:
+    // Of the progress, when the step is done.
+    static constexpr double attached_share = 0.5;
+    static constexpr double walked_share = 0.7;
+    static constexpr double built_share = 0.9;
+
+    void attach_all(SlotTable::Attaching& attaching, std::size_t begin, std::size_t end) {
+        for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+            const Segment& segment = segments_[i];
+            const PortRef source = attach(attaching, segment.from_key, segment.from, source_port, i);
+            const PortRef target = attach(attaching, segment.to_key, segment.to, target_port, i);
+            links_.push_back({{target, source}});
+        }
+    }
+
+    template <class T>
+    void copy_paced(const T* from, std::size_t count, T* to) {
+        constexpr std::size_t words = sizeof(T) / sizeof(Point);
+        pace_.in_stretches(0, count, words,
+                           [&](std::size_t begin, std::size_t end) { std::copy(from + begin, from + end, to + begin); });
+    }
+
     PortRef attach(SlotTable::Attaching& attaching, const EndKey& key, Point point, int port, std::uint32_t link) {
         const Slot slot = attaching.find_or_add(from_key(key), 0);
         put(slot, point);
@@ -60,14 +98,15 @@ private:
 
     void put(Slot slot, Point point) {
         if (slot >= points_.size()) {
-            points_.resize(std::max<std::size_t>(1024, 2 * points_.size()));
+            points_.resize(graph_.capacity());
         }
         points_[slot] = point;
     }
 
     /// Equal ranks are sorted as equal angles are (see pairing.hpp): ends that come in first, then by the segment's other
     /// end.
-    void sort_by_rank(std::span<MeetingEnd> ends) const {
+    void sort_by_rank(std::span<MeetingEnd> ends) {
+        constexpr std::size_t comparison_work = 8;
         const auto rank = [this](const MeetingEnd& end) {
             return end.is_source ? segments_[end.link].from_rank : segments_[end.link].to_rank;
         };
@@ -75,6 +114,7 @@ private:
             return end.is_source ? segments_[end.link].to_key : segments_[end.link].from_key;
         };
         std::sort(ends.begin(), ends.end(), [&](const MeetingEnd& a, const MeetingEnd& b) {
+            pace_.spend(comparison_work);
             if (rank(a) != rank(b)) {
                 return rank(a) < rank(b);
             }
@@ -93,6 +133,8 @@ private:
     BandOutput output_;
     Vector<Link> links_;
     Vector<Point> points_;  // by slot
+    StopPace pace_;
+    ProgressMeter progress_;
 };
 
 }  // namespace
@@ -108,7 +150,7 @@ Result<LayerContours> assemble(std::span<const Segment> segments, const Control&
             return Error{ErrorCode::invalid_argument, "more than 2^30 segments in one plane"};
         }
         stop_if_asked(control);
-        Assembly assembly(segments, control.memory);
+        Assembly assembly(segments, control);
         assembly.link();
         stop_if_asked(control);
         return assembly.build(control.memory);

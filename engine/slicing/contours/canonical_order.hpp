@@ -26,6 +26,9 @@ public:
           place_of_(memory),
           item_at_(memory) {}
 
+    /// From here on both calls throw Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+
     /// Sorts by the start point, then by its edge, then by content. Contours equal in all of that are interchangeable.
     /// O(q log q). Throws std::bad_alloc.
     void sort_by_start(std::span<const LayerContour> contours);
@@ -46,6 +49,7 @@ private:
     Vector<std::uint32_t> next_place_;  // of each leader: where the next of its group goes
     Vector<std::uint32_t> place_of_;    // of each item
     Vector<std::uint32_t> item_at_;     // at each place
+    StopPace pace_;
 };
 
 }  // namespace lamella

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/dispatch.hpp"
+#include "base/function_ref.hpp"
 #include "base/int128.hpp"
 #include "lamella/grid.hpp"
 
@@ -51,6 +52,8 @@ inline constexpr std::size_t select_padding = 16;
 
 /// The facts of a closed ring of count > 0 points as they lie.
 RingFacts examine_ring(const Point* ring, std::size_t count) noexcept;
+/// The same for a long one: calls pause() now and then, which may throw.
+RingFacts examine_ring(const Point* ring, std::size_t count, FunctionRef<void()> pause);
 
 /// All forms, the fastest first.
 std::span<const Form<Kernels>> kernel_forms() noexcept;

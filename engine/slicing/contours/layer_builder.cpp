@@ -9,15 +9,7 @@ namespace lamella {
 
 namespace {
 
-/// From the start on, backwards if need be.
-void copy_points(const NestItem& item, Point* to) {
-    if (item.reverse) {
-        std::reverse_copy(item.points, item.points + item.start + 1, to);
-        std::reverse_copy(item.points + item.start + 1, item.points + item.count, to + item.start + 1);
-    } else {
-        std::rotate_copy(item.points, item.points + item.start, item.points + item.count, to);
-    }
-}
+constexpr std::size_t contour_work = 32;  ///< as StopPace counts it
 
 bool is_closed(const LayerContour& contour) noexcept {
     return contour.item.closed;
@@ -39,6 +31,15 @@ LayerBuilder::LayerBuilder(const Memory* memory)
       closed_(memory),
       walked_of_(memory),
       region_contour_of_(memory) {}
+
+void LayerBuilder::follow(const StopCheck& host) noexcept {
+    pace_.follow(host);
+    rings_.follow(host);
+    order_.follow(host);
+    repair_.follow(host);
+    nester_.follow(host);
+    fill_.follow(host);
+}
 
 void LayerBuilder::build(const LinkGraph& graph, const Point* points, BandOutput& out) {
     rings_.read(graph, points, contours_);
@@ -94,7 +95,9 @@ void LayerBuilder::close_gaps(BandOutput& out) {
 void LayerBuilder::sort_by_start() {
     order_.sort_by_start(contours_);
     items_.clear();
+    reserve_more(items_, contours_.size());
     for (std::size_t i = 0; i < contours_.size(); ++i) {
+        pace_.spend(contour_work);
         items_.push_back(contours_[order_.contour_of(i)].item);
     }
 }
@@ -141,10 +144,33 @@ void LayerBuilder::replace_by_region() {
     }
 }
 
-void LayerBuilder::append(BandOutput& out) const {
+/// From the start on, backwards if need be.
+void LayerBuilder::copy_points(const NestItem& item, Point* to) {
+    const auto copy = [&](const Point* from, std::size_t count) {
+        pace_.in_stretches(0, count, 1, [&](std::size_t begin, std::size_t end) {
+            if (item.reverse) {
+                std::reverse_copy(from + (count - end), from + (count - begin), to + begin);
+            } else {
+                std::copy(from + begin, from + end, to + begin);
+            }
+        });
+        to += count;
+    };
+    const std::size_t first = item.reverse ? item.start + 1 : item.start;  // of the points that lie after the others
+    if (item.reverse) {
+        copy(item.points, first);
+    }
+    copy(item.points + first, item.count - first);
+    if (!item.reverse) {
+        copy(item.points, first);
+    }
+}
+
+void LayerBuilder::append(BandOutput& out) {
     const std::size_t base = out.contours.size();
     for (const std::uint32_t i : order_.items()) {
         const NestItem& item = items_[i];
+        pace_.spend(contour_work);
         copy_points(item, out.reserve_points(item.count));
         Contour& contour = out.contours.emplace_back();
         contour.first_point = out.point_count;

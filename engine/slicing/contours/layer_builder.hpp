@@ -10,6 +10,7 @@
 
 #include <span>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/result.hpp"
 #include "slicing/contours/canonical_order.hpp"
@@ -43,6 +44,9 @@ public:
     void build_traced(Point* rings, std::span<const WalkedContour> walked, KeyAt key_at, const Parallel& parallel,
                       BandOutput& out);
 
+    /// From here on building a layer throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept;
+
     /// Of the layers to come.
     LayerRules rules;
 
@@ -57,7 +61,8 @@ private:
     bool nest();
     bool apply_fill_rule();
     void replace_by_region();
-    void append(BandOutput& out) const;
+    void append(BandOutput& out);
+    void copy_points(const NestItem& item, Point* to);
 
     RingReader rings_;
     PolylineRepair repair_;
@@ -73,6 +78,7 @@ private:
     Vector<NestItem> closed_;                 // the closed ones of items_
     Vector<std::uint32_t> walked_of_;         // of each of closed_: its number in walked_
     Vector<std::int64_t> region_contour_of_;  // of each of items_: its number in the region, -1 for an open polyline
+    StopPace pace_;
 };
 
 }  // namespace lamella

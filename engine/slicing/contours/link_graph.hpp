@@ -8,6 +8,7 @@
 #include <cassert>
 #include <span>
 
+#include "base/stop_pace.hpp"
 #include "slicing/contours/meetings.hpp"
 #include "slicing/contours/slot_table.hpp"
 #include "slicing/contours/walker.hpp"
@@ -19,6 +20,13 @@ public:
     explicit LinkGraph(const Memory* memory) : slots_(memory), meetings_(memory), walker_(memory, slots_) {}
     LinkGraph(const LinkGraph&) = delete;  // the walker refers to the slots
     LinkGraph& operator=(const LinkGraph&) = delete;
+
+    /// From here on what changes the graph throws Stopped where the host wants the call to end; clear() must follow then.
+    void follow(const StopCheck& host) noexcept {
+        pace_.follow(host);
+        slots_.follow(host);
+        walker_.follow(host);
+    }
 
     /// Forgets all slots.
     void clear() {
@@ -47,7 +55,10 @@ public:
 
     /// Joins the two ports of each link.
     void connect(std::span<const Link> links) {
-        slots_.connect(links);
+        constexpr std::size_t link_work = 2;
+        pace_.in_stretches(0, links.size(), link_work, [&](std::size_t begin, std::size_t end) {
+            slots_.connect(links.subspan(begin, end - begin));
+        });
         walker_.note_connected(links, slots_.fresh().size());
     }
 
@@ -88,6 +99,7 @@ private:
     SlotTable slots_;
     Meetings meetings_;
     Walker walker_;
+    StopPace pace_;
 };
 
 }  // namespace lamella

@@ -6,6 +6,10 @@ namespace lamella {
 
 namespace {
 
+// Work as StopPace counts it.
+constexpr std::size_t contour_work = 16;
+constexpr std::size_t point_work = 4;
+
 /// Whether the closed ring read from `a` on is smaller than read from `b` on.
 bool rotation_before(const Point* ring, std::uint32_t count, std::uint32_t a, std::uint32_t b) {
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -84,25 +88,40 @@ LayerContour open_contour(std::span<Point> points) {
 void RingReader::read(const LinkGraph& graph, const Point* points, Vector<LayerContour>& contours) {
     const std::size_t room = graph.order().size() + padded_count;
     if (rings_.size() < room) {
-        rings_.resize(room + room / 32);
+        resize_exactly(rings_, room + room / 32, pace_);
     }
     contours.clear();
+    reserve_more(contours, graph.contours().size());
     Point* ring = rings_.data();
     for (const WalkedContour& walked : graph.contours()) {
         contours.push_back(walked.closed ? read_closed(graph, walked, points, ring)
                                          : read_open(graph, walked, points, ring));
         ring += walked.count;
+        pace_.spend(contour_work + walked.count);
     }
 }
 
 LayerContour RingReader::read_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points,
-                                     Point* ring) const {
-    const Slot* slots = graph.order().data() + walked.begin;
-    const RingFacts facts = kernels_.trace(points, slots, walked.count, ring);
+                                     Point* ring) {
+    const auto slots = graph.order().subspan(walked.begin, walked.count);
+    const RingFacts facts = trace(points, slots, ring);
     LayerContour contour =
         closed_contour(ring, walked.count, facts, [&](std::uint32_t i) { return to_key(graph.edge(slots[i])); });
     contour.item.flags = flags_of(walked);
     return contour;
+}
+
+/// By the kernel, which nothing interrupts, unless the contour is so long that its points, read as the walk met them, take
+/// long.
+RingFacts RingReader::trace(const Point* points, std::span<const Slot> slots, Point* ring) {
+    constexpr std::size_t most_at_once = std::size_t{1} << 20;
+    if (slots.size() <= most_at_once) {
+        return kernels_.trace(points, slots.data(), slots.size(), ring);
+    }
+    pace_.in_stretches(0, slots.size(), point_work, [&](std::size_t begin, std::size_t end) {
+        std::transform(slots.begin() + begin, slots.begin() + end, ring + begin, [points](Slot slot) { return points[slot]; });
+    });
+    return examine_ring(ring, slots.size(), [this] { pace_.ask(); });
 }
 
 LayerContour RingReader::read_open(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring) {
@@ -121,7 +140,8 @@ void read_traced(Point* rings, std::span<const WalkedContour> walked, KeyAt key_
     parallel.run_ranges(walked.size(), 64, [&](std::size_t first, std::size_t last, int) {
         for (std::size_t c = first; c < last; ++c) {
             const auto [begin, count, closed, mixed] = walked[c];
-            contours[c] = closed_contour(rings + begin, count, examine_ring(rings + begin, count),
+            const RingFacts facts = examine_ring(rings + begin, count, [&parallel] { parallel.stop_if_asked(); });
+            contours[c] = closed_contour(rings + begin, count, facts,
                                          [&key_at, from = begin](std::uint32_t i) { return key_at(from + i); });
             contours[c].item.flags = flags_of(walked[c]);
         }

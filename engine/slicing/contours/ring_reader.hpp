@@ -10,6 +10,7 @@
 
 #include "base/function_ref.hpp"
 #include "base/parallel.hpp"
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/contours/layer_contour.hpp"
@@ -35,16 +36,21 @@ class RingReader {
 public:
     explicit RingReader(const Memory* memory) : kernels_(best_of(kernel_forms())), rings_(memory) {}
 
+    /// From here on read() throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+
     /// The contours of `graph`, in walking order; points[slot] is where the slot's edge pierces the plane. O(q) for q
     /// points. Throws std::bad_alloc.
     void read(const LinkGraph& graph, const Point* points, Vector<LayerContour>& contours);
 
 private:
-    LayerContour read_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring) const;
+    LayerContour read_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring);
+    RingFacts trace(const Point* points, std::span<const Slot> slots, Point* ring);
     static LayerContour read_open(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring);
 
     const Kernels& kernels_;
     Vector<Point> rings_;  // the plane's points in walking order
+    StopPace pace_;
 };
 
 /// The same for closed contours whose points lie in walking order in `rings` already. key_at(i) is the edge that rings[i]

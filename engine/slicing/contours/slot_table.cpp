@@ -22,13 +22,13 @@ void SlotTable::reserve(std::size_t slots) {
     if (slots <= before) {
         return;
     }
-    resize_exactly(edges_, slots);
-    resize_exactly(ports_, 2 * slots);
-    resize_exactly(ends_, slots, no_plane);
-    resize_exactly(flags_, slots);
+    resize_exactly(ports_, 2 * slots, pace_);
+    resize_exactly(ends_, slots, pace_, no_plane);
+    resize_exactly(flags_, slots, pace_);
+    resize_exactly(free_, slots + select_padding, pace_);
+    resize_exactly(edges_, slots, pace_);  // the last: a table that could not grow has the capacity that it had
     // What was added goes beneath the stack. The slots that are being made lie above its top and come along.
     const std::size_t added = slots - before;
-    resize_exactly(free_, slots + select_padding);
     std::copy_backward(free_.begin(), free_.begin() + static_cast<std::ptrdiff_t>(before),
                        free_.begin() + static_cast<std::ptrdiff_t>(slots));
     std::generate_n(free_.begin(), added, [slot = static_cast<Slot>(slots)]() mutable { return --slot; });
@@ -89,9 +89,10 @@ SlotTable::Attaching SlotTable::begin_attaching(std::size_t attachments) {
 
 void SlotTable::clear_map(std::size_t size) {
     if (map_.size() < size) {
-        resize_exactly(map_, size);
+        resize_exactly(map_, size, pace_);
     }
-    std::fill_n(map_.begin(), size, no_slot);
+    pace_.in_stretches(0, size, 1,
+                       [this](std::size_t begin, std::size_t end) { std::fill_n(map_.begin() + begin, end - begin, no_slot); });
 }
 
 /// More edges than expected: the `made` ones so far go to a map of twice the size.

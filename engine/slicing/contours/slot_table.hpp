@@ -23,6 +23,7 @@
 #include <type_traits>
 
 #include "base/function_ref.hpp"
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/contours/mesh_edge.hpp"
@@ -72,6 +73,23 @@ void resize_exactly(Vector<T>& array, std::size_t size, const T& value = {}) {
     array.resize(size, value);
 }
 
+/// The same, so that a stop that is asked for meanwhile is noticed: pages that are touched first cost more than their bytes.
+/// What is thrown leaves the array somewhat larger.
+template <class T>
+void resize_exactly(Vector<T>& array, std::size_t size, StopPace& pace, const T& value = {}) {
+    constexpr std::size_t words = (sizeof(T) + 7) / 8;
+    array.reserve(size);
+    pace.in_stretches(array.size(), size, words, [&](std::size_t, std::size_t end) { array.resize(end, value); });
+}
+
+/// Room for `size` elements, and for somewhat more where there was less: the next plane has about as many.
+template <class T>
+void reserve_more(Vector<T>& array, std::size_t size) {
+    if (array.capacity() < size) {
+        array.reserve(size + size / 2);
+    }
+}
+
 /// array[i] = what was array[new_to_old[i]], by way of `scratch`.
 template <class T>
 void gather_slots(Vector<T>& array, std::span<const Slot> new_to_old, Vector<std::uint64_t>& scratch) {
@@ -94,6 +112,9 @@ void gather_slots(Vector<T>& array, std::span<const Slot> new_to_old, Vector<std
 class SlotTable {
 public:
     explicit SlotTable(const Memory* memory);
+
+    /// From here on what grows the table throws Stopped where the host wants the call to end; clear() must follow then.
+    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
 
     /// Frees all slots.
     void clear() { free_from(0); }
@@ -201,6 +222,7 @@ private:
 
     Vector<LateEnd> late_ends_;
     bool one_sided_ = false;
+    StopPace pace_;
 };
 
 /// The ends of a plane's new links on their way to their slots. What each of them changes is a member here and not of the

@@ -66,7 +66,7 @@ void Walker::walk_four_at_once() {
     };
     const std::size_t room = slots_.live() + run_padding;
     if (lanes_.size() < 4 * room) {
-        lanes_.resize(4 * room);
+        resize_exactly(lanes_, 4 * room, pace_);
     }
     const Port* const ports = slots_.ports();
     const std::uint64_t* const is_head = is_head_.data();
@@ -77,6 +77,7 @@ void Walker::walk_four_at_once() {
         if (lane.piece == nullptr) {
             return false;
         }
+        pace_.spend(slot_work * slots_per_piece);
         lane.piece->slots = lane.out;
         lane.next = lane.piece->head;
         return true;
@@ -130,6 +131,7 @@ void Walker::join_pieces() {
             copy_run(piece->slots, piece->count, out + filled_);
             number_run(piece->slots, piece->count, filled_ + 1, position_.data());
             filled_ += piece->count;
+            pace_.spend(slot_work * piece->count);
             piece->count = 0;
             piece = &pieces_[piece->next];
         } while (piece != &first);

@@ -44,7 +44,7 @@ void Walker::note_ended(std::span<const Slot> ended) {
 
 void Walker::note_connected(std::span<const Link> links, std::size_t made) {
     if (position_.size() < slots_.capacity()) {
-        resize_exactly(position_, slots_.capacity(), no_position);
+        resize_exactly(position_, slots_.capacity(), pace_, no_position);
     }
     changes_ += made + links.size();
     if (!most_changed()) {  // else the walk does not ask for runs
@@ -87,7 +87,7 @@ void Walker::walk() {
 void Walker::begin_order() {
     const std::size_t live = slots_.live();
     if (order_next_.size() < live + 1 + run_padding) {
-        order_next_.resize(std::max(live + live / 32 + 1 + run_padding, order_next_.size()));
+        resize_exactly(order_next_, std::max(live + live / 32 + 1 + run_padding, order_next_.size()), pace_);
     }
     filled_ = 0;
     old_contours_.swap(contours_);
@@ -170,6 +170,7 @@ void Walker::walk_from(Slot start) {
     const std::uint32_t begin = filled_;
     const bool closed = by_links_ ? follow_links(start) : follow_runs(start);
     add_contour(begin, closed, false);
+    pace_.spend(slot_work * (filled_ - begin));
 }
 
 /// Appends the contour from `start` on, run by run; true if it closed.
@@ -208,6 +209,7 @@ bool Walker::follow_runs(Slot start) {
 /// last plane's order says which slots will soon be needed.
 bool Walker::follow_links(Slot start) {
     constexpr std::size_t ahead = 12;
+    constexpr std::uint32_t slots_between_stops = std::uint32_t{1} << 15;
     static_assert(ahead < run_padding);
     Slot* const out = order_next_.data() + 1;
     std::uint32_t* const positions = position_.data();
@@ -216,17 +218,22 @@ bool Walker::follow_links(Slot start) {
     std::uint32_t filled = filled_;
     PortRef next = port_of(start, target_port);
     static_assert(target_port == 0 && source_port == 1, "a target port's reference | 1 is its slot's source port");
-    do {
-        const Slot slot = slot_of(next);
-        const Slot soon = old_order[positions[slot] + ahead];
-        __builtin_prefetch(ports + port_of(soon, target_port));
-        __builtin_prefetch(positions + soon, 1);
-        out[filled] = slot;
-        positions[slot] = ++filled;
-        next = ports[next | source_port].across;
-    } while (next != no_port && slot_of(next) != start);
-    filled_ = filled;
-    return next != no_port;
+    for (std::uint32_t enough = filled + slots_between_stops;; enough += slots_between_stops) {
+        do {
+            const Slot slot = slot_of(next);
+            const Slot soon = old_order[positions[slot] + ahead];
+            __builtin_prefetch(ports + port_of(soon, target_port));
+            __builtin_prefetch(positions + soon, 1);
+            out[filled] = slot;
+            positions[slot] = ++filled;
+            next = ports[next | source_port].across;
+        } while (next != no_port && slot_of(next) != start && filled != enough);
+        if (next == no_port || slot_of(next) == start) {
+            filled_ = filled;
+            return next != no_port;
+        }
+        pace_.ask();
+    }
 }
 
 void Walker::add_contour(std::uint32_t begin, bool closed, bool is_mixed) {

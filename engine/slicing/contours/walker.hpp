@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/contours/slot_table.hpp"
 
@@ -34,6 +35,9 @@ struct WalkedContour {
 class Walker {
 public:
     Walker(const Memory* memory, const SlotTable& slots);
+
+    /// From here on walk() throws Stopped where the host wants the call to end; clear() must follow then.
+    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
 
     /// Forgets the order. To be called before the slots are freed.
     void clear();
@@ -60,6 +64,7 @@ public:
 
 private:
     static constexpr std::uint32_t no_position = 0;     // positions count from 1, so that a break after it does no harm
+    static constexpr std::size_t slot_work = 4;         // as StopPace counts it
     static constexpr std::size_t slots_per_change = 3;  // with fewer, runs are too short to copy
 
     /// A stretch of a contour, from `head` to the next piece's; see walk_pieces.cpp.
@@ -98,7 +103,7 @@ private:
     void walk_any_orientation();
     void walk_polyline(Slot start, int leave_by, bool closed);
     void follow_any_orientation(Slot start, int leave_by, bool closed);
-    bool runs_backwards(std::uint32_t begin, bool closed) const;
+    bool runs_backwards(std::uint32_t begin, bool closed);
 
     const SlotTable& slots_;
     Vector<std::uint32_t> position_;
@@ -116,6 +121,7 @@ private:
     std::size_t changes_ = 0;   // links written, slots made and freed since the last walk
     bool by_links_ = false;     // this walk follows links rather than runs
     bool order_known_ = true;   // order_ can be patched
+    StopPace pace_;
 };
 
 }  // namespace lamella

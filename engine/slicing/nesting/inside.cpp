@@ -207,11 +207,14 @@ void ManyInside::add_edges(const QuerySteps& steps, const Point* points, std::ui
     Reaches reaches;
     for (std::uint32_t first = 0; first < count; first += Reaches::most) {
         const Point* run = points + first;
+        std::size_t met = 0;
         const std::size_t reaching = sift_edges_(steps, run, std::min(count - first, Reaches::most), reaches);
         for (std::size_t i = 0; i < reaching; ++i) {
             const Point* edge = run + reaches.edge[i];
             add_edge(edge[0], edge[1], reaches.begin[i], reaches.end[i]);
+            met += reaches.end[i] - reaches.begin[i];
         }
+        pace_.spend(Reaches::most + met);
     }
 }
 

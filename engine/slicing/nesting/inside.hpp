@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/dispatch.hpp"
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/nesting/query_steps.hpp"
@@ -80,6 +81,8 @@ public:
     /// Appends the numbers of the points added that lie strictly inside to `inside`, in an unspecified but reproducible
     /// order. Throws std::bad_alloc.
     void test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside);
+    /// From here on test() throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
 
 private:
     struct Query {
@@ -95,6 +98,7 @@ private:
     SiftEdges sift_edges_;
     Vector<Query> queries_, by_y_;
     Vector<std::uint32_t> ends_;  // of by_y_; see QuerySteps
+    StopPace pace_;
 };
 
 }  // namespace lamella::nesting

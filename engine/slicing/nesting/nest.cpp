@@ -41,6 +41,8 @@ std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept
     return compare_points(a, b);
 }
 
+constexpr std::size_t item_work = 16;  ///< as StopPace counts it
+
 /// Orders by area. Areas beyond 64 bits share the highest key.
 std::uint64_t area_key(const Integer128& twice_area) noexcept {
     const auto [high, low] = magnitude(twice_area);
@@ -105,6 +107,7 @@ void Nester::collect(std::span<NestItem> items) {
     by_start_.clear();
     for (std::size_t i = 0; i < items.size(); ++i) {
         NestItem& item = items[i];
+        pace_.spend(item_work);
         item.reset();
         if (item.orientation != 0) {
             assert(item.start < item.count && item.points[item.start].x == item.box_min.x);
@@ -127,13 +130,14 @@ void Nester::reserve_keys(std::size_t count) {
 
 /// Rings in the order of starts, of equal starts the smaller first.
 void Nester::sort_by_start(std::span<const NestItem> items) {
-    nesting::sort_keys(by_start_, spare_keys_);
+    nesting::sort_keys(by_start_, spare_keys_, pace_);
     nesting::sort_equal_keys(by_start_, [items](const SortKey& a, const SortKey& b) {
         const std::strong_ordering order = compare_size(items[a.index], items[b.index]);
         return std::is_neq(order) ? std::is_lt(order) : a.index < b.index;
     });
     rings_.clear();
     for (const SortKey& key : by_start_) {
+        pace_.spend(1);
         rings_.emplace_back().item = key.index;
     }
 }
@@ -184,6 +188,7 @@ bool Nester::find_containers(std::span<const NestItem> items) {
     std::size_t steps = 0;
     std::uint32_t right = 0;  // the first start with a larger x than the ring's
     for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
+        pace_.spend(item_work);
         const NestItem& contour = items[rings_[ring].item];
         right = right > ring ? right : starts_.first_right_of(ring, ring + 1);
         const StartLine::Window window = starts_.window(right, contour.box_max.x, contour.box_min.y, contour.box_max.y);
@@ -199,13 +204,14 @@ bool Nester::find_containers(std::span<const NestItem> items) {
 }
 
 /// The boxes' mean width over their mean height, each as a share of the layer's.
-double Nester::slimness_of(std::span<const NestItem> items) const {
+double Nester::slimness_of(std::span<const NestItem> items) {
     Point low = items[rings_[0].item].box_min;
     Point high = items[rings_[0].item].box_max;
     double widths = 0;
     double heights = 0;
     for (const Ring& ring : rings_) {
         const NestItem& contour = items[ring.item];
+        pace_.spend(item_work);
         low = {std::min(low.x, contour.box_min.x), std::min(low.y, contour.box_min.y)};
         high = {std::max(high.x, contour.box_max.x), std::max(high.y, contour.box_max.y)};
         widths += static_cast<double>(contour.box_max.x) - contour.box_min.x;
@@ -227,9 +233,10 @@ void Nester::sort_containers(std::span<const NestItem> items) {
     by_size_.clear();
     for (std::uint32_t i = 0; i < containers_.size(); ++i) {
         const NestItem& contour = items[containers_[i].item];
+        pace_.spend(item_work);
         by_size_.push_back({area_key(contour.twice_area), i});
     }
-    nesting::sort_keys(by_size_, spare_keys_);
+    nesting::sort_keys(by_size_, spare_keys_, pace_);
     auto huge = by_size_.end();
     while (huge != by_size_.begin() && std::prev(huge)->key == std::numeric_limits<std::uint64_t>::max()) {
         --huge;
@@ -243,6 +250,8 @@ void Nester::sort_containers(std::span<const NestItem> items) {
 /// Tests the starts found in the contour's box: those inside are its children.
 void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
     constexpr std::size_t many = 8;
+    constexpr std::size_t points_per_step = 4;
+    pace_.spend(item_work + found_.size() * (found_.size() < many ? contour.count / points_per_step : 1));
     if (found_.size() < many) {
         for (const std::uint32_t child : found_) {
             if (nesting::strictly_inside(add_edges_, contour.points, contour.count, starts_.at(child))) {
@@ -276,6 +285,7 @@ void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
 void Nester::assign_roles(std::span<NestItem> items) {
     for (Ring& ring : rings_) {
         NestItem& item = items[ring.item];
+        pace_.spend(item_work);
         ring.winding = item.orientation > 0 ? 1 : -1;
         if (ring.parent >= 0) {
             const Ring& around = rings_[static_cast<std::size_t>(ring.parent)];

@@ -22,6 +22,7 @@
 #include <span>
 #include <vector>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/result.hpp"
@@ -86,6 +87,13 @@ class Nester {
 public:
     explicit Nester(const Memory* memory);
 
+    /// From here on nest() throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept {
+        pace_.follow(host);
+        many_inside_.follow(host);
+        tree_.follow(host);
+    }
+
     /// Fills in the outputs of `items`, which are at most 2^31 - 1. Outputs do not depend on the order of the items, except
     /// that of contours equal in every point the first is the parent. Throws std::bad_alloc.
     void nest(std::span<NestItem> items);
@@ -96,7 +104,7 @@ private:
     void sort_by_start(std::span<const NestItem> items);
     void find_parents(std::span<const NestItem> items);
     bool find_containers(std::span<const NestItem> items);
-    double slimness_of(std::span<const NestItem> items) const;
+    double slimness_of(std::span<const NestItem> items);
     void take_all_for_containers();
     void sort_containers(std::span<const NestItem> items);
     void fetch_ahead(std::span<const NestItem> items, std::size_t place) const;
@@ -116,6 +124,7 @@ private:
     Vector<nesting::Container> containers_;
     Vector<std::uint32_t> found_;  // starts in a container's box
     nesting::ManyInside many_inside_;
+    StopPace pace_;
 };
 
 }  // namespace lamella

@@ -62,7 +62,7 @@ void insert_in_order(Vector<SortKey>& keys) {
 
 /// Few keys are spread by the highest digit that varies, which leaves them nearly sorted. Many are sorted digit by digit
 /// from the lowest up; constant digits are skipped.
-void sort_keys(Vector<SortKey>& keys, Vector<SortKey>& spare) {
+void sort_keys(Vector<SortKey>& keys, Vector<SortKey>& spare, StopPace& pace) {
     constexpr std::size_t very_few = 24;
     constexpr std::size_t few = 1024;
     constexpr int digit_bits = 11;
@@ -87,6 +87,7 @@ void sort_keys(Vector<SortKey>& keys, Vector<SortKey>& spare) {
     for (int shift = 0; shift < 64 && varying >> shift != 0; shift += digit_bits) {
         shift += std::countr_zero(varying >> shift);
         sort_by_digit<digit_bits>(keys, spare, base, shift);
+        pace.spend(keys.size());
     }
 }
 

@@ -26,6 +26,8 @@ void StartTree::assign(std::span<const SortKey> by_start, double slimness) {
         node.left = 0;
     }
     for (std::uint32_t place = 0; place < by_start.size(); ++place) {
+        constexpr std::size_t start_work = 8;  // as StopPace counts it
+        pace_.spend(start_work);
         const std::uint64_t key = by_start[start_at_[place]].key;
         add(place, {x_of(key), y_of(key)});
     }
@@ -39,10 +41,11 @@ void StartTree::order_places(std::span<const SortKey> by_start, std::uint32_t st
     for (std::uint32_t start = 0; start < count; ++start) {
         by_y_.push_back({static_cast<std::uint32_t>(by_start[start].key), start});
     }
-    sort_keys(by_y_, spare_);
+    sort_keys(by_y_, spare_, pace_);
     start_at_.resize(count);
     strip_of_.resize(count);
     for (std::uint32_t rank = 0; rank < count; ++rank) {
+        pace_.spend(2);
         strip_of_[by_y_[rank].index] = rank / strip;
     }
     next_place_.clear();
@@ -51,6 +54,7 @@ void StartTree::order_places(std::span<const SortKey> by_start, std::uint32_t st
     }
     place_of_.resize(count);
     for (std::uint32_t start = 0; start < count; ++start) {
+        pace_.spend(2);
         place_of_[start] = next_place_[strip_of_[start]]++;
         start_at_[place_of_[start]] = start;
     }

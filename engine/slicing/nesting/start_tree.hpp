@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/nesting/lanes.hpp"
@@ -29,6 +30,8 @@ public:
     /// `slimness`: the mean width of the boxes as a share of the layer's width, divided by the same for heights. Throws
     /// std::bad_alloc.
     void assign(std::span<const SortKey> by_start, double slimness);
+    /// From here on assign() throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
     /// Appends the starts left that lie strictly within the box to `found`, in an unspecified but reproducible order.
     void find(Point box_min, Point box_max, Vector<std::uint32_t>& found) const;
     void take_off(std::uint32_t start) noexcept;
@@ -49,6 +52,7 @@ private:
     Vector<std::uint32_t> strip_of_;    // of each start
     Vector<std::uint32_t> next_place_;  // of each strip, while places are given out
     Vector<SortKey> by_y_, spare_;
+    StopPace pace_;
 };
 
 }  // namespace lamella::nesting

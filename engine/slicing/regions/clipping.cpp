@@ -9,6 +9,7 @@
 
 #include <clipper.hpp>
 
+#include "base/stop_pace.hpp"
 #include "slicing/regions/contacts.hpp"
 #include "slicing/regions/sweep_cost.hpp"
 
@@ -100,6 +101,7 @@ struct Clipping::Cluster {
     std::vector<Source> sources;
     ClipperLib::IntPoint low, high;
     std::uint64_t spent = 0;
+    StopPace pace;
 
     /// Nested rectangles around all contours, inside which the winding number is `winding`.
     Paths frames(std::int64_t winding) const {
@@ -122,7 +124,9 @@ struct Clipping::Cluster {
         return paths;
     }
 
+    /// To be asked before each call of the library.
     bool may_go_on(std::initializer_list<const Paths*> operands) {
+        pace.ask();
         SweepCost cost;
         for (const Paths* operand : operands) {
             for (const Path& path : *operand) {
@@ -278,6 +282,10 @@ struct Clipping::Cluster {
 Clipping::Clipping() : cluster_(std::make_unique<Cluster>()) {}
 Clipping::~Clipping() = default;
 
+void Clipping::follow(const StopCheck& host) noexcept {
+    cluster_->pace.follow(host);
+}
+
 void Clipping::clear() {
     cluster_->sources.clear();
 }
@@ -355,6 +363,7 @@ bool Clipping::Cluster::is_consistent(const Region& region) {
             inside = side == 1;
             consistent = side != 0 || is_near_path(node.Contour[i], around);
             spent += around.size() / 4;
+            pace.spend(around.size());
         }
     });
     return consistent;

@@ -39,6 +39,7 @@ bool Contacts::find(std::span<const NestItem> contours) {
     contours_.assign(contours.size(), {});
     shared_.clear();
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
+        pace_.spend(contours[c].count);
         near_.add({{contours[c].points, contours[c].count}, c, true, contours[c].start});
     }
     const bool all =
@@ -82,7 +83,10 @@ void Contacts::note_shared(const EdgePath& a, std::size_t i, const EdgePath& b, 
 }
 
 void Contacts::find_crowds() {
-    std::sort(shared_.begin(), shared_.end());
+    std::sort(shared_.begin(), shared_.end(), [this](const Shared& a, const Shared& b) {
+        pace_.spend(1);
+        return a < b;
+    });
     Point reached;  // the farthest end of the stretches before on the same edge
     for (std::size_t s = 0; s < shared_.size(); ++s) {
         const Shared& own = shared_[s];

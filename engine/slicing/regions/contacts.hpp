@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/disjoint_sets.hpp"
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/regions/edge_pairs.hpp"
@@ -24,6 +25,12 @@ bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept;
 class Contacts {
 public:
     explicit Contacts(const Memory* memory) : contours_(memory), clusters_(memory), shared_(memory) {}
+
+    /// From here on find() throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept {
+        near_.follow(host);
+        pace_.follow(host);
+    }
 
     /// Finds the clusters of closed contours. False if there are more contacts than could be clipped in seconds. O(q log q)
     /// for q points whose edges lie apart, plus a step for each pair of edges with close boxes, up to a fixed number. Throws
@@ -66,6 +73,7 @@ private:
     Vector<Own> contours_;
     DisjointSets clusters_;  // the leader is the root
     Vector<Shared> shared_;
+    StopPace pace_;
 };
 
 }  // namespace lamella

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "base/stop_pace.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/nesting/strips.hpp"
 
@@ -76,7 +77,12 @@ public:
         margin_ = margin;
         steps_left_ = steps;
         cut_short_ = false;
-        std::sort(runs_.begin(), runs_.end(), [](const Run& a, const Run& b) { return a.box.low.x < b.box.low.x; });
+        StopPace pace;
+        pace.follow(host_);
+        std::sort(runs_.begin(), runs_.end(), [&pace](const Run& a, const Run& b) {
+            pace.spend(1);
+            return a.box.low.x < b.box.low.x;
+        });
         begin_sweep();
         for (std::uint32_t r = 0; r < runs_.size() && !cut_short_; ++r) {
             const FlatBox box = runs_[r].box.grown(margin);

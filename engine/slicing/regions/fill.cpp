@@ -5,6 +5,12 @@
 
 namespace lamella {
 
+namespace {
+
+constexpr std::size_t item_work = 4;  ///< as StopPace counts it
+
+}  // namespace
+
 Fill::Fill(const Memory* memory)
     : contacts_(memory), items_(memory), own_(memory), members_(memory), region_(memory), points_(memory) {}
 
@@ -21,6 +27,7 @@ bool Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester
     clipping_.begin();
     const std::uint32_t* cluster = members_.data();
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
+        pace_.spend(item_work);
         if (!own_[c].clipped) {
             keep_or_drop(c, rule);
         } else if (contacts_.leader(c) == c) {
@@ -40,6 +47,7 @@ void Fill::merge_equal_ones(std::span<const NestItem> contours) {
     items_.clear();
     own_.clear();
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
+        pace_.spend(item_work);
         if (c > 0 && std::is_eq(compare_points(contours[c - 1], contours[c]))) {
             ++own_.back().times;
         } else {
@@ -56,6 +64,7 @@ void Fill::find_clusters(Nester& nester) {
         if (contacts_.meets_itself(c)) {
             items_[c].twice_area = {1, 0};
         }
+        pace_.spend(item_work);
         const std::uint32_t leader = contacts_.leader(c);
         own_[leader].clipped = own_[leader].clipped || leader != c || contacts_.meets_itself(c);
     }
@@ -73,6 +82,7 @@ void Fill::find_clusters(Nester& nester) {
         }
     }
     std::sort(members_.begin(), members_.end(), [this](std::uint32_t a, std::uint32_t b) {
+        pace_.spend(1);
         return std::pair(contacts_.leader(a), a) < std::pair(contacts_.leader(b), b);
     });
 }
@@ -111,6 +121,7 @@ bool Fill::clip_cluster(std::span<const std::uint32_t> members, FillRule rule) {
         region_.push_back({-1, static_cast<std::uint32_t>(points_.size()), static_cast<std::uint32_t>(contour.size()),
                            cluster, within < 0 ? -1 : base + within, hole});
         points_.insert(points_.end(), contour.begin(), contour.end());
+        pace_.spend(contour.size());
     });
 }
 

@@ -19,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/regions/clipping.hpp"
@@ -40,6 +41,14 @@ struct RegionContour {
 class Fill {
 public:
     explicit Fill(const Memory* memory);
+
+    /// From here on run() throws Stopped where the host wants the call to end. A single call of the clipping library is not
+    /// interrupted.
+    void follow(const StopCheck& host) noexcept {
+        pace_.follow(host);
+        contacts_.follow(host);
+        clipping_.follow(host);
+    }
 
     /// Computes the region. `contours` are closed and sorted by (start, content), so that equal ones are neighbours. False,
     /// without a region, if clipping them would take too long or gives no two results that agree. Throws std::bad_alloc.
@@ -82,6 +91,7 @@ private:
     Vector<RegionContour> region_;
     std::size_t clusters_ = 0;
     Vector<Point> points_;
+    StopPace pace_;
 };
 
 }  // namespace lamella

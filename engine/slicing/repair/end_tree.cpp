@@ -20,7 +20,8 @@ constexpr std::int32_t highest = std::numeric_limits<std::int32_t>::max();
 void EndTree::assign(std::span<const PolylineEnds> polylines, Point PolylineEnds::*end) {
     polylines_.resize(polylines.size());
     std::iota(polylines_.begin(), polylines_.end(), 0U);
-    std::sort(polylines_.begin(), polylines_.end(), [polylines, end](std::uint32_t a, std::uint32_t b) {
+    std::sort(polylines_.begin(), polylines_.end(), [polylines, end, this](std::uint32_t a, std::uint32_t b) {
+        pace_.spend(1);
         return std::tie(polylines[a].*end, a) < std::tie(polylines[b].*end, b);
     });
     sites_.clear();
@@ -51,6 +52,7 @@ void EndTree::order(std::uint32_t first_leaf, std::uint32_t leaf_count) {
     const std::uint32_t first = first_site(first_leaf);
     const std::uint32_t end = first_site(first_leaf + leaf_count);
     const Box box = box_of(first, end);
+    pace_.spend(end - first);
     const bool wide = std::int64_t{box.max.x} - box.min.x > std::int64_t{box.max.y} - box.min.y;
     std::nth_element(sites_.begin() + first, sites_.begin() + first_site(first_leaf + leaf_count / 2), sites_.begin() + end,
                      [wide](const Site& a, const Site& b) { return wide ? a.at.x < b.at.x : a.at.y < b.at.y; });
@@ -83,7 +85,7 @@ void EndTree::measure(std::uint32_t node) noexcept {
                     {std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}};
 }
 
-std::uint32_t EndTree::nearest(Point to, double most_squared) const {
+std::uint32_t EndTree::nearest(Point to, double most_squared) {
     Nearest best{most_squared, {highest, highest}, none};
     search(1, to, best);
     return best.site;
@@ -97,7 +99,8 @@ double EndTree::squared_distance_to(const Box& box, Point point) noexcept {
     return squared_distance(point, {std::clamp(point.x, box.min.x, box.max.x), std::clamp(point.y, box.min.y, box.max.y)});
 }
 
-void EndTree::search(std::uint32_t node, Point to, Nearest& best) const {
+void EndTree::search(std::uint32_t node, Point to, Nearest& best) {
+    pace_.spend(leaf_size);
     if (node < leaf_count_) {
         const double squared[] = {squared_distance_to(boxes_[std::size_t{2} * node], to),
                                   squared_distance_to(boxes_[std::size_t{2} * node + 1], to)};

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 
@@ -29,6 +30,9 @@ class EndTree {
 public:
     explicit EndTree(const Memory* memory) : polylines_(memory), sites_(memory), boxes_(memory) {}
 
+    /// From here on assign() and nearest() throw Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+
     /// Fills the tree with one end of each polyline, the first or the last point. O(n log n). Throws std::bad_alloc.
     void assign(std::span<const PolylineEnds> polylines, Point PolylineEnds::*end);
 
@@ -39,7 +43,7 @@ public:
     static constexpr std::uint32_t none = ~0U;
     /// The nearest site that has an end left, at most the square root of `most_squared` away, or none. At equal distances
     /// the smallest point.
-    std::uint32_t nearest(Point to, double most_squared) const;
+    std::uint32_t nearest(Point to, double most_squared);
 
     /// Takes an end off the site and returns its polyline, the first by number. O(log n).
     std::uint32_t take(std::uint32_t site) noexcept;
@@ -66,12 +70,13 @@ private:
     void measure(std::uint32_t node) noexcept;
     void shrink(std::uint32_t site) noexcept;
     static double squared_distance_to(const Box& box, Point point) noexcept;
-    void search(std::uint32_t node, Point to, Nearest& best) const;
+    void search(std::uint32_t node, Point to, Nearest& best);
 
     Vector<std::uint32_t> polylines_;  // by where they end, then by number
     Vector<Site> sites_;               // leaf by leaf
     Vector<Box> boxes_;                // 1: the root's; 2 i and 2 i + 1: those below i; the last half: the leaves'
     std::uint32_t leaf_count_ = 0;     // a power of two
+    StopPace pace_;
 };
 
 }  // namespace lamella

@@ -20,7 +20,8 @@ std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, d
             follow_chain(end, reach_squared);
         }
     }
-    std::sort(gaps_.begin(), gaps_.end(), [polylines](const Gap& a, const Gap& b) {
+    std::sort(gaps_.begin(), gaps_.end(), [polylines, this](const Gap& a, const Gap& b) {
+        pace_.spend(1);
         const auto key = [polylines](const Gap& gap) {
             const Point end = polylines[gap.from].last;
             const Point start = polylines[gap.to].first;
@@ -39,7 +40,7 @@ void GapCloser::follow_chain(std::uint32_t end, double reach_squared) {
     while (!chain_.empty()) {
         const bool at_end = chain_.size() % 2 == 1;
         const std::uint32_t site = chain_.back();
-        const EndTree& others = at_end ? starts_ : ends_;
+        EndTree& others = at_end ? starts_ : ends_;
         const std::uint32_t nearest = others.nearest((at_end ? ends_ : starts_).at(site), reach_squared);
         if (nearest == EndTree::none) {
             ends_.take_all(site);  // it is the first of the chain: all others are within reach of their predecessor

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/repair/end_tree.hpp"
 
@@ -22,6 +23,13 @@ class GapCloser {
 public:
     explicit GapCloser(const Memory* memory)
         : ends_(memory), starts_(memory), chain_(memory), next_(memory), taken_(memory), gaps_(memory) {}
+
+    /// From here on close() throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept {
+        pace_.follow(host);
+        ends_.follow(host);
+        starts_.follow(host);
+    }
 
     /// Which of `polylines` follow each other over gaps of at most `reach` grid units. Pairs of an end and a start are
     /// joined by distance, the nearest first, if neither is joined yet; at equal distances by coordinates. At most about
@@ -43,6 +51,7 @@ private:
     Vector<std::int64_t> next_;
     Vector<std::uint8_t> taken_;
     Vector<Gap> gaps_;
+    StopPace pace_;
 };
 
 }  // namespace lamella

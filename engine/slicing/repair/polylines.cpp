@@ -48,7 +48,10 @@ bool PolylineRepair::join(std::span<const Polyline> polylines, double reach, std
 
 void PolylineRepair::sort(std::span<const Polyline> polylines) {
     sorted_.assign(polylines.begin(), polylines.end());
-    std::sort(sorted_.begin(), sorted_.end(), before);
+    std::sort(sorted_.begin(), sorted_.end(), [this](const Polyline& a, const Polyline& b) {
+        pace_.spend(1);
+        return before(a, b);
+    });
     ends_.clear();
     std::size_t points = 0;
     for (const Polyline& polyline : sorted_) {
@@ -66,6 +69,7 @@ void PolylineRepair::join_from(std::uint32_t first) {
     for (std::int64_t next = first; next >= 0 && used_[static_cast<std::size_t>(next)] == 0;) {
         const auto p = static_cast<std::uint32_t>(next);
         const Polyline& part = sorted_[p];
+        pace_.spend(part.points.size());
         points_.insert(points_.end(), part.points.begin(), part.points.end());
         whole.segments += part.segments;
         whole.flags |= part.flags;

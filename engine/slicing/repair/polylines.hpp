@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/result.hpp"
@@ -34,6 +35,12 @@ public:
     explicit PolylineRepair(const Memory* memory)
         : gap_closer_(memory), sorted_(memory), ends_(memory), used_(memory), points_(memory), joined_(memory) {}
 
+    /// From here on join() throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept {
+        pace_.follow(host);
+        gap_closer_.follow(host);
+    }
+
     /// Joins open polylines over gaps of at most `reach` grid units, nearest first, and appends the gaps that were closed to
     /// `closed_gaps`, as of `layer`. Returns whether there were any: joined() then takes the place of all polylines. What
     /// comes out does not depend on the order of the polylines. O(o log o + q) for o polylines with q points, unless gaps
@@ -53,6 +60,7 @@ private:
     Vector<std::uint8_t> used_;  // of sorted_: whether it is part of a joined one
     Vector<Point> points_;       // of joined_
     Vector<JoinedPolyline> joined_;
+    StopPace pace_;
 };
 
 }  // namespace lamella

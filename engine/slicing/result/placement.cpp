@@ -7,10 +7,13 @@
 #include <tuple>
 #include <utility>
 
+#include "base/stop_pace.hpp"
+
 namespace lamella {
 
 void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
-                      ProgressMeter& progress) {
+                      ProgressMeter& progress, const StopCheck& stop) {
+    stop_ = stop;
     bands_ = bands;
     points_ = points;
     progress_ = &progress;
@@ -165,7 +168,11 @@ void Placement::copy_points(const Placed& placed) const {
     const BandOutput& output = *placed.output;
     const bool fits = placed.first_point + output.point_count <= points_.size();
     if (fits && output.in_buffer() && output.point_count > 0) {
-        std::memcpy(points_.data() + placed.first_point, output.points, output.point_count * sizeof(Point));
+        StopPace pace;
+        pace.follow(stop_);
+        pace.in_stretches(0, output.point_count, 1, [&](std::size_t begin, std::size_t end) {
+            std::copy(output.points + begin, output.points + end, points_.data() + placed.first_point + begin);
+        });
     }
 }
 
@@ -182,28 +189,37 @@ std::uint64_t Placement::closed_gap_count() const noexcept {
                            [](std::uint64_t sum, const Placed& placed) { return sum + placed.closed_gaps.size(); });
 }
 
-void Placement::write_closed_gaps(std::span<ClosedGap> gaps) const {
+void Placement::write_closed_gaps(std::span<ClosedGap> gaps, const StopCheck& stop) const {
+    StopPace pace;
+    pace.follow(stop);
     ClosedGap* out = gaps.data();
     for (std::size_t b = 0; b < placed_.size(); ++b) {
+        ClosedGap* const first = out;
         for (const ClosedGap& gap : placed_[b].closed_gaps) {
             *out++ = {bands_[b].first + gap.layer, gap.from, gap.to};
         }
+        std::sort(first, out, [&pace](const ClosedGap& a, const ClosedGap& b) {
+            pace.spend(1);
+            return std::tie(a.layer, a.from, a.to) < std::tie(b.layer, b.from, b.to);
+        });
     }
-    std::sort(gaps.begin(), gaps.end(), [](const ClosedGap& a, const ClosedGap& b) {
-        return std::tie(a.layer, a.from, a.to) < std::tie(b.layer, b.from, b.to);
-    });
 }
 
 void Placement::write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const {
+    constexpr std::size_t contours_between_stops = std::size_t{1} << 14;
     assert(head_ == bands_.size());
     parallel.run(bands_.size(), [&](std::size_t b, int) {
         const Placed& placed = placed_[b];
         Contour* out = contours.data() + placed.first_contour;
-        for (const Contour& contour : placed.contours) {
+        for (std::size_t c = 0; c < placed.contours.size(); ++c) {
+            const Contour& contour = placed.contours[c];
             *out = contour;
             out->first_point += placed.first_point;
             out->parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(placed.first_contour);
             ++out;
+            if (c % contours_between_stops == contours_between_stops - 1) {
+                parallel.stop_if_asked();
+            }
         }
         std::uint64_t first = placed.first_contour;
         for (PlaneIndex plane = bands_[b].first; plane < bands_[b].last; ++plane) {

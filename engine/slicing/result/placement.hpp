@@ -41,14 +41,14 @@ public:
 
     /// For a new run over `bands`; points go to `points`, up to its size.
     void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
-               ProgressMeter& progress);
+               ProgressMeter& progress, const StopCheck& stop = {});
 
     /// Where `band` puts its output; waits while it is too far ahead of the head. Null after abort(). Bands must be acquired
     /// in ascending order, each by a thread that then submits it or aborts.
     BandOutput* acquire(std::size_t band);
     /// Takes back an unused output.
     void give_back(std::size_t band);
-    /// The band is done: places it and all done bands that follow it.
+    /// The band is done: places it and all done bands that follow it. Throws Stopped where begin()'s `stop` asks for it.
     void submit(std::size_t band);
     /// The run has failed: wakes all that wait.
     void abort();
@@ -65,7 +65,7 @@ public:
     /// Writes contours and the layers' contour ranges, after all bands were submitted. layers[i] is plane i's.
     void write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const;
     /// Writes the closed gaps, by layer, then by `from` and `to`.
-    void write_closed_gaps(std::span<ClosedGap> gaps) const;
+    void write_closed_gaps(std::span<ClosedGap> gaps, const StopCheck& stop = {}) const;
 
 private:
     /// Points [begin, end) of the result.
@@ -96,6 +96,7 @@ private:
     std::span<const Band> bands_;
     std::span<Point> points_;
     ProgressMeter* progress_ = nullptr;
+    StopCheck stop_{};
     std::mutex mutex_;
     std::condition_variable head_moved_;
     std::vector<std::unique_ptr<BandOutput>> buffers_;

@@ -2,10 +2,10 @@
 
 namespace lamella {
 
-void ActiveEdges::reserve(std::size_t slots) {
+void ActiveEdges::reserve(std::size_t slots, StopPace& pace) {
     if (slots > capacity()) {
         const std::size_t padded = (slots + padded_count - 1) / padded_count * padded_count;
-        for_each_array([padded](auto& array) { resize_exactly(array, padded); });
+        for_each_array([&](auto& array) { resize_exactly(array, padded, pace); });
     }
 }
 

@@ -17,7 +17,7 @@ public:
         : x_(memory), y_(memory), z_(memory), slope_x_(memory), slope_y_(memory), moving_(memory) {}
 
     /// Makes room for at least `slots` slots.
-    void reserve(std::size_t slots);
+    void reserve(std::size_t slots, StopPace& pace);
     std::size_t capacity() const noexcept { return x_.size(); }
 
     void put(Slot slot, const MeshEdge& edge) {
@@ -34,17 +34,20 @@ public:
     /// Renumbers after LinkGraph::compact().
     void compact(std::span<const Slot> new_to_old);
 
-    EdgeArrays arrays() const noexcept { return {x_.data(), y_.data(), z_.data(), slope_x_.data(), slope_y_.data()}; }
+    /// From slot `first` on.
+    EdgeArrays arrays(std::size_t first) const noexcept {
+        return {x_.data() + first, y_.data() + first, z_.data() + first, slope_x_.data() + first, slope_y_.data() + first};
+    }
 
 private:
     /// Calls use(array) for each array.
     template <class Use>
     void for_each_array(Use&& use) {
-        use(x_);
         use(y_);
         use(z_);
         use(slope_x_);
         use(slope_y_);
+        use(x_);  // the last: arrays that could not grow have the capacity that they had
     }
 
     Vector<std::int32_t> x_, y_, z_;

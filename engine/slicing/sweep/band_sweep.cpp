@@ -13,6 +13,10 @@ namespace {
 /// One layer in 8 is timed: reading clocks at every layer would slow small ones.
 constexpr PlaneIndex timing_stride = 8;
 
+// Work as StopPace counts it: an event looks up two edges and writes a link.
+constexpr std::size_t event_work = 16;
+constexpr std::size_t edge_work = 4;
+
 }  // namespace
 
 BandSweep::BandSweep(const Memory* memory)
@@ -29,12 +33,15 @@ BandSweep::BandSweep(const Memory* memory)
       faces_(memory),
       points_(memory) {}
 
-bool BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
+void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
                     ContourForm form, const StopCheck& stop, BandOutput& out) {
+    pace_.follow(stop);
+    graph_.follow(stop);
+    layers_.follow(stop);
     begin(band, buckets);
     for (PlaneIndex plane = band.first; plane < band.last; ++plane) {
         if (stop.stop_requested()) {
-            return false;
+            throw Stopped();
         }
         const bool timed = plane % timing_stride == 0;
         layers_.timed = timed;
@@ -57,7 +64,6 @@ bool BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
         }
         compact();
     }
-    return true;
 }
 
 void BandSweep::begin(const Band& band, const Buckets& buckets) {
@@ -149,18 +155,24 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
     }
     reserve_events(entering + passing.size(), most_middles(plane, seeds));
     Events events(*this, 2 * entering + passing.size());
-    for (const Pending& pending : passing) {
-        events.pass_middle(pending);
-    }
+    pace_.in_stretches(0, passing.size(), event_work, [&](std::size_t begin, std::size_t end) {
+        for (const Pending& pending : passing.subspan(begin, end - begin)) {
+            events.pass_middle(pending);
+        }
+    });
     first_entering_ = events.link_count();
     entering_seeds_ = seeds;
     entering_list_ = list_begin;
-    for (const std::uint32_t record : seeds) {
-        events.enter(record, plane);
-    }
-    for (std::uint32_t record = list_begin; record < list_end; ++record) {
-        events.enter(record, plane);
-    }
+    pace_.in_stretches(0, seeds.size(), event_work, [&](std::size_t begin, std::size_t end) {
+        for (const std::uint32_t record : seeds.subspan(begin, end - begin)) {
+            events.enter(record, plane);
+        }
+    });
+    pace_.in_stretches(list_begin, list_end, event_work, [&](std::size_t begin, std::size_t end) {
+        for (auto record = static_cast<std::uint32_t>(begin); record < end; ++record) {
+            events.enter(record, plane);
+        }
+    });
     link_count_ = events.link_count();
     first_new_pending_ = std::exchange(pending_count_, events.pending_count());
     graph_.end_attaching(events.attaching(), 2 * entering + passing.size());
@@ -170,7 +182,7 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
 /// which were last read when they entered.
 std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
     if (passing_at_.size() < pending_count_ + select_padding) {
-        resize_exactly(passing_at_, pending_plane_.size() + select_padding);
+        resize_exactly(passing_at_, pending_plane_.size() + select_padding, pace_);
     }
     const std::size_t count = kernels_.select_equal(pending_plane_.data(), pending_count_, plane, passing_at_.data());
     if (passing_.size() < count) {
@@ -208,11 +220,11 @@ std::size_t BandSweep::most_middles(PlaneIndex plane, std::span<const std::uint3
 
 void BandSweep::reserve_events(std::size_t links, std::size_t middles) {
     if (links_.size() < links) {
-        resize_exactly(links_, links);
+        resize_exactly(links_, links, pace_);
     }
     if (const std::size_t pending = pending_count_ + middles + 1; pending_.size() < pending) {
-        resize_exactly(pending_, pending + pending / 8);
-        resize_exactly(pending_plane_, pending_.size());
+        resize_exactly(pending_plane_, pending + pending / 8, pace_);
+        resize_exactly(pending_, pending_plane_.size(), pace_);  // the last, by whose size there is room
     }
 }
 
@@ -248,9 +260,11 @@ void BandSweep::enter_active(PlaneIndex plane) {
     reserve_events(active_.size(), active_.size());
     entering_seeds_ = active_;
     Events events(*this, 2 * active_.size());
-    for (const std::uint32_t record : active_) {
-        events.enter(record, plane);
-    }
+    pace_.in_stretches(0, active_.size(), event_work, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            events.enter(active_[i], plane);
+        }
+    });
     link_count_ = events.link_count();
     graph_.end_attaching(events.attaching(), 2 * active_.size());
 }
@@ -265,10 +279,13 @@ void BandSweep::link_events() {
         correct_pending();
     }
     graph_.connect(links);
-    edges_.reserve(graph_.capacity());
-    for (const Slot slot : graph_.fresh()) {
-        edges_.put(slot, graph_.edge(slot));
-    }
+    edges_.reserve(graph_.capacity(), pace_);
+    const std::span<const Slot> fresh = graph_.fresh();
+    pace_.in_stretches(0, fresh.size(), edge_work, [&](std::size_t begin, std::size_t end) {
+        for (const Slot slot : fresh.subspan(begin, end - begin)) {
+            edges_.put(slot, graph_.edge(slot));
+        }
+    });
 }
 
 /// At irregular edges, new links' long edges may have moved to other slots.
@@ -285,6 +302,7 @@ void BandSweep::correct_pending() {
 
 /// Sorts the ends at an irregular edge by their faces' angles round it.
 void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
+    pace_.spend(event_work * ends.size());
     faces_.clear();
     const GridVertex lower = graph_.edge(slot).lower();
     const GridVertex upper = graph_.edge(slot).upper();
@@ -306,9 +324,11 @@ void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) 
         return;
     }
     if (points_.size() < edges_.capacity()) {
-        resize_exactly(points_, edges_.capacity());
+        resize_exactly(points_, edges_.capacity(), pace_);
     }
-    kernels_.pierce(edges_.arrays(), planes.z(plane), graph_.slot_end(), points_.data());
+    pace_.in_stretches(0, graph_.slot_end(), 1, [&](std::size_t begin, std::size_t end) {
+        kernels_.pierce(edges_.arrays(begin), planes.z(plane), end - begin, points_.data() + begin);
+    });
     layers_.build(graph_, points_.data(), out);
 }
 

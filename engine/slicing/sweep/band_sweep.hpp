@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/slice.hpp"
 #include "slicing/bands/bands.hpp"
@@ -38,9 +39,9 @@ class BandSweep {
 public:
     explicit BandSweep(const Memory* memory);
 
-    /// Appends the band's layers to `out`. Returns false if `stop` was requested, `out` then being incomplete.
-    /// Throws std::bad_alloc.
-    bool run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
+    /// Appends the band's layers to `out`. Throws std::bad_alloc, and Stopped where `stop` asks for it: at every layer, and
+    /// within large ones.
+    void run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
              ContourForm form, const StopCheck& stop, BandOutput& out);
 
     /// Of the bands to come.
@@ -92,6 +93,7 @@ private:
     Vector<std::uint32_t> active_;      // assembled form: records that the plane cuts
     Vector<FaceAtEdge> faces_;
     Vector<Point> points_;  // by slot
+    StopPace pace_;
     SweepTicks ticks_;
 };
 

@@ -15,6 +15,8 @@ namespace {
 constexpr std::size_t grain = 1 << 13;         // segments per task
 constexpr std::size_t block = 16;              // segments whose table entries are prefetched together
 constexpr std::uint32_t piece_stride = 64;     // one in so many segments begins a piece
+constexpr std::size_t stop_stride = 1 << 14;   // segments that are looked up, a part of a range, between two stop requests
+constexpr std::size_t segment_work = 16;       // as StopPace counts it: its successor waits for memory
 constexpr std::uint32_t small_contour = 1024;  // contours without such a segment are searched for up to this length
 
 }  // namespace
@@ -125,6 +127,9 @@ bool WidePlane::link() {
     parallel_.run_ranges(count_, grain, [&](std::size_t begin, std::size_t end, int) {
         std::uint64_t own = 0;
         for (std::size_t at = begin; at < end && regular.load(std::memory_order_relaxed); at += block) {
+            if ((at - begin) % stop_stride == 0) {
+                parallel_.stop_if_asked();
+            }
             const std::int64_t links =
                 link_block(table, static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(std::min(at + block, end)));
             if (links < 0) {
@@ -185,6 +190,7 @@ void WidePlane::cut_into_pieces() {
     for (const auto& found : small) {
         pieces_.insert(pieces_.end(), found.begin(), found.end());
         for (const Piece& piece : found) {
+            pace_.spend(segment_work * piece.count);
             std::uint32_t segment = piece.first;
             for (std::uint32_t i = 0; i < piece.count; ++i, segment = next_[segment]) {
                 on_piece_[segment] = 1;
@@ -192,24 +198,34 @@ void WidePlane::cut_into_pieces() {
         }
     }
     // What is left are long contours in which no number is divisible by 64.
-    for (std::uint32_t first = 0; first < count_; ++first) {
-        if (on_piece_[first] == 0) {
-            Piece piece{first, 0, first, 0};
-            std::uint32_t segment = first;
-            do {
-                on_piece_[segment] = 1;
-                segment = next_[segment];
-                ++piece.count;
-            } while (segment != first);
-            pieces_.push_back(piece);
+    pace_.in_stretches(0, count_, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t segment = begin; segment < end; ++segment) {
+            if (on_piece_[segment] == 0) {
+                add_contour_as_piece(static_cast<std::uint32_t>(segment));
+            }
         }
-    }
+    });
+}
+
+void WidePlane::add_contour_as_piece(std::uint32_t first) {
+    Piece piece{first, 0, first, 0};
+    std::uint32_t segment = first;
+    do {
+        on_piece_[segment] = 1;
+        segment = next_[segment];
+        ++piece.count;
+        pace_.spend(segment_work);
+    } while (segment != first);
+    pieces_.push_back(piece);
 }
 
 /// Each segment lies on one piece at most, so the pieces are walked independently.
 void WidePlane::walk_pieces() {
     parallel_.run_ranges(pieces_.size(), grain / piece_stride, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t p = begin; p < end; ++p) {
+            if (p % (stop_stride / piece_stride) == 0) {
+                parallel_.stop_if_asked();
+            }
             Piece piece{static_cast<std::uint32_t>(p) * piece_stride, 0, 0, 0};
             std::uint32_t segment = piece.first;
             do {
@@ -253,6 +269,7 @@ void WidePlane::string_together() {
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
         const std::uint64_t begin = offset;
         for (std::size_t at = p; pieces_[at].offset == ~std::uint64_t{0};) {
+            pace_.spend(segment_work);
             pieces_[at].offset = offset;
             offset += pieces_[at].count;
             at = at < numbered ? pieces_[at].next / piece_stride : at;
@@ -270,6 +287,9 @@ void WidePlane::trace(std::int32_t z) {
     rings_.resize_discarding(count_);
     parallel_.run_ranges(pieces_.size(), grain / piece_stride, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t p = begin; p < end; ++p) {
+            if (p % (stop_stride / piece_stride) == 0) {
+                parallel_.stop_if_asked();
+            }
             std::uint32_t segment = pieces_[p].first;
             for (std::uint64_t at = pieces_[p].offset; at < pieces_[p].offset + pieces_[p].count;
                  ++at, segment = next_[segment]) {

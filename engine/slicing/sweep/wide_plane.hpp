@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/contours/layer_builder.hpp"
@@ -24,7 +25,7 @@ namespace lamella {
 
 class WidePlane {
 public:
-    WidePlane(const Memory* memory, const Parallel& parallel, const LayerRules& rules)
+    WidePlane(const Memory* memory, const Parallel& parallel, const StopCheck& stop, const LayerRules& rules)
         : parallel_(parallel),
           next_(memory),
           on_piece_(memory),
@@ -35,11 +36,13 @@ public:
           layer_(memory),
           memory_(memory) {
         layer_.rules = rules;
+        layer_.follow(stop);
+        pace_.follow(stop);
     }
 
     /// Appends the layer of `plane` to `out`; `seeds` are the triangles that cut it besides those of its own list. False,
     /// with nothing appended, if an edge is open or irregular. O(q) expected for linking, O(q log q) for order and nesting.
-    /// Throws std::bad_alloc.
+    /// Throws std::bad_alloc, and Stopped where the host wants the call to end.
     bool build(PlaneIndex plane, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
                BandOutput& out);
 
@@ -65,6 +68,7 @@ private:
     std::int64_t link_block(Table& table, std::uint32_t begin, std::uint32_t end);
     void cut_into_pieces();
     void walk_pieces();
+    void add_contour_as_piece(std::uint32_t first);
     void find_small_contours(std::size_t begin, std::size_t end, std::vector<Piece>& found) const;
     void string_together();
     void trace(std::int32_t z);
@@ -82,6 +86,7 @@ private:
     Vector<Piece> pieces_;
     Vector<WalkedContour> contours_;
     LayerBuilder layer_;
+    StopPace pace_;  // of the calling thread
     const Memory* memory_;
 };
 

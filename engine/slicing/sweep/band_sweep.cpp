@@ -248,11 +248,19 @@ void BandSweep::begin_plane_afresh() {
 
 /// ... the active set is brought up to date (Algorithm 1, steps 7 to 12), ...
 void BandSweep::gather_active(PlaneIndex plane, std::span<const std::uint32_t> seeds) {
+    const std::uint32_t list_begin = buckets_->list_begin[plane];
+    const std::uint32_t list_end = buckets_->list_begin[plane + 1];
+    reserve_more(active_, active_.size() + seeds.size() + (list_end - list_begin));
     active_.insert(active_.end(), seeds.begin(), seeds.end());
-    for (std::uint32_t record = buckets_->list_begin[plane]; record < buckets_->list_begin[plane + 1]; ++record) {
-        active_.push_back(record);
-    }
-    std::erase_if(active_, [&](std::uint32_t record) { return buckets_->records[record].last <= plane; });
+    pace_.in_stretches(list_begin, list_end, 1, [&](std::size_t begin, std::size_t end) {
+        for (auto record = static_cast<std::uint32_t>(begin); record < end; ++record) {
+            active_.push_back(record);
+        }
+    });
+    std::erase_if(active_, [&](std::uint32_t record) {
+        pace_.spend(1);
+        return buckets_->records[record].last <= plane;
+    });
 }
 
 /// ... and every triangle in it enters anew.

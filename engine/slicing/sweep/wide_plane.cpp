@@ -30,8 +30,12 @@ public:
         const std::size_t size = std::bit_ceil(segments + segments / 4 + 16);
         shift_ = 64 - std::countr_zero(size);
         entries_.resize_discarding(size);
-        parallel.run_ranges(size, std::size_t{1} << 16, [this](std::size_t begin, std::size_t end, int) {
-            std::fill(entries_.data() + begin, entries_.data() + end, 0);
+        const std::size_t stretches = std::max<std::size_t>(size / stop_stride, 1);
+        parallel.run_ranges(stretches, 4, [&](std::size_t begin, std::size_t end, int) {
+            for (std::size_t stretch = begin; stretch < end; ++stretch) {
+                parallel.stop_if_asked();
+                std::fill(entries_.data() + size * stretch / stretches, entries_.data() + size * (stretch + 1) / stretches, 0);
+            }
         });
     }
 

@@ -115,6 +115,7 @@ private:
     void sweep_wide(std::size_t band);
     Error too_entangled(std::int64_t plane) const;
     LayerRules rules() const noexcept { return {options_.fill_rule, options_.close_gaps_mm / result_.unit_mm}; }
+    void note_ticks_of(const WidePlane& wide, std::uint64_t spent);
     void split_time(double sweep_ms);
     void finish_result();
     void fill_layers();
@@ -126,6 +127,7 @@ private:
     SliceResult& result_;
     ProgressMeter progress_;
     const Parallel& parallel_;
+    SweepTicks wide_ticks_;
 };
 
 Status Slicing::choose_grid_and_planes() {
@@ -255,7 +257,9 @@ void Slicing::sweep_wide(std::size_t band) {
     if (output == nullptr) {
         return;
     }
+    const std::uint64_t start = ticks();
     if (wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, *output)) {
+        note_ticks_of(wide, ticks() - start);
         kept_.placement.submit(band);
     } else {
         kept_.placement.give_back(band);
@@ -263,21 +267,34 @@ void Slicing::sweep_wide(std::size_t band) {
     }
 }
 
+/// As if all threads had swept it, and as one of the layers that stand for others.
+void Slicing::note_ticks_of(const WidePlane& wide, std::uint64_t spent) {
+    const auto share = [this](std::uint64_t own) {
+        return own * static_cast<std::uint64_t>(parallel_.threads()) / BandSweep::timing_stride;
+    };
+    wide_ticks_.nesting += share(wide.nesting_ticks());
+    wide_ticks_.fill += share(wide.fill_ticks());
+    wide_ticks_.sweep += share(spent - wide.nesting_ticks() - wide.fill_ticks());
+}
+
 /// Splits the wall time of the sweep among its stages, in proportion to the thread time of each in sampled layers.
 void Slicing::split_time(double sweep_ms) {
-    SweepTicks spent;
+    SweepTicks spent = wide_ticks_;
     for (const auto& sweep : kept_.sweeps) {
         if (sweep != nullptr) {
             const SweepTicks own = sweep->take_ticks();
             spent.sweep += own.sweep;
             spent.contours += own.contours;
             spent.nesting += own.nesting;
+            spent.fill += own.fill;
         }
     }
-    const auto all = static_cast<double>(std::max<std::uint64_t>(1, spent.sweep + spent.contours + spent.nesting));
-    result_.summary.ms.contours = sweep_ms * static_cast<double>(spent.contours) / all;
-    result_.summary.ms.nesting = sweep_ms * static_cast<double>(spent.nesting) / all;
-    result_.summary.ms.sweep = sweep_ms - result_.summary.ms.contours - result_.summary.ms.nesting;
+    const auto all = static_cast<double>(std::max<std::uint64_t>(1, spent.sweep + spent.contours + spent.nesting + spent.fill));
+    StageTimes& ms = result_.summary.ms;
+    ms.contours = sweep_ms * static_cast<double>(spent.contours) / all;
+    ms.nesting = sweep_ms * static_cast<double>(spent.nesting) / all;
+    ms.fill = sweep_ms * static_cast<double>(spent.fill) / all;
+    ms.sweep = sweep_ms - ms.contours - ms.nesting - ms.fill;
 }
 
 void Slicing::finish_result() {

@@ -106,6 +106,7 @@ struct StageTimes {  ///< wall time, ms; the sweep and its fused phases are spli
     double sweep = 0;
     double contours = 0;
     double nesting = 0;
+    double fill = 0;  ///< the fill rule, if one was asked for
 };
 
 /// What was done, for reports.

@@ -59,7 +59,7 @@ test_check() {
     expect 0 check open.stl --threads 1 --report - --marks again.ply
     cmp <(without_times < .stdout) <(without_times < open.json) || fail "another report on one thread"
     local stage
-    for stage in read parse measure faces edges joints shells meeting gaps write total; do
+    for stage in read parse measure faces edges joints shells meeting gaps write total report; do
         json_value open.json ms "$stage" > .value || exit 1
     done
     rm .value

@@ -140,9 +140,13 @@ test_progress() {
     for stage in reading welding slicing writing ledger certificate crossings; do
         grep -q "$stage \[" .stderr || fail "no bar of $stage"
     done
-    for stage in read parse weld bucket sweep contours nesting write ledger certificate crossings total; do
+    for stage in read parse weld bucket sweep contours nesting fill write ledger certificate crossings total report; do
         json_value report.json ms "$stage" > .value || exit 1
     done
+    expect_json report.json 0.0 ms fill
+    grep -qE '^time .*, crossings [0-9.]+, report [0-9.]+ ' .stdout || fail "no time of the report"
+    expect 0 slice ball.stl --fill-rule non-zero
+    grep -qE '^time .*, nesting [0-9.]+, fill [0-9.]+ ' .stdout || fail "no time of the fill rule"
     rm .value
     expect 0 check ball.stl --progress always
     grep -q 'checking \[' .stderr || fail "no bar of the check"

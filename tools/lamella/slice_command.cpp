@@ -178,7 +178,11 @@ private:
         parts.volume = &volume;
         parts.crossings = &crossings;
         parts.members = members;
-        write_report(summary(result, parts, run_), found(make_report_json(result, parts)));
+        const Stopwatch watch;
+        write_report(found(make_report_json(result, parts)));
+        run_.report_ms = watch.ms();
+        end_run();
+        print_words(summary(result, parts, run_) + report_line(), arguments_.output_to_stdout() || arguments_.report_to_stdout());
     }
 
     void end_run() {
@@ -192,9 +196,8 @@ private:
 
     const WeldedMesh* welded() const noexcept { return welded_ ? &*welded_ : nullptr; }
 
-    void write_report(const std::string& words, const std::string& json) const {
+    void write_report(const std::string& json) const {
         if (arguments_.report_to_stdout()) {
-            print_words(words, true);
             print(json);
             return;
         }
@@ -202,7 +205,10 @@ private:
         if (!status) {
             throw failure_of(status.error());
         }
-        print_words(words + "report    " + arguments_.report + "\n", arguments_.output_to_stdout());
+    }
+
+    std::string report_line() const {
+        return arguments_.report_to_stdout() ? std::string() : "report    " + arguments_.report + "\n";
     }
 
     const SliceArguments& arguments_;

@@ -80,12 +80,18 @@ std::string times(const SliceSummary& summary, const MeshFile& mesh, const ToolR
     }
     text += ", bucket " + rounded(summary.ms.bucket, 1) + ", sweep " + rounded(summary.ms.sweep, 1) + ", contours " +
             rounded(summary.ms.contours, 1) + ", nesting " + rounded(summary.ms.nesting, 1);
+    if (summary.ms.fill > 0) {
+        text += ", fill " + rounded(summary.ms.fill, 1);
+    }
     if (run.write_ms > 0) {
         text += ", write " + rounded(run.write_ms, 1);
     }
     if (run.ledger_ms > 0) {
         text += ", ledger " + rounded(run.ledger_ms, 1) + ", certificate " + rounded(run.certificate_ms, 1) +
                 ", crossings " + rounded(run.crossings_ms, 1);
+    }
+    if (run.report_ms > 0) {
+        text += ", report " + rounded(run.report_ms, 1);
     }
     return text + " (" + counted(static_cast<std::uint64_t>(summary.threads), "thread") + ", " +
            counted(summary.bands, "band") + ")\n";

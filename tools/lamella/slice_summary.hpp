@@ -19,6 +19,7 @@ struct ToolRun {
     double ledger_ms = 0;
     double certificate_ms = 0;
     double crossings_ms = 0;
+    double report_ms = 0;  ///< making and writing it, of which the report itself can hold only the making
     double total_ms = 0;
     std::uint64_t peak_rss_bytes = 0;
     std::vector<std::string> warnings{};

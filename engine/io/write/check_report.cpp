@@ -1,6 +1,7 @@
 // The diagnosis of a mesh as JSON.
 #include <algorithm>
 
+#include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "io/write/file_json.hpp"
 #include "io/write/json.hpp"
@@ -102,6 +103,7 @@ std::string verdict_of(const MeshCheck& check) {
 }
 
 void write_report(JsonText& json, const MeshCheck& check, const ReportParts& parts, std::size_t most_places) {
+    const auto start = Clock::now();
     const MeshInfo& info = check.info;
     write_mesh(json, parts);
     json.member("triangles", info.triangles);
@@ -127,7 +129,10 @@ void write_report(JsonText& json, const MeshCheck& check, const ReportParts& par
     });
     if (std::any_of(parts.members.begin(), parts.members.end(),
                     [](const ReportMember& member) { return member.place == ReportPlace::in_times; })) {
-        json.object("ms", [&] { write_members(json, parts, ReportPlace::in_times); });
+        json.object("ms", [&] {
+            write_members(json, parts, ReportPlace::in_times);
+            json.member("report", milliseconds_since(start));
+        });
     }
     write_members(json, parts, ReportPlace::at_end);
 }

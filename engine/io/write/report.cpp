@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "io/write/describe.hpp"
 #include "io/write/file_json.hpp"
@@ -80,13 +81,15 @@ void write_counts(JsonText& json, const SliceResult& result) {
     json.member("overruled_contours", summary.overruled_contours);
 }
 
-void write_times(JsonText& json, const StageTimes& stages, const ReportParts& parts) {
+void write_times(JsonText& json, const StageTimes& stages, const ReportParts& parts, Clock::time_point start) {
     json.object("ms", [&] {
         json.member("bucket", stages.bucket);
         json.member("sweep", stages.sweep);
         json.member("contours", stages.contours);
         json.member("nesting", stages.nesting);
+        json.member("fill", stages.fill);
         write_members(json, parts, ReportPlace::in_times);
+        json.member("report", milliseconds_since(start));
     });
 }
 
@@ -268,7 +271,9 @@ void write_findings(JsonText& json, const SliceResult& result, const ReportParts
 }
 
 void write_report(JsonText& json, const SliceResult& result, const ReportParts& parts) {
+    const auto start = Clock::now();
     const SliceSummary& summary = result.summary;
+    const std::uint64_t hash = hash_result(result);  // takes longest, and its time is to be among the times
     write_mesh(json, parts);
     write_counts(json, result);
     write_findings(json, result, parts);
@@ -279,9 +284,9 @@ void write_report(JsonText& json, const SliceResult& result, const ReportParts& 
     json.member("solid_volume_mm3", solid_volume_mm3(result));
     json.member("threads", summary.threads);
     json.member("bands", summary.bands);
-    write_times(json, summary.ms, parts);
+    write_times(json, summary.ms, parts, start);
     write_members(json, parts, ReportPlace::after_times);
-    json.member("output_hash", hex(hash_result(result)));
+    json.member("output_hash", hex(hash));
     write_members(json, parts, ReportPlace::at_end);
 }
 

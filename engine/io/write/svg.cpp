@@ -16,6 +16,7 @@
 
 #include "base/guard.hpp"
 #include "base/progress_meter.hpp"
+#include "base/stop_pace.hpp"
 #include "base/words.hpp"
 #include "io/write/describe.hpp"
 #include "io/write/output_file.hpp"
@@ -95,8 +96,11 @@ Frame2d frame_of(const SliceResult& result) {
 
 class SvgWriter {
 public:
-    SvgWriter(const SliceResult& result, const WeldedMesh* welded, OutputFile& out)
-        : result_(result), welded_(welded), out_(out), format_(result.unit_mm), frame_(frame_of(result)) {}
+    /// What writes layers throws Stopped where `stop` asks for it.
+    SvgWriter(const SliceResult& result, const WeldedMesh* welded, const StopCheck& stop, OutputFile& out)
+        : result_(result), welded_(welded), out_(out), format_(result.unit_mm), frame_(frame_of(result)) {
+        pace_.follow(stop);
+    }
 
     void head() {
         const std::string width = mm(frame_.width);
@@ -129,6 +133,7 @@ public:
     void open_overlay() {
         bool begun = false;
         for (std::uint64_t c = 0; c < result_.contours.size(); ++c) {
+            pace_.spend(1);
             if (result_.contours[c].role != Role::open) {
                 continue;
             }
@@ -199,6 +204,7 @@ private:
     }
 
     void points(std::span<const Point> all) {
+        constexpr std::size_t point_work = 16;  // as StopPace counts it
         constexpr std::size_t points_at_once = 1024;
         constexpr std::size_t bytes_a_point = 2 * (MmFormat::most_chars + 1);
         static_assert(points_at_once * bytes_a_point <= OutputFile::buffer_bytes);
@@ -211,6 +217,7 @@ private:
                 to = format_.write(to, point.y);
                 *to++ = ' ';
             }
+            pace_.spend(point_work * count);
             all = all.subspan(count);
             out_.advance(all.empty() ? to - 1 : to);
         }
@@ -221,6 +228,7 @@ private:
     OutputFile& out_;
     MmFormat format_;
     Frame2d frame_;
+    StopPace pace_;
 };
 
 Status write_svg_throwing(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options) {
@@ -228,7 +236,7 @@ Status write_svg_throwing(const SliceResult& result, const std::filesystem::path
     if (!file) {
         return file.error();
     }
-    SvgWriter writer(result, options.welded, *file);
+    SvgWriter writer(result, options.welded, options.control.stop, *file);
     ProgressMeter progress(options.control.progress);
     writer.head();
     for (std::size_t index = 0; index < result.layers.size() && !file->failed(); ++index) {

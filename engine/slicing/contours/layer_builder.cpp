@@ -62,12 +62,13 @@ void LayerBuilder::finish(BandOutput& out) {
     }
     sort_by_start();
     const std::uint64_t before = timed ? ticks() : 0;
+    const std::uint64_t filled_before = fill_ticks;
     if (!nest()) {
         out.refused = static_cast<std::int64_t>(out.layer_contours.size());
         out.add_empty_layer();
         return;
     }
-    nesting_ticks += timed ? ticks() - before : 0;
+    nesting_ticks += timed ? ticks() - before - (fill_ticks - filled_before) : 0;
     order_.put_holes_after_outers(items_);
     append(out);
 }
@@ -112,6 +113,7 @@ bool LayerBuilder::nest() {
 }
 
 bool LayerBuilder::apply_fill_rule() {
+    const std::uint64_t before = timed ? ticks() : 0;
     closed_.clear();
     walked_of_.clear();
     for (std::size_t i = 0; i < items_.size(); ++i) {
@@ -124,6 +126,7 @@ bool LayerBuilder::apply_fill_rule() {
         return false;
     }
     replace_by_region();
+    fill_ticks += timed ? ticks() - before : 0;
     return region_nesting_.nest(items_, region_contour_of_, fill_.region(), fill_.clusters(), nester_);
 }
 

@@ -50,8 +50,9 @@ public:
     /// Of the layers to come.
     LayerRules rules;
 
-    /// Time spent in nesting since construction, for layers built with `timed`; see StageTimes.
+    /// Time spent in nesting and with the fill rule since construction, for layers built with `timed`; see StageTimes.
     std::uint64_t nesting_ticks = 0;
+    std::uint64_t fill_ticks = 0;
     bool timed = false;
 
 private:

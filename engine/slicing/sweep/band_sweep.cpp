@@ -10,9 +10,6 @@ namespace lamella {
 
 namespace {
 
-/// One layer in 8 is timed: reading clocks at every layer would slow small ones.
-constexpr PlaneIndex timing_stride = 8;
-
 // Work as StopPace counts it: an event looks up two edges and writes a link.
 constexpr std::size_t event_work = 16;
 constexpr std::size_t edge_work = 4;
@@ -352,7 +349,8 @@ void BandSweep::compact() {
 SweepTicks BandSweep::take_ticks() noexcept {
     SweepTicks spent = std::exchange(ticks_, {});
     spent.nesting = std::exchange(layers_.nesting_ticks, 0);
-    spent.contours -= std::min(spent.contours, spent.nesting);
+    spent.fill = std::exchange(layers_.fill_ticks, 0);
+    spent.contours -= std::min(spent.contours, spent.nesting + spent.fill);
     return spent;
 }
 

@@ -32,12 +32,16 @@ struct SweepTicks {
     std::uint64_t sweep = 0;
     std::uint64_t contours = 0;
     std::uint64_t nesting = 0;
+    std::uint64_t fill = 0;
 };
 
 /// One per thread; scratch is kept from band to band.
 class BandSweep {
 public:
     explicit BandSweep(const Memory* memory);
+
+    /// One layer in so many is timed: reading clocks at every layer would slow small ones.
+    static constexpr PlaneIndex timing_stride = 8;
 
     /// Appends the band's layers to `out`. Throws std::bad_alloc, and Stopped where `stop` asks for it: at every layer, and
     /// within large ones.

@@ -36,6 +36,7 @@ public:
           layer_(memory),
           memory_(memory) {
         layer_.rules = rules;
+        layer_.timed = true;
         layer_.follow(stop);
         pace_.follow(stop);
     }
@@ -45,6 +46,10 @@ public:
     /// Throws std::bad_alloc, and Stopped where the host wants the call to end.
     bool build(PlaneIndex plane, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
                BandOutput& out);
+
+    /// Ticks spent in nesting and with the fill rule.
+    std::uint64_t nesting_ticks() const noexcept { return layer_.nesting_ticks; }
+    std::uint64_t fill_ticks() const noexcept { return layer_.fill_ticks; }
 
 private:
     /// A stretch of a contour, from a segment divisible by 64 up to the next, or a whole contour that holds none.

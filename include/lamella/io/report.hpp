@@ -27,11 +27,11 @@
 
 namespace lamella {
 
-/// Where a member that the program adds stands in a report. The report of a check has no "ms": there the two in the middle
-/// are left out.
+/// Where a member that the program adds stands in a report. The report of a check has an "ms" only where the program adds
+/// times, and nothing after it.
 enum class ReportPlace : std::uint8_t {
     after_mesh,  ///< after the members "mesh" and before "file"
-    in_times,    ///< within "ms", after the times of slicing; in the report of a check alone there
+    in_times,    ///< within "ms", after the times of slicing and before "report", which making the report itself took
     after_times,
     at_end,
 };

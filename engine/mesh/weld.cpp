@@ -4,18 +4,17 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <string>
-#include <tuple>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "base/guard.hpp"
 #include "base/parallel_sort.hpp"
-#include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/memory.hpp"
+#include "mesh/near_vertices.hpp"
 
 namespace lamella {
 
@@ -23,110 +22,15 @@ namespace {
 
 template <class Number>
 struct Corner {
-    Number at[3];
+    Place<Number> place;
     std::uint32_t index;  // 3 * triangle + corner
-
-    auto coordinates() const noexcept { return std::tie(at[0], at[1], at[2]); }
 };
 
-struct Cell {
-    std::int64_t of[3];
-    friend bool operator==(const Cell&, const Cell&) = default;
-};
-
-struct CellHash {
-    std::size_t operator()(const Cell& cell) const noexcept {
-        std::uint64_t h = 0;
-        for (const std::int64_t of : cell.of) {
-            h = (h ^ static_cast<std::uint64_t>(of)) * 0x9E3779B97F4A7C15U;
-            h ^= h >> 32;
-        }
-        return h;
-    }
-};
-
-constexpr double sorted_share = 0.5;  ///< of the progress, when corners are sorted
-
-/// The vertices kept so far, by cell of a grid so coarse that a vertex seldom has to look into two.
-class KeptVertices {
-public:
-    static constexpr double cells_per_tolerance = 1.0 / 16;
-    static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-
-    KeptVertices(double tolerance, const Memory* memory)
-        : tolerance_(tolerance), head_(HeadAllocator(memory)), next_(memory), coordinates_(memory) {}
-
-    /// The nearest kept vertex within the tolerance, the first kept of those as near; or `none`.
-    std::uint32_t nearest(const double* at) {
-        nearest_ = none;
-        if (tolerance_ == 0) {
-            return none;  // equal vertices are found without a search
-        }
-        nearest_squared_ = tolerance_ * tolerance_;
-        Cell low;
-        Cell high;
-        for (int axis = 0; axis < 3; ++axis) {
-            low.of[axis] = cell_of(at[axis] - tolerance_);
-            high.of[axis] = cell_of(at[axis] + tolerance_);
-        }
-        for (std::int64_t x = low.of[0]; x <= high.of[0]; ++x) {
-            for (std::int64_t y = low.of[1]; y <= high.of[1]; ++y) {
-                for (std::int64_t z = low.of[2]; z <= high.of[2]; ++z) {
-                    search({{x, y, z}}, at);
-                }
-            }
-        }
-        return nearest_;
-    }
-
-    /// `at` in ascending order of x.
-    void keep(const double* at) {
-        const auto vertex = static_cast<std::uint32_t>(next_.size());
-        const auto [place, is_new] = head_.try_emplace(Cell{{cell_of(at[0]), cell_of(at[1]), cell_of(at[2])}}, vertex);
-        next_.push_back(is_new ? none : std::exchange(place->second, vertex));
-        coordinates_.insert(coordinates_.end(), at, at + 3);
-    }
-
-    double squared_distance(std::uint32_t vertex, const double* at) const noexcept {
-        const double* kept = coordinates_.data() + 3 * std::size_t{vertex};
-        double sum = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double difference = at[axis] - kept[axis];
-            sum += difference * difference;
-        }
-        return sum;
-    }
-    std::size_t size() const noexcept { return next_.size(); }
-    const Vector<double>& coordinates() const noexcept { return coordinates_; }
-
-private:
-    /// With a tolerance of zero any cell does.
-    std::int64_t cell_of(double at) const noexcept {
-        return static_cast<std::int64_t>(std::floor(tolerance_ > 0 ? at / tolerance_ * cells_per_tolerance : at));
-    }
-
-    /// From the last vertex of the cell on, which has the largest x, down to where x is out of reach.
-    void search(const Cell& cell, const double* at) {
-        const auto found = head_.find(cell);
-        for (std::uint32_t v = found == head_.end() ? none : found->second;
-             v != none && at[0] - coordinates_[3 * std::size_t{v}] <= tolerance_; v = next_[v]) {
-            const double squared = squared_distance(v, at);
-            if (squared < nearest_squared_ || (squared == nearest_squared_ && v < nearest_)) {
-                nearest_ = v;
-                nearest_squared_ = squared;
-            }
-        }
-    }
-
-    using HeadAllocator = Allocator<std::pair<const Cell, std::uint32_t>>;
-
-    double tolerance_;
-    std::unordered_map<Cell, std::uint32_t, CellHash, std::equal_to<>, HeadAllocator> head_;  // the last kept in each cell
-    Vector<std::uint32_t> next_;                                                              // the one kept before it there
-    Vector<double> coordinates_;
-    std::uint32_t nearest_ = none;
-    double nearest_squared_ = 0;
-};
+// Of the progress, when the step is done.
+constexpr double sorted_share = 0.5;
+constexpr double numbered_share = 0.65;
+constexpr double searched_share = 0.85;
+constexpr double joined_share = 0.9;
 
 constexpr std::size_t weld_grain = 8192;
 
@@ -135,10 +39,10 @@ template <class Number>
 bool read_corner(const MeshView& mesh, std::size_t i, Corner<Number>& corner) {
     const std::byte* at = mesh.indices != nullptr ? mesh.vertices + mesh.indices[i] * mesh.stride
                                                   : mesh.vertices + i / 3 * mesh.stride + i % 3 * 3 * sizeof(Number);
-    std::memcpy(corner.at, at, sizeof corner.at);
+    std::memcpy(corner.place.at, at, sizeof corner.place.at);
     corner.index = static_cast<std::uint32_t>(i);
     bool usable = true;
-    for (Number& coordinate : corner.at) {
+    for (Number& coordinate : corner.place.at) {
         usable = usable && std::abs(coordinate) <= static_cast<Number>(largest_coordinate_mm);
         coordinate += Number{0};  // one zero, not two
     }
@@ -159,8 +63,9 @@ Error unusable(const MeshView& mesh, std::size_t i) {
 }
 
 template <class Number>
-Result<Vector<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory* memory, const Parallel& parallel) {
-    Vector<Corner<Number>> corners(3 * mesh.triangle_count, memory);
+Result<Array<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory* memory, const Parallel& parallel) {
+    Array<Corner<Number>> corners(memory);
+    corners.resize_discarding(3 * mesh.triangle_count);
     constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
     std::vector<std::size_t> first_bad(static_cast<std::size_t>(parallel.threads()), none);
     parallel.run_ranges(corners.size(), weld_grain, [&](std::size_t begin, std::size_t end, int worker) {
@@ -178,52 +83,201 @@ Result<Vector<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory
     }
     // Which of two equal corners comes first does not show: both get one vertex.
     sort_in_parallel(
-        std::span<Corner<Number>>(corners.data(), corners.size()),
-        [](const auto& a, const auto& b) { return a.coordinates() < b.coordinates(); }, parallel, memory);
+        corners.span(), [](const auto& a, const auto& b) { return a.place < b.place; }, parallel, memory);
     return corners;
+}
+
+/// [0, count) in ranges, of which each has an array of its own where counts become first numbers: two calls of run().
+class NumberedRanges {
+public:
+    NumberedRanges(std::size_t count, const Parallel& parallel)
+        : count_(count), parallel_(parallel), firsts_(std::clamp<std::size_t>(count / range_size, 1, most_ranges) + 1) {}
+
+    /// Numbers the items for which is_counted(i) in ascending order: calls see(i, the number of the last one up to i,
+    /// whether i is one). Returns how many there are, between the two calls to room(how many).
+    template <class IsCounted, class Room, class See>
+    void number(const IsCounted& is_counted, const Room& room, const See& see) {
+        for_each_range([&](std::size_t range, std::size_t begin, std::size_t end) {
+            std::uint32_t own = 0;
+            for (std::size_t i = begin; i < end; ++i) {
+                own += is_counted(i) ? 1 : 0;
+            }
+            firsts_[range] = own;
+        });
+        firsts_.back() = 0;
+        std::exclusive_scan(firsts_.begin(), firsts_.end(), firsts_.begin(), 0U);
+        room(firsts_.back());
+        for_each_range([&](std::size_t range, std::size_t begin, std::size_t end) {
+            std::uint32_t next = firsts_[range];
+            for (std::size_t i = begin; i < end; ++i) {
+                const bool counted = is_counted(i);
+                next += counted ? 1 : 0;
+                see(i, next - 1, counted);
+            }
+        });
+    }
+
+private:
+    static constexpr std::size_t range_size = std::size_t{1} << 15;
+    static constexpr std::size_t most_ranges = std::size_t{1} << 12;
+
+    template <class Body>
+    void for_each_range(const Body& body) const {
+        const std::size_t ranges = firsts_.size() - 1;
+        parallel_.run(ranges,
+                      [&](std::size_t range, int) { body(range, count_ * range / ranges, count_ * (range + 1) / ranges); });
+    }
+
+    std::size_t count_;
+    const Parallel& parallel_;
+    std::vector<std::uint32_t> firsts_;
+};
+
+/// The mesh's distinct vertices, ascending; `of_corners` gets the number of each corner's.
+template <class Number>
+Result<Array<Place<Number>>> distinct_places(const MeshView& mesh, std::span<std::uint32_t> of_corners,
+                                             const Parallel& parallel, const Memory* memory) {
+    parallel.begin_stage(sorted_share, 4);
+    const Result<Array<Corner<Number>>> sorted = sorted_corners<Number>(mesh, memory, parallel);
+    if (!sorted) {
+        return sorted.error();
+    }
+    const std::span<const Corner<Number>> corners = sorted->span();
+    parallel.begin_stage(numbered_share, 2);
+    Array<Place<Number>> places(memory);
+    NumberedRanges(corners.size(), parallel)
+        .number([&](std::size_t i) { return i == 0 || !(corners[i - 1].place == corners[i].place); },
+                [&](std::size_t count) { places.resize_discarding(count); },
+                [&](std::size_t i, std::uint32_t number, bool is_new) {
+                    of_corners[corners[i].index] = number;
+                    if (is_new) {
+                        places[number] = corners[i].place;
+                    }
+                });
+    return places;
+}
+
+/// What each vertex becomes.
+class Joining {
+public:
+    static constexpr std::uint32_t undecided = std::numeric_limits<std::uint32_t>::max();
+
+    explicit Joining(const Memory* memory) : target_(memory), waiting_(memory) {}
+
+    std::uint64_t joined() const noexcept { return joined_; }
+    double largest_squared() const noexcept { return largest_squared_; }
+    bool is_kept(std::size_t vertex) const noexcept { return target_[vertex] == vertex; }
+    /// Of each vertex, the one that it moves onto, or itself.
+    std::span<const std::uint32_t> target() const noexcept { return target_.span(); }
+
+    /// The vertices that have another before them within the tolerance are found on all threads; where they are many, most
+    /// of the time. They then decide one after the other, since what each finds depends on where those before it have moved.
+    template <class Number>
+    void run(std::span<const Place<Number>> places, double tolerance, const Parallel& parallel, const Memory* memory) {
+        parallel.begin_stage(searched_share, 6);
+        NearVertices<Number> near(places, tolerance, parallel, memory);
+        target_.resize_discarding(places.size());
+        const std::size_t ranges = places.size() / weld_grain + 1;
+        parallel.run(ranges, [&](std::size_t range, int) {
+            for (std::size_t v = places.size() * range / ranges; v < places.size() * (range + 1) / ranges; ++v) {
+                const auto vertex = static_cast<std::uint32_t>(v);
+                target_[v] = near.has_earlier(vertex) ? undecided : vertex;
+            }
+        });
+        NumberedRanges(places.size(), parallel)
+            .number([&](std::size_t v) { return target_[v] == undecided; },
+                    [&](std::size_t count) { waiting_.resize_discarding(count); },
+                    [&](std::size_t v, std::uint32_t number, bool waits) {
+                        if (waits) {
+                            waiting_[number] = static_cast<std::uint32_t>(v);
+                        }
+                    });
+        decide(near, parallel);
+    }
+
+private:
+    template <class Number>
+    void decide(NearVertices<Number>& near, const Parallel& parallel) {
+        constexpr std::size_t vertices_between_stops = std::size_t{1} << 12;
+        for (std::size_t i = 0; i < waiting_.size(); ++i) {
+            if (i % vertices_between_stops == 0) {
+                parallel.stop_if_asked();
+                parallel.reach(searched_share + (joined_share - searched_share) * static_cast<double>(i) /
+                                                    static_cast<double>(waiting_.size()));
+            }
+            const std::uint32_t vertex = waiting_[i];
+            const std::uint32_t nearest = near.nearest_kept(vertex);
+            target_[vertex] = nearest == NearVertices<Number>::none ? vertex : nearest;
+            if (!is_kept(vertex)) {
+                near.drop(vertex);
+                ++joined_;
+                largest_squared_ = std::max(largest_squared_, near.squared_distance(vertex, nearest));
+            }
+        }
+    }
+
+    Array<std::uint32_t> target_;
+    Array<std::uint32_t> waiting_;  ///< undecided ones, ascending
+    std::uint64_t joined_ = 0;
+    double largest_squared_ = 0;
+};
+
+/// Writes the coordinates of the vertices that are kept, and their numbers in place of those among all.
+template <class Number>
+void keep(std::span<const Place<Number>> places, const Joining& joining, const Parallel& parallel, const Memory* memory,
+          WeldedMesh& welded) {
+    Array<std::uint32_t> number_of(memory);
+    number_of.resize_discarding(places.size());
+    NumberedRanges(places.size(), parallel)
+        .number([&](std::size_t v) { return joining.is_kept(v); },
+                [&](std::size_t count) {
+                    welded.vertex_count = count;
+                    welded.coordinates.resize_discarding(count * sizeof(Place<Number>));
+                },
+                [&](std::size_t v, std::uint32_t number, bool kept) {
+                    if (kept) {
+                        number_of[v] = number;
+                        std::memcpy(welded.coordinates.data() + number * sizeof places[v], &places[v], sizeof places[v]);
+                    }
+                });
+    const std::span<const std::uint32_t> target = joining.target();
+    parallel.run_ranges(welded.indices.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t i = begin; i < end; ++i) {
+            welded.indices[i] = number_of[target[welded.indices[i]]];
+        }
+    });
+}
+
+template <class Number>
+void keep_all(std::span<const Place<Number>> places, const Parallel& parallel, WeldedMesh& welded) {
+    welded.vertex_count = places.size();
+    welded.coordinates.resize_discarding(places.size_bytes());
+    parallel.run_ranges(places.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
+        std::memcpy(welded.coordinates.data() + begin * sizeof places[0], places.data() + begin,
+                    (end - begin) * sizeof places[0]);
+    });
 }
 
 template <class Number>
 Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Memory* memory, const Parallel& parallel) {
-    parallel.begin_stage(sorted_share, 4);
-    const Result<Vector<Corner<Number>>> corners = sorted_corners<Number>(mesh, memory, parallel);
-    if (!corners) {
-        return corners.error();
-    }
     WeldedMesh welded{Array<std::byte>(memory), Array<std::uint32_t>(memory), mesh.coordinate_type};
-    welded.indices.resize_discarding(corners.value().size());
-    KeptVertices kept(tolerance, memory);
-    const Corner<Number>* last = nullptr;
-    std::uint32_t vertex = 0;
-    constexpr std::size_t corners_between_stops = std::size_t{1} << 14;
-    std::size_t seen = 0;
-    for (const Corner<Number>& corner : corners.value()) {
-        if (seen++ % corners_between_stops == 0) {
-            parallel.stop_if_asked();
-            parallel.reach(sorted_share +
-                           (1 - sorted_share) * static_cast<double>(seen) / static_cast<double>(corners.value().size() + 1));
-        }
-        if (last == nullptr || last->coordinates() != corner.coordinates()) {
-            const double at[3] = {static_cast<double>(corner.at[0]), static_cast<double>(corner.at[1]),
-                                  static_cast<double>(corner.at[2])};
-            vertex = kept.nearest(at);
-            if (vertex == KeptVertices::none) {
-                vertex = static_cast<std::uint32_t>(kept.size());
-                kept.keep(at);
-            } else {
-                ++welded.joined;
-                welded.largest_move_mm = std::max(welded.largest_move_mm, std::sqrt(kept.squared_distance(vertex, at)));
-            }
-        }
-        welded.indices[corner.index] = vertex;
-        last = &corner;
+    welded.indices.resize_discarding(3 * mesh.triangle_count);
+    const Result<Array<Place<Number>>> places = distinct_places<Number>(mesh, welded.indices.span(), parallel, memory);
+    if (!places) {
+        return places.error();
     }
-    welded.vertex_count = kept.size();
-    welded.coordinates.resize_discarding(kept.coordinates().size() * sizeof(Number));
-    for (std::size_t i = 0; i < kept.coordinates().size(); ++i) {
-        const auto coordinate = static_cast<Number>(kept.coordinates()[i]);  // which it was before
-        std::memcpy(welded.coordinates.data() + i * sizeof(Number), &coordinate, sizeof coordinate);
+    Joining joining(memory);
+    if (tolerance > 0) {  // else equal vertices are one already
+        joining.run(places->span(), tolerance, parallel, memory);
     }
+    parallel.begin_stage(1, 3);
+    if (joining.joined() == 0) {
+        keep_all(places->span(), parallel, welded);
+    } else {
+        keep(places->span(), joining, parallel, memory, welded);
+    }
+    welded.joined = joining.joined();
+    welded.largest_move_mm = std::sqrt(joining.largest_squared());
     return welded;
 }
 

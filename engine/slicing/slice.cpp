@@ -215,8 +215,7 @@ Error Slicing::too_entangled(std::int64_t plane) const {
 /// Wide planes by all threads, the bands between them by one thread each.
 void Slicing::sweep_all_into(std::span<Point> points) {
     const auto& bands = kept_.bands.bands;
-    kept_.placement.begin(bands, parallel_.threads(), kept_.buckets.segment_count, points, progress_,
-                          options_.control.stop);
+    kept_.placement.begin(bands, parallel_.threads(), kept_.buckets.segment_count, points, progress_, options_.control.stop);
     for (std::size_t begin = 0; begin < bands.size() && kept_.placement.refused_plane() < 0;) {
         parallel_.stop_if_asked();
         if (bands[begin].wide && options_.tuning.form == ContourForm::swept) {
@@ -241,8 +240,8 @@ void Slicing::sweep_band(std::size_t band, int worker) {
         }
         sweep->set_rules(rules());
         if (BandOutput* output = placement.acquire(band); output != nullptr) {
-            sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, options_.tuning.form,
-                       options_.control.stop, *output);
+            sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes,
+                       options_.tuning.form, options_.control.stop, *output);
             placement.submit(band);
         }
     } catch (...) {
@@ -289,7 +288,8 @@ void Slicing::split_time(double sweep_ms) {
             spent.fill += own.fill;
         }
     }
-    const auto all = static_cast<double>(std::max<std::uint64_t>(1, spent.sweep + spent.contours + spent.nesting + spent.fill));
+    const auto all =
+        static_cast<double>(std::max<std::uint64_t>(1, spent.sweep + spent.contours + spent.nesting + spent.fill));
     StageTimes& ms = result_.summary.ms;
     ms.contours = sweep_ms * static_cast<double>(spent.contours) / all;
     ms.nesting = sweep_ms * static_cast<double>(spent.nesting) / all;

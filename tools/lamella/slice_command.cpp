@@ -182,7 +182,8 @@ private:
         write_report(found(make_report_json(result, parts)));
         run_.report_ms = watch.ms();
         end_run();
-        print_words(summary(result, parts, run_) + report_line(), arguments_.output_to_stdout() || arguments_.report_to_stdout());
+        print_words(summary(result, parts, run_) + report_line(),
+                    arguments_.output_to_stdout() || arguments_.report_to_stdout());
     }
 
     void end_run() {

@@ -56,9 +56,8 @@ public:
     /// Joins the two ports of each link.
     void connect(std::span<const Link> links) {
         constexpr std::size_t link_work = 2;
-        pace_.in_stretches(0, links.size(), link_work, [&](std::size_t begin, std::size_t end) {
-            slots_.connect(links.subspan(begin, end - begin));
-        });
+        pace_.in_stretches(0, links.size(), link_work,
+                           [&](std::size_t begin, std::size_t end) { slots_.connect(links.subspan(begin, end - begin)); });
         walker_.note_connected(links, slots_.fresh().size());
     }
 

@@ -101,8 +101,7 @@ void RingReader::read(const LinkGraph& graph, const Point* points, Vector<LayerC
     }
 }
 
-LayerContour RingReader::read_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points,
-                                     Point* ring) {
+LayerContour RingReader::read_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring) {
     const auto slots = graph.order().subspan(walked.begin, walked.count);
     const RingFacts facts = trace(points, slots, ring);
     LayerContour contour =
@@ -119,7 +118,8 @@ RingFacts RingReader::trace(const Point* points, std::span<const Slot> slots, Po
         return kernels_.trace(points, slots.data(), slots.size(), ring);
     }
     pace_.in_stretches(0, slots.size(), point_work, [&](std::size_t begin, std::size_t end) {
-        std::transform(slots.begin() + begin, slots.begin() + end, ring + begin, [points](Slot slot) { return points[slot]; });
+        std::transform(slots.begin() + begin, slots.begin() + end, ring + begin,
+                       [points](Slot slot) { return points[slot]; });
     });
     return examine_ring(ring, slots.size(), [this] { pace_.ask(); });
 }

@@ -34,8 +34,8 @@ constexpr std::int32_t y_of(std::uint64_t key) noexcept {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(key) ^ 0x8000'0000U);
 }
 
-/// Sorts keys whose indices ascend by (key, index). Throws std::bad_alloc, and Stopped where `pace` follows a host that wants
-/// the call to end.
+/// Sorts keys whose indices ascend by (key, index). Throws std::bad_alloc, and Stopped where `pace` follows a host that
+/// wants the call to end.
 void sort_keys(Vector<SortKey>& keys, Vector<SortKey>& spare, StopPace& pace);
 
 /// Sorts each run of equal keys by `before`. Precondition: keys are sorted.

@@ -25,8 +25,8 @@ public:
     Clipping(const Clipping&) = delete;
     Clipping& operator=(const Clipping&) = delete;
 
-    /// From here on fill() throws Stopped where the host wants the call to end: between two calls of the library, which takes
-    /// as long as it takes.
+    /// From here on fill() throws Stopped where the host wants the call to end: between two calls of the library, which
+    /// takes as long as it takes.
     void follow(const StopCheck& host) noexcept;
 
     /// Begins a layer.

@@ -34,7 +34,8 @@ public:
         parallel.run_ranges(stretches, 4, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t stretch = begin; stretch < end; ++stretch) {
                 parallel.stop_if_asked();
-                std::fill(entries_.data() + size * stretch / stretches, entries_.data() + size * (stretch + 1) / stretches, 0);
+                std::fill(entries_.data() + size * stretch / stretches, entries_.data() + size * (stretch + 1) / stretches,
+                          0);
             }
         });
     }

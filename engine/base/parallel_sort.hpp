@@ -51,7 +51,7 @@ private:
     Less less_;
 };
 
-/// As std::sort, in three calls of run(): items are distributed to parts, which are sorted one by one and written back.
+/// As std::sort, in four calls of run(): items are distributed to parts, which are sorted one by one and written back.
 /// `less` must tell any two items apart, or equal ones may change places from call to call where it cannot be seen. As many
 /// bytes again as the items have. Throws std::bad_alloc.
 template <class T, class Less>

@@ -1,13 +1,19 @@
 // A stop that comes at any moment ends every call soon; and no call's answer depends on threads.
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <functional>
+#include <limits>
+#include <numbers>
 #include <optional>
 #include <random>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include <ctime>
 
 #include <catch2/catch.hpp>
 
@@ -57,9 +63,11 @@ std::optional<ErrorCode> code_of(const Outcome& outcome) {
 #ifdef LAMELLA_TESTS_SANITIZED
 constexpr std::uint64_t triangles = 20'000;
 constexpr double most_ms = 2000;
+constexpr double most_slice_ms = 1000;
 #else
 constexpr std::uint64_t triangles = 150'000;
 constexpr double most_ms = 100;
+constexpr double most_slice_ms = 20;
 #endif
 
 class ScannedBone {
@@ -112,6 +120,68 @@ private:
     lamella::Result<lamella::SliceResult> result_ = lamella::Error{};
 };
 
+/// The longest time that a stop could have waited, as the time of the one thread that works: other processes do not count.
+class AskGaps {
+public:
+    lamella::StopCheck check() {
+        return {[](void* context) noexcept {
+                    static_cast<AskGaps*>(context)->note();
+                    return false;
+                },
+                this};
+    }
+    /// Of `call`, in ms; the least of some rounds, since a busy machine slows threads, too.
+    double longest_of(const std::function<std::optional<ErrorCode>(const Control&)>& call) {
+        double least = std::numeric_limits<double>::infinity();
+        for (int round = 0; round < 3 && least > most_slice_ms; ++round) {
+            longest_ = 0;
+            last_ = thread_ms();
+            REQUIRE(call({.threads = 1, .stop = check()}) == std::nullopt);
+            note();
+            least = std::min(least, longest_);
+        }
+        return least;
+    }
+
+private:
+    static double thread_ms() noexcept {
+        timespec now{};
+        ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+        return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+    }
+    void note() noexcept {
+        const double now = thread_ms();
+        longest_ = std::max(longest_, now - last_);
+        last_ = now;
+    }
+
+    double last_ = 0;
+    double longest_ = 0;
+};
+
+/// Bodies through one another.
+shapes::Soup crossing_tetrahedra(std::size_t count) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> place(-10, 10);
+    std::uniform_real_distribution<double> reach(-1.5, 1.5);
+    shapes::Soup soup;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double at[3] = {place(random), place(random), place(random)};
+        double corner[4][3];
+        for (auto& point : corner) {
+            for (int axis = 0; axis < 3; ++axis) {
+                point[axis] = at[axis] + reach(random);
+            }
+        }
+        for (const auto& face : {std::array{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}) {
+            for (const int of : face) {
+                soup.insert(soup.end(), corner[of], corner[of] + 3);
+            }
+        }
+    }
+    return soup;
+}
+
 /// Triangles through one another, as a burst of needles from one place.
 shapes::Soup burst(std::size_t count) {
     std::mt19937 random(7);
@@ -147,6 +217,72 @@ TEST_CASE("a stop that comes at any moment ends every call within 100 ms", "[eng
             CHECK((late.size() < 2 || late[late.size() - 2] <= most_ms));
         }
     }
+}
+
+TEST_CASE("a slice looks for a stop every 20 ms, in whatever form and with whatever rules", "[engine][control][stops]") {
+    const TempFolder folder;
+    const lamella::models::Recipe recipe{.shape = lamella::models::Shape::prism, .triangles = 8 * triangles};
+    REQUIRE(lamella::models::write_stl(recipe, folder / "prism.stl", {}).ok());
+    const lamella::Result<lamella::MeshFile> prism = lamella::read_mesh(folder / "prism.stl");
+    REQUIRE(prism.ok());
+    const ScannedBone bone;
+    const shapes::Soup needles = burst(triangles / 8);
+    const shapes::Soup bodies = crossing_tetrahedra(triangles / 8);
+    const lamella::SliceOptions one_plane = uniform(150);
+    const lamella::SliceOptions few = uniform(5);
+    const lamella::SliceOptions thin = uniform(0.02);
+    struct Case {
+        std::string name;
+        lamella::MeshView mesh;
+        lamella::SliceOptions options;
+    };
+    std::vector<Case> cases = {{"one plane through everything", prism->view(), one_plane},
+                               {"one plane, assembled", prism->view(), one_plane},
+                               {"one plane, filled", prism->view(), one_plane},
+                               {"thin layers", bone.mesh().view(), thin},
+                               {"layers of random heights", bone.mesh().view(), thin},
+                               {"in narrow bands", bone.mesh().view(), thin},
+                               {"open polylines", view_of(needles), few},
+                               {"closed gaps", view_of(needles), few},
+                               {"even-odd", view_of(bodies), few},
+                               {"non-zero", view_of(bodies), few}};
+    cases[1].options.tuning.form = lamella::ContourForm::assembled;
+    cases[2].options.fill_rule = lamella::FillRule::non_zero;
+    cases[4].options.plan.spacing = lamella::RandomLayers{.min_height_mm = 0.02, .max_height_mm = 0.04, .seed = 1};
+    cases[5].options.tuning.band_planes = 2;
+    cases[7].options.close_gaps_mm = 1;
+    cases[8].options.fill_rule = lamella::FillRule::even_odd;
+    cases[9].options.fill_rule = lamella::FillRule::non_zero;
+    for (Case& sliced : cases) {
+        INFO(sliced.name);
+        AskGaps gaps;
+        CHECK(gaps.longest_of([&](const Control& c) {
+            sliced.options.control = c;
+            return code_of(lamella::slice(sliced.mesh, sliced.options));
+        }) <= most_slice_ms);
+    }
+}
+
+TEST_CASE("assembling a large plane looks for a stop every 20 ms, and shows its progress", "[engine][assemble][stops]") {
+    constexpr std::uint64_t corners = 4 * triangles;
+    std::vector<lamella::Segment> ring;
+    for (std::uint64_t i = 0; i < corners; ++i) {
+        const auto at = [](std::uint64_t corner) {
+            const double angle = 2 * std::numbers::pi * static_cast<double>(corner % corners) / corners;
+            return lamella::Point{static_cast<std::int32_t>(5e8 * std::cos(angle)),
+                                  static_cast<std::int32_t>(5e8 * std::sin(angle))};
+        };
+        ring.push_back({.from_key = {i}, .to_key = {(i + 1) % corners}, .from = at(i), .to = at(i + 1)});
+    }
+    std::shuffle(ring.begin(), ring.end(), std::mt19937(1));
+    AskGaps gaps;
+    CHECK(gaps.longest_of([&](const Control& c) { return code_of(lamella::assemble(ring, c)); }) <= most_slice_ms);
+    std::vector<double> seen;
+    const auto note = [&](double fraction) noexcept { seen.push_back(fraction); };
+    REQUIRE(lamella::assemble(ring, {.progress = lamella::Progress::to(note)}).ok());
+    REQUIRE(seen.size() > 4);
+    CHECK(std::adjacent_find(seen.begin(), seen.end(), std::greater_equal<>()) == seen.end());
+    CHECK(seen.back() == 1);
 }
 
 TEST_CASE("every call shows its progress, which never falls and ends at 1", "[engine][control][stops][threads]") {

@@ -74,8 +74,8 @@ struct Share {
 };
 constexpr Share box_share = {0.02, 1};
 constexpr Share measure_share = {0.04, 1};
-constexpr Share faces_share = {0.24, 9};
-constexpr Share edges_share = {0.36, 5};
+constexpr Share faces_share = {0.24, 11};
+constexpr Share edges_share = {0.36, 6};
 constexpr Share joints_share = {0.48, 7};
 constexpr Share tree_share = {0.54, 9};
 constexpr Share shells_share = {0.60, 9};

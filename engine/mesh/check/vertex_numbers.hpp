@@ -17,7 +17,7 @@ struct VertexNumbers {
     bool joined = false;              ///< some vertex of the grid stands for corners whose coordinates, as they are, differ
 };
 
-/// Six calls of run(). Corners are numbered within ranges of triangles, then what the ranges have found in parts of the
+/// Seven calls of run(). Corners are numbered within ranges of triangles, then what the ranges have found in parts of the
 /// order of vertices, each by a hash table in the cache: O(n) expected for the corners, O(v log v) for v vertices. `info`
 /// holds the box and the unit. Coordinates are compared by hashes of 32 bits: that the only difference is missed has a
 /// chance of 2^-32. Throws std::bad_alloc.

@@ -22,6 +22,9 @@
 //     find_crossings()                               yes                yes                 yes       -
 //     write_svg()                                    calling thread     yes                 yes       -
 //
+// A slice looks for a stop every few milliseconds, but for the tangles of a fill rule: what the clipping library does with
+// one cluster of contours that cross each other is not interrupted.
+//
 // A negative number of threads is invalid_argument in all of them.
 #pragma once
 

@@ -20,6 +20,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "audit/face_sums.hpp"
 #include "audit/pair.hpp"
@@ -88,21 +90,34 @@ struct LayerSize {
     double length = 0;
 };
 
+/// Twice the area within a closed path, and how far its edges run along the axes.
+std::pair<Int128, std::uint64_t> traced(std::span<const Point> points) noexcept {
+    Int128 twice_area = 0;
+    std::uint64_t length = 0;  // up to 2^32 edges of up to 2^32
+    if (points.empty()) {
+        return {twice_area, length};
+    }
+    Point before = points.back();
+    Point at = points.front();
+    const auto go_on = [&](Point after) {
+        twice_area += at.x * (std::int64_t{after.y} - before.y);
+        length +=
+            static_cast<std::uint64_t>(std::abs(std::int64_t{after.x} - at.x) + std::abs(std::int64_t{after.y} - at.y));
+        before = std::exchange(at, after);
+    };
+    for (const Point after : points.subspan(1)) {
+        go_on(after);
+    }
+    go_on(points.front());
+    return {twice_area, length};
+}
+
 LayerSize size_of(const SliceResult& result, const Layer& layer) {
     Int128 twice_area = 0;
     Int128 length = 0;
     for (const Contour& contour : result.contours_of(layer)) {
         const std::span<const Point> points = result.points_of(contour);
-        Int128 own = 0;
-        std::uint64_t own_length = 0;  // up to 2^32 edges of up to 2^32
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const Point before = points[i == 0 ? points.size() - 1 : i - 1];
-            const Point at = points[i];
-            const Point after = points[i + 1 == points.size() ? 0 : i + 1];
-            own += at.x * (std::int64_t{after.y} - before.y);
-            own_length +=
-                static_cast<std::uint64_t>(std::abs(std::int64_t{after.x} - at.x) + std::abs(std::int64_t{after.y} - at.y));
-        }
+        const auto [own, own_length] = traced(points);
         length += own_length;
         const int run = contour.role == Role::outer ? 1 : (contour.role == Role::hole ? -1 : 0);
         twice_area += own * (run * contour.orientation);

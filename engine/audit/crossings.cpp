@@ -2,22 +2,29 @@
 #include "lamella/audit/crossings.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
+#include <memory>
 #include <tuple>
+#include <utility>
+#include <vector>
 
+#include "audit/edge_runs.hpp"
 #include "audit/pair.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "base/sign.hpp"
 #include "slicing/grid/exact.hpp"
-#include "slicing/regions/edge_pairs.hpp"
 
 namespace lamella {
 
 namespace {
 
-constexpr std::uint64_t steps_per_comparison = 64;  ///< of the edges' order: what O(m log m) allows for
+constexpr std::uint64_t steps_per_comparison = 64;                 ///< of the edges' order: what O(m log m) allows for
+constexpr std::size_t edges_of_wide_layer = std::size_t{1} << 17;  ///< from here on all threads search one layer
+constexpr std::size_t shares_of_wide_layer = 64;
 
 std::uint64_t most_steps(std::uint64_t edges) noexcept {
     return steps_per_comparison * edges * static_cast<std::uint64_t>(std::bit_width(edges) + 1);
@@ -53,38 +60,170 @@ bool pass_through(Point o, Point a, Point b, Point c, Point d) noexcept {
     return in_turn(o, a, b, c) != in_turn(o, a, b, d);
 }
 
-/// Searches one layer after another; its memory is kept.
-class LayerSearch {
-public:
-    LayerSearch(const SliceResult& result, const StopCheck& stop) : result_(result) { near_.follow(stop); }
+/// How far a search may go.
+struct Limits {
+    std::uint64_t steps = 0;
+    std::uint64_t crossings = most_crossings_in_layer;
+};
 
-    LayerCrossings run(std::size_t layer) {
-        found_ = {};
-        found_.layer = layer;
-        near_.clear();
-        const Layer& own = result_.layers[layer];
-        for (std::uint64_t c = own.first_contour; c < own.first_contour + own.contour_count; ++c) {
-            const Contour& contour = result_.contours[c];
-            near_.add({result_.points_of(contour), c, contour.role != Role::open});
+/// What some strips of a layer hold.
+struct Found {
+    std::uint64_t count = 0;
+    Point first;
+    std::array<std::uint64_t, 2> contours{0, 0};
+    std::uint64_t steps = 0;
+    bool cut_short = false;
+
+    void add(const Found& other) noexcept {
+        if (other.count > 0 && (count == 0 || std::tie(other.first, other.contours) < std::tie(first, contours))) {
+            first = other.first;
+            contours = other.contours;
         }
-        found_.at_least = !near_.find(
-            0, most_steps(near_.edges()),
-            [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) { compare_edges(a, i, b, j); });
+        count += other.count;
+        steps += other.steps;
+        cut_short = cut_short || other.cut_short;
+    }
+};
+
+/// Searches some strips after others; its memory is kept.
+class StripSearch {
+public:
+    explicit StripSearch(const StopCheck& stop) noexcept : host_(stop), kernels_(best_of(run_kernel_forms())) {}
+
+    /// Strips [first, last) of `runs`, of which it may order some.
+    Found run(EdgeRuns& runs, std::size_t first, std::size_t last, Limits limits) {
+        runs_ = &runs;
+        points_ = runs.points();
+        limits_ = limits;
+        found_ = {};
+        for (std::size_t strip = first; strip < last && !found_.cut_short; ++strip) {
+            search(strip);
+        }
         return found_;
     }
 
 private:
+    /// Part of a run.
+    struct Stretch {
+        FlatBox box;
+        std::size_t begin;
+        std::size_t end;
+    };
+
+    void spend(std::uint64_t steps) {
+        constexpr std::uint64_t steps_between_stops = std::uint64_t{1} << 16;
+        const std::uint64_t before = found_.steps;
+        found_.steps += steps;
+        if ((before ^ found_.steps) >= steps_between_stops && host_.stop_requested()) {
+            throw Stopped();
+        }
+        found_.cut_short = found_.cut_short || found_.steps > limits_.steps;
+    }
+
+    void search(std::size_t strip) {
+        constexpr std::size_t few = 48;  // are compared all with all in less time than they are ordered
+        const auto [begin, end] = runs_->entries_of(strip);
+        const bool ordered = end - begin > few;
+        if (ordered) {
+            runs_->order(strip);
+        }
+        meeting_.resize(std::max(meeting_.size(), end - begin));
+        const BoxArrays boxes = runs_->boxes();
+        for (std::size_t i = begin; i < end && !found_.cut_short; ++i) {
+            const std::int32_t* const low_y = boxes.low_y;
+            const std::size_t last =
+                ordered ? static_cast<std::size_t>(std::upper_bound(low_y + i + 1, low_y + end, boxes.high_y[i]) - low_y)
+                        : end;
+            const std::size_t meeting = kernels_.find_meeting(boxes, i, last, meeting_.data());
+            spend(last - i);
+            for (std::size_t m = 0; m < meeting; ++m) {
+                const std::size_t j = meeting_[m];
+                // Two boxes that share several strips meet in the leftmost of them.
+                if (runs_->strip_of(std::max(boxes.low_x[i], boxes.low_x[j])) == strip) {
+                    compare_entries(boxes, i, j);
+                }
+            }
+        }
+    }
+
+    void compare_entries(const BoxArrays& boxes, std::size_t i, std::size_t j) {
+        const std::uint32_t a = runs_->run_at(i);
+        const std::uint32_t b = runs_->run_at(j);
+        const bool in_order = std::tie(boxes.low_x[i], a) < std::tie(boxes.low_x[j], b);
+        compare_runs(runs_->run(in_order ? a : b), runs_->run(in_order ? b : a));
+    }
+
+    bool leads_into(const EdgeRun& run, const EdgeRun& next) const noexcept {
+        if (run.path != next.path) {
+            return false;
+        }
+        const LayerPath& path = runs_->path_of(run);
+        return run.end == next.begin || (path.closed && run.end == path.end && next.begin == path.begin);
+    }
+
+    /// Whether `next`, which follows `run`, meets it nowhere but in their joint: one direction goes on, and the edges at the
+    /// joint do not lie on each other along a horizontal or vertical line.
+    bool leads_away(const EdgeRun& run, const EdgeRun& next) const noexcept {
+        const Point before = points_[run.end - 1];
+        const Point joint = points_[run.end];
+        const Point after = points_[next.begin + 1];
+        const bool back = (before.y == joint.y && joint.y == after.y) || (before.x == joint.x && joint.x == after.x);
+        return goes_on(run, next) && !back;
+    }
+
+    /// Whether one direction goes on from run to run.
+    bool goes_on(const EdgeRun& run, const EdgeRun& next) const noexcept {
+        const auto way = [&](const EdgeRun& r, std::int32_t Point::*axis) {
+            return sign_of(std::int64_t{points_[r.end].*axis} - points_[r.begin].*axis);
+        };
+        return way(run, &Point::x) * way(next, &Point::x) >= 0 || way(run, &Point::y) * way(next, &Point::y) >= 0;
+    }
+
+    void compare_runs(const EdgeRun& a, const EdgeRun& b) {
+        const bool apart = (leads_into(a, b) && leads_away(a, b)) || (leads_into(b, a) && leads_away(b, a));
+        if (!apart) {
+            compare({a.box, a.begin, a.end}, {b.box, b.begin, b.end}, runs_->path_of(a), runs_->path_of(b));
+        }
+    }
+
+    /// Halves the longer until both are single edges. As deep as the logarithms of their lengths.
+    void compare(const Stretch& a, const Stretch& b, const LayerPath& a_path, const LayerPath& b_path) {
+        spend(1);
+        if (found_.cut_short || !a.box.meets(b.box)) {
+            return;
+        }
+        const std::size_t a_edges = a.end - a.begin;
+        const std::size_t b_edges = b.end - b.begin;
+        if (a_edges == 1 && b_edges == 1) {
+            compare_edges(a_path, a.begin, b_path, b.begin);
+        } else if (a_edges >= b_edges) {
+            compare(part(a.begin, a.begin + a_edges / 2), b, a_path, b_path);
+            compare(part(a.begin + a_edges / 2, a.end), b, a_path, b_path);
+        } else {
+            compare(a, part(b.begin, b.begin + b_edges / 2), a_path, b_path);
+            compare(a, part(b.begin + b_edges / 2, b.end), a_path, b_path);
+        }
+    }
+
+    Stretch part(std::size_t begin, std::size_t end) const noexcept {
+        return {FlatBox::around(points_[begin], points_[end]), begin, end};
+    }
+
     /// A corner belongs to the edge that ends in it, so that each passage is seen in one pair of edges.
-    void compare_edges(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
-        const int b_from = side(a[i], a[i + 1], b[j]);
-        const int b_to = side(a[i], a[i + 1], b[j + 1]);
-        const int a_from = side(b[j], b[j + 1], a[i]);
-        const int a_to = side(b[j], b[j + 1], a[i + 1]);
+    void compare_edges(const LayerPath& a, std::size_t i, const LayerPath& b, std::size_t j) {
+        const Point* const p = points_;
+        const int b_from = side(p[i], p[i + 1], p[j]);
+        const int b_to = side(p[i], p[i + 1], p[j + 1]);
+        if (b_from * b_to > 0) {
+            return;
+        }
+        const int a_from = side(p[j], p[j + 1], p[i]);
+        const int a_to = side(p[j], p[j + 1], p[i + 1]);
         if (b_from * b_to < 0 && a_from * a_to < 0) {
-            note(crossing_of(a[i], a[i + 1], b[j], b[j + 1]), a, b);
-        } else if (a[i + 1] == b[j + 1]) {
-            if (a.goes_on(i) && b.goes_on(j) && pass_through(a[i + 1], a[i], a[i + 2], b[j], b[j + 2])) {
-                note(a[i + 1], a, b);
+            note(crossing_of(p[i], p[i + 1], p[j], p[j + 1]), a, b);
+        } else if (p[i + 1] == p[j + 1]) {
+            if (a.goes_on(i) && b.goes_on(j) && pass_through(p[i + 1], p[i], p[i + 2], p[j], p[j + 2])) {
+                note(p[i + 1], a, b);
             }
         } else if (a_to == 0 && b_from * b_to < 0) {
             passes_edge(a, i, b, j);
@@ -94,9 +233,10 @@ private:
     }
 
     /// The corner in which edge i of `a` ends lies inside edge j of `b`.
-    void passes_edge(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
-        if (a.goes_on(i) && side(b[j], b[j + 1], a[i]) * side(b[j], b[j + 1], a[i + 2]) < 0) {
-            note(a[i + 1], a, b);
+    void passes_edge(const LayerPath& a, std::size_t i, const LayerPath& b, std::size_t j) {
+        const Point* const p = points_;
+        if (a.goes_on(i) && side(p[j], p[j + 1], p[i]) * side(p[j], p[j + 1], p[i + 2]) < 0) {
+            note(p[i + 1], a, b);
         }
     }
 
@@ -109,21 +249,134 @@ private:
                 static_cast<std::int32_t>(std::lround(a.y + part * (static_cast<double>(b.y) - a.y)))};
     }
 
-    void note(Point place, const EdgePath& a, const EdgePath& b) {
+    void note(Point place, const LayerPath& a, const LayerPath& b) {
         const auto [lower, upper] = std::minmax(a.contour, b.contour);
-        const std::array<std::uint64_t, 2> pair{lower, upper};
-        if (found_.count++ == 0 || std::tie(place, pair) < std::tie(found_.first, found_.contours)) {
-            found_.first = place;
-            found_.contours = pair;
+        found_.add({1, place, {lower, upper}});
+        found_.cut_short = found_.cut_short || found_.count == limits_.crossings;
+    }
+
+    StopCheck host_;
+    const RunKernels& kernels_;
+    EdgeRuns* runs_ = nullptr;
+    const Point* points_ = nullptr;
+    Limits limits_;
+    Found found_;
+    std::vector<std::uint32_t> meeting_;
+};
+
+/// Shares layers out to threads, and of a wide layer the strips.
+class CrossingSearch {
+public:
+    CrossingSearch(const SliceResult& result, const Control& control, const Parallel& parallel)
+        : result_(result), control_(control), parallel_(parallel) {}
+
+    Crossings run() {
+        std::vector<std::size_t> wide;
+        for (std::size_t layer = 0; layer < result_.layers.size(); ++layer) {
+            if (is_wide(result_.layers[layer])) {
+                wide.push_back(layer);
+            }
         }
-        if (found_.count == most_crossings_in_layer) {
-            near_.stop();
+        constexpr std::size_t runs_of_wide_layer = 6;
+        parallel_.begin_stage(0.99, runs_of_wide_layer * wide.size() + 1);
+        for (const std::size_t layer : wide) {
+            search_wide(layer);
+        }
+        search_others();
+        return sum();
+    }
+
+private:
+    bool is_wide(const Layer& layer) const noexcept {
+        std::uint64_t points = 0;
+        for (const Contour& contour : result_.contours_of(layer)) {
+            points += contour.point_count;
+        }
+        return points >= edges_of_wide_layer;
+    }
+
+    void search_others() {
+        struct Worker {
+            StripSearch search;
+            Parallel alone;
+            EdgeRuns runs;
+            std::vector<LayerCrossings> found;
+            explicit Worker(const Control& control) : search(control.stop), alone({.threads = 1, .stop = control.stop}) {}
+        };
+        std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(parallel_.threads()));
+        parallel_.run(result_.layers.size(), [&](std::size_t layer, int worker) {
+            std::unique_ptr<Worker>& own = workers[static_cast<std::size_t>(worker)];
+            if (is_wide(result_.layers[layer])) {
+                return;
+            }
+            if (!own) {
+                own = std::make_unique<Worker>(control_);
+            }
+            own->runs.assign(result_, result_.layers[layer], own->alone);
+            const Found found = own->search.run(own->runs, 0, own->runs.strips(), {.steps = most_steps(own->runs.edges())});
+            keep(layer, found, own->found);
+        });
+        for (const std::unique_ptr<Worker>& own : workers) {
+            if (own) {
+                all_.insert(all_.end(), own->found.begin(), own->found.end());
+            }
         }
     }
 
+    static void keep(std::size_t layer, const Found& found, std::vector<LayerCrossings>& layers) {
+        if (found.count > 0 || found.cut_short) {
+            layers.push_back({layer, found.count, found.cut_short, found.first, found.contours});
+        }
+    }
+
+    /// As if one thread searched strip after strip. A share is searched as if it came first; where all before it leave less
+    /// than it took, it is searched again with what they leave.
+    void search_wide(std::size_t layer) {
+        EdgeRuns runs;
+        runs.assign(result_, result_.layers[layer], parallel_);
+        const Limits whole{.steps = most_steps(runs.edges())};
+        const auto first_strip = [&](std::size_t share) { return runs.first_strip_of(share, shares_of_wide_layer); };
+        std::vector<Found> shares(shares_of_wide_layer);
+        std::atomic<std::size_t> last{shares_of_wide_layer};  // the first share known to be cut short
+        parallel_.run(shares.size(), [&](std::size_t share, int) {
+            if (share > last.load(std::memory_order_relaxed)) {
+                return;
+            }
+            constexpr std::uint64_t part = 8;  // so that all together take at most so many times what one thread would
+            StripSearch search(control_.stop);
+            shares[share] =
+                search.run(runs, first_strip(share), first_strip(share + 1), {whole.steps / part, whole.crossings});
+            if (shares[share].count == whole.crossings) {
+                last.store(share, std::memory_order_relaxed);
+            }
+        });
+        Found found;
+        StripSearch search(control_.stop);
+        for (std::size_t share = 0; share < shares.size() && !found.cut_short; ++share) {
+            const Limits left{whole.steps - found.steps, whole.crossings - found.count};
+            const Found& own = shares[share];
+            const bool fits = !own.cut_short && own.steps <= left.steps && own.count < left.crossings;
+            found.add(fits ? own : search.run(runs, first_strip(share), first_strip(share + 1), left));
+        }
+        keep(layer, found, all_);
+    }
+
+    Crossings sum() {
+        std::sort(all_.begin(), all_.end(),
+                  [](const LayerCrossings& a, const LayerCrossings& b) { return a.layer < b.layer; });
+        Crossings crossings;
+        for (const LayerCrossings& layer : all_) {
+            crossings.count += layer.count;
+            crossings.at_least = crossings.at_least || layer.at_least;
+        }
+        crossings.layers = std::move(all_);
+        return crossings;
+    }
+
     const SliceResult& result_;
-    EdgePairs near_;
-    LayerCrossings found_;
+    const Control& control_;
+    const Parallel& parallel_;
+    std::vector<LayerCrossings> all_;
 };
 
 Result<Crossings> find_or_throw(const SliceResult& result, const Control& control) {
@@ -131,29 +384,7 @@ Result<Crossings> find_or_throw(const SliceResult& result, const Control& contro
         return status.error();
     }
     const Parallel parallel(control);
-    struct Worker {
-        LayerSearch search;
-        std::vector<LayerCrossings> found;
-    };
-    std::vector<Worker> workers(static_cast<std::size_t>(parallel.threads()), Worker{LayerSearch(result, control.stop), {}});
-    parallel.begin_stage(0.99);
-    parallel.run(result.layers.size(), [&](std::size_t layer, int worker) {
-        Worker& own = workers[static_cast<std::size_t>(worker)];
-        const LayerCrossings found = own.search.run(layer);
-        if (found.count > 0 || found.at_least) {
-            own.found.push_back(found);
-        }
-    });
-    Crossings all;
-    for (const Worker& own : workers) {
-        all.layers.insert(all.layers.end(), own.found.begin(), own.found.end());
-    }
-    std::sort(all.layers.begin(), all.layers.end(),
-              [](const LayerCrossings& a, const LayerCrossings& b) { return a.layer < b.layer; });
-    for (const LayerCrossings& layer : all.layers) {
-        all.count += layer.count;
-        all.at_least = all.at_least || layer.at_least;
-    }
+    Crossings all = CrossingSearch(result, control, parallel).run();
     parallel.finish();
     return all;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "audit/folded.hpp"
 #include "slicing/grid/grid_vector.hpp"
 
 namespace lamella {
@@ -16,19 +17,6 @@ constexpr double top_limb_unit = 0x1p84;
 constexpr std::uint32_t faces_between_carries = std::uint32_t{1} << 18;
 static_assert(CornerSums::limb_bits + 18 + 1 + 1 < 63, "a limb holds its sum until it is carried");
 
-/// 128 bits of a product, folded: every bit depends on most bits of both.
-std::uint64_t folded(std::uint64_t a, std::uint64_t b) noexcept {
-    __extension__ using Unsigned128 = unsigned __int128;
-    const Unsigned128 product = Unsigned128{a} * b;
-    return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
-}
-
-/// Vertices are even, so no factor is 0.
-std::uint64_t edge_hash_of(const GridVertex& v) noexcept {
-    const std::uint64_t xy = std::uint64_t{static_cast<std::uint32_t>(v.x)} << 32 | static_cast<std::uint32_t>(v.y);
-    return folded(xy ^ 0x9E3779B97F4A7C15U, static_cast<std::uint32_t>(v.z) ^ 0xBF58476D1CE4E5B9U);
-}
-
 /// Of the edge from one to the other; that of its opposite is the negative.
 std::uint64_t directed(std::uint64_t from, std::uint64_t to) noexcept {
     const std::uint64_t edge = folded((from + to) ^ 0x94D049BB133111EBU, (from ^ to) ^ 0xD6E8FEB86659FD93U);
@@ -36,7 +24,7 @@ std::uint64_t directed(std::uint64_t from, std::uint64_t to) noexcept {
 }
 
 std::uint64_t boundary_of(const GridTriangle& t) noexcept {
-    const std::array<std::uint64_t, 3> corners = {edge_hash_of(t[0]), edge_hash_of(t[1]), edge_hash_of(t[2])};
+    const std::array<std::uint64_t, 3> corners = {folded(t[0]), folded(t[1]), folded(t[2])};
     return directed(corners[0], corners[1]) + directed(corners[1], corners[2]) + directed(corners[2], corners[0]);
 }
 

@@ -14,7 +14,9 @@ namespace {
 
 constexpr std::size_t grain = 4096;
 constexpr std::size_t part_triangles = 1 << 14;  ///< whose vertices stay in the cache
-constexpr std::size_t most_samples = 1 << 16;
+constexpr std::size_t least_part_triangles = 1 << 11;
+constexpr std::size_t parts_for_balance = 16;  ///< so that a few threads end together
+constexpr std::size_t most_samples = 1 << 12;
 
 /// Slabs in ranges that hold about as many triangles each, so that threads can take one after the other.
 class Parts {
@@ -22,7 +24,9 @@ public:
     /// `samples`: slabs of vertices from all over the mesh.
     Parts(std::vector<PlaneIndex> samples, std::size_t triangles, PlaneIndex planes) : part_of_(std::size_t{planes} + 1) {
         std::sort(samples.begin(), samples.end());
-        const std::size_t parts = std::clamp<std::size_t>(triangles / part_triangles, 1, samples.size());
+        const std::size_t for_balance = std::min(triangles / least_part_triangles, parts_for_balance);
+        const std::size_t parts =
+            std::clamp<std::size_t>(std::max(triangles / part_triangles, for_balance), 1, samples.size());
         std::uint32_t part = 0;
         std::size_t next = 1;  // part that is due to begin
         for (PlaneIndex slab = 0; slab <= planes; ++slab) {
@@ -64,8 +68,10 @@ struct PartEntries {
 template <class Reader>
 class Bookkeeping {
 public:
-    Bookkeeping(const Reader& read, const SliceResult& result, const PlaneSet& planes, const Parallel& parallel)
-        : read_(read),
+    Bookkeeping(const MeshView& mesh, const Reader& read, const SliceResult& result, const PlaneSet& planes,
+                const Parallel& parallel)
+        : mesh_(mesh),
+          read_(read),
           result_(result),
           planes_(planes),
           parallel_(parallel),
@@ -139,13 +145,30 @@ private:
             const auto [first, last] = parts_.slabs(part);
             pieces.begin(first, last, triangles_of(part));
             for (const Share& share : shares_) {
-                for (const std::uint32_t t : share.parts[part]) {
-                    pieces.add(SlabTriangle(read_(t), planes_));
-                }
+                add_all(share.parts[part], pieces);
             }
             pieces.finish(entries[part].slabs, entries[part].pieces);
         });
         return entries;
+    }
+
+    void add_all(const std::vector<std::uint32_t>& triangles, SlabPieces& pieces) const {
+        constexpr std::size_t ahead = 16;
+        for (std::size_t i = 0; i < triangles.size(); ++i) {
+            prefetch(triangles[std::min(i + ahead, triangles.size() - 1)]);
+            pieces.add(SlabTriangle(read_(triangles[i]), planes_));
+        }
+    }
+
+    /// What stands in memory for a triangle alone.
+    void prefetch(std::uint32_t t) const noexcept {
+#ifdef __GNUC__
+        const auto* const at = mesh_.indices != nullptr
+                                   ? reinterpret_cast<const std::byte*>(mesh_.indices + 3 * std::size_t{t})
+                                   : mesh_.vertices + t * mesh_.stride;
+        __builtin_prefetch(at);
+        __builtin_prefetch(at + (mesh_.indices != nullptr ? 12 : mesh_.stride) - 1);
+#endif
     }
 
     Ledger close(const std::vector<PartEntries>& entries) const {
@@ -194,6 +217,7 @@ private:
         return gaps;
     }
 
+    const MeshView& mesh_;
     const Reader& read_;
     const SliceResult& result_;
     const PlaneSet& planes_;
@@ -213,7 +237,7 @@ Result<Ledger> ledger_or_throw(const MeshView& mesh, const SliceResult& result, 
     planes.build(result.layers);
     parallel.begin_stage(0.99, 3);
     Ledger ledger = with_reader(mesh, result.frame, result.unit_mm,
-                                [&](const auto& read) { return Bookkeeping(read, result, planes, parallel).run(); });
+                                [&](const auto& read) { return Bookkeeping(mesh, read, result, planes, parallel).run(); });
     parallel.finish();
     return ledger;
 }

@@ -4,8 +4,8 @@
 #include <bit>
 #include <tuple>
 
+#include "audit/folded.hpp"
 #include "slicing/grid/exact.hpp"
-#include "slicing/grid/vertex_hash.hpp"
 
 namespace lamella {
 
@@ -35,8 +35,9 @@ void SlabPieces::begin(PlaneIndex first, PlaneIndex last, std::size_t triangles)
     first_ = first;
     last_ = last;
     // A closed surface has half as many vertices as triangles.
-    table_.assign(std::bit_ceil(triangles + 2), none);
+    table_.assign(std::bit_ceil(triangles + 2), {{}, none});
     nodes_.clear();
+    pieces_.clear();
     sets_.assign(0);
     totals_.assign(std::size_t{last} - first + 1, {});
 }
@@ -76,78 +77,80 @@ void SlabPieces::add(const SlabTriangle& triangle) {
 }
 
 std::uint32_t SlabPieces::node_at(const GridVertex& vertex, PlaneIndex slab) {
-    if (2 * nodes_.size() >= table_.size()) {
-        grow();
-    }
-    const std::size_t mask = table_.size() - 1;
-    std::size_t place = hash_of(vertex) & mask;
-    while (table_[place] != none) {
-        if (nodes_[table_[place]].lowest == vertex) {
-            return table_[place];
-        }
-        place = (place + 1) & mask;
+    Place* place = &place_of(vertex);
+    if (place->node != none) {
+        return place->node;
     }
     const auto node = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.push_back({vertex, vertex, slab, 0, 0});
+    nodes_.push_back({vertex, slab, 0, none, 0});
     sets_.add();
-    table_[place] = node;
+    *place = {vertex, node};
+    if (2 * nodes_.size() > table_.size()) {
+        grow();
+    }
     return node;
 }
 
-void SlabPieces::grow() {
-    table_.assign(2 * table_.size(), none);
+SlabPieces::Place& SlabPieces::place_of(const GridVertex& vertex) noexcept {
     const std::size_t mask = table_.size() - 1;
+    std::size_t at = static_cast<std::size_t>(folded(vertex)) & mask;
+    while (table_[at].node != none && !(table_[at].vertex == vertex)) {
+        at = (at + 1) & mask;
+    }
+    return table_[at];
+}
+
+void SlabPieces::grow() {
+    table_.assign(2 * table_.size(), {{}, none});
     for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
-        std::size_t place = hash_of(nodes_[node].lowest) & mask;
-        while (table_[place] != none) {
-            place = (place + 1) & mask;
-        }
-        table_[place] = node;
+        place_of(nodes_[node].vertex) = {nodes_[node].vertex, node};
     }
 }
 
-/// Adds each node to the root of its set.
+/// Gathers the sets that do not join two planes; a set's root is its first node.
 void SlabPieces::gather() {
     for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
+        nodes_[sets_.root(node)].meets |= nodes_[node].meets;
+    }
+    for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
         const Node& own = nodes_[node];
-        const std::uint32_t root = sets_.root(node);
-        if (root == node) {
+        Node& root = nodes_[sets_.root(node)];
+        if (root.meets == (meets_below | meets_above)) {
             continue;
         }
-        Node& set = nodes_[root];
-        set.lowest = is_lower(own.lowest, set.lowest) ? own.lowest : set.lowest;
-        set.highest = is_higher(own.highest, set.highest) ? own.highest : set.highest;
-        set.triangles += own.triangles;
-        set.meets |= own.meets;
+        if (root.piece == none) {
+            root.piece = static_cast<std::uint32_t>(pieces_.size());
+            pieces_.push_back({own.vertex, own.vertex, own.slab, root.meets, 0});
+        }
+        Piece& piece = pieces_[root.piece];
+        piece.lowest = is_lower(own.vertex, piece.lowest) ? own.vertex : piece.lowest;
+        piece.highest = is_higher(own.vertex, piece.highest) ? own.vertex : piece.highest;
+        piece.triangles += own.triangles;
     }
 }
 
-void SlabPieces::close(const Node& set, std::vector<SurfacePiece>& pieces) {
-    if (set.meets == (meets_below | meets_above)) {
-        return;
-    }
-    const SurfacePieceKind kind = set.meets == 0
+/// Also counts it.
+SurfacePiece SlabPieces::entry_of(const Piece& piece) {
+    const SurfacePieceKind kind = piece.meets == 0
                                       ? SurfacePieceKind::shell
-                                      : (set.meets == meets_below ? SurfacePieceKind::peak : SurfacePieceKind::pit);
-    Total& total = totals_[set.slab - first_];
+                                      : (piece.meets == meets_below ? SurfacePieceKind::peak : SurfacePieceKind::pit);
+    Total& total = totals_[piece.slab - first_];
     ++(kind == SurfacePieceKind::shell ? total.shells : (kind == SurfacePieceKind::peak ? total.peaks : total.pits));
-    const GridVertex& at = kind == SurfacePieceKind::peak ? set.highest : set.lowest;
-    const std::int32_t low = kind == SurfacePieceKind::peak ? planes_.z(set.slab - 1) : set.lowest.z;
-    const std::int32_t high = kind == SurfacePieceKind::pit ? planes_.z(set.slab) : set.highest.z;
-    pieces.push_back({kind,
-                      set.slab,
-                      {at.x * unit_mm_, at.y * unit_mm_, at.z * unit_mm_},
-                      (static_cast<double>(high) - low) * unit_mm_,
-                      set.triangles});
+    const GridVertex& at = kind == SurfacePieceKind::peak ? piece.highest : piece.lowest;
+    const std::int32_t low = kind == SurfacePieceKind::peak ? planes_.z(piece.slab - 1) : piece.lowest.z;
+    const std::int32_t high = kind == SurfacePieceKind::pit ? planes_.z(piece.slab) : piece.highest.z;
+    return {kind,
+            piece.slab,
+            {at.x * unit_mm_, at.y * unit_mm_, at.z * unit_mm_},
+            (static_cast<double>(high) - low) * unit_mm_,
+            piece.triangles};
 }
 
 void SlabPieces::finish(std::vector<Slab>& slabs, std::vector<SurfacePiece>& pieces) {
     gather();
     const auto begun = static_cast<std::ptrdiff_t>(pieces.size());
-    for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
-        if (sets_.root(node) == node) {
-            close(nodes_[node], pieces);
-        }
+    for (const Piece& piece : pieces_) {
+        pieces.push_back(entry_of(piece));
     }
     std::sort(pieces.begin() + begun, pieces.end(), comes_before);
     const double half_mm2 = unit_mm_ * unit_mm_ / 2;

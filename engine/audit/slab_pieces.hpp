@@ -43,13 +43,26 @@ private:
     static constexpr std::uint8_t meets_below = 1;
     static constexpr std::uint8_t meets_above = 2;
 
-    /// A vertex and, if it is the root of its set once all edges are in, the whole set.
+    /// A vertex, and the edges that leave it.
     struct Node {
+        GridVertex vertex;
+        PlaneIndex slab;
+        std::uint32_t triangles;  ///< within the slab, whose first vertex it is
+        std::uint32_t piece;      ///< of the root of a set, once all edges are in
+        std::uint8_t meets;       ///< of a root then: the whole set
+    };
+    /// A set that does not join two planes.
+    struct Piece {
         GridVertex lowest;
         GridVertex highest;
         PlaneIndex slab;
-        std::uint32_t triangles;
         std::uint8_t meets;
+        std::uint64_t triangles;
+    };
+    /// Of the table: the vertex stands beside its node, so that a look-up touches one cache line.
+    struct Place {
+        GridVertex vertex;
+        std::uint32_t node;
     };
     struct Total {
         std::uint64_t triangles = 0;
@@ -62,16 +75,19 @@ private:
 
     bool holds(PlaneIndex slab) const noexcept { return first_ <= slab && slab <= last_; }
     std::uint32_t node_at(const GridVertex& vertex, PlaneIndex slab);
+    /// Where the vertex stands, or is to stand.
+    Place& place_of(const GridVertex& vertex) noexcept;
     void grow();
     void gather();
-    void close(const Node& set, std::vector<SurfacePiece>& pieces);
+    SurfacePiece entry_of(const Piece& piece);
 
     const PlaneSet& planes_;
     double unit_mm_;
     PlaneIndex first_ = 0;
     PlaneIndex last_ = 0;
-    std::vector<std::uint32_t> table_;  // of nodes by vertex, open addressing; a power of two, at most half full
+    std::vector<Place> table_;  // open addressing; a power of two, at most half full
     std::vector<Node> nodes_;
+    std::vector<Piece> pieces_;
     DisjointSets sets_;  // of nodes, united over the edges within a slab
     std::vector<Total> totals_;
 };

@@ -90,8 +90,8 @@ class StripSearch {
 public:
     explicit StripSearch(const StopCheck& stop) noexcept : host_(stop), kernels_(best_of(run_kernel_forms())) {}
 
-    /// Strips [first, last) of `runs`, of which it may order some.
-    Found run(EdgeRuns& runs, std::size_t first, std::size_t last, Limits limits) {
+    /// Strips [first, last) of `runs`.
+    Found run(const EdgeRuns& runs, std::size_t first, std::size_t last, Limits limits) {
         runs_ = &runs;
         points_ = runs.points();
         limits_ = limits;
@@ -121,22 +121,13 @@ private:
     }
 
     void search(std::size_t strip) {
-        constexpr std::size_t few = 48;  // are compared all with all in less time than they are ordered
         const auto [begin, end] = runs_->entries_of(strip);
-        const bool ordered = end - begin > few;
-        if (ordered) {
-            runs_->order(strip);
-        }
         meeting_.resize(std::max(meeting_.size(), end - begin));
         const BoxArrays boxes = runs_->boxes();
         for (std::size_t i = begin; i < end && !found_.cut_short; ++i) {
-            const std::int32_t* const low_y = boxes.low_y;
-            const std::size_t last =
-                ordered ? static_cast<std::size_t>(std::upper_bound(low_y + i + 1, low_y + end, boxes.high_y[i]) - low_y)
-                        : end;
-            const std::size_t meeting = kernels_.find_meeting(boxes, i, last, meeting_.data());
-            spend(last - i);
-            for (std::size_t m = 0; m < meeting; ++m) {
+            const Meeting meeting = kernels_.find_meeting(boxes, i, end, meeting_.data());
+            spend(meeting.beside + 1);
+            for (std::size_t m = 0; m < meeting.found; ++m) {
                 const std::size_t j = meeting_[m];
                 // Two boxes that share several strips meet in the leftmost of them.
                 if (runs_->strip_of(std::max(boxes.low_x[i], boxes.low_x[j])) == strip) {
@@ -257,7 +248,7 @@ private:
 
     StopCheck host_;
     const RunKernels& kernels_;
-    EdgeRuns* runs_ = nullptr;
+    const EdgeRuns* runs_ = nullptr;
     const Point* points_ = nullptr;
     Limits limits_;
     Found found_;

@@ -1,8 +1,13 @@
 #include "audit/edge_runs.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <functional>
 #include <limits>
 #include <new>
+#include <span>
+
+#include "base/parallel_sort.hpp"
 
 namespace lamella {
 
@@ -11,7 +16,8 @@ namespace {
 constexpr std::size_t most_edges_of_piece = std::size_t{1} << 16;
 constexpr std::size_t runs_of_range = std::size_t{1} << 15;
 constexpr std::size_t most_ranges = 16;
-constexpr std::int64_t runs_of_strip = 10;  ///< about as many are compared all with all
+constexpr std::size_t few_runs = std::size_t{1} << 16;  ///< are ordered on one thread
+constexpr std::int64_t runs_of_strip = 8;
 
 /// Leaves the contents unspecified; memory grows by half, so that layers of many sizes take it only a few times.
 template <class T>
@@ -39,6 +45,7 @@ void EdgeRuns::assign(const SliceResult& result, const Layer& layer, const Paral
     for_each_piece([&](const Piece& piece, Scratch&) { copy_points(result, piece); });
     for_each_piece([&](const Piece& piece, Scratch& scratch) { cut(piece, scratch); });
     join_runs(parallel);
+    order_runs(parallel);
     choose_strips();
     fill_strips(parallel);
 }
@@ -121,6 +128,58 @@ void EdgeRuns::join_runs(const Parallel& parallel) {
     });
 }
 
+void EdgeRuns::order_runs(const Parallel& parallel) {
+    order_.resize(runs_.size());
+    const auto key = [&](std::size_t run) {
+        const std::uint32_t low_y = static_cast<std::uint32_t>(runs_[run].box.low.y) ^ 0x80000000U;
+        return std::uint64_t{low_y} << 32 | run;
+    };
+    if (runs_.size() <= few_runs) {
+        unordered_.resize(runs_.size());
+        for (std::size_t r = 0; r < runs_.size(); ++r) {
+            unordered_[r] = key(r);
+        }
+        order_few();
+        return;
+    }
+    parallel.run_ranges(runs_.size(), runs_of_range, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t r = begin; r < end; ++r) {
+            order_[r] = key(r);
+        }
+    });
+    sort_in_parallel(std::span<std::uint64_t>(order_), std::less<>(), parallel);
+}
+
+/// Into about as many buckets as there are runs, of which only those with several are sorted.
+void EdgeRuns::order_few() {
+    if (unordered_.empty()) {
+        return;
+    }
+    const auto [lowest, highest] = std::minmax_element(unordered_.begin(), unordered_.end());
+    const std::uint64_t low = *lowest;
+    const int shift =
+        std::max(0, static_cast<int>(std::bit_width(*highest - low)) - static_cast<int>(std::bit_width(unordered_.size())));
+    const auto bucket_of = [&](std::uint64_t key) { return static_cast<std::size_t>((key - low) >> shift); };
+    places_.assign(bucket_of(*highest) + 1, 0);
+    for (const std::uint64_t key : unordered_) {
+        ++places_[bucket_of(key)];
+    }
+    std::uint32_t sum = 0;
+    for (std::uint32_t& place : places_) {
+        sum += std::exchange(place, sum);
+    }
+    for (const std::uint64_t key : unordered_) {
+        order_[places_[bucket_of(key)]++] = key;  // which then is where the next bucket begins
+    }
+    std::uint32_t begin = 0;
+    for (const std::uint32_t end : places_) {
+        if (end > begin + 1) {
+            std::sort(order_.begin() + begin, order_.begin() + end);
+        }
+        begin = end;
+    }
+}
+
 /// About twice as wide as runs are on average, so that few reach into many.
 void EdgeRuns::choose_strips() {
     firsts_.clear();
@@ -151,7 +210,8 @@ void EdgeRuns::fill_strips(const Parallel& parallel) {
     const auto for_each_entry = [&](const auto& work) {
         parallel.run(ranges, [&](std::size_t range, int) {
             std::size_t* const own = cursors_.data() + range * strips();
-            for (std::size_t r = runs_.size() * range / ranges; r < runs_.size() * (range + 1) / ranges; ++r) {
+            for (std::size_t i = runs_.size() * range / ranges; i < runs_.size() * (range + 1) / ranges; ++i) {
+                const auto r = static_cast<std::uint32_t>(order_[i]);
                 const FlatBox& box = runs_[r].box;
                 const std::size_t last = strip_of(box.high.x);
                 for (std::size_t s = strip_of(box.low.x); s <= last; ++s) {
@@ -160,7 +220,7 @@ void EdgeRuns::fill_strips(const Parallel& parallel) {
             }
         });
     };
-    for_each_entry([](std::size_t, const FlatBox&, std::size_t) {});
+    for_each_entry([](std::size_t, const FlatBox&, std::uint32_t) {});
     std::size_t sum = 0;
     for (std::size_t s = 0; s < strips(); ++s) {
         firsts_[s] = sum;
@@ -175,29 +235,13 @@ void EdgeRuns::fill_strips(const Parallel& parallel) {
         make_room(*numbers, sum + run_lanes);
     }
     make_room(run_at_, sum);
-    for_each_entry([&](std::size_t at, const FlatBox& box, std::size_t run) {
+    for_each_entry([&](std::size_t at, const FlatBox& box, std::uint32_t run) {
         low_x_[at] = box.low.x;
         low_y_[at] = box.low.y;
         high_x_[at] = box.high.x;
         high_y_[at] = box.high.y;
-        run_at_[at] = static_cast<std::uint32_t>(run);
+        run_at_[at] = run;
     });
-}
-
-void EdgeRuns::order(std::size_t strip) {
-    const auto [begin, end] = entries_of(strip);
-    std::sort(run_at_.begin() + begin, run_at_.begin() + end, [&](std::uint32_t a, std::uint32_t b) {
-        const std::int32_t a_low = runs_[a].box.low.y;
-        const std::int32_t b_low = runs_[b].box.low.y;
-        return a_low != b_low ? a_low < b_low : a < b;
-    });
-    for (std::size_t at = begin; at < end; ++at) {
-        const FlatBox& box = runs_[run_at_[at]].box;
-        low_x_[at] = box.low.x;
-        low_y_[at] = box.low.y;
-        high_x_[at] = box.high.x;
-        high_y_[at] = box.high.y;
-    }
 }
 
 std::size_t EdgeRuns::first_strip_of(std::size_t share, std::size_t shares) const noexcept {

@@ -46,7 +46,7 @@ struct EdgeRun {
 /// The runs of one layer after another; its memory is kept.
 class EdgeRuns {
 public:
-    /// In five calls of run(), which give the same on any number of threads. Throws std::bad_alloc.
+    /// In a few calls of run(), which give the same on any number of threads. Throws std::bad_alloc.
     void assign(const SliceResult& result, const Layer& layer, const Parallel& parallel);
 
     std::uint64_t edges() const noexcept { return edges_; }
@@ -58,12 +58,10 @@ public:
     std::size_t strip_of(std::int32_t x) const noexcept {
         return static_cast<std::size_t>((std::int64_t{x} - low_) >> shift_);
     }
-    /// What stands in a strip: [first, second), as indices into boxes() and of run_at().
+    /// What stands in a strip: [first, second), as indices into boxes() and of run_at(); by low_y.
     std::pair<std::size_t, std::size_t> entries_of(std::size_t strip) const noexcept {
         return {firsts_[strip], firsts_[strip + 1]};
     }
-    /// Orders a strip by low_y. Several threads may order different strips.
-    void order(std::size_t strip);
     /// Cuts the strips into `shares` that hold about as much each: where one begins.
     std::size_t first_strip_of(std::size_t share, std::size_t shares) const noexcept;
 
@@ -87,6 +85,8 @@ private:
     void copy_points(const SliceResult& result, const Piece& piece);
     void cut(const Piece& piece, Scratch& scratch) const;
     void join_runs(const Parallel& parallel);
+    void order_runs(const Parallel& parallel);
+    void order_few();
     void choose_strips();
     void fill_strips(const Parallel& parallel);
 
@@ -96,6 +96,9 @@ private:
     std::vector<Scratch> scratch_;    // by task
     Array<Point> points_;
     Array<EdgeRun> runs_;
+    std::vector<std::uint64_t> order_;  // of runs by low.y; the lower 32 bits are a run's index
+    std::vector<std::uint64_t> unordered_;
+    std::vector<std::uint32_t> places_;  // by bucket of low.y
     std::size_t edges_ = 0;
     std::int64_t low_ = 0;
     int shift_ = 0;

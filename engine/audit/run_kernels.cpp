@@ -42,16 +42,16 @@ std::size_t find_turns_portable(const Point* points, std::size_t edges, std::uin
     return found;
 }
 
-std::size_t find_meeting_portable(const BoxArrays& boxes, std::size_t i, std::size_t end, std::uint32_t* out) {
+Meeting find_meeting_portable(const BoxArrays& boxes, std::size_t i, std::size_t end, std::uint32_t* out) {
     std::size_t found = 0;
-    for (std::size_t j = i + 1; j < end; ++j) {
-        const bool meets =
-            static_cast<int>(boxes.low_x[j] <= boxes.high_x[i]) & static_cast<int>(boxes.low_x[i] <= boxes.high_x[j]) &
-            static_cast<int>(boxes.low_y[j] <= boxes.high_y[i]) & static_cast<int>(boxes.low_y[i] <= boxes.high_y[j]);
+    std::size_t j = i + 1;
+    for (; j < end && boxes.low_y[j] <= boxes.high_y[i]; ++j) {
+        const bool right_of = boxes.low_x[j] > boxes.high_x[i];
+        const bool left_of = boxes.low_x[i] > boxes.high_x[j];
         out[found] = static_cast<std::uint32_t>(j);
-        found += meets ? 1 : 0;
+        found += right_of || left_of ? 0 : 1;
     }
-    return found;
+    return {found, j - i - 1};
 }
 
 #ifdef LAMELLA_X86_FORMS
@@ -94,25 +94,24 @@ LAMELLA_AVX2 std::size_t find_turns_avx2(const Point* points, std::size_t edges,
     return found;
 }
 
-LAMELLA_AVX2 std::size_t find_meeting_avx2(const BoxArrays& boxes, std::size_t i, std::size_t end, std::uint32_t* out) {
+LAMELLA_AVX2 Meeting find_meeting_avx2(const BoxArrays& boxes, std::size_t i, std::size_t end, std::uint32_t* out) {
     const __m256i low_x = _mm256_set1_epi32(boxes.low_x[i]);
-    const __m256i low_y = _mm256_set1_epi32(boxes.low_y[i]);
     const __m256i high_x = _mm256_set1_epi32(boxes.high_x[i]);
     const __m256i high_y = _mm256_set1_epi32(boxes.high_y[i]);
+    constexpr unsigned all = 0xFF;
     std::size_t found = 0;
     for (std::size_t j = i + 1; j < end; j += run_lanes) {
-        const __m256i beside = _mm256_or_si256(_mm256_cmpgt_epi32(lanes_at(boxes.low_x + j), high_x),
-                                               _mm256_cmpgt_epi32(low_x, lanes_at(boxes.high_x + j)));
-        const __m256i over = _mm256_or_si256(_mm256_cmpgt_epi32(lanes_at(boxes.low_y + j), high_y),
-                                             _mm256_cmpgt_epi32(low_y, lanes_at(boxes.high_y + j)));
-        unsigned meet =
-            ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_or_si256(beside, over)))) & 0xFFU;
-        meet &= end - j < run_lanes ? (1U << (end - j)) - 1 : 0xFFU;
-        for (; meet != 0; meet &= meet - 1) {
+        unsigned level = all & ~greater(lanes_at(boxes.low_y + j), high_y);
+        level &= end - j < run_lanes ? (1U << (end - j)) - 1 : all;
+        const unsigned apart = greater(lanes_at(boxes.low_x + j), high_x) | greater(low_x, lanes_at(boxes.high_x + j));
+        for (unsigned meet = level & ~apart; meet != 0; meet &= meet - 1) {
             out[found++] = static_cast<std::uint32_t>(j + static_cast<std::size_t>(std::countr_zero(meet)));
         }
+        if (level != all) {  // ordered: the lowest lanes, and none after these
+            return {found, j - i - 1 + static_cast<std::size_t>(std::countr_one(level))};
+        }
     }
-    return found;
+    return {found, end - i - 1};
 }
 
 constexpr Form<RunKernels> forms_of_runs[] = {{InstructionSet::avx2, {find_turns_avx2, find_meeting_avx2}},

@@ -20,13 +20,18 @@ struct BoxArrays {
 
 constexpr std::size_t run_lanes = 8;
 
+struct Meeting {
+    std::size_t found;
+    std::size_t beside;  ///< how many begin no higher than box i ends
+};
+
 struct RunKernels {
     /// Writes the edges before which a path turns: which goes left where one since the last turn went right, or down where
     /// one went up, or the other way round. Edge i leads from points[i] to points[i + 1]. Returns how many; `out` has room
     /// for `edges`.
     std::size_t (*find_turns)(const Point* points, std::size_t edges, std::uint32_t* out);
-    /// Writes which of the boxes (i, end) meet box i. Returns how many; `out` has room for so many boxes.
-    std::size_t (*find_meeting)(const BoxArrays& boxes, std::size_t i, std::size_t end, std::uint32_t* out);
+    /// Writes which of the boxes (i, end), which are ordered by low_y, meet box i. `out` has room for so many boxes.
+    Meeting (*find_meeting)(const BoxArrays& boxes, std::size_t i, std::size_t end, std::uint32_t* out);
 };
 
 std::span<const Form<RunKernels>> run_kernel_forms() noexcept;

@@ -85,18 +85,25 @@ struct Found {
     }
 };
 
-/// Searches some strips after others; its memory is kept.
+/// Searches one share after another; its memory is kept.
 class StripSearch {
 public:
     explicit StripSearch(const StopCheck& stop) noexcept : host_(stop), kernels_(best_of(run_kernel_forms())) {}
 
-    /// Strips [first, last) of `runs`.
-    Found run(const EdgeRuns& runs, std::size_t first, std::size_t last, Limits limits) {
+    /// Share `share` of `shares` of all pairs.
+    Found run(const EdgeRuns& runs, std::size_t share, std::size_t shares, Limits limits) {
         runs_ = &runs;
         points_ = runs.points();
         limits_ = limits;
         found_ = {};
-        for (std::size_t strip = first; strip < last && !found_.cut_short; ++strip) {
+        const std::size_t all = runs.runs().size();
+        for (std::size_t r = all * share / shares; r < all * (share + 1) / shares && !found_.cut_short; ++r) {
+            if (r + 1 < all && runs.runs()[r].box.meets(runs.runs()[r + 1].box)) {
+                compare_in_order(static_cast<std::uint32_t>(r), static_cast<std::uint32_t>(r + 1));
+            }
+        }
+        const std::size_t last = runs.first_strip_of(share + 1, shares);
+        for (std::size_t strip = runs.first_strip_of(share, shares); strip < last && !found_.cut_short; ++strip) {
             search(strip);
         }
         return found_;
@@ -124,24 +131,22 @@ private:
         const auto [begin, end] = runs_->entries_of(strip);
         meeting_.resize(std::max(meeting_.size(), end - begin));
         const BoxArrays boxes = runs_->boxes();
+        const std::int32_t left = runs_->left_of(strip);  // what meets further left is found there
         for (std::size_t i = begin; i < end && !found_.cut_short; ++i) {
-            const Meeting meeting = kernels_.find_meeting(boxes, i, end, meeting_.data());
+            const Meeting meeting = kernels_.find_meeting(boxes, i, end, left, meeting_.data());
             spend(meeting.beside + 1);
             for (std::size_t m = 0; m < meeting.found; ++m) {
-                const std::size_t j = meeting_[m];
-                // Two boxes that share several strips meet in the leftmost of them.
-                if (runs_->strip_of(std::max(boxes.low_x[i], boxes.low_x[j])) == strip) {
-                    compare_entries(boxes, i, j);
-                }
+                compare_in_order(boxes.run[i], boxes.run[meeting_[m]]);
             }
         }
     }
 
-    void compare_entries(const BoxArrays& boxes, std::size_t i, std::size_t j) {
-        const std::uint32_t a = runs_->run_at(i);
-        const std::uint32_t b = runs_->run_at(j);
-        const bool in_order = std::tie(boxes.low_x[i], a) < std::tie(boxes.low_x[j], b);
-        compare_runs(runs_->run(in_order ? a : b), runs_->run(in_order ? b : a));
+    /// The rounded place of a crossing depends on which comes first.
+    void compare_in_order(std::uint32_t i, std::uint32_t j) {
+        const EdgeRun& a = runs_->runs()[i];
+        const EdgeRun& b = runs_->runs()[j];
+        const bool in_order = std::tie(a.box.low.x, i) < std::tie(b.box.low.x, j);
+        compare_runs(in_order ? a : b, in_order ? b : a);
     }
 
     bool leads_into(const EdgeRun& run, const EdgeRun& next) const noexcept {
@@ -304,7 +309,7 @@ private:
                 own = std::make_unique<Worker>(control_);
             }
             own->runs.assign(result_, result_.layers[layer], own->alone);
-            const Found found = own->search.run(own->runs, 0, own->runs.strips(), {.steps = most_steps(own->runs.edges())});
+            const Found found = own->search.run(own->runs, 0, 1, {.steps = most_steps(own->runs.edges())});
             keep(layer, found, own->found);
         });
         for (const std::unique_ptr<Worker>& own : workers) {
@@ -326,7 +331,6 @@ private:
         EdgeRuns runs;
         runs.assign(result_, result_.layers[layer], parallel_);
         const Limits whole{.steps = most_steps(runs.edges())};
-        const auto first_strip = [&](std::size_t share) { return runs.first_strip_of(share, shares_of_wide_layer); };
         std::vector<Found> shares(shares_of_wide_layer);
         std::atomic<std::size_t> last{shares_of_wide_layer};  // the first share known to be cut short
         parallel_.run(shares.size(), [&](std::size_t share, int) {
@@ -335,8 +339,7 @@ private:
             }
             constexpr std::uint64_t part = 8;  // so that all together take at most so many times what one thread would
             StripSearch search(control_.stop);
-            shares[share] =
-                search.run(runs, first_strip(share), first_strip(share + 1), {whole.steps / part, whole.crossings});
+            shares[share] = search.run(runs, share, shares.size(), {whole.steps / part, whole.crossings});
             if (shares[share].count == whole.crossings) {
                 last.store(share, std::memory_order_relaxed);
             }
@@ -347,7 +350,7 @@ private:
             const Limits left{whole.steps - found.steps, whole.crossings - found.count};
             const Found& own = shares[share];
             const bool fits = !own.cut_short && own.steps <= left.steps && own.count < left.crossings;
-            found.add(fits ? own : search.run(runs, first_strip(share), first_strip(share + 1), left));
+            found.add(fits ? own : search.run(runs, share, shares.size(), left));
         }
         keep(layer, found, all_);
     }

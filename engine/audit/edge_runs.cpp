@@ -234,7 +234,7 @@ void EdgeRuns::fill_strips(const Parallel& parallel) {
     for (Array<std::int32_t>* numbers : {&low_x_, &low_y_, &high_x_, &high_y_}) {
         make_room(*numbers, sum + run_lanes);
     }
-    make_room(run_at_, sum);
+    make_room(run_at_, sum + run_lanes);
     for_each_entry([&](std::size_t at, const FlatBox& box, std::uint32_t run) {
         low_x_[at] = box.low.x;
         low_y_[at] = box.low.y;

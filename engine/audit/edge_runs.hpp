@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -52,21 +53,24 @@ public:
     std::uint64_t edges() const noexcept { return edges_; }
     const Point* points() const noexcept { return points_.data(); }
     const LayerPath& path_of(const EdgeRun& run) const noexcept { return paths_[run.path]; }
-    const EdgeRun& run(std::uint32_t r) const noexcept { return runs_[r]; }
+    /// Path by path, each from its start.
+    std::span<const EdgeRun> runs() const noexcept { return runs_.span(); }
 
     std::size_t strips() const noexcept { return firsts_.empty() ? 0 : firsts_.size() - 1; }
-    std::size_t strip_of(std::int32_t x) const noexcept {
-        return static_cast<std::size_t>((std::int64_t{x} - low_) >> shift_);
+    /// Where a strip begins.
+    std::int32_t left_of(std::size_t strip) const noexcept {
+        return static_cast<std::int32_t>(low_ + (static_cast<std::int64_t>(strip) << shift_));
     }
-    /// What stands in a strip: [first, second), as indices into boxes() and of run_at(); by low_y.
+    /// What stands in a strip: [first, second), as indices into boxes(), ordered by low_y.
     std::pair<std::size_t, std::size_t> entries_of(std::size_t strip) const noexcept {
         return {firsts_[strip], firsts_[strip + 1]};
     }
     /// Cuts the strips into `shares` that hold about as much each: where one begins.
     std::size_t first_strip_of(std::size_t share, std::size_t shares) const noexcept;
 
-    BoxArrays boxes() const noexcept { return {low_x_.data(), low_y_.data(), high_x_.data(), high_y_.data()}; }
-    std::uint32_t run_at(std::size_t entry) const noexcept { return run_at_[entry]; }
+    BoxArrays boxes() const noexcept {
+        return {low_x_.data(), low_y_.data(), high_x_.data(), high_y_.data(), run_at_.data()};
+    }
 
 private:
     /// Of a path: few enough edges for one task.
@@ -81,6 +85,9 @@ private:
         std::vector<EdgeRun> runs;
     };
 
+    std::size_t strip_of(std::int32_t x) const noexcept {
+        return static_cast<std::size_t>((std::int64_t{x} - low_) >> shift_);
+    }
     void list_pieces(const SliceResult& result, const Layer& layer);
     void copy_points(const SliceResult& result, const Piece& piece);
     void cut(const Piece& piece, Scratch& scratch) const;

@@ -1,6 +1,7 @@
 #include "audit/run_kernels.hpp"
 
 #include <bit>
+#include <limits>
 
 #include "base/sign.hpp"
 
@@ -42,14 +43,17 @@ std::size_t find_turns_portable(const Point* points, std::size_t edges, std::uin
     return found;
 }
 
-Meeting find_meeting_portable(const BoxArrays& boxes, std::size_t i, std::size_t end, std::uint32_t* out) {
+Meeting find_meeting_portable(const BoxArrays& boxes, std::size_t i, std::size_t end, std::int32_t from_x,
+                              std::uint32_t* out) {
     std::size_t found = 0;
     std::size_t j = i + 1;
     for (; j < end && boxes.low_y[j] <= boxes.high_y[i]; ++j) {
         const bool right_of = boxes.low_x[j] > boxes.high_x[i];
         const bool left_of = boxes.low_x[i] > boxes.high_x[j];
+        const bool before = boxes.low_x[i] < from_x && boxes.low_x[j] < from_x;
+        const bool next = boxes.run[j] + 1 == boxes.run[i] || boxes.run[j] == boxes.run[i] + 1;
         out[found] = static_cast<std::uint32_t>(j);
-        found += right_of || left_of ? 0 : 1;
+        found += right_of || left_of || before || next ? 0 : 1;
     }
     return {found, j - i - 1};
 }
@@ -94,16 +98,27 @@ LAMELLA_AVX2 std::size_t find_turns_avx2(const Point* points, std::size_t edges,
     return found;
 }
 
-LAMELLA_AVX2 Meeting find_meeting_avx2(const BoxArrays& boxes, std::size_t i, std::size_t end, std::uint32_t* out) {
+LAMELLA_AVX2 Meeting find_meeting_avx2(const BoxArrays& boxes, std::size_t i, std::size_t end, std::int32_t from_x,
+                                       std::uint32_t* out) {
     const __m256i low_x = _mm256_set1_epi32(boxes.low_x[i]);
     const __m256i high_x = _mm256_set1_epi32(boxes.high_x[i]);
     const __m256i high_y = _mm256_set1_epi32(boxes.high_y[i]);
+    const __m256i from = _mm256_set1_epi32(boxes.low_x[i] < from_x ? from_x : std::numeric_limits<std::int32_t>::min());
+    const __m256i run = _mm256_set1_epi32(static_cast<int>(boxes.run[i]));
+    const __m256i one = _mm256_set1_epi32(1);
     constexpr unsigned all = 0xFF;
     std::size_t found = 0;
     for (std::size_t j = i + 1; j < end; j += run_lanes) {
         unsigned level = all & ~greater(lanes_at(boxes.low_y + j), high_y);
         level &= end - j < run_lanes ? (1U << (end - j)) - 1 : all;
-        const unsigned apart = greater(lanes_at(boxes.low_x + j), high_x) | greater(low_x, lanes_at(boxes.high_x + j));
+        const __m256i other_low = lanes_at(boxes.low_x + j);
+        const __m256i other_run = lanes_at(boxes.run + j);
+        const __m256i next = _mm256_or_si256(_mm256_cmpeq_epi32(_mm256_add_epi32(other_run, one), run),
+                                             _mm256_cmpeq_epi32(other_run, _mm256_add_epi32(run, one)));
+        const __m256i beside =
+            _mm256_or_si256(_mm256_cmpgt_epi32(other_low, high_x), _mm256_cmpgt_epi32(low_x, lanes_at(boxes.high_x + j)));
+        const __m256i left_out = _mm256_or_si256(_mm256_or_si256(beside, next), _mm256_cmpgt_epi32(from, other_low));
+        const auto apart = static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(left_out)));
         for (unsigned meet = level & ~apart; meet != 0; meet &= meet - 1) {
             out[found++] = static_cast<std::uint32_t>(j + static_cast<std::size_t>(std::countr_zero(meet)));
         }

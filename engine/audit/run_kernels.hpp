@@ -16,6 +16,7 @@ struct BoxArrays {
     const std::int32_t* low_y;
     const std::int32_t* high_x;
     const std::int32_t* high_y;
+    const std::uint32_t* run;  ///< whose box it is
 };
 
 constexpr std::size_t run_lanes = 8;
@@ -30,8 +31,9 @@ struct RunKernels {
     /// one went up, or the other way round. Edge i leads from points[i] to points[i + 1]. Returns how many; `out` has room
     /// for `edges`.
     std::size_t (*find_turns)(const Point* points, std::size_t edges, std::uint32_t* out);
-    /// Writes which of the boxes (i, end), which are ordered by low_y, meet box i. `out` has room for so many boxes.
-    Meeting (*find_meeting)(const BoxArrays& boxes, std::size_t i, std::size_t end, std::uint32_t* out);
+    /// Writes which of the boxes (i, end), which are ordered by low_y, meet box i right of `from_x` or on it, but for those
+    /// of the runs before and after its own. `out` has room for so many boxes.
+    Meeting (*find_meeting)(const BoxArrays& boxes, std::size_t i, std::size_t end, std::int32_t from_x, std::uint32_t* out);
 };
 
 std::span<const Form<RunKernels>> run_kernel_forms() noexcept;

@@ -171,7 +171,80 @@ Layer random_layer(std::mt19937& random, int range) {
     return layer;
 }
 
+/// Adds `part`, moved to a place of its own in a raster.
+void add_tile(Layer& layer, const Layer& part, std::size_t tile) {
+    const auto x = static_cast<std::int32_t>(100 * (tile % 300));
+    const auto y = static_cast<std::int32_t>(100 * (tile / 300));
+    for (Path path : part) {
+        for (Point& point : path.points) {
+            point = {point.x + x, point.y + y};
+        }
+        layer.push_back(path);
+    }
+}
+
+/// More edges than one thread searches, and up to `most` crossings; returns how many.
+std::uint64_t fill_wide(Layer& layer, std::uint64_t most) {
+    std::mt19937 random(11);
+    std::uint64_t expected = 0;
+    for (std::size_t tile = 0; tile < 34'000; ++tile) {
+        const Layer part = random_layer(random, tile % 2 == 0 ? 5 : 40);
+        const std::uint64_t own = tile % 20 == 0 ? counted(part) : 0;
+        const bool fits = tile % 20 == 0 && expected + own <= most;
+        expected += fits ? own : 0;
+        add_tile(layer, fits ? part : Layer{square(1, 2, 30)}, tile);
+    }
+    return expected;
+}
+
+void check_equal(const Crossings& a, const Crossings& b) {
+    CHECK(a.count == b.count);
+    REQUIRE(a.layers.size() == b.layers.size());
+    for (std::size_t i = 0; i < a.layers.size(); ++i) {
+        CHECK(a.layers[i].layer == b.layers[i].layer);
+        CHECK(a.layers[i].count == b.layers[i].count);
+        CHECK(a.layers[i].at_least == b.layers[i].at_least);
+        CHECK(a.layers[i].first == b.layers[i].first);
+        CHECK(a.layers[i].contours == b.layers[i].contours);
+    }
+}
+
 }  // namespace
+
+TEST_CASE("crossings: many random paths in one layer agree with a test of all pairs", "[engine][crossings]") {
+    std::mt19937 random(8);
+    for (int round = 0; round < 100; ++round) {
+        Layer layer;
+        std::uint64_t expected = 0;
+        for (std::size_t tile = 0; tile < 20; ++tile) {
+            const Layer part = random_layer(random, round % 2 == 0 ? 5 : 40);
+            expected += counted(part);
+            add_tile(layer, part, 31 * tile);
+        }
+        INFO("round " << round);
+        REQUIRE(count_in(layer) == expected);
+    }
+}
+
+TEST_CASE("crossings: all threads search one wide layer, with the same answer", "[engine][crossings][threads]") {
+    Layer layer;
+    const std::uint64_t expected = fill_wide(layer, 3000);
+    REQUIRE(expected > 2000);
+    const SliceResult result = result_of({{square(0, 0, 10), square(5, 5, 10)}, layer});
+    const Crossings one = found(result);
+    CHECK(one.count == expected + 2);
+    CHECK_FALSE(one.at_least);
+    Layer crowded;
+    fill_wide(crowded, 1'000'000);
+    const SliceResult too_many = result_of({crowded});
+    const Crossings some = found(too_many);
+    CHECK(some.at_least);
+    CHECK(some.count == lamella::most_crossings_in_layer);
+    for (const int threads : {2, 3}) {
+        check_equal(found(result, threads), one);
+        check_equal(found(too_many, threads), some);
+    }
+}
 
 TEST_CASE("crossings: overlapping outlines cross; touching, nested and separate ones do not", "[engine][crossings]") {
     CHECK(count_in({}) == 0);

@@ -45,8 +45,9 @@ struct Crossings {
 /// O(m log m + c) for a layer of m edges with c crossings, of which at most most_crossings_in_layer are counted. A layer
 /// that takes more than 64 steps an edge for each bit of m is not searched to its end. In both cases it has `at_least` so
 /// many, and `first` is the first of those found. Only thousands of long slanting edges side by side take more steps. The
-/// layers are shared out to threads, and the answer does not depend on them. Errors:
-/// invalid_argument (layers, contours and points do not follow one another, negative threads), out_of_memory, cancelled.
+/// layers are shared out to threads, as are the parts of a layer of more than 2^17 edges, and the answer does not depend on
+/// them. Errors: invalid_argument (layers, contours and points do not follow one another, negative threads), out_of_memory,
+/// cancelled.
 Result<Crossings> find_crossings(const SliceResult& result, const Control& control = {}) noexcept;
 
 }  // namespace lamella

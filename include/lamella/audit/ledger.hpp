@@ -87,7 +87,7 @@ struct Ledger {
 };
 
 /// Counts again, from the mesh and the result's planes alone. `mesh` must be what was sliced. O(n + k) expected for n
-/// triangles and k planes, O(log k) a triangle where planes crowd; 8 bytes a triangle and 4 a plane, and 24 a triangle while
+/// triangles and k planes, O(log k) a triangle where planes crowd; 8 bytes a triangle and 4 a plane, and 50 a triangle while
 /// its slab is examined. The answer does not depend on threads. Errors: those of certify_volume().
 Result<Ledger> make_ledger(const MeshView& mesh, const SliceResult& result, const Control& control = {}) noexcept;
 

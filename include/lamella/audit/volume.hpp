@@ -57,7 +57,7 @@ struct VolumeCertificate {
 /// cancel). A mesh is taken for closed if the sum of its directed edges' hashes vanishes, which an open one's does with a
 /// chance of 2^-64.
 ///
-/// `mesh` must be what was sliced. n triangles, k planes, m crossings: O(n + k + m), 80 bytes a plane and thread. All sums
+/// `mesh` must be what was sliced. n triangles, k planes, m crossings: O(n + k + m), 96 bytes a plane and thread. All sums
 /// are of integers: the answer does not depend on threads. Errors: invalid_argument (the mesh has not the
 /// result's number of triangles, or does not fit its grid; layers, contours and points do not follow one another;
 /// negative threads), out_of_memory, cancelled.

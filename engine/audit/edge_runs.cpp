@@ -245,6 +245,9 @@ void EdgeRuns::fill_strips(const Parallel& parallel) {
 }
 
 std::size_t EdgeRuns::first_strip_of(std::size_t share, std::size_t shares) const noexcept {
+    if (firsts_.empty()) {
+        return 0;
+    }
     const std::size_t entries = firsts_.back() * share / shares;
     return share == shares
                ? strips()

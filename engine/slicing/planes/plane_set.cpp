@@ -67,7 +67,27 @@ void PlaneSet::build(const Array<Layer>& layers) {
         padded_[i + 1] = layers[i].plane.z();
     }
     padded_[count_ + 1] = above_all;
-    make_table();
+    if (!find_step()) {
+        make_table();
+    }
+}
+
+/// Divides where every plane lies within half a step of a line through the first and the last: the guess is then off by one
+/// at most. False elsewhere.
+bool PlaneSet::find_step() noexcept {
+    if (count_ < 2) {
+        return false;
+    }
+    const double step = (static_cast<double>(z(count_ - 1)) - z(0)) / (count_ - 1);
+    for (PlaneIndex i = 0; i < count_; ++i) {
+        if (std::abs(z(0) + i * step - z(i)) > step / 2) {
+            return false;
+        }
+    }
+    first_z_ = z(0);
+    inverse_step_ = 1 / step;
+    last_guess_ = static_cast<double>(count_ - 1);
+    return true;
 }
 
 std::int32_t PlaneSet::round_height(double mm) const noexcept {

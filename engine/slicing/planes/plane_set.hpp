@@ -86,6 +86,7 @@ private:
     Status check_distinct() const;
     void fill_from_heights();
     void make_table();
+    bool find_step() noexcept;
     std::int32_t round_height(double mm) const noexcept;
 
     PlaneIndex by_division(std::int32_t z) const noexcept {

@@ -4,8 +4,8 @@
     bench/scripts/commands.py LAMELLA NAME=MESH... [--readme bench/README.md] [--threads N]
 
 Prints a table; with --readme it also replaces the one between the markers there. Each command runs six times, of which the
-first only warms the file, and the median of the others counts; the three commands take turns, so that a change of the machine's load falls
-on all. The exit status is 1 if a bar is not met.
+first only warms the file, and the median of the others counts; the three commands take turns, so that a change of the
+machine's load falls on all. The exit status is 1 if a bar is not met.
 """
 
 import argparse

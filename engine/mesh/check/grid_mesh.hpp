@@ -39,8 +39,8 @@ struct GridMesh {
     }
 };
 
-/// O(n log n), in eleven calls of run(). `info` holds the box and the unit. Precondition: indices in range, coordinates within
-/// the grid, fewer than 2^32 / 3 triangles. Throws std::bad_alloc.
+/// O(n log n), in eleven calls of run(). `info` holds the box and the unit. Precondition: indices in range, coordinates
+/// within the grid, fewer than 2^32 / 3 triangles. Throws std::bad_alloc.
 GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel,
                         const Memory* memory);
 

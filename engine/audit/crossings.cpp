@@ -133,7 +133,7 @@ private:
         const BoxArrays boxes = runs_->boxes();
         const std::int32_t left = runs_->left_of(strip);  // what meets further left is found there
         for (std::size_t i = begin; i < end && !found_.cut_short; ++i) {
-            const Meeting meeting = kernels_.find_meeting(boxes, i, end, left, meeting_.data());
+            const BoxesMet meeting = kernels_.find_meeting(boxes, i, end, left, meeting_.data());
             spend(meeting.beside + 1);
             for (std::size_t m = 0; m < meeting.found; ++m) {
                 compare_in_order(boxes.run[i], boxes.run[meeting_[m]]);

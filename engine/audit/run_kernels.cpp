@@ -43,8 +43,8 @@ std::size_t find_turns_portable(const Point* points, std::size_t edges, std::uin
     return found;
 }
 
-Meeting find_meeting_portable(const BoxArrays& boxes, std::size_t i, std::size_t end, std::int32_t from_x,
-                              std::uint32_t* out) {
+BoxesMet find_meeting_portable(const BoxArrays& boxes, std::size_t i, std::size_t end, std::int32_t from_x,
+                               std::uint32_t* out) {
     std::size_t found = 0;
     std::size_t j = i + 1;
     for (; j < end && boxes.low_y[j] <= boxes.high_y[i]; ++j) {
@@ -98,8 +98,8 @@ LAMELLA_AVX2 std::size_t find_turns_avx2(const Point* points, std::size_t edges,
     return found;
 }
 
-LAMELLA_AVX2 Meeting find_meeting_avx2(const BoxArrays& boxes, std::size_t i, std::size_t end, std::int32_t from_x,
-                                       std::uint32_t* out) {
+LAMELLA_AVX2 BoxesMet find_meeting_avx2(const BoxArrays& boxes, std::size_t i, std::size_t end, std::int32_t from_x,
+                                        std::uint32_t* out) {
     const __m256i low_x = _mm256_set1_epi32(boxes.low_x[i]);
     const __m256i high_x = _mm256_set1_epi32(boxes.high_x[i]);
     const __m256i high_y = _mm256_set1_epi32(boxes.high_y[i]);

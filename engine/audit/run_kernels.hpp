@@ -21,7 +21,7 @@ struct BoxArrays {
 
 constexpr std::size_t run_lanes = 8;
 
-struct Meeting {
+struct BoxesMet {
     std::size_t found;
     std::size_t beside;  ///< how many begin no higher than box i ends
 };
@@ -33,7 +33,8 @@ struct RunKernels {
     std::size_t (*find_turns)(const Point* points, std::size_t edges, std::uint32_t* out);
     /// Writes which of the boxes (i, end), which are ordered by low_y, meet box i right of `from_x` or on it, but for those
     /// of the runs before and after its own. `out` has room for so many boxes.
-    Meeting (*find_meeting)(const BoxArrays& boxes, std::size_t i, std::size_t end, std::int32_t from_x, std::uint32_t* out);
+    BoxesMet (*find_meeting)(const BoxArrays& boxes, std::size_t i, std::size_t end, std::int32_t from_x,
+                             std::uint32_t* out);
 };
 
 std::span<const Form<RunKernels>> run_kernel_forms() noexcept;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/distribute.hpp"
 #include "base/guard.hpp"
 #include "base/parallel_sort.hpp"
 #include "lamella/grid.hpp"
@@ -174,7 +175,7 @@ public:
     /// of the time. They then decide one after the other, since what each finds depends on where those before it have moved.
     template <class Number>
     void run(std::span<const Place<Number>> places, double tolerance, const Parallel& parallel, const Memory* memory) {
-        parallel.begin_stage(searched_share, 6);
+        parallel.begin_stage(searched_share, 5);
         NearVertices<Number> near(places, tolerance, parallel, memory);
         target_.resize_discarding(places.size());
         const std::size_t ranges = places.size() / weld_grain + 1;
@@ -184,14 +185,7 @@ public:
                 target_[v] = near.has_earlier(vertex) ? undecided : vertex;
             }
         });
-        NumberedRanges(places.size(), parallel)
-            .number([&](std::size_t v) { return target_[v] == undecided; },
-                    [&](std::size_t count) { waiting_.resize_discarding(count); },
-                    [&](std::size_t v, std::uint32_t number, bool waits) {
-                        if (waits) {
-                            waiting_[number] = static_cast<std::uint32_t>(v);
-                        }
-                    });
+        waiting_ = indices_where(places.size(), parallel, memory, [&](std::size_t v) { return target_[v] == undecided; });
         decide(near, parallel);
     }
 

@@ -104,7 +104,7 @@ TEST_CASE("every form finds the boxes that meet a box", "[engine][crossings][ker
             }
             for (const auto& [needs, form] : lamella::supported(lamella::run_kernel_forms())) {
                 std::vector<std::uint32_t> found(count);
-                const lamella::Meeting meeting = form.find_meeting(boxes.arrays(), i, count, from_x, found.data());
+                const lamella::BoxesMet meeting = form.find_meeting(boxes.arrays(), i, count, from_x, found.data());
                 found.resize(meeting.found);
                 REQUIRE(found == expected);
                 REQUIRE(meeting.beside == beside);

@@ -197,18 +197,6 @@ std::uint64_t fill_wide(Layer& layer, std::uint64_t most) {
     return expected;
 }
 
-void check_equal(const Crossings& a, const Crossings& b) {
-    CHECK(a.count == b.count);
-    REQUIRE(a.layers.size() == b.layers.size());
-    for (std::size_t i = 0; i < a.layers.size(); ++i) {
-        CHECK(a.layers[i].layer == b.layers[i].layer);
-        CHECK(a.layers[i].count == b.layers[i].count);
-        CHECK(a.layers[i].at_least == b.layers[i].at_least);
-        CHECK(a.layers[i].first == b.layers[i].first);
-        CHECK(a.layers[i].contours == b.layers[i].contours);
-    }
-}
-
 }  // namespace
 
 TEST_CASE("crossings: many random paths in one layer agree with a test of all pairs", "[engine][crossings]") {

@@ -7,7 +7,7 @@ namespace lamella {
 namespace {
 
 // Work as StopPace counts it.
-constexpr std::size_t contour_work = 16;
+constexpr std::size_t ring_work = 16;
 constexpr std::size_t point_work = 4;
 
 /// Whether the closed ring read from `a` on is smaller than read from `b` on.
@@ -97,7 +97,7 @@ void RingReader::read(const LinkGraph& graph, const Point* points, Vector<LayerC
         contours.push_back(walked.closed ? read_closed(graph, walked, points, ring)
                                          : read_open(graph, walked, points, ring));
         ring += walked.count;
-        pace_.spend(contour_work + walked.count);
+        pace_.spend(ring_work + walked.count);
     }
 }
 
@@ -118,8 +118,7 @@ RingFacts RingReader::trace(const Point* points, std::span<const Slot> slots, Po
         return kernels_.trace(points, slots.data(), slots.size(), ring);
     }
     pace_.in_stretches(0, slots.size(), point_work, [&](std::size_t begin, std::size_t end) {
-        std::transform(slots.begin() + begin, slots.begin() + end, ring + begin,
-                       [points](Slot slot) { return points[slot]; });
+        std::transform(slots.data() + begin, slots.data() + end, ring + begin, [points](Slot slot) { return points[slot]; });
     });
     return examine_ring(ring, slots.size(), [this] { pace_.ask(); });
 }

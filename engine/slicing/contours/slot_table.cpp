@@ -92,7 +92,7 @@ void SlotTable::clear_map(std::size_t size) {
         resize_exactly(map_, size, pace_);
     }
     pace_.in_stretches(
-        0, size, 1, [this](std::size_t begin, std::size_t end) { std::fill_n(map_.begin() + begin, end - begin, no_slot); });
+        0, size, 1, [this](std::size_t begin, std::size_t end) { std::fill_n(map_.data() + begin, end - begin, no_slot); });
 }
 
 /// More edges than expected: the `made` ones so far go to a map of twice the size.

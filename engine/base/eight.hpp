@@ -29,8 +29,8 @@ public:
     /// As they lie in memory, where lanes are read and written one by one.
     using Stored = std::array<std::int32_t, lanes>;
 
-    Eight(std::int32_t all) noexcept : low_{all, all, all, all}, high_{all, all, all, all} {}
-    Eight(const Stored& stored) noexcept {
+    explicit Eight(std::int32_t all) noexcept : low_{all, all, all, all}, high_{all, all, all, all} {}
+    explicit Eight(const Stored& stored) noexcept {
         std::memcpy(&low_, stored.data(), sizeof low_);
         std::memcpy(&high_, stored.data() + lanes / 2, sizeof high_);
     }

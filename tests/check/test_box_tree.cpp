@@ -1,5 +1,6 @@
 // The tree of boxes, and what numbers and sorts its items, against looking at everything.
 #include <algorithm>
+#include <array>
 #include <random>
 #include <vector>
 
@@ -41,7 +42,7 @@ BoxTree tree_of(const std::vector<Box>& boxes, int threads) {
 }  // namespace
 
 TEST_CASE("the tree finds the boxes that meet a box", "[check]") {
-    const std::size_t count = GENERATE(0, 1, 7, 8, 9, 64, 65, 700, 5000);
+    const std::size_t count = GENERATE(as<std::size_t>(), 0, 1, 7, 8, 9, 64, 65, 700, 5000);
     const std::vector<Box> boxes = drawn_boxes(count, 20);
     const BoxTree tree = tree_of(boxes, 2);
     for (const Box& query : drawn_boxes(50, 30)) {
@@ -59,7 +60,7 @@ TEST_CASE("the tree finds the boxes that meet a box", "[check]") {
 }
 
 TEST_CASE("the tree finds every pair of boxes that meet once", "[check]") {
-    const std::size_t count = GENERATE(1, 8, 9, 63, 600, 1500);
+    const std::size_t count = GENERATE(as<std::size_t>(), 1, 8, 9, 63, 600, 1500);
     const std::vector<Box> boxes = drawn_boxes(count, 12);
     const BoxTree tree = tree_of(boxes, 1);
     std::vector<std::pair<std::size_t, std::size_t>> found;
@@ -113,7 +114,7 @@ TEST_CASE("Morton keys take the axes' bits by turns", "[check]") {
 TEST_CASE("a part is sorted by number, then as it is told", "[check]") {
     std::mt19937 random(4);
     PartSort<std::pair<int, int>> sort;
-    for (const std::size_t count : {0, 1, 2, 100, 3000}) {
+    for (const std::size_t count : std::array<std::size_t, 5>{0, 1, 2, 100, 3000}) {
         std::vector<std::pair<int, int>> items(count);
         for (auto& item : items) {
             item = {static_cast<int>(random() % 50) + 1000, static_cast<int>(random() % 9)};
@@ -129,7 +130,7 @@ TEST_CASE("a part is sorted by number, then as it is told", "[check]") {
 
 TEST_CASE("indices come in order from any number of threads", "[check]") {
     for (const int threads : {1, 4}) {
-        for (const std::size_t count : {0, 1, 16384, 100'000}) {
+        for (const std::size_t count : std::array<std::size_t, 4>{0, 1, 16384, 100'000}) {
             const auto test = [](std::size_t i) { return i % 7 == 3 || i % 16384 < 2; };
             const Array<std::uint32_t> found = indices_where(count, Parallel({.threads = threads}), nullptr, test);
             std::vector<std::uint32_t> wanted;

@@ -53,8 +53,8 @@ TEST_CASE("a recycler joins what is given back, and hands it out again", "[engin
         CHECK(quarters.back() >= first);
         CHECK(quarters.back() + whole / 4 <= first + whole);
     }
-    for (const std::size_t i : {2, 0, 3, 1}) {
-        recycler.deallocate(quarters[i], whole / 4, 64);
+    for (const int i : {2, 0, 3, 1}) {
+        recycler.deallocate(quarters[static_cast<std::size_t>(i)], whole / 4, 64);
     }
     void* const again = recycler.allocate(whole, 64);
     CHECK(again == first);

@@ -45,7 +45,7 @@ public:
     LaneBits meets(const Box& other) const noexcept {
         Eight apart(0);
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            apart = apart | (Eight(low_[axis]) > other.high[axis]) | (Eight(other.low[axis]) > high_[axis]);
+            apart = apart | (Eight(low_[axis]) > Eight(other.high[axis])) | (Eight(other.low[axis]) > Eight(high_[axis]));
         }
         return ~apart.bits() & all_eight;
     }

@@ -52,7 +52,7 @@ public:
         for (const Eight::Stored& theirs : other.vertices_) {
             if (const std::int32_t vertex = theirs[lane]; vertex != static_cast<std::int32_t>(none)) {
                 const Eight all(vertex);
-                same = same | (all == vertices_[0]) | (all == vertices_[1]) | (all == vertices_[2]);
+                same = same | (all == Eight(vertices_[0])) | (all == Eight(vertices_[1])) | (all == Eight(vertices_[2]));
             }
         }
         return same.bits();

@@ -85,7 +85,7 @@ private:
 
     template <class T>
     void copy_paced(const T* from, std::size_t count, T* to) {
-        constexpr std::size_t words = sizeof(T) / sizeof(Point);
+        constexpr std::size_t words = (sizeof(T) + 7) / 8;
         pace_.in_stretches(0, count, words,
                            [&](std::size_t begin, std::size_t end) { std::copy(from + begin, from + end, to + begin); });
     }

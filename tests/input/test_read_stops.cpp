@@ -27,7 +27,7 @@ constexpr std::uint32_t side = 80;
 constexpr double most_ms_late = 2000;
 constexpr double always_short_ms = 200;
 #else
-constexpr std::uint32_t side = 230;  // 105,800 triangles
+constexpr std::uint32_t side = 390;  // 304,200 triangles
 constexpr double most_ms_late = 100;
 constexpr double always_short_ms = 10;  // of a piece of text, and of a row of pages
 #endif
@@ -262,7 +262,7 @@ double ms_to_read(const std::filesystem::path& path, int threads, const StopChec
 void check_stops(const std::filesystem::path& path, int threads, std::mt19937& random) {
     const double whole = ms_to_read(path, threads);
     std::vector<double> late;
-    for (int round = 0; round < 8; ++round) {
+    for (int round = 0; round < 4; ++round) {
         StopAt stop(std::uniform_real_distribution<double>(0, whole)(random));
         const Result<MeshFile> mesh = read_with(path, threads, stop.check());
         if (!mesh.ok()) {

@@ -141,7 +141,7 @@ private:
         find_flipped_faces(mesh, edges, notes, parallel_);
         check_.ms.joints = lap();
         begin(tree_share);
-        const FaceTree tree(mesh, parallel_);
+        const FaceTree tree(mesh, stars, parallel_);
         check_.ms.meeting = lap();
         begin(shells_share);
         const Array<std::uint32_t> shell_of = find_shells(mesh, edges, tree, notes, check_, parallel_);

@@ -29,8 +29,9 @@ std::int32_t height_in(std::size_t axis, const GridVertex& v) {
 }  // namespace
 
 EmbeddedStars::EmbeddedStars(const GridMesh& mesh, const EdgeTable& edges, const Parallel& parallel)
-    : mesh_(mesh), words_(mesh.memory) {
+    : mesh_(mesh), words_(mesh.memory), areas_(mesh.memory) {
     words_.resize_discarding(mesh.vertices.size());
+    areas_.resize_discarding(mesh.faces.size());
     parallel.run_ranges(words_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
         std::fill(words_.begin() + begin, words_.begin() + end, every_view);
     });
@@ -47,6 +48,7 @@ void EmbeddedStars::find_views(const Parallel& parallel) {
         for (std::size_t i = begin; i != end; ++i) {
             const Face& face = mesh_.faces[i];
             const Word views = views_of(mesh_.corners(face));
+            areas_[i] = views != 0 ? 1 : 0;
             for (const std::uint32_t vertex : face.corners) {
                 AtomicWord<Word>(words_[vertex]).keep(views);
             }

@@ -28,6 +28,9 @@ public:
         return (words_[vertex] & ~every_view) == one_round && (words_[vertex] & every_view) != 0;
     }
 
+    /// Whether a face has area.
+    bool has_area(std::size_t face) const noexcept { return areas_[face] != 0; }
+
 private:
     using Word = std::uint32_t;
     static constexpr Word every_view =
@@ -38,7 +41,8 @@ private:
     void count_rounds(const Parallel& parallel);
 
     const GridMesh& mesh_;
-    Array<Word> words_;  ///< by vertex
+    Array<Word> words_;          ///< by vertex
+    Array<std::uint8_t> areas_;  ///< by face: 1 where it has one
 };
 
 }  // namespace lamella

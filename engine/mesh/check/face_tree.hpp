@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "mesh/check/box_tree.hpp"
+#include "mesh/check/embedded_stars.hpp"
 #include "mesh/check/grid_mesh.hpp"
 
 namespace lamella {
@@ -15,7 +16,7 @@ struct FaceTree {
     BoxTree boxes;               ///< items as in `faces`
 
     /// O(n), in at most 13 calls of run(). Throws std::bad_alloc.
-    FaceTree(const GridMesh& mesh, const Parallel& parallel);
+    FaceTree(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel);
 };
 
 }  // namespace lamella

@@ -1,6 +1,7 @@
 #include "mesh/check/shell_nesting.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -49,7 +50,7 @@ public:
     Nesting(const GridMesh& mesh, const FaceTree& tree, const Array<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
             const Parallel& parallel)
         : mesh_(mesh), tree_(tree), shell_of_(shell_of), shells_(shells), parallel_(parallel) {
-        sort_faces();
+        choose_samples();
     }
 
     bool run() {
@@ -72,26 +73,24 @@ public:
 private:
     static constexpr std::size_t most_samples = 8;
 
-    void sort_faces() {
-        firsts_.assign(shells_.size() + 1, 0);
-        for (const std::uint32_t shell : shell_of_) {
-            ++firsts_[shell + 1];
-        }
-        for (std::size_t shell = 0; shell < shells_.size(); ++shell) {
-            firsts_[shell + 1] += firsts_[shell];
-        }
-        faces_.resize(shell_of_.size());
-        std::vector<std::size_t> cursors(firsts_.begin(), firsts_.end() - 1);
+    /// For each shell vertices spread over it: of its faces, in order, the first, the last and some between them.
+    void choose_samples() {
+        samples_.resize(shells_.size());
+        std::vector<std::uint64_t> seen(shells_.size(), 0);  // of its faces
+        std::vector<std::size_t> chosen(shells_.size(), 0);  // of its samples
         for (std::uint32_t face = 0; face < shell_of_.size(); ++face) {
-            faces_[cursors[shell_of_[face]]++] = face;
+            const std::uint32_t shell = shell_of_[face];
+            const std::uint64_t last = shells_[shell].triangles - 1;
+            for (std::size_t& next = chosen[shell]; next < most_samples && seen[shell] == next * last / (most_samples - 1);
+                 ++next) {
+                samples_[shell][next] = mesh_.faces[face].corners[next % 3];
+            }
+            ++seen[shell];
         }
     }
 
-    /// Vertices spread over the shell.
     GridVector sample(std::uint32_t shell, std::size_t number) const {
-        const std::size_t count = firsts_[shell + 1] - firsts_[shell];
-        const std::uint32_t face = faces_[firsts_[shell] + number * (count - 1) / (most_samples - 1)];
-        return half(mesh_.vertices[mesh_.faces[face].corners[number % 3]]);
+        return half(mesh_.vertices[samples_[shell][number]]);
     }
 
     /// Appends the closed shells around this one to `around`; returns what it cost.
@@ -169,8 +168,7 @@ private:
     const Array<std::uint32_t>& shell_of_;
     std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
-    std::vector<std::uint32_t> faces_;  ///< by shell
-    std::vector<std::size_t> firsts_;   ///< per shell, into faces_
+    std::vector<std::array<std::uint32_t, most_samples>> samples_;  ///< by shell: vertices
 };
 
 }  // namespace

@@ -69,9 +69,10 @@ Array<std::uint32_t> join_shells(const GridMesh& mesh, const EdgeTable& edges, s
     return number_shells(sets, count, parallel, mesh.memory);
 }
 
+using Corners = std::array<GridVertex, 3>;
+
 /// Six times the volume between a face and a point near it, in halves of grid units: summed over a closed shell, exact.
-Int128 six_volumes(const GridMesh& mesh, const Face& face, const GridVector& origin) {
-    const std::array<GridVertex, 3> corners = mesh.corners(face);
+Int128 six_volumes(const Corners& corners, const GridVector& origin) {
     return dot(cross(half(corners[0]) - origin, half(corners[1]) - origin), half(corners[2]) - origin);
 }
 
@@ -82,9 +83,8 @@ struct FirstPlace {
     friend auto operator<=>(const FirstPlace&, const FirstPlace&) = default;
 };
 
-FirstPlace first_place(const GridMesh& mesh, std::uint32_t face) {
-    const auto [a, b, c] = mesh.corners(mesh.faces[face]);
-    return {std::min({a, b, c}), face};
+FirstPlace first_place(const Corners& corners, std::uint32_t face) {
+    return {std::min({corners[0], corners[1], corners[2]}), face};
 }
 
 /// What faces that follow one another in one shell add to it.
@@ -134,8 +134,9 @@ private:
             if (origins_.size() % faces_a_range == 0) {
                 parallel_.stop_if_asked();
             }
-            firsts_[origins_.size()] = first_place(mesh_, face);
-            origins_.push_back(half(mesh_.vertices[mesh_.faces[face].corners[0]]));
+            const Corners corners = mesh_.corners(mesh_.faces[face]);
+            firsts_[origins_.size()] = first_place(corners, face);
+            origins_.push_back(half(corners[0]));
         }
     }
 
@@ -162,13 +163,14 @@ private:
     void add_range(std::size_t begin, std::size_t end, std::vector<ShellPart>& parts) const {
         for (std::size_t i = begin; i != end; ++i) {
             const std::uint32_t shell = shell_of_[i];
-            const FirstPlace first = first_place(mesh_, static_cast<std::uint32_t>(i));
+            const Corners corners = mesh_.corners(mesh_.faces[i]);
+            const FirstPlace first = first_place(corners, static_cast<std::uint32_t>(i));
             if (parts.empty() || parts.back().shell != shell) {
                 parts.push_back({shell, 0, 0, first});
             }
             ShellPart& part = parts.back();
             ++part.triangles;
-            part.six_volumes += six_volumes(mesh_, mesh_.faces[i], origins_[shell]);
+            part.six_volumes += six_volumes(corners, origins_[shell]);
             part.first = std::min(part.first, first);
         }
     }

@@ -80,17 +80,22 @@ test_full_disk() {
     [[ $(ls -A disk) == filler ]] || fail "left on the full disk: $(ls -A disk)"
 }
 
+# start_tool ARGUMENT...: starts the command line tool beside this script; its process is `tool`.
+start_tool() {
+    set -m
+    "$lamella" "$@" > .stdout 2> .stderr &
+    set +m
+    tool=$!
+    # Until exec, the child is a copy of this script, with its trap.
+    while [[ "$(cat "/proc/$tool/comm")" == bash ]]; do :; done
+}
+
 # signalled SIGNAL SECONDS: slicing ends with the signal, whatever it is doing, and keeps the old output. Finishing before
 # the signal is not a failure.
 signalled() {
     local tool status
     echo precious > out.svg
-    set -m
-    "$lamella" slice ball.stl --layer-height 0.002 -o out.svg > .stdout 2> .stderr &
-    set +m
-    tool=$!
-    # Until exec, the child is a copy of this script, with its trap.
-    while [[ "$(cat "/proc/$tool/comm")" == bash ]]; do :; done
+    start_tool slice ball.stl --layer-height 0.002 -o out.svg
     sleep "$2"
     kill -s "$1" "$tool" 2> /dev/null
     wait "$tool" 2> /dev/null
@@ -185,11 +190,7 @@ test_shrinking_map() {
 ended_by() {
     local signal=$1 delay=$2 tool status begin
     shift 2
-    set -m
-    "$lamella" "$@" > .stdout 2> .stderr &
-    set +m
-    tool=$!
-    while [[ "$(cat "/proc/$tool/comm")" == bash ]]; do :; done
+    start_tool "$@"
     sleep "$delay"
     kill -s "$signal" "$tool" 2> /dev/null
     begin=$(date +%s%N)
@@ -232,11 +233,7 @@ test_stops() {
 note_late() {
     local signal=$1 delay=$2 tool begin end
     shift 2
-    set -m
-    "$lamella" "$@" > .stdout 2> .stderr &
-    set +m
-    tool=$!
-    while [[ "$(cat "/proc/$tool/comm")" == bash ]]; do :; done
+    start_tool "$@"
     sleep "$delay"
     begin=$EPOCHREALTIME
     kill -s "$signal" "$tool" 2> /dev/null

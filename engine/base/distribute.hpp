@@ -41,16 +41,21 @@ inline void touch_pages(std::byte* bytes, std::size_t count, const Parallel& par
     });
 }
 
+/// Into how many ranges `count` items are cut of which each has an array of its own: of 2^16 items, or four for each thread
+/// if that is more, but not of under 2^12.
+inline std::size_t ranges_for(std::size_t count, const Parallel& parallel) noexcept {
+    const std::size_t enough =
+        std::max<std::size_t>(static_cast<std::size_t>(parallel.threads()) * 4, count / (std::size_t{1} << 16));
+    return std::clamp<std::size_t>(count / 4096, 1, enough);
+}
+
 /// Three calls of run(). `each(begin, end, emit)` calls emit(part, item) for every item that comes from [begin, end), and
 /// the same again when it is called again. The items' memory comes from `memory`; beside them 8 bytes a part for each 2^16
 /// of `count`. Throws std::bad_alloc.
 template <class T, class Each>
 Distributed<T> distribute(std::size_t count, std::size_t parts, const Parallel& parallel, Each each,
                           const Memory* memory = nullptr) {
-    constexpr std::size_t most_in_range = std::size_t{1} << 16;
-    const std::size_t enough =
-        std::max<std::size_t>(static_cast<std::size_t>(parallel.threads()) * 4, count / most_in_range);
-    const std::size_t ranges = std::clamp<std::size_t>(count / 4096, 1, enough);
+    const std::size_t ranges = ranges_for(count, parallel);
     const auto first = [&](std::size_t range) { return count * range / ranges; };
     std::vector<std::size_t> cursors(ranges * parts, 0);  // first a count, then where the next item goes
     parallel.run(ranges, [&](std::size_t range, int) {

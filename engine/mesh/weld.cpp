@@ -95,7 +95,7 @@ public:
         : count_(count), parallel_(parallel), firsts_(std::clamp<std::size_t>(count / range_size, 1, most_ranges) + 1) {}
 
     /// Numbers the items for which is_counted(i) in ascending order: calls see(i, the number of the last one up to i,
-    /// whether i is one). Returns how many there are, between the two calls to room(how many).
+    /// whether i is one), and before all of them room(how many there are).
     template <class IsCounted, class Room, class See>
     void number(const IsCounted& is_counted, const Room& room, const See& see) {
         for_each_range([&](std::size_t range, std::size_t begin, std::size_t end) {
@@ -161,8 +161,6 @@ Result<Array<Place<Number>>> distinct_places(const MeshView& mesh, std::span<std
 /// What each vertex becomes.
 class Joining {
 public:
-    static constexpr std::uint32_t undecided = std::numeric_limits<std::uint32_t>::max();
-
     explicit Joining(const Memory* memory) : target_(memory), waiting_(memory) {}
 
     std::uint64_t joined() const noexcept { return joined_; }
@@ -178,14 +176,11 @@ public:
         parallel.begin_stage(searched_share, 5);
         NearVertices<Number> near(places, tolerance, parallel, memory);
         target_.resize_discarding(places.size());
-        const std::size_t ranges = places.size() / weld_grain + 1;
-        parallel.run(ranges, [&](std::size_t range, int) {
-            for (std::size_t v = places.size() * range / ranges; v < places.size() * (range + 1) / ranges; ++v) {
-                const auto vertex = static_cast<std::uint32_t>(v);
-                target_[v] = near.has_earlier(vertex) ? undecided : vertex;
-            }
+        parallel.run_ranges(places.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
+            std::iota(target_.begin() + begin, target_.begin() + end, static_cast<std::uint32_t>(begin));
         });
-        waiting_ = indices_where(places.size(), parallel, memory, [&](std::size_t v) { return target_[v] == undecided; });
+        waiting_ = indices_where(places.size(), parallel, memory,
+                                 [&](std::size_t v) { return near.has_earlier(static_cast<std::uint32_t>(v)); });
         decide(near, parallel);
     }
 
@@ -211,7 +206,7 @@ private:
     }
 
     Array<std::uint32_t> target_;
-    Array<std::uint32_t> waiting_;  ///< undecided ones, ascending
+    Array<std::uint32_t> waiting_;  ///< that may move, ascending
     std::uint64_t joined_ = 0;
     double largest_squared_ = 0;
 };

@@ -1,10 +1,8 @@
 #include "mesh/check/box_tree.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <limits>
-#include <utility>
 
 namespace lamella {
 

@@ -100,18 +100,11 @@ void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes, c
     const auto same_vertices = [&](std::size_t a, std::size_t b) {
         return vertex_set(mesh.faces[a]) == vertex_set(mesh.faces[b]);
     };
-    notes.in_ranges(mesh.faces.size(), parallel, [&](std::size_t first, std::size_t last, Notes& own) {
-        while (first < last && first > 0 && same_vertices(first, first - 1)) {
-            ++first;  // belongs to the range before
+    notes.in_groups(mesh.faces.size(), parallel, same_vertices, [&](std::size_t begin, std::size_t end, Notes& own) {
+        for (std::size_t face = begin; face != end; ++face) {
+            judge_shape(mesh, mesh.faces[face], sliver_ratio, own);
         }
-        for (std::size_t begin = first; begin < last;) {
-            std::size_t end = begin;
-            while (end < mesh.faces.size() && same_vertices(end, begin)) {
-                judge_shape(mesh, mesh.faces[end++], sliver_ratio, own);
-            }
-            judge_group(mesh, begin, end, own);
-            begin = end;
-        }
+        judge_group(mesh, begin, end, own);
     });
 }
 

@@ -48,6 +48,24 @@ public:
         }
     }
 
+    /// The same for groups of items that follow one another and are alike(i, i - 1): judge(begin, end, notes) for each.
+    template <class Alike, class Judge>
+    void in_groups(std::size_t count, const Parallel& parallel, Alike alike, Judge judge) {
+        in_ranges(count, parallel, [&](std::size_t first, std::size_t last, Notes& own) {
+            while (first < last && first > 0 && alike(first, first - 1)) {
+                ++first;  // belongs to the range before
+            }
+            for (std::size_t begin = first; begin < last;) {
+                std::size_t end = begin + 1;
+                while (end < count && alike(end, end - 1)) {
+                    ++end;
+                }
+                judge(begin, end, own);
+                begin = end;
+            }
+        });
+    }
+
     FaultFinding& of(Fault fault) noexcept { return findings_[static_cast<std::size_t>(fault)]; }
 
     std::array<double, 3> mm(const GridVertex& vertex) const noexcept {

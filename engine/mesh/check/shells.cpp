@@ -196,9 +196,12 @@ private:
     std::vector<FirstPlace> firsts_;
 };
 
-/// One call of run(): numbers the shells anew, by what they are known by.
+/// Numbers the shells anew, by what they are known by: where they are not in that order yet, in five calls of run().
 void sort_shells(const std::vector<FirstPlace>& firsts, std::vector<MeshShell>& shells, Array<std::uint32_t>& shell_of,
                  const Parallel& parallel) {
+    if (std::is_sorted(firsts.begin(), firsts.end())) {
+        return;
+    }
     std::vector<std::uint32_t> order(shells.size());
     std::iota(order.begin(), order.end(), 0U);
     sort_in_parallel(

@@ -95,22 +95,22 @@ std::vector<Patch> sizes_of(Patches& patches, std::size_t faces, const Parallel&
     return sizes;
 }
 
-/// A corner of a face, by the vertex there.
-struct CornerAt {
-    std::uint32_t vertex;
-    std::uint32_t corner;  ///< 3 * face + index
-    friend auto operator<=>(const CornerAt&, const CornerAt&) = default;
-};
+/// Of a corner: 3 * face + index.
+std::uint32_t vertex_of(const GridMesh& mesh, std::size_t corner) {
+    return mesh.faces[corner / 3].corners[corner % 3];
+}
 
-/// Those at vertices without embedded stars, in order. At the others the faces form one fan.
-std::vector<CornerAt> loose_corners(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel) {
-    const auto vertex_of = [&](std::size_t corner) { return mesh.faces[corner / 3].corners[corner % 3]; };
-    std::vector<CornerAt> corners;
-    for (const std::uint32_t corner : indices_where(3 * mesh.faces.size(), parallel, mesh.memory,
-                                                    [&](std::size_t i) { return !stars.contains(vertex_of(i)); })) {
-        corners.push_back({vertex_of(corner), corner});
-    }
-    sort_in_parallel(std::span<CornerAt>(corners), std::less<>{}, parallel);
+/// Those at vertices without embedded stars, by vertex. At the others the faces form one fan.
+Array<std::uint32_t> loose_corners(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel) {
+    Array<std::uint32_t> corners = indices_where(3 * mesh.faces.size(), parallel, mesh.memory, [&](std::size_t corner) {
+        return !stars.contains(vertex_of(mesh, corner));
+    });
+    sort_in_parallel(
+        corners.span(),
+        [&](std::uint32_t a, std::uint32_t b) {
+            return std::pair(vertex_of(mesh, a), a) < std::pair(vertex_of(mesh, b), b);
+        },
+        parallel, mesh.memory);
     return corners;
 }
 
@@ -119,11 +119,11 @@ class FanCount {
 public:
     explicit FanCount(const GridMesh& mesh) : mesh_(mesh) {}
 
-    std::size_t run(std::span<const CornerAt> corners) {
+    std::size_t run(std::span<const std::uint32_t> corners) {
         spokes_.clear();
         for (std::uint32_t i = 0; i < corners.size(); ++i) {
-            for (const std::uint32_t end : mesh_.faces[corners[i].corner / 3].corners) {
-                if (end != corners[i].vertex) {
+            for (const std::uint32_t end : mesh_.faces[corners[i] / 3].corners) {
+                if (end != vertex_of(mesh_, corners[i])) {
                     spokes_.push_back({end, i});
                 }
             }
@@ -177,27 +177,19 @@ EdgeCounts find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes&
 }
 
 void find_split_vertices(const GridMesh& mesh, const EmbeddedStars& stars, Notes& notes, const Parallel& parallel) {
-    const std::vector<CornerAt> corners = loose_corners(mesh, stars, parallel);
-    notes.in_ranges(corners.size(), parallel, [&](std::size_t first, std::size_t last, Notes& own) {
-        FanCount fans(mesh);
-        while (first < last && first > 0 && corners[first].vertex == corners[first - 1].vertex) {
-            ++first;  // belongs to the range before
-        }
-        for (std::size_t begin = first; begin < last;) {
-            std::size_t end = begin;
-            while (end < corners.size() && corners[end].vertex == corners[begin].vertex) {
-                ++end;
-            }
-            const std::size_t count = fans.run(std::span(corners).subspan(begin, end - begin));
-            if (count > 1) {
-                own.add(Fault::split_vertex, [&] {
-                    FaultPlace place = own.at({corners[begin].vertex});
-                    place.triangles[0] = mesh.faces[corners[begin].corner / 3].source;
-                    place.parts = count;
-                    return place;
-                });
-            }
-            begin = end;
+    const Array<std::uint32_t> corners = loose_corners(mesh, stars, parallel);
+    const auto same_vertex = [&](std::size_t a, std::size_t b) {
+        return vertex_of(mesh, corners[a]) == vertex_of(mesh, corners[b]);
+    };
+    notes.in_groups(corners.size(), parallel, same_vertex, [&](std::size_t begin, std::size_t end, Notes& own) {
+        const std::size_t fans = FanCount(mesh).run(corners.span().subspan(begin, end - begin));
+        if (fans > 1) {
+            own.add(Fault::split_vertex, [&] {
+                FaultPlace place = own.at({vertex_of(mesh, corners[begin])});
+                place.triangles[0] = mesh.faces[corners[begin] / 3].source;
+                place.parts = fans;
+                return place;
+            });
         }
     });
 }

@@ -16,7 +16,6 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t triangles_a_range = std::size_t{1} << 16;
 constexpr std::size_t vertices_a_part = std::size_t{1} << 14;
 
 /// A vertex on the grid, and a hash of its coordinates as they are.
@@ -89,9 +88,7 @@ public:
           order_(info),
           parallel_(parallel),
           memory_(memory),
-          ranges_(std::clamp<std::size_t>(mesh.triangle_count / 4096, 1,
-                                          std::max<std::size_t>(static_cast<std::size_t>(parallel.threads()) * 4,
-                                                                mesh.triangle_count / triangles_a_range))),
+          ranges_(ranges_for(mesh.triangle_count, parallel)),
           of_corners_(memory),
           of_found_(memory),
           tables_(static_cast<std::size_t>(parallel.threads())) {}

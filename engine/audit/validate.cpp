@@ -189,14 +189,14 @@ private:
             sum += contour.segments;
         }
         // A fill rule drops some and cuts others in two.
-        return sum == layer_.segments || result_.fill_rule != FillRule::contours
+        return sum == layer_.segments || !result_.region.keeps_contours()
                    ? Complaint{}
                    : place(index_) + "contours do not use every segment once";
     }
 
     Complaint parents() const {
         Complaint complaint;
-        if (result_.fill_rule != FillRule::contours) {
+        if (!result_.region.keeps_contours()) {
             return complaint;  // contours of a region may touch: a start may lie on the contour around it
         }
         for_each_enclosure(result_, layer_, [&](std::size_t c, std::span<const std::size_t> around) {
@@ -225,7 +225,7 @@ private:
 
     /// Parents start strictly left of their children, so in the order of starts they come first.
     Complaint roles() const {
-        if (result_.fill_rule != FillRule::contours) {
+        if (!result_.region.keeps_contours()) {
             return roles_of_region();
         }
         std::vector<std::size_t> by_start(contours_.size());
@@ -329,7 +329,7 @@ Complaint check_summary(const SliceResult& result) {
         counted.overruled_contours += (contour.flags & orientation_overruled) != 0;
     }
     const SliceSummary& summary = result.summary;
-    const bool agrees = (counted.segments == summary.segments || result.fill_rule != FillRule::contours) &&
+    const bool agrees = (counted.segments == summary.segments || !result.region.keeps_contours()) &&
                         counted.holes == summary.holes && counted.flat_contours == summary.flat_contours &&
                         counted.open_contours == summary.open_contours &&
                         counted.overruled_contours == summary.overruled_contours;

@@ -114,7 +114,7 @@ private:
     void sweep_band(std::size_t band, int worker);
     void sweep_wide(std::size_t band);
     Error too_entangled(std::int64_t plane) const;
-    LayerRules rules() const noexcept { return {options_.fill_rule, options_.close_gaps_mm / result_.unit_mm}; }
+    LayerRules rules() const noexcept { return {options_.region.fill_rule, options_.close_gaps_mm / result_.unit_mm}; }
     void note_ticks_of(const WidePlane& wide, std::uint64_t spent);
     void split_time(double sweep_ms);
     void finish_result();
@@ -142,7 +142,7 @@ Status Slicing::choose_grid_and_planes() {
     result_.unit_mm = *unit;
     result_.frame = options_.transform;
     result_.plan = options_.plan;
-    result_.fill_rule = options_.fill_rule;
+    result_.region.fill_rule = options_.region.fill_rule;
     result_.close_gaps_mm = options_.close_gaps_mm;
     result_.summary = {};
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
@@ -207,7 +207,7 @@ Error Slicing::too_entangled(std::int64_t plane) const {
     const double height = kept_.planes.height_mm(static_cast<PlaneIndex>(plane));
     Error error{ErrorCode::too_entangled, "layer " + std::to_string(plane) + " at " + exact_text(height) + " mm" +
                                               ": its contours are too entangled for the fill rule " +
-                                              std::string(name_of(options_.fill_rule))};
+                                              std::string(name_of(options_.region.fill_rule))};
     error.plane = plane;
     return error;
 }

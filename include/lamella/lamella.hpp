@@ -31,6 +31,7 @@
 #include "lamella/mesh/scale.hpp"
 #include "lamella/mesh/weld.hpp"
 #include "lamella/planes.hpp"
+#include "lamella/region.hpp"
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/version.hpp"

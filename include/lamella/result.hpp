@@ -22,7 +22,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "lamella/array.hpp"
@@ -32,6 +31,7 @@
 #include "lamella/memory.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/planes.hpp"
+#include "lamella/region.hpp"
 
 namespace lamella {
 
@@ -42,21 +42,6 @@ enum class Role : std::uint8_t {
     open,   ///< a polyline: the mesh lacks a face at both of its ends
 };
 
-/// What is solid where contours overlap, nest in the same direction or run backwards. All rules but the first change
-/// contours. A contour that comes within two units of no other is kept as it is, or dropped. Contours that meet are clipped,
-/// and the points where they cross are rounded to the grid. Each clipping is done in two ways whose results must agree. A
-/// layer where they do not, or whose contours meet so often that clipping would take more than some seconds, is refused
-/// (ErrorCode::too_entangled).
-enum class FillRule : std::uint8_t {
-    contours,  ///< the contours as the mesh gives them: nothing is joined or cut
-    even_odd,  ///< solid within an odd number of contours
-    non_zero,  ///< solid where the winding number is not 0
-    positive,  ///< solid where the winding number, by the facets' orientation, is more than 0
-};
-
-/// "contours", "even-odd", "non-zero" or "positive".
-std::string_view name_of(FillRule rule) noexcept;
-
 /// Bits of Contour::flags.
 enum ContourFlag : std::uint16_t {
     /// The facets' orientation gives a winding number below zero here or around here: an inverted shell, a flipped patch.
@@ -66,6 +51,8 @@ enum ContourFlag : std::uint16_t {
     orientation_mixed = 2,
     /// Ends of open polylines were joined; see SliceResult::closed_gaps.
     gap_closed = 4,
+    /// Within twice RegionRules::mark_near_mm of another contour or of itself: closing would change it.
+    near_contour = 8,
 };
 
 /// 48 bytes. A closed contour starts at its smallest (x, y, mesh edge), edges in the order of EndKey, and the first point is
@@ -142,7 +129,7 @@ struct SliceResult {
     Array<Contour> contours;
     Array<Point> points;
     Array<ClosedGap> closed_gaps;  ///< by layer, then by `from` and `to`
-    FillRule fill_rule = FillRule::contours;
+    RegionRules region;
     double close_gaps_mm = 0;          ///< ends at most so far apart were joined
     double unit_mm = default_unit_mm;  ///< grid units times this give mm; to_mm() does it
     Transform frame;                   ///< from the caller's space to the space of layers and points

@@ -22,6 +22,7 @@
 #include "lamella/experiments.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/planes.hpp"
+#include "lamella/region.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -34,7 +35,7 @@ struct SliceOptions {
     LayerPlan plan{};
     double unit_mm = 0;     ///< grid unit; 0 chooses the default, unit_by_box the finest (see grid.hpp)
     Transform transform{};  ///< from the mesh's coordinates to mm and to the slicing direction, which is z
-    FillRule fill_rule = FillRule::contours;
+    RegionRules region{};
     double close_gaps_mm = 0;              ///< join ends of open polylines at most so far apart; 0 joins none
     std::uint64_t memory_limit_bytes = 0;  ///< larger results are refused before allocation; 0: half of physical memory
     Control control{};

@@ -143,7 +143,7 @@ TEST_CASE("certificate: open meshes, fill rules and closed gaps are not certifie
     std::swap_ranges(turned.begin(), turned.begin() + 3, turned.begin() + 3);
     CHECK(certified(turned, sliced(turned, uniform(0.5))).verdict == VolumeVerdict::open_mesh);
     lamella::SliceOptions options = uniform(0.5);
-    options.fill_rule = lamella::FillRule::non_zero;
+    options.region.fill_rule = lamella::FillRule::non_zero;
     CHECK(certified(ball, sliced(ball, options)).verdict == VolumeVerdict::not_as_walked);
 }
 

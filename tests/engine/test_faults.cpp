@@ -119,7 +119,7 @@ TEST_CASE("a slice by random planes fails cleanly at each of its allocations", "
 
 TEST_CASE("filling and closing gaps fail cleanly at each of their allocations", "[engine][faults]") {
     SliceOptions options = uniform(0.7);
-    options.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::even_odd, lamella::FillRule::non_zero,
+    options.region.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::even_odd, lamella::FillRule::non_zero,
                                  lamella::FillRule::positive);
     options.close_gaps_mm = 2;
     options.control.threads = 2;

@@ -166,7 +166,7 @@ double area_between_edges(const std::vector<Polygon>& polygons, FillRule rule) {
 double filled_area(const shapes::Soup& soup, FillRule rule) {
     lamella::SliceOptions options = at_heights({5});
     options.unit_mm = lamella::default_unit_mm;
-    options.fill_rule = rule;
+    options.region.fill_rule = rule;
     const SliceResult result = sliced(soup, options);
     CHECK(result.summary.overruled_contours == 0);
     return result.area_mm2(result.layers[0]);
@@ -218,7 +218,7 @@ TEST_CASE("fill rules: a spike without area is removed", "[engine][fill]") {
     const Polygon polygon{{-10, -10}, {0, -10}, {0, 0}, {10, 0}, {4, 0}, {4, 10}, {-10, 10}};
     for (const FillRule rule : rules) {
         lamella::SliceOptions options = at_heights({5});
-        options.fill_rule = rule;
+        options.region.fill_rule = rule;
         CHECK(contours_at(sliced(walls({polygon}), options), 0) ==
               std::vector<std::string>{"outer + x6 in -: -20,-20 0,-20 0,0 8,0 8,20 -20,20"});
     }

@@ -19,10 +19,10 @@ constexpr FillRule all_rules[] = {FillRule::contours, FillRule::even_odd, FillRu
 /// Slices at mid-height solids that extend from z = 0 to 10, on the coarse grid.
 SliceResult filled(const shapes::Soup& soup, FillRule rule, double close_gaps_mm = 0) {
     lamella::SliceOptions options = at_heights({5});
-    options.fill_rule = rule;
+    options.region.fill_rule = rule;
     options.close_gaps_mm = close_gaps_mm;
     SliceResult result = sliced(soup, options);
-    CHECK(result.fill_rule == rule);
+    CHECK(result.region.fill_rule == rule);
     return result;
 }
 
@@ -66,7 +66,7 @@ TEST_CASE("fill rules: all rules give one solid the same region, equal to that o
     lamella::SliceOptions options = uniform(0.3);
     const SliceResult walked = sliced(ball, options);
     for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
-        options.fill_rule = rule;
+        options.region.fill_rule = rule;
         const SliceResult result = sliced(ball, options);
         REQUIRE(result.points.size() == walked.points.size());
         CHECK(std::equal(result.points.begin(), result.points.end(), walked.points.begin()));
@@ -99,7 +99,7 @@ TEST_CASE("fill rules: touching boxes are united even if their walls are triangu
     for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero, FillRule::positive}) {
         lamella::SliceOptions options = at_heights({4.3});
         options.unit_mm = lamella::default_unit_mm;
-        options.fill_rule = rule;
+        options.region.fill_rule = rule;
         const SliceResult result = sliced(soup, options);
         REQUIRE(result.contours.size() == 1);
         CHECK(result.contours[0].point_count == 4);
@@ -162,7 +162,7 @@ TEST_CASE("fill rules: threads, bands and triangle order do not change the bytes
     }
     for (const FillRule rule : all_rules) {
         lamella::SliceOptions options = uniform(0.05);
-        options.fill_rule = rule;
+        options.region.fill_rule = rule;
         const std::uint64_t hash = hash_result(sliced(soup, options));
         for (int turn = 0; turn < 3; ++turn) {
             options.control.threads = turn + 1;
@@ -264,7 +264,7 @@ TEST_CASE("fill rules: rods across each other by the hundred are refused, by the
     }
     for (const int threads : {1, 2, 3}) {
         lamella::SliceOptions options = at_heights({2, 4, 6, 7, 8});
-        options.fill_rule = FillRule::even_odd;
+        options.region.fill_rule = FillRule::even_odd;
         options.control.threads = threads;
         options.tuning.band_planes = threads;
         const lamella::Error error = failure_of(view_of(soup), options);

@@ -247,12 +247,12 @@ TEST_CASE("a slice looks for a stop every 20 ms, in whatever form and with whate
                                {"even-odd", view_of(bodies), few},
                                {"non-zero", view_of(bodies), few}};
     cases[1].options.tuning.form = lamella::ContourForm::assembled;
-    cases[2].options.fill_rule = lamella::FillRule::non_zero;
+    cases[2].options.region.fill_rule = lamella::FillRule::non_zero;
     cases[4].options.plan.spacing = lamella::RandomLayers{.min_height_mm = 0.02, .max_height_mm = 0.04, .seed = 1};
     cases[5].options.tuning.band_planes = 2;
     cases[7].options.close_gaps_mm = 1;
-    cases[8].options.fill_rule = lamella::FillRule::even_odd;
-    cases[9].options.fill_rule = lamella::FillRule::non_zero;
+    cases[8].options.region.fill_rule = lamella::FillRule::even_odd;
+    cases[9].options.region.fill_rule = lamella::FillRule::non_zero;
     for (Case& sliced : cases) {
         INFO(sliced.name);
         AskGaps gaps;

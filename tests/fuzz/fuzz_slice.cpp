@@ -61,7 +61,7 @@ Case drawn(fuzz::Bytes& bytes) {
     drawn.options.unit_mm = scale.unit_mm;
     drawn.options.control.threads = 1 + static_cast<int>(form / 16 % 3);
     drawn.options.tuning.band_planes = static_cast<int>(form / 64);
-    drawn.options.fill_rule = static_cast<lamella::FillRule>(mending % 4);
+    drawn.options.region.fill_rule = static_cast<lamella::FillRule>(mending % 4);
     drawn.options.close_gaps_mm = scale.step_mm * (mending / 4 % 4);
     if (mending / 16 % 4 == 3) {
         drawn.options.transform = lamella::Transform::from_normal(1, mending / 64, 2);

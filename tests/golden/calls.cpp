@@ -42,7 +42,7 @@ std::uint64_t hash_of_numbers(const SliceResult& result) {
     for (const lamella::ClosedGap& gap : result.closed_gaps) {
         add_point(add_point(hash.word(gap.layer), gap.from), gap.to).real(result.length_mm(gap));
     }
-    hash.text(name_of(result.fill_rule)).real(result.close_gaps_mm).real(result.unit_mm).reals(result.frame.m);
+    hash.text(name_of(result.region.fill_rule)).real(result.close_gaps_mm).real(result.unit_mm).reals(result.frame.m);
     add_summary(hash, result.summary);
     return hash.value();
 }
@@ -116,7 +116,7 @@ Options above(Options options) {
 }
 
 Options filled(Rule rule, Options options) {
-    options.fill_rule = rule;
+    options.region.fill_rule = rule;
     return options;
 }
 

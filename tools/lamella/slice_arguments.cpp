@@ -224,7 +224,7 @@ SliceRequest request_of(const SliceArguments& arguments) {
         }
     }
     request.options.close_gaps_mm = arguments.close_gaps_mm.value_or(0);
-    request.options.fill_rule = arguments.fill_rule;
+    request.options.region.fill_rule = arguments.fill_rule;
     request.options.control.threads = arguments.threads;
     request.options.tuning.band_planes = arguments.band_planes;
     request.options.tuning.form = arguments.form;

@@ -64,8 +64,8 @@ std::string mending(const SliceResult& result, const ReportParts& parts) {
         text += "gaps      " + grouped(result.closed_gaps.size()) + " closed of up to " + exact_text(result.close_gaps_mm) +
                 " mm, the longest " + measure_text(longest) + " mm\n";
     }
-    if (result.fill_rule != FillRule::contours) {
-        text += std::string("filled    by the rule ") + std::string(name_of(result.fill_rule)) + "\n";
+    if (result.region.fill_rule != FillRule::contours) {
+        text += std::string("filled    by the rule ") + std::string(name_of(result.region.fill_rule)) + "\n";
     }
     return text;
 }

@@ -46,7 +46,7 @@ std::string describe_weld(const WeldedMesh& welded) {
 }
 
 std::string describe_rules(const SliceResult& result) {
-    std::string text = "Fill rule " + std::string(name_of(result.fill_rule));
+    std::string text = "Fill rule " + std::string(name_of(result.region.fill_rule));
     if (result.close_gaps_mm > 0) {
         text += ". Gaps of up to " + exact_text(result.close_gaps_mm) +
                 " mm closed: " + std::to_string(result.closed_gaps.size());

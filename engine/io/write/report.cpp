@@ -254,7 +254,7 @@ void write_weld(JsonText& json, const WeldedMesh& welded) {
 /// The answers about the result that the program has asked for.
 void write_findings(JsonText& json, const SliceResult& result, const ReportParts& parts) {
     write_open(json, result);
-    json.member("fill_rule", name_of(result.fill_rule));
+    json.member("fill_rule", name_of(result.region.fill_rule));
     write_gaps(json, result);
     if (parts.ledger != nullptr) {
         write_ledger(json, *parts.ledger);

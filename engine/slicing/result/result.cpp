@@ -7,11 +7,6 @@
 
 namespace lamella {
 
-std::string_view name_of(FillRule rule) noexcept {
-    constexpr std::array<std::string_view, 4> names = {"contours", "even-odd", "non-zero", "positive"};
-    return names[static_cast<std::size_t>(rule)];
-}
-
 double SliceResult::area_mm2(const Layer& layer) const noexcept {
     // Areas carry their sign, so outers minus holes is a plain sum; rounding happens once, at its end.
     Int128 twice_area = 0;

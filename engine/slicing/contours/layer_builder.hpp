@@ -18,8 +18,8 @@
 #include "slicing/contours/link_graph.hpp"
 #include "slicing/contours/ring_reader.hpp"
 #include "slicing/nesting/nest.hpp"
-#include "slicing/regions/fill.hpp"
 #include "slicing/regions/region_nesting.hpp"
+#include "slicing/regions/regions.hpp"
 #include "slicing/repair/polylines.hpp"
 #include "slicing/result/band_output.hpp"
 
@@ -63,8 +63,10 @@ private:
     void close_gaps(BandOutput& out);
     void sort_by_start();
     void nest(FillRule rule);
-    void apply_fill_rule(FillRule rule);
-    void replace_by_region();
+    void apply_rules(FillRule rule);
+    void replace_by_rings();
+    bool is_rewritten(const Ring& ring) const noexcept;
+    void keep_some(bool outermost, bool largest);
     void append(BandOutput& out);
     void copy_points(const NestItem& item, Point* to);
 
@@ -72,16 +74,19 @@ private:
     PolylineRepair repair_;
     CanonicalOrder order_;
     Nester nester_;
-    Fill fill_;
+    Regions regions_;
     RegionNesting region_nesting_;
     Vector<LayerContour> contours_;  // of the plane; a fill rule replaces the closed ones
     Vector<NestItem> items_;         // of contours_, by start
     Vector<Polyline> polylines_;     // the open ones of contours_, for repair
-    // For a fill rule:
+    // For rules of regions:
     Vector<LayerContour> walked_;             // contours_ before it was replaced
     Vector<NestItem> closed_;                 // the closed ones of items_
     Vector<std::uint32_t> walked_of_;         // of each of closed_: its number in walked_
-    Vector<std::int64_t> region_contour_of_;  // of each of items_: its number in the region, -1 for an open polyline
+    Vector<std::int64_t> ring_of_;            // of each of items_: its number in the region, -1 for an open polyline
+    Vector<Ring> region_;
+    Vector<Ring> kept_;                       // of the region, where only some are wanted
+    Vector<Point> made_;                      // points of rings that were made or lost some
     Vector<Point> given_;  // points of contours that were not walked
     StopPace pace_;
 };

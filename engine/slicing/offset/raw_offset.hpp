@@ -93,8 +93,8 @@ public:
 
     /// Of all curves since clear().
     std::span<const Point> points() const noexcept { return points_; }
-    std::span<const Point> points_of(const RawCurve& curve) const noexcept {
-        return points().subspan(curve.first_point, curve.count);
+    std::span<Point> points_of(const RawCurve& curve) noexcept {
+        return std::span(points_).subspan(curve.first_point, curve.count);
     }
 
 private:

@@ -1,5 +1,5 @@
-// Raw offset curves: closed contours moved sideways edge by edge. They may cross themselves and each other; the overlay takes
-// their loops away by the positive rule.
+// Raw offset curves: closed contours moved sideways edge by edge. They may cross themselves and each other; the overlay
+// takes their loops away by the positive rule.
 //
 // An edge of length L with unit direction u moves by d n, where n points to its right, out of the solid. A positive distance
 // d dilates, a negative one erodes. At a corner v with a turn of theta (to the left: positive; t = tan(theta / 2)) the moved
@@ -7,17 +7,18 @@
 //
 //     outer corner, d t >= 0         beyond the limit: cut           inner corner, d t < 0
 //
-//        solid   |   :                  solid   |   :              --------. v
-//                |   :                          |   :                solid |
-//        --------. v :                  --------. v :              - - -.m |   n1
-//                    :                                .              n2 :  |
-//        - - - - - - . m                - - - - - . '                   :  |
+//         solid  |   :                   solid  |   :                     solid
+//                |   :                          |   :               --------. v
+//        --------. v :                  --------. v :                       |
+//                    :                             .                - - . m |  solid
+//        - - - - - - . m                - - - - .                       :   |
 //
 //  - Outer: the miter m = v + d (n1 + n2) / (1 + cos theta), if |m - v| <= limit |d|. Beyond the limit two points, where the
 //    moved edges are cut across the bisector at distance |d| from v: |d| tan(|theta| / 4) beyond their ends.
 //  - Inner: the same point m if both edges keep their direction, that is, if L and what the two ends add are positive
 //    together. Otherwise the joint v + d n1, v, v + d n2.
-//  - A spike, a turn of 180 degrees, counts as outer: its cap is needed if it is solid, and does no harm else.
+//  - A spike, a turn of 180 degrees, counts as outer, as it looks alike from both sides: solid needs the cut, and what the
+//    cut of a slit adds lies within 1.42 |d| of its end.
 //
 // Why the positive rule gives the offset region. Let d > 0 and every inner corner have the joint. The curve is then a sum of
 // the contour and of closed curves around it that all run counter-clockwise: a rectangle from each edge to the moved edge,
@@ -25,26 +26,29 @@
 // outside, and each rectangle or wedge adds 1: the sum is positive in solid, rectangles and wedges, and nowhere else. For
 // d < 0 rectangles and wedges are subtracted: only solid that none of them covers stays positive.
 //
-//     A notch 3 wide, 1 deep, whose floor is turned round by d = 2 (3 - 2 - 2 < 0). Winding numbers with joints:
+//     Dilated by 2: a notch 3 wide and 1 deep, whose floor turns round, as 3 - 2 - 2 < 0. Its walls and floor have a
+//     rectangle each, its upper corners a wedge each, 2 by 2. With joints, the winding numbers are:
 //
-//        ___________0____________          moved edges of the upper side, 2 above it
-//        1   :  1  : 2 :  1  :   1          the notch and what is above it lie in one rectangle of a wall, or in both,
-//        ____:__   :   :   __:____         and in the floor's: 1 to 3. It is filled.
-//        1   :  | 2: 3 :2 |  :   1
-//            :  |__:___:__|  :
+//         - - - - - - - - - - - - - - - -    2 above the upper side
+//            1    : 1 : 2 : 1 :    1
+//            1    : 2 : 3 : 2 :    1         rectangle of the floor: 2 high
+//         ________:   :   :   :________
+//            1    | 2 : 3 : 2 |    1         the notch is filled
+//            1    |___________|    1
+//            1      1   1   1      1         solid
 //
-//     A square of side 4, eroded by 3: trimmed at its corners it would be a square of side 2, each edge turned round twice
-//     over, counter-clockwise again: winding number 1 where nothing is left. With joints it is 1 - 1, 1 - 2, 1 - 3 or
-//     1 - 4 by how many of the four rectangles cover a point, and nothing is positive.
+//     Eroded by 3: a square of side 4. Trimmed at its corners it would be a square of side 2 with every edge turned round,
+//     counter-clockwise again: winding number 1 where nothing is left. With joints the number is 1 less how many of the four
+//     rectangles cover a point, in places -3, and nowhere positive.
 //
-// A trimmed corner takes the kite (v + d n1, v, v + d n2, m) off the sum. What is left is a sum of counter-clockwise curves
-// again: a trimmed edge adds what it passes over on its way, with its ends on the bisectors, and as no such edge turns
-// round, none of these curves does. So trimming makes nothing positive that is not so with joints. It loses nothing
-// within the distance either, if all directions are kept. For let the distance grow from 0 to d, and take a point outside
-// and the nearest point of the region. That lies on an edge, which comes nearer at unit speed, or at a corner between two
-// that do, which comes no slower; so the point is reached by the time that its distance says. Where trimmed corners and
-// joints mix, that nothing is lost was searched, not proven: no difference in 20,000 polygons at 290 points each, most of
-// them next to the curve.
+// Trimming an inner corner takes the kite (v + d n1, v, v + d n2, m) off the sum. What is left is again a sum of curves that
+// run counter-clockwise: each edge adds what it passes over on its way, between its two ends' paths, and no edge that has a
+// trimmed end turns round. So trimming makes nothing positive that is not so with joints. If all directions are kept, it
+// loses nothing within the distance either. For let the distance grow from 0 to d; take a point outside, and the point of
+// the region nearest to it. That lies on an edge, which comes nearer at unit speed, or at a corner between two such edges,
+// which comes no slower. So the point is reached by the time that equals its distance. That nothing is lost where trimmed
+// corners and joints mix, nor of a miter beyond the distance, is tested, not proven: against the sum of rectangles and
+// wedges, at random places around random polygons, most of them next to the curve.
 //
 // Which contours closing leaves alone. If all edges keep their direction, and no inner corner passes the limit, then the
 // curve's own curve at -d is the contour, in exact arithmetic:
@@ -65,6 +69,7 @@
 
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
+#include "slicing/offset/offset_kernels.hpp"
 
 namespace lamella {
 
@@ -73,14 +78,15 @@ struct RawCurve {
     std::size_t first_point = 0;  ///< index into RawOffset::points()
     std::size_t count = 0;        ///< consecutive points differ; 0 if fewer than three are left, which enclose nothing
     bool directions_kept = true;  ///< every edge, moved and trimmed, keeps its direction
-    bool reflex_cut = false;      ///< an inner corner passes the miter limit: offsetting back would cut it
+    bool reflex_cut = false;      ///< an inner corner passes the miter limit: the way back would cut it
     bool beyond_grid = false;     ///< a point lies beyond grid_limit: the points are not to be used
 };
 
 /// One per thread; scratch is kept.
 class RawOffset {
 public:
-    explicit RawOffset(const Memory* memory) : edges_(memory), corners_(memory), miters_(memory), points_(memory) {}
+    explicit RawOffset(const Memory* memory)
+        : kernels_(best_of(offset_kernel_forms())), numbers_(memory), miters_(memory), points_(memory) {}
 
     /// Forgets the curves: for the next layer.
     void clear() noexcept { points_.clear(); }
@@ -98,29 +104,24 @@ public:
     }
 
 private:
-    struct Edge {
-        double ux, uy;  ///< unit direction
-        double length;
-    };
-    struct Corner {
-        double added;    ///< to the moved edges at this end; negative at an inner corner
-        double cosine1;  ///< 1 + the cosine of the turn
-    };
     struct Shape {
         double distance;
         double least_cosine1;  ///< below it a corner passes the limit
     };
 
-    void measure_edges(std::span<const Point> contour);
-    double measure_corners(std::span<const Point> contour, double distance);
+    void reserve(std::size_t count);
     void settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve);
-    bool keeps_direction(std::size_t edge) const noexcept;
-    Point* write_corner(Point v, std::size_t corner, const Shape& shape, Point* out) const;
+    bool keeps_direction(std::size_t edge) const noexcept {
+        return edges_.length[edge + 1] + (corners_.added[edge] + corners_.added[edge + 1]) > 0;
+    }
+    bool keep_directions(std::size_t count) const noexcept;
+    Point* write_corner(std::span<const Point> contour, std::size_t corner, const Shape& shape, Point* out) const;
 
-    // Edge i runs from corner i to corner i + 1 and stands at i + 1; the last stands at 0 too, the first corner at the end.
-    Vector<Edge> edges_;
-    Vector<Corner> corners_;
+    const OffsetKernels& kernels_;
+    Vector<double> numbers_;  // what edges_ and corners_ point to
     Vector<Point> miters_;
+    OffsetEdges edges_{};
+    OffsetCorners corners_{};  // the first stands at the end too
     Vector<Point> points_;
 };
 

@@ -189,14 +189,13 @@ private:
             sum += contour.segments;
         }
         // A fill rule drops some and cuts others in two.
-        return sum == layer_.segments || !result_.region.keeps_contours()
-                   ? Complaint{}
-                   : place(index_) + "contours do not use every segment once";
+        return sum == layer_.segments || !keeps_contours() ? Complaint{}
+                                                           : place(index_) + "contours do not use every segment once";
     }
 
     Complaint parents() const {
         Complaint complaint;
-        if (!result_.region.keeps_contours()) {
+        if (!keeps_contours()) {
             return complaint;  // contours of a region may touch: a start may lie on the contour around it
         }
         for_each_enclosure(result_, layer_, [&](std::size_t c, std::span<const std::size_t> around) {
@@ -206,6 +205,8 @@ private:
         });
         return complaint;
     }
+
+    bool keeps_contours() const noexcept { return result_.region.rule_of(index_) == FillRule::contours; }
 
     /// Any of several equally small ones will do.
     bool is_parent(std::size_t c, std::span<const std::size_t> around) const {
@@ -225,7 +226,7 @@ private:
 
     /// Parents start strictly left of their children, so in the order of starts they come first.
     Complaint roles() const {
-        if (!result_.region.keeps_contours()) {
+        if (!keeps_contours()) {
             return roles_of_region();
         }
         std::vector<std::size_t> by_start(contours_.size());
@@ -327,12 +328,17 @@ Complaint check_summary(const SliceResult& result) {
         counted.flat_contours += contour.role == Role::flat;
         counted.open_contours += contour.role == Role::open;
         counted.overruled_contours += (contour.flags & orientation_overruled) != 0;
+        counted.near_contours += (contour.flags & near_contour) != 0;
+    }
+    for (const Layer& layer : result.layers) {
+        counted.emptied_layers += layer.segments > 0 && layer.contour_count == 0;
     }
     const SliceSummary& summary = result.summary;
     const bool agrees = (counted.segments == summary.segments || !result.region.keeps_contours()) &&
                         counted.holes == summary.holes && counted.flat_contours == summary.flat_contours &&
                         counted.open_contours == summary.open_contours &&
-                        counted.overruled_contours == summary.overruled_contours;
+                        counted.overruled_contours == summary.overruled_contours &&
+                        counted.near_contours == summary.near_contours && counted.emptied_layers == summary.emptied_layers;
     return agrees ? Complaint{} : "the summary's counts are not those of the contours";
 }
 

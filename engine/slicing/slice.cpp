@@ -29,6 +29,7 @@
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
+#include "slicing/regions/rules.hpp"
 #include "slicing/result/placement.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
@@ -139,10 +140,13 @@ Status Slicing::choose_grid_and_planes() {
     if (!unit) {
         return unit.error();
     }
+    if (Status status = check_reach(options_.region, *unit); !status) {
+        return status;
+    }
     result_.unit_mm = *unit;
     result_.frame = options_.transform;
     result_.plan = options_.plan;
-    result_.region.fill_rule = options_.region.fill_rule;
+    result_.region = options_.region;
     result_.close_gaps_mm = options_.close_gaps_mm;
     result_.summary = {};
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
@@ -333,6 +337,13 @@ void Slicing::summarise() {
     summary.open_contours = counts.of(Role::open);
     summary.flat_contours = counts.of(Role::flat);
     summary.overruled_contours = counts.overruled;
+    summary.near_contours = counts.near;
+    if (!options_.region.keeps_contours()) {
+        summary.emptied_layers =
+            static_cast<std::uint64_t>(std::count_if(result_.layers.begin(), result_.layers.end(), [](const Layer& layer) {
+                return layer.segments > 0 && layer.contour_count == 0;
+            }));
+    }
 }
 
 Status slice_or_throw(const MeshView& mesh, const SliceOptions& options, std::unique_ptr<detail::WorkspaceParts>& kept,
@@ -342,6 +353,9 @@ Status slice_or_throw(const MeshView& mesh, const SliceOptions& options, std::un
     }
     if (!(options.close_gaps_mm >= 0) || !std::isfinite(options.close_gaps_mm)) {
         return Error{ErrorCode::invalid_argument, "the length up to which gaps are closed must be finite and not negative"};
+    }
+    if (Status status = check_rules(options.region); !status) {
+        return status;
     }
     if (kept == nullptr || kept->memory != options.control.memory) {
         kept = std::make_unique<detail::WorkspaceParts>(options.control.memory);

@@ -106,6 +106,8 @@ struct SliceSummary {
     std::uint64_t open_contours = 0;
     std::uint64_t flat_contours = 0;
     std::uint64_t overruled_contours = 0;  ///< contours with orientation_overruled
+    std::uint64_t near_contours = 0;       ///< contours with near_contour
+    std::uint64_t emptied_layers = 0;      ///< layers that the mesh crosses, but of which the rules leave no contour
     std::uint64_t bands = 0;
     int threads = 1;
     double min_mm[3] = {0, 0, 0};  ///< box of the transformed mesh

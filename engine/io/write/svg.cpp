@@ -200,7 +200,7 @@ private:
                 break;
         }
         points(result_.points_of(contour));
-        out_.append("\"/>\n");
+        out_.append((contour.flags & near_contour) != 0 ? "\" class=\"near\"/>\n" : "\"/>\n");
     }
 
     void points(std::span<const Point> all) {

@@ -138,7 +138,8 @@ Complaint check_orientation(const Contour& contour) {
 }
 
 Complaint check_contour(const Contour& contour, std::span<const Point> points) {
-    if (contour.role > Role::open || (contour.flags & ~(orientation_overruled | orientation_mixed | gap_closed)) != 0) {
+    constexpr unsigned known_flags = orientation_overruled | orientation_mixed | gap_closed | near_contour;
+    if (contour.role > Role::open || (contour.flags & ~known_flags) != 0) {
         return "an unknown role or flag";
     }
     if (contour.segments == 0) {

@@ -152,14 +152,14 @@ Complaint check_contour(const Contour& contour, std::span<const Point> points) {
     return complaint.empty() ? check_orientation(contour) : complaint;
 }
 
-/// One layer, its contours' own promises already checked. Indices are the layer's.
+/// One layer's contours of one part, their own promises already checked. Indices are the layer's.
 class LayerCheck {
 public:
-    LayerCheck(const SliceResult& result, std::size_t index)
-        : result_(result), index_(index), layer_(result.layers[index]), contours_(result.contours_of(layer_)) {}
+    LayerCheck(const SliceResult& result, std::size_t index, const Layer& layer)
+        : result_(result), index_(index), layer_(layer), contours_(result.contours_of(layer_)) {}
 
     Complaint run() const {
-        for (const auto check : {&LayerCheck::segments, &LayerCheck::parents, &LayerCheck::roles, &LayerCheck::order}) {
+        for (const auto check : {&LayerCheck::parents, &LayerCheck::roles, &LayerCheck::order}) {
             Complaint complaint = (this->*check)();
             if (!complaint.empty()) {
                 return complaint;
@@ -182,16 +182,6 @@ private:
     Int128 size(std::size_t c) const {
         const Int128 twice_area = to_int128(contours_[c].twice_area);
         return twice_area < 0 ? -twice_area : twice_area;
-    }
-
-    Complaint segments() const {
-        std::uint64_t sum = 0;
-        for (const Contour& contour : contours_) {
-            sum += contour.segments;
-        }
-        // A fill rule drops some and cuts others in two.
-        return sum == layer_.segments || !keeps_contours() ? Complaint{}
-                                                           : place(index_) + "contours do not use every segment once";
     }
 
     Complaint parents() const {
@@ -304,8 +294,38 @@ private:
     std::span<const Contour> contours_;
 };
 
+/// The same for every part of a layer, whose contours lie side by side.
+Complaint check_parts(const SliceResult& result, std::size_t index) {
+    const Layer& layer = result.layers[index];
+    const std::uint64_t end = layer.first_contour + layer.contour_count;
+    std::int64_t last_part = -1;
+    Layer own = layer;
+    for (std::uint64_t first = layer.first_contour; first < end; first += own.contour_count) {
+        const std::uint32_t part = result.contours[first].part;
+        if (part >= result.part_count || std::int64_t{part} <= last_part) {
+            return place(index, first) + "the part is none, or not in the order of parts";
+        }
+        last_part = part;
+        own.first_contour = first;
+        own.contour_count = 1;
+        while (first + own.contour_count < end && result.contours[first + own.contour_count].part == part) {
+            ++own.contour_count;
+        }
+        for (const Contour& contour : result.contours_of(own)) {
+            if (contour.parent >= 0 && result.contours[static_cast<std::size_t>(contour.parent)].part != part) {
+                return place(index, first) + "the parent is of another part";
+            }
+        }
+        if (Complaint complaint = LayerCheck(result, index, own).run(); !complaint.empty()) {
+            return complaint;
+        }
+    }
+    return {};
+}
+
 Complaint check_layer(const SliceResult& result, std::size_t index) {
     const Layer& layer = result.layers[index];
+    std::uint64_t segments = 0;
     for (std::uint64_t c = layer.first_contour; c < layer.first_contour + layer.contour_count; ++c) {
         const Contour& contour = result.contours[c];
         Complaint complaint = check_contour(contour, result.points_of(contour));
@@ -317,8 +337,13 @@ Complaint check_layer(const SliceResult& result, std::size_t index) {
         if (contour.parent != -1 && (contour.parent < first || contour.parent >= last)) {
             return place(index, c) + "the parent lies in another layer";
         }
+        segments += contour.segments;
     }
-    return LayerCheck(result, index).run();
+    // A fill rule drops some and cuts others in two.
+    if (segments != layer.segments && result.region.rule_of(index) == FillRule::contours) {
+        return place(index) + "contours do not use every segment once";
+    }
+    return check_parts(result, index);
 }
 
 Complaint check_summary(const SliceResult& result) {

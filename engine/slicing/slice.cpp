@@ -28,6 +28,7 @@
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/grid/bounds.hpp"
+#include "slicing/part_slicer.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/regions/rules.hpp"
 #include "slicing/result/placement.hpp"
@@ -82,9 +83,12 @@ namespace {
 /// One call of slice().
 class Slicing {
 public:
-    Slicing(const MeshView& mesh, const SliceOptions& options, detail::WorkspaceParts& kept, SliceResult& result)
+    /// `frame`: null where the mesh's own box chooses grid and planes.
+    Slicing(const MeshView& mesh, const SliceOptions& options, const SharedFrame* frame, detail::WorkspaceParts& kept,
+            SliceResult& result)
         : mesh_(mesh),
           options_(options),
+          frame_(frame),
           kept_(kept),
           result_(result),
           progress_(options.control.progress),
@@ -124,6 +128,7 @@ private:
 
     const MeshView& mesh_;
     const SliceOptions& options_;
+    const SharedFrame* frame_;
     detail::WorkspaceParts& kept_;
     SliceResult& result_;
     ProgressMeter progress_;
@@ -132,11 +137,12 @@ private:
 };
 
 Status Slicing::choose_grid_and_planes() {
-    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, options_.unit_mm, parallel_, kept_.blocks);
+    const double asked_mm = frame_ != nullptr ? frame_->unit_mm : options_.unit_mm;
+    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
     if (!bounds) {
         return bounds.error();
     }
-    const Result<double> unit = choose_unit(*bounds, options_.unit_mm);
+    const Result<double> unit = frame_ != nullptr ? frame_->unit_mm : choose_unit(*bounds, asked_mm);
     if (!unit) {
         return unit.error();
     }
@@ -146,11 +152,15 @@ Status Slicing::choose_grid_and_planes() {
     result_.unit_mm = *unit;
     result_.frame = options_.transform;
     result_.plan = options_.plan;
+    result_.part_count = 1;
     result_.region = options_.region;
     result_.close_gaps_mm = options_.close_gaps_mm;
     result_.summary = {};
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
     std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
+    if (frame_ != nullptr) {
+        return kept_.planes.build(options_.plan, frame_->bounds, *unit, frame_->number, memory_limit(options_));
+    }
     const CoordinateType number = options_.transform.is_identity() ? mesh_.coordinate_type : CoordinateType::f64;
     return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
 }
@@ -346,8 +356,10 @@ void Slicing::summarise() {
     }
 }
 
-Status slice_or_throw(const MeshView& mesh, const SliceOptions& options, std::unique_ptr<detail::WorkspaceParts>& kept,
-                      SliceResult& result) {
+}  // namespace
+
+Status detail::PartSlicer::slice(const MeshView& mesh, const SliceOptions& options, const SharedFrame* frame,
+                                 Workspace& workspace, SliceResult& result) {
     if (options.tuning.band_planes < 0) {
         return Error{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"};
     }
@@ -357,30 +369,29 @@ Status slice_or_throw(const MeshView& mesh, const SliceOptions& options, std::un
     if (Status status = check_rules(options.region); !status) {
         return status;
     }
+    std::unique_ptr<WorkspaceParts>& kept = workspace.parts_;
     if (kept == nullptr || kept->memory != options.control.memory) {
-        kept = std::make_unique<detail::WorkspaceParts>(options.control.memory);
+        kept = std::make_unique<WorkspaceParts>(options.control.memory);
     }
     if (result.points.memory() != options.control.memory) {
         result = SliceResult(options.control.memory);
     }
-    return Slicing(mesh, options, *kept, result).run();
+    return Slicing(mesh, options, frame, *kept, result).run();
 }
-
-}  // namespace
 
 void Workspace::reset() noexcept {
     parts_.reset();
 }
 
 Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
-    return guarded(options.control, [&] { return slice_or_throw(mesh, options, workspace.parts_, result); });
+    return guarded(options.control, [&] { return detail::PartSlicer::slice(mesh, options, nullptr, workspace, result); });
 }
 
 Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options) noexcept {
     return guarded(options.control, [&]() -> Result<SliceResult> {
-        std::unique_ptr<detail::WorkspaceParts> kept;
+        Workspace workspace;
         SliceResult result(options.control.memory);
-        if (Status status = slice_or_throw(mesh, options, kept, result); !status) {
+        if (Status status = detail::PartSlicer::slice(mesh, options, nullptr, workspace, result); !status) {
             return status.error();
         }
         return result;

@@ -68,6 +68,7 @@ struct Contour {
     Role role = Role::outer;
     std::int8_t orientation = 0;  ///< by the facets or the fill rule: 1 counter-clockwise, -1 clockwise, 0 flat, open
     std::uint16_t flags = 0;      ///< ContourFlag bits
+    std::uint32_t part = 0;       ///< index of the mesh that it comes from, among those of slice_parts()
 };
 
 /// Where two ends of open polylines were joined.
@@ -131,6 +132,7 @@ struct SliceResult {
     Array<Contour> contours;
     Array<Point> points;
     Array<ClosedGap> closed_gaps;  ///< by layer, then by `from` and `to`
+    std::uint32_t part_count = 1;  ///< meshes
     RegionRules region;
     double close_gaps_mm = 0;          ///< ends at most so far apart were joined
     double unit_mm = default_unit_mm;  ///< grid units times this give mm; to_mm() does it
@@ -156,9 +158,9 @@ struct SliceResult {
 };
 
 /// A 64-bit hash (FNV-1a over 8-byte little-endian words) of: k; per layer the plane (int32 as int64) and its number of
-/// contours; per contour role, orientation and flags (one word: role | (orientation & 0xff) << 8 | flags << 16), segments,
-/// point_count, parent minus the layer's first contour (or -1), area low, area high; per point x and y (one word: x low, y
-/// high). Equal on every platform, thread count and band size.
+/// contours; per contour role, orientation, flags and part (one word: role | (orientation & 0xff) << 8 | flags << 16 |
+/// part << 32), segments, point_count, parent minus the layer's first contour (or -1), area low, area high; per point x and
+/// y (one word: x low, y high). Equal on every platform, thread count and band size.
 std::uint64_t hash_result(const SliceResult& result) noexcept;
 
 }  // namespace lamella

@@ -306,6 +306,9 @@ void write_report(JsonText& json, const SliceResult& result, const ReportParts& 
     write_mesh(json, parts);
     write_counts(json, result);
     write_findings(json, result, parts);
+    if (result.part_count > 1) {
+        json.member("parts", result.part_count);
+    }
     json.member("grid_mm", result.unit_mm);
     write_plan(json, result.plan);
     json.member("frame", result.frame.m);

@@ -323,6 +323,16 @@ Complaint check_parts(const SliceResult& result, std::size_t index) {
     return {};
 }
 
+Complaint check_united(const SliceResult& result, std::size_t index) {
+    const Layer& layer = result.layers[index];
+    for (const Contour& contour : result.contours_of(layer)) {
+        if (contour.part >= result.part_count && contour.part != several_parts) {
+            return place(index, static_cast<std::size_t>(&contour - result.contours.data())) + "there is no such part";
+        }
+    }
+    return LayerCheck(result, index, layer).run();
+}
+
 Complaint check_layer(const SliceResult& result, std::size_t index) {
     const Layer& layer = result.layers[index];
     std::uint64_t segments = 0;
@@ -343,7 +353,7 @@ Complaint check_layer(const SliceResult& result, std::size_t index) {
     if (segments != layer.segments && result.region.rule_of(index) == FillRule::contours) {
         return place(index) + "contours do not use every segment once";
     }
-    return check_parts(result, index);
+    return result.part_regions == PartRegions::united ? check_united(result, index) : check_parts(result, index);
 }
 
 Complaint check_summary(const SliceResult& result) {

@@ -118,7 +118,9 @@ private:
     void sweep_all_into(std::span<Point> points);
     void sweep_band(std::size_t band, int worker);
     void sweep_wide(std::size_t band);
-    LayerRules rules() const noexcept { return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm}; }
+    LayerRules rules() const noexcept {
+        return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm};
+    }
     void note_ticks_of(const WidePlane& wide, std::uint64_t spent);
     void split_time(double sweep_ms);
     void finish_result();
@@ -152,6 +154,7 @@ Status Slicing::choose_grid_and_planes() {
     result_.frame = options_.transform;
     result_.plan = options_.plan;
     result_.part_count = 1;
+    result_.part_regions = PartRegions::separate;
     result_.region = options_.region;
     result_.close_gaps_mm = options_.close_gaps_mm;
     result_.summary = {};
@@ -329,18 +332,7 @@ void Slicing::summarise() {
     summary.segments = kept_.buckets.segment_count;
     summary.bands = kept_.bands.bands.size();
     summary.threads = parallel_.threads();
-    const ContourCounts& counts = kept_.placement.contour_counts();
-    summary.holes = counts.of(Role::hole);
-    summary.open_contours = counts.of(Role::open);
-    summary.flat_contours = counts.of(Role::flat);
-    summary.overruled_contours = counts.overruled;
-    summary.near_contours = counts.near;
-    if (!options_.region.keeps_contours()) {
-        summary.emptied_layers =
-            static_cast<std::uint64_t>(std::count_if(result_.layers.begin(), result_.layers.end(), [](const Layer& layer) {
-                return layer.segments > 0 && layer.contour_count == 0;
-            }));
-    }
+    set_counts(kept_.placement.contour_counts(), result_);
 }
 
 }  // namespace

@@ -55,6 +55,15 @@ enum ContourFlag : std::uint16_t {
     near_contour = 8,
 };
 
+/// The part of a contour whose edges come from more than one.
+inline constexpr std::uint32_t several_parts = 0xffffffff;
+
+/// What the rules of regions are done to where there are several meshes.
+enum class PartRegions : std::uint8_t {
+    separate,  ///< each part by itself: contours of parts may overlap
+    united,    ///< all parts of a layer together
+};
+
 /// 48 bytes. A closed contour starts at its smallest (x, y, mesh edge), edges in the order of EndKey, and the first point is
 /// not repeated; an open one starts at its source end. Equal consecutive points are stored once; `segments` still counts
 /// every crossed triangle.
@@ -68,7 +77,7 @@ struct Contour {
     Role role = Role::outer;
     std::int8_t orientation = 0;  ///< by the facets or the fill rule: 1 counter-clockwise, -1 clockwise, 0 flat, open
     std::uint16_t flags = 0;      ///< ContourFlag bits
-    std::uint32_t part = 0;       ///< index of the mesh that it comes from, among those of slice_parts()
+    std::uint32_t part = 0;       ///< index of the mesh that it comes from, among those of slice_parts(), or several_parts
 };
 
 /// Where two ends of open polylines were joined.
@@ -133,6 +142,7 @@ struct SliceResult {
     Array<Point> points;
     Array<ClosedGap> closed_gaps;  ///< by layer, then by `from` and `to`
     std::uint32_t part_count = 1;  ///< meshes
+    PartRegions part_regions = PartRegions::separate;
     RegionRules region;
     double close_gaps_mm = 0;          ///< ends at most so far apart were joined
     double unit_mm = default_unit_mm;  ///< grid units times this give mm; to_mm() does it

@@ -171,7 +171,9 @@ TEST_CASE("broken contours are found", "[result][validate]") {
         {"contour 0: closed with an area", [](SliceResult& r) { r.contours[0].orientation = 0; }},
         {"contour 4: flat or open", [](SliceResult& r) { r.contours[4].orientation = 1; }},
         {"contour 3: flat or open", [](SliceResult& r) { r.contours[3].parent = 0; }},
-        {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].flags = 8; }},
+        {"there is no such part",
+         [](SliceResult& r) { r.part_regions = lamella::PartRegions::united, r.contours[2].part = 1; }},
+        {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].flags = 16; }},
         {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].role = static_cast<Role>(4); }},
     });
 }

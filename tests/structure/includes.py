@@ -28,7 +28,7 @@ SLICING = [
     ["sweep"],
     ["part_slicer.hpp"],
     ["slice.cpp"],
-    ["parts.cpp"],
+    ["parts"],
 ]
 
 # Two ways to sweep, neither of which knows the other.

@@ -202,7 +202,8 @@ private:
         points(result_.points_of(contour));
         out_.append((contour.flags & near_contour) != 0 ? "\" class=\"near\"" : "\"");
         if (result_.part_count > 1) {
-            out_.append(" lamella:part=\"" + std::to_string(contour.part) + "\"");
+            out_.append(" lamella:part=\"" + (contour.part == several_parts ? "several" : std::to_string(contour.part)) +
+                        "\"");
         }
         out_.append("/>\n");
     }

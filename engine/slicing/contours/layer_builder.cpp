@@ -70,6 +70,28 @@ void LayerBuilder::build_closed(std::span<const std::span<const Point>> contours
     finish(out);
 }
 
+void LayerBuilder::build_given(std::span<const GivenContour> contours, BandOutput& out) {
+    given_.clear();
+    for (const GivenContour& contour : contours) {
+        given_.insert(given_.end(), contour.points.begin(), contour.points.end());
+        pace_.spend(contour.points.size());
+    }
+    contours_.clear();
+    std::span<Point> rest(given_);
+    for (const GivenContour& given : contours) {
+        const std::span<Point> points = rest.first(given.points.size());
+        rest = rest.subspan(given.points.size());
+        if (given.turned) {
+            std::reverse(points.begin(), points.end());
+        }
+        LayerContour& contour = contours_.emplace_back(given.closed ? closed_contour(points) : open_contour(points));
+        contour.segments = given.segments;
+        contour.item.flags = given.flags;
+        contour.item.part = given.part;
+    }
+    finish(out);
+}
+
 void LayerBuilder::finish(BandOutput& out) {
     if (rules.close_gaps > 0) {
         close_gaps(out);
@@ -150,6 +172,7 @@ void LayerBuilder::replace_by_region() {
     for (const RegionContour& contour : fill_.region()) {
         contours_.push_back(contour.kept >= 0 ? walked_[walked_of_[static_cast<std::size_t>(contour.kept)]]
                                               : closed_contour(fill_.points_of(contour)));
+        contours_.back().item.part = contour.part;
     }
     sort_by_start();
     region_contour_of_.clear();
@@ -196,6 +219,7 @@ void LayerBuilder::append(BandOutput& out) {
         contour.role = item.role;
         contour.orientation = item.orientation;
         contour.flags = item.flags;
+        contour.part = item.part;
         out.counts.add(contour);
         out.point_count += item.count;
     }

@@ -88,6 +88,14 @@ std::optional<std::uint64_t> first_layer_of_contours(const RegionRules& rules) {
     return found == rules.fill_from.end() ? std::nullopt : std::optional<std::uint64_t>(found->first_layer);
 }
 
+Status check_every_layer(const RegionRules& rules, std::string_view what) {
+    if (const auto layer = first_layer_of_contours(rules)) {
+        return refusal(std::string(what) + " needs a region, but layer " + std::to_string(*layer) +
+                       " has the fill rule contours, which makes none; choose another rule, such as non-zero");
+    }
+    return {};
+}
+
 }  // namespace
 
 std::string_view name_of(FillRule rule) noexcept {
@@ -114,11 +122,11 @@ Status check_rules(const RegionRules& rules) {
         return status;
     }
     const std::string_view what = needs_region(rules);
-    if (const auto layer = first_layer_of_contours(rules); layer && !what.empty()) {
-        return refusal(std::string(what) + " needs a region, but layer " + std::to_string(*layer) +
-                       " has the fill rule contours, which makes none; choose another rule, such as non-zero");
-    }
-    return {};
+    return what.empty() ? Status() : check_every_layer(rules, what);
+}
+
+Status check_uniting(const RegionRules& rules) {
+    return check_every_layer(rules, "uniting parts");
 }
 
 Status check_reach(const RegionRules& rules, double unit_mm) {

@@ -15,4 +15,7 @@ Status check_rules(const RegionRules& rules);
 /// Error: invalid_argument, one line that names the rule and what is possible.
 Status check_reach(const RegionRules& rules, double unit_mm);
 
+/// Whether every layer has a region, which parts are united in. Error: invalid_argument.
+Status check_uniting(const RegionRules& rules);
+
 }  // namespace lamella

@@ -32,6 +32,9 @@ struct ContourCounts {
     std::uint64_t of(Role role) const noexcept { return by_role[static_cast<std::size_t>(role)]; }
 };
 
+/// Sets what the summary counts of contours, and of layers that the rules have emptied. O(k).
+void set_counts(const ContourCounts& counts, SliceResult& result) noexcept;
+
 struct BandOutput {
     explicit BandOutput(const Memory* memory)
         : buffer(memory), contours(memory), layer_contours(memory), closed_gaps(memory) {}

@@ -1,4 +1,4 @@
-#include "slicing/result/merge_parts.hpp"
+#include "slicing/parts/merge_parts.hpp"
 
 #include <algorithm>
 #include <cassert>

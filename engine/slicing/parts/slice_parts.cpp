@@ -3,6 +3,7 @@
 //     choose_frame       the box of all parts, and from it one grid and one set of planes
 //     slice_all          each part by itself, by all threads
 //     merge_parts        contours of all parts, side by side in each layer
+//     unite_parts        one region of them, on request
 #include "lamella/parts.hpp"
 
 #include <algorithm>
@@ -17,9 +18,10 @@
 #include "slicing/grid/blocks.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/part_slicer.hpp"
+#include "slicing/parts/merge_parts.hpp"
+#include "slicing/parts/unite_parts.hpp"
 #include "slicing/planes/shared_frame.hpp"
 #include "slicing/regions/rules.hpp"
-#include "slicing/result/merge_parts.hpp"
 
 namespace lamella {
 
@@ -27,13 +29,20 @@ namespace {
 
 class PartSlicing {
 public:
-    PartSlicing(std::span<const Part> parts, const SliceOptions& options)
-        : parts_(parts), options_(options), parallel_(options.control), progress_(options.control.progress) {
+    PartSlicing(std::span<const Part> parts, const SliceOptions& options, PartRegions regions)
+        : parts_(parts),
+          options_(options),
+          united_(regions == PartRegions::united),
+          parallel_(options.control),
+          progress_(options.control.progress) {
         parallel_.follow(options.control.stop);
     }
 
     Result<SliceResult> run() {
         if (Status status = check_rules(options_.region); !status) {
+            return status.error();
+        }
+        if (Status status = united_ ? check_uniting(options_.region) : Status(); !status) {
             return status.error();
         }
         if (Status status = choose_frame(); !status) {
@@ -45,16 +54,19 @@ public:
         const auto start = Clock::now();
         SliceResult merged(options_.control.memory);
         merge_parts(sliced_, parallel_, merged);
-        merged.region = options_.region;
-        merged.frame = options_.transform;
-        merged.plan = options_.plan;
         merged.summary.ms.contours += milliseconds_since(start);
+        sliced_.clear();
+        SliceResult result = united_ ? unite(merged) : std::move(merged);
+        result.region = options_.region;
+        result.frame = options_.transform;
+        result.plan = options_.plan;
         progress_.finish();
-        return merged;
+        return result;
     }
 
 private:
-    static constexpr double sliced_share = 0.95;  ///< of the progress, when all parts are sliced
+    /// Of the progress, when all parts are sliced.
+    double sliced_share() const noexcept { return united_ ? 0.5 : 0.95; }
 
     /// What a part's own progress is of the whole.
     struct Share {
@@ -95,17 +107,23 @@ private:
             triangles_ += parts_[p].mesh.triangle_count;
         }
         const Result<double> unit = choose_unit(frame_.bounds, options_.unit_mm);
-        frame_.unit_mm = unit ? *unit : 0;
-        return unit ? Status() : Status(unit.error());
+        if (!unit) {
+            return unit.error();
+        }
+        frame_.unit_mm = *unit;
+        return check_reach(options_.region, *unit);
     }
 
     Status slice_all() {
         SliceOptions options = options_;
+        if (united_) {
+            options.region = {};
+        }
         Workspace workspace;
         std::uint64_t before = 0;  // triangles of the parts before
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             const auto share = [&](std::size_t triangles) {
-                return sliced_share * static_cast<double>(triangles) / static_cast<double>(triangles_);
+                return sliced_share() * static_cast<double>(triangles) / static_cast<double>(triangles_);
             };
             const Share sink{progress_, share(before), share(parts_[p].mesh.triangle_count)};
             options.transform = transform_of(parts_[p]);
@@ -120,6 +138,14 @@ private:
         return {};
     }
 
+    SliceResult unite(const SliceResult& apart) {
+        SliceResult united(options_.control.memory);
+        united.region = options_.region;
+        const auto reach = [this](double share) { progress_.reach(sliced_share() + (0.99 - sliced_share()) * share); };
+        unite_parts(apart, options_.control, parallel_, reach, united);
+        return united;
+    }
+
     /// Of the limit that was asked for; where none was, each part has its own.
     std::uint64_t memory_left() const noexcept {
         std::uint64_t left = options_.memory_limit_bytes;
@@ -132,6 +158,7 @@ private:
 
     std::span<const Part> parts_;
     const SliceOptions& options_;
+    bool united_;
     Parallel parallel_;
     ProgressMeter progress_;
     SharedFrame frame_{};
@@ -141,12 +168,12 @@ private:
 
 }  // namespace
 
-Result<SliceResult> slice_parts(std::span<const Part> parts, const SliceOptions& options) noexcept {
+Result<SliceResult> slice_parts(std::span<const Part> parts, const SliceOptions& options, PartRegions regions) noexcept {
     return guarded(options.control, [&]() -> Result<SliceResult> {
         if (parts.empty()) {
             return Error{ErrorCode::invalid_argument, "there are no parts to slice"};
         }
-        return PartSlicing(parts, options).run();
+        return PartSlicing(parts, options, regions).run();
     });
 }
 

@@ -27,7 +27,9 @@ SLICING = [
     ["regions"],
     ["contours"],
     ["sweep"],
+    ["part_slicer.hpp"],
     ["slice.cpp"],
+    ["parts"],
 ]
 
 # Two ways to sweep, neither of which knows the other.
@@ -36,7 +38,7 @@ PEERS = [("slicing/sweep/band_sweep", "slicing/sweep/wide_plane")]
 # Public headers that are not in a folder named after their library.
 PUBLIC = {
     "array": "base", "control": "base", "error": "base", "integer128": "base", "memory": "base", "version": "base",
-    "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "planes": "slicing", "region": "slicing",
+    "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "parts": "slicing", "planes": "slicing", "region": "slicing",
     "result": "slicing", "slice": "slicing",
     "lamella": "audit", "io": "io",
 }  # fmt: skip

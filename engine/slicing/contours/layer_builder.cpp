@@ -80,6 +80,28 @@ void LayerBuilder::build_closed(std::span<const std::span<const Point>> contours
     finish(out);
 }
 
+void LayerBuilder::build_given(std::span<const GivenContour> contours, BandOutput& out) {
+    given_.clear();
+    for (const GivenContour& contour : contours) {
+        given_.insert(given_.end(), contour.points.begin(), contour.points.end());
+        pace_.spend(contour.points.size());
+    }
+    contours_.clear();
+    std::span<Point> rest(given_);
+    for (const GivenContour& given : contours) {
+        const std::span<Point> points = rest.first(given.points.size());
+        rest = rest.subspan(given.points.size());
+        if (given.turned) {
+            std::reverse(points.begin(), points.end());
+        }
+        LayerContour& contour = contours_.emplace_back(given.closed ? closed_contour(points) : open_contour(points));
+        contour.segments = given.segments;
+        contour.item.flags = given.flags;
+        contour.item.part = given.part;
+    }
+    finish(out);
+}
+
 void LayerBuilder::finish(BandOutput& out) {
     if (rules.close_gaps > 0) {
         close_gaps(out);
@@ -188,14 +210,17 @@ void LayerBuilder::replace_by_rings() {
             std::copy_n(ring.item.points, ring.item.count, made);
             const std::span<Point> all(made, ring.item.count);
             made += ring.item.count;
-            LayerContour contour =
+            const LayerContour contour =
                 closed_contour(all.first(rules.region->drop_collinear ? drop_collinear(all) : all.size()));
             if (ring.given >= 0) {
+                const std::uint16_t flags = contours_.back().item.flags;
                 contours_.back().item = contour.item;
+                contours_.back().item.flags = flags;
             } else {
                 contours_.push_back(contour);
             }
         }
+        contours_.back().item.part = ring.item.part;
     }
     sort_by_start();
     ring_of_.clear();
@@ -268,6 +293,7 @@ void LayerBuilder::append(BandOutput& out) {
         contour.role = item.role;
         contour.orientation = item.orientation;
         contour.flags = item.flags;
+        contour.part = item.part;
         out.counts.add(contour);
         out.point_count += item.count;
     }

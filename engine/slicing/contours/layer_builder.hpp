@@ -32,12 +32,23 @@ struct LayerRules {
     double close_gaps = 0;  ///< grid units
 };
 
+/// A contour that is not walked.
+struct GivenContour {
+    std::span<const Point> points;
+    bool closed = true;
+    bool turned = false;         ///< the facets run the other way
+    std::uint32_t segments = 0;  ///< as Contour::segments
+    std::uint16_t flags = 0;
+    std::uint32_t part = 0;
+};
+
 /// Layer after layer; scratch is kept. One per thread.
 class LayerBuilder {
 public:
     explicit LayerBuilder(const Memory* memory);
 
-    /// Appends the layer that `graph` holds to `out`; points[slot] is where the slot's edge pierces the plane. O(q log q) for q points. Throws std::bad_alloc.
+    /// Appends the layer that `graph` holds to `out`; points[slot] is where the slot's edge pierces the plane. O(q log q)
+    /// for q points. Throws std::bad_alloc.
     void build(const LinkGraph& graph, const Point* points, BandOutput& out);
 
     /// The same for closed contours whose points lie in walking order in `rings` already; see read_traced().
@@ -46,6 +57,9 @@ public:
 
     /// The same for closed contours that are not walked but given. Those without points are left out.
     void build_closed(std::span<const std::span<const Point>> contours, BandOutput& out);
+
+    /// The same for contours of other layers, which have points.
+    void build_given(std::span<const GivenContour> contours, BandOutput& out);
 
     /// From here on building a layer throws Stopped where the host wants the call to end.
     void follow(const StopCheck& host) noexcept;
@@ -87,7 +101,7 @@ private:
     Vector<Ring> region_;
     Vector<Ring> kept_;                       // of the region, where only some are wanted
     Vector<Point> made_;                      // points of rings that were made or lost some
-    Vector<Point> given_;  // points of contours that were not walked
+    Vector<Point> given_;                     // points of contours that were not walked
     StopPace pace_;
 };
 

@@ -28,6 +28,7 @@ Regions::Regions(const Memory* memory)
       input_(memory),
       items_(memory),
       curves_(memory),
+      parts_(memory),
       is_alone_(memory),
       alone_(memory),
       turned_(memory),
@@ -89,6 +90,7 @@ void Regions::take(Fill& fill) {
             const NestItem item = closed_item(fill.points_of(contour));
             rings_.push_back({.item = item, .touched = contour.touched, .hole = !is_positive(item.twice_area)});
         }
+        rings_.back().item.part = contour.part;
     }
 }
 
@@ -107,7 +109,9 @@ void Regions::turn_backward_ones() {
     for (Ring& ring : rings_) {
         if (is_backward(ring)) {
             const std::size_t count = ring.item.count;
+            const std::uint32_t part = ring.item.part;
             ring.item = closed_item(rest.first(count));
+            ring.item.part = part;
             ring.given = -1;
             rest = rest.subspan(count);
         }
@@ -145,17 +149,18 @@ bool Regions::find_alone() {
 void Regions::list_eroded(const RegionSteps& steps) {
     closed_curves_.clear();
     curves_.clear();
+    parts_.clear();
     alone_.clear();
     for (const RegionContour& contour : dilated_.region()) {
         if (contour.kept < 0) {
-            append_curve(dilated_.points_of(contour), -steps.close, steps.miter_limit, closed_curves_);
+            append_curve(dilated_.points_of(contour), contour.part, -steps.close, steps.miter_limit, closed_curves_);
             continue;
         }
         const Ring& curve = input_[static_cast<std::size_t>(contour.kept)];
         if (is_alone_[curve.source] != 0) {
             alone_.push_back(rings_[curve.source]);
         } else {
-            append_curve(points_of(curve.item), -steps.close, steps.miter_limit, closed_curves_);
+            append_curve(points_of(curve.item), contour.part, -steps.close, steps.miter_limit, closed_curves_);
         }
     }
     input_.swap(alone_);
@@ -171,15 +176,18 @@ void Regions::offset(const RegionSteps& steps, Nester& nester) {
 void Regions::list_curves_of_rings(double distance, double miter_limit, RawOffset& curves) {
     curves.clear();
     curves_.clear();
+    parts_.clear();
     for (const Ring& ring : rings_) {
-        append_curve(points_of(ring.item), distance, miter_limit, curves);
+        append_curve(points_of(ring.item), ring.item.part, distance, miter_limit, curves);
     }
     input_.clear();
     list_curves(curves);
 }
 
-void Regions::append_curve(std::span<const Point> points, double distance, double miter_limit, RawOffset& curves) {
+void Regions::append_curve(std::span<const Point> points, std::uint32_t part, double distance, double miter_limit,
+                           RawOffset& curves) {
     curves_.push_back(curves.append(points, distance, miter_limit));
+    parts_.push_back(part);
     assert(!curves_.back().beyond_grid && "the caller has looked how far offsets can reach");
     pace_.spend(curve_work * points.size());
 }
@@ -189,6 +197,7 @@ void Regions::list_curves(RawOffset& curves) {
     for (std::uint32_t c = 0; c < curves_.size(); ++c) {
         if (curves_[c].count > 0) {
             input_.push_back({.item = closed_item(curves.points_of(curves_[c])), .source = c});
+            input_.back().item.part = parts_[c];
             pace_.spend(curves_[c].count);
         }
     }
@@ -218,6 +227,7 @@ void Regions::mark_near(std::span<NestItem> contours, double distance, double mi
     std::span<const Point> turned(turned_);
     dilated_curves_.clear();
     curves_.clear();
+    parts_.clear();
     for (const NestItem& contour : contours) {
         std::span<const Point> points = points_of(contour);
         if (contour.orientation != 0 && contour.reverse) {
@@ -225,6 +235,7 @@ void Regions::mark_near(std::span<NestItem> contours, double distance, double mi
             turned = turned.subspan(contour.count);
         }
         curves_.emplace_back();
+        parts_.push_back(contour.part);
         if (contour.orientation != 0) {
             curves_.back() = dilated_curves_.append(points, distance, miter_limit);
         }

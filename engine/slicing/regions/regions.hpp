@@ -71,7 +71,8 @@ private:
     bool find_alone();
     void offset(const RegionSteps& steps, Nester& nester);
     void list_eroded(const RegionSteps& steps);
-    void append_curve(std::span<const Point> points, double distance, double miter_limit, RawOffset& curves);
+    void append_curve(std::span<const Point> points, std::uint32_t part, double distance, double miter_limit,
+                      RawOffset& curves);
     void list_curves_of_rings(double distance, double miter_limit, RawOffset& curves);
     void list_curves(RawOffset& curves);
     void fill_positive(Fill& fill, Nester& nester);
@@ -81,6 +82,7 @@ private:
     Vector<Ring> input_;        // of a stage's fill, by start
     Vector<NestItem> items_;    // of input_
     Vector<RawCurve> curves_;   // of a stage's rings
+    Vector<std::uint32_t> parts_;  // of curves_
     Vector<std::uint8_t> is_alone_;  // of each ring: closing leaves it alone
     Vector<Ring> alone_;
     Vector<Point> turned_;      // points of rings that were walked with the solid on their right

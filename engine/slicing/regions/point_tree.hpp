@@ -14,7 +14,7 @@
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/nesting/strips.hpp"
+#include "slicing/edges/flat_box.hpp"
 
 namespace lamella {
 
@@ -52,6 +52,10 @@ private:
         Point b;
         FlatBox box;
 
+        bool is_longer_than(const FlatBox& region) const noexcept {
+            return box.height() > region.height() ||
+                   std::int64_t{box.high.x} - box.low.x > std::int64_t{region.high.x} - region.low.x;
+        }
         /// Whether all of `region`, with a unit around it, lies on one side.
         bool passes_by(const FlatBox& region) const noexcept;
     };
@@ -71,7 +75,7 @@ private:
             }
             return;
         }
-        if (edge.passes_by(region)) {
+        if (edge.is_longer_than(region) && edge.passes_by(region)) {
             return;
         }
         const std::size_t middle = begin + (end - begin) / 2;

@@ -27,7 +27,8 @@ Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept;
 class Contacts {
 public:
     explicit Contacts(const Memory* memory)
-        : meets_(memory),
+        : near_(memory),
+          meets_(memory),
           first_edges_(memory),
           near_edges_(memory),
           crossings_(memory) {}

@@ -79,6 +79,15 @@ bool RawOffset::keep_directions(std::size_t count) const noexcept {
     return turned == 0;
 }
 
+void RawOffset::list_turned_edges(std::size_t edges, Vector<std::uint32_t>& turned) const {
+    turned.clear();
+    for (std::uint32_t i = 0; i < edges; ++i) {
+        if (!keeps_direction(i)) {
+            turned.push_back(i);
+        }
+    }
+}
+
 Point* RawOffset::write_corner(std::span<const Point> contour, std::size_t corner, const Shape& shape, Point* out) const {
     const double added = corners_.added[corner];
     const bool outer = added >= 0;
@@ -102,13 +111,12 @@ Point* RawOffset::write_corner(std::span<const Point> contour, std::size_t corne
     return out;
 }
 
-RawCurve RawOffset::append(std::span<const Point> contour, double distance, double miter_limit) {
+RawCurve RawOffset::append(std::span<const Point> contour, double distance, double miter_limit, Turned turned) {
     const Shape shape{distance, std::max(2.0 / (miter_limit * miter_limit), sharpest_cosine1)};
     const std::size_t count = contour.size();
     reserve(count);
     RawCurve curve;
     curve.first_point = points_.size();
-    points_.resize(points_.size() + 3 * count);
     kernels_.edges(contour.data(), count, edges_);
     const bool sharp = kernels_.corners(contour.data(), count, edges_, distance, corners_) < shape.least_cosine1;
     if (sharp) {
@@ -116,6 +124,10 @@ RawCurve RawOffset::append(std::span<const Point> contour, double distance, doub
     }
     corners_.added[count] = corners_.added[0];
     curve.directions_kept = keep_directions(count);
+    if (!curve.directions_kept && turned == Turned::omitted) {
+        return curve;
+    }
+    points_.resize(points_.size() + 3 * count);
     Point* const first = points_.data() + curve.first_point;
     Point* last = first;
     if (!sharp && curve.directions_kept) {

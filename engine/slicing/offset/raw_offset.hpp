@@ -65,6 +65,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "base/vector.hpp"
@@ -88,6 +89,9 @@ public:
     explicit RawOffset(const Memory* memory)
         : kernels_(best_of(offset_kernel_forms())), numbers_(memory), miters_(memory), points_(memory) {}
 
+    /// What becomes of a curve with edges that turn round: omitted, it has no points.
+    enum class Turned : bool { written, omitted };
+
     /// Forgets the curves: for the next layer.
     void clear() noexcept { points_.clear(); }
 
@@ -95,7 +99,11 @@ public:
     /// `distance`: grid units, finite, at most 2 grid_limit either way. `miter_limit`: at least 1; counts as 1,000 if it is
     /// more. Precondition: three points or more, consecutive ones differ. At most three points a corner. Throws
     /// std::bad_alloc.
-    RawCurve append(std::span<const Point> contour, double distance, double miter_limit);
+    RawCurve append(std::span<const Point> contour, double distance, double miter_limit, Turned turned = Turned::written);
+
+    /// Of the contour that append() had last: its edges that do not keep their direction, ascending. Edge i leads from point
+    /// i to the next.
+    void list_turned_edges(std::size_t edges, Vector<std::uint32_t>& turned) const;
 
     /// Of all curves since clear().
     std::span<const Point> points() const noexcept { return points_; }

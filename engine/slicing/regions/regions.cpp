@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "slicing/offset/fold.hpp"
 #include "slicing/regions/closed_item.hpp"
 
 namespace lamella {
@@ -31,6 +32,9 @@ Regions::Regions(const Memory* memory)
       parts_(memory),
       is_alone_(memory),
       alone_(memory),
+      turned_edges_(memory),
+      folded_(memory),
+      folded_ends_(memory),
       turned_(memory),
       filled_(memory),
       dilated_(memory),
@@ -119,15 +123,53 @@ void Regions::turn_backward_ones() {
 }
 
 void Regions::close(const RegionSteps& steps, Nester& nester) {
-    list_curves_of_rings(steps.close, steps.miter_limit, dilated_curves_);
+    list_dilated(steps);
     fill_positive(dilated_, nester);
-    if (find_alone()) {
+    if (find_alone() && folded_.empty()) {
         return;
     }
     unchanged_ = false;
     list_eroded(steps);
     fill_positive(closed_, nester);
     take(closed_);
+}
+
+/// A ring with edges that turn round is folded if then none does, and its curve is that of the folded ring.
+void Regions::list_dilated(const RegionSteps& steps) {
+    dilated_curves_.clear();
+    curves_.clear();
+    parts_.clear();
+    folded_.clear();
+    folded_ends_.clear();
+    for (const Ring& ring : rings_) {
+        const std::span<const Point> points = points_of(ring.item);
+        curves_.push_back(dilated_curves_.append(points, steps.close, steps.miter_limit, RawOffset::Turned::omitted));
+        parts_.push_back(ring.item.part);
+        pace_.spend(curve_work * points.size());
+        if (!curves_.back().directions_kept && !fold(points, steps)) {
+            curves_.back() = dilated_curves_.append(points, steps.close, steps.miter_limit);
+        }
+        folded_ends_.push_back(folded_.size());
+    }
+    input_.clear();
+    list_curves(dilated_curves_);
+}
+
+/// The ring that was looked at last. False if it cannot be folded so that nothing turns round.
+bool Regions::fold(std::span<const Point> ring, const RegionSteps& steps) {
+    const std::size_t begin = folded_.size();
+    dilated_curves_.list_turned_edges(ring.size(), turned_edges_);
+    if (!fold_edges(ring, turned_edges_, steps.close, folded_)) {
+        return false;
+    }
+    const RawCurve curve = dilated_curves_.append(std::span(folded_).subspan(begin), steps.close, steps.miter_limit,
+                                                  RawOffset::Turned::omitted);
+    if (curve.reflex_cut || curve.count == 0) {
+        folded_.resize(begin);
+        return false;
+    }
+    curves_.back() = curve;
+    return true;
 }
 
 /// Returns whether all are.
@@ -145,7 +187,18 @@ bool Regions::find_alone() {
     return alone == rings_.size() && dilated_.region().size() == rings_.size();
 }
 
-/// Of the dilated region, but for the rings left alone, which stay as they were.
+/// The ring without the edges that turn round.
+Ring Regions::as_folded(std::uint32_t ring) const {
+    Ring folded = rings_[ring];
+    const std::size_t begin = ring == 0 ? 0 : folded_ends_[ring - 1];
+    if (folded_ends_[ring] != begin) {
+        folded = {.item = closed_item(std::span(folded_).subspan(begin, folded_ends_[ring] - begin)), .hole = folded.hole};
+        folded.item.part = rings_[ring].item.part;
+    }
+    return folded;
+}
+
+/// Of the dilated region, but for the rings left alone, which stay as they were or folded.
 void Regions::list_eroded(const RegionSteps& steps) {
     closed_curves_.clear();
     curves_.clear();
@@ -158,7 +211,7 @@ void Regions::list_eroded(const RegionSteps& steps) {
         }
         const Ring& curve = input_[static_cast<std::size_t>(contour.kept)];
         if (is_alone_[curve.source] != 0) {
-            alone_.push_back(rings_[curve.source]);
+            alone_.push_back(as_folded(curve.source));
         } else {
             append_curve(points_of(curve.item), contour.part, -steps.close, steps.miter_limit, closed_curves_);
         }

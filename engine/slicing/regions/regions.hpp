@@ -9,8 +9,9 @@
 //
 // Closing computes offset curves of all rings (see offset/raw_offset.hpp) and looks where they meet. A ring is left alone
 // if and only if its curve keeps all directions, passes the limit at no inner corner, and meets no curve, itself included,
-// and bounds the same side as before: then eroding would give it back. The rest goes on as eroded curves, together with
-// the rings that were left alone, since eroding by miters may reach those.
+// and bounds the same side as before: then eroding would give it back. A ring with short edges in notches, which turn round,
+// is first folded (see offset/fold.hpp): eroding would give the folded ring. The rest goes on as eroded curves, together
+// with the rings that were left alone, since eroding by miters may reach those.
 #pragma once
 
 #include <cstdint>
@@ -69,6 +70,9 @@ private:
     void take_given(std::span<const NestItem> contours);
     void turn_backward_ones();
     void close(const RegionSteps& steps, Nester& nester);
+    void list_dilated(const RegionSteps& steps);
+    bool fold(std::span<const Point> ring, const RegionSteps& steps);
+    Ring as_folded(std::uint32_t ring) const;
     bool find_alone();
     void offset(const RegionSteps& steps, Nester& nester);
     void list_eroded(const RegionSteps& steps);
@@ -86,7 +90,10 @@ private:
     Vector<std::uint32_t> parts_;    // of curves_
     Vector<std::uint8_t> is_alone_;  // of each ring: closing leaves it alone
     Vector<Ring> alone_;
-    Vector<Point> turned_;  // points of rings that were walked with the solid on their right
+    Vector<std::uint32_t> turned_edges_;  // of a ring
+    Vector<Point> folded_;
+    Vector<std::size_t> folded_ends_;  // of each ring, in folded_
+    Vector<Point> turned_;             // points of rings that were walked with the solid on their right
     bool unchanged_ = false;
 
     Fill filled_;

@@ -1,0 +1,30 @@
+// Edges that an offset turns round, folded into the corner of their neighbours.
+//
+//     A notch with a short floor. Dilated, its walls meet before they have passed over the floor, which turns round; eroded
+//     again, the walls run on to where their lines meet, at `x`:
+//
+//          a |       | d          the contour a b c d becomes a x d, whose curve is what is left of the curve of a b c d
+//            |       |            when its loops are taken off: while the distance grows, the floor's moved edge shrinks
+//            b-------c            to a point, from which on the walls' moved edges are neighbours.
+//             \     /
+//               \ /
+//                x
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/vector.hpp"
+#include "lamella/grid.hpp"
+
+namespace lamella {
+
+/// Appends the contour with the edges `turned`, ascending, replaced by points where the lines of their neighbours meet,
+/// rounded. Of edges side by side the one that shrinks to a point first goes first, and others stay that no longer turn
+/// round. Edge i leads from point i to point i + 1. `distance`: grid units, above 0. False, with nothing appended, where
+/// there is no such point to the right of an edge, or where nearly all of the contour turns round. O(points), and the square
+/// of edges that stand close together. Throws std::bad_alloc.
+bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> turned, double distance,
+                Vector<Point>& points);
+
+}  // namespace lamella

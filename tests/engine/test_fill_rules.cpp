@@ -7,6 +7,7 @@
 
 #include "engine/shapes.hpp"
 #include "engine/slicing.hpp"
+#include "lamella/assemble.hpp"
 
 using lamella::FillRule;
 using lamella::Role;
@@ -287,4 +288,37 @@ TEST_CASE("fill rules: contours that meet count the windings of shells around th
     CHECK(regions(shapes::joined({undone, pair}))[2] == "2 outer, 1 hole, " + std::to_string(6400 - 26 * 26 + 175));
     const shapes::Soup below = shapes::joined({undone, shapes::flipped(square(-2, -2, 24))});
     CHECK(regions(shapes::joined({below, pair}))[3] == "2 outer, 1 hole, " + std::to_string(6400 - 26 * 26 + 25));
+}
+
+TEST_CASE("fill rules: bodies that touch the tip of a spike into their hole lie in the hole", "[engine][fill]") {
+    // The hole's boundary passes the tip, but begins elsewhere. A and B begin there, and the tip lies strictly within the
+    // outermost contour alone. From B the way past the left of the tip leads to A first.
+    //
+    //     +---------+
+    //     |   A  ---+
+    //     |   |/    |
+    //     |   <     |
+    //     |   |\    |
+    //     |   B  ---+
+    //     +---------+
+    using Points = std::vector<lamella::Point>;
+    const Points around = {{-100, -100}, {200, -100}, {200, 200}, {-100, 200}};
+    const Points hole = {{0, 0}, {0, 100}, {100, 100}, {100, 60}, {50, 50}, {100, 40}, {100, 0}};
+    const Points above = {{50, 50}, {70, 90}, {60, 90}};
+    const Points below = {{50, 50}, {60, 20}, {70, 20}};
+    lamella::RegionRules rules;
+    rules.fill_rule = FillRule::non_zero;
+    const auto check = [&](const std::vector<std::span<const lamella::Point>>& contours) {
+        const lamella::Result<lamella::LayerContours> region = lamella::region_of(contours, rules);
+        REQUIRE(region.ok());
+        CHECK(region->contours.size() == contours.size());
+        for (const lamella::Contour& contour : region->contours) {
+            const bool small = contour.point_count == 3;
+            CHECK(contour.parent == (small ? 1 : contour.role == Role::hole ? 0 : -1));
+            CHECK(contour.role == (contour.point_count == 7 ? Role::hole : Role::outer));
+        }
+    };
+    check({around, hole, above});
+    check({around, hole, below});
+    check({around, hole, above, below});
 }

@@ -176,7 +176,7 @@ void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_comp
         }
     }
     for (std::size_t c = base; c < contours.size(); ++c) {
-        contours[c].touched = touched_at(first_ends[c - base], static_cast<std::int64_t>(c));
+        contours[c].touched = touched_at(static_cast<std::int64_t>(c), static_cast<std::int64_t>(base), first_ends);
     }
 }
 
@@ -203,23 +203,33 @@ Arrangement::End Arrangement::follow_boundary(Half first, std::int64_t contour, 
     return is_lowest ? smallest : End{none, none};
 }
 
-/// The contour that has the next end clockwise of `end`, unless that way leads past the left of the vertex and all ends
-/// there go to larger points: then other contours that begin there come after this one.
-std::int64_t Arrangement::touched_at(End end, std::int64_t contour) const noexcept {
-    if (end.vertex == none) {
+/// The contour that has the next end clockwise of the first one of `contour`. Contours that begin at the same vertex and are
+/// met by a way past the left of it come after this one; the way then goes on from their first ends.
+std::int64_t Arrangement::touched_at(std::int64_t contour, std::int64_t base,
+                                     std::span<const End> first_ends) const noexcept {
+    const End first = first_ends[static_cast<std::size_t>(contour - base)];
+    if (first.vertex == none) {
         return -1;
     }
-    const std::uint32_t begin = first_halves_[end.vertex];
-    std::uint32_t place = end.place;
+    const std::uint32_t begin = first_halves_[first.vertex];
+    std::uint32_t place = first.place;
     bool past_left = false;
-    do {
-        past_left = past_left || place == begin;
-        place = place == begin ? first_halves_[end.vertex + 1] - 1 : place - 1;
-    } while (!is_boundary(halves_[place]) && !is_boundary(halves_[place] ^ 1));
-    const Half half = halves_[place];
-    const std::int64_t other = contour_of_[is_boundary(half) ? half : half ^ 1];
-    const bool goes_left = second_point(half) < snapped_->vertices()[end.vertex];
-    return other == contour || (past_left && !goes_left) ? -1 : other;
+    while (true) {
+        do {
+            past_left = past_left || place == begin;
+            place = place == begin ? first_halves_[first.vertex + 1] - 1 : place - 1;
+        } while (!is_boundary(halves_[place]) && !is_boundary(halves_[place] ^ 1));
+        const Half half = halves_[place];
+        const std::int64_t other = contour_of_[is_boundary(half) ? half : half ^ 1];
+        if (other == contour) {
+            return -1;
+        }
+        const End others_first = first_ends[static_cast<std::size_t>(other - base)];
+        if (!past_left || others_first.vertex != first.vertex) {
+            return other;
+        }
+        place = others_first.place;
+    }
 }
 
 }  // namespace lamella

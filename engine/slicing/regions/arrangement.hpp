@@ -124,7 +124,7 @@ private:
     void find_lowest_points();
     void append_points(Half half, Vector<Point>& points);
     End follow_boundary(Half first, std::int64_t contour, Vector<Point>& points, std::uint32_t& part);
-    std::int64_t touched_at(End end, std::int64_t contour) const noexcept;
+    std::int64_t touched_at(std::int64_t contour, std::int64_t base, std::span<const End> first_ends) const noexcept;
     bool is_boundary(Half half) const noexcept { return contour_of_[half] != no_boundary; }
 
     const SnapRounding* snapped_ = nullptr;

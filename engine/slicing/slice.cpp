@@ -113,8 +113,7 @@ private:
     void sweep_all_into(std::span<Point> points);
     void sweep_band(std::size_t band, int worker);
     void sweep_wide(std::size_t band);
-    Error too_entangled(std::int64_t plane) const;
-    LayerRules rules() const noexcept { return {options_.region.fill_rule, options_.close_gaps_mm / result_.unit_mm}; }
+    LayerRules rules() const noexcept { return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm}; }
     void note_ticks_of(const WidePlane& wide, std::uint64_t spent);
     void split_time(double sweep_ms);
     void finish_result();
@@ -142,7 +141,7 @@ Status Slicing::choose_grid_and_planes() {
     result_.unit_mm = *unit;
     result_.frame = options_.transform;
     result_.plan = options_.plan;
-    result_.region.fill_rule = options_.region.fill_rule;
+    result_.region = options_.region;
     result_.close_gaps_mm = options_.close_gaps_mm;
     result_.summary = {};
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
@@ -188,9 +187,6 @@ Status Slicing::sweep_bands() {
     for (;;) {
         result_.points.resize_discarding(room);
         sweep_all_into(result_.points.span());
-        if (kept_.placement.refused_plane() >= 0) {
-            return too_entangled(kept_.placement.refused_plane());
-        }
         const std::uint64_t needed = kept_.placement.point_count();
         if (needed <= room) {
             result_.points.set_size(needed);
@@ -203,20 +199,11 @@ Status Slicing::sweep_bands() {
     return {};
 }
 
-Error Slicing::too_entangled(std::int64_t plane) const {
-    const double height = kept_.planes.height_mm(static_cast<PlaneIndex>(plane));
-    Error error{ErrorCode::too_entangled, "layer " + std::to_string(plane) + " at " + exact_text(height) + " mm" +
-                                              ": its contours are too entangled for the fill rule " +
-                                              std::string(name_of(options_.region.fill_rule))};
-    error.plane = plane;
-    return error;
-}
-
 /// Wide planes by all threads, the bands between them by one thread each.
 void Slicing::sweep_all_into(std::span<Point> points) {
     const auto& bands = kept_.bands.bands;
     kept_.placement.begin(bands, parallel_.threads(), kept_.buckets.segment_count, points, progress_, options_.control.stop);
-    for (std::size_t begin = 0; begin < bands.size() && kept_.placement.refused_plane() < 0;) {
+    for (std::size_t begin = 0; begin < bands.size();) {
         parallel_.stop_if_asked();
         if (bands[begin].wide && options_.tuning.form == ContourForm::swept) {
             sweep_wide(begin++);

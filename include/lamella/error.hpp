@@ -30,7 +30,6 @@ enum class ErrorCode : std::uint8_t {
     bad_coordinate,    ///< a coordinate that is not finite, or beyond 1e9 mm
     bad_planes,        ///< heights not sorted or not distinct on the grid, a step under two units, too many planes
     result_too_large,  ///< the result is known to exceed the memory limit; nothing was allocated for it
-    too_entangled,     ///< the contours of a layer are beyond what a fill rule can be applied to
     out_of_memory,     ///< an allocation failed
     cancelled,         ///< the caller's StopCheck said so
     unwritable_file,   ///< the output could not be created or written

@@ -37,7 +37,6 @@ inline Failure failure_of(const Error& error) {
         case ErrorCode::malformed_mesh:
         case ErrorCode::empty_mesh:
         case ErrorCode::bad_coordinate:
-        case ErrorCode::too_entangled:
         case ErrorCode::out_of_memory:
         case ErrorCode::cancelled:
             break;

@@ -30,7 +30,8 @@ LayerBuilder::LayerBuilder(const Memory* memory)
       walked_(memory),
       closed_(memory),
       walked_of_(memory),
-      region_contour_of_(memory) {}
+      region_contour_of_(memory),
+      given_(memory) {}
 
 void LayerBuilder::follow(const StopCheck& host) noexcept {
     pace_.follow(host);
@@ -52,22 +53,31 @@ void LayerBuilder::build_traced(Point* rings, std::span<const WalkedContour> wal
     finish(out);
 }
 
-void LayerBuilder::finish(BandOutput& out) {
-    if (out.refused >= 0) {
-        out.add_empty_layer();
-        return;
+void LayerBuilder::build_closed(std::span<const std::span<const Point>> contours, BandOutput& out) {
+    given_.clear();
+    for (const std::span<const Point> contour : contours) {
+        given_.insert(given_.end(), contour.begin(), contour.end());
+        pace_.spend(contour.size());
     }
+    contours_.clear();
+    std::span<Point> rest(given_);
+    for (const std::span<const Point> contour : contours) {
+        if (!contour.empty()) {
+            contours_.push_back(closed_contour(rest.first(contour.size())));
+        }
+        rest = rest.subspan(contour.size());
+    }
+    finish(out);
+}
+
+void LayerBuilder::finish(BandOutput& out) {
     if (rules.close_gaps > 0) {
         close_gaps(out);
     }
     sort_by_start();
     const std::uint64_t before = timed ? ticks() : 0;
     const std::uint64_t filled_before = fill_ticks;
-    if (!nest()) {
-        out.refused = static_cast<std::int64_t>(out.layer_contours.size());
-        out.add_empty_layer();
-        return;
-    }
+    nest(rules.region == nullptr ? FillRule::contours : rules.region->rule_of(out.first_layer + out.layer_contours.size()));
     nesting_ticks += timed ? ticks() - before - (fill_ticks - filled_before) : 0;
     order_.put_holes_after_outers(items_);
     append(out);
@@ -103,17 +113,17 @@ void LayerBuilder::sort_by_start() {
     }
 }
 
-/// False: the contours are too entangled for the fill rule.
-bool LayerBuilder::nest() {
-    if (rules.fill != FillRule::contours) {
-        return apply_fill_rule();
+void LayerBuilder::nest(FillRule rule) {
+    if (rule == FillRule::contours) {
+        nester_.nest(items_);
+        return;
     }
-    nester_.nest(items_);
-    return true;
+    const std::uint64_t before = timed ? ticks() : 0;
+    apply_fill_rule(rule);
+    fill_ticks += timed ? ticks() - before : 0;
 }
 
-bool LayerBuilder::apply_fill_rule() {
-    const std::uint64_t before = timed ? ticks() : 0;
+void LayerBuilder::apply_fill_rule(FillRule rule) {
     closed_.clear();
     walked_of_.clear();
     for (std::size_t i = 0; i < items_.size(); ++i) {
@@ -122,12 +132,13 @@ bool LayerBuilder::apply_fill_rule() {
             walked_of_.push_back(order_.contour_of(i));
         }
     }
-    if (!fill_.run(closed_, rules.fill, nester_)) {
-        return false;
+    fill_.run(closed_, rule, nester_);
+    if (fill_.is_unchanged() && closed_.size() == items_.size()) {
+        std::copy(fill_.nested().begin(), fill_.nested().end(), items_.begin());
+        return;
     }
     replace_by_region();
-    fill_ticks += timed ? ticks() - before : 0;
-    return region_nesting_.nest(items_, region_contour_of_, fill_.region(), fill_.clusters(), nester_);
+    region_nesting_.nest(items_, region_contour_of_, fill_.region(), nester_);
 }
 
 /// contours_ becomes the open polylines as they were, then the contours of the region.

@@ -27,7 +27,8 @@ namespace lamella {
 
 /// What is done to a plane's contours beyond walking them.
 struct LayerRules {
-    FillRule fill = FillRule::contours;
+    const RegionRules* region = nullptr;  ///< null: contours stay as they are
+    double unit_mm = default_unit_mm;
     double close_gaps = 0;  ///< grid units
 };
 
@@ -36,13 +37,15 @@ class LayerBuilder {
 public:
     explicit LayerBuilder(const Memory* memory);
 
-    /// Appends the layer that `graph` holds to `out`, or an empty one that out.refused names; points[slot] is where the
-    /// slot's edge pierces the plane. O(q log q) for q points. Throws std::bad_alloc.
+    /// Appends the layer that `graph` holds to `out`; points[slot] is where the slot's edge pierces the plane. O(q log q) for q points. Throws std::bad_alloc.
     void build(const LinkGraph& graph, const Point* points, BandOutput& out);
 
     /// The same for closed contours whose points lie in walking order in `rings` already; see read_traced().
     void build_traced(Point* rings, std::span<const WalkedContour> walked, KeyAt key_at, const Parallel& parallel,
                       BandOutput& out);
+
+    /// The same for closed contours that are not walked but given. Those without points are left out.
+    void build_closed(std::span<const std::span<const Point>> contours, BandOutput& out);
 
     /// From here on building a layer throws Stopped where the host wants the call to end.
     void follow(const StopCheck& host) noexcept;
@@ -59,8 +62,8 @@ private:
     void finish(BandOutput& out);
     void close_gaps(BandOutput& out);
     void sort_by_start();
-    bool nest();
-    bool apply_fill_rule();
+    void nest(FillRule rule);
+    void apply_fill_rule(FillRule rule);
     void replace_by_region();
     void append(BandOutput& out);
     void copy_points(const NestItem& item, Point* to);
@@ -79,6 +82,7 @@ private:
     Vector<NestItem> closed_;                 // the closed ones of items_
     Vector<std::uint32_t> walked_of_;         // of each of closed_: its number in walked_
     Vector<std::int64_t> region_contour_of_;  // of each of items_: its number in the region, -1 for an open polyline
+    Vector<Point> given_;  // points of contours that were not walked
     StopPace pace_;
 };
 

@@ -1,8 +1,9 @@
 #include "slicing/regions/contacts.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cstdlib>
-#include <utility>
+#include <limits>
 
 #include "base/sign.hpp"
 #include "slicing/grid/exact.hpp"
@@ -11,17 +12,31 @@ namespace lamella {
 
 namespace {
 
-constexpr std::uint64_t most_steps = std::uint64_t{1} << 31;
-constexpr std::uint64_t most_contacts = 1 << 18;  // of one cluster
+constexpr std::uint64_t any_number = std::numeric_limits<std::uint64_t>::max();
 
-bool cross(Point a, Point b, Point c, Point d) noexcept {
-    return sign_of(side_of_line(a, b, c)) * sign_of(side_of_line(a, b, d)) < 0 &&
-           sign_of(side_of_line(c, d, a)) * sign_of(side_of_line(c, d, b)) < 0;
+/// The sign of side_of_line(): each product has 63 bits, their difference 64.
+int side(Point a, Point b, Point p) noexcept {
+    const std::int64_t left = (std::int64_t{b.x} - a.x) * (std::int64_t{p.y} - a.y);
+    const std::int64_t right = (std::int64_t{b.y} - a.y) * (std::int64_t{p.x} - a.x);
+    return (left > right) - (left < right);
 }
 
-bool are_near(Point a, Point b, Point c, Point d, std::int32_t reach) noexcept {
-    return is_near(a, c, d, reach) || is_near(b, c, d, reach) || is_near(c, a, b, reach) || is_near(d, a, b, reach) ||
-           cross(a, b, c, d);
+bool cross(Point a, Point b, Point c, Point d) noexcept {
+    return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
+}
+
+/// Whether the edge from `joint` to `to` lies on the one from `from` to `joint`.
+bool runs_back(Point from, Point joint, Point to) noexcept {
+    const std::int64_t along_x = (std::int64_t{joint.x} - from.x) * (std::int64_t{to.x} - joint.x);
+    const std::int64_t along_y = (std::int64_t{joint.y} - from.y) * (std::int64_t{to.y} - joint.y);
+    return side(from, joint, to) == 0 && (along_x < 0 || along_y < 0);
+}
+
+/// value / (2 * divisor), rounded; halves up.
+Int128 rounded_half(Int128 value, Int128 divisor) noexcept {
+    const Int128 twice = 2 * divisor;
+    const Int128 sum = value + divisor;
+    return sum / twice - (sum % twice < 0 ? 1 : 0);
 }
 
 }  // namespace
@@ -33,76 +48,85 @@ bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept {
     return FlatBox::around(a, b).grown(reach).meets({p, p}) && -most <= distance_by_length && distance_by_length <= most;
 }
 
-bool Contacts::find(std::span<const NestItem> contours) {
+Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept {
+    const std::int64_t dx = std::int64_t{b.x} - a.x;
+    const std::int64_t dy = std::int64_t{b.y} - a.y;
+    const Int128 c_side = side_of_line(a, b, c);
+    const Int128 d_side = side_of_line(a, b, d);
+    assert(c_side != d_side);
+    Int128 whole = c_side - d_side;           // the crossing is a + (b - a) part / whole
+    Int128 part = side_of_line(c, d, a);
+    assert(part != 0);
+    // side_of_line(c, d, a) - side_of_line(c, d, b) is whole or its opposite: the signs of `part` and `whole` must agree.
+    if (part < 0) {
+        part = -part;
+    }
+    if (whole < 0) {
+        whole = -whole;
+    }
+    return {static_cast<std::int32_t>(a.x + rounded_half(2 * part * dx, whole)),
+            static_cast<std::int32_t>(a.y + rounded_half(2 * part * dy, whole))};
+}
+
+void Contacts::find(std::span<const NestItem> contours) {
     near_.clear();
-    clusters_.assign(contours.size());
-    contours_.assign(contours.size(), {});
-    shared_.clear();
+    meets_.assign(contours.size(), 0);
+    crossings_.clear();
+    first_edges_.clear();
+    first_edges_.push_back(0);
+    any_meets_ = false;
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
         pace_.spend(contours[c].count);
         near_.add({{contours[c].points, contours[c].count}, c, true, contours[c].start});
+        first_edges_.push_back(first_edges_.back() + contours[c].count);
     }
-    const bool all =
-        near_.find(clipping_reach, most_steps,
-                   [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) { meet(a, i, b, j); });
-    find_crowds();
-    return all;
+    near_edges_.assign(first_edges_.back(), 0);
+    near_.find(rounding_reach, any_number,
+               [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) { meet(a, i, b, j); });
+    sort_crossings();
 }
 
 void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
     const bool same = a.contour == b.contour;
+    const Point a0 = a[i];
+    const Point a1 = a[i + 1];
+    const Point b0 = b[j];
+    const Point b1 = b[j + 1];
     if (same && ((i + 1) % a.edges() == j || (j + 1) % a.edges() == i)) {
-        return;  // neighbours
-    }
-    if (!are_near(a[i], a[i + 1], b[j], b[j + 1], same ? 0 : clipping_reach)) {
+        if ((a1 == b0 && runs_back(a0, a1, b1)) || (b1 == a0 && runs_back(b0, b1, a1))) {
+            mark(a, i, true);
+            mark(b, j, true);
+        }
         return;
     }
-    const auto contour = static_cast<std::uint32_t>(a.contour);
-    contours_[contour].itself |= same;
-    join(contour, static_cast<std::uint32_t>(b.contour));
-    if (++contours_[leader(contour)].contacts > most_contacts) {
-        near_.stop();
-    }
-    note_shared(a, i, b, j);
-}
-
-/// Points of a line are in the order of their coordinates, one way or the other.
-void Contacts::note_shared(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
-    if (side_of_line(a[i], a[i + 1], b[j]) != 0 || side_of_line(a[i], a[i + 1], b[j + 1]) != 0) {
+    const auto touch = [&](std::int32_t reach) {
+        return is_near(a0, b0, b1, reach) || is_near(a1, b0, b1, reach) || is_near(b0, a0, a1, reach) ||
+               is_near(b1, a0, a1, reach);
+    };
+    const bool crossing = cross(a0, a1, b0, b1);
+    if (!crossing && !touch(rounding_reach)) {
         return;
     }
-    const auto [a_low, a_high] = std::minmax({a[i], a[i + 1]});
-    const auto [b_low, b_high] = std::minmax({b[j], b[j + 1]});
-    const Point low = std::max(a_low, b_low);
-    const Point high = std::min(a_high, b_high);
-    if (low < high) {
-        ++contours_[leader(static_cast<std::uint32_t>(a.contour))].shared;
-        shared_.push_back({static_cast<std::uint32_t>(a.contour), static_cast<std::uint32_t>(i), low, high});
-        shared_.push_back({static_cast<std::uint32_t>(b.contour), static_cast<std::uint32_t>(j), low, high});
+    const bool meets = !same || crossing || touch(0);
+    mark(a, i, meets);
+    mark(b, j, meets);
+    if (crossing) {
+        crossings_.push_back(rounded_crossing(a0, a1, b0, b1));
     }
 }
 
-void Contacts::find_crowds() {
-    std::sort(shared_.begin(), shared_.end(), [this](const Shared& a, const Shared& b) {
+void Contacts::mark(const EdgePath& path, std::size_t edge, bool meets) noexcept {
+    near_edges_[first_edges_[path.contour] + edge] = 1;
+    meets_[path.contour] |= meets ? 1 : 0;
+    any_meets_ = any_meets_ || meets;
+}
+
+void Contacts::sort_crossings() {
+    std::sort(crossings_.begin(), crossings_.end(), [this](const Point& a, const Point& b) {
         pace_.spend(1);
         return a < b;
     });
-    Point reached;  // the farthest end of the stretches before on the same edge
-    for (std::size_t s = 0; s < shared_.size(); ++s) {
-        const Shared& own = shared_[s];
-        const bool same_edge = s > 0 && shared_[s - 1].contour == own.contour && shared_[s - 1].edge == own.edge;
-        contours_[own.contour].crowded |= same_edge && own.low < reached;
-        reached = same_edge ? std::max(reached, own.high) : own.high;
-    }
-}
-
-void Contacts::join(std::uint32_t a, std::uint32_t b) noexcept {
-    const auto [first, second] = std::minmax({leader(a), leader(b)});
-    if (first != second) {
-        clusters_.unite(first, second);
-        contours_[first].contacts += contours_[second].contacts;
-        contours_[first].shared += contours_[second].shared;
-    }
+    crossings_.erase(std::unique(crossings_.begin(), crossings_.end()), crossings_.end());
 }
 
 }  // namespace lamella

@@ -1,11 +1,9 @@
-// Which contours must be clipped together because they meet, where a fill rule is asked for.
+// Which contours of a layer meet, and where, if a fill rule is asked for.
 #pragma once
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
-#include "base/disjoint_sets.hpp"
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/nesting/nest.hpp"
@@ -13,18 +11,26 @@
 
 namespace lamella {
 
-/// Grid units by which clipping moves a point at most.
-inline constexpr std::int32_t clipping_reach = 2;
+/// Two edges that are both moved by rounding, each by half a unit per axis, can touch where they come so near.
+inline constexpr std::int32_t rounding_reach = 1;
 
-/// True if `p` lies within `reach` of the edge from `a` to `b`; may be true somewhat farther away if `reach` > 0.
+/// True if `p` lies within `reach` of the edge from `a` to `b` on both axes; may be true somewhat farther away if
+/// `reach` > 0.
 bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept;
 
-/// Two contours meet where their edges come within two units of each other: clipping rounds points to units, and a clipped
-/// contour must not reach another. A contour meets itself where two of its edges that are not neighbours have a common
-/// point. Contours that meet, directly or by way of others, are a cluster.
+/// Where two edges cross at a point that is an end of neither, rounded: the grid point whose pixel, which is a unit wide and
+/// contains its left and lower side, contains the crossing. `a` to `b` and `c` to `d` must cross there.
+Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept;
+
+/// Two contours meet where their edges come within rounding_reach of each other. A contour meets itself where two of its
+/// edges have a common point that is not the end of one and the start of the next.
 class Contacts {
 public:
-    explicit Contacts(const Memory* memory) : contours_(memory), clusters_(memory), shared_(memory) {}
+    explicit Contacts(const Memory* memory)
+        : meets_(memory),
+          first_edges_(memory),
+          near_edges_(memory),
+          crossings_(memory) {}
 
     /// From here on find() throws Stopped where the host wants the call to end.
     void follow(const StopCheck& host) noexcept {
@@ -32,47 +38,32 @@ public:
         pace_.follow(host);
     }
 
-    /// Finds the clusters of closed contours. False if there are more contacts than could be clipped in seconds. O(q log q)
-    /// for q points whose edges lie apart, plus a step for each pair of edges with close boxes, up to a fixed number. Throws
-    /// std::bad_alloc.
-    bool find(std::span<const NestItem> contours);
+    /// Compares closed contours. O(q log q) for q points whose edges lie apart, plus a step for each pair of
+    /// edges with close boxes. Throws std::bad_alloc.
+    void find(std::span<const NestItem> contours);
 
-    /// The first contour of the cluster.
-    std::uint32_t leader(std::uint32_t contour) noexcept { return clusters_.root(contour); }
-    /// Merges the clusters of two contours.
-    void join(std::uint32_t a, std::uint32_t b) noexcept;
-
-    bool meets_itself(std::uint32_t contour) const noexcept { return contours_[contour].itself; }
-    /// Whether a stretch of one of its edges is shared with two other edges.
-    bool is_crowded(std::uint32_t contour) const noexcept { return contours_[contour].crowded; }
-    /// In the leader's cluster: pairs of edges that meet, and how many of them share a stretch.
-    std::uint64_t contacts(std::uint32_t leader) const noexcept { return contours_[leader].contacts; }
-    std::uint64_t shared_stretches(std::uint32_t leader) const noexcept { return contours_[leader].shared; }
+    /// Whether the contour meets another or itself.
+    bool meets(std::uint32_t contour) const noexcept { return meets_[contour] != 0; }
+    bool any_meets() const noexcept { return any_meets_; }
+    /// For each edge of a contour from its start whether it comes within rounding_reach of an edge of another contour, or
+    /// of another run of its own.
+    std::span<const std::uint8_t> near_edges(std::uint32_t contour) const noexcept {
+        return std::span(near_edges_).subspan(first_edges_[contour], first_edges_[contour + 1] - first_edges_[contour]);
+    }
+    /// Where edges cross, rounded, ascending and distinct.
+    std::span<const Point> crossings() const noexcept { return crossings_; }
 
 private:
-    struct Own {
-        bool itself = false;
-        bool crowded = false;
-        std::uint64_t contacts = 0;  // of a leader: in its cluster
-        std::uint64_t shared = 0;    // of a leader: in its cluster
-    };
-    /// A stretch that an edge shares with another.
-    struct Shared {
-        std::uint32_t contour;
-        std::uint32_t edge;
-        Point low;
-        Point high;
-        friend constexpr auto operator<=>(const Shared&, const Shared&) = default;
-    };
-
     void meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
-    void note_shared(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
-    void find_crowds();
+    void mark(const EdgePath& path, std::size_t edge, bool meets) noexcept;
+    void sort_crossings();
 
     EdgePairs near_;
-    Vector<Own> contours_;
-    DisjointSets clusters_;  // the leader is the root
-    Vector<Shared> shared_;
+    Vector<std::uint8_t> meets_;            // of each contour
+    Vector<std::size_t> first_edges_;       // of each contour
+    Vector<std::uint8_t> near_edges_;
+    Vector<Point> crossings_;
+    bool any_meets_ = false;
     StopPace pace_;
 };
 

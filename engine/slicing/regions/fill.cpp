@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <numeric>
+
+#include "slicing/regions/closed_item.hpp"
 
 namespace lamella {
 
@@ -12,147 +15,166 @@ constexpr std::size_t item_work = 4;  ///< as StopPace counts it
 }  // namespace
 
 Fill::Fill(const Memory* memory)
-    : contacts_(memory), items_(memory), own_(memory), members_(memory), region_(memory), points_(memory) {}
+    : contacts_(memory),
+      snapped_(memory),
+      arrangement_(memory),
+      items_(memory),
+      firsts_(memory),
+      times_(memory),
+      inside_(memory),
+      pieces_(memory),
+      piece_items_(memory),
+      face_points_(memory),
+      face_ends_(memory),
+      order_(memory),
+      around_(memory),
+      around_known_(memory),
+      traced_(memory),
+      region_(memory),
+      points_(memory) {}
 
-bool Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester) {
+void Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester) {
     assert(rule != FillRule::contours);
     region_.clear();
     points_.clear();
-    clusters_ = 0;
     merge_equal_ones(contours);
-    if (!contacts_.find(items_)) {
-        return false;
+    contacts_.find(items_);
+    unchanged_ = !contacts_.any_meets() && items_.size() == contours.size();
+    if (contacts_.any_meets()) {
+        overlay(rule, nester);
+    } else {
+        keep_or_drop_all(rule, nester);
     }
-    find_clusters(nester);
-    clipping_.begin();
-    const std::uint32_t* cluster = members_.data();
-    for (std::uint32_t c = 0; c < items_.size(); ++c) {
-        pace_.spend(item_work);
-        if (!own_[c].clipped) {
-            keep_or_drop(c, rule);
-        } else if (contacts_.leader(c) == c) {
-            const std::uint32_t* const begin = cluster;
-            while (cluster != members_.data() + members_.size() && contacts_.leader(*cluster) == c) {
-                ++cluster;
-            }
-            if (!clip_cluster({begin, cluster}, rule)) {
-                return false;
-            }
-        }
-    }
-    return true;
 }
 
 void Fill::merge_equal_ones(std::span<const NestItem> contours) {
     items_.clear();
-    own_.clear();
+    firsts_.clear();
+    times_.clear();
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
         pace_.spend(item_work);
         if (c > 0 && std::is_eq(compare_points(contours[c - 1], contours[c]))) {
-            ++own_.back().times;
+            ++times_.back();
         } else {
             items_.push_back(contours[c]);
-            own_.push_back({c, 1});
+            firsts_.push_back(c);
+            times_.push_back(1);
         }
     }
 }
 
-/// A contour inside a clipped one is clipped with it. Nesting finds those contours. Self-intersecting contours are made the
-/// smallest of all for it, so that each contour inside one has it as parent, or has another contour inside it as parent.
-void Fill::find_clusters(Nester& nester) {
-    for (std::uint32_t c = 0; c < items_.size(); ++c) {
-        if (contacts_.meets_itself(c)) {
-            items_[c].twice_area = {1, 0};
-        }
-        pace_.spend(item_work);
-        const std::uint32_t leader = contacts_.leader(c);
-        own_[leader].clipped = own_[leader].clipped || leader != c || contacts_.meets_itself(c);
-    }
+/// No contour meets another: parents come before their children.
+void Fill::keep_or_drop_all(FillRule rule, Nester& nester) {
     nester.nest(items_);
-    members_.clear();
+    inside_.resize(items_.size());
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
         const std::int32_t parent = items_[c].parent;
         assert(parent < static_cast<std::int32_t>(c) && "a parent starts before its children");
-        if (parent >= 0 && own_[static_cast<std::size_t>(parent)].clipped) {
-            contacts_.join(c, static_cast<std::uint32_t>(parent));
-        }
-        own_[c].clipped = own_[contacts_.leader(c)].clipped;
-        if (own_[c].clipped) {
-            members_.push_back(c);
+        inside_[c] = keep_or_drop(c, parent < 0 ? 0 : inside_[static_cast<std::size_t>(parent)], rule);
+        const bool as_nested = !region_.empty() && region_.back().kept == c && !items_[c].reverse &&
+                               region_.back().hole == (items_[c].role == Role::hole) &&
+                               (items_[c].flags & orientation_overruled) == 0;
+        unchanged_ = unchanged_ && as_nested;
+    }
+}
+
+/// Returns the winding number just inside the contour.
+std::int64_t Fill::keep_or_drop(std::uint32_t contour, std::int64_t around, FillRule rule) {
+    pace_.spend(item_work);
+    const std::int64_t inside = around + items_[contour].orientation * times_[contour];
+    if (fills(rule, inside) != fills(rule, around)) {
+        region_.push_back({firsts_[contour], !fills(rule, inside)});
+    }
+    return inside;
+}
+
+void Fill::overlay(FillRule rule, Nester& nester) {
+    snapped_.clear();
+    for (std::uint32_t c = 0; c < items_.size(); ++c) {
+        if (contacts_.meets(c)) {
+            snapped_.add(items_[c], times_[c], contacts_.near_edges(c));
         }
     }
-    std::sort(members_.begin(), members_.end(), [this](std::uint32_t a, std::uint32_t b) {
+    snapped_.run(contacts_.crossings());
+    arrangement_.build(snapped_);
+    around_.assign(arrangement_.components().size(), 0);
+    list_pieces();
+    find_windings(rule, nester);
+    take_traced(rule);
+}
+
+/// None if everything hangs together: nothing lies around it.
+void Fill::list_pieces() {
+    pieces_.clear();
+    for (std::uint32_t c = 0; c < items_.size(); ++c) {
+        if (!contacts_.meets(c)) {
+            pieces_.push_back({c, -1});
+        }
+    }
+    if (pieces_.empty() && around_.size() <= 1) {
+        return;
+    }
+    for (std::uint32_t f = 0; f < arrangement_.faces().size(); ++f) {
+        const std::uint32_t component = arrangement_.faces()[f].component;
+        if (arrangement_.components()[component].around != f) {
+            pieces_.push_back({-1, f});
+        }
+    }
+}
+
+/// Winding numbers of the contours that meet no other, and around the components.
+void Fill::find_windings(FillRule rule, Nester& nester) {
+    face_points_.clear();
+    Vector<std::size_t>& ends = face_ends_;
+    ends.clear();
+    for (const Piece& piece : pieces_) {
+        if (piece.face >= 0) {
+            arrangement_.append_points_of(arrangement_.faces()[static_cast<std::size_t>(piece.face)], face_points_);
+        }
+        ends.push_back(face_points_.size());
+    }
+    piece_items_.clear();
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+        const std::size_t begin = p == 0 ? 0 : ends[p - 1];
+        piece_items_.push_back(pieces_[p].contour >= 0
+                                   ? items_[static_cast<std::size_t>(pieces_[p].contour)]
+                                   : closed_item(std::span(face_points_).subspan(begin, ends[p] - begin)));
+    }
+    nester.nest(piece_items_);
+    order_.resize(pieces_.size());
+    std::iota(order_.begin(), order_.end(), 0U);
+    std::sort(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {
         pace_.spend(1);
-        return std::pair(contacts_.leader(a), a) < std::pair(contacts_.leader(b), b);
+        return piece_items_[a].from_start(0) < piece_items_[b].from_start(0);
     });
-}
-
-/// For a contour that meets no other and is inside none that does.
-void Fill::keep_or_drop(std::uint32_t contour, FillRule rule) {
-    const NestItem& item = items_[contour];
-    Own& own = own_[contour];
-    const Own around = item.parent < 0 ? Own{} : own_[static_cast<std::size_t>(item.parent)];
-    own.winding = around.winding + item.orientation * static_cast<std::int64_t>(own.times);
-    if (fills(rule, own.winding) != fills(rule, around.winding)) {
-        region_.push_back({own.index, 0, 0, -1, -1, !fills(rule, own.winding)});
-    }
-}
-
-bool Fill::clip_cluster(std::span<const std::uint32_t> members, FillRule rule) {
-    const std::uint32_t leader = members[0];
-    const std::int32_t parent = items_[leader].parent;
-    const Own around = parent < 0 ? Own{} : own_[static_cast<std::size_t>(parent)];
-    const Windings all = windings_of(members);
-    Clipping::Meetings meetings{contacts_.contacts(leader), contacts_.shared_stretches(leader), false};
-    clipping_.clear();
-    for (const std::uint32_t member : members) {
-        const std::uint32_t times = copies_that_matter(member, rule, all, around.winding);
-        if (times > 0) {
-            clipping_.add(items_[member], times, contacts_.meets_itself(member));
+    inside_.resize(pieces_.size());
+    around_known_.assign(around_.size(), 0);
+    for (const std::uint32_t p : order_) {  // what lies around starts before
+        const std::int32_t parent = piece_items_[p].parent;
+        const std::int64_t around = parent < 0 ? 0 : inside_[static_cast<std::size_t>(parent)];
+        if (pieces_[p].contour >= 0) {
+            const auto contour = static_cast<std::uint32_t>(pieces_[p].contour);
+            items_[contour].orientation = piece_items_[p].orientation;
+            inside_[p] = keep_or_drop(contour, around, rule);
+            continue;
         }
-        meetings.crowded = meetings.crowded || times > 1 || contacts_.is_crowded(member);
+        const Arrangement::Face& face = arrangement_.faces()[static_cast<std::size_t>(pieces_[p].face)];
+        if (around_known_[face.component] == 0) {  // the first of the component's faces has its smallest point
+            around_[face.component] = around;
+            around_known_[face.component] = 1;
+        }
+        inside_[p] = around_[face.component] + face.winding;
     }
-    const std::int64_t most = all.negative + all.positive + all.either + 1;  // larger values give the same signs
-    const std::int64_t ambient = rule == FillRule::even_odd ? around.winding % 2 : std::clamp(around.winding, -most, most);
+}
+
+void Fill::take_traced(FillRule rule) {
+    traced_.clear();
+    arrangement_.trace(rule, around_, traced_, points_);
     const auto base = static_cast<std::int64_t>(region_.size());
-    const auto cluster = static_cast<std::int64_t>(clusters_++);
-    return clipping_.fill(rule, ambient, meetings, [&](std::span<const Point> contour, std::int64_t within) {
-        const bool hole = within < 0 ? fills(rule, ambient) : !region_[static_cast<std::size_t>(base + within)].hole;
-        region_.push_back({-1, static_cast<std::uint32_t>(points_.size()), static_cast<std::uint32_t>(contour.size()),
-                           cluster, within < 0 ? -1 : base + within, hole});
-        points_.insert(points_.end(), contour.begin(), contour.end());
-        pace_.spend(contour.size());
-    });
-}
-
-Fill::Windings Fill::windings_of(std::span<const std::uint32_t> members) const noexcept {
-    Windings all;
-    for (const std::uint32_t member : members) {
-        if (contacts_.meets_itself(member)) {
-            all.either += std::int64_t{items_[member].count} * own_[member].times;
-        } else {
-            (items_[member].orientation > 0 ? all.positive : all.negative) += own_[member].times;
-        }
+    for (const Arrangement::Traced& contour : traced_) {
+        region_.push_back(
+            {-1, false, contour.first_point, contour.count, contour.touched < 0 ? -1 : base + contour.touched});
     }
-    return all;
-}
-
-/// One copy more than opposite contours could cancel: further copies do not change the region.
-std::uint32_t Fill::copies_that_matter(std::uint32_t contour, FillRule rule, const Windings& all,
-                                       std::int64_t ambient) const noexcept {
-    const std::uint32_t times = own_[contour].times;
-    if (rule == FillRule::even_odd) {
-        return times % 2;
-    }
-    std::int64_t against = all.either;
-    if (contacts_.meets_itself(contour)) {
-        against += all.positive + all.negative + std::abs(ambient);
-    } else if (items_[contour].orientation > 0) {
-        against += all.negative + std::max<std::int64_t>(0, -ambient);
-    } else {
-        against += all.positive + std::max<std::int64_t>(0, ambient);
-    }
-    return static_cast<std::uint32_t>(std::min<std::int64_t>(times, against + 1));
 }
 
 }  // namespace lamella

@@ -1,6 +1,12 @@
 // The region that a layer's closed contours bound by a fill rule, where they overlap, nest with equal orientation or are
 // reversed.
 //
+//     contacts        which contours meet, and where
+//     snap_rounding   those cut into strands that meet only in vertices of the grid
+//     arrangement     the faces between strands, and their winding numbers
+//     nesting         what lies around contours that meet no other, and around strands that hang together
+//     arrangement     the contours of the region, where the rule holds on one side of a strand only
+//
 // A contour that meets no other stays if exactly one of its two sides is filled. Nesting gives the winding numbers of both:
 //
 //      0  +----------+     even-odd      non-zero, positive
@@ -9,32 +15,28 @@
 //         |   +----+ |
 //         +----------+
 //
-// A cluster of contours that meet is clipped together with all contours inside it, given the winding number around it.
-//
-// O(q log q) for q points of contours that meet no others, plus the cost of clipping. Clusters that would take more than
-// seconds are refused.
+// O((q + c) log (q + c)) for q points and c contacts; memory O(q + c).
 #pragma once
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/nesting/nest.hpp"
-#include "slicing/regions/clipping.hpp"
+#include "slicing/regions/arrangement.hpp"
 #include "slicing/regions/contacts.hpp"
+#include "slicing/regions/snap_rounding.hpp"
 
 namespace lamella {
 
 /// A contour of a region.
 struct RegionContour {
-    std::int64_t kept = -1;     ///< index of the given contour that it is, unchanged; -1: clipping made it
-    std::uint32_t first = 0;    ///< made: index of its first point; solid is on the left
+    std::int64_t kept = -1;     ///< index of the given contour that it is, unchanged; -1: overlaying made it
+    bool hole = false;          ///< kept: its role; solid is on the left of one that was made
+    std::uint32_t first = 0;    ///< made: index of its first point
     std::uint32_t count = 0;    ///< made: number of its points
-    std::int64_t cluster = -1;  ///< made: number of its cluster
-    std::int64_t around = -1;   ///< made: its parent within the cluster, an index into the region; -1: none
-    bool hole = false;
+    std::int64_t touched = -1;  ///< made: see Arrangement::Traced, an index into the region
 };
 
 /// Layer after layer; scratch is kept. One per thread.
@@ -42,55 +44,58 @@ class Fill {
 public:
     explicit Fill(const Memory* memory);
 
-    /// From here on run() throws Stopped where the host wants the call to end. A single call of the clipping library is not
-    /// interrupted.
+    /// From here on run() throws Stopped where the host wants the call to end.
     void follow(const StopCheck& host) noexcept {
         pace_.follow(host);
         contacts_.follow(host);
-        clipping_.follow(host);
+        snapped_.follow(host);
+        arrangement_.follow(host);
     }
 
-    /// Computes the region. `contours` are closed and sorted by (start, content), so that equal ones are neighbours. False,
-    /// without a region, if clipping them would take too long or gives no two results that agree. Throws std::bad_alloc.
-    bool run(std::span<const NestItem> contours, FillRule rule, Nester& nester);
+    /// Computes the region. `contours` are closed and sorted by start, equal ones side by side. Throws std::bad_alloc.
+    void run(std::span<const NestItem> contours, FillRule rule, Nester& nester);
 
     std::span<const RegionContour> region() const noexcept { return region_; }
-    std::size_t clusters() const noexcept { return clusters_; }
     std::span<Point> points_of(const RegionContour& made) noexcept {
         return std::span(points_).subspan(made.first, made.count);
     }
+    /// Whether the region is the contours as they are. Then nested() are they, with the outputs of nesting.
+    bool is_unchanged() const noexcept { return unchanged_; }
+    std::span<const NestItem> nested() const noexcept { return items_; }
 
 private:
-    /// A contour that is equal to no other; parents come before their children.
-    struct Own {
-        std::uint32_t index = 0;   // of the given contours: the first of equal ones
-        std::uint32_t times = 0;   // number of equal ones
-        std::int64_t winding = 0;  // just inside
-        bool clipped = false;
-    };
-    /// Bounds of the sum of contours' winding numbers, by orientation.
-    struct Windings {
-        std::int64_t positive = 0;
-        std::int64_t negative = 0;
-        std::int64_t either = 0;  // self-intersecting contours: counts for both
+    /// What nesting is about: a contour that meets no other, or a face.
+    struct Piece {
+        std::int64_t contour;  // of items_, or -1
+        std::int64_t face;     // of the arrangement, or -1
     };
 
     void merge_equal_ones(std::span<const NestItem> contours);
-    void find_clusters(Nester& nester);
-    void keep_or_drop(std::uint32_t contour, FillRule rule);
-    bool clip_cluster(std::span<const std::uint32_t> members, FillRule rule);
-    Windings windings_of(std::span<const std::uint32_t> members) const noexcept;
-    std::uint32_t copies_that_matter(std::uint32_t contour, FillRule rule, const Windings& all,
-                                     std::int64_t ambient) const noexcept;
+    void keep_or_drop_all(FillRule rule, Nester& nester);
+    std::int64_t keep_or_drop(std::uint32_t contour, std::int64_t around, FillRule rule);
+    void overlay(FillRule rule, Nester& nester);
+    void list_pieces();
+    void find_windings(FillRule rule, Nester& nester);
+    void take_traced(FillRule rule);
 
     Contacts contacts_;
-    Clipping clipping_;
-    Vector<NestItem> items_;  // one of each group of equal contours
-    Vector<Own> own_;
-    Vector<std::uint32_t> members_;  // contours to be clipped, by leader, then in order
+    SnapRounding snapped_;
+    Arrangement arrangement_;
+    Vector<NestItem> items_;        // one of each group of equal contours
+    Vector<std::uint32_t> firsts_;  // of each item: the index of the first of the equal contours
+    Vector<std::int64_t> times_;    // of each item: how many there are
+    Vector<std::int64_t> inside_;   // of each item or piece: the winding number just inside
+    Vector<Piece> pieces_;
+    Vector<NestItem> piece_items_;
+    Vector<Point> face_points_;
+    Vector<std::size_t> face_ends_;  // of each piece, in face_points_
+    Vector<std::uint32_t> order_;        // of pieces, by start
+    Vector<std::int64_t> around_;        // of each component: the winding number around it
+    Vector<std::uint8_t> around_known_;  // of each component
+    Vector<Arrangement::Traced> traced_;
     Vector<RegionContour> region_;
-    std::size_t clusters_ = 0;
     Vector<Point> points_;
+    bool unchanged_ = false;
     StopPace pace_;
 };
 

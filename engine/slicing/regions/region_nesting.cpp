@@ -1,40 +1,48 @@
 #include "slicing/regions/region_nesting.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace lamella {
 
-bool RegionNesting::nest(std::span<NestItem> items, std::span<const std::int64_t> region_of,
-                         std::span<const RegionContour> region, std::size_t clusters, Nester& nester) {
-    constexpr std::int32_t unknown = -2;
+void RegionNesting::nest(std::span<NestItem> items, std::span<const std::int64_t> region_of,
+                         std::span<const RegionContour> region, Nester& nester) {
     item_of_.resize(region.size());
-    for (std::size_t i = 0; i < items.size(); ++i) {
+    for (std::uint32_t i = 0; i < items.size(); ++i) {
         if (region_of[i] >= 0) {
-            item_of_[static_cast<std::size_t>(region_of[i])] = static_cast<std::int32_t>(i);
+            item_of_[static_cast<std::size_t>(region_of[i])] = i;
         }
     }
-    cluster_parent_.assign(clusters, unknown);
     nester.nest(items);
-    for (std::size_t i = 0; i < items.size(); ++i) {
+    is_settled_.assign(items.size(), 0);
+    for (std::uint32_t i = 0; i < items.size(); ++i) {
         NestItem& item = items[i];
         if (item.orientation == 0) {
             continue;
         }
         const RegionContour& contour = region[static_cast<std::size_t>(region_of[i])];
-        if (contour.cluster >= 0) {
-            std::int32_t& parent = cluster_parent_[static_cast<std::size_t>(contour.cluster)];
-            parent = parent == unknown ? item.parent : parent;
-            item.parent = contour.around < 0 ? parent : item_of_[static_cast<std::size_t>(contour.around)];
-        }
-        item.reverse = contour.hole == (item.orientation > 0);
-        item.orientation = static_cast<std::int8_t>(contour.hole ? -1 : 1);  // as stored, whatever the facets say
-        item.role = contour.hole ? Role::hole : Role::outer;
+        const bool hole = contour.kept < 0 ? item.orientation < 0 : contour.hole;
+        item.reverse = hole == (item.orientation > 0);
+        item.orientation = static_cast<std::int8_t>(hole ? -1 : 1);  // as stored, whatever the facets say
+        item.role = hole ? Role::hole : Role::outer;
         item.flags &= static_cast<std::uint16_t>(~orientation_overruled);
     }
-    return std::all_of(items.begin(), items.end(), [items](const NestItem& item) {
+    // What is touched starts before, or at the same point: the way to one that is settled is short.
+    for (std::uint32_t i = 0; i < items.size(); ++i) {
+        std::uint32_t at = i;
+        const auto touched = [&] { return region_of[at] < 0 ? -1 : region[static_cast<std::size_t>(region_of[at])].touched; };
+        while (is_settled_[at] == 0 && items[at].role == Role::outer && touched() >= 0) {
+            at = item_of_[static_cast<std::size_t>(touched())];
+        }
+        if (at != i) {
+            items[i].parent = items[at].role == Role::hole ? static_cast<std::int32_t>(at) : items[at].parent;
+        }
+        is_settled_[i] = 1;
+    }
+    assert(std::all_of(items.begin(), items.end(), [items](const NestItem& item) {
         const Role around = item.parent < 0 ? Role::hole : items[static_cast<std::size_t>(item.parent)].role;
         return item.orientation == 0 || (around == Role::hole) == (item.role == Role::outer);
-    });
+    }));
 }
 
 }  // namespace lamella

@@ -1,8 +1,9 @@
 // Parents and roles of a region's contours.
 //
-// Contours that were clipped together may touch, so that a start says nothing about what encloses them: clipping reports
-// which of them lies directly in which. The outermost ones of a cluster all have the same parent, which nesting finds for
-// the first of them to start. Contours that were not clipped touch nothing, and nesting alone decides.
+// Contours that were made may touch in points, so that a start may lie on what encloses it, and nesting finds something
+// larger. Only an outer one can: a hole touches nothing that its own piece of solid ends at, since it would be part of it.
+// What it touches at its start then says where it lies, as nothing solid is between them: within a hole, or beside an outer
+// one that has the same parent.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +18,16 @@ namespace lamella {
 /// One per thread; scratch is kept.
 class RegionNesting {
 public:
-    explicit RegionNesting(const Memory* memory) : item_of_(memory), cluster_parent_(memory) {}
+    explicit RegionNesting(const Memory* memory) : item_of_(memory), is_settled_(memory) {}
 
     /// Fills in the outputs of `items`, which are by start. region_of[i]: the contour of `region` that item i is, -1 for an
-    /// open polyline. False if roles do not alternate from parent to child. O(q log q). Throws std::bad_alloc.
-    bool nest(std::span<NestItem> items, std::span<const std::int64_t> region_of, std::span<const RegionContour> region,
-              std::size_t clusters, Nester& nester);
+    /// open polyline. O(q log q). Throws std::bad_alloc.
+    void nest(std::span<NestItem> items, std::span<const std::int64_t> region_of, std::span<const RegionContour> region,
+              Nester& nester);
 
 private:
-    Vector<std::int32_t> item_of_;         // of each contour of the region
-    Vector<std::int32_t> cluster_parent_;  // of each cluster, once the first of it has come
+    Vector<std::uint32_t> item_of_;     // of each contour of the region
+    Vector<std::uint8_t> is_settled_;  // of each item: its parent is what it lies in
 };
 
 }  // namespace lamella

@@ -41,7 +41,7 @@ struct BandOutput {
     ContourCounts counts;
     Vector<std::uint32_t> layer_contours;  ///< number of contours of each plane
     Vector<ClosedGap> closed_gaps;
-    std::int64_t refused = -1;  ///< the first plane whose contours a fill rule could not be applied to, or -1
+    std::uint64_t first_layer = 0;  ///< number of the layer that comes first
 
     /// Empties the output; points go to `room` while it lasts, then to `buffer`.
     void begin(std::span<Point> room) noexcept {
@@ -52,7 +52,6 @@ struct BandOutput {
         counts = {};
         layer_contours.clear();
         closed_gaps.clear();
-        refused = -1;
     }
     bool in_buffer() const noexcept { return points == buffer.data(); }
 

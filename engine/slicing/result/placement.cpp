@@ -25,7 +25,6 @@ void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t se
     point_count_ = 0;
     contour_count_ = 0;
     counts_ = {};
-    refused_plane_ = -1;
     aborted_ = false;
     placed_.clear();
     placed_.reserve(bands.size());
@@ -51,6 +50,7 @@ BandOutput* Placement::acquire(std::size_t band) {
     BandOutput* output = idle_.back();
     idle_.pop_back();
     placed_[band].output = output;
+    output->first_layer = bands_[band].first;
     if (const auto room = placed_[band].room = find_room(band); room) {
         output->begin(points_.subspan(room->begin, room->end - room->begin));
         return output;
@@ -155,10 +155,6 @@ void Placement::place_head() {
     point_count_ += placed.output->point_count;
     contour_count_ += placed.contours.size();
     counts_.add(placed.output->counts);
-    if (placed.output->refused >= 0 && refused_plane_ < 0) {  // bands are placed in order: this is the lowest
-        refused_plane_ = bands_[head_].first + placed.output->refused;
-        aborted_ = true;
-    }
     segments_placed_ += bands_[head_].segments;
     ++head_;
 }

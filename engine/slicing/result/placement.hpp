@@ -59,8 +59,6 @@ public:
     std::uint64_t contour_count() const noexcept { return contour_count_; }
     const ContourCounts& contour_counts() const noexcept { return counts_; }
     std::uint64_t closed_gap_count() const noexcept;
-    /// The first plane whose contours a fill rule could not be applied to, or -1. The run is aborted then.
-    std::int64_t refused_plane() const noexcept { return refused_plane_; }
 
     /// Writes contours and the layers' contour ranges, after all bands were submitted. layers[i] is plane i's.
     void write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const;
@@ -112,7 +110,6 @@ private:
     ContourCounts counts_;
     std::uint64_t segments_ = 0;
     std::uint64_t segments_placed_ = 0;
-    std::int64_t refused_plane_ = -1;
     bool aborted_ = false;
 };
 

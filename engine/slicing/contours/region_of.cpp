@@ -1,0 +1,67 @@
+// A region of a caller's own contours: a layer without the walk.
+#include "lamella/region.hpp"
+
+#include <string>
+
+#include "base/guard.hpp"
+#include "base/stop_pace.hpp"
+#include "base/vector.hpp"
+#include "lamella/assemble.hpp"
+#include "slicing/contours/layer_builder.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t most_points = std::size_t{1} << 30;
+
+using ContoursView = std::span<const std::span<const Point>>;
+
+Status check_points(ContoursView contours, StopPace& pace) {
+    std::size_t points = 0;
+    for (std::size_t c = 0; c < contours.size(); ++c) {
+        points += contours[c].size();
+        if (points > most_points) {
+            return Error{ErrorCode::invalid_argument, "more than 2^30 points in one plane"};
+        }
+        for (std::size_t i = 0; i < contours[c].size(); ++i) {
+            const Point p = contours[c][i];
+            if (p.x < -grid_limit || p.x > grid_limit || p.y < -grid_limit || p.y > grid_limit) {
+                return Error{ErrorCode::invalid_argument,
+                             "contour " + std::to_string(c) + ", point " + std::to_string(i) + ": (" + std::to_string(p.x) +
+                                 ", " + std::to_string(p.y) + ") lies beyond the grid, which ends at " +
+                                 std::to_string(grid_limit) + " units"};
+            }
+        }
+        pace.spend(contours[c].size());
+    }
+    return {};
+}
+
+}  // namespace
+
+Result<LayerContours> region_of(std::span<const std::span<const Point>> contours, const RegionRules& rules, double unit_mm,
+                                const Control& control) noexcept {
+    return guarded(control, [&]() -> Result<LayerContours> {
+        StopPace pace;
+        pace.follow(control.stop);
+        pace.ask();
+        if (Status status = check_points(contours, pace); !status) {
+            return status.error();
+        }
+        LayerBuilder builder(control.memory);
+        builder.follow(control.stop);
+        builder.rules = {&rules, unit_mm, 0};
+        BandOutput output(control.memory);
+        output.begin(output.buffer.span());
+        builder.build_closed(contours, output);
+        LayerContours layer{Array<Contour>(control.memory), Array<Point>(control.memory)};
+        layer.contours.resize_discarding(output.contours.size());
+        std::copy(output.contours.begin(), output.contours.end(), layer.contours.begin());
+        layer.points.resize_discarding(output.point_count);
+        std::copy(output.points, output.points + output.point_count, layer.points.begin());
+        return layer;
+    });
+}
+
+}  // namespace lamella

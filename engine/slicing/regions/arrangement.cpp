@@ -1,0 +1,219 @@
+#include "slicing/regions/arrangement.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t half_work = 16;  ///< as StopPace counts it
+
+/// Counter-clockwise around `centre`, beginning at the left; no two points lie in the same direction.
+class AroundPoint {
+public:
+    explicit AroundPoint(Point centre) noexcept : centre_(centre) {}
+
+    bool operator()(Point a, Point b) const noexcept {
+        const bool a_above = is_above(a);
+        return a_above != is_above(b) ? !a_above : product(a, b) > product(b, a);
+    }
+
+private:
+    bool is_above(Point p) const noexcept { return p.y > centre_.y || (p.y == centre_.y && p.x > centre_.x); }
+    std::int64_t product(Point a, Point b) const noexcept {
+        return (std::int64_t{a.x} - centre_.x) * (std::int64_t{b.y} - centre_.y);
+    }
+    Point centre_;
+};
+
+}  // namespace
+
+void Arrangement::build(const SnapRounding& snapped) {
+    snapped_ = &snapped;
+    sort_halves();
+    find_faces();
+    components_.clear();
+    component_of_.assign(snapped.vertices().size(), none);
+    for (std::uint32_t v = 0; v < snapped.vertices().size(); ++v) {
+        if (component_of_[v] == none && first_halves_[v] != first_halves_[v + 1]) {
+            spread_windings(v);
+        }
+    }
+    find_lowest_points();
+}
+
+void Arrangement::sort_halves() {
+    const auto count = static_cast<std::uint32_t>(2 * snapped_->strands().size());
+    first_halves_.assign(snapped_->vertices().size() + 1, 0);
+    for (Half half = 0; half < count; ++half) {
+        ++first_halves_[from(half) + 1];
+    }
+    for (std::size_t v = 1; v < first_halves_.size(); ++v) {
+        first_halves_[v] += first_halves_[v - 1];
+    }
+    stack_.assign(first_halves_.begin(), first_halves_.end());  // where the next half of each vertex goes
+    halves_.resize(count);
+    for (Half half = 0; half < count; ++half) {
+        halves_[stack_[from(half)]++] = half;
+    }
+    place_of_.resize(count);
+    for (std::uint32_t v = 0; v + 1 < first_halves_.size(); ++v) {
+        const AroundPoint is_before(snapped_->vertices()[v]);
+        const auto begin = halves_.begin() + first_halves_[v];
+        const auto end = halves_.begin() + first_halves_[v + 1];
+        std::sort(begin, end, [&](Half a, Half b) { return is_before(second_point(a), second_point(b)); });
+        for (auto half = begin; half != end; ++half) {
+            place_of_[*half] = static_cast<std::uint32_t>(half - halves_.begin());
+        }
+        pace_.spend(half_work * static_cast<std::size_t>(end - begin));
+    }
+}
+
+void Arrangement::find_faces() {
+    faces_.clear();
+    face_of_.assign(halves_.size(), none);
+    for (Half first = 0; first < halves_.size(); ++first) {
+        if (face_of_[first] != none) {
+            continue;
+        }
+        const auto face = static_cast<std::uint32_t>(faces_.size());
+        faces_.push_back({first, none, 0});
+        for (Half half = first; face_of_[half] == none; half = next_around_face(half)) {
+            face_of_[half] = face;
+            pace_.spend(half_work);
+        }
+    }
+}
+
+/// Of the component that has the vertex, its smallest. The last half around it has the left side on its left.
+void Arrangement::spread_windings(std::uint32_t vertex) {
+    const auto component = static_cast<std::uint32_t>(components_.size());
+    const Half last = halves_[first_halves_[vertex + 1] - 1];
+    components_.push_back({face_of_[last], face_of_[last ^ 1], snapped_->vertices()[vertex]});
+    faces_[face_of_[last]].component = component;
+    stack_.assign(1, face_of_[last]);
+    while (!stack_.empty()) {
+        const Face& face = faces_[stack_.back()];
+        stack_.pop_back();
+        Half half = face.first;
+        do {
+            component_of_[from(half)] = component;
+            Face& across = faces_[face_of_[half ^ 1]];
+            if (across.component == none) {
+                across.component = component;
+                across.winding = face.winding - times(half);
+                stack_.push_back(face_of_[half ^ 1]);
+            }
+            half = next_around_face(half);
+            pace_.spend(half_work);
+        } while (half != face.first);
+    }
+}
+
+/// A component's smallest point may lie within a chain, if opposite contours have left no more of that contour.
+void Arrangement::find_lowest_points() {
+    bool moved = false;
+    Vector<std::int64_t> less(components_.size(), 0, faces_.get_allocator());
+    for (Half half = 0; half < halves_.size(); half += 2) {
+        const Strand& strand = strand_of(half);
+        Component& component = components_[component_of_[strand.from]];
+        for (std::uint32_t i = 1; i < strand.edges; ++i) {
+            const Point p = snapped_->point_of(strand, i);
+            if (p < component.lowest) {
+                const bool is_lower_first = AroundPoint(p)(snapped_->point_of(strand, i - 1), snapped_->point_of(strand, i + 1));
+                const Half around = is_lower_first ? half : half ^ 1;
+                component = {face_of_[around], face_of_[around ^ 1], p};
+                less[component_of_[strand.from]] = faces_[component.around].winding;
+                moved = true;
+            }
+        }
+        pace_.spend(strand.edges);
+    }
+    for (std::size_t f = 0; f < faces_.size() && moved; ++f) {
+        faces_[f].winding -= less[faces_[f].component];
+    }
+}
+
+/// All but the last.
+void Arrangement::append_points(Half half, Vector<Point>& points) {
+    points.push_back(from_point(half));
+    const std::uint32_t edges = strand_of(half).edges;
+    for (std::uint32_t i = 1; i < edges; ++i) {
+        points.push_back(point_of(half, i));
+    }
+    pace_.spend(half_work + edges);
+}
+
+void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {
+    Half half = face.first;
+    do {
+        append_points(half, points);
+        half = next_around_face(half);
+    } while (half != face.first);
+}
+
+void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Traced>& contours,
+                        Vector<Point>& points) {
+    contour_of_.resize(halves_.size());
+    for (Half half = 0; half < halves_.size(); ++half) {
+        const std::int64_t around = around_components[component_of_[from(half)]];
+        const bool solid_left = fills(rule, around + faces_[face_of_[half]].winding);
+        const bool solid_right = fills(rule, around + faces_[face_of_[half ^ 1]].winding);
+        contour_of_[half] = solid_left && !solid_right ? untraced : no_boundary;
+    }
+    const std::size_t base = contours.size();
+    Vector<End> first_ends(faces_.get_allocator());
+    for (Half half = 0; half < halves_.size(); ++half) {
+        if (contour_of_[half] == untraced) {
+            const auto first_point = static_cast<std::uint32_t>(points.size());
+            first_ends.push_back(follow_boundary(half, static_cast<std::int64_t>(contours.size()), points));
+            contours.push_back({first_point, static_cast<std::uint32_t>(points.size()) - first_point, -1});
+        }
+    }
+    for (std::size_t c = base; c < contours.size(); ++c) {
+        contours[c].touched = touched_at(first_ends[c - base], static_cast<std::int64_t>(c));
+    }
+}
+
+/// Returns the contour's first end at its smallest vertex, the vertex being none where a point within a chain is smaller.
+Arrangement::End Arrangement::follow_boundary(Half first, std::int64_t contour, Vector<Point>& points) {
+    End smallest{none, none};
+    const std::size_t begin = points.size();
+    Half half = first;
+    do {
+        contour_of_[half] = contour;
+        append_points(half, points);
+        smallest = std::min({smallest, End{from(half), place_of_[half]}, End{to(half), place_of_[half ^ 1]}});
+        half = next_around_face(half);
+        while (!is_boundary(half)) {
+            half = clockwise_of(half);
+            pace_.spend(1);
+        }
+    } while (half != first);
+    const Point lowest = snapped_->vertices()[smallest.vertex];
+    const bool is_lowest = std::none_of(points.begin() + static_cast<std::ptrdiff_t>(begin), points.end(),
+                                        [lowest](Point p) { return p < lowest; });
+    return is_lowest ? smallest : End{none, none};
+}
+
+/// The contour that has the next end clockwise of `end`, unless that way leads past the left of the vertex and all ends
+/// there go to larger points: then other contours that begin there come after this one.
+std::int64_t Arrangement::touched_at(End end, std::int64_t contour) const noexcept {
+    if (end.vertex == none) {
+        return -1;
+    }
+    const std::uint32_t begin = first_halves_[end.vertex];
+    std::uint32_t place = end.place;
+    bool past_left = false;
+    do {
+        past_left = past_left || place == begin;
+        place = place == begin ? first_halves_[end.vertex + 1] - 1 : place - 1;
+    } while (!is_boundary(halves_[place]) && !is_boundary(halves_[place] ^ 1));
+    const Half half = halves_[place];
+    const std::int64_t other = contour_of_[is_boundary(half) ? half : half ^ 1];
+    const bool goes_left = second_point(half) < snapped_->vertices()[end.vertex];
+    return other == contour || (past_left && !goes_left) ? -1 : other;
+}
+
+}  // namespace lamella

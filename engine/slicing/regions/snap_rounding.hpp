@@ -1,0 +1,107 @@
+// Contours cut where they cross, with all points on the grid: snap rounding.
+//
+// Each vertex, that is each end of an edge and each crossing, is rounded to a grid point, whose pixel then is hot: the square
+// of one unit around it, with its left and lower side. Each edge is bent to pass through the middle of every hot pixel that
+// it meets:
+//
+//          . . . . . .          the crossing lies in the pixel of `o`. Both edges are bent to run through `o`, and so would
+//         a-._   . _-d          be any other edge that meets its pixel, though it may cross neither.
+//          . .`-o-'. .
+//         c-'´ . `-. b
+//
+// What remains are strands between vertices that meet nowhere but in vertices (Hobby 1999; Guibas and Marimont 1998): bending
+// never moves an edge across a vertex. It can move an edge onto one, where the strand is cut without a further move. So every
+// vertex lies within half a unit per axis of the exact one, and every point of a strand within half a unit of its edge.
+//
+// Edges that come near no other edge are left out of this: a stretch of them is a strand with points of its own, a chain.
+// Such an edge can meet no other, as each moves by half a unit at most.
+//
+// O((e + c + s) log (e + c)) for e edges that are near another, c crossings and s places where an edge passes a vertex; other
+// edges cost a step each.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/stop_pace.hpp"
+#include "base/vector.hpp"
+#include "lamella/grid.hpp"
+#include "slicing/nesting/nest.hpp"
+#include "slicing/regions/point_tree.hpp"
+
+namespace lamella {
+
+/// Whether the edge from `a` to `b` meets the pixel of `p`.
+bool passes_pixel(Point a, Point b, Point p) noexcept;
+
+/// Leads from vertex to vertex, straight or along a stretch of a contour.
+struct Strand {
+    std::uint32_t from;
+    std::uint32_t to;
+    std::int64_t times;     ///< contours that run from `from` to `to`, minus those that run back
+    std::uint32_t contour;  ///< of a chain: number of the contour
+    std::uint32_t first;    ///< of a chain: its first edge, from the contour's start
+    std::uint32_t edges;    ///< 1: straight
+
+    bool is_chain() const noexcept { return edges > 1; }
+};
+
+/// One layer after another; scratch is kept. One per thread.
+class SnapRounding {
+public:
+    explicit SnapRounding(const Memory* memory)
+        : contours_(memory), vertices_(memory), tree_(memory), strands_(memory), on_edge_(memory), on_strand_(memory) {}
+
+    /// From here on run() throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+
+    /// Forgets all contours.
+    void clear() noexcept { contours_.clear(); }
+    /// A closed contour that is there `times` times. near[i]: edge i from the start comes within two units of another edge.
+    void add(const NestItem& contour, std::int64_t times, std::span<const std::uint8_t> near) {
+        contours_.push_back({&contour, times, near});
+    }
+    /// `crossings` are rounded ones of the contours. Throws std::bad_alloc.
+    void run(std::span<const Point> crossings);
+
+    /// Ascending.
+    std::span<const Point> vertices() const noexcept { return vertices_; }
+    /// Without those that as many contours run along one way as the other.
+    std::span<const Strand> strands() const noexcept { return strands_; }
+    /// The i-th point of a chain: 0 is its first vertex, `edges` its last.
+    Point point_of(const Strand& chain, std::uint32_t i) const noexcept {
+        return contours_[chain.contour].item->from_start(chain.first + i);
+    }
+
+private:
+    struct Source {
+        const NestItem* item;
+        std::int64_t times;
+        std::span<const std::uint8_t> near;
+
+        bool is_active(std::uint32_t edge) const noexcept;
+        Point from(std::uint32_t edge) const noexcept { return item->from_start(edge); }
+        Point to(std::uint32_t edge) const noexcept { return item->from_start(edge + 1); }
+    };
+    struct Found {
+        Point point;
+        std::uint32_t vertex;
+    };
+
+    void collect_vertices(std::span<const Point> crossings);
+    void add_strands_of(std::uint32_t contour);
+    void bend(const Source& source, std::uint32_t edge);
+    void cut(const Found& from, const Found& to, std::int64_t times);
+    void add_strand(std::uint32_t from, std::uint32_t to, std::int64_t times);
+    void merge_strands();
+
+    Vector<Source> contours_;
+    Vector<Point> vertices_;
+    PointTree tree_;
+    Vector<Strand> strands_;
+    Vector<Found> on_edge_;  // vertices that an edge passes, in its direction
+    Vector<Found> on_strand_;
+    StopPace pace_;
+};
+
+}  // namespace lamella

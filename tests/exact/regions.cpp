@@ -38,7 +38,7 @@ std::size_t between(std::mt19937& random, std::size_t low, std::size_t high) {
 
 /// Of 1,000 layers 800 have 3 to 12 points, 170 up to 40, 28 up to 150, and two up to 1,000.
 std::size_t random_size(std::mt19937& random) {
-    const unsigned of_thousand = random() % 1'000;
+    const auto of_thousand = random() % 1'000;
     if (of_thousand < 800) {
         return between(random, 3, 12);
     }
@@ -126,8 +126,8 @@ TEST_CASE("the exact judge of regions finds every kind of fault", "[regions]") {
     };
     using Rings = Polygons&;
     CHECK(fault([](Rings) {}) == "");
-    CHECK(fault([](Rings r) { r[0][0].y += 1; }) == "");
-    CHECK(fault([](Rings r) { r[0][0].y += 3; }) != "");
+    CHECK(fault([](Rings r) { r[0][0].x -= 1; }) == "");
+    CHECK(fault([](Rings r) { r[0][0].x -= 3; }) != "");
     CHECK(fault([](Rings r) { r[0].erase(r[0].begin() + 1); }) != "");
     CHECK(fault([](Rings r) { r.push_back(r[0]); }) != "");
     CHECK(fault([](Rings r) { std::reverse(r[0].begin(), r[0].end()); }) != "");

@@ -283,7 +283,9 @@ std::string difference(const Region& expected, const Region& found) {
 }
 
 std::string fault_in(const LayerContours& layer) {
+    const auto start_of = [&](std::size_t c) { return layer.points[layer.contours[c].first_point]; };
     std::uint64_t points = 0;
+    std::size_t outer = 0;  // the last one
     for (std::size_t c = 0; c < layer.contours.size(); ++c) {
         const Contour& contour = layer.contours[c];
         const auto fault = [&](const std::string& what) { return "contour " + std::to_string(c) + " " + what; };
@@ -301,9 +303,15 @@ std::string fault_in(const LayerContours& layer) {
                                : layer.contours[static_cast<std::size_t>(contour.parent)].role == contour.role) {
             return fault("has no parent of the other role");
         }
-        if (c > 0 && layer.points[contour.first_point] < layer.points[layer.contours[c - 1].first_point]) {
-            return fault("starts before the one in front of it");
+        const bool hole = contour.role == Role::hole;
+        const std::size_t before = hole ? c - 1 : outer;  // an outer one follows the last outer one and its holes
+        if (hole && contour.parent != static_cast<std::int64_t>(outer)) {
+            return fault("is a hole that does not follow its outer contour");
         }
+        if (c > 0 && start_of(c) < start_of(before)) {
+            return fault("starts before the one that it follows");
+        }
+        outer = hole ? outer : c;
     }
     return points == layer.points.size() ? "" : "points that belong to no contour";
 }

@@ -10,7 +10,7 @@ namespace {
 using Corner = ArrangementKernel::Point_2;
 
 std::int32_t grid_coordinate(const ArrangementKernel::FT& value) {
-    const double nearest = std::nearbyint(CGAL::to_double(value));
+    const double nearest = std::nearbyint(to_double(value));
     if (value != nearest) {
         throw std::logic_error("a corner lies off the grid, near " + std::to_string(nearest));
     }

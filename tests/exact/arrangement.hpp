@@ -44,6 +44,11 @@ using Arrangement = CGAL::Arrangement_2<Traits, CGAL::Arr_face_extended_dcel<Tra
 using Halfedge = Arrangement::Halfedge_handle;
 using Face = Arrangement::Face_handle;
 
+/// To the last bit: CGAL::to_double() of a number that is not yet computed exactly may be off by 1e-5 of it.
+inline double to_double(const ArrangementKernel::FT& value) {
+    return CGAL::to_double(CGAL::exact(value));
+}
+
 class Overlay {
 public:
     Overlay(const regions::Polygons& given_polygons, const regions::Polygons& found_polygons);

@@ -73,7 +73,7 @@ class DifferentFace {
 public:
     DifferentFace(Face face, const Overlay& overlay) {
         around(face, [&](Halfedge halfedge) {
-            const auto spot = [](const auto& point) { return Spot{CGAL::to_double(point.x()), CGAL::to_double(point.y())}; };
+            const auto spot = [](const auto& point) { return Spot{to_double(point.x()), to_double(point.y())}; };
             sides_.push_back(
                 {spot(halfedge->source()->point()), spot(halfedge->target()->point()), overlay.runs_along(halfedge, given)});
         });

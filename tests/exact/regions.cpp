@@ -28,6 +28,7 @@ std::string judge(const Polygons& polygons, FillRule rule, std::mt19937& random)
     if (fault.empty() && rule == FillRule::non_zero) {
         const regions::Region outermost = regions::canonical(regions::without_holes(regions::region_in(found)));
         fault = regions::difference(outermost, regions::region_in(regions::region_of(polygons, FillRule::outermost)));
+        fault = fault.empty() ? "" : "by outermost, " + fault;
     }
     return fault.empty() ? "" : std::string(lamella::name_of(rule)) + ": " + fault + "\nof " + regions::text_of(polygons);
 }

@@ -7,15 +7,18 @@
 #include <bit>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
 
-#include "audit/edge_runs.hpp"
 #include "audit/pair.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "base/sign.hpp"
+#include "slicing/edges/edge_runs.hpp"
+#include "slicing/edges/pair_search.hpp"
+#include "slicing/edges/run_strips.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {
@@ -86,125 +89,25 @@ struct Found {
 };
 
 /// Searches one share after another; its memory is kept.
-class StripSearch {
+class CrossingsOfShare {
 public:
-    explicit StripSearch(const StopCheck& stop) noexcept : host_(stop), kernels_(best_of(run_kernel_forms())) {}
+    explicit CrossingsOfShare(const StopCheck& stop) noexcept { search_.follow(stop); }
 
     /// Share `share` of `shares` of all pairs.
-    Found run(const EdgeRuns& runs, std::size_t share, std::size_t shares, Limits limits) {
-        runs_ = &runs;
+    Found run(const EdgeRuns& runs, const RunStrips& strips, std::size_t share, std::size_t shares, Limits limits) {
         points_ = runs.points();
-        limits_ = limits;
+        most_crossings_ = limits.crossings;
         found_ = {};
-        const std::size_t all = runs.runs().size();
-        for (std::size_t r = all * share / shares; r < all * (share + 1) / shares && !found_.cut_short; ++r) {
-            if (r + 1 < all && runs.runs()[r].box.meets(runs.runs()[r + 1].box)) {
-                compare_in_order(static_cast<std::uint32_t>(r), static_cast<std::uint32_t>(r + 1));
-            }
-        }
-        const std::size_t last = runs.first_strip_of(share + 1, shares);
-        for (std::size_t strip = runs.first_strip_of(share, shares); strip < last && !found_.cut_short; ++strip) {
-            search(strip);
-        }
+        const std::span<const LayerPath> paths = runs.paths();
+        found_.cut_short = !search_.find(runs, strips, share, shares, limits.steps,
+                                         [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
+                                             compare_edges(paths[a], i, paths[b], j);
+                                         });
+        found_.steps = search_.steps();
         return found_;
     }
 
 private:
-    /// Part of a run.
-    struct Stretch {
-        FlatBox box;
-        std::size_t begin;
-        std::size_t end;
-    };
-
-    void spend(std::uint64_t steps) {
-        constexpr std::uint64_t steps_between_stops = std::uint64_t{1} << 16;
-        const std::uint64_t before = found_.steps;
-        found_.steps += steps;
-        if ((before ^ found_.steps) >= steps_between_stops && host_.stop_requested()) {
-            throw Stopped();
-        }
-        found_.cut_short = found_.cut_short || found_.steps > limits_.steps;
-    }
-
-    void search(std::size_t strip) {
-        const auto [begin, end] = runs_->entries_of(strip);
-        meeting_.resize(std::max(meeting_.size(), end - begin));
-        const BoxArrays boxes = runs_->boxes();
-        const std::int32_t left = runs_->left_of(strip);  // what meets further left is found there
-        for (std::size_t i = begin; i < end && !found_.cut_short; ++i) {
-            const BoxesMet meeting = kernels_.find_meeting(boxes, i, end, left, meeting_.data());
-            spend(meeting.beside + 1);
-            for (std::size_t m = 0; m < meeting.found; ++m) {
-                compare_in_order(boxes.run[i], boxes.run[meeting_[m]]);
-            }
-        }
-    }
-
-    /// The rounded place of a crossing depends on which comes first.
-    void compare_in_order(std::uint32_t i, std::uint32_t j) {
-        const EdgeRun& a = runs_->runs()[i];
-        const EdgeRun& b = runs_->runs()[j];
-        const bool in_order = std::tie(a.box.low.x, i) < std::tie(b.box.low.x, j);
-        compare_runs(in_order ? a : b, in_order ? b : a);
-    }
-
-    bool leads_into(const EdgeRun& run, const EdgeRun& next) const noexcept {
-        if (run.path != next.path) {
-            return false;
-        }
-        const LayerPath& path = runs_->path_of(run);
-        return run.end == next.begin || (path.closed && run.end == path.end && next.begin == path.begin);
-    }
-
-    /// Whether `next`, which follows `run`, meets it nowhere but in their joint: one direction goes on, and the edges at the
-    /// joint do not lie on each other along a horizontal or vertical line.
-    bool leads_away(const EdgeRun& run, const EdgeRun& next) const noexcept {
-        const Point before = points_[run.end - 1];
-        const Point joint = points_[run.end];
-        const Point after = points_[next.begin + 1];
-        const bool back = (before.y == joint.y && joint.y == after.y) || (before.x == joint.x && joint.x == after.x);
-        return goes_on(run, next) && !back;
-    }
-
-    /// Whether one direction goes on from run to run.
-    bool goes_on(const EdgeRun& run, const EdgeRun& next) const noexcept {
-        const auto way = [&](const EdgeRun& r, std::int32_t Point::*axis) {
-            return sign_of(std::int64_t{points_[r.end].*axis} - points_[r.begin].*axis);
-        };
-        return way(run, &Point::x) * way(next, &Point::x) >= 0 || way(run, &Point::y) * way(next, &Point::y) >= 0;
-    }
-
-    void compare_runs(const EdgeRun& a, const EdgeRun& b) {
-        const bool apart = (leads_into(a, b) && leads_away(a, b)) || (leads_into(b, a) && leads_away(b, a));
-        if (!apart) {
-            compare({a.box, a.begin, a.end}, {b.box, b.begin, b.end}, runs_->path_of(a), runs_->path_of(b));
-        }
-    }
-
-    /// Halves the longer until both are single edges. As deep as the logarithms of their lengths.
-    void compare(const Stretch& a, const Stretch& b, const LayerPath& a_path, const LayerPath& b_path) {
-        spend(1);
-        if (found_.cut_short || !a.box.meets(b.box)) {
-            return;
-        }
-        const std::size_t a_edges = a.end - a.begin;
-        const std::size_t b_edges = b.end - b.begin;
-        if (a_edges == 1 && b_edges == 1) {
-            compare_edges(a_path, a.begin, b_path, b.begin);
-        } else if (a_edges >= b_edges) {
-            compare(part(a.begin, a.begin + a_edges / 2), b, a_path, b_path);
-            compare(part(a.begin + a_edges / 2, a.end), b, a_path, b_path);
-        } else {
-            compare(a, part(b.begin, b.begin + b_edges / 2), a_path, b_path);
-            compare(a, part(b.begin + b_edges / 2, b.end), a_path, b_path);
-        }
-    }
-
-    Stretch part(std::size_t begin, std::size_t end) const noexcept {
-        return {FlatBox::around(points_[begin], points_[end]), begin, end};
-    }
-
     /// A corner belongs to the edge that ends in it, so that each passage is seen in one pair of edges.
     void compare_edges(const LayerPath& a, std::size_t i, const LayerPath& b, std::size_t j) {
         const Point* const p = points_;
@@ -246,18 +149,17 @@ private:
     }
 
     void note(Point place, const LayerPath& a, const LayerPath& b) {
-        const auto [lower, upper] = std::minmax(a.contour, b.contour);
+        const auto [lower, upper] = std::minmax(a.given.contour, b.given.contour);
         found_.add({1, place, {lower, upper}});
-        found_.cut_short = found_.cut_short || found_.count == limits_.crossings;
+        if (found_.count == most_crossings_) {
+            search_.stop();
+        }
     }
 
-    StopCheck host_;
-    const RunKernels& kernels_;
-    const EdgeRuns* runs_ = nullptr;
+    PairSearch search_;
     const Point* points_ = nullptr;
-    Limits limits_;
+    std::uint64_t most_crossings_ = 0;
     Found found_;
-    std::vector<std::uint32_t> meeting_;
 };
 
 /// Shares layers out to threads, and of a wide layer the strips.
@@ -293,11 +195,11 @@ private:
 
     void search_others() {
         struct Worker {
-            StripSearch search;
-            Parallel alone;
+            CrossingsOfShare search;
             EdgeRuns runs;
+            RunStrips strips;
             std::vector<LayerCrossings> found;
-            explicit Worker(const Control& control) : search(control.stop), alone({.threads = 1, .stop = control.stop}) {}
+            explicit Worker(const Control& control) : search(control.stop) { strips.follow(control.stop); }
         };
         std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(parallel_.threads()));
         parallel_.run(result_.layers.size(), [&](std::size_t layer, int worker) {
@@ -308,14 +210,26 @@ private:
             if (!own) {
                 own = std::make_unique<Worker>(control_);
             }
-            own->runs.assign(result_, result_.layers[layer], own->alone);
-            const Found found = own->search.run(own->runs, 0, 1, {.steps = most_steps(own->runs.edges())});
+            own->runs.clear();
+            for_each_path(layer, [&](const EdgePath& path) { own->runs.add(path); });
+            own->strips.assign(own->runs.runs(), 0);
+            const Found found = own->search.run(own->runs, own->strips, 0, 1, {.steps = most_steps(own->runs.edges())});
             keep(layer, found, own->found);
         });
         for (const std::unique_ptr<Worker>& own : workers) {
             if (own) {
                 all_.insert(all_.end(), own->found.begin(), own->found.end());
             }
+        }
+    }
+
+    template <class Visit>
+    void for_each_path(std::size_t layer, Visit visit) const {
+        const Layer& of = result_.layers[layer];
+        for (std::uint64_t c = of.first_contour; c < of.first_contour + of.contour_count; ++c) {
+            const Contour& contour = result_.contours[c];
+            visit(
+                EdgePath{{result_.points.data() + contour.first_point, contour.point_count}, c, contour.role != Role::open});
         }
     }
 
@@ -328,8 +242,12 @@ private:
     /// As if one thread searched strip after strip. A share is searched as if it came first; where all before it leave less
     /// than it took, it is searched again with what they leave.
     void search_wide(std::size_t layer) {
+        std::vector<EdgePath> paths;
+        for_each_path(layer, [&](const EdgePath& path) { paths.push_back(path); });
         EdgeRuns runs;
-        runs.assign(result_, result_.layers[layer], parallel_);
+        runs.assign(paths, parallel_);
+        RunStrips strips;
+        strips.assign(runs.runs(), 0, parallel_);
         const Limits whole{.steps = most_steps(runs.edges())};
         std::vector<Found> shares(shares_of_wide_layer);
         std::atomic<std::size_t> last{shares_of_wide_layer};  // the first share known to be cut short
@@ -338,19 +256,19 @@ private:
                 return;
             }
             constexpr std::uint64_t part = 8;  // so that all together take at most so many times what one thread would
-            StripSearch search(control_.stop);
-            shares[share] = search.run(runs, share, shares.size(), {whole.steps / part, whole.crossings});
+            CrossingsOfShare search(control_.stop);
+            shares[share] = search.run(runs, strips, share, shares.size(), {whole.steps / part, whole.crossings});
             if (shares[share].count == whole.crossings) {
                 last.store(share, std::memory_order_relaxed);
             }
         });
         Found found;
-        StripSearch search(control_.stop);
+        CrossingsOfShare search(control_.stop);
         for (std::size_t share = 0; share < shares.size() && !found.cut_short; ++share) {
             const Limits left{whole.steps - found.steps, whole.crossings - found.count};
             const Found& own = shares[share];
             const bool fits = !own.cut_short && own.steps <= left.steps && own.count < left.crossings;
-            found.add(fits ? own : search.run(runs, share, shares.size(), left));
+            found.add(fits ? own : search.run(runs, strips, share, shares.size(), left));
         }
         keep(layer, found, all_);
     }

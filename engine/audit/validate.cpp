@@ -138,7 +138,8 @@ Complaint check_orientation(const Contour& contour) {
 }
 
 Complaint check_contour(const Contour& contour, std::span<const Point> points) {
-    if (contour.role > Role::open || (contour.flags & ~(orientation_overruled | orientation_mixed | gap_closed)) != 0) {
+    constexpr unsigned known_flags = orientation_overruled | orientation_mixed | gap_closed | near_contour;
+    if (contour.role > Role::open || (contour.flags & ~known_flags) != 0) {
         return "an unknown role or flag";
     }
     if (contour.segments == 0) {
@@ -151,14 +152,14 @@ Complaint check_contour(const Contour& contour, std::span<const Point> points) {
     return complaint.empty() ? check_orientation(contour) : complaint;
 }
 
-/// One layer, its contours' own promises already checked. Indices are the layer's.
+/// One layer's contours of one part, their own promises already checked. Indices are the layer's.
 class LayerCheck {
 public:
-    LayerCheck(const SliceResult& result, std::size_t index)
-        : result_(result), index_(index), layer_(result.layers[index]), contours_(result.contours_of(layer_)) {}
+    LayerCheck(const SliceResult& result, std::size_t index, const Layer& layer)
+        : result_(result), index_(index), layer_(layer), contours_(result.contours_of(layer_)) {}
 
     Complaint run() const {
-        for (const auto check : {&LayerCheck::segments, &LayerCheck::parents, &LayerCheck::roles, &LayerCheck::order}) {
+        for (const auto check : {&LayerCheck::parents, &LayerCheck::roles, &LayerCheck::order}) {
             Complaint complaint = (this->*check)();
             if (!complaint.empty()) {
                 return complaint;
@@ -183,20 +184,9 @@ private:
         return twice_area < 0 ? -twice_area : twice_area;
     }
 
-    Complaint segments() const {
-        std::uint64_t sum = 0;
-        for (const Contour& contour : contours_) {
-            sum += contour.segments;
-        }
-        // A fill rule drops some and cuts others in two.
-        return sum == layer_.segments || !result_.region.keeps_contours()
-                   ? Complaint{}
-                   : place(index_) + "contours do not use every segment once";
-    }
-
     Complaint parents() const {
         Complaint complaint;
-        if (!result_.region.keeps_contours()) {
+        if (!keeps_contours()) {
             return complaint;  // contours of a region may touch: a start may lie on the contour around it
         }
         for_each_enclosure(result_, layer_, [&](std::size_t c, std::span<const std::size_t> around) {
@@ -206,6 +196,8 @@ private:
         });
         return complaint;
     }
+
+    bool keeps_contours() const noexcept { return result_.region.rule_of(index_) == FillRule::contours; }
 
     /// Any of several equally small ones will do.
     bool is_parent(std::size_t c, std::span<const std::size_t> around) const {
@@ -225,7 +217,7 @@ private:
 
     /// Parents start strictly left of their children, so in the order of starts they come first.
     Complaint roles() const {
-        if (!result_.region.keeps_contours()) {
+        if (!keeps_contours()) {
             return roles_of_region();
         }
         std::vector<std::size_t> by_start(contours_.size());
@@ -302,8 +294,48 @@ private:
     std::span<const Contour> contours_;
 };
 
+/// The same for every part of a layer, whose contours lie side by side.
+Complaint check_parts(const SliceResult& result, std::size_t index) {
+    const Layer& layer = result.layers[index];
+    const std::uint64_t end = layer.first_contour + layer.contour_count;
+    std::int64_t last_part = -1;
+    Layer own = layer;
+    for (std::uint64_t first = layer.first_contour; first < end; first += own.contour_count) {
+        const std::uint32_t part = result.contours[first].part;
+        if (part >= result.part_count || std::int64_t{part} <= last_part) {
+            return place(index, first) + "the part is none, or not in the order of parts";
+        }
+        last_part = part;
+        own.first_contour = first;
+        own.contour_count = 1;
+        while (first + own.contour_count < end && result.contours[first + own.contour_count].part == part) {
+            ++own.contour_count;
+        }
+        for (const Contour& contour : result.contours_of(own)) {
+            if (contour.parent >= 0 && result.contours[static_cast<std::size_t>(contour.parent)].part != part) {
+                return place(index, first) + "the parent is of another part";
+            }
+        }
+        if (Complaint complaint = LayerCheck(result, index, own).run(); !complaint.empty()) {
+            return complaint;
+        }
+    }
+    return {};
+}
+
+Complaint check_united(const SliceResult& result, std::size_t index) {
+    const Layer& layer = result.layers[index];
+    for (const Contour& contour : result.contours_of(layer)) {
+        if (contour.part >= result.part_count && contour.part != several_parts) {
+            return place(index, static_cast<std::size_t>(&contour - result.contours.data())) + "there is no such part";
+        }
+    }
+    return LayerCheck(result, index, layer).run();
+}
+
 Complaint check_layer(const SliceResult& result, std::size_t index) {
     const Layer& layer = result.layers[index];
+    std::uint64_t segments = 0;
     for (std::uint64_t c = layer.first_contour; c < layer.first_contour + layer.contour_count; ++c) {
         const Contour& contour = result.contours[c];
         Complaint complaint = check_contour(contour, result.points_of(contour));
@@ -315,8 +347,13 @@ Complaint check_layer(const SliceResult& result, std::size_t index) {
         if (contour.parent != -1 && (contour.parent < first || contour.parent >= last)) {
             return place(index, c) + "the parent lies in another layer";
         }
+        segments += contour.segments;
     }
-    return LayerCheck(result, index).run();
+    // A fill rule drops some and cuts others in two.
+    if (segments != layer.segments && result.region.rule_of(index) == FillRule::contours) {
+        return place(index) + "contours do not use every segment once";
+    }
+    return result.part_regions == PartRegions::united ? check_united(result, index) : check_parts(result, index);
 }
 
 Complaint check_summary(const SliceResult& result) {
@@ -327,12 +364,17 @@ Complaint check_summary(const SliceResult& result) {
         counted.flat_contours += contour.role == Role::flat;
         counted.open_contours += contour.role == Role::open;
         counted.overruled_contours += (contour.flags & orientation_overruled) != 0;
+        counted.near_contours += (contour.flags & near_contour) != 0;
+    }
+    for (const Layer& layer : result.layers) {
+        counted.emptied_layers += layer.segments > 0 && layer.contour_count == 0;
     }
     const SliceSummary& summary = result.summary;
     const bool agrees = (counted.segments == summary.segments || !result.region.keeps_contours()) &&
                         counted.holes == summary.holes && counted.flat_contours == summary.flat_contours &&
                         counted.open_contours == summary.open_contours &&
-                        counted.overruled_contours == summary.overruled_contours;
+                        counted.overruled_contours == summary.overruled_contours &&
+                        counted.near_contours == summary.near_contours && counted.emptied_layers == summary.emptied_layers;
     return agrees ? Complaint{} : "the summary's counts are not those of the contours";
 }
 

@@ -28,7 +28,9 @@
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/grid/bounds.hpp"
+#include "slicing/part_slicer.hpp"
 #include "slicing/planes/plane_set.hpp"
+#include "slicing/regions/rules.hpp"
 #include "slicing/result/placement.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
@@ -81,9 +83,12 @@ namespace {
 /// One call of slice().
 class Slicing {
 public:
-    Slicing(const MeshView& mesh, const SliceOptions& options, detail::WorkspaceParts& kept, SliceResult& result)
+    /// `frame`: null where the mesh's own box chooses grid and planes.
+    Slicing(const MeshView& mesh, const SliceOptions& options, const SharedFrame* frame, detail::WorkspaceParts& kept,
+            SliceResult& result)
         : mesh_(mesh),
           options_(options),
+          frame_(frame),
           kept_(kept),
           result_(result),
           progress_(options.control.progress),
@@ -113,7 +118,9 @@ private:
     void sweep_all_into(std::span<Point> points);
     void sweep_band(std::size_t band, int worker);
     void sweep_wide(std::size_t band);
-    LayerRules rules() const noexcept { return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm}; }
+    LayerRules rules() const noexcept {
+        return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm};
+    }
     void note_ticks_of(const WidePlane& wide, std::uint64_t spent);
     void split_time(double sweep_ms);
     void finish_result();
@@ -122,6 +129,7 @@ private:
 
     const MeshView& mesh_;
     const SliceOptions& options_;
+    const SharedFrame* frame_;
     detail::WorkspaceParts& kept_;
     SliceResult& result_;
     ProgressMeter progress_;
@@ -130,22 +138,31 @@ private:
 };
 
 Status Slicing::choose_grid_and_planes() {
-    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, options_.unit_mm, parallel_, kept_.blocks);
+    const double asked_mm = frame_ != nullptr ? frame_->unit_mm : options_.unit_mm;
+    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
     if (!bounds) {
         return bounds.error();
     }
-    const Result<double> unit = choose_unit(*bounds, options_.unit_mm);
+    const Result<double> unit = frame_ != nullptr ? frame_->unit_mm : choose_unit(*bounds, asked_mm);
     if (!unit) {
         return unit.error();
+    }
+    if (Status status = check_reach(options_.region, *unit); !status) {
+        return status;
     }
     result_.unit_mm = *unit;
     result_.frame = options_.transform;
     result_.plan = options_.plan;
+    result_.part_count = 1;
+    result_.part_regions = PartRegions::separate;
     result_.region = options_.region;
     result_.close_gaps_mm = options_.close_gaps_mm;
     result_.summary = {};
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
     std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
+    if (frame_ != nullptr) {
+        return kept_.planes.build(options_.plan, frame_->bounds, *unit, frame_->number, memory_limit(options_));
+    }
     const CoordinateType number = options_.transform.is_identity() ? mesh_.coordinate_type : CoordinateType::f64;
     return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
 }
@@ -315,45 +332,45 @@ void Slicing::summarise() {
     summary.segments = kept_.buckets.segment_count;
     summary.bands = kept_.bands.bands.size();
     summary.threads = parallel_.threads();
-    const ContourCounts& counts = kept_.placement.contour_counts();
-    summary.holes = counts.of(Role::hole);
-    summary.open_contours = counts.of(Role::open);
-    summary.flat_contours = counts.of(Role::flat);
-    summary.overruled_contours = counts.overruled;
+    set_counts(kept_.placement.contour_counts(), result_);
 }
 
-Status slice_or_throw(const MeshView& mesh, const SliceOptions& options, std::unique_ptr<detail::WorkspaceParts>& kept,
-                      SliceResult& result) {
+}  // namespace
+
+Status detail::PartSlicer::slice(const MeshView& mesh, const SliceOptions& options, const SharedFrame* frame,
+                                 Workspace& workspace, SliceResult& result) {
     if (options.tuning.band_planes < 0) {
         return Error{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"};
     }
     if (!(options.close_gaps_mm >= 0) || !std::isfinite(options.close_gaps_mm)) {
         return Error{ErrorCode::invalid_argument, "the length up to which gaps are closed must be finite and not negative"};
     }
+    if (Status status = check_rules(options.region); !status) {
+        return status;
+    }
+    std::unique_ptr<WorkspaceParts>& kept = workspace.parts_;
     if (kept == nullptr || kept->memory != options.control.memory) {
-        kept = std::make_unique<detail::WorkspaceParts>(options.control.memory);
+        kept = std::make_unique<WorkspaceParts>(options.control.memory);
     }
     if (result.points.memory() != options.control.memory) {
         result = SliceResult(options.control.memory);
     }
-    return Slicing(mesh, options, *kept, result).run();
+    return Slicing(mesh, options, frame, *kept, result).run();
 }
-
-}  // namespace
 
 void Workspace::reset() noexcept {
     parts_.reset();
 }
 
 Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
-    return guarded(options.control, [&] { return slice_or_throw(mesh, options, workspace.parts_, result); });
+    return guarded(options.control, [&] { return detail::PartSlicer::slice(mesh, options, nullptr, workspace, result); });
 }
 
 Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options) noexcept {
     return guarded(options.control, [&]() -> Result<SliceResult> {
-        std::unique_ptr<detail::WorkspaceParts> kept;
+        Workspace workspace;
         SliceResult result(options.control.memory);
-        if (Status status = slice_or_throw(mesh, options, kept, result); !status) {
+        if (Status status = detail::PartSlicer::slice(mesh, options, nullptr, workspace, result); !status) {
             return status.error();
         }
         return result;

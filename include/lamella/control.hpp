@@ -13,7 +13,7 @@
 // Which call uses what:
 //
 //     call                                           threads, executor  stop                progress  memory
-//     slice()                                        yes                yes                 yes       result and scratch
+//     slice(), slice_parts()                         yes                yes                 yes       result and scratch
 //     assemble()                                     calling thread     yes                 yes       result and scratch
 //     read_mesh()                                    yes                yes                 yes       mesh and scratch
 //     weld()                                         yes                yes                 yes       mesh and scratch

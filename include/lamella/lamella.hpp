@@ -30,6 +30,7 @@
 #include "lamella/mesh/inspect.hpp"
 #include "lamella/mesh/scale.hpp"
 #include "lamella/mesh/weld.hpp"
+#include "lamella/parts.hpp"
 #include "lamella/planes.hpp"
 #include "lamella/region.hpp"
 #include "lamella/result.hpp"

@@ -55,6 +55,15 @@ enum ContourFlag : std::uint16_t {
     near_contour = 8,
 };
 
+/// The part of a contour whose edges come from more than one.
+inline constexpr std::uint32_t several_parts = 0xffffffff;
+
+/// What the rules of regions are done to where there are several meshes.
+enum class PartRegions : std::uint8_t {
+    separate,  ///< each part by itself: contours of parts may overlap
+    united,    ///< all parts of a layer together
+};
+
 /// 48 bytes. A closed contour starts at its smallest (x, y, mesh edge), edges in the order of EndKey, and the first point is
 /// not repeated; an open one starts at its source end. Equal consecutive points are stored once; `segments` still counts
 /// every crossed triangle.
@@ -68,6 +77,7 @@ struct Contour {
     Role role = Role::outer;
     std::int8_t orientation = 0;  ///< by the facets or the fill rule: 1 counter-clockwise, -1 clockwise, 0 flat, open
     std::uint16_t flags = 0;      ///< ContourFlag bits
+    std::uint32_t part = 0;       ///< index of the mesh that it comes from, among those of slice_parts(), or several_parts
 };
 
 /// Where two ends of open polylines were joined.
@@ -106,6 +116,8 @@ struct SliceSummary {
     std::uint64_t open_contours = 0;
     std::uint64_t flat_contours = 0;
     std::uint64_t overruled_contours = 0;  ///< contours with orientation_overruled
+    std::uint64_t near_contours = 0;       ///< contours with near_contour
+    std::uint64_t emptied_layers = 0;      ///< layers that the mesh crosses, but of which the rules leave no contour
     std::uint64_t bands = 0;
     int threads = 1;
     double min_mm[3] = {0, 0, 0};  ///< box of the transformed mesh
@@ -129,6 +141,8 @@ struct SliceResult {
     Array<Contour> contours;
     Array<Point> points;
     Array<ClosedGap> closed_gaps;  ///< by layer, then by `from` and `to`
+    std::uint32_t part_count = 1;  ///< meshes
+    PartRegions part_regions = PartRegions::separate;
     RegionRules region;
     double close_gaps_mm = 0;          ///< ends at most so far apart were joined
     double unit_mm = default_unit_mm;  ///< grid units times this give mm; to_mm() does it
@@ -154,9 +168,9 @@ struct SliceResult {
 };
 
 /// A 64-bit hash (FNV-1a over 8-byte little-endian words) of: k; per layer the plane (int32 as int64) and its number of
-/// contours; per contour role, orientation and flags (one word: role | (orientation & 0xff) << 8 | flags << 16), segments,
-/// point_count, parent minus the layer's first contour (or -1), area low, area high; per point x and y (one word: x low, y
-/// high). Equal on every platform, thread count and band size.
+/// contours; per contour role, orientation, flags and part (one word: role | (orientation & 0xff) << 8 | flags << 16 |
+/// part << 32), segments, point_count, parent minus the layer's first contour (or -1), area low, area high; per point x and
+/// y (one word: x low, y high). Equal on every platform, thread count and band size.
 std::uint64_t hash_result(const SliceResult& result) noexcept;
 
 }  // namespace lamella

@@ -29,7 +29,8 @@ namespace lamella {
 
 namespace detail {
 struct WorkspaceParts;
-}
+struct PartSlicer;
+}  // namespace detail
 
 struct SliceOptions {
     LayerPlan plan{};
@@ -53,8 +54,7 @@ public:
     void reset() noexcept;
 
 private:
-    friend Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace,
-                        SliceResult& result) noexcept;
+    friend struct detail::PartSlicer;
     std::unique_ptr<detail::WorkspaceParts> parts_;
 };
 

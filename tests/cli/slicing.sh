@@ -107,12 +107,62 @@ cube() {
     } > "$1"
 }
 
+test_regions() {
+    cube left.stl 0 6
+    cube right.stl 5 6
+    cat left.stl right.stl > both.stl
+    expect 0 slice both.stl --planes 2,5 --fill-rule non-zero --fill-from 1:positive --fill-from 40:even-odd --close 0.5 \
+        --offset -1 --miter-limit 2.5 --drop-collinear --largest-only --mark-near 0.25 -o out.svg --report report.json
+    expect_json report.json 1 region fill_from 0 first_layer
+    expect_json report.json positive region fill_from 0 fill_rule
+    expect_json report.json even-odd region fill_from 1 fill_rule
+    expect_json report.json 0.5 region close_mm
+    expect_json report.json -1.0 region offset_mm
+    expect_json report.json 2.5 region miter_limit
+    expect_json report.json ON region largest_only
+    expect_json report.json ON region drop_collinear
+    expect_json report.json 0.25 region mark_near_mm
+    local line
+    for line in 'near      0 contours would change if gaps under 0.5 mm were closed' \
+        'filled    by the rule non-zero, from layer 1 on positive, from layer 40 on even-odd' 'closed    gaps under 1 mm' \
+        'offset    shrunk by 1 mm, miter limit 2.5' 'kept      the largest contour of each layer, with its holes' \
+        'dropped   points within straight lines'; do
+        grep -qxF "$line" .stdout || fail "the summary does not say '$line'"
+    done
+    grep -qF 'Fill rule non-zero, from layer 1 on positive, from layer 40 on even-odd. Regions closed by 0.5 mm. Regions shrunk by 1 mm, miter limit 2.5. Only the largest' \
+        out.svg || fail "the SVG does not say the rules"
+
+    cube open.stl 0 5
+    expect 0 slice open.stl --planes 5 --fill-rule non-zero
+    grep -qxF 'left      1 open polyline as cut: they bound no region' .stdout || fail "no word of the open polyline"
+
+    awk '/vertex/ { v[n++] = $0; if (n == 3) { print v[0]; print v[2]; print v[1]; n = 0 } next } { print }' left.stl > inverted.stl
+    expect 0 slice inverted.stl --planes 5,7 --fill-rule positive --drop-collinear --report report.json
+    grep -qx 'emptied   all 2 layers that the mesh crosses' .stdout || fail "the summary does not say that nothing is left"
+    grep -qF 'the fill rule leaves nothing: all 2 layers that the mesh crosses are empty' .stderr || fail "no warning that nothing is left"
+    expect_json report.json 2 region emptied_layers
+
+    expect_failure 2 "must be finite and not negative, not -1 mm" slice both.stl --fill-rule non-zero --close -1
+    expect_failure 2 "the offset must be finite, not inf mm" slice both.stl --fill-rule non-zero --offset inf
+    expect_failure 2 "is at most" slice both.stl --fill-rule non-zero --offset 1e6
+    expect_failure 2 "nothing would happen" slice both.stl --fill-rule non-zero --close 1e-9
+    expect_failure 2 "the miter limit" slice both.stl --fill-rule non-zero --miter-limit 0.5
+    expect_failure 2 "needs a region, but layer 0" slice both.stl --close 1
+    expect_failure 2 "needs a region, but layer 7" slice both.stl --largest-only --fill-rule positive --fill-from 7:contours
+    expect_failure 2 "in ascending order" slice both.stl --fill-from 7:contours --fill-from 2:positive
+    for line in positive 3 3: :positive -3:positive 3.5:positive 3:odd 99999999999999999999:positive; do
+        expect_failure 2 "'$line' is not LAYER:RULE" slice both.stl "--fill-from=$line"
+    done
+    # One value each, so that what follows is the mesh.
+    expect 0 slice --fill-from 1:positive both.stl --planes 5
+}
+
 test_mending() {
     cube left.stl 0 6
     cube right.stl 5 6
     cat left.stl right.stl > both.stl
     local rule
-    for rule in contours even-odd non-zero positive; do
+    for rule in contours even-odd non-zero positive outermost; do
         expect 0 slice both.stl --planes 5 --fill-rule "$rule" -o out.svg --report report.json
         expect_json report.json "$rule" fill_rule
         grep -q "Fill rule $rule" out.svg || fail "the SVG does not say the rule"
@@ -122,6 +172,7 @@ test_mending() {
     expect_json report.json 1 contours
     grep -q 'rule non-zero' .stdout || fail "the summary does not say the rule"
     expect_failure 2 "--fill-rule" slice both.stl --fill-rule odd
+    grep -q '"region"' report.json && fail "a region's report without more than a fill rule"
     expect_json report.json "contours not as walked" volume verdict
 
     sed -E 's/^vertex ([0-9]+) 0 /vertex \1 5 /; s/^vertex ([0-9]+) 10 /vertex \1 15 /' right.stl > shifted.stl

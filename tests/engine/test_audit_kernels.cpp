@@ -7,8 +7,8 @@
 #include <catch2/catch.hpp>
 
 #include "audit/face_sums.hpp"
-#include "audit/run_kernels.hpp"
 #include "engine/slicing.hpp"
+#include "slicing/edges/run_kernels.hpp"
 
 using lamella::Point;
 
@@ -72,7 +72,7 @@ TEST_CASE("every form finds where paths turn, also along the axes", "[engine][cr
     std::mt19937 random(5);
     for (int round = 0; round < 4000; ++round) {
         const unsigned range = round % 2 == 0 ? 3 : 1000;
-        std::vector<Point> points(1 + random() % 50);
+        std::vector<Point> points(1 + random() % 100);
         for (Point& point : points) {
             point = {static_cast<std::int32_t>(random() % range), static_cast<std::int32_t>(random() % range)};
         }
@@ -81,7 +81,9 @@ TEST_CASE("every form finds where paths turn, also along the axes", "[engine][cr
         }
         for (const auto& [needs, form] : lamella::supported(lamella::run_kernel_forms())) {
             std::vector<std::uint32_t> turns(points.size());
-            turns.resize(form.find_turns(points.data(), points.size() - 1, turns.data()));
+            std::vector<Point> with_room = points;
+            with_room.resize(points.size() + lamella::turn_lanes, points[random() % points.size()]);
+            turns.resize(form.find_turns(with_room.data(), points.size() - 1, turns.data()));
             REQUIRE(turns == turns_of(points));
         }
     }

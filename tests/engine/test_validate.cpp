@@ -67,6 +67,7 @@ void add_contour(SliceResult& result, Role role, int orientation, std::int64_t p
     result.summary.flat_contours += role == Role::flat;
     result.summary.open_contours += role == Role::open;
     result.summary.overruled_contours += (flags & lamella::orientation_overruled) != 0;
+    result.summary.near_contours += (flags & lamella::near_contour) != 0;
 }
 
 Points square(std::int32_t low, std::int32_t high) {
@@ -144,6 +145,9 @@ TEST_CASE("broken offsets and planes are found", "[result][validate]") {
         {"the summary", [](SliceResult& r) { --r.summary.segments; }},
         {"the summary", [](SliceResult& r) { r.summary.open_contours = 0; }},
         {"the summary", [](SliceResult& r) { r.summary.overruled_contours = 1; }},
+        {"the summary", [](SliceResult& r) { r.summary.near_contours = 1; }},
+        {"the summary", [](SliceResult& r) { r.contours[0].flags |= lamella::near_contour; }},
+        {"the summary", [](SliceResult& r) { r.summary.emptied_layers = 1; }},
     });
 }
 
@@ -167,7 +171,9 @@ TEST_CASE("broken contours are found", "[result][validate]") {
         {"contour 0: closed with an area", [](SliceResult& r) { r.contours[0].orientation = 0; }},
         {"contour 4: flat or open", [](SliceResult& r) { r.contours[4].orientation = 1; }},
         {"contour 3: flat or open", [](SliceResult& r) { r.contours[3].parent = 0; }},
-        {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].flags = 8; }},
+        {"there is no such part",
+         [](SliceResult& r) { r.part_regions = lamella::PartRegions::united, r.contours[2].part = 1; }},
+        {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].flags = 16; }},
         {"contour 2: an unknown", [](SliceResult& r) { r.contours[2].role = static_cast<Role>(4); }},
     });
 }

@@ -23,10 +23,13 @@ SLICING = [
     ["buckets"],
     ["bands"],
     ["result", "nesting"],
-    ["repair", "regions"],
+    ["repair", "edges", "offset"],
+    ["regions"],
     ["contours"],
     ["sweep"],
+    ["part_slicer.hpp"],
     ["slice.cpp"],
+    ["parts"],
 ]
 
 # Two ways to sweep, neither of which knows the other.
@@ -35,7 +38,7 @@ PEERS = [("slicing/sweep/band_sweep", "slicing/sweep/wide_plane")]
 # Public headers that are not in a folder named after their library.
 PUBLIC = {
     "array": "base", "control": "base", "error": "base", "integer128": "base", "memory": "base", "version": "base",
-    "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "planes": "slicing", "region": "slicing",
+    "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "parts": "slicing", "planes": "slicing", "region": "slicing",
     "result": "slicing", "slice": "slicing",
     "lamella": "audit", "io": "io",
 }  # fmt: skip
@@ -142,6 +145,7 @@ PLANTED = [
     ("engine/slicing/result/placement.cpp", '#include "slicing/contours/layer_builder.hpp"', "slicing/contours, which"),
     ("engine/slicing/contours/kernels.cpp", '#include "slicing/sweep/band_sweep.hpp"', "slicing/sweep, which"),
     ("engine/slicing/nesting/nest.cpp", '#include "slicing/regions/fill.hpp"', "slicing/regions, which"),
+    ("engine/slicing/offset/raw_offset.cpp", '#include "slicing/regions/fill.hpp"', "slicing/regions, which"),
     ("engine/slicing/repair/gaps.cpp", '#include "slicing/regions/fill.hpp"', "slicing/regions, which"),
     ("engine/slicing/nesting/nest.cpp", '#include "slicing/result/placement.hpp"', "slicing/result, which"),
     ("engine/slicing/sweep/band_sweep.cpp", '#include "slicing/sweep/wide_plane.hpp"', "peers"),

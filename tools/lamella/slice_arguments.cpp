@@ -1,6 +1,7 @@
 #include "slice_arguments.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -104,6 +105,36 @@ Transform transform_of(const SliceArguments& arguments) {
     return Transform::from_normal(normal[0], normal[1], normal[2]);
 }
 
+const std::map<std::string, FillRule>& fill_rules() {
+    static const std::map<std::string, FillRule> rules = {{"contours", FillRule::contours},
+                                                          {"even-odd", FillRule::even_odd},
+                                                          {"non-zero", FillRule::non_zero},
+                                                          {"positive", FillRule::positive},
+                                                          {"outermost", FillRule::outermost}};
+    return rules;
+}
+
+FillFrom fill_from(const std::string& text) {
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    const auto rule = fill_rules().find(text.substr(std::min(colon + 1, text.size())));
+    FillFrom from;
+    const char* const end = text.data() + colon;
+    const auto [stop, error] = std::from_chars(text.data(), end, from.first_layer);
+    if (stop != end || error != std::errc() || rule == fill_rules().end()) {
+        throw Failure(bad_usage, "--fill-from: '" + text + "' is not LAYER:RULE, such as 12:non-zero");
+    }
+    from.rule = rule->second;
+    return from;
+}
+
+RegionRules region_of(const SliceArguments& arguments) {
+    RegionRules rules = arguments.region;
+    for (const std::string& text : arguments.fill_from) {
+        rules.fill_from.push_back(fill_from(text));
+    }
+    return rules;
+}
+
 template <class Enum>
 CLI::Option* declare_choice(CLI::App& command, const std::string& flag, Enum& value,
                             const std::map<std::string, Enum>& choices, const std::string& help) {
@@ -145,6 +176,30 @@ void declare_planes(CLI::App& command, SliceArguments& arguments) {
                               "Where a plane passes a vertex of exactly its height (below)");
 }
 
+void declare_region(CLI::App& command, SliceArguments& arguments) {
+    RegionRules& rules = arguments.region;
+    declare_choice<FillRule>(command, "--fill-rule", rules.fill_rule, fill_rules(),
+                             "What is solid where shells overlap (contours: nothing is joined)");
+    command
+        .add_option("--fill-from", arguments.fill_from, "Another fill rule from this layer on, counted from 0; repeatable")
+        ->type_name("LAYER:RULE")
+        ->take_all()
+        ->allow_extra_args(false);
+    command.add_option("--close", rules.close_mm, "Close gaps narrower than twice MM between and within contours (off)")
+        ->type_name("MM");
+    command.add_option("--offset", rules.offset_mm, "Grow what is solid by MM, or shrink it by -MM (off)")->type_name("MM");
+    command
+        .add_option("--miter-limit", rules.miter_limit,
+                    "Cut corners off that --close or --offset would move farther than N times its MM (3)")
+        ->type_name("N");
+    command.add_flag("--drop-collinear", rules.drop_collinear, "Drop points that lie within straight lines");
+    command.add_flag("--largest-only", rules.largest_only, "Keep the largest contour of a layer only, with its holes");
+    command
+        .add_option("--mark-near", rules.mark_near_mm,
+                    "Mark contours that --close MM would change, and change nothing (off)")
+        ->type_name("MM");
+}
+
 }  // namespace
 
 void declare(CLI::App& command, SliceArguments& arguments) {
@@ -156,12 +211,7 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart before slicing (off)")->type_name("MM");
     command.add_option("--close-gaps", arguments.close_gaps_mm, "Join ends of open polylines at most MM apart (off)")
         ->type_name("MM");
-    declare_choice<FillRule>(command, "--fill-rule", arguments.fill_rule,
-                             {{"contours", FillRule::contours},
-                              {"even-odd", FillRule::even_odd},
-                              {"non-zero", FillRule::non_zero},
-                              {"positive", FillRule::positive}},
-                             "What is solid where shells overlap (contours: nothing is joined)");
+    declare_region(command, arguments);
     CLI::Option* const normal = command.add_option("--normal", arguments.normal, "Cut perpendicular to this direction");
     CLI::Option* const transform = command.add_option("--transform", arguments.transform,
                                                       "File of a 3x4 matrix, row by row, that is applied to the mesh first");
@@ -224,7 +274,7 @@ SliceRequest request_of(const SliceArguments& arguments) {
         }
     }
     request.options.close_gaps_mm = arguments.close_gaps_mm.value_or(0);
-    request.options.region.fill_rule = arguments.fill_rule;
+    request.options.region = region_of(arguments);
     request.options.control.threads = arguments.threads;
     request.options.tuning.band_planes = arguments.band_planes;
     request.options.tuning.form = arguments.form;

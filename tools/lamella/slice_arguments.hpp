@@ -27,7 +27,8 @@ struct SliceArguments : MeshArguments {
     PlaneSide side = PlaneSide::below;
     std::optional<double> weld_mm;
     std::optional<double> close_gaps_mm;
-    FillRule fill_rule = FillRule::contours;
+    RegionRules region;                  ///< but for fill_from
+    std::vector<std::string> fill_from;  ///< LAYER:RULE
     std::string normal;
     std::string transform;
     int band_planes = 0;

@@ -35,6 +35,9 @@ public:
         if (result.summary.segments == 0) {
             note(why_nothing_is_cut(result.summary));
         }
+        if (result.summary.emptied_layers > 0 && result.contours.empty()) {
+            note(why_nothing_is_left(result));
+        }
         note_doubts_of_scale(result, mesh);
         write(result);
         report(result, mesh);
@@ -58,6 +61,15 @@ private:
     static std::string why_nothing_is_cut(const SliceSummary& found) {
         return "no plane meets the mesh, which reaches from " + exact_text(found.min_mm[2]) + " to " +
                exact_text(found.max_mm[2]) + " mm along the slicing direction";
+    }
+
+    static std::string why_nothing_is_left(const SliceResult& result) {
+        const double offset_mm = result.region.offset_mm;
+        const std::string what = offset_mm < 0 ? "an offset of " + exact_text(offset_mm) + " mm" : "the fill rule";
+        return what + " leaves nothing: " +
+               (result.summary.emptied_layers == 1
+                    ? "the one layer that the mesh crosses is empty"
+                    : "all " + counted(result.summary.emptied_layers, "layer") + " that the mesh crosses are empty");
     }
 
     void note_doubts_of_scale(const SliceResult& result, const MeshFile& mesh) {

@@ -1,6 +1,7 @@
 #include "slice_summary.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <system_error>
@@ -48,6 +49,60 @@ std::string planes_line(const SliceResult& result) {
            exact_text(result.unit_mm) + " mm\n";
 }
 
+/// Layers in which nothing is left of what the mesh has there.
+std::string emptied(const SliceResult& result) {
+    const std::uint64_t emptied = result.summary.emptied_layers;
+    if (emptied == 0) {
+        return {};
+    }
+    const auto crossed = static_cast<std::uint64_t>(
+        std::count_if(result.layers.begin(), result.layers.end(), [](const Layer& layer) { return layer.segments > 0; }));
+    return "emptied   " +
+           (emptied == crossed ? "all " + counted(crossed, "layer")
+                               : grouped(emptied) + " of " + counted(crossed, "layer")) +
+           " that the mesh crosses\n";
+}
+
+/// "by the rule non-zero, from layer 12 on contours"
+std::string rules_by_layer(const RegionRules& rules) {
+    std::string text = "by the rule " + std::string(name_of(rules.fill_rule));
+    for (const FillFrom& from : rules.fill_from) {
+        text += ", from layer " + std::to_string(from.first_layer) + " on " + std::string(name_of(from.rule));
+    }
+    return text;
+}
+
+/// How closed contours became regions, and what was left as it is.
+std::string regions(const SliceResult& result) {
+    const RegionRules& rules = result.region;
+    std::string text;
+    if (rules.mark_near_mm > 0) {
+        text += "near      " + counted(result.summary.near_contours, "contour") + " would change if gaps under " +
+                exact_text(2 * rules.mark_near_mm) + " mm were closed\n";
+    }
+    if (rules.keeps_contours()) {
+        return text;
+    }
+    text += "filled    " + rules_by_layer(rules) + "\n";
+    if (rules.close_mm > 0) {
+        text += "closed    gaps under " + exact_text(2 * rules.close_mm) + " mm\n";
+    }
+    if (rules.offset_mm != 0) {
+        text += "offset    " + std::string(rules.offset_mm > 0 ? "grown" : "shrunk") + " by " +
+                exact_text(std::abs(rules.offset_mm)) + " mm, miter limit " + exact_text(rules.miter_limit) + "\n";
+    }
+    if (rules.largest_only) {
+        text += "kept      the largest contour of each layer, with its holes\n";
+    }
+    if (rules.drop_collinear) {
+        text += "dropped   points within straight lines\n";
+    }
+    if (result.summary.open_contours > 0) {
+        text += "left      " + counted(result.summary.open_contours, "open polyline") + " as cut: they bound no region\n";
+    }
+    return text + emptied(result);
+}
+
 /// What was done beyond cutting, if anything.
 std::string mending(const SliceResult& result, const ReportParts& parts) {
     std::string text;
@@ -64,10 +119,7 @@ std::string mending(const SliceResult& result, const ReportParts& parts) {
         text += "gaps      " + grouped(result.closed_gaps.size()) + " closed of up to " + exact_text(result.close_gaps_mm) +
                 " mm, the longest " + measure_text(longest) + " mm\n";
     }
-    if (result.region.fill_rule != FillRule::contours) {
-        text += std::string("filled    by the rule ") + std::string(name_of(result.region.fill_rule)) + "\n";
-    }
-    return text;
+    return text + regions(result);
 }
 
 std::string times(const SliceSummary& summary, const MeshFile& mesh, const ToolRun& run) {

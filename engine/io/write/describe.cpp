@@ -1,5 +1,7 @@
 #include "io/write/describe.hpp"
 
+#include <cmath>
+
 namespace lamella {
 
 namespace {
@@ -24,6 +26,28 @@ std::string words(const RandomLayers& layers) {
            " mm by seed " + std::to_string(layers.seed) + ", from the mesh's lowest vertex up";
 }
 
+/// What the region of each layer went through, as sentences that follow another.
+std::string describe_region(const RegionRules& rules) {
+    std::string text;
+    if (rules.close_mm > 0) {
+        text += ". Regions closed by " + exact_text(rules.close_mm) + " mm";
+    }
+    if (rules.offset_mm != 0) {
+        text += ". Regions " + std::string(rules.offset_mm > 0 ? "grown" : "shrunk") + " by " +
+                exact_text(std::abs(rules.offset_mm)) + " mm, miter limit " + exact_text(rules.miter_limit);
+    }
+    if (rules.largest_only) {
+        text += ". Only the largest contour of each layer, with its holes";
+    }
+    if (rules.drop_collinear) {
+        text += ". Points within straight lines dropped";
+    }
+    if (rules.mark_near_mm > 0) {
+        text += ". Contours marked that closing by " + exact_text(rules.mark_near_mm) + " mm would change";
+    }
+    return text;
+}
+
 }  // namespace
 
 const char* name_of(PlaneSide side) noexcept {
@@ -46,7 +70,12 @@ std::string describe_weld(const WeldedMesh& welded) {
 }
 
 std::string describe_rules(const SliceResult& result) {
-    std::string text = "Fill rule " + std::string(name_of(result.region.fill_rule));
+    const RegionRules& rules = result.region;
+    std::string text = "Fill rule " + std::string(name_of(rules.fill_rule));
+    for (const FillFrom& from : rules.fill_from) {
+        text += ", from layer " + std::to_string(from.first_layer) + " on " + std::string(name_of(from.rule));
+    }
+    text += describe_region(rules);
     if (result.close_gaps_mm > 0) {
         text += ". Gaps of up to " + exact_text(result.close_gaps_mm) +
                 " mm closed: " + std::to_string(result.closed_gaps.size());

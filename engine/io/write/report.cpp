@@ -251,10 +251,39 @@ void write_weld(JsonText& json, const WeldedMesh& welded) {
     });
 }
 
+/// Whether anything but one fill rule for all layers was asked for.
+bool goes_beyond_one_rule(const RegionRules& rules) {
+    return !rules.fill_from.empty() || rules.largest_only || rules.close_mm > 0 || rules.offset_mm != 0 ||
+           rules.mark_near_mm > 0 || rules.drop_collinear;
+}
+
+void write_region(JsonText& json, const SliceResult& result) {
+    const RegionRules& rules = result.region;
+    json.object("region", [&] {
+        json.list("fill_from", rules.fill_from, rules.fill_from.size(), [&](const FillFrom& from) {
+            json.object([&] {
+                json.member("first_layer", from.first_layer);
+                json.member("fill_rule", name_of(from.rule));
+            });
+        });
+        json.member("close_mm", rules.close_mm);
+        json.member("offset_mm", rules.offset_mm);
+        json.member("miter_limit", rules.miter_limit);
+        json.member("largest_only", rules.largest_only);
+        json.member("drop_collinear", rules.drop_collinear);
+        json.member("mark_near_mm", rules.mark_near_mm);
+        json.member("near_contours", result.summary.near_contours);
+        json.member("emptied_layers", result.summary.emptied_layers);
+    });
+}
+
 /// The answers about the result that the program has asked for.
 void write_findings(JsonText& json, const SliceResult& result, const ReportParts& parts) {
     write_open(json, result);
     json.member("fill_rule", name_of(result.region.fill_rule));
+    if (goes_beyond_one_rule(result.region)) {
+        write_region(json, result);
+    }
     write_gaps(json, result);
     if (parts.ledger != nullptr) {
         write_ledger(json, *parts.ledger);
@@ -277,6 +306,10 @@ void write_report(JsonText& json, const SliceResult& result, const ReportParts& 
     write_mesh(json, parts);
     write_counts(json, result);
     write_findings(json, result, parts);
+    if (result.part_count > 1) {
+        json.member("parts", result.part_count);
+        json.member("part_regions", result.part_regions == PartRegions::united ? "united" : "separate");
+    }
     json.member("grid_mm", result.unit_mm);
     write_plan(json, result.plan);
     json.member("frame", result.frame.m);

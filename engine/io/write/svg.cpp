@@ -200,7 +200,12 @@ private:
                 break;
         }
         points(result_.points_of(contour));
-        out_.append("\"/>\n");
+        out_.append((contour.flags & near_contour) != 0 ? "\" class=\"near\"" : "\"");
+        if (result_.part_count > 1) {
+            out_.append(" lamella:part=\"" + (contour.part == several_parts ? "several" : std::to_string(contour.part)) +
+                        "\"");
+        }
+        out_.append("/>\n");
     }
 
     void points(std::span<const Point> all) {

@@ -4,6 +4,8 @@
 #include <iterator>
 
 #include "base/clock.hpp"
+#include "base/int128.hpp"
+#include "slicing/regions/collinear.hpp"
 
 namespace lamella {
 
@@ -15,6 +17,11 @@ bool is_closed(const LayerContour& contour) noexcept {
     return contour.item.closed;
 }
 
+Int128 size_of(const NestItem& item) noexcept {
+    const Int128 area = to_int128(item.twice_area);
+    return area < 0 ? -area : area;
+}
+
 }  // namespace
 
 LayerBuilder::LayerBuilder(const Memory* memory)
@@ -22,7 +29,7 @@ LayerBuilder::LayerBuilder(const Memory* memory)
       repair_(memory),
       order_(memory),
       nester_(memory),
-      fill_(memory),
+      regions_(memory),
       region_nesting_(memory),
       contours_(memory),
       items_(memory),
@@ -30,7 +37,10 @@ LayerBuilder::LayerBuilder(const Memory* memory)
       walked_(memory),
       closed_(memory),
       walked_of_(memory),
-      region_contour_of_(memory),
+      ring_of_(memory),
+      region_(memory),
+      kept_(memory),
+      made_(memory),
       given_(memory) {}
 
 void LayerBuilder::follow(const StopCheck& host) noexcept {
@@ -39,7 +49,7 @@ void LayerBuilder::follow(const StopCheck& host) noexcept {
     order_.follow(host);
     repair_.follow(host);
     nester_.follow(host);
-    fill_.follow(host);
+    regions_.follow(host);
 }
 
 void LayerBuilder::build(const LinkGraph& graph, const Point* points, BandOutput& out) {
@@ -66,6 +76,28 @@ void LayerBuilder::build_closed(std::span<const std::span<const Point>> contours
             contours_.push_back(closed_contour(rest.first(contour.size())));
         }
         rest = rest.subspan(contour.size());
+    }
+    finish(out);
+}
+
+void LayerBuilder::build_given(std::span<const GivenContour> contours, BandOutput& out) {
+    given_.clear();
+    for (const GivenContour& contour : contours) {
+        given_.insert(given_.end(), contour.points.begin(), contour.points.end());
+        pace_.spend(contour.points.size());
+    }
+    contours_.clear();
+    std::span<Point> rest(given_);
+    for (const GivenContour& given : contours) {
+        const std::span<Point> points = rest.first(given.points.size());
+        rest = rest.subspan(given.points.size());
+        if (given.turned) {
+            std::reverse(points.begin(), points.end());
+        }
+        LayerContour& contour = contours_.emplace_back(given.closed ? closed_contour(points) : open_contour(points));
+        contour.segments = given.segments;
+        contour.item.flags = given.flags;
+        contour.item.part = given.part;
     }
     finish(out);
 }
@@ -114,16 +146,22 @@ void LayerBuilder::sort_by_start() {
 }
 
 void LayerBuilder::nest(FillRule rule) {
-    if (rule == FillRule::contours) {
-        nester_.nest(items_);
-        return;
-    }
+    const bool marks = rules.region != nullptr && rules.region->mark_near_mm > 0;
     const std::uint64_t before = timed ? ticks() : 0;
-    apply_fill_rule(rule);
-    fill_ticks += timed ? ticks() - before : 0;
+    if (rule != FillRule::contours) {
+        apply_rules(rule);
+    } else {
+        nester_.nest(items_);
+    }
+    if (marks) {
+        regions_.mark_near(items_, rules.region->mark_near_mm / rules.unit_mm, rules.region->miter_limit);
+    }
+    fill_ticks += timed && (marks || rule != FillRule::contours) ? ticks() - before : 0;
 }
 
-void LayerBuilder::apply_fill_rule(FillRule rule) {
+void LayerBuilder::apply_rules(FillRule rule) {
+    const RegionRules& region = *rules.region;
+    const bool rewrites = region.drop_collinear || region.largest_only || rule == FillRule::outermost;
     closed_.clear();
     walked_of_.clear();
     for (std::size_t i = 0; i < items_.size(); ++i) {
@@ -132,30 +170,89 @@ void LayerBuilder::apply_fill_rule(FillRule rule) {
             walked_of_.push_back(order_.contour_of(i));
         }
     }
-    fill_.run(closed_, rule, nester_);
-    if (fill_.is_unchanged() && closed_.size() == items_.size()) {
-        std::copy(fill_.nested().begin(), fill_.nested().end(), items_.begin());
+    regions_.run(closed_,
+                 {.rule = rule,
+                  .close = region.close_mm / rules.unit_mm,
+                  .offset = region.offset_mm / rules.unit_mm,
+                  .miter_limit = region.miter_limit,
+                  .always_list = rewrites || closed_.size() != items_.size()},
+                 nester_);
+    if (regions_.is_unchanged() && regions_.rings().empty()) {
+        std::copy(regions_.nested().begin(), regions_.nested().end(), items_.begin());
         return;
     }
-    replace_by_region();
-    region_nesting_.nest(items_, region_contour_of_, fill_.region(), nester_);
+    walked_.swap(contours_);
+    region_.assign(regions_.rings().begin(), regions_.rings().end());
+    replace_by_rings();
+    if (region.largest_only || rule == FillRule::outermost) {
+        keep_some(rule == FillRule::outermost, region.largest_only);
+        replace_by_rings();
+    }
 }
 
-/// contours_ becomes the open polylines as they were, then the contours of the region.
-void LayerBuilder::replace_by_region() {
-    walked_.swap(contours_);
+/// contours_ becomes the open polylines as they were walked, then the contours of the region.
+void LayerBuilder::replace_by_rings() {
     contours_.clear();
     std::remove_copy_if(walked_.begin(), walked_.end(), std::back_inserter(contours_), is_closed);
     const auto polylines = static_cast<std::int64_t>(contours_.size());
-    for (const RegionContour& contour : fill_.region()) {
-        contours_.push_back(contour.kept >= 0 ? walked_[walked_of_[static_cast<std::size_t>(contour.kept)]]
-                                              : closed_contour(fill_.points_of(contour)));
+    std::size_t points = 0;
+    for (const Ring& ring : region_) {
+        points += is_rewritten(ring) ? ring.item.count : 0;
+    }
+    made_.resize(points);
+    Point* made = made_.data();
+    for (const Ring& ring : region_) {
+        pace_.spend(contour_work + ring.item.count);
+        if (ring.given >= 0) {
+            contours_.push_back(walked_[walked_of_[static_cast<std::size_t>(ring.given)]]);
+        }
+        if (is_rewritten(ring)) {
+            std::copy_n(ring.item.points, ring.item.count, made);
+            const std::span<Point> all(made, ring.item.count);
+            made += ring.item.count;
+            const LayerContour contour =
+                closed_contour(all.first(rules.region->drop_collinear ? drop_collinear(all) : all.size()));
+            if (ring.given >= 0) {
+                const std::uint16_t flags = contours_.back().item.flags;
+                contours_.back().item = contour.item;
+                contours_.back().item.flags = flags;
+            } else {
+                contours_.push_back(contour);
+            }
+        }
+        contours_.back().item.part = ring.item.part;
     }
     sort_by_start();
-    region_contour_of_.clear();
+    ring_of_.clear();
     for (std::size_t i = 0; i < items_.size(); ++i) {
-        region_contour_of_.push_back(std::max<std::int64_t>(-1, order_.contour_of(i) - polylines));
+        ring_of_.push_back(std::max<std::int64_t>(-1, order_.contour_of(i) - polylines));
     }
+    region_nesting_.nest(items_, ring_of_, region_, nester_);
+}
+
+bool LayerBuilder::is_rewritten(const Ring& ring) const noexcept {
+    return ring.given < 0 || rules.region->drop_collinear;
+}
+
+/// Of region_ only those that lie in no other, or only the largest of these with its holes.
+void LayerBuilder::keep_some(bool outermost, bool largest) {
+    std::int32_t first = -1;
+    for (std::size_t i = 0; i < items_.size() && largest; ++i) {
+        const bool is_larger = items_[i].role == Role::outer &&
+                               (first < 0 || size_of(items_[i]) > size_of(items_[static_cast<std::size_t>(first)]));
+        first = is_larger ? static_cast<std::int32_t>(i) : first;
+    }
+    Vector<Ring>& kept = kept_;
+    kept.clear();
+    for (std::size_t i = 0; i < items_.size(); ++i) {
+        const NestItem& item = items_[i];
+        const bool in_largest = static_cast<std::int32_t>(i) == first || (item.role == Role::hole && item.parent == first);
+        if (ring_of_[i] >= 0 && (!outermost || item.parent < 0) && (!largest || in_largest)) {
+            kept.push_back(region_[static_cast<std::size_t>(ring_of_[i])]);
+            kept.back().touched = -1;  // holes and what lies in them have gone
+        }
+    }
+    region_.swap(kept);
 }
 
 /// From the start on, backwards if need be.
@@ -196,6 +293,7 @@ void LayerBuilder::append(BandOutput& out) {
         contour.role = item.role;
         contour.orientation = item.orientation;
         contour.flags = item.flags;
+        contour.part = item.part;
         out.counts.add(contour);
         out.point_count += item.count;
     }

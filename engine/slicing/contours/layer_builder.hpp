@@ -18,8 +18,8 @@
 #include "slicing/contours/link_graph.hpp"
 #include "slicing/contours/ring_reader.hpp"
 #include "slicing/nesting/nest.hpp"
-#include "slicing/regions/fill.hpp"
 #include "slicing/regions/region_nesting.hpp"
+#include "slicing/regions/regions.hpp"
 #include "slicing/repair/polylines.hpp"
 #include "slicing/result/band_output.hpp"
 
@@ -32,12 +32,23 @@ struct LayerRules {
     double close_gaps = 0;  ///< grid units
 };
 
+/// A contour that is not walked.
+struct GivenContour {
+    std::span<const Point> points;
+    bool closed = true;
+    bool turned = false;         ///< the facets run the other way
+    std::uint32_t segments = 0;  ///< as Contour::segments
+    std::uint16_t flags = 0;
+    std::uint32_t part = 0;
+};
+
 /// Layer after layer; scratch is kept. One per thread.
 class LayerBuilder {
 public:
     explicit LayerBuilder(const Memory* memory);
 
-    /// Appends the layer that `graph` holds to `out`; points[slot] is where the slot's edge pierces the plane. O(q log q) for q points. Throws std::bad_alloc.
+    /// Appends the layer that `graph` holds to `out`; points[slot] is where the slot's edge pierces the plane. O(q log q)
+    /// for q points. Throws std::bad_alloc.
     void build(const LinkGraph& graph, const Point* points, BandOutput& out);
 
     /// The same for closed contours whose points lie in walking order in `rings` already; see read_traced().
@@ -46,6 +57,9 @@ public:
 
     /// The same for closed contours that are not walked but given. Those without points are left out.
     void build_closed(std::span<const std::span<const Point>> contours, BandOutput& out);
+
+    /// The same for contours of other layers, which have points.
+    void build_given(std::span<const GivenContour> contours, BandOutput& out);
 
     /// From here on building a layer throws Stopped where the host wants the call to end.
     void follow(const StopCheck& host) noexcept;
@@ -63,8 +77,10 @@ private:
     void close_gaps(BandOutput& out);
     void sort_by_start();
     void nest(FillRule rule);
-    void apply_fill_rule(FillRule rule);
-    void replace_by_region();
+    void apply_rules(FillRule rule);
+    void replace_by_rings();
+    bool is_rewritten(const Ring& ring) const noexcept;
+    void keep_some(bool outermost, bool largest);
     void append(BandOutput& out);
     void copy_points(const NestItem& item, Point* to);
 
@@ -72,17 +88,20 @@ private:
     PolylineRepair repair_;
     CanonicalOrder order_;
     Nester nester_;
-    Fill fill_;
+    Regions regions_;
     RegionNesting region_nesting_;
     Vector<LayerContour> contours_;  // of the plane; a fill rule replaces the closed ones
     Vector<NestItem> items_;         // of contours_, by start
     Vector<Polyline> polylines_;     // the open ones of contours_, for repair
-    // For a fill rule:
+    // For rules of regions:
     Vector<LayerContour> walked_;             // contours_ before it was replaced
     Vector<NestItem> closed_;                 // the closed ones of items_
     Vector<std::uint32_t> walked_of_;         // of each of closed_: its number in walked_
-    Vector<std::int64_t> region_contour_of_;  // of each of items_: its number in the region, -1 for an open polyline
-    Vector<Point> given_;  // points of contours that were not walked
+    Vector<std::int64_t> ring_of_;            // of each of items_: its number in the region, -1 for an open polyline
+    Vector<Ring> region_;
+    Vector<Ring> kept_;                       // of the region, where only some are wanted
+    Vector<Point> made_;                      // points of rings that were made or lost some
+    Vector<Point> given_;                     // points of contours that were not walked
     StopPace pace_;
 };
 

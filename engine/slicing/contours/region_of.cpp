@@ -1,13 +1,16 @@
 // A region of a caller's own contours: a layer without the walk.
 #include "lamella/region.hpp"
 
+#include <cmath>
 #include <string>
 
 #include "base/guard.hpp"
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/words.hpp"
 #include "lamella/assemble.hpp"
 #include "slicing/contours/layer_builder.hpp"
+#include "slicing/regions/rules.hpp"
 
 namespace lamella {
 
@@ -27,15 +30,29 @@ Status check_points(ContoursView contours, StopPace& pace) {
         for (std::size_t i = 0; i < contours[c].size(); ++i) {
             const Point p = contours[c][i];
             if (p.x < -grid_limit || p.x > grid_limit || p.y < -grid_limit || p.y > grid_limit) {
-                return Error{ErrorCode::invalid_argument,
-                             "contour " + std::to_string(c) + ", point " + std::to_string(i) + ": (" + std::to_string(p.x) +
-                                 ", " + std::to_string(p.y) + ") lies beyond the grid, which ends at " +
-                                 std::to_string(grid_limit) + " units"};
+                return Error{ErrorCode::invalid_argument, "contour " + std::to_string(c) + ", point " + std::to_string(i) +
+                                                              ": (" + std::to_string(p.x) + ", " + std::to_string(p.y) +
+                                                              ") lies beyond the grid, which ends at " +
+                                                              std::to_string(grid_limit) + " units"};
             }
         }
         pace.spend(contours[c].size());
     }
     return {};
+}
+
+Status check_all(ContoursView contours, const RegionRules& rules, double unit_mm, StopPace& pace) {
+    if (!(unit_mm > 0) || !std::isfinite(unit_mm)) {
+        return Error{ErrorCode::invalid_argument,
+                     "the grid unit must be finite and above 0, not " + exact_text(unit_mm) + " mm"};
+    }
+    if (Status status = check_rules(rules); !status) {
+        return status;
+    }
+    if (Status status = check_reach(rules, unit_mm); !status) {
+        return status;
+    }
+    return check_points(contours, pace);
 }
 
 }  // namespace
@@ -46,7 +63,7 @@ Result<LayerContours> region_of(std::span<const std::span<const Point>> contours
         StopPace pace;
         pace.follow(control.stop);
         pace.ask();
-        if (Status status = check_points(contours, pace); !status) {
+        if (Status status = check_all(contours, rules, unit_mm, pace); !status) {
             return status.error();
         }
         LayerBuilder builder(control.memory);

@@ -47,12 +47,18 @@ struct NestItem {
     Role role = Role::open;       ///< out
     std::uint16_t flags = 0;      ///< out: orientation_overruled is added to what is there
     std::int32_t parent = -1;     ///< out: index of an item, -1 for none
+    std::uint32_t part = 0;       ///< as Contour::part; nesting does not look at it
 
     /// The i-th point from the start on, as walked.
     const Point& from_start(std::uint32_t i) const noexcept { return points[(start + i) % count]; }
     /// Resets the outputs to those of a contour by itself: role flat or open, and its orientation.
     void reset() noexcept;
 };
+
+/// Of what is made of two: Contour::part.
+constexpr std::uint32_t part_of_both(std::uint32_t a, std::uint32_t b) noexcept {
+    return a == b ? a : several_parts;
+}
 
 /// By the number of points, then by the points from the starts on.
 std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexcept;

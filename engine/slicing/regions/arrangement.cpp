@@ -40,7 +40,9 @@ void Arrangement::build(const SnapRounding& snapped) {
             spread_windings(v);
         }
     }
-    find_lowest_points();
+    if (snapped.any_cancelled()) {
+        find_lowest_points();
+    }
 }
 
 void Arrangement::sort_halves() {
@@ -121,7 +123,8 @@ void Arrangement::find_lowest_points() {
         for (std::uint32_t i = 1; i < strand.edges; ++i) {
             const Point p = snapped_->point_of(strand, i);
             if (p < component.lowest) {
-                const bool is_lower_first = AroundPoint(p)(snapped_->point_of(strand, i - 1), snapped_->point_of(strand, i + 1));
+                const bool is_lower_first =
+                    AroundPoint(p)(snapped_->point_of(strand, i - 1), snapped_->point_of(strand, i + 1));
                 const Half around = is_lower_first ? half : half ^ 1;
                 component = {face_of_[around], face_of_[around ^ 1], p};
                 less[component_of_[strand.from]] = faces_[component.around].winding;
@@ -138,11 +141,11 @@ void Arrangement::find_lowest_points() {
 /// All but the last.
 void Arrangement::append_points(Half half, Vector<Point>& points) {
     points.push_back(from_point(half));
-    const std::uint32_t edges = strand_of(half).edges;
-    for (std::uint32_t i = 1; i < edges; ++i) {
-        points.push_back(point_of(half, i));
+    const Strand& strand = strand_of(half);
+    if (strand.is_chain()) {
+        snapped_->append_points_within(strand, half % 2 == 1, points);
     }
-    pace_.spend(half_work + edges);
+    pace_.spend(half_work + strand.edges);
 }
 
 void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {
@@ -167,8 +170,9 @@ void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_comp
     for (Half half = 0; half < halves_.size(); ++half) {
         if (contour_of_[half] == untraced) {
             const auto first_point = static_cast<std::uint32_t>(points.size());
-            first_ends.push_back(follow_boundary(half, static_cast<std::int64_t>(contours.size()), points));
-            contours.push_back({first_point, static_cast<std::uint32_t>(points.size()) - first_point, -1});
+            std::uint32_t part = strand_of(half).part;
+            first_ends.push_back(follow_boundary(half, static_cast<std::int64_t>(contours.size()), points, part));
+            contours.push_back({first_point, static_cast<std::uint32_t>(points.size()) - first_point, -1, part});
         }
     }
     for (std::size_t c = base; c < contours.size(); ++c) {
@@ -177,13 +181,15 @@ void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_comp
 }
 
 /// Returns the contour's first end at its smallest vertex, the vertex being none where a point within a chain is smaller.
-Arrangement::End Arrangement::follow_boundary(Half first, std::int64_t contour, Vector<Point>& points) {
+/// `part`, the first's, becomes that of all.
+Arrangement::End Arrangement::follow_boundary(Half first, std::int64_t contour, Vector<Point>& points, std::uint32_t& part) {
     End smallest{none, none};
     const std::size_t begin = points.size();
     Half half = first;
     do {
         contour_of_[half] = contour;
         append_points(half, points);
+        part = part_of_both(part, strand_of(half).part);
         smallest = std::min({smallest, End{from(half), place_of_[half]}, End{to(half), place_of_[half ^ 1]}});
         half = next_around_face(half);
         while (!is_boundary(half)) {

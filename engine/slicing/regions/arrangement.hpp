@@ -77,6 +77,7 @@ public:
         std::uint32_t count;
         std::int64_t touched;  ///< index of the contour that is met first from the contour's smallest point clockwise, with
                                ///< nothing solid in between; -1 if there is none
+        std::uint32_t part;    ///< of its strands, as Contour::part
     };
     /// Appends the contours of the region where `rule` holds for the sum of a component's winding numbers and of the one
     /// around it; their points to `points`.
@@ -122,7 +123,7 @@ private:
     void spread_windings(std::uint32_t vertex);
     void find_lowest_points();
     void append_points(Half half, Vector<Point>& points);
-    End follow_boundary(Half first, std::int64_t contour, Vector<Point>& points);
+    End follow_boundary(Half first, std::int64_t contour, Vector<Point>& points, std::uint32_t& part);
     std::int64_t touched_at(End end, std::int64_t contour) const noexcept;
     bool is_boundary(Half half) const noexcept { return contour_of_[half] != no_boundary; }
 

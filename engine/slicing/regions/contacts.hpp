@@ -7,7 +7,7 @@
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/nesting/nest.hpp"
-#include "slicing/regions/edge_pairs.hpp"
+#include "slicing/edges/edge_pairs.hpp"
 
 namespace lamella {
 

@@ -55,6 +55,7 @@ void Fill::merge_equal_ones(std::span<const NestItem> contours) {
         pace_.spend(item_work);
         if (c > 0 && std::is_eq(compare_points(contours[c - 1], contours[c]))) {
             ++times_.back();
+            items_.back().part = part_of_both(items_.back().part, contours[c].part);
         } else {
             items_.push_back(contours[c]);
             firsts_.push_back(c);
@@ -83,7 +84,7 @@ std::int64_t Fill::keep_or_drop(std::uint32_t contour, std::int64_t around, Fill
     pace_.spend(item_work);
     const std::int64_t inside = around + items_[contour].orientation * times_[contour];
     if (fills(rule, inside) != fills(rule, around)) {
-        region_.push_back({firsts_[contour], !fills(rule, inside)});
+        region_.push_back({.kept = firsts_[contour], .hole = !fills(rule, inside), .part = items_[contour].part});
     }
     return inside;
 }
@@ -172,8 +173,8 @@ void Fill::take_traced(FillRule rule) {
     arrangement_.trace(rule, around_, traced_, points_);
     const auto base = static_cast<std::int64_t>(region_.size());
     for (const Arrangement::Traced& contour : traced_) {
-        region_.push_back(
-            {-1, false, contour.first_point, contour.count, contour.touched < 0 ? -1 : base + contour.touched});
+        region_.push_back({-1, false, contour.first_point, contour.count, contour.touched < 0 ? -1 : base + contour.touched,
+                           contour.part});
     }
 }
 

@@ -37,6 +37,7 @@ struct RegionContour {
     std::uint32_t first = 0;    ///< made: index of its first point
     std::uint32_t count = 0;    ///< made: number of its points
     std::int64_t touched = -1;  ///< made: see Arrangement::Traced, an index into the region
+    std::uint32_t part = 0;     ///< as Contour::part
 };
 
 /// Layer after layer; scratch is kept. One per thread.
@@ -88,7 +89,7 @@ private:
     Vector<Piece> pieces_;
     Vector<NestItem> piece_items_;
     Vector<Point> face_points_;
-    Vector<std::size_t> face_ends_;  // of each piece, in face_points_
+    Vector<std::size_t> face_ends_;      // of each piece, in face_points_
     Vector<std::uint32_t> order_;        // of pieces, by start
     Vector<std::int64_t> around_;        // of each component: the winding number around it
     Vector<std::uint8_t> around_known_;  // of each component

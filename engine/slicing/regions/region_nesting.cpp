@@ -5,12 +5,12 @@
 
 namespace lamella {
 
-void RegionNesting::nest(std::span<NestItem> items, std::span<const std::int64_t> region_of,
-                         std::span<const RegionContour> region, Nester& nester) {
-    item_of_.resize(region.size());
+void RegionNesting::nest(std::span<NestItem> items, std::span<const std::int64_t> ring_of, std::span<const Ring> rings,
+                         Nester& nester) {
+    item_of_.resize(rings.size());
     for (std::uint32_t i = 0; i < items.size(); ++i) {
-        if (region_of[i] >= 0) {
-            item_of_[static_cast<std::size_t>(region_of[i])] = i;
+        if (ring_of[i] >= 0) {
+            item_of_[static_cast<std::size_t>(ring_of[i])] = i;
         }
     }
     nester.nest(items);
@@ -20,8 +20,7 @@ void RegionNesting::nest(std::span<NestItem> items, std::span<const std::int64_t
         if (item.orientation == 0) {
             continue;
         }
-        const RegionContour& contour = region[static_cast<std::size_t>(region_of[i])];
-        const bool hole = contour.kept < 0 ? item.orientation < 0 : contour.hole;
+        const bool hole = rings[static_cast<std::size_t>(ring_of[i])].hole;
         item.reverse = hole == (item.orientation > 0);
         item.orientation = static_cast<std::int8_t>(hole ? -1 : 1);  // as stored, whatever the facets say
         item.role = hole ? Role::hole : Role::outer;
@@ -30,7 +29,7 @@ void RegionNesting::nest(std::span<NestItem> items, std::span<const std::int64_t
     // What is touched starts before, or at the same point: the way to one that is settled is short.
     for (std::uint32_t i = 0; i < items.size(); ++i) {
         std::uint32_t at = i;
-        const auto touched = [&] { return region_of[at] < 0 ? -1 : region[static_cast<std::size_t>(region_of[at])].touched; };
+        const auto touched = [&] { return ring_of[at] < 0 ? -1 : rings[static_cast<std::size_t>(ring_of[at])].touched; };
         while (is_settled_[at] == 0 && items[at].role == Role::outer && touched() >= 0) {
             at = item_of_[static_cast<std::size_t>(touched())];
         }

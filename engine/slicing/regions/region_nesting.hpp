@@ -11,7 +11,7 @@
 
 #include "base/vector.hpp"
 #include "slicing/nesting/nest.hpp"
-#include "slicing/regions/fill.hpp"
+#include "slicing/regions/regions.hpp"
 
 namespace lamella {
 
@@ -20,13 +20,12 @@ class RegionNesting {
 public:
     explicit RegionNesting(const Memory* memory) : item_of_(memory), is_settled_(memory) {}
 
-    /// Fills in the outputs of `items`, which are by start. region_of[i]: the contour of `region` that item i is, -1 for an
+    /// Fills in the outputs of `items`, which are by start. ring_of[i]: the one of `rings` that item i is, -1 for an
     /// open polyline. O(q log q). Throws std::bad_alloc.
-    void nest(std::span<NestItem> items, std::span<const std::int64_t> region_of, std::span<const RegionContour> region,
-              Nester& nester);
+    void nest(std::span<NestItem> items, std::span<const std::int64_t> ring_of, std::span<const Ring> rings, Nester& nester);
 
 private:
-    Vector<std::uint32_t> item_of_;     // of each contour of the region
+    Vector<std::uint32_t> item_of_;     // of each ring
     Vector<std::uint8_t> is_settled_;  // of each item: its parent is what it lies in
 };
 

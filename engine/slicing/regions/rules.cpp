@@ -1,13 +1,105 @@
+#include "slicing/regions/rules.hpp"
+
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
 
-#include "lamella/region.hpp"
+#include "base/words.hpp"
+#include "lamella/grid.hpp"
 
 namespace lamella {
 
+namespace {
+
+constexpr std::array<std::string_view, 5> rule_names = {"contours", "even-odd", "non-zero", "positive", "outermost"};
+
+Error refusal(std::string message) {
+    return {ErrorCode::invalid_argument, std::move(message)};
+}
+
+struct NamedLength {
+    std::string_view name;
+    double mm;
+    bool may_be_negative;
+};
+
+std::array<NamedLength, 3> lengths_of(const RegionRules& rules) {
+    return {{{"the closing radius", rules.close_mm, false},
+             {"the offset", rules.offset_mm, true},
+             {"the radius of the mark for near contours", rules.mark_near_mm, false}}};
+}
+
+Status check_lengths(const RegionRules& rules) {
+    for (const NamedLength& length : lengths_of(rules)) {
+        if (!std::isfinite(length.mm) || (length.mm < 0 && !length.may_be_negative)) {
+            return refusal(std::string(length.name) + " must be finite" +
+                           (length.may_be_negative ? "" : " and not negative") + ", not " + exact_text(length.mm) + " mm");
+        }
+    }
+    if (!(rules.miter_limit >= 1) || !std::isfinite(rules.miter_limit)) {
+        return refusal("the miter limit must be finite and at least 1, not " + exact_text(rules.miter_limit));
+    }
+    return {};
+}
+
+bool is_a_rule(FillRule rule) noexcept {
+    return static_cast<std::size_t>(rule) < rule_names.size();
+}
+
+Status check_layers(const RegionRules& rules) {
+    const auto& from = rules.fill_from;
+    if (!is_a_rule(rules.fill_rule) ||
+        !std::all_of(from.begin(), from.end(), [](const FillFrom& own) { return is_a_rule(own.rule); })) {
+        return refusal("there is no such fill rule");
+    }
+    for (std::size_t i = 1; i < from.size(); ++i) {
+        if (from[i].first_layer <= from[i - 1].first_layer) {
+            return refusal("fill rules by layer must be in ascending order: one from layer " +
+                           std::to_string(from[i - 1].first_layer) + " on stands before one from layer " +
+                           std::to_string(from[i].first_layer) + " on");
+        }
+    }
+    return {};
+}
+
+/// What only a region can be given, by its name; empty if nothing of it is asked for.
+std::string_view needs_region(const RegionRules& rules) {
+    if (rules.close_mm > 0) {
+        return "closing";
+    }
+    if (rules.offset_mm != 0) {
+        return "an offset";
+    }
+    if (rules.drop_collinear) {
+        return "dropping collinear points";
+    }
+    return rules.largest_only ? "keeping the largest contour only" : "";
+}
+
+std::optional<std::uint64_t> first_layer_of_contours(const RegionRules& rules) {
+    if (rules.rule_of(0) == FillRule::contours) {
+        return 0;
+    }
+    const auto found = std::find_if(rules.fill_from.begin(), rules.fill_from.end(),
+                                    [](const FillFrom& from) { return from.rule == FillRule::contours; });
+    return found == rules.fill_from.end() ? std::nullopt : std::optional<std::uint64_t>(found->first_layer);
+}
+
+Status check_every_layer(const RegionRules& rules, std::string_view what) {
+    if (const auto layer = first_layer_of_contours(rules)) {
+        return refusal(std::string(what) + " needs a region, but layer " + std::to_string(*layer) +
+                       " has the fill rule contours, which makes none; choose another rule, such as non-zero");
+    }
+    return {};
+}
+
+}  // namespace
+
 std::string_view name_of(FillRule rule) noexcept {
-    constexpr std::array<std::string_view, 5> names = {"contours", "even-odd", "non-zero", "positive", "outermost"};
-    return names[static_cast<std::size_t>(rule)];
+    return rule_names[static_cast<std::size_t>(rule)];
 }
 
 FillRule RegionRules::rule_of(std::uint64_t layer) const noexcept {
@@ -20,6 +112,38 @@ bool RegionRules::keeps_contours() const noexcept {
     return fill_rule == FillRule::contours && std::all_of(fill_from.begin(), fill_from.end(), [](const FillFrom& from) {
                return from.rule == FillRule::contours;
            });
+}
+
+Status check_rules(const RegionRules& rules) {
+    if (Status status = check_lengths(rules); !status) {
+        return status;
+    }
+    if (Status status = check_layers(rules); !status) {
+        return status;
+    }
+    const std::string_view what = needs_region(rules);
+    return what.empty() ? Status() : check_every_layer(rules, what);
+}
+
+Status check_uniting(const RegionRules& rules) {
+    return check_every_layer(rules, "uniting parts");
+}
+
+Status check_reach(const RegionRules& rules, double unit_mm) {
+    const double most_mm = grid_limit * unit_mm / std::max(1.0, rules.miter_limit);
+    for (const NamedLength& length : lengths_of(rules)) {
+        const double mm = std::abs(length.mm);
+        if (mm > most_mm) {
+            return refusal(std::string(length.name) + " of " + exact_text(length.mm) +
+                           " mm is beyond the grid: with a unit of " + exact_text(unit_mm) + " mm and a miter limit of " +
+                           exact_text(rules.miter_limit) + " it is at most " + exact_text(most_mm) + " mm");
+        }
+        if (mm > 0 && mm < unit_mm) {
+            return refusal(std::string(length.name) + " of " + exact_text(length.mm) + " mm is under the grid unit of " +
+                           exact_text(unit_mm) + " mm: nothing would happen");
+        }
+    }
+    return {};
 }
 
 }  // namespace lamella

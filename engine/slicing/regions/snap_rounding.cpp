@@ -30,8 +30,8 @@ struct Along {
 
 }  // namespace
 
-/// In half units, where pixels' sides are odd and ends of edges even. The edge enters the square when it has entered both its
-/// x and its y, and leaves when it leaves one: in each comparison of two such moments a product stands for each.
+/// In half units, where pixels' sides are odd and ends of edges even. The edge enters the square when it has entered both
+/// its x and its y, and leaves when it leaves one: in each comparison of two such moments a product stands for each.
 bool passes_pixel(Point a, Point b, Point p) noexcept {
     if (a.x > b.x) {
         std::swap(a, b);
@@ -46,7 +46,8 @@ bool passes_pixel(Point a, Point b, Point p) noexcept {
     const std::int64_t bottom = 2 * std::int64_t{p.y} - 1 - 2 * std::int64_t{a.y};
     const std::int64_t top = bottom + 2;
     if (dy >= 0) {
-        return bottom <= 2 * dy && top > 0 && Int128{left} * dy < Int128{top} * dx && Int128{bottom} * dx < Int128{right} * dy;
+        return bottom <= 2 * dy && top > 0 && Int128{left} * dy < Int128{top} * dx &&
+               Int128{bottom} * dx < Int128{right} * dy;
     }
     // Downwards the square is entered through its top, which is not part of it, and left after its bottom, which is.
     return top > 2 * dy && bottom <= 0 && Int128{left} * -dy <= Int128{-bottom} * dx &&
@@ -100,7 +101,7 @@ void SnapRounding::add_strands_of(std::uint32_t contour) {
         if (!source.is_active(e)) {
             if (!in_chain) {
                 chain = strands_.size();
-                strands_.push_back({reached, open_end, source.times, contour, e, 0});
+                strands_.push_back({reached, open_end, source.times, contour, e, 0, source.item->part});
                 in_chain = true;
             }
             ++strands_[chain].edges;
@@ -136,15 +137,15 @@ void SnapRounding::bend(const Source& source, std::uint32_t edge) {
     assert(on_edge_.size() >= 2 && on_edge_.front().point == a && on_edge_.back().point == b);
     for (std::size_t i = 0; i + 1 < on_edge_.size(); ++i) {
         if (moved) {
-            cut(on_edge_[i], on_edge_[i + 1], source.times);
+            cut(source, on_edge_[i], on_edge_[i + 1]);
         } else {
-            add_strand(on_edge_[i].vertex, on_edge_[i + 1].vertex, source.times);
+            add_strand(source, on_edge_[i].vertex, on_edge_[i + 1].vertex);
         }
     }
 }
 
 /// Cuts a strand that was moved where it now lies on a vertex.
-void SnapRounding::cut(const Found& from, const Found& to, std::int64_t times) {
+void SnapRounding::cut(const Source& source, const Found& from, const Found& to) {
     on_strand_.clear();
     tree_.find_along(from.point, to.point, [&](Point p, std::uint32_t vertex) {
         if (p != from.point && p != to.point && side_of_line(from.point, to.point, p) == 0) {
@@ -155,17 +156,17 @@ void SnapRounding::cut(const Found& from, const Found& to, std::int64_t times) {
     std::sort(on_strand_.begin(), on_strand_.end(), Along(from.point, to.point));
     std::uint32_t last = from.vertex;
     for (const Found& on : on_strand_) {
-        add_strand(last, on.vertex, times);
+        add_strand(source, last, on.vertex);
         last = on.vertex;
     }
-    add_strand(last, to.vertex, times);
+    add_strand(source, last, to.vertex);
 }
 
-void SnapRounding::add_strand(std::uint32_t from, std::uint32_t to, std::int64_t times) {
+void SnapRounding::add_strand(const Source& source, std::uint32_t from, std::uint32_t to) {
     if (from < to) {
-        strands_.push_back({from, to, times, 0, 0, 1});
+        strands_.push_back({from, to, source.times, 0, 0, 1, source.item->part});
     } else {
-        strands_.push_back({to, from, -times, 0, 0, 1});
+        strands_.push_back({to, from, -source.times, 0, 0, 1, source.item->part});
     }
 }
 
@@ -176,18 +177,38 @@ void SnapRounding::merge_strands() {
         return std::tuple(a.is_chain(), a.from, a.to, a.contour, a.first) <
                std::tuple(b.is_chain(), b.from, b.to, b.contour, b.first);
     });
+    any_cancelled_ = false;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < strands_.size();) {
         Strand strand = strands_[i++];
         while (!strand.is_chain() && i < strands_.size() && !strands_[i].is_chain() && strands_[i].from == strand.from &&
                strands_[i].to == strand.to) {
+            strand.part = part_of_both(strand.part, strands_[i].part);
             strand.times += strands_[i++].times;
         }
         if (strand.times != 0) {
             strands_[kept++] = strand;
         }
+        any_cancelled_ = any_cancelled_ || strand.times == 0;
     }
     strands_.resize(kept);
+}
+
+void SnapRounding::append_points_within(const Strand& chain, bool backwards, Vector<Point>& points) const {
+    const NestItem& item = *contours_[chain.contour].item;
+    const std::size_t within = chain.edges - 1;
+    const std::size_t first = (std::size_t{item.start} + chain.first + 1) % item.count;
+    const std::size_t before_wrap = std::min(within, item.count - first);
+    const std::size_t begin = points.size();
+    points.resize(begin + within);
+    Point* const to = points.data() + begin;
+    if (backwards) {
+        std::reverse_copy(item.points + first, item.points + first + before_wrap, to + (within - before_wrap));
+        std::reverse_copy(item.points, item.points + (within - before_wrap), to);
+    } else {
+        std::copy_n(item.points + first, before_wrap, to);
+        std::copy_n(item.points, within - before_wrap, to + before_wrap);
+    }
 }
 
 }  // namespace lamella

@@ -1,23 +1,24 @@
 // Contours cut where they cross, with all points on the grid: snap rounding.
 //
-// Each vertex, that is each end of an edge and each crossing, is rounded to a grid point, whose pixel then is hot: the square
-// of one unit around it, with its left and lower side. Each edge is bent to pass through the middle of every hot pixel that
-// it meets:
+// Each vertex, that is each end of an edge and each crossing, is rounded to a grid point, whose pixel then is hot: the
+// square of one unit around it, with its left and lower side. Each edge is bent to pass through the middle of every hot
+// pixel that it meets:
 //
 //          . . . . . .          the crossing lies in the pixel of `o`. Both edges are bent to run through `o`, and so would
 //         a-._   . _-d          be any other edge that meets its pixel, though it may cross neither.
 //          . .`-o-'. .
 //         c-'´ . `-. b
 //
-// What remains are strands between vertices that meet nowhere but in vertices (Hobby 1999; Guibas and Marimont 1998): bending
-// never moves an edge across a vertex. It can move an edge onto one, where the strand is cut without a further move. So every
-// vertex lies within half a unit per axis of the exact one, and every point of a strand within half a unit of its edge.
+// What remains are strands between vertices that meet nowhere but in vertices (Hobby 1999; Guibas and Marimont 1998):
+// bending never moves an edge across a vertex. It can move an edge onto one, where the strand is cut without a further move.
+// So every vertex lies within half a unit per axis of the exact one, and every point of a strand within half a unit of its
+// edge.
 //
 // Edges that come near no other edge are left out of this: a stretch of them is a strand with points of its own, a chain.
 // Such an edge can meet no other, as each moves by half a unit at most.
 //
-// O((e + c + s) log (e + c)) for e edges that are near another, c crossings and s places where an edge passes a vertex; other
-// edges cost a step each.
+// O((e + c + s) log (e + c)) for e edges that are near another, c crossings and s places where an edge passes a vertex;
+// other edges cost a step each.
 #pragma once
 
 #include <cstdint>
@@ -42,6 +43,7 @@ struct Strand {
     std::uint32_t contour;  ///< of a chain: number of the contour
     std::uint32_t first;    ///< of a chain: its first edge, from the contour's start
     std::uint32_t edges;    ///< 1: straight
+    std::uint32_t part;     ///< of the contours along it, as Contour::part
 
     bool is_chain() const noexcept { return edges > 1; }
 };
@@ -73,6 +75,11 @@ public:
         return contours_[chain.contour].item->from_start(chain.first + i);
     }
 
+    /// Appends the points strictly between a chain's ends, from its first on or from its last.
+    void append_points_within(const Strand& chain, bool backwards, Vector<Point>& points) const;
+    /// Whether opposite contours have taken strands off each other.
+    bool any_cancelled() const noexcept { return any_cancelled_; }
+
 private:
     struct Source {
         const NestItem* item;
@@ -91,8 +98,8 @@ private:
     void collect_vertices(std::span<const Point> crossings);
     void add_strands_of(std::uint32_t contour);
     void bend(const Source& source, std::uint32_t edge);
-    void cut(const Found& from, const Found& to, std::int64_t times);
-    void add_strand(std::uint32_t from, std::uint32_t to, std::int64_t times);
+    void cut(const Source& source, const Found& from, const Found& to);
+    void add_strand(const Source& source, std::uint32_t from, std::uint32_t to);
     void merge_strands();
 
     Vector<Source> contours_;
@@ -101,6 +108,7 @@ private:
     Vector<Strand> strands_;
     Vector<Found> on_edge_;  // vertices that an edge passes, in its direction
     Vector<Found> on_strand_;
+    bool any_cancelled_ = false;
     StopPace pace_;
 };
 

@@ -5,6 +5,25 @@
 
 namespace lamella {
 
+namespace {
+
+std::uint64_t count_emptied(std::span<const Layer> layers) noexcept {
+    return static_cast<std::uint64_t>(std::count_if(
+        layers.begin(), layers.end(), [](const Layer& layer) { return layer.segments > 0 && layer.contour_count == 0; }));
+}
+
+}  // namespace
+
+void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
+    SliceSummary& summary = result.summary;
+    summary.holes = counts.of(Role::hole);
+    summary.open_contours = counts.of(Role::open);
+    summary.flat_contours = counts.of(Role::flat);
+    summary.overruled_contours = counts.overruled;
+    summary.near_contours = counts.near;
+    summary.emptied_layers = result.region.keeps_contours() ? 0 : count_emptied(result.layers.span());
+}
+
 void BandOutput::move_to_buffer(std::size_t count) {
     if (buffer.capacity() < point_count + count) {
         Array<Point> larger(buffer.memory());

@@ -15,19 +15,25 @@ namespace lamella {
 struct ContourCounts {
     std::uint64_t by_role[4] = {};  ///< index: Role
     std::uint64_t overruled = 0;
+    std::uint64_t near = 0;
 
     void add(const Contour& contour) noexcept {
         ++by_role[static_cast<std::size_t>(contour.role)];
         overruled += (contour.flags & orientation_overruled) != 0 ? 1 : 0;
+        near += (contour.flags & near_contour) != 0 ? 1 : 0;
     }
     void add(const ContourCounts& other) noexcept {
         for (std::size_t role = 0; role < 4; ++role) {
             by_role[role] += other.by_role[role];
         }
         overruled += other.overruled;
+        near += other.near;
     }
     std::uint64_t of(Role role) const noexcept { return by_role[static_cast<std::size_t>(role)]; }
 };
+
+/// Sets what the summary counts of contours, and of layers that the rules have emptied. O(k).
+void set_counts(const ContourCounts& counts, SliceResult& result) noexcept;
 
 struct BandOutput {
     explicit BandOutput(const Memory* memory)

@@ -19,7 +19,8 @@ private:
 
 std::uint64_t kind_word(const Contour& contour) noexcept {
     const auto orientation = static_cast<std::uint8_t>(contour.orientation);
-    return static_cast<std::uint64_t>(contour.role) | std::uint64_t{orientation} << 8 | std::uint64_t{contour.flags} << 16;
+    return static_cast<std::uint64_t>(contour.role) | std::uint64_t{orientation} << 8 | std::uint64_t{contour.flags} << 16 |
+           std::uint64_t{contour.part} << 32;
 }
 
 std::uint64_t point_word(Point point) noexcept {

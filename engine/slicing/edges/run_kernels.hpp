@@ -1,4 +1,5 @@
-// The two loops of the search for crossings that go through everything: where a path turns, and which boxes meet.
+// The two loops of the search for edges near one another that go through everything: where a path turns, and which boxes
+// meet.
 #pragma once
 
 #include <cstddef>
@@ -20,6 +21,7 @@ struct BoxArrays {
 };
 
 constexpr std::size_t run_lanes = 8;
+constexpr std::size_t turn_lanes = 32;
 
 struct BoxesMet {
     std::size_t found;
@@ -28,8 +30,8 @@ struct BoxesMet {
 
 struct RunKernels {
     /// Writes the edges before which a path turns: which goes left where one since the last turn went right, or down where
-    /// one went up, or the other way round. Edge i leads from points[i] to points[i + 1]. Returns how many; `out` has room
-    /// for `edges`.
+    /// one went up, or the other way round. Edge i leads from points[i] to points[i + 1]; there is room for turn_lanes
+    /// points after the last. Returns how many; `out` has room for `edges`.
     std::size_t (*find_turns)(const Point* points, std::size_t edges, std::uint32_t* out);
     /// Writes which of the boxes (i, end), which are ordered by low_y, meet box i right of `from_x` or on it, but for those
     /// of the runs before and after its own. `out` has room for so many boxes.

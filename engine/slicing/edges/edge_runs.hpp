@@ -1,0 +1,112 @@
+// A layer's paths cut into runs that are monotone in x and in y. A run does not meet itself, and the box of any stretch of
+// it is the box of the stretch's two ends.
+//
+//          ____
+//         /    \          four runs, and the boxes of two stretches of the lower left one
+//       _/      \_        .
+//      |          |       .
+//       \_      _/        .
+//         \____/
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "base/parallel.hpp"
+#include "base/vector.hpp"
+#include "lamella/array.hpp"
+#include "lamella/grid.hpp"
+#include "slicing/edges/flat_box.hpp"
+#include "slicing/edges/run_kernels.hpp"
+
+namespace lamella {
+
+/// A contour's points one after the other, from its start to its start again if it is closed.
+struct EdgePath {
+    std::span<const Point> points;
+    std::uint64_t contour = 0;
+    bool closed = true;
+    std::size_t start = 0;  ///< an index of points; 0 if open
+
+    std::size_t edges() const noexcept { return points.size() < 2 ? 0 : (closed ? points.size() : points.size() - 1); }
+    /// `at` may lie up to a round beyond the last.
+    Point operator[](std::size_t at) const noexcept {
+        at = at < points.size() ? at : at - points.size();
+        return points[at + start < points.size() ? at + start : at + start - points.size()];
+    }
+    /// Whether there is an edge after edge `e`.
+    bool goes_on(std::size_t e) const noexcept { return closed || e + 1 < edges(); }
+};
+
+/// Where a path's points lie among those of the layer: the edges' starts, and two points more, which are the first two of a
+/// closed path.
+struct LayerPath {
+    EdgePath given;
+    std::size_t begin;  ///< edges [begin, end) of the layer; edge e leads from point e to point e + 1
+    std::size_t end;
+
+    /// Whether there is an edge after edge `e` of the layer.
+    bool goes_on(std::size_t e) const noexcept { return given.closed || e + 1 < end; }
+};
+
+/// Edges [begin, end) of a path.
+struct EdgeRun {
+    FlatBox box;
+    std::size_t begin;
+    std::size_t end;
+    std::uint32_t path;
+    std::int8_t right;  ///< 1, -1, or 0 if all edges are upright
+    std::int8_t up;
+
+    /// Whether one direction goes on.
+    bool goes_on_in(const EdgeRun& next) const noexcept { return right * next.right >= 0 || up * next.up >= 0; }
+};
+
+/// The runs of one layer after another; its memory is kept. O(m) for m edges.
+class EdgeRuns {
+public:
+    explicit EdgeRuns(const Memory* memory = nullptr);
+
+    /// No paths.
+    void clear() noexcept;
+    /// Throws std::bad_alloc.
+    void add(const EdgePath& path);
+    /// clear(), and add() of all, in a few calls of run(), which give the same on any number of threads.
+    void assign(std::span<const EdgePath> paths, const Parallel& parallel);
+
+    std::uint64_t edges() const noexcept { return edges_; }
+    const Point* points() const noexcept { return points_.data(); }
+    std::span<const LayerPath> paths() const noexcept { return paths_; }
+    const LayerPath& path_of(const EdgeRun& run) const noexcept { return paths_[run.path]; }
+    /// Path by path, each from its start.
+    std::span<const EdgeRun> runs() const noexcept { return runs_.span(); }
+
+private:
+    /// Of a path: few enough edges for one task.
+    struct Piece {
+        std::uint32_t path;
+        std::size_t begin;
+        std::size_t end;
+    };
+
+    void list(const EdgePath& path);
+    void list_pieces();
+    void copy_points(const Piece& piece) noexcept;
+    std::size_t find_turns(const Piece& piece, Vector<std::uint32_t>& turns) const;
+    void write_runs(const Piece& piece, std::span<const std::uint32_t> turns, EdgeRun* out) const noexcept;
+
+    const RunKernels& kernels_;
+    Vector<LayerPath> paths_;
+    std::uint64_t edges_ = 0;
+    std::size_t point_count_ = 0;
+    Array<Point> points_;
+    Array<EdgeRun> runs_;
+    Vector<std::uint32_t> turns_;
+    Vector<Piece> pieces_;
+    Vector<std::size_t> tasks_;                     // first piece of each, and the number of pieces
+    Vector<Vector<std::uint32_t>> turns_of_tasks_;  // piece by piece
+    Vector<std::size_t> runs_of_pieces_;            // how many, then the first
+};
+
+}  // namespace lamella

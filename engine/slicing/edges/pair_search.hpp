@@ -1,0 +1,178 @@
+// The pairs of edges that come near one another, of a layer's runs: runs whose boxes meet are halved until single edges are
+// left. O(r log r + c) for r runs whose boxes lie apart and c pairs of edges with close boxes.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <tuple>
+
+#include "base/parallel.hpp"
+#include "base/vector.hpp"
+#include "slicing/edges/edge_runs.hpp"
+#include "slicing/edges/run_kernels.hpp"
+#include "slicing/edges/run_strips.hpp"
+
+namespace lamella {
+
+/// Searches one layer, or one share of a layer, after another; its memory is kept. Several may search the same layer.
+class PairSearch {
+public:
+    explicit PairSearch(const Memory* memory = nullptr) : kernels_(best_of(run_kernel_forms())), meeting_(memory) {}
+
+    /// From here on find() throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept { host_ = host; }
+
+    /// To be called in `meet`: find() ends, and returns false.
+    void stop() noexcept { cut_short_ = true; }
+
+    /// Share `share` of `shares` of all pairs. Calls meet(a, i, b, j) once for each pair, in no order, of edge i of path a
+    /// and edge j of path b whose boxes come within the strips' margin of each other: all such pairs of two paths, and of
+    /// one path all but those of two successive runs that meet in their joint alone. Paths are those of `runs`, edges those
+    /// of the layer. The run of edge i begins further left than that of edge j, or comes first. False if it would take more
+    /// than `most_steps`, and not all were found. Throws std::bad_alloc.
+    template <class Meet>
+    bool find(const EdgeRuns& runs, const RunStrips& strips, std::size_t share, std::size_t shares, std::uint64_t most_steps,
+              Meet meet) {
+        runs_ = runs.runs().data();
+        points_ = runs.points();
+        layer_ = &runs;
+        margin_ = strips.margin();
+        most_steps_ = most_steps;
+        steps_ = 0;
+        cut_short_ = false;
+        const std::size_t all = runs.runs().size();
+        compare_neighbours(all * share / shares, std::min(all * (share + 1) / shares, all - std::min<std::size_t>(all, 1)),
+                           meet);
+        const std::size_t last = strips.first_strip_of(share + 1, shares);
+        for (std::size_t strip = strips.first_strip_of(share, shares); strip < last && !cut_short_; ++strip) {
+            search(strips, strip, meet);
+        }
+        return !cut_short_;
+    }
+
+    /// Of the last call.
+    std::uint64_t steps() const noexcept { return steps_; }
+
+private:
+    /// Part of a run.
+    struct Stretch {
+        FlatBox box;
+        std::size_t begin;
+        std::size_t end;
+    };
+
+    void spend(std::uint64_t steps) {
+        constexpr std::uint64_t steps_between_stops = std::uint64_t{1} << 16;
+        const std::uint64_t before = steps_;
+        steps_ += steps;
+        if ((before ^ steps_) >= steps_between_stops && host_.stop_requested()) {
+            throw Stopped();
+        }
+        cut_short_ = cut_short_ || steps_ > most_steps_;
+    }
+
+    /// Runs [begin, end) with the run after each.
+    template <class Meet>
+    void compare_neighbours(std::size_t begin, std::size_t end, Meet& meet) {
+        for (std::size_t r = begin; r < end && !cut_short_; ++r) {
+            const EdgeRun& run = runs_[r];
+            const EdgeRun& next = runs_[r + 1];
+            const bool joined = run.path == next.path;
+            if (joined ? !leads_away(run, next) : run.box.grown(margin_).meets(next.box)) {
+                compare_in_order(static_cast<std::uint32_t>(r), static_cast<std::uint32_t>(r + 1), meet);
+            }
+        }
+    }
+
+    template <class Meet>
+    void search(const RunStrips& strips, std::size_t strip, Meet& meet) {
+        const auto [begin, end] = strips.entries_of(strip);
+        if (meeting_.size() < end - begin) {
+            meeting_.resize(end - begin);
+        }
+        const BoxArrays boxes = strips.boxes();
+        // What meets further left is found there. A single strip leaves nothing out.
+        const std::int32_t left = strips.count() == 1 ? std::numeric_limits<std::int32_t>::min() : strips.left_of(strip);
+        for (std::size_t i = begin; i < end && !cut_short_; ++i) {
+            const BoxesMet meeting = kernels_.find_meeting(boxes, i, end, left, meeting_.data());
+            spend(meeting.beside + 1);
+            for (std::size_t m = 0; m < meeting.found; ++m) {
+                compare_in_order(boxes.run[i], boxes.run[meeting_[m]], meet);
+            }
+        }
+    }
+
+    template <class Meet>
+    void compare_in_order(std::uint32_t i, std::uint32_t j, Meet& meet) {
+        const EdgeRun& a = runs_[i];
+        const EdgeRun& b = runs_[j];
+        const bool in_order = std::tie(a.box.low.x, i) < std::tie(b.box.low.x, j);
+        compare_runs(in_order ? a : b, in_order ? b : a, meet);
+    }
+
+    bool leads_into(const EdgeRun& run, const EdgeRun& next) const noexcept {
+        if (run.path != next.path) {
+            return false;
+        }
+        const LayerPath& path = layer_->path_of(run);
+        return run.end == next.begin || (path.given.closed && run.end == path.end && next.begin == path.begin);
+    }
+
+    /// Whether `next`, which follows `run`, meets it nowhere but in their joint: one direction goes on, and the edges at the
+    /// joint do not lie on each other along a horizontal or vertical line.
+    bool leads_away(const EdgeRun& run, const EdgeRun& next) const noexcept {
+        const Point before = points_[run.end - 1];
+        const Point joint = points_[run.end];
+        const Point after = points_[next.begin + 1];
+        const bool back = (before.y == joint.y && joint.y == after.y) || (before.x == joint.x && joint.x == after.x);
+        return run.goes_on_in(next) && !back;
+    }
+
+    template <class Meet>
+    void compare_runs(const EdgeRun& a, const EdgeRun& b, Meet& meet) {
+        const bool apart = (leads_into(a, b) && leads_away(a, b)) || (leads_into(b, a) && leads_away(b, a));
+        if (!apart) {
+            compare({a.box, a.begin, a.end}, {b.box, b.begin, b.end}, a.path, b.path, meet);
+        }
+    }
+
+    /// Halves the longer until both are single edges. As deep as the logarithms of their lengths.
+    template <class Meet>
+    void compare(const Stretch& a, const Stretch& b, std::uint32_t a_path, std::uint32_t b_path, Meet& meet) {
+        spend(1);
+        if (cut_short_ || !a.box.grown(margin_).meets(b.box)) {
+            return;
+        }
+        const std::size_t a_edges = a.end - a.begin;
+        const std::size_t b_edges = b.end - b.begin;
+        if (a_edges == 1 && b_edges == 1) {
+            meet(a_path, a.begin, b_path, b.begin);
+        } else if (a_edges >= b_edges) {
+            compare(part(a.begin, a.begin + a_edges / 2), b, a_path, b_path, meet);
+            compare(part(a.begin + a_edges / 2, a.end), b, a_path, b_path, meet);
+        } else {
+            compare(a, part(b.begin, b.begin + b_edges / 2), a_path, b_path, meet);
+            compare(a, part(b.begin + b_edges / 2, b.end), a_path, b_path, meet);
+        }
+    }
+
+    Stretch part(std::size_t begin, std::size_t end) const noexcept {
+        return {FlatBox::around(points_[begin], points_[end]), begin, end};
+    }
+
+    const RunKernels& kernels_;
+    StopCheck host_;
+    const EdgeRuns* layer_ = nullptr;
+    const EdgeRun* runs_ = nullptr;
+    const Point* points_ = nullptr;
+    std::int32_t margin_ = 0;
+    std::uint64_t most_steps_ = 0;
+    std::uint64_t steps_ = 0;
+    bool cut_short_ = false;
+    Vector<std::uint32_t> meeting_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,135 @@
+#include "slicing/offset/raw_offset.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace lamella {
+
+namespace {
+
+/// What an inner corner too sharp to trim takes off: longer than any edge.
+constexpr double beyond_any_edge = 1e12;
+
+bool reach_beyond_grid(const Point* first, const Point* last) noexcept {
+    std::int32_t highest = 0;
+    std::int32_t lowest = 0;
+    for (; first != last; ++first) {
+        highest = std::max(highest, std::max(first->x, first->y));
+        lowest = std::min(lowest, std::min(first->x, first->y));
+    }
+    return highest > grid_limit || lowest < -grid_limit;
+}
+
+/// The sign of the turn at b: 1 to the left. A difference has 32 bits and a sign, and two steps in a row stay on the grid:
+/// 63 bits and a sign hold the difference of the products.
+int turn_sign(Point a, Point b, Point c) noexcept {
+    const std::int64_t left = (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - b.y);
+    const std::int64_t right = (std::int64_t{b.y} - a.y) * (std::int64_t{c.x} - b.x);
+    return static_cast<int>(left > right) - static_cast<int>(left < right);
+}
+
+/// Leaves one of equal consecutive points; the first follows the last.
+Point* without_repeats(Point* first, Point* last) noexcept {
+    last = std::unique(first, last);
+    while (last - first > 1 && *(last - 1) == *first) {
+        --last;
+    }
+    return last;
+}
+
+}  // namespace
+
+/// Makes room for the edges and corners of `count` points.
+void RawOffset::reserve(std::size_t count) {
+    const std::size_t each = count + 1;
+    if (numbers_.size() < 5 * each) {
+        numbers_.resize(5 * each);
+        miters_.resize(each);
+    }
+    double* const at = numbers_.data();
+    edges_ = {at, at + each, at + 2 * each};
+    corners_ = {at + 3 * each, at + 4 * each, miters_.data()};
+}
+
+/// Corners beyond the limit: what cut ones add, and which inner ones are cut on the way back. The sign of a turn of about
+/// 180 degrees is lost in rounding, so that it comes from the points.
+void RawOffset::settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve) {
+    const std::size_t count = contour.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        if (corners_.cosine1[i] >= shape.least_cosine1) {
+            continue;
+        }
+        const int turn = turn_sign(contour[i > 0 ? i - 1 : count - 1], contour[i], contour[i + 1 < count ? i + 1 : 0]);
+        if (turn * shape.distance < 0) {
+            curve.reflex_cut = true;
+            corners_.added[i] = corners_.cosine1[i] < sharpest_cosine1 ? -beyond_any_edge : corners_.added[i];
+        } else {  // tan(theta / 4) = sin(theta / 2) / (1 + cos(theta / 2))
+            const double cosine1 = std::max(corners_.cosine1[i], 0.0);
+            corners_.added[i] = std::abs(shape.distance) * std::sqrt(2.0 - cosine1) / (std::sqrt(2.0) + std::sqrt(cosine1));
+        }
+    }
+}
+
+bool RawOffset::keep_directions(std::size_t count) const noexcept {
+    std::size_t turned = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        turned += keeps_direction(i) ? 0 : 1;
+    }
+    return turned == 0;
+}
+
+Point* RawOffset::write_corner(std::span<const Point> contour, std::size_t corner, const Shape& shape, Point* out) const {
+    const double added = corners_.added[corner];
+    const bool outer = added >= 0;
+    const std::size_t edge_before = corner > 0 ? corner - 1 : contour.size() - 1;
+    if (outer ? corners_.cosine1[corner] >= shape.least_cosine1 : keeps_direction(edge_before) && keeps_direction(corner)) {
+        *out++ = corners_.miter[corner];
+        return out;
+    }
+    const Point v = contour[corner];
+    const double d = shape.distance;
+    const double beyond = outer ? added : 0.0;
+    const double ux1 = edges_.ux[corner];
+    const double uy1 = edges_.uy[corner];
+    const double ux2 = edges_.ux[corner + 1];
+    const double uy2 = edges_.uy[corner + 1];
+    *out++ = rounded_to_grid(v.x + (d * uy1 + beyond * ux1), v.y + (beyond * uy1 - d * ux1));
+    if (!outer) {
+        *out++ = v;
+    }
+    *out++ = rounded_to_grid(v.x + (d * uy2 - beyond * ux2), v.y - (beyond * uy2 + d * ux2));
+    return out;
+}
+
+RawCurve RawOffset::append(std::span<const Point> contour, double distance, double miter_limit) {
+    const Shape shape{distance, std::max(2.0 / (miter_limit * miter_limit), sharpest_cosine1)};
+    const std::size_t count = contour.size();
+    reserve(count);
+    RawCurve curve;
+    curve.first_point = points_.size();
+    points_.resize(points_.size() + 3 * count);
+    kernels_.edges(contour.data(), count, edges_);
+    const bool sharp = kernels_.corners(contour.data(), count, edges_, distance, corners_) < shape.least_cosine1;
+    if (sharp) {
+        settle_sharp_corners(contour, shape, curve);
+    }
+    corners_.added[count] = corners_.added[0];
+    curve.directions_kept = keep_directions(count);
+    Point* const first = points_.data() + curve.first_point;
+    Point* last = first;
+    if (!sharp && curve.directions_kept) {
+        last = std::copy(corners_.miter, corners_.miter + count, first);
+    } else {
+        for (std::size_t i = 0; i < count; ++i) {
+            last = write_corner(contour, i, shape, last);
+        }
+    }
+    curve.beyond_grid = reach_beyond_grid(first, last);
+    last = without_repeats(first, last);
+    curve.count = last - first < 3 ? 0 : static_cast<std::size_t>(last - first);
+    points_.resize(curve.first_point + curve.count);
+    return curve;
+}
+
+}  // namespace lamella

@@ -1,0 +1,128 @@
+// Raw offset curves: closed contours moved sideways edge by edge. They may cross themselves and each other; the overlay
+// takes their loops away by the positive rule.
+//
+// An edge of length L with unit direction u moves by d n, where n points to its right, out of the solid. A positive distance
+// d dilates, a negative one erodes. At a corner v with a turn of theta (to the left: positive; t = tan(theta / 2)) the moved
+// edges become longer by d t each, or shorter where that is negative.
+//
+//     outer corner, d t >= 0         beyond the limit: cut           inner corner, d t < 0
+//
+//         solid  |   :                   solid  |   :                     solid
+//                |   :                          |   :               --------. v
+//        --------. v :                  --------. v :                       |
+//                    :                             .                - - . m |  solid
+//        - - - - - - . m                - - - - .                       :   |
+//
+//  - Outer: the miter m = v + d (n1 + n2) / (1 + cos theta), if |m - v| <= limit |d|. Beyond the limit two points, where the
+//    moved edges are cut across the bisector at distance |d| from v: |d| tan(|theta| / 4) beyond their ends.
+//  - Inner: the same point m if both edges keep their direction, that is, if L and what the two ends add are positive
+//    together. Otherwise the joint v + d n1, v, v + d n2.
+//  - A spike, a turn of 180 degrees, counts as outer, as it looks alike from both sides: solid needs the cut, and what the
+//    cut of a slit adds lies within 1.42 |d| of its end.
+//
+// Why the positive rule gives the offset region. Let d > 0 and every inner corner have the joint. The curve is then a sum of
+// the contour and of closed curves around it that all run counter-clockwise: a rectangle from each edge to the moved edge,
+// and a wedge from each outer corner to its miter. Winding numbers add up. Those of a layer's contours are 1 in solid and 0
+// outside, and each rectangle or wedge adds 1: the sum is positive in solid, rectangles and wedges, and nowhere else. For
+// d < 0 rectangles and wedges are subtracted: only solid that none of them covers stays positive.
+//
+//     Dilated by 2: a notch 3 wide and 1 deep, whose floor turns round, as 3 - 2 - 2 < 0. Its walls and floor have a
+//     rectangle each, its upper corners a wedge each, 2 by 2. With joints, the winding numbers are:
+//
+//         - - - - - - - - - - - - - - - -    2 above the upper side
+//            1    : 1 : 2 : 1 :    1
+//            1    : 2 : 3 : 2 :    1         rectangle of the floor: 2 high
+//         ________:   :   :   :________
+//            1    | 2 : 3 : 2 |    1         the notch is filled
+//            1    |___________|    1
+//            1      1   1   1      1         solid
+//
+//     Eroded by 3: a square of side 4. Trimmed at its corners it would be a square of side 2 with every edge turned round,
+//     counter-clockwise again: winding number 1 where nothing is left. With joints the number is 1 less how many of the four
+//     rectangles cover a point, in places -3, and nowhere positive.
+//
+// Trimming an inner corner takes the kite (v + d n1, v, v + d n2, m) off the sum. What is left is again a sum of curves that
+// run counter-clockwise: each edge adds what it passes over on its way, between its two ends' paths, and no edge that has a
+// trimmed end turns round. So trimming makes nothing positive that is not so with joints. If all directions are kept, it
+// loses nothing within the distance either. For let the distance grow from 0 to d; take a point outside, and the point of
+// the region nearest to it. That lies on an edge, which comes nearer at unit speed, or at a corner between two such edges,
+// which comes no slower. So the point is reached by the time that equals its distance. That nothing is lost where trimmed
+// corners and joints mix, nor of a miter beyond the distance, is tested, not proven: against the sum of rectangles and
+// wedges, at random places around random polygons, most of them next to the curve.
+//
+// Which contours closing leaves alone. If all edges keep their direction, and no inner corner passes the limit, then the
+// curve's own curve at -d is the contour, in exact arithmetic:
+//  - A moved edge has the direction of its edge. Moved back, it lies on the edge's line again.
+//  - An inner corner is an outer one of the curve, with the same turn and within the limit: its miter is where the lines of
+//    its two edges meet, v.
+//  - An outer corner is an inner one of the curve. It is trimmed, as edges get their lengths L > 0 back: again v. A cut
+//    corner is two inner ones; the edge between them goes back to the line through v and to length 0: both are v.
+// If, besides, the curves of a layer meet neither themselves nor each other and nest as the contours do, then they bound the
+// dilated region, and eroding that gives the contours. So closing changes contours only where curves meet, where an edge is
+// turned round, or where an inner corner passes the limit.
+//
+// Points are rounded to the nearest of the grid. Only + - * / and sqrt, in a fixed order: the same bytes on every platform.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "base/vector.hpp"
+#include "lamella/grid.hpp"
+#include "slicing/offset/offset_kernels.hpp"
+
+namespace lamella {
+
+/// The curve of one contour.
+struct RawCurve {
+    std::size_t first_point = 0;  ///< index into RawOffset::points()
+    std::size_t count = 0;        ///< consecutive points differ; 0 if fewer than three are left, which enclose nothing
+    bool directions_kept = true;  ///< every edge, moved and trimmed, keeps its direction
+    bool reflex_cut = false;      ///< an inner corner passes the miter limit: the way back would cut it
+    bool beyond_grid = false;     ///< a point lies beyond grid_limit: the points are not to be used
+};
+
+/// One per thread; scratch is kept.
+class RawOffset {
+public:
+    explicit RawOffset(const Memory* memory)
+        : kernels_(best_of(offset_kernel_forms())), numbers_(memory), miters_(memory), points_(memory) {}
+
+    /// Forgets the curves: for the next layer.
+    void clear() noexcept { points_.clear(); }
+
+    /// Appends the curve of a closed contour, solid on the left, from any of its points on; the first is not repeated.
+    /// `distance`: grid units, finite, at most 2 grid_limit either way. `miter_limit`: at least 1; counts as 1,000 if it is
+    /// more. Precondition: three points or more, consecutive ones differ. At most three points a corner. Throws
+    /// std::bad_alloc.
+    RawCurve append(std::span<const Point> contour, double distance, double miter_limit);
+
+    /// Of all curves since clear().
+    std::span<const Point> points() const noexcept { return points_; }
+    std::span<Point> points_of(const RawCurve& curve) noexcept {
+        return std::span(points_).subspan(curve.first_point, curve.count);
+    }
+
+private:
+    struct Shape {
+        double distance;
+        double least_cosine1;  ///< below it a corner passes the limit
+    };
+
+    void reserve(std::size_t count);
+    void settle_sharp_corners(std::span<const Point> contour, const Shape& shape, RawCurve& curve);
+    bool keeps_direction(std::size_t edge) const noexcept {
+        return edges_.length[edge + 1] + (corners_.added[edge] + corners_.added[edge + 1]) > 0;
+    }
+    bool keep_directions(std::size_t count) const noexcept;
+    Point* write_corner(std::span<const Point> contour, std::size_t corner, const Shape& shape, Point* out) const;
+
+    const OffsetKernels& kernels_;
+    Vector<double> numbers_;  // what edges_ and corners_ point to
+    Vector<Point> miters_;
+    OffsetEdges edges_{};
+    OffsetCorners corners_{};  // the first stands at the end too
+    Vector<Point> points_;
+};
+
+}  // namespace lamella

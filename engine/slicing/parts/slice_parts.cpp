@@ -1,0 +1,180 @@
+// Slicing several meshes, as the list of its stages:
+//
+//     choose_frame       the box of all parts, and from it one grid and one set of planes
+//     slice_all          each part by itself, by all threads
+//     merge_parts        contours of all parts, side by side in each layer
+//     unite_parts        one region of them, on request
+#include "lamella/parts.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/guard.hpp"
+#include "base/parallel.hpp"
+#include "slicing/grid/blocks.hpp"
+#include "slicing/grid/bounds.hpp"
+#include "slicing/part_slicer.hpp"
+#include "slicing/parts/merge_parts.hpp"
+#include "slicing/parts/unite_parts.hpp"
+#include "slicing/planes/shared_frame.hpp"
+#include "slicing/regions/rules.hpp"
+
+namespace lamella {
+
+namespace {
+
+class PartSlicing {
+public:
+    PartSlicing(std::span<const Part> parts, const SliceOptions& options, PartRegions regions)
+        : parts_(parts),
+          options_(options),
+          united_(regions == PartRegions::united),
+          parallel_(options.control),
+          progress_(options.control.progress) {
+        parallel_.follow(options.control.stop);
+    }
+
+    Result<SliceResult> run() {
+        if (Status status = check_rules(options_.region); !status) {
+            return status.error();
+        }
+        if (Status status = united_ ? check_uniting(options_.region) : Status(); !status) {
+            return status.error();
+        }
+        if (Status status = choose_frame(); !status) {
+            return status.error();
+        }
+        if (Status status = slice_all(); !status) {
+            return status.error();
+        }
+        const auto start = Clock::now();
+        SliceResult merged(options_.control.memory);
+        merge_parts(sliced_, parallel_, merged);
+        merged.summary.ms.contours += milliseconds_since(start);
+        sliced_.clear();
+        SliceResult result = united_ ? unite(merged) : std::move(merged);
+        result.region = options_.region;
+        result.frame = options_.transform;
+        result.plan = options_.plan;
+        progress_.finish();
+        return result;
+    }
+
+private:
+    /// Of the progress, when all parts are sliced.
+    double sliced_share() const noexcept { return united_ ? 0.5 : 0.95; }
+
+    /// What a part's own progress is of the whole.
+    struct Share {
+        ProgressMeter& whole;
+        double from;
+        double length;
+        void operator()(double fraction) const noexcept { whole.reach(from + length * fraction); }
+    };
+
+    Transform transform_of(const Part& part) const noexcept { return options_.transform * part.transform; }
+
+    /// An option speaks for itself; of a mesh the message must say which.
+    static Error blame(Error error, std::size_t part) {
+        if (error.triangle >= 0 || error.code == ErrorCode::empty_mesh || error.code == ErrorCode::bad_coordinate) {
+            error.message = "part " + std::to_string(part) + ": " + error.message;
+        }
+        return error;
+    }
+
+    Status choose_frame() {
+        BlockTable table(options_.control.memory);
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        frame_.bounds = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+        frame_.number = CoordinateType::f32;
+        for (std::size_t p = 0; p < parts_.size(); ++p) {
+            const Transform transform = transform_of(parts_[p]);
+            const Result<Bounds> own = measure_bounds(parts_[p].mesh, transform, options_.unit_mm, parallel_, table);
+            if (!own) {
+                return blame(own.error(), p);
+            }
+            for (int axis = 0; axis < 3; ++axis) {
+                frame_.bounds.min_mm[axis] = std::min(frame_.bounds.min_mm[axis], own->min_mm[axis]);
+                frame_.bounds.max_mm[axis] = std::max(frame_.bounds.max_mm[axis], own->max_mm[axis]);
+            }
+            if (!transform.is_identity() || parts_[p].mesh.coordinate_type == CoordinateType::f64) {
+                frame_.number = CoordinateType::f64;
+            }
+            triangles_ += parts_[p].mesh.triangle_count;
+        }
+        const Result<double> unit = choose_unit(frame_.bounds, options_.unit_mm);
+        if (!unit) {
+            return unit.error();
+        }
+        frame_.unit_mm = *unit;
+        return check_reach(options_.region, *unit);
+    }
+
+    Status slice_all() {
+        SliceOptions options = options_;
+        if (united_) {
+            options.region = {};
+        }
+        Workspace workspace;
+        std::uint64_t before = 0;  // triangles of the parts before
+        for (std::size_t p = 0; p < parts_.size(); ++p) {
+            const auto share = [&](std::size_t triangles) {
+                return sliced_share() * static_cast<double>(triangles) / static_cast<double>(triangles_);
+            };
+            const Share sink{progress_, share(before), share(parts_[p].mesh.triangle_count)};
+            options.transform = transform_of(parts_[p]);
+            options.control.progress = Progress::to(sink);
+            options.memory_limit_bytes = memory_left();
+            SliceResult& result = sliced_.emplace_back(options_.control.memory);
+            if (Status status = detail::PartSlicer::slice(parts_[p].mesh, options, &frame_, workspace, result); !status) {
+                return blame(status.error(), p);
+            }
+            before += parts_[p].mesh.triangle_count;
+        }
+        return {};
+    }
+
+    SliceResult unite(const SliceResult& apart) {
+        SliceResult united(options_.control.memory);
+        united.region = options_.region;
+        const auto reach = [this](double share) { progress_.reach(sliced_share() + (0.99 - sliced_share()) * share); };
+        unite_parts(apart, options_.control, parallel_, reach, united);
+        return united;
+    }
+
+    /// Of the limit that was asked for; where none was, each part has its own.
+    std::uint64_t memory_left() const noexcept {
+        std::uint64_t left = options_.memory_limit_bytes;
+        for (const SliceResult& result : sliced_) {
+            const std::uint64_t bytes = result.points.size() * sizeof(Point) + result.contours.size() * sizeof(Contour);
+            left = left > bytes ? left - bytes : std::min<std::uint64_t>(left, 1);
+        }
+        return left;
+    }
+
+    std::span<const Part> parts_;
+    const SliceOptions& options_;
+    bool united_;
+    Parallel parallel_;
+    ProgressMeter progress_;
+    SharedFrame frame_{};
+    std::uint64_t triangles_ = 0;
+    std::vector<SliceResult> sliced_;
+};
+
+}  // namespace
+
+Result<SliceResult> slice_parts(std::span<const Part> parts, const SliceOptions& options, PartRegions regions) noexcept {
+    return guarded(options.control, [&]() -> Result<SliceResult> {
+        if (parts.empty()) {
+            return Error{ErrorCode::invalid_argument, "there are no parts to slice"};
+        }
+        return PartSlicing(parts, options, regions).run();
+    });
+}
+
+}  // namespace lamella

@@ -1,0 +1,140 @@
+#include "slicing/parts/unite_parts.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/vector.hpp"
+#include "slicing/contours/layer_builder.hpp"
+#include "slicing/result/band_output.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t layers_a_task = 16;
+
+class Uniting {
+public:
+    Uniting(const SliceResult& apart, const Control& control, const Parallel& parallel, SliceResult& united)
+        : apart_(apart),
+          control_(control),
+          parallel_(parallel),
+          united_(united),
+          workers_(static_cast<std::size_t>(parallel.threads())) {}
+
+    void build_all(FunctionRef<void(double)> reach) {
+        const std::size_t layers = apart_.layers.size();
+        outputs_.resize((layers + layers_a_task - 1) / layers_a_task);
+        parallel_.run(outputs_.size(), [&](std::size_t task, int worker) {
+            build(task, worker);
+            reach(static_cast<double>(task) / static_cast<double>(outputs_.size()));
+        });
+    }
+
+    void place_all() {
+        const std::size_t layers = apart_.layers.size();
+        std::vector<Begin> begins;
+        Begin next;
+        united_.layers.resize_discarding(layers);
+        for (const auto& output : outputs_) {
+            begins.push_back(next);
+            next.contour += output->contours.size();
+            next.point += output->point_count;
+            counts_.add(output->counts);
+        }
+        united_.contours.resize_discarding(next.contour);
+        united_.points.resize_discarding(next.point);
+        parallel_.run(outputs_.size(), [&](std::size_t task, int) { place(task, begins[task]); });
+    }
+
+    const ContourCounts& counts() const noexcept { return counts_; }
+
+private:
+    struct Begin {
+        std::uint64_t contour = 0;
+        std::uint64_t point = 0;
+    };
+    struct Worker {
+        explicit Worker(const Memory* memory) : builder(memory), given(memory) {}
+        LayerBuilder builder;
+        Vector<GivenContour> given;
+    };
+
+    void build(std::size_t task, int number) {
+        auto& worker = workers_[static_cast<std::size_t>(number)];
+        if (worker == nullptr) {
+            worker = std::make_unique<Worker>(control_.memory);
+            worker->builder.follow(control_.stop);
+            worker->builder.rules = {&united_.region, apart_.unit_mm, 0};
+        }
+        auto output = std::make_unique<BandOutput>(control_.memory);
+        output->begin(output->buffer.span());
+        output->first_layer = task * layers_a_task;
+        const std::size_t end = std::min<std::size_t>(apart_.layers.size(), output->first_layer + layers_a_task);
+        for (std::size_t l = output->first_layer; l < end; ++l) {
+            worker->given.clear();
+            for (const Contour& contour : apart_.contours_of(apart_.layers[l])) {
+                worker->given.push_back(as_given(contour));
+            }
+            worker->builder.build_given(worker->given, *output);
+        }
+        outputs_[task] = std::move(output);
+    }
+
+    /// As its facets run: a role that overruled them has turned it.
+    GivenContour as_given(const Contour& contour) const noexcept {
+        const bool turned =
+            (contour.flags & orientation_overruled) != 0 && (contour.orientation > 0) != (contour.role == Role::outer);
+        const auto flags = static_cast<std::uint16_t>(contour.flags & ~orientation_overruled);
+        return {apart_.points_of(contour), contour.role != Role::open, turned, contour.segments, flags, contour.part};
+    }
+
+    void place(std::size_t task, Begin begin) {
+        const BandOutput& output = *outputs_[task];
+        std::copy_n(output.points, output.point_count, united_.points.data() + begin.point);
+        for (std::size_t c = 0; c < output.contours.size(); ++c) {
+            Contour& contour = united_.contours[begin.contour + c] = output.contours[c];
+            contour.first_point += begin.point;
+            contour.parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(begin.contour);
+        }
+        std::uint64_t first = begin.contour;
+        for (std::size_t i = 0; i < output.layer_contours.size(); ++i) {
+            Layer& layer = united_.layers[output.first_layer + i] = apart_.layers[output.first_layer + i];
+            layer.first_contour = first;
+            layer.contour_count = output.layer_contours[i];
+            first += layer.contour_count;
+        }
+    }
+
+    const SliceResult& apart_;
+    const Control& control_;
+    const Parallel& parallel_;
+    SliceResult& united_;
+    std::vector<std::unique_ptr<Worker>> workers_;
+    std::vector<std::unique_ptr<BandOutput>> outputs_;
+    ContourCounts counts_;
+};
+
+}  // namespace
+
+void unite_parts(const SliceResult& apart, const Control& control, const Parallel& parallel, FunctionRef<void(double)> reach,
+                 SliceResult& united) {
+    const auto start = Clock::now();
+    Uniting uniting(apart, control, parallel, united);
+    uniting.build_all(reach);
+    uniting.place_all();
+    united.closed_gaps.resize_discarding(apart.closed_gaps.size());
+    std::copy(apart.closed_gaps.begin(), apart.closed_gaps.end(), united.closed_gaps.begin());
+    united.part_count = apart.part_count;
+    united.part_regions = PartRegions::united;
+    united.close_gaps_mm = apart.close_gaps_mm;
+    united.unit_mm = apart.unit_mm;
+    united.summary = apart.summary;
+    set_counts(uniting.counts(), united);
+    united.summary.ms.fill += milliseconds_since(start);
+}
+
+}  // namespace lamella

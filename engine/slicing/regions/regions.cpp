@@ -1,0 +1,262 @@
+#include "slicing/regions/regions.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "slicing/regions/closed_item.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t ring_work = 32;  ///< as StopPace counts it
+constexpr std::size_t curve_work = 4;  ///< of a point
+
+std::span<const Point> points_of(const NestItem& item) noexcept {
+    return {item.points, item.count};
+}
+
+bool is_positive(const Integer128& area) noexcept {
+    return area.high >= 0 && (area.high > 0 || area.low > 0);
+}
+
+}  // namespace
+
+Regions::Regions(const Memory* memory)
+    : rings_(memory),
+      input_(memory),
+      items_(memory),
+      curves_(memory),
+      parts_(memory),
+      is_alone_(memory),
+      alone_(memory),
+      turned_(memory),
+      filled_(memory),
+      dilated_(memory),
+      closed_(memory),
+      moved_(memory),
+      dilated_curves_(memory),
+      closed_curves_(memory),
+      moved_curves_(memory),
+      contacts_(memory) {}
+
+void Regions::follow(const StopCheck& host) noexcept {
+    pace_.follow(host);
+    contacts_.follow(host);
+    for (Fill* fill : {&filled_, &dilated_, &closed_, &moved_}) {
+        fill->follow(host);
+    }
+}
+
+void Regions::run(std::span<const NestItem> contours, const RegionSteps& steps, Nester& nester) {
+    filled_.run(contours, steps.rule, nester);
+    unchanged_ = filled_.is_unchanged();
+    rings_.clear();
+    if (unchanged_ && steps.close == 0 && steps.offset == 0 && !steps.always_list) {
+        return;
+    }
+    take_given(contours);
+    take(filled_);
+    if (steps.close != 0 || steps.offset != 0) {
+        turn_backward_ones();
+    }
+    if (steps.close != 0) {
+        close(steps, nester);
+    }
+    if (steps.offset != 0) {
+        unchanged_ = false;
+        offset(steps, nester);
+    }
+}
+
+void Regions::take_given(std::span<const NestItem> contours) {
+    input_.clear();
+    for (std::size_t c = 0; c < contours.size(); ++c) {
+        input_.push_back({.item = contours[c], .given = static_cast<std::int64_t>(c)});
+    }
+}
+
+/// The region that `fill` has made of input_.
+void Regions::take(Fill& fill) {
+    rings_.clear();
+    for (const RegionContour& contour : fill.region()) {
+        pace_.spend(ring_work);
+        if (contour.kept >= 0) {
+            Ring& ring = rings_.emplace_back(input_[static_cast<std::size_t>(contour.kept)]);
+            ring.hole = contour.hole;
+            ring.touched = -1;
+        } else {
+            const NestItem item = closed_item(fill.points_of(contour));
+            rings_.push_back({.item = item, .touched = contour.touched, .hole = !is_positive(item.twice_area)});
+        }
+        rings_.back().item.part = contour.part;
+    }
+}
+
+/// Contours that are solid on their right, as of inverted shells.
+void Regions::turn_backward_ones() {
+    turned_.clear();
+    const auto is_backward = [](const Ring& ring) { return is_positive(ring.item.twice_area) == ring.hole; };
+    for (const Ring& ring : rings_) {
+        if (is_backward(ring)) {
+            const std::span<const Point> points = points_of(ring.item);
+            turned_.insert(turned_.end(), points.rbegin(), points.rend());
+            unchanged_ = false;
+        }
+    }
+    std::span<const Point> rest(turned_);
+    for (Ring& ring : rings_) {
+        if (is_backward(ring)) {
+            const std::size_t count = ring.item.count;
+            const std::uint32_t part = ring.item.part;
+            ring.item = closed_item(rest.first(count));
+            ring.item.part = part;
+            ring.given = -1;
+            rest = rest.subspan(count);
+        }
+    }
+}
+
+void Regions::close(const RegionSteps& steps, Nester& nester) {
+    list_curves_of_rings(steps.close, steps.miter_limit, dilated_curves_);
+    fill_positive(dilated_, nester);
+    if (find_alone()) {
+        return;
+    }
+    unchanged_ = false;
+    list_eroded(steps);
+    fill_positive(closed_, nester);
+    take(closed_);
+}
+
+/// Returns whether all are.
+bool Regions::find_alone() {
+    is_alone_.assign(rings_.size(), 0);
+    std::size_t alone = 0;
+    for (const RegionContour& contour : dilated_.region()) {
+        if (contour.kept >= 0) {
+            const std::uint32_t ring = input_[static_cast<std::size_t>(contour.kept)].source;
+            const RawCurve& curve = curves_[ring];
+            is_alone_[ring] = curve.directions_kept && !curve.reflex_cut && contour.hole == rings_[ring].hole ? 1 : 0;
+            alone += is_alone_[ring];
+        }
+    }
+    return alone == rings_.size() && dilated_.region().size() == rings_.size();
+}
+
+/// Of the dilated region, but for the rings left alone, which stay as they were.
+void Regions::list_eroded(const RegionSteps& steps) {
+    closed_curves_.clear();
+    curves_.clear();
+    parts_.clear();
+    alone_.clear();
+    for (const RegionContour& contour : dilated_.region()) {
+        if (contour.kept < 0) {
+            append_curve(dilated_.points_of(contour), contour.part, -steps.close, steps.miter_limit, closed_curves_);
+            continue;
+        }
+        const Ring& curve = input_[static_cast<std::size_t>(contour.kept)];
+        if (is_alone_[curve.source] != 0) {
+            alone_.push_back(rings_[curve.source]);
+        } else {
+            append_curve(points_of(curve.item), contour.part, -steps.close, steps.miter_limit, closed_curves_);
+        }
+    }
+    input_.swap(alone_);
+    list_curves(closed_curves_);
+}
+
+void Regions::offset(const RegionSteps& steps, Nester& nester) {
+    list_curves_of_rings(steps.offset, steps.miter_limit, moved_curves_);
+    fill_positive(moved_, nester);
+    take(moved_);
+}
+
+void Regions::list_curves_of_rings(double distance, double miter_limit, RawOffset& curves) {
+    curves.clear();
+    curves_.clear();
+    parts_.clear();
+    for (const Ring& ring : rings_) {
+        append_curve(points_of(ring.item), ring.item.part, distance, miter_limit, curves);
+    }
+    input_.clear();
+    list_curves(curves);
+}
+
+void Regions::append_curve(std::span<const Point> points, std::uint32_t part, double distance, double miter_limit,
+                           RawOffset& curves) {
+    curves_.push_back(curves.append(points, distance, miter_limit));
+    parts_.push_back(part);
+    assert(!curves_.back().beyond_grid && "the caller has looked how far offsets can reach");
+    pace_.spend(curve_work * points.size());
+}
+
+/// Adds the curves to input_, but for those that have vanished.
+void Regions::list_curves(RawOffset& curves) {
+    for (std::uint32_t c = 0; c < curves_.size(); ++c) {
+        if (curves_[c].count > 0) {
+            input_.push_back({.item = closed_item(curves.points_of(curves_[c])), .source = c});
+            input_.back().item.part = parts_[c];
+            pace_.spend(curves_[c].count);
+        }
+    }
+}
+
+/// What input_ bounds by the positive rule.
+void Regions::fill_positive(Fill& fill, Nester& nester) {
+    std::sort(input_.begin(), input_.end(), [this](const Ring& a, const Ring& b) {
+        pace_.spend(1);
+        return std::pair(a.item.from_start(0), a.source) < std::pair(b.item.from_start(0), b.source);
+    });
+    items_.clear();
+    for (const Ring& ring : input_) {
+        items_.push_back(ring.item);
+    }
+    fill.run(items_, FillRule::positive, nester);
+}
+
+void Regions::mark_near(std::span<NestItem> contours, double distance, double miter_limit) {
+    turned_.clear();
+    for (const NestItem& contour : contours) {
+        if (contour.orientation != 0 && contour.reverse) {
+            const std::span<const Point> points = points_of(contour);
+            turned_.insert(turned_.end(), points.rbegin(), points.rend());
+        }
+    }
+    std::span<const Point> turned(turned_);
+    dilated_curves_.clear();
+    curves_.clear();
+    parts_.clear();
+    for (const NestItem& contour : contours) {
+        std::span<const Point> points = points_of(contour);
+        if (contour.orientation != 0 && contour.reverse) {
+            points = turned.first(contour.count);
+            turned = turned.subspan(contour.count);
+        }
+        curves_.emplace_back();
+        parts_.push_back(contour.part);
+        if (contour.orientation != 0) {
+            curves_.back() = dilated_curves_.append(points, distance, miter_limit);
+        }
+    }
+    input_.clear();
+    list_curves(dilated_curves_);
+    items_.clear();
+    for (const Ring& curve : input_) {
+        items_.push_back(curve.item);
+        NestItem& contour = contours[curve.source];
+        const RawCurve& raw = curves_[curve.source];
+        if (!raw.directions_kept || raw.reflex_cut) {
+            contour.flags |= near_contour;
+        }
+    }
+    contacts_.find(items_);
+    for (std::uint32_t c = 0; c < input_.size(); ++c) {
+        if (contacts_.meets(c)) {
+            contours[input_[c].source].flags |= near_contour;
+        }
+    }
+}
+
+}  // namespace lamella

@@ -1,0 +1,21 @@
+// What RegionRules may ask for. A caller learns of everything that cannot be done before anything is: what a rule says by
+// itself before the mesh is read, what the grid cannot hold once its unit is known.
+#pragma once
+
+#include "lamella/error.hpp"
+#include "lamella/region.hpp"
+
+namespace lamella {
+
+/// Lengths, the miter limit and the order of layers, and whether all that is asked for has a region to be done to. Error:
+/// invalid_argument, one line that names the rule.
+Status check_rules(const RegionRules& rules);
+
+/// Whether the lengths of `rules` are at least a unit and the grid holds them. Precondition: check_rules() is content.
+/// Error: invalid_argument, one line that names the rule and what is possible.
+Status check_reach(const RegionRules& rules, double unit_mm);
+
+/// Whether every layer has a region, which parts are united in. Error: invalid_argument.
+Status check_uniting(const RegionRules& rules);
+
+}  // namespace lamella

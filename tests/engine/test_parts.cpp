@@ -1,0 +1,373 @@
+// Several meshes in one result.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/counting_memory.hpp"
+#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
+
+using lamella::Contour;
+using lamella::ErrorCode;
+using lamella::FillRule;
+using lamella::Part;
+using lamella::SliceOptions;
+using lamella::SliceResult;
+
+namespace {
+
+/// Requires success and a valid result.
+SliceResult together(const std::vector<Part>& parts, const SliceOptions& options) {
+    lamella::Result<SliceResult> result = slice_parts(parts, options);
+    INFO((result ? std::string() : result.error().message));
+    REQUIRE(result.ok());
+    const lamella::Status valid = validate(*result);
+    INFO((valid ? std::string() : valid.error().message));
+    REQUIRE(valid.ok());
+    return std::move(result).value();
+}
+
+lamella::Error parts_failure(const std::vector<Part>& parts, const SliceOptions& options) {
+    const lamella::Result<SliceResult> result = slice_parts(parts, options);
+    REQUIRE_FALSE(result.ok());
+    return result.error();
+}
+
+Part part_of(const shapes::Soup& soup, const lamella::Transform& transform = {}) {
+    return {view_of(soup), transform};
+}
+
+lamella::Transform moved_by(double x, double y, double z) {
+    lamella::Transform transform;
+    transform.m[3] = x;
+    transform.m[7] = y;
+    transform.m[11] = z;
+    return transform;
+}
+
+using Names = std::vector<std::uint32_t>;
+
+Names parts_in(const SliceResult& result, std::size_t layer) {
+    Names parts;
+    for (const Contour& contour : result.contours_of(result.layers[layer])) {
+        parts.push_back(contour.part);
+    }
+    return parts;
+}
+
+/// The layers' contours of one part, as lines; see contours_at().
+std::vector<std::string> lines_of_part(const SliceResult& result, std::size_t layer, std::uint32_t part) {
+    const std::vector<std::string> all = contours_at(result, layer);
+    const std::span<const Contour> contours = result.contours_of(result.layers[layer]);
+    std::vector<std::string> own;
+    for (std::size_t c = 0; c < all.size(); ++c) {
+        if (contours[c].part == part && contours[c].parent < 0) {
+            own.push_back(all[c]);
+        }
+    }
+    return own;
+}
+
+}  // namespace
+
+TEST_CASE("the contours of parts that overlap lie side by side", "[engine][parts]") {
+    const shapes::Soup tube =
+        shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::flipped(shapes::box({2, 2, 0}, {8, 8, 10}))});
+    const shapes::Soup cube = shapes::box({-4, 4, 0}, {4, 6, 20});
+    const SliceResult result = together({part_of(tube), part_of(cube)}, at_heights({5, 15, 25}));
+    CHECK(result.part_count == 2);
+    CHECK(contours_at(result, 0) == std::vector<std::string>{"outer + x8 in -: 0,0 9,0 20,0 20,9 20,20 11,20 0,20 0,11",
+                                                             "hole - x8 in 0: 4,4 4,11 4,16 11,16 16,16 16,9 16,4 9,4",
+                                                             "outer + x8 in -: -8,8 -4,8 8,8 8,9 8,12 4,12 -8,12 -8,11"});
+    CHECK(parts_in(result, 0) == Names{0, 0, 1});
+    CHECK(parts_in(result, 1) == Names{1});
+    CHECK(parts_in(result, 2).empty());
+    CHECK(result.layers[0].segments == 24);
+    CHECK(result.area_mm2(result.layers[0]) == 64 + 16);
+    CHECK(result.summary.triangles == 36);
+    CHECK(result.summary.min_mm[0] == -4);
+    CHECK(result.summary.max_mm[2] == 20);
+    // Two crossings of the bar with the wall of the tube on each of its long sides.
+    const lamella::Result<lamella::Crossings> crossings = find_crossings(result);
+    REQUIRE(crossings.ok());
+    CHECK(crossings->count == 4);
+    CHECK_FALSE(make_ledger(view_of(tube), result).ok());
+    CHECK_FALSE(certify_volume(view_of(tube), result).ok());
+}
+
+TEST_CASE("planes and grid are those of the box around all parts", "[engine][parts]") {
+    const shapes::Soup low = shapes::box({0, 0, 0}, {4, 4, 1});
+    const shapes::Soup high = shapes::box({0, 0, 2.1}, {1500, 4, 3});
+    const SliceResult result = together({part_of(high), part_of(low)}, uniform(0.2));
+    CHECK(result.unit_mm == 2 * lamella::default_unit_mm);
+    REQUIRE(result.layers.size() == 15);
+    const SliceResult whole = sliced(shapes::joined({high, low}), uniform(0.2));
+    REQUIRE(whole.layers.size() == 15);
+    for (std::size_t l = 0; l < 15; ++l) {
+        CHECK(result.layers[l].plane == whole.layers[l].plane);
+        CHECK(result.layers[l].bottom_mm == whole.layers[l].bottom_mm);
+        CHECK(result.layers[l].segments == whole.layers[l].segments);
+        CHECK(contours_at(result, l) == contours_at(whole, l));  // they never share a layer
+    }
+    CHECK(parts_in(result, 0) == Names{1});
+    CHECK(parts_in(result, 14) == Names{0});
+    // Its far end is at the grid's very limit, which a grid chosen by the mesh takes.
+    const shapes::Soup far = shapes::box({0, 0, 0}, {1024, 4, 1});
+    CHECK(together({part_of(far), part_of(low)}, uniform(0.5)).unit_mm == lamella::default_unit_mm);
+    CHECK(together({part_of(low), part_of(low)}, uniform(0.5, lamella::unit_by_box)).unit_mm ==
+          sliced(low, uniform(0.5, lamella::unit_by_box)).unit_mm);
+}
+
+TEST_CASE("one part gives the bytes of slice()", "[engine][parts]") {
+    const shapes::Soup soup = shapes::octasphere({1, 2, 3}, 10, 4);
+    const std::vector<float> floats = shapes::floats(soup);
+    SliceOptions options = uniform(0.1);
+    options.transform = GENERATE(lamella::Transform{}, lamella::Transform::from_normal(1, 2, 3));
+    for (const lamella::MeshView& mesh : {view_of(soup), lamella::MeshView::soup(std::span<const float>(floats))}) {
+        const SliceResult alone = sliced(mesh, options);
+        CHECK(hash_result(together({{mesh, {}}}, options)) == hash_result(alone));
+        SliceOptions rest = options;
+        rest.transform = {};
+        const SliceResult moved = together({{mesh, options.transform}}, rest);
+        CHECK(hash_result(moved) == hash_result(alone));
+        CHECK(moved.frame.is_identity());
+        CHECK(moved.layers.size() == alone.layers.size());
+    }
+}
+
+TEST_CASE("a result of parts does not depend on threads", "[engine][parts][threads]") {
+    const shapes::Soup first = shapes::octasphere({0, 0, 0}, 10, 4);
+    const shapes::Soup second = shapes::random_tetrahedra(3, 40, 12);
+    const std::vector<Part> parts = {part_of(first), part_of(second), part_of(first, moved_by(3, 1, 2.03))};
+    SliceOptions options = uniform(0.05);
+    options.region.fill_rule = GENERATE(FillRule::contours, FillRule::positive);
+    options.control.threads = 1;
+    const SliceResult expected = together(parts, options);
+    for (const int threads : {2, 5}) {
+        options.control.threads = threads;
+        CHECK(hash_result(together(parts, options)) == hash_result(expected));
+    }
+    CHECK(hash_result(together({parts[2], parts[1], parts[0]}, options)) != hash_result(expected));
+}
+
+TEST_CASE("rules are done to each part by itself", "[engine][parts]") {
+    // Two cubes that overlap are one region where they are one part, and two where they are two.
+    const shapes::Soup left = shapes::box({0, 0, 0}, {10, 10, 10});
+    const shapes::Soup right = shapes::box({5, 0, 0}, {15, 10, 10});
+    SliceOptions options = at_heights({5});
+    options.region.fill_rule = FillRule::non_zero;
+    const shapes::Soup both = shapes::joined({left, right});
+    const SliceResult joined = together({part_of(both), part_of(right)}, options);
+    CHECK(parts_in(joined, 0) == Names{0, 1});
+    CHECK(joined.area_mm2(joined.layers[0]) == 150 + 100);
+    const SliceResult apart = together({part_of(left), part_of(right)}, options);
+    CHECK(lines_of_part(apart, 0, 1) == contours_at(sliced(right, options), 0));
+    CHECK(apart.region.fill_rule == FillRule::non_zero);
+    CHECK(apart.area_mm2(apart.layers[0]) == 200);
+}
+
+TEST_CASE("equal parts keep a contour each, and gaps are listed by layer", "[engine][parts]") {
+    shapes::Soup open = shapes::box({0, 0, 0}, {10, 10, 10});
+    open.erase(open.begin() + 9 * 4, open.begin() + 9 * 6);  // no front
+    SliceOptions options = at_heights({2, 5});
+    options.close_gaps_mm = 20;
+    const SliceResult result = together({part_of(open), part_of(open)}, options);
+    CHECK(parts_in(result, 1) == Names{0, 1});
+    REQUIRE(result.closed_gaps.size() == 4);
+    CHECK(result.closed_gaps[1].layer == 0);
+    CHECK(result.closed_gaps[2].layer == 1);
+    CHECK(result.close_gaps_mm == 20);
+}
+
+TEST_CASE("what is wrong with a part is said of that part", "[engine][parts]") {
+    const shapes::Soup good = shapes::box({0, 0, 0}, {4, 4, 4});
+    shapes::Soup bad = good;
+    bad[40] = std::nan("");
+    CHECK(parts_failure({}, uniform(1)).code == ErrorCode::invalid_argument);
+    const lamella::Error coordinate = parts_failure({part_of(good), part_of(bad)}, uniform(1));
+    CHECK(coordinate.code == ErrorCode::bad_coordinate);
+    CHECK_THAT(coordinate.message, Catch::StartsWith("part 1: triangle 4, "));
+    CHECK(coordinate.triangle == 4);
+    CHECK(parts_failure({part_of(good), part_of({})}, uniform(1)).message == "part 1: the mesh has no triangles");
+    const shapes::Soup dust = shapes::box({0, 0, 0}, {1e-9, 1e-9, 1e-9});
+    const lamella::Error collapsed = parts_failure({part_of(dust), part_of(good)}, uniform(1));
+    CHECK(collapsed.code == ErrorCode::empty_mesh);
+    CHECK_THAT(collapsed.message, Catch::StartsWith("part 0: each of 12 triangles has"));
+    CHECK(parts_failure({part_of(good)}, uniform(-1)).message == "the layer height must be positive");
+    SliceOptions closing = uniform(1);
+    closing.region.close_mm = -1;
+    CHECK_THAT(parts_failure({part_of(bad)}, closing).message, Catch::StartsWith("the closing radius"));
+}
+
+TEST_CASE("the memory limit is for all parts", "[engine][parts][errors]") {
+    const shapes::Soup soup = shapes::box({0, 0, 0}, {4, 4, 100});
+    SliceOptions options = uniform(0.01);
+    const std::uint64_t contents = 10'000 * (8 * sizeof(lamella::Point) + sizeof(Contour));
+    const std::uint64_t layers = 10'000 * sizeof(lamella::Layer);
+    options.memory_limit_bytes = layers + 2 * contents;
+    CHECK(together({part_of(soup), part_of(soup)}, options).contours.size() == 20'000);
+    --options.memory_limit_bytes;
+    CHECK(parts_failure({part_of(soup), part_of(soup)}, options).code == ErrorCode::result_too_large);
+    CHECK(together({part_of(soup)}, options).contours.size() == 10'000);
+}
+
+TEST_CASE("slicing parts takes memory from the host, gives it back, and can be stopped", "[engine][parts][cancel]") {
+    const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 5);
+    const std::vector<Part> parts = {part_of(soup), part_of(soup, moved_by(1, 1, 1))};
+    SliceOptions options = uniform(0.05);
+    options.tuning.band_planes = 20;
+    int succeeded = 0;
+    for (std::size_t limit = 1 << 10; limit < (std::size_t{1} << 25); limit *= 2) {
+        CountingMemory memory(limit);
+        options.control.memory = &memory;
+        {
+            const lamella::Result<SliceResult> result = slice_parts(parts, options);
+            CHECK((result.ok() || result.error().code == ErrorCode::out_of_memory));
+            succeeded += result.ok();
+        }
+        CHECK(memory.held() == 0);
+    }
+    CHECK((succeeded > 0 && succeeded < 10));
+    options.control.memory = nullptr;
+    std::vector<double> seen;
+    std::atomic<bool> stop = false;
+    options.control.stop = lamella::StopCheck::when(stop);
+    const auto note = [&](double done) noexcept { seen.push_back(done); };
+    options.control.progress = lamella::Progress::to(note);
+    (void)together(parts, options);
+    CHECK(std::is_sorted(seen.begin(), seen.end()));
+    CHECK(seen.back() == 1);
+    CHECK(std::any_of(seen.begin(), seen.end(), [](double done) { return done > 0.2 && done < 0.4; }));
+    const auto stop_late = [&](double done) noexcept { stop = done > 0.6; };  // in the second part
+    options.control.progress = lamella::Progress::to(stop_late);
+    CHECK(parts_failure(parts, options).code == ErrorCode::cancelled);
+}
+
+TEST_CASE("a broken order of parts is found", "[engine][parts][validate]") {
+    const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
+    const auto damaged = [&](void (*damage)(SliceResult&)) {
+        SliceResult result = together({part_of(cube), part_of(cube, moved_by(20, 0, 0)), part_of(cube)}, at_heights({5}));
+        damage(result);
+        const lamella::Status status = validate(result);
+        return status ? std::string("valid") : status.error().message;
+    };
+    CHECK(damaged([](SliceResult&) {}) == "valid");
+    CHECK_THAT(damaged([](SliceResult& r) { r.part_count = 2; }), Catch::Contains("the part is none"));
+    CHECK_THAT(damaged([](SliceResult& r) { r.contours[2].part = 0; }), Catch::Contains("not in the order of parts"));
+    CHECK_THAT(damaged([](SliceResult& r) { r.contours[2].parent = 0; }), Catch::Contains("the parent is of another part"));
+}
+
+namespace {
+
+SliceResult united(const std::vector<Part>& parts, const SliceOptions& options) {
+    lamella::Result<SliceResult> result = slice_parts(parts, options, lamella::PartRegions::united);
+    INFO((result ? std::string() : result.error().message));
+    REQUIRE(result.ok());
+    const lamella::Status valid = validate(*result);
+    INFO((valid ? std::string() : valid.error().message));
+    REQUIRE(valid.ok());
+    return std::move(result).value();
+}
+
+std::uint64_t hash_without_parts(SliceResult result) {
+    for (Contour& contour : result.contours) {
+        contour.part = 0;
+    }
+    return hash_result(result);
+}
+
+/// Contours of a layer as "outer 1", "hole several", in the order of the result.
+std::vector<std::string> named_at(const SliceResult& result, std::size_t layer) {
+    std::vector<std::string> names;
+    for (const Contour& contour : result.contours_of(result.layers[layer])) {
+        const std::string role = contour.role == lamella::Role::outer  ? "outer "
+                                 : contour.role == lamella::Role::hole ? "hole "
+                                 : contour.role == lamella::Role::flat ? "flat "
+                                                                       : "open ";
+        names.push_back(role + (contour.part == lamella::several_parts ? "several" : std::to_string(contour.part)));
+    }
+    return names;
+}
+
+constexpr FillRule region_rules[] = {FillRule::even_odd, FillRule::non_zero, FillRule::positive};
+using Lines = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("united parts are the region of one mesh that has all of them", "[engine][parts][regions]") {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
+    const shapes::Soup other = shapes::octasphere({3, 1, 2.03}, 9, 4);
+    const shapes::Soup small = shapes::octasphere({-2, 0, 1.01}, 2, 3);
+    const shapes::Soup inverted = shapes::flipped(shapes::octasphere({1, 12, 0.7}, 6, 3));
+    SliceOptions options = uniform(0.1);
+    options.region.fill_rule = GENERATE(from_range(std::begin(region_rules), std::end(region_rules)));
+    const SliceResult whole = sliced(shapes::joined({ball, other, small, inverted}), options);
+    const SliceResult parts = united({part_of(ball), part_of(other), part_of(small), part_of(inverted)}, options);
+    CHECK(parts.contours.size() == whole.contours.size());
+    CHECK(parts.part_count == 4);
+    CHECK(parts.summary.holes == whole.summary.holes);
+    CHECK(parts.summary.emptied_layers == whole.summary.emptied_layers);
+    options.control.threads = 3;
+    CHECK(hash_result(united({part_of(ball), part_of(other), part_of(small), part_of(inverted)}, options)) ==
+          hash_result(parts));
+    CHECK(hash_without_parts(united({part_of(inverted), part_of(small), part_of(other), part_of(ball)}, options)) ==
+          hash_result(whole));
+}
+
+TEST_CASE("a contour of united parts names the part that all its edges come from", "[engine][parts][regions]") {
+    SliceOptions options = at_heights({5});
+    options.region.fill_rule = FillRule::non_zero;
+    // A U and a bar across it: the hole between them has edges of both.
+    const shapes::Soup u = shapes::joined(
+        {shapes::box({0, 0, 0}, {2, 10, 10}), shapes::box({1, 0, 0}, {9, 2, 10}), shapes::box({8, 0, 0}, {10, 10, 10})});
+    const shapes::Soup bar = shapes::box({-2, 6, 0}, {12, 8, 10});
+    CHECK(named_at(united({part_of(u), part_of(bar)}, options), 0) == Lines{"outer several", "hole several"});
+    // Joined by its own part alone, and a part that meets nothing.
+    const shapes::Soup apart = shapes::box({20, 0, 0}, {24, 4, 10});
+    CHECK(named_at(united({part_of(apart), part_of(u)}, options), 0) == Lines{"outer 1", "outer 0"});
+    // The hole of part 0 is its own, though part 1 makes its outer one larger.
+    const shapes::Soup tube =
+        shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::flipped(shapes::box({3, 3, 0}, {7, 7, 10}))});
+    const shapes::Soup beside = shapes::box({9, 4, 0}, {15, 6, 10});
+    CHECK(named_at(united({part_of(tube), part_of(beside)}, options), 0) == Lines{"outer several", "hole 0"});
+    // Equal contours are of all their parts.
+    CHECK(named_at(united({part_of(apart), part_of(apart)}, options), 0) == Lines{"outer several"});
+    // Enclosed: only part 1 is seen.
+    const shapes::Soup inside = shapes::box({21, 1, 0}, {22, 2, 10});
+    CHECK(named_at(united({part_of(inside), part_of(apart)}, options), 0) == Lines{"outer 1"});
+}
+
+TEST_CASE("open polylines of united parts stay as they are", "[engine][parts][regions]") {
+    const shapes::Soup post = shapes::box({2, 2, 0}, {4, 4, 10});
+    shapes::Soup open = shapes::box({0, 0, 0}, {10, 10, 10});
+    open.erase(open.begin() + 9 * 4, open.begin() + 9 * 6);  // no front
+    SliceOptions options = at_heights({5});
+    options.region.fill_rule = FillRule::positive;
+    const SliceResult result = united({part_of(post), part_of(open)}, options);
+    CHECK(named_at(result, 0) == Lines{"outer 0", "open 1"});
+    CHECK(result.summary.open_contours == 1);
+    const SliceResult alone = sliced(open, options);
+    CHECK(contours_at(result, 0)[1] == contours_at(alone, 0)[0]);
+    options.close_gaps_mm = 20;
+    const SliceResult closed = united({part_of(post), part_of(open)}, options);
+    CHECK(named_at(closed, 0) == Lines{"outer 1"});
+    CHECK(closed.closed_gaps.size() == 1);
+}
+
+TEST_CASE("parts are united by a fill rule only", "[engine][parts][regions]") {
+    const shapes::Soup cube = shapes::box({0, 0, 0}, {10, 10, 10});
+    SliceOptions options = at_heights({5});
+    options.region.fill_rule = FillRule::positive;
+    options.region.fill_from = {{4, FillRule::contours}};
+    const std::vector<Part> parts = {part_of(cube), part_of(cube)};
+    const lamella::Result<SliceResult> refused = slice_parts(parts, options, lamella::PartRegions::united);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().code == ErrorCode::invalid_argument);
+    CHECK_THAT(refused.error().message, Catch::StartsWith("uniting parts needs a region, but layer 4 has"));
+    options.region = {};
+    CHECK_FALSE(slice_parts(parts, options, lamella::PartRegions::united).ok());
+    CHECK(slice_parts(parts, options).ok());
+}

@@ -101,12 +101,12 @@ void add_regions(const Options& options) {
                           [=](benchmark::State& state) { run_region(state, make(), rule); });
         }
     };
-    add("40,000_boxes_apart", [=] { return boxes(200 / less, step / 2); });
-    add("40,000_boxes_touching", [=] { return boxes(200 / less, 0); });
-    add("240_rods_across_240", [=] { return bars(240 / less); });
-    add("comb_of_16,000_teeth", [=] { return comb(16'000 / less); });
-    add("500_bars_across_500", [=] { return bars(500 / less); });
-    add("1,000_bars_across_1,000", [=] { return bars(1'000 / less); });
+    add("boxes_40000_apart", [=] { return boxes(200 / less, step / 2); });
+    add("boxes_40000_touching", [=] { return boxes(200 / less, 0); });
+    add("rods_240x240", [=] { return bars(240 / less); });
+    add("comb_16000", [=] { return comb(16'000 / less); });
+    add("bars_500x500", [=] { return bars(500 / less); });
+    add("bars_1000x1000", [=] { return bars(1'000 / less); });
 }
 
 }  // namespace lamella::bench

@@ -1,7 +1,9 @@
 // A region of a caller's own contours: a layer without the walk.
 #include "lamella/region.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <string>
 
 #include "base/guard.hpp"
@@ -41,6 +43,16 @@ Status check_points(ContoursView contours, StopPace& pace) {
     return {};
 }
 
+double farthest(ContoursView contours) {
+    std::int32_t most = 0;
+    for (const std::span<const Point> contour : contours) {
+        for (const Point p : contour) {
+            most = std::max({most, std::abs(p.x), std::abs(p.y)});
+        }
+    }
+    return most;
+}
+
 Status check_all(ContoursView contours, const RegionRules& rules, double unit_mm, StopPace& pace) {
     if (!(unit_mm > 0) || !std::isfinite(unit_mm)) {
         return Error{ErrorCode::invalid_argument,
@@ -49,10 +61,10 @@ Status check_all(ContoursView contours, const RegionRules& rules, double unit_mm
     if (Status status = check_rules(rules); !status) {
         return status;
     }
-    if (Status status = check_reach(rules, unit_mm); !status) {
+    if (Status status = check_points(contours, pace); !status) {
         return status;
     }
-    return check_points(contours, pace);
+    return check_reach(rules, unit_mm, farthest(contours) * unit_mm);
 }
 
 }  // namespace

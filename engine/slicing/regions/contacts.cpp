@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <limits>
 
-#include "base/sign.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {
@@ -14,22 +13,15 @@ namespace {
 
 constexpr std::uint64_t any_number = std::numeric_limits<std::uint64_t>::max();
 
-/// The sign of side_of_line(): each product has 63 bits, their difference 64.
-int side(Point a, Point b, Point p) noexcept {
-    const std::int64_t left = (std::int64_t{b.x} - a.x) * (std::int64_t{p.y} - a.y);
-    const std::int64_t right = (std::int64_t{b.y} - a.y) * (std::int64_t{p.x} - a.x);
-    return (left > right) - (left < right);
-}
-
 bool cross(Point a, Point b, Point c, Point d) noexcept {
-    return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
+    return sign_of_side(a, b, c) * sign_of_side(a, b, d) < 0 && sign_of_side(c, d, a) * sign_of_side(c, d, b) < 0;
 }
 
 /// Whether the edge from `joint` to `to` lies on the one from `from` to `joint`.
 bool runs_back(Point from, Point joint, Point to) noexcept {
     const std::int64_t along_x = (std::int64_t{joint.x} - from.x) * (std::int64_t{to.x} - joint.x);
     const std::int64_t along_y = (std::int64_t{joint.y} - from.y) * (std::int64_t{to.y} - joint.y);
-    return side(from, joint, to) == 0 && (along_x < 0 || along_y < 0);
+    return sign_of_side(from, joint, to) == 0 && (along_x < 0 || along_y < 0);
 }
 
 /// value / (2 * divisor), rounded; halves up.
@@ -42,10 +34,13 @@ Int128 rounded_half(Int128 value, Int128 divisor) noexcept {
 }  // namespace
 
 bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept {
+    if (!FlatBox::around(a, b).grown(reach).meets({p, p})) {
+        return false;
+    }
     const Int128 distance_by_length = side_of_line(a, b, p);
     const std::int64_t length = std::abs(std::int64_t{b.x} - a.x) + std::abs(std::int64_t{b.y} - a.y);
     const Int128 most = Int128{reach} * length;
-    return FlatBox::around(a, b).grown(reach).meets({p, p}) && -most <= distance_by_length && distance_by_length <= most;
+    return -most <= distance_by_length && distance_by_length <= most;
 }
 
 Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept {
@@ -54,7 +49,7 @@ Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept {
     const Int128 c_side = side_of_line(a, b, c);
     const Int128 d_side = side_of_line(a, b, d);
     assert(c_side != d_side);
-    Int128 whole = c_side - d_side;           // the crossing is a + (b - a) part / whole
+    Int128 whole = c_side - d_side;  // the crossing is a + (b - a) part / whole
     Int128 part = side_of_line(c, d, a);
     assert(part != 0);
     // side_of_line(c, d, a) - side_of_line(c, d, b) is whole or its opposite: the signs of `part` and `whole` must agree.

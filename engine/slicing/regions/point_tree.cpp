@@ -31,9 +31,8 @@ void PointTree::divide(std::size_t begin, std::size_t end, StopPace& pace) {
     const std::size_t middle = begin + (end - begin) / 2;
     const auto at = [this](std::size_t i) { return nodes_.begin() + static_cast<std::ptrdiff_t>(i); };
     pace.spend(4 * (end - begin));
-    std::nth_element(at(begin), at(middle), at(end), [by_x](const Node& a, const Node& b) {
-        return by_x ? a.point.x < b.point.x : a.point.y < b.point.y;
-    });
+    std::nth_element(at(begin), at(middle), at(end),
+                     [by_x](const Node& a, const Node& b) { return by_x ? a.point.x < b.point.x : a.point.y < b.point.y; });
     nodes_[middle].by_x = by_x ? 1 : 0;
     divide(begin, middle, pace);
     divide(middle + 1, end, pace);

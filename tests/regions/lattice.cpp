@@ -133,6 +133,33 @@ Polygon random_rectangle(std::mt19937& random, std::int32_t size) {
     return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
 }
 
+/// Two of its sides leave a corner in neighbouring directions, at 45 degrees to each other.
+Polygon random_triangle(std::mt19937& random, std::int32_t size) {
+    const Point corner{draw(random, 0, size), draw(random, 0, size)};
+    const std::size_t direction = random() % directions.size();
+    const std::int32_t length = draw(random, 1, (size + 1) / 2);
+    Polygon points{corner};
+    for (const std::size_t side : {direction, (direction + 1) % directions.size()}) {
+        const auto within = [&](std::int32_t value) { return value >= 0 && value <= size; };
+        points.push_back({corner.x + length * directions[side].x, corner.y + length * directions[side].y});
+        if (!within(points.back().x) || !within(points.back().y)) {
+            return random_rectangle(random, size);
+        }
+    }
+    return points;
+}
+
+Polygon random_shape(std::mt19937& random, std::int32_t size) {
+    switch (random() % 5) {
+        case 0:
+            return random_rectangle(random, size);
+        case 1:
+            return random_triangle(random, size);
+        default:
+            return random_walk(random, size);
+    }
+}
+
 }  // namespace
 
 Lattice::Lattice(const Polygons& polygons, std::int32_t size) : size_(size) {
@@ -292,11 +319,11 @@ std::vector<std::size_t> Lattice::pieces_around_solids(FillRule rule) const {
 
 Polygons random_octilinear(std::mt19937& random, std::int32_t size) {
     Polygons polygons;
-    for (std::int32_t count = draw(random, 1, 4); count > 0; --count) {
+    for (std::int32_t count = draw(random, 1, 6); count > 0; --count) {
         if (!polygons.empty() && one_in(random, 6)) {
             polygons.push_back(polygons[random() % polygons.size()]);
         } else {
-            polygons.push_back(one_in(random, 3) ? random_rectangle(random, size) : random_walk(random, size));
+            polygons.push_back(random_shape(random, size));
         }
         if (one_in(random, 3)) {
             std::reverse(polygons.back().begin(), polygons.back().end());

@@ -43,7 +43,7 @@ private:
     std::vector<std::int64_t> winding_;  // of each triangle; a margin of empty cells around
 };
 
-/// One to four polygons on 0 to `size`: closed walks at multiples of 45 degrees and rectangles, some of them given twice,
+/// One to six polygons on 0 to `size`: closed walks at multiples of 45 degrees, triangles and rectangles, some given twice,
 /// backwards, with points in straight lines, points given twice, or spikes.
 Polygons random_octilinear(std::mt19937& random, std::int32_t size);
 

@@ -33,6 +33,15 @@ TEST_CASE("regions on lattices are exact in area and structure, whatever the ord
     }
 }
 
+TEST_CASE("an outer contour in a hole has it as parent where both touch in a point with all sides to the right",
+          "[regions]") {
+    const Polygons polygons{square(0, 12), {{1, 1}, {1, 11}, {6, 11}, {6, 6}, {11, 11}, {11, 1}}, {{6, 6}, {8, 4}, {8, 6}}};
+    std::mt19937 random(1);
+    CHECK(regions::judge_octilinear(polygons, 12, {4, {0, 0}}, random) == "");
+    REQUIRE(on_lattice(polygons, FillRule::even_odd).size() == 3);
+    CHECK(on_lattice(polygons, FillRule::even_odd)[2].parent == 1);
+}
+
 TEST_CASE("the lattice judge: solids that touch in a point are two, holes that touch in a point are one contour",
           "[regions]") {
     const Polygons touching{square(0, 2), square(2, 4)};

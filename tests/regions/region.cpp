@@ -122,12 +122,29 @@ bool same_bytes(const LayerContours& a, const LayerContours& b) {
            std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end());
 }
 
+bool turns_back(std::span<const Point> ring) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Point& before = ring[(i + ring.size() - 1) % ring.size()];
+        const Point& at = ring[i];
+        const Point& after = ring[(i + 1) % ring.size()];
+        const Int128 along =
+            (Int128{at.x} - before.x) * (Int128{after.x} - at.x) + (Int128{at.y} - before.y) * (Int128{after.y} - at.y);
+        if (along < 0 && cross(before, at, after) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 std::string fault_in_ring(const Contour& contour, std::span<const Point> points) {
     if (points.size() < 3) {
         return "has fewer than three points";
     }
     if (std::adjacent_find(points.begin(), points.end()) != points.end() || points.front() == points.back()) {
         return "has equal consecutive points";
+    }
+    if (turns_back(points)) {
+        return "turns back along itself";
     }
     if (*std::min_element(points.begin(), points.end()) != points.front()) {
         return "does not start at its smallest point";

@@ -42,6 +42,14 @@ TEST_CASE("an outer contour in a hole has it as parent where both touch in a poi
     CHECK(on_lattice(polygons, FillRule::even_odd)[2].parent == 1);
 }
 
+TEST_CASE("an edge that rounding lays along its neighbour leaves no spike", "[regions]") {
+    // (-2, 2) to (1, 4) passes the pixel of (0, 4), to which the next edge leads back.
+    const Polygons polygons{{{0, 0}, {-2, 2}, {1, 4}, {0, 4}, {0, 9}, {10, 13}}, {{10, 14}, {16, 8}, {8, -7}}};
+    for (const FillRule rule : {FillRule::even_odd, FillRule::non_zero}) {
+        CHECK(regions::fault_in(regions::region_of(polygons, rule)) == "");
+    }
+}
+
 TEST_CASE("the lattice judge: solids that touch in a point are two, holes that touch in a point are one contour",
           "[regions]") {
     const Polygons touching{square(0, 2), square(2, 4)};
@@ -139,6 +147,7 @@ TEST_CASE("the judges of regions find what a region must not have", "[regions]")
     CHECK(faulty([](LayerContours& r) { r.contours[1].orientation = 1; }));
     CHECK(faulty([](LayerContours& r) { r.contours[0].twice_area.low ^= 2; }));
     CHECK(faulty([](LayerContours& r) { r.points[1] = r.points[0]; }));
+    CHECK(faulty([](LayerContours& r) { r.points[10] = {25, 12}; }));
     CHECK(faulty([](LayerContours& r) { std::rotate(&r.points[0], &r.points[1], &r.points[4]); }));
     CHECK(faulty([](LayerContours& r) { std::swap(r.contours[0], r.contours[2]); }));
     CHECK(faulty([](LayerContours& r) { r.contours[2].point_count -= 1; }));

@@ -21,6 +21,7 @@ int main(int argument_count, char** argument_values) {
     add_copies(options);
     add_nesting_series(options);
     add_reads(options);
+    add_regions(options);
     for (const Case& each : make_catalogue(options)) {
         add_end_to_end(options, each);
         add_stages(options, each);

@@ -65,6 +65,7 @@ void add_contours(const Options& options, const Case& wanted);
 void add_copies(const Options& options);
 void add_nesting_series(const Options& options);
 void add_reads(const Options& options);
+void add_regions(const Options& options);
 
 /// Adds machine, compiler, flags, threads, pinning and huge pages to the context of the results.
 void describe_context(const Options& options);

@@ -1,0 +1,112 @@
+// region_of() on layers whose contours lie beside or across each other by the thousand. Each region's area is known.
+#include <memory>
+#include <vector>
+
+#include "base/int128.hpp"
+#include "lamella/assemble.hpp"
+#include "lamella/region.hpp"
+#include "measure.hpp"
+#include "peak_memory.hpp"
+
+namespace lamella::bench {
+
+namespace {
+
+struct Layer2d {
+    std::vector<std::vector<Point>> contours;
+    double non_zero = 0;  ///< areas, square grid units
+    double even_odd = 0;
+
+    std::vector<std::span<const Point>> spans() const { return {contours.begin(), contours.end()}; }
+    void add_box(Point low, Point high) { contours.push_back({low, {high.x, low.y}, high, {low.x, high.y}}); }
+};
+
+constexpr std::int32_t step = 10'000;  // grid units, 0.01 mm
+
+/// `side` x `side` squares, `gap` units apart.
+Layer2d boxes(std::int32_t side, std::int32_t gap) {
+    Layer2d layer;
+    for (std::int32_t i = 0; i < side * side; ++i) {
+        const Point low{i % side * step, i / side * step};
+        layer.add_box(low, {low.x + step - gap, low.y + step - gap});
+    }
+    layer.non_zero = layer.even_odd = static_cast<double>(side) * side * (step - gap) * (step - gap);
+    return layer;
+}
+
+/// `count` bars along x and as many along y, half as wide as the gaps between them.
+Layer2d bars(std::int32_t count) {
+    constexpr std::int32_t width = step / 3;
+    Layer2d layer;
+    const std::int32_t length = count * step;
+    for (std::int32_t i = 0; i < count; ++i) {
+        layer.add_box({-step, i * step}, {length, i * step + width});
+        layer.add_box({i * step, -step}, {i * step + width, length});
+    }
+    const double each = static_cast<double>(length + step) * width * count;
+    const double twice_covered = static_cast<double>(count) * count * width * width;
+    layer.non_zero = 2 * each - twice_covered;
+    layer.even_odd = 2 * each - 2 * twice_covered;
+    return layer;
+}
+
+/// Teeth on one base, each of which touches it along a line and its neighbours in points.
+Layer2d comb(std::int32_t teeth) {
+    constexpr std::int32_t height = 10'000'000;
+    Layer2d layer;
+    layer.add_box({0, -step}, {teeth * step, 0});
+    for (std::int32_t i = 0; i < teeth; ++i) {
+        layer.contours.push_back({{i * step, 0}, {(i + 1) * step, 0}, {i * step + step / 2, height}});
+    }
+    layer.non_zero = layer.even_odd = static_cast<double>(teeth) * step * (step + height / 2.0);
+    return layer;
+}
+
+double area_of(const LayerContours& region) {
+    Int128 twice = 0;
+    for (const Contour& contour : region.contours) {
+        twice += to_int128(contour.twice_area);
+    }
+    return static_cast<double>(twice) / 2;
+}
+
+void run_region(benchmark::State& state, const Layer2d& layer, FillRule rule) {
+    RegionRules rules;
+    rules.fill_rule = rule;
+    const std::vector<std::span<const Point>> contours = layer.spans();
+    PeakMemory memory;
+    {
+        const Result<LayerContours> once = region_of(contours, rules, default_unit_mm, {.memory = &memory});
+        if (!once || area_of(*once) != (rule == FillRule::non_zero ? layer.non_zero : layer.even_odd)) {
+            state.SkipWithError(once ? "the region has not the known area" : once.error().message.c_str());
+            return;
+        }
+    }
+    bool ok = true;
+    const double seconds = measure(state, [&] { ok = region_of(contours, rules).ok() && ok; });
+    if (!ok) {
+        state.SkipWithError("no region");
+    }
+    count(state, {.contours = layer.contours.size()}, seconds, 1);
+    state.counters["peak_bytes"] = benchmark::Counter(static_cast<double>(memory.peak()));
+}
+
+}  // namespace
+
+void add_regions(const Options& options) {
+    const std::int32_t less = options.quick ? 10 : 1;
+    const auto add = [&](const std::string& name, auto make) {
+        for (const FillRule rule : {FillRule::non_zero, FillRule::even_odd}) {
+            add_benchmark(benchmark_name("region", name, std::string(lamella::name_of(rule)), 1), options,
+                          [=](benchmark::State& state) { run_region(state, make(), rule); });
+        }
+    };
+    add("boxes_40000_apart", [=] { return boxes(200 / less, step / 2); });
+    add("boxes_40000_touching", [=] { return boxes(200 / less, 0); });
+    add("rods_240x240", [=] { return bars(240 / less); });
+    add("comb_16000", [=] { return comb(16'000 / less); });
+    add("bars_500x500", [=] { return bars(500 / less); });
+    add("bars_1000x1000", [=] { return bars(1'000 / less); });
+}
+
+}  // namespace lamella::bench

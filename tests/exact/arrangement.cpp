@@ -1,0 +1,141 @@
+#include "exact/arrangement.hpp"
+
+#include <cmath>
+#include <unordered_set>
+
+namespace exact {
+
+namespace {
+
+using Corner = ArrangementKernel::Point_2;
+
+std::int32_t grid_coordinate(const ArrangementKernel::FT& value) {
+    const double nearest = std::nearbyint(to_double(value));
+    if (value != nearest) {
+        throw std::logic_error("a corner lies off the grid, near " + std::to_string(nearest));
+    }
+    return static_cast<std::int32_t>(nearest);
+}
+
+regions::Polygon corners_on_grid(const std::vector<Corner>& walk) {
+    regions::Polygon corners;
+    for (std::size_t i = 0; i < walk.size(); ++i) {
+        const Corner& before = walk[(i + walk.size() - 1) % walk.size()];
+        if (!CGAL::collinear(before, walk[i], walk[(i + 1) % walk.size()])) {
+            corners.push_back({grid_coordinate(walk[i].x()), grid_coordinate(walk[i].y())});
+        }
+    }
+    return corners;
+}
+
+}  // namespace
+
+Overlay::Overlay(const regions::Polygons& given_polygons, const regions::Polygons& found_polygons) {
+    std::vector<Traits::Curve_2> curves;
+    add(given_polygons, given, curves);
+    add(found_polygons, found, curves);
+    CGAL::insert(arrangement_, curves.begin(), curves.end());
+    count_windings();
+}
+
+void Overlay::add(const regions::Polygons& polygons, Kind kind, std::vector<Traits::Curve_2>& curves) {
+    for (const regions::Polygon& polygon : polygons) {
+        for (std::size_t i = 0; i < polygon.size(); ++i) {
+            const regions::Point from = polygon[i];
+            const regions::Point to = polygon[i + 1 < polygon.size() ? i + 1 : 0];
+            if (from != to) {
+                const auto [low, high] = std::minmax(from, to);
+                const auto number = static_cast<std::uint32_t>(edges_.size());
+                edges_.push_back({kind, from == low});
+                curves.emplace_back(CGAL::Arr_segment_2<ArrangementKernel>(Corner(low.x, low.y), Corner(high.x, high.y)),
+                                    Along{number});
+            }
+        }
+    }
+}
+
+std::int64_t Overlay::step(Halfedge halfedge, Kind kind) const {
+    const bool left_to_right = halfedge->direction() == CGAL::ARR_LEFT_TO_RIGHT;
+    std::int64_t sum = 0;
+    for (const std::uint32_t number : halfedge->curve().data()) {
+        const Edge& edge = edges_[number];
+        sum += edge.kind != kind ? 0 : (edge.left_to_right == left_to_right ? 1 : -1);
+    }
+    return sum;
+}
+
+bool Overlay::runs_along(Halfedge halfedge, Kind kind) const {
+    const Along& along = halfedge->curve().data();
+    return std::any_of(along.begin(), along.end(), [&](std::uint32_t number) { return edges_[number].kind == kind; });
+}
+
+void Overlay::count_windings() {
+    std::deque<Face> open{arrangement_.unbounded_face()};
+    open.front()->data().reached = true;
+    for (; !open.empty(); open.pop_front()) {
+        const Face face = open.front();
+        around(face, [&](Halfedge halfedge) {
+            const Face beyond = halfedge->twin()->face();
+            FaceData data{true, {}, 0};
+            for (const Kind kind : {given, found}) {
+                data.winding[kind] = face->data().winding[kind] - step(halfedge, kind);
+            }
+            if (!beyond->data().reached) {
+                beyond->data() = data;
+                open.push_back(beyond);
+            } else if (beyond->data().winding[given] != data.winding[given] ||
+                       beyond->data().winding[found] != data.winding[found]) {
+                throw std::logic_error("the winding number of a face depends on the way to it");
+            }
+        });
+    }
+}
+
+std::size_t Overlay::number_solids(const std::function<bool(const FaceData&)>& filled) {
+    for (auto face = arrangement_.faces_begin(); face != arrangement_.faces_end(); ++face) {
+        face->data().solid = 0;
+    }
+    std::size_t solids = 0;
+    for (auto seed = arrangement_.faces_begin(); seed != arrangement_.faces_end(); ++seed) {
+        if (seed->data().solid != 0 || !filled(seed->data())) {
+            continue;
+        }
+        seed->data().solid = ++solids;
+        for (std::deque<Face> open{seed}; !open.empty(); open.pop_front()) {
+            around(open.front(), [&](Halfedge halfedge) {
+                const Face beyond = halfedge->twin()->face();
+                if (beyond->data().solid == 0 && filled(beyond->data())) {
+                    beyond->data().solid = solids;
+                    open.push_back(beyond);
+                }
+            });
+        }
+    }
+    return solids;
+}
+
+regions::Region Overlay::region(const std::function<bool(const FaceData&)>& filled) {
+    number_solids(filled);
+    const auto bounds = [](Halfedge h) { return h->face()->data().solid != 0 && h->twin()->face()->data().solid == 0; };
+    std::unordered_set<const void*> used;
+    regions::Region region;
+    std::vector<std::size_t> solid_of;
+    for (auto first = arrangement_.halfedges_begin(); first != arrangement_.halfedges_end(); ++first) {
+        std::vector<Corner> walk;
+        for (Halfedge at = first; bounds(at) && used.insert(&*at).second;) {
+            walk.push_back(at->source()->point());
+            // The next one clockwise that bounds a solid: the faces between are all filled.
+            for (at = at->next(); !bounds(at);) {
+                at = at->twin()->next();
+            }
+        }
+        if (!walk.empty()) {
+            region.push_back({corners_on_grid(walk), false, -1});
+            solid_of.push_back(first->face()->data().solid);
+        }
+    }
+    regions::find_parents(region, solid_of);
+    return regions::canonical(std::move(region));
+}
+
+}  // namespace exact

@@ -1,0 +1,72 @@
+// Regions as sets of contours without regard to how they are stored, and what must hold for every region that the engine
+// returns.
+//
+// Judges give what they expect as a Region. Contours are compared by their corners: points within straight lines, the point
+// that a contour starts at and the order of contours do not count; roles and parents do.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/int128.hpp"
+#include "lamella/assemble.hpp"
+#include "lamella/region.hpp"
+
+namespace regions {
+
+using lamella::Int128;
+using lamella::Point;
+
+/// Closed; the last point leads to the first.
+using Polygon = std::vector<Point>;
+using Polygons = std::vector<Polygon>;
+
+/// A contour with the solid on its left.
+struct Ring {
+    Polygon corners;
+    bool hole = false;
+    std::int64_t parent = -1;  ///< index into the region
+    friend bool operator==(const Ring&, const Ring&) = default;
+};
+using Region = std::vector<Ring>;
+
+/// The engine's region of the polygons. Throws std::runtime_error with its message where there is none.
+lamella::LayerContours region_of(const Polygons& polygons, const lamella::RegionRules& rules);
+lamella::LayerContours region_of(const Polygons& polygons, lamella::FillRule rule);
+
+/// Only corners, each ring from the start that makes it smallest, rings by their corners.
+Region canonical(Region region);
+/// Canonical.
+Region region_in(const lamella::LayerContours& contours);
+
+/// Of rings whose solids are known by number: holes get the outer ring of their solid as parent, outer rings the smallest
+/// hole around them. Throws std::logic_error if a solid has not one outer ring.
+void find_parents(Region& region, std::span<const std::size_t> solid_of);
+
+/// Winding number of the whole solid is more than 0 (even-odd: odd, ...); by `outermost` as by non-zero.
+bool fills(lamella::FillRule rule, std::int64_t winding);
+/// Of a region by non-zero: its outer rings that lie in no hole.
+Region without_holes(const Region& region);
+
+/// Twice the area within the polygon, positive where it runs counter-clockwise.
+Int128 twice_area(std::span<const Point> polygon);
+Int128 twice_area(const Region& region);
+
+/// The first difference, in words; or empty.
+std::string difference(const Region& expected, const Region& found);
+
+/// What a single look at the contours shows: areas, orientations, roles, starts, order. Empty if nothing is wrong.
+std::string fault_in(const lamella::LayerContours& contours);
+
+/// Empty if the engine returns the same bytes for the polygons in another order, from other starts, and, by a rule that does
+/// not look at orientation, all of them reversed.
+std::string dependence_on_order(const Polygons& polygons, const lamella::RegionRules& rules,
+                                const lamella::LayerContours& found, std::mt19937& random);
+
+/// As C++ that can be copied into a test.
+std::string text_of(const Polygons& polygons);
+
+}  // namespace regions

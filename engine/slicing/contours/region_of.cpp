@@ -1,6 +1,7 @@
 // A region of a caller's own contours: a layer without the walk.
 #include "lamella/region.hpp"
 
+#include <cmath>
 #include <string>
 
 #include "base/guard.hpp"
@@ -8,6 +9,7 @@
 #include "base/vector.hpp"
 #include "lamella/assemble.hpp"
 #include "slicing/contours/layer_builder.hpp"
+#include "slicing/regions/rules.hpp"
 
 namespace lamella {
 
@@ -27,10 +29,10 @@ Status check_points(ContoursView contours, StopPace& pace) {
         for (std::size_t i = 0; i < contours[c].size(); ++i) {
             const Point p = contours[c][i];
             if (p.x < -grid_limit || p.x > grid_limit || p.y < -grid_limit || p.y > grid_limit) {
-                return Error{ErrorCode::invalid_argument,
-                             "contour " + std::to_string(c) + ", point " + std::to_string(i) + ": (" + std::to_string(p.x) +
-                                 ", " + std::to_string(p.y) + ") lies beyond the grid, which ends at " +
-                                 std::to_string(grid_limit) + " units"};
+                return Error{ErrorCode::invalid_argument, "contour " + std::to_string(c) + ", point " + std::to_string(i) +
+                                                              ": (" + std::to_string(p.x) + ", " + std::to_string(p.y) +
+                                                              ") lies beyond the grid, which ends at " +
+                                                              std::to_string(grid_limit) + " units"};
             }
         }
         pace.spend(contours[c].size());
@@ -38,11 +40,22 @@ Status check_points(ContoursView contours, StopPace& pace) {
     return {};
 }
 
+Status check_all_rules(const RegionRules& rules, double unit_mm) {
+    if (!(unit_mm > 0) || !std::isfinite(unit_mm)) {
+        return Error{ErrorCode::invalid_argument, "the grid unit must be finite and more than 0"};
+    }
+    Status status = check_rules(rules);
+    return status ? check_reach(rules, unit_mm) : status;
+}
+
 }  // namespace
 
 Result<LayerContours> region_of(std::span<const std::span<const Point>> contours, const RegionRules& rules, double unit_mm,
                                 const Control& control) noexcept {
     return guarded(control, [&]() -> Result<LayerContours> {
+        if (Status status = check_all_rules(rules, unit_mm); !status) {
+            return status.error();
+        }
         StopPace pace;
         pace.follow(control.stop);
         pace.ask();

@@ -15,7 +15,6 @@ namespace lamella {
 namespace {
 
 using nesting::Container;
-using nesting::Ring;
 using nesting::SortKey;
 using nesting::StartLine;
 
@@ -209,7 +208,7 @@ double Nester::slimness_of(std::span<const NestItem> items) {
     Point high = items[rings_[0].item].box_max;
     double widths = 0;
     double heights = 0;
-    for (const Ring& ring : rings_) {
+    for (const nesting::Ring& ring : rings_) {
         const NestItem& contour = items[ring.item];
         pace_.spend(item_work);
         low = {std::min(low.x, contour.box_min.x), std::min(low.y, contour.box_min.y)};
@@ -283,12 +282,12 @@ void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
 /// The facets' orientation decides the role unless a winding number, here or outside, is negative. Then the number of
 /// enclosing contours does.
 void Nester::assign_roles(std::span<NestItem> items) {
-    for (Ring& ring : rings_) {
+    for (nesting::Ring& ring : rings_) {
         NestItem& item = items[ring.item];
         pace_.spend(item_work);
         ring.winding = item.orientation > 0 ? 1 : -1;
         if (ring.parent >= 0) {
-            const Ring& around = rings_[static_cast<std::size_t>(ring.parent)];
+            const nesting::Ring& around = rings_[static_cast<std::size_t>(ring.parent)];
             item.parent = static_cast<std::int32_t>(around.item);
             ring.winding += around.winding;
             ring.depth = around.depth + 1;

@@ -147,7 +147,7 @@ Status Slicing::choose_grid_and_planes() {
     if (!unit) {
         return unit.error();
     }
-    if (Status status = check_reach(options_.region, *unit); !status) {
+    if (Status status = check_reach(options_.region, *unit, bounds->farthest_in_plane()); !status) {
         return status;
     }
     result_.unit_mm = *unit;

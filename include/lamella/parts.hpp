@@ -1,7 +1,7 @@
 // Slicing several meshes at the same planes, as the parts of one print.
 //
-//     // Two cubes that overlap, each with its own contours.
-//     const std::vector<lamella::Part> parts = {{.mesh = mesh}, {.mesh = mesh, .transform = move}};
+//     // A mesh, and with it the same at twice its size, each with its own contours.
+//     const std::vector<lamella::Part> parts = {{.mesh = mesh}, {.mesh = mesh, .transform = lamella::Transform::scale(2)}};
 //     const lamella::Result<lamella::SliceResult> both = lamella::slice_parts(parts, options);
 //     if (both) {
 //         for (const lamella::Contour& contour : both->contours_of(both->layers[0])) {

@@ -60,7 +60,7 @@ bool have_common_point(Point a, Point b, Point c, Point d) {
 /// Whether two edges of one path meet elsewhere than in a corner between them.
 bool must_be_found(const EdgePath& path, std::size_t i, std::size_t j) {
     const bool leads_on = j == i + 1 || (path.closed && i == 0 && j + 1 == path.edges());
-    if (!leads_on || path.edges() == 2) {
+    if (!leads_on || (path.closed && path.edges() == 2)) {
         return have_common_point(path[i], path[i + 1], path[j], path[j + 1]);
     }
     const auto [first, second] = j == i + 1 ? std::pair(i, j) : std::pair(j, i);
@@ -183,8 +183,8 @@ TEST_CASE("edge pairs: layers of thousands of edges agree with a test of all pai
         }
         if (round % 3 == 0) {  // all at one height, one beside the other
             for (Path& path : layer) {
-                for (Point& point : path.points) {
-                    point.y /= 1000;
+                for (const std::int32_t height = path.points[0].y; Point & point : path.points) {
+                    point.y -= height;
                 }
             }
         }
@@ -254,4 +254,19 @@ TEST_CASE("edge pairs: a search ends where it is told to, and at its limit", "[e
         search.add(layer[p].given(p));
     }
     CHECK_THROWS_AS(search.find(0, unlimited, count), lamella::Stopped);
+}
+
+TEST_CASE("edge pairs: memory comes from the host, once for layers alike", "[engine][pairs]") {
+    std::mt19937 random(25);
+    const Layer layer = random_layer(random, {200, 60, 3000, 20, false});
+    const CountingMemory memory;
+    {
+        lamella::EdgePairs search(&memory);
+        const Pairs pairs = found(search, layer, 2);
+        const std::size_t held = memory.held();
+        CHECK(held > sizeof(Point) * search.edges());
+        CHECK(found(search, layer, 2) == pairs);
+        CHECK(memory.held() == held);
+    }
+    CHECK(memory.held() == 0);
 }

@@ -90,6 +90,12 @@ TEST_CASE("the contours of parts that overlap lie side by side", "[engine][parts
     CHECK(result.summary.triangles == 36);
     CHECK(result.summary.min_mm[0] == -4);
     CHECK(result.summary.max_mm[2] == 20);
+    // Two crossings of the bar with the wall of the tube on each of its long sides.
+    const lamella::Result<lamella::Crossings> crossings = find_crossings(result);
+    REQUIRE(crossings.ok());
+    CHECK(crossings->count == 4);
+    CHECK_FALSE(make_ledger(view_of(tube), result).ok());
+    CHECK_FALSE(certify_volume(view_of(tube), result).ok());
 }
 
 TEST_CASE("planes and grid are those of the box around all parts", "[engine][parts]") {

@@ -155,3 +155,25 @@ TEST_CASE("layers of which the rules leave nothing are counted", "[engine][regio
     CHECK(result.summary.emptied_layers == (options.region.fill_rule == FillRule::positive ? 1 : 0));
     CHECK(result.layers[2].contour_count == (options.region.fill_rule == FillRule::positive ? 0 : 1));
 }
+
+TEST_CASE("a caller's own contours are held to the same rules", "[engine][regions]") {
+    const lamella::Point corners[] = {{0, 0}, {40, 0}, {40, 40}, {0, 40}};
+    const std::span<const lamella::Point> square[] = {corners};
+    const auto refusal = [&](const RegionRules& rules, double unit_mm) {
+        const lamella::Result<lamella::LayerContours> region = region_of(square, rules, unit_mm);
+        return region ? std::string("taken") : region.error().message;
+    };
+    RegionRules rules;
+    rules.fill_rule = FillRule::non_zero;
+    CHECK(refusal(rules, 0.5) == "taken");
+    for (const double bad : {0.0, -1.0, infinity, not_a_number}) {
+        CHECK_THAT(refusal(rules, bad), Catch::StartsWith("the grid unit must be finite and above 0, not"));
+    }
+    rules.close_mm = -1;
+    CHECK_THAT(refusal(rules, 0.5), Catch::StartsWith("the closing radius must be finite"));
+    rules.close_mm = 0.2;
+    CHECK_THAT(refusal(rules, 0.5), Catch::Contains("is under the grid unit of 0.5 mm"));
+    rules.close_mm = 1;
+    rules.fill_rule = FillRule::contours;
+    CHECK_THAT(refusal(rules, 0.5), Catch::StartsWith("closing needs a region, but layer 0"));
+}

@@ -167,3 +167,19 @@ TEST_CASE("report: a file name that is not UTF-8 or holds quotes still gives JSO
     const json report = report_of(write_test::square_with_hole(), {.mesh_name = "a\xff\"b\n.stl"});
     CHECK(report.at("mesh") == "a\xef\xbf\xbd\"b\n.stl");
 }
+
+TEST_CASE("report: rules of regions and parts are there where they were asked for", "[write]") {
+    SliceResult result = write_test::square_with_hole();
+    CHECK_FALSE(report_of(result).contains("region"));
+    CHECK_FALSE(report_of(result).contains("parts"));
+    result.region.mark_near_mm = 0.5;
+    result.summary.near_contours = 2;
+    result.part_count = 2;
+    const json report = report_of(result);
+    CHECK(report.at("region").at("near_contours") == 2);
+    CHECK(report.at("region").at("fill_from") == json::array());
+    CHECK(report.at("parts") == 2);
+    CHECK(report.at("part_regions") == "separate");
+    result.part_regions = PartRegions::united;
+    CHECK(report_of(result).at("part_regions") == "united");
+}

@@ -144,3 +144,31 @@ TEST_CASE("svg: a stop request leaves nothing", "[write]") {
     CHECK(status.error().code == ErrorCode::cancelled);
     CHECK(folder.names().empty());
 }
+
+TEST_CASE("svg: near contours are marked, and with several parts each contour names its part", "[write]") {
+    SliceResult result = write_test::square_with_hole();
+    CHECK(count(svg_of(result), "class=") == 0);
+    CHECK(count(svg_of(result), "lamella:part=") == 0);
+    result.contours[1].flags |= near_contour;
+    const std::string marked = svg_of(result);
+    CHECK(count(marked, "class=\"near\"") == 1);
+    CHECK(marked.find("slic3r:type=\"hole\"") < marked.find("\" class=\"near\"/>\n"));
+    result.part_count = 3;
+    result.contours[0].part = 2;
+    result.contours[1].part = several_parts;
+    const std::string named = svg_of(result);
+    CHECK(count(named, " lamella:part=\"2\"/>") == 1);
+    CHECK(count(named, " class=\"near\" lamella:part=\"several\"/>") == 1);
+    CHECK(count(named, " lamella:part=") == 3);
+}
+
+TEST_CASE("svg: says what was done to regions", "[write]") {
+    SliceResult result = write_test::square_with_hole();
+    result.region.fill_rule = FillRule::positive;
+    result.region.close_mm = 0.25;
+    result.region.offset_mm = 2;
+    result.region.mark_near_mm = 0.5;
+    CHECK(
+        svg_of(result).find("Fill rule positive. Regions closed by 0.25 mm. Regions grown by 2 mm, miter limit 3. Contours "
+                            "marked that closing by 0.5 mm would change.") != std::string::npos);
+}

@@ -308,6 +308,7 @@ void write_report(JsonText& json, const SliceResult& result, const ReportParts& 
     write_findings(json, result, parts);
     if (result.part_count > 1) {
         json.member("parts", result.part_count);
+        json.member("part_regions", result.part_regions == PartRegions::united ? "united" : "separate");
     }
     json.member("grid_mm", result.unit_mm);
     write_plan(json, result.plan);

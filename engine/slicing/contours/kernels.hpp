@@ -7,9 +7,8 @@
 #include <span>
 
 #include "base/dispatch.hpp"
-#include "base/function_ref.hpp"
-#include "base/int128.hpp"
 #include "lamella/grid.hpp"
+#include "slicing/nesting/ring_facts.hpp"
 
 namespace lamella {
 
@@ -21,16 +20,6 @@ struct EdgeArrays {
     const std::int32_t* z;
     const double* slope_x;
     const double* slope_y;
-};
-
-/// Found in one pass over a closed contour.
-struct RingFacts {
-    Point box_min;
-    Point box_max;
-    Int128 twice_area;     ///< positive if counter-clockwise; exact
-    std::size_t smallest;  ///< index of the first occurrence of the smallest (x, y)
-    bool many_smallest;    ///< it occurs again
-    bool has_repeats;      ///< two consecutive points are equal
 };
 
 struct Kernels {
@@ -49,11 +38,6 @@ struct Kernels {
 inline constexpr std::size_t padded_count = 8;
 /// select_equal() may write so many elements beyond those that it finds.
 inline constexpr std::size_t select_padding = 16;
-
-/// The facts of a closed ring of count > 0 points as they lie.
-RingFacts examine_ring(const Point* ring, std::size_t count) noexcept;
-/// The same for a long one: calls pause() now and then, which may throw.
-RingFacts examine_ring(const Point* ring, std::size_t count, FunctionRef<void()> pause);
 
 /// All forms, the fastest first.
 std::span<const Form<Kernels>> kernel_forms() noexcept;

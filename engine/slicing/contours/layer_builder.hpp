@@ -94,14 +94,14 @@ private:
     Vector<NestItem> items_;         // of contours_, by start
     Vector<Polyline> polylines_;     // the open ones of contours_, for repair
     // For rules of regions:
-    Vector<LayerContour> walked_;             // contours_ before it was replaced
-    Vector<NestItem> closed_;                 // the closed ones of items_
-    Vector<std::uint32_t> walked_of_;         // of each of closed_: its number in walked_
-    Vector<std::int64_t> ring_of_;            // of each of items_: its number in the region, -1 for an open polyline
+    Vector<LayerContour> walked_;      // contours_ before it was replaced
+    Vector<NestItem> closed_;          // the closed ones of items_
+    Vector<std::uint32_t> walked_of_;  // of each of closed_: its number in walked_
+    Vector<std::int64_t> ring_of_;     // of each of items_: its number in the region, -1 for an open polyline
     Vector<Ring> region_;
-    Vector<Ring> kept_;                       // of the region, where only some are wanted
-    Vector<Point> made_;                      // points of rings that were made or lost some
-    Vector<Point> given_;                     // points of contours that were not walked
+    Vector<Ring> kept_;    // of the region, where only some are wanted
+    Vector<Point> made_;   // points of rings that were made or lost some
+    Vector<Point> given_;  // points of contours that were not walked
     StopPace pace_;
 };
 

@@ -1,12 +1,15 @@
 // A region of a caller's own contours: a layer without the walk.
 #include "lamella/region.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <string>
 
 #include "base/guard.hpp"
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/words.hpp"
 #include "lamella/assemble.hpp"
 #include "slicing/contours/layer_builder.hpp"
 #include "slicing/regions/rules.hpp"
@@ -40,12 +43,28 @@ Status check_points(ContoursView contours, StopPace& pace) {
     return {};
 }
 
-Status check_all_rules(const RegionRules& rules, double unit_mm) {
-    if (!(unit_mm > 0) || !std::isfinite(unit_mm)) {
-        return Error{ErrorCode::invalid_argument, "the grid unit must be finite and more than 0"};
+double farthest(ContoursView contours) {
+    std::int32_t most = 0;
+    for (const std::span<const Point> contour : contours) {
+        for (const Point p : contour) {
+            most = std::max({most, std::abs(p.x), std::abs(p.y)});
+        }
     }
-    Status status = check_rules(rules);
-    return status ? check_reach(rules, unit_mm) : status;
+    return most;
+}
+
+Status check_all(ContoursView contours, const RegionRules& rules, double unit_mm, StopPace& pace) {
+    if (!(unit_mm > 0) || !std::isfinite(unit_mm)) {
+        return Error{ErrorCode::invalid_argument,
+                     "the grid unit must be finite and above 0, not " + exact_text(unit_mm) + " mm"};
+    }
+    if (Status status = check_rules(rules); !status) {
+        return status;
+    }
+    if (Status status = check_points(contours, pace); !status) {
+        return status;
+    }
+    return check_reach(rules, unit_mm, farthest(contours) * unit_mm);
 }
 
 }  // namespace
@@ -53,13 +72,10 @@ Status check_all_rules(const RegionRules& rules, double unit_mm) {
 Result<LayerContours> region_of(std::span<const std::span<const Point>> contours, const RegionRules& rules, double unit_mm,
                                 const Control& control) noexcept {
     return guarded(control, [&]() -> Result<LayerContours> {
-        if (Status status = check_all_rules(rules, unit_mm); !status) {
-            return status.error();
-        }
         StopPace pace;
         pace.follow(control.stop);
         pace.ask();
-        if (Status status = check_points(contours, pace); !status) {
+        if (Status status = check_all(contours, rules, unit_mm, pace); !status) {
             return status.error();
         }
         LayerBuilder builder(control.memory);

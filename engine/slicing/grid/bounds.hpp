@@ -1,6 +1,9 @@
 // The box of the mesh, from one read before the grid is chosen; checks that every coordinate and index can be used.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/parallel.hpp"
 #include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
@@ -11,6 +14,15 @@ namespace lamella {
 struct Bounds {
     double min_mm[3];
     double max_mm[3];
+
+    /// The largest magnitude of x and y.
+    double farthest_in_plane() const noexcept {
+        double farthest = 0;
+        for (int axis = 0; axis < 2; ++axis) {
+            farthest = std::max({farthest, std::abs(min_mm[axis]), std::abs(max_mm[axis])});
+        }
+        return farthest;
+    }
 };
 
 /// One parallel streaming read; O(n). The box is of the transformed mesh. `unit_mm` is the requested unit, 0 for the

@@ -111,7 +111,7 @@ private:
             return unit.error();
         }
         frame_.unit_mm = *unit;
-        return check_reach(options_.region, *unit);
+        return check_reach(options_.region, *unit, frame_.bounds.farthest_in_plane());
     }
 
     Status slice_all() {

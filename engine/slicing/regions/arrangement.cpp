@@ -40,7 +40,9 @@ void Arrangement::build(const SnapRounding& snapped) {
             spread_windings(v);
         }
     }
-    find_lowest_points();
+    if (snapped.any_cancelled()) {
+        find_lowest_points();
+    }
 }
 
 void Arrangement::sort_halves() {
@@ -139,11 +141,11 @@ void Arrangement::find_lowest_points() {
 /// All but the last.
 void Arrangement::append_points(Half half, Vector<Point>& points) {
     points.push_back(from_point(half));
-    const std::uint32_t edges = strand_of(half).edges;
-    for (std::uint32_t i = 1; i < edges; ++i) {
-        points.push_back(point_of(half, i));
+    const Strand& strand = strand_of(half);
+    if (strand.is_chain()) {
+        snapped_->append_points_within(strand, half % 2 == 1, points);
     }
-    pace_.spend(half_work + edges);
+    pace_.spend(half_work + strand.edges);
 }
 
 void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {

@@ -54,7 +54,7 @@ Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept {
     const Int128 c_side = side_of_line(a, b, c);
     const Int128 d_side = side_of_line(a, b, d);
     assert(c_side != d_side);
-    Int128 whole = c_side - d_side;           // the crossing is a + (b - a) part / whole
+    Int128 whole = c_side - d_side;  // the crossing is a + (b - a) part / whole
     Int128 part = side_of_line(c, d, a);
     assert(part != 0);
     // side_of_line(c, d, a) - side_of_line(c, d, b) is whole or its opposite: the signs of `part` and `whole` must agree.

@@ -6,8 +6,8 @@
 
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
-#include "slicing/nesting/nest.hpp"
 #include "slicing/edges/edge_pairs.hpp"
+#include "slicing/nesting/nest.hpp"
 
 namespace lamella {
 
@@ -27,10 +27,7 @@ Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept;
 class Contacts {
 public:
     explicit Contacts(const Memory* memory)
-        : meets_(memory),
-          first_edges_(memory),
-          near_edges_(memory),
-          crossings_(memory) {}
+        : near_(memory), meets_(memory), first_edges_(memory), near_edges_(memory), crossings_(memory) {}
 
     /// From here on find() throws Stopped where the host wants the call to end.
     void follow(const StopCheck& host) noexcept {
@@ -59,8 +56,8 @@ private:
     void sort_crossings();
 
     EdgePairs near_;
-    Vector<std::uint8_t> meets_;            // of each contour
-    Vector<std::size_t> first_edges_;       // of each contour
+    Vector<std::uint8_t> meets_;       // of each contour
+    Vector<std::size_t> first_edges_;  // of each contour
     Vector<std::uint8_t> near_edges_;
     Vector<Point> crossings_;
     bool any_meets_ = false;

@@ -18,18 +18,24 @@ bool PointTree::Edge::passes_by(const FlatBox& region) const noexcept {
     return distance > std::abs(dx) * half_y + std::abs(dy) * half_x + room;
 }
 
-void PointTree::divide(std::size_t begin, std::size_t end, bool by_x, StopPace& pace) {
+void PointTree::divide(std::size_t begin, std::size_t end, StopPace& pace) {
     if (end - begin <= leaf) {
         return;
     }
+    FlatBox box{nodes_[begin].point, nodes_[begin].point};
+    for (std::size_t i = begin + 1; i < end; ++i) {
+        const Point p = nodes_[i].point;
+        box = {{std::min(box.low.x, p.x), std::min(box.low.y, p.y)}, {std::max(box.high.x, p.x), std::max(box.high.y, p.y)}};
+    }
+    const bool by_x = std::int64_t{box.high.x} - box.low.x >= box.height();
     const std::size_t middle = begin + (end - begin) / 2;
     const auto at = [this](std::size_t i) { return nodes_.begin() + static_cast<std::ptrdiff_t>(i); };
     pace.spend(4 * (end - begin));
-    std::nth_element(at(begin), at(middle), at(end), [by_x](const Node& a, const Node& b) {
-        return by_x ? a.point.x < b.point.x : a.point.y < b.point.y;
-    });
-    divide(begin, middle, !by_x, pace);
-    divide(middle + 1, end, !by_x, pace);
+    std::nth_element(at(begin), at(middle), at(end),
+                     [by_x](const Node& a, const Node& b) { return by_x ? a.point.x < b.point.x : a.point.y < b.point.y; });
+    nodes_[middle].by_x = by_x ? 1 : 0;
+    divide(begin, middle, pace);
+    divide(middle + 1, end, pace);
 }
 
 }  // namespace lamella

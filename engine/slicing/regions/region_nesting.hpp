@@ -25,7 +25,7 @@ public:
     void nest(std::span<NestItem> items, std::span<const std::int64_t> ring_of, std::span<const Ring> rings, Nester& nester);
 
 private:
-    Vector<std::uint32_t> item_of_;     // of each ring
+    Vector<std::uint32_t> item_of_;    // of each ring
     Vector<std::uint8_t> is_settled_;  // of each item: its parent is what it lies in
 };
 

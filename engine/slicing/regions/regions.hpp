@@ -55,7 +55,8 @@ public:
     /// points and c contacts. Throws std::bad_alloc.
     void run(std::span<const NestItem> contours, const RegionSteps& steps, Nester& nester);
 
-    /// In no order; empty where is_unchanged(), unless RegionSteps::always_list. Points that are not those of a given contour stay until the next call.
+    /// In no order; empty where is_unchanged(), unless RegionSteps::always_list. Points that are not those of a given
+    /// contour stay until the next call.
     std::span<const Ring> rings() const noexcept { return rings_; }
     /// Whether the region is the contours as they are. Then nested() are they, with the outputs of nesting.
     bool is_unchanged() const noexcept { return unchanged_; }
@@ -80,13 +81,13 @@ private:
     void take(Fill& fill);
 
     Vector<Ring> rings_;
-    Vector<Ring> input_;        // of a stage's fill, by start
-    Vector<NestItem> items_;    // of input_
-    Vector<RawCurve> curves_;   // of a stage's rings
-    Vector<std::uint32_t> parts_;  // of curves_
+    Vector<Ring> input_;             // of a stage's fill, by start
+    Vector<NestItem> items_;         // of input_
+    Vector<RawCurve> curves_;        // of a stage's rings
+    Vector<std::uint32_t> parts_;    // of curves_
     Vector<std::uint8_t> is_alone_;  // of each ring: closing leaves it alone
     Vector<Ring> alone_;
-    Vector<Point> turned_;      // points of rings that were walked with the solid on their right
+    Vector<Point> turned_;  // points of rings that were walked with the solid on their right
     bool unchanged_ = false;
 
     Fill filled_;

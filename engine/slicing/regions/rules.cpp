@@ -129,7 +129,7 @@ Status check_uniting(const RegionRules& rules) {
     return check_every_layer(rules, "uniting parts");
 }
 
-Status check_reach(const RegionRules& rules, double unit_mm) {
+Status check_reach(const RegionRules& rules, double unit_mm, double farthest_mm) {
     const double most_mm = grid_limit * unit_mm / std::max(1.0, rules.miter_limit);
     for (const NamedLength& length : lengths_of(rules)) {
         const double mm = std::abs(length.mm);
@@ -142,6 +142,14 @@ Status check_reach(const RegionRules& rules, double unit_mm) {
             return refusal(std::string(length.name) + " of " + exact_text(length.mm) + " mm is under the grid unit of " +
                            exact_text(unit_mm) + " mm: nothing would happen");
         }
+    }
+    // A corner that is cut lies up to 1.42 offsets away, one that is not up to the limit.
+    const double factor = std::max(2.0, rules.miter_limit);
+    const double reach_mm = factor * std::max(rules.close_mm + std::abs(rules.offset_mm), rules.mark_near_mm);
+    if (reach_mm > 0 && farthest_mm + reach_mm > grid_limit * unit_mm) {
+        return refusal("contours that extend to " + exact_text(farthest_mm) + " mm from zero could be offset beyond the grid, " +
+                       "which ends at " + exact_text(grid_limit * unit_mm) + " mm; choose a unit of more than " +
+                       exact_text(unit_mm) + " mm");
     }
     return {};
 }

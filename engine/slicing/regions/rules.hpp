@@ -11,9 +11,10 @@ namespace lamella {
 /// invalid_argument, one line that names the rule.
 Status check_rules(const RegionRules& rules);
 
-/// Whether the lengths of `rules` are at least a unit and the grid holds them. Precondition: check_rules() is content.
+/// Whether the lengths of `rules` are at least a unit, and the grid holds them around contours whose farthest coordinate is
+/// `farthest_mm`. Precondition: check_rules() is content.
 /// Error: invalid_argument, one line that names the rule and what is possible.
-Status check_reach(const RegionRules& rules, double unit_mm);
+Status check_reach(const RegionRules& rules, double unit_mm, double farthest_mm);
 
 /// Whether every layer has a region, which parts are united in. Error: invalid_argument.
 Status check_uniting(const RegionRules& rules);

@@ -177,6 +177,7 @@ void SnapRounding::merge_strands() {
         return std::tuple(a.is_chain(), a.from, a.to, a.contour, a.first) <
                std::tuple(b.is_chain(), b.from, b.to, b.contour, b.first);
     });
+    any_cancelled_ = false;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < strands_.size();) {
         Strand strand = strands_[i++];
@@ -188,8 +189,26 @@ void SnapRounding::merge_strands() {
         if (strand.times != 0) {
             strands_[kept++] = strand;
         }
+        any_cancelled_ = any_cancelled_ || strand.times == 0;
     }
     strands_.resize(kept);
+}
+
+void SnapRounding::append_points_within(const Strand& chain, bool backwards, Vector<Point>& points) const {
+    const NestItem& item = *contours_[chain.contour].item;
+    const std::size_t within = chain.edges - 1;
+    const std::size_t first = (std::size_t{item.start} + chain.first + 1) % item.count;
+    const std::size_t before_wrap = std::min(within, item.count - first);
+    const std::size_t begin = points.size();
+    points.resize(begin + within);
+    Point* const to = points.data() + begin;
+    if (backwards) {
+        std::reverse_copy(item.points + first, item.points + first + before_wrap, to + (within - before_wrap));
+        std::reverse_copy(item.points, item.points + (within - before_wrap), to);
+    } else {
+        std::copy_n(item.points + first, before_wrap, to);
+        std::copy_n(item.points, within - before_wrap, to + before_wrap);
+    }
 }
 
 }  // namespace lamella

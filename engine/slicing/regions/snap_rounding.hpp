@@ -75,6 +75,11 @@ public:
         return contours_[chain.contour].item->from_start(chain.first + i);
     }
 
+    /// Appends the points strictly between a chain's ends, from its first on or from its last.
+    void append_points_within(const Strand& chain, bool backwards, Vector<Point>& points) const;
+    /// Whether opposite contours have taken strands off each other.
+    bool any_cancelled() const noexcept { return any_cancelled_; }
+
 private:
     struct Source {
         const NestItem* item;
@@ -103,6 +108,7 @@ private:
     Vector<Strand> strands_;
     Vector<Found> on_edge_;  // vertices that an edge passes, in its direction
     Vector<Found> on_strand_;
+    bool any_cancelled_ = false;
     StopPace pace_;
 };
 

@@ -125,7 +125,7 @@ void check_itself(const LayerContours& made) {
                   "a region is its own region");
 }
 
-/// Against closing everything, and the region that was closed.
+/// Against closing everything.
 void check_closing(const Rings& rings, RegionRules rules, const LayerContours& made) {
     if (rules.largest_only || rules.fill_rule == FillRule::outermost || rules.close_mm == 0 || rules.offset_mm != 0) {
         return;
@@ -135,7 +135,19 @@ void check_closing(const Rings& rings, RegionRules rules, const LayerContours& m
     const auto plain = region(rings, rules);
     fuzz::require(everywhere.ok() && regions::difference_of(made, *everywhere) <= rounding_along(regions::rings_of(*plain)),
                   "closing agrees with closing everything");
-    fuzz::require(area_outside(*plain, made) <= rounding_along(regions::rings_of(*plain)), "closing takes nothing away");
+}
+
+/// What is dilated contains the region, and the region what is eroded.
+void check_offset(const Rings& rings, RegionRules rules, const LayerContours& made) {
+    if (rules.largest_only || rules.fill_rule == FillRule::outermost || rules.close_mm != 0 || rules.offset_mm == 0) {
+        return;
+    }
+    const bool dilated = rules.offset_mm > 0;
+    rules.offset_mm = 0;
+    const auto plain = region(rings, rules);
+    fuzz::require(
+        area_outside(dilated ? *plain : made, dilated ? made : *plain) <= rounding_along(regions::rings_of(*plain)),
+        "offsets move outwards or inwards only");
 }
 
 void check_marks(const Rings& rings, RegionRules rules) {
@@ -172,5 +184,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::require(regions::same(*made, *again), "order and starts do not change the region");
     check_itself(*made);
     check_closing(rings, rules, *made);
+    check_offset(rings, rules, *made);
     return 0;
 }

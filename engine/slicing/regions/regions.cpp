@@ -18,6 +18,7 @@ std::span<const Point> points_of(const NestItem& item) noexcept {
     return {item.points, item.count};
 }
 
+/// check_reach() refuses most of them beforehand. But miters on the way back from a dilated region may lead farther.
 void refuse_beyond_grid(const RawCurve& curve) {
     if (curve.beyond_grid) {
         throw Refused{{ErrorCode::invalid_argument,

@@ -7,6 +7,8 @@
 
 #include "engine/closing_shapes.hpp"
 #include "engine/region_checks.hpp"
+#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
 
 using lamella::FillRule;
 using regions::LayerContours;
@@ -302,6 +304,69 @@ TEST_CASE("outermost, largest and collinear: what is left can be written down", 
     CHECK(region_by(dotted, rules).points.size() == 7);
     rules.drop_collinear = true;
     CHECK(text_of(region_by(dotted, rules)) == "outer 0,0 1000,0 1000,1000 0,1000; ");
+}
+
+TEST_CASE("threads, bands and the form of contours do not change regions", "[closing][threads]") {
+    shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 0}, 10, 3), shapes::octasphere({12, 3, 1}, 7, 2),
+                                        shapes::flipped(shapes::octasphere({1, 0, 0}, 4, 2)),
+                                        shapes::box({19.05, -3, -8}, {25, 3, 8}), shapes::octasphere({30, 0, 0}, 4.95, 3)});
+    lamella::SliceOptions options = uniform(0.3);
+    options.region.fill_rule = FillRule::non_zero;
+    SECTION("outermost") {
+        options.region.fill_rule = FillRule::outermost;
+    }
+    SECTION("the largest") {
+        options.region.largest_only = true;
+    }
+    SECTION("without collinear points") {
+        options.region.drop_collinear = true;
+    }
+    SECTION("closed") {
+        options.region.close_mm = 0.3;
+    }
+    SECTION("closed and eroded") {
+        options.region.close_mm = 0.3;
+        options.region.offset_mm = -0.4;
+        options.region.miter_limit = 1.2;
+    }
+    SECTION("marked") {
+        options.region.mark_near_mm = 0.3;
+    }
+    SECTION("by layers") {
+        options.region.fill_from = {{5, FillRule::outermost}, {20, FillRule::even_odd}, {33, FillRule::contours}};
+    }
+    options.control.threads = 1;
+    const lamella::SliceResult first = sliced(soup, options);
+    const lamella::SliceResult plain = sliced(soup, uniform(0.3));
+    CHECK(hash_result(first) != hash_result(plain));
+    for (const int threads : {1, 2, 3}) {
+        for (const int band : {0, 1, 7}) {
+            for (const auto form : {lamella::ContourForm::swept, lamella::ContourForm::assembled}) {
+                options.control.threads = threads;
+                options.tuning.band_planes = band;
+                options.tuning.form = form;
+                CHECK(hash_result(sliced(soup, options)) == hash_result(first));
+            }
+        }
+    }
+    CHECK(hash_result(sliced(shapes::shuffled(soup, 9), options)) == hash_result(first));
+}
+
+TEST_CASE("each layer has the rule that it is given", "[closing]") {
+    // A box within a box, both upright: two windings inside.
+    const shapes::Soup soup = shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::box({2, 2, 0}, {8, 8, 10})});
+    lamella::SliceOptions options = at_heights({1, 3, 5, 7, 9});
+    options.region.fill_rule = FillRule::non_zero;
+    options.region.fill_from = {{1, FillRule::even_odd}, {3, FillRule::contours}, {4, FillRule::outermost}};
+    const lamella::SliceResult result = sliced(soup, options);
+    std::vector<double> areas;
+    std::vector<std::uint64_t> counts;
+    for (const lamella::Layer& layer : result.layers) {
+        areas.push_back(result.area_mm2(layer));
+        counts.push_back(layer.contour_count);
+    }
+    CHECK(areas == std::vector<double>{100, 64, 64, areas[3], 100});
+    CHECK(counts == std::vector<std::uint64_t>{1, 2, 2, 2, 1});
 }
 
 TEST_CASE("contours over the whole grid cross in the right places", "[closing]") {

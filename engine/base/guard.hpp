@@ -8,6 +8,11 @@
 
 namespace lamella {
 
+/// Thrown where an input turns out to be refused only far inside a call.
+struct Refused {
+    Error error;
+};
+
 /// What `call` returns, a Result or a Status, or the Error that its exception stands for.
 template <class Call>
 auto guarded(Call&& call) noexcept -> decltype(call()) {
@@ -15,6 +20,8 @@ auto guarded(Call&& call) noexcept -> decltype(call()) {
         return std::forward<Call>(call)();
     } catch (const Stopped&) {
         return Error{ErrorCode::cancelled, "cancelled"};
+    } catch (Refused& refused) {
+        return std::move(refused.error);
     } catch (...) {  // bad_alloc, or length_error where a text cannot be that long
         return Error{ErrorCode::out_of_memory, "out of memory"};  // short enough to need no memory
     }

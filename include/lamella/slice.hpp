@@ -65,9 +65,8 @@ private:
 /// and O(q log q) per layer for ordering and nesting. Memory: O(n + k + m).
 ///
 /// The result and all scratch that grows with the mesh come from `options.control.memory`, with these exceptions, which take
-/// operator new: by a fill rule the search for contours that meet and all of the clipping library; the list of contours in a
-/// plane that all threads work on together; the heights of planes that are not uniform; and objects of a fixed size, some a
-/// call, a thread and a band.
+/// operator new: the list of contours in a plane that all threads work on together; the heights of planes that are not
+/// uniform; and objects of a fixed size, some a call, a thread and a band. What rules of regions need comes from it too.
 ///
 /// A result is refused as too large by what is known before anything is linked: 64 bytes a layer, a point of 8 bytes a
 /// crossing, and a contour of 48 in each layer that has crossings. How many contours more there are is known only once they

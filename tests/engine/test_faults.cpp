@@ -119,11 +119,54 @@ TEST_CASE("a slice by random planes fails cleanly at each of its allocations", "
 
 TEST_CASE("filling and closing gaps fail cleanly at each of their allocations", "[engine][faults]") {
     SliceOptions options = uniform(0.7);
-    options.region.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::even_odd, lamella::FillRule::non_zero,
-                                 lamella::FillRule::positive);
+    options.region.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::even_odd,
+                                        lamella::FillRule::non_zero, lamella::FillRule::positive);
     options.close_gaps_mm = 2;
     options.control.threads = 2;
     fail_slicing_everywhere(everything(), options);
+}
+
+TEST_CASE("every rule of regions fails cleanly at each of its allocations", "[engine][faults][closing]") {
+    SliceOptions options = uniform(1.4);
+    options.region.fill_rule = lamella::FillRule::non_zero;
+    SECTION("closing") {
+        options.region.close_mm = GENERATE(0.01, 0.6, 2.0);
+    }
+    SECTION("offset") {
+        options.region.offset_mm = GENERATE(-0.5, 0.5);
+    }
+    SECTION("closing, offset and what comes after them") {
+        options.region.close_mm = 0.6;
+        options.region.offset_mm = 0.2;
+        options.region.largest_only = true;
+        options.region.drop_collinear = true;
+    }
+    SECTION("outermost") {
+        options.region.fill_rule = lamella::FillRule::outermost;
+    }
+    SECTION("marks") {
+        options.region.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::positive);
+        options.region.mark_near_mm = 0.6;
+    }
+    options.control.threads = 1;
+    fail_slicing_everywhere(everything(), options);
+}
+
+TEST_CASE("the region of given contours fails cleanly at each of its allocations", "[engine][faults][closing]") {
+    const std::vector<lamella::Point> low = {{0, 0}, {4000, 0}, {4000, 4000}, {0, 4000}};
+    const std::vector<lamella::Point> high = {{2000, 2000}, {6000, 2000}, {6000, 6000}, {2000, 6000}};
+    const std::vector<lamella::Point> beside = {{6100, 0}, {9000, 0}, {9000, 5000}, {6100, 5000}};
+    const std::vector<std::span<const lamella::Point>> contours = {low, high, beside};
+    lamella::RegionRules rules;
+    rules.fill_rule = lamella::FillRule::non_zero;
+    rules.close_mm = 60;
+    rules.offset_mm = -20;
+    rules.drop_collinear = true;
+    fail_everywhere([&](const Memory* memory) {
+        lamella::Control control;
+        control.memory = memory;
+        return code_of(lamella::region_of(contours, rules, 1, control));
+    });
 }
 
 TEST_CASE("a wide plane fails cleanly at its allocations", "[engine][faults][wide][threads]") {

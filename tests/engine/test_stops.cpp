@@ -159,7 +159,7 @@ private:
     double longest_ = 0;
 };
 
-/// Bodies through one another, in clusters that the clipping library takes a moment for: it is not interrupted in one.
+/// Bodies through one another, in many small clusters.
 shapes::Soup crossing_tetrahedra(std::size_t count) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> place(-20, 20);
@@ -261,6 +261,32 @@ TEST_CASE("a slice looks for a stop every 20 ms, in whatever form and with whate
             return code_of(lamella::slice(sliced.mesh, sliced.options));
         }) <= most_slice_ms);
     }
+}
+
+TEST_CASE("the region of contours with a million crossings looks for a stop every 20 ms", "[engine][fill][stops]") {
+    // Upright and level bars: each of one kind crosses all of the other, four times.
+#ifdef LAMELLA_TESTS_SANITIZED
+    constexpr std::int32_t bars = 100;
+#else
+    constexpr std::int32_t bars = 500;
+#endif
+    std::vector<std::array<lamella::Point, 4>> corners;
+    for (std::int32_t i = 0; i < bars; ++i) {
+        const std::int32_t low = 1'000'000 * i;
+        const std::int32_t high = low + 400'000;
+        const std::int32_t end = 1'000'000 * bars;
+        corners.push_back({{{low, -7}, {high, 5}, {high + 3, end}, {low, end + 2}}});
+        corners.push_back({{{-7, low}, {end, low + 1}, {end + 2, high}, {5, high + 3}}});
+    }
+    const std::vector<std::span<const lamella::Point>> contours(corners.begin(), corners.end());
+    lamella::RegionRules rules;
+    rules.fill_rule = lamella::FillRule::non_zero;
+    const double close_mm = GENERATE(0.0, 0.01);
+    rules.close_mm = close_mm;
+    AskGaps gaps;
+    CHECK(gaps.longest_of([&](const Control& c) {
+        return code_of(lamella::region_of(contours, rules, lamella::default_unit_mm, c));
+    }) <= most_slice_ms);
 }
 
 TEST_CASE("assembling a large plane looks for a stop every 20 ms, and shows its progress", "[engine][assemble][stops]") {

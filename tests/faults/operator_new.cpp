@@ -1,5 +1,6 @@
 // Tests the functions that allocate by operator new, which this executable replaces. Each call is run with each of its
 // allocations failing in turn. It must return an error and release all memory that it took.
+#include <array>
 #include <atomic>
 #include <cstdlib>
 #include <functional>
@@ -21,6 +22,7 @@ std::atomic<std::int64_t> left_until_failure{never};  ///< number of allocations
 std::atomic<bool> fails_once{false};                  ///< only one allocation fails; otherwise all later ones fail too
 std::atomic<std::int64_t> failures{0};
 std::atomic<std::int64_t> blocks_held{0};
+std::atomic<std::int64_t> blocks_taken{0};
 
 bool fails_now() noexcept {
     std::int64_t left = left_until_failure;
@@ -35,6 +37,7 @@ void* take(std::size_t bytes, std::size_t alignment) noexcept {
     }
     void* const memory = std::aligned_alloc(alignment, (bytes + alignment) / alignment * alignment);
     blocks_held += memory != nullptr ? 1 : 0;
+    ++blocks_taken;
     return memory;
 }
 
@@ -187,6 +190,48 @@ TEST_CASE("examining, welding and assembling survive failing operator new", "[fa
     fail_everywhere([&] { return code_of(lamella::weld(view_of(soup), {.tolerance_mm = 0.01})); });
     const std::vector<lamella::Segment> segments(9, {{1, 0, 0}, {2, 0, 0}, {0, 0}, {1, 1}, 0, 0});
     fail_everywhere([&] { return code_of(lamella::assemble(segments)); });
+}
+
+/// How many blocks of operator new the region of so many overlapping squares takes, with the host's memory for all else.
+std::int64_t blocks_of_region(std::int32_t squares, const lamella::RegionRules& rules) {
+    struct Pool {
+        void* allocate(std::size_t bytes, std::size_t) { return std::malloc(bytes); }
+        void deallocate(void* memory, std::size_t, std::size_t) { std::free(memory); }
+    } pool;
+    const lamella::Memory memory = lamella::memory_of(pool);
+    std::vector<std::array<lamella::Point, 4>> corners;
+    for (std::int32_t i = 0; i < squares; ++i) {
+        const std::int32_t at = 700 * i;
+        corners.push_back({{{at, at}, {at + 1000, at}, {at + 1000, at + 1000}, {at, at + 1000}}});
+        corners.push_back({{{-at - 900, at}, {-at - 200, at}, {-at - 200, at + 650}, {-at - 900, at + 650}}});
+    }
+    const std::vector<std::span<const lamella::Point>> contours(corners.begin(), corners.end());
+    const std::int64_t before = blocks_taken;
+    const auto region = lamella::region_of(contours, rules, 1, {.memory = &memory});
+    const std::int64_t taken = blocks_taken - before;
+    REQUIRE(region.ok());
+    return taken;
+}
+
+TEST_CASE("regions take what grows with the layer from the host's memory", "[faults]") {
+    lamella::RegionRules rules;
+    rules.fill_rule = GENERATE(lamella::FillRule::even_odd, lamella::FillRule::outermost);
+    rules.close_mm = GENERATE(0, 40);
+    rules.offset_mm = GENERATE(0, -5);
+    rules.mark_near_mm = GENERATE(0, 40);
+    rules.drop_collinear = true;
+    CHECK(blocks_of_region(2, rules) == blocks_of_region(3000, rules));
+}
+
+TEST_CASE("regions survive failing operator new", "[faults]") {
+    const shapes::Soup soup = everything();
+    lamella::SliceOptions options = uniform(0.9);
+    options.region.fill_rule = lamella::FillRule::non_zero;
+    options.region.close_mm = 0.6;
+    options.region.offset_mm = -0.2;
+    options.region.mark_near_mm = 0.3;
+    options.region.drop_collinear = true;
+    fail_everywhere([&] { return code_of(slice(view_of(soup), options)); });
 }
 
 TEST_CASE("reading survives failing operator new", "[faults]") {

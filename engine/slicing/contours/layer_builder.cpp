@@ -154,7 +154,7 @@ void LayerBuilder::nest(FillRule rule) {
         nester_.nest(items_);
     }
     if (marks) {
-        regions_.mark_near(items_, rules.region->mark_near_mm / rules.unit_mm, rules.region->miter_limit);
+        regions_.mark_near(items_, rules.region->mark_near_mm / rules.unit_mm, rules.region->miter_limit, nester_);
     }
     fill_ticks += timed && (marks || rule != FillRule::contours) ? ticks() - before : 0;
 }

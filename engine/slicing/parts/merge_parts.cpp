@@ -4,7 +4,8 @@
 #include <cassert>
 #include <cstdint>
 #include <tuple>
-#include <vector>
+
+#include "base/vector.hpp"
 
 namespace lamella {
 
@@ -21,9 +22,9 @@ std::span<const Point> points_of_layer(const SliceResult& part, std::size_t laye
 }
 
 /// Sizes the arrays and says where each layer begins; returns where its points do.
-std::vector<std::uint64_t> lay_out(std::span<const SliceResult> parts, const Parallel& parallel, SliceResult& merged) {
+Vector<std::uint64_t> lay_out(std::span<const SliceResult> parts, const Parallel& parallel, SliceResult& merged) {
     const std::size_t layers = parts[0].layers.size();
-    std::vector<std::uint64_t> first_points(layers);
+    Vector<std::uint64_t> first_points(layers, merged.points.memory());
     merged.layers.resize_discarding(layers);
     std::uint64_t contours = 0;
     std::uint64_t points = 0;
@@ -109,7 +110,7 @@ void add(const SliceSummary& own, SliceSummary& sum) {
 
 void merge_parts(std::span<const SliceResult> parts, const Parallel& parallel, SliceResult& merged) {
     assert(!parts.empty());
-    const std::vector<std::uint64_t> first_points = lay_out(parts, parallel, merged);
+    const Vector<std::uint64_t> first_points = lay_out(parts, parallel, merged);
     parallel.run_ranges(merged.layers.size(), 1, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t l = begin; l < end; ++l) {
             copy_layer(parts, l, first_points[l], merged);

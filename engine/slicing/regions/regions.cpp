@@ -1,9 +1,10 @@
 #include "slicing/regions/regions.hpp"
 
 #include <algorithm>
-#include <cassert>
+#include <string>
 #include <utility>
 
+#include "base/guard.hpp"
 #include "slicing/offset/fold.hpp"
 #include "slicing/regions/closed_item.hpp"
 
@@ -16,6 +17,15 @@ constexpr std::size_t curve_work = 4;  ///< of a point
 
 std::span<const Point> points_of(const NestItem& item) noexcept {
     return {item.points, item.count};
+}
+
+/// check_reach() refuses most of them beforehand. But miters on the way back from a dilated region may lead farther.
+void refuse_beyond_grid(const RawCurve& curve) {
+    if (curve.beyond_grid) {
+        throw Refused{{ErrorCode::invalid_argument,
+                       "a contour moved by closing or by an offset lies beyond the grid, which ends at " +
+                           std::to_string(grid_limit) + " units; choose a coarser unit or a smaller radius"}};
+    }
 }
 
 bool is_positive(const Integer128& area) noexcept {
@@ -42,12 +52,10 @@ Regions::Regions(const Memory* memory)
       moved_(memory),
       dilated_curves_(memory),
       closed_curves_(memory),
-      moved_curves_(memory),
-      contacts_(memory) {}
+      moved_curves_(memory) {}
 
 void Regions::follow(const StopCheck& host) noexcept {
     pace_.follow(host);
-    contacts_.follow(host);
     for (Fill* fill : {&filled_, &dilated_, &closed_, &moved_}) {
         fill->follow(host);
     }
@@ -149,6 +157,7 @@ void Regions::list_dilated(const RegionSteps& steps) {
         if (!curves_.back().directions_kept && !fold(points, steps)) {
             curves_.back() = dilated_curves_.append(points, steps.close, steps.miter_limit);
         }
+        refuse_beyond_grid(curves_.back());
         folded_ends_.push_back(folded_.size());
     }
     input_.clear();
@@ -172,6 +181,11 @@ bool Regions::fold(std::span<const Point> ring, const RegionSteps& steps) {
     return true;
 }
 
+/// Whether closing leaves the contour alone that curve `source` is of, `kept` being what the dilated region has of it.
+bool Regions::is_left_alone(const RegionContour& kept, std::uint32_t source, bool hole) const noexcept {
+    return curves_[source].directions_kept && !curves_[source].reflex_cut && kept.hole == hole;
+}
+
 /// Returns whether all are.
 bool Regions::find_alone() {
     is_alone_.assign(rings_.size(), 0);
@@ -179,8 +193,7 @@ bool Regions::find_alone() {
     for (const RegionContour& contour : dilated_.region()) {
         if (contour.kept >= 0) {
             const std::uint32_t ring = input_[static_cast<std::size_t>(contour.kept)].source;
-            const RawCurve& curve = curves_[ring];
-            is_alone_[ring] = curve.directions_kept && !curve.reflex_cut && contour.hole == rings_[ring].hole ? 1 : 0;
+            is_alone_[ring] = is_left_alone(contour, ring, rings_[ring].hole) ? 1 : 0;
             alone += is_alone_[ring];
         }
     }
@@ -241,7 +254,7 @@ void Regions::append_curve(std::span<const Point> points, std::uint32_t part, do
                            RawOffset& curves) {
     curves_.push_back(curves.append(points, distance, miter_limit));
     parts_.push_back(part);
-    assert(!curves_.back().beyond_grid && "the caller has looked how far offsets can reach");
+    refuse_beyond_grid(curves_.back());
     pace_.spend(curve_work * points.size());
 }
 
@@ -269,7 +282,7 @@ void Regions::fill_positive(Fill& fill, Nester& nester) {
     fill.run(items_, FillRule::positive, nester);
 }
 
-void Regions::mark_near(std::span<NestItem> contours, double distance, double miter_limit) {
+void Regions::mark_near(std::span<NestItem> contours, double distance, double miter_limit, Nester& nester) {
     turned_.clear();
     for (const NestItem& contour : contours) {
         if (contour.orientation != 0 && contour.reverse) {
@@ -291,23 +304,22 @@ void Regions::mark_near(std::span<NestItem> contours, double distance, double mi
         parts_.push_back(contour.part);
         if (contour.orientation != 0) {
             curves_.back() = dilated_curves_.append(points, distance, miter_limit);
+            refuse_beyond_grid(curves_.back());
         }
     }
     input_.clear();
     list_curves(dilated_curves_);
-    items_.clear();
-    for (const Ring& curve : input_) {
-        items_.push_back(curve.item);
-        NestItem& contour = contours[curve.source];
-        const RawCurve& raw = curves_[curve.source];
-        if (!raw.directions_kept || raw.reflex_cut) {
-            contour.flags |= near_contour;
+    fill_positive(dilated_, nester);
+    is_alone_.assign(contours.size(), 0);
+    for (const RegionContour& contour : dilated_.region()) {
+        if (contour.kept >= 0) {
+            const std::uint32_t given = input_[static_cast<std::size_t>(contour.kept)].source;
+            is_alone_[given] = is_left_alone(contour, given, contours[given].role == Role::hole) ? 1 : 0;
         }
     }
-    contacts_.find(items_);
-    for (std::uint32_t c = 0; c < input_.size(); ++c) {
-        if (contacts_.meets(c)) {
-            contours[input_[c].source].flags |= near_contour;
+    for (std::size_t c = 0; c < contours.size(); ++c) {
+        if (contours[c].orientation != 0 && is_alone_[c] == 0) {
+            contours[c].flags |= near_contour;
         }
     }
 }

@@ -64,7 +64,7 @@ public:
     std::span<const NestItem> nested() const noexcept { return filled_.nested(); }
 
     /// Adds the flag near_contour to those of `contours`, closed ones with a role, that closing by `distance` would change.
-    void mark_near(std::span<NestItem> contours, double distance, double miter_limit);
+    void mark_near(std::span<NestItem> contours, double distance, double miter_limit, Nester& nester);
 
 private:
     void take_given(std::span<const NestItem> contours);
@@ -73,6 +73,7 @@ private:
     void list_dilated(const RegionSteps& steps);
     bool fold(std::span<const Point> ring, const RegionSteps& steps);
     Ring as_folded(std::uint32_t ring) const;
+    bool is_left_alone(const RegionContour& kept, std::uint32_t source, bool hole) const noexcept;
     bool find_alone();
     void offset(const RegionSteps& steps, Nester& nester);
     void list_eroded(const RegionSteps& steps);
@@ -103,7 +104,6 @@ private:
     RawOffset dilated_curves_;
     RawOffset closed_curves_;
     RawOffset moved_curves_;
-    Contacts contacts_;  // of the curves for marks
     StopPace pace_;
 };
 

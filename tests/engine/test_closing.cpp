@@ -1,0 +1,396 @@
+// Closing against dilating and eroding everything, offsets with written-down answers, and marks of near contours.
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "engine/closing_shapes.hpp"
+#include "engine/region_checks.hpp"
+#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
+
+using lamella::FillRule;
+using regions::LayerContours;
+using regions::Point;
+using regions::RegionRules;
+using regions::Ring;
+using regions::Rings;
+
+namespace {
+
+constexpr double unit_mm = lamella::default_unit_mm;
+
+LayerContours region_by(const Rings& rings, const RegionRules& rules) {
+    auto made = regions::region(rings, rules);
+    INFO((made ? std::string() : made.error().message));
+    REQUIRE(made.ok());
+    CHECK(regions::broken_promise(*made) == "");
+    const auto again = regions::region(regions::shuffled(rings, 77), rules);
+    REQUIRE(again.ok());
+    CHECK(regions::same(*made, *again));
+    return std::move(made).value();
+}
+
+RegionRules rules_by(double close_units, double offset_units = 0, double miter_limit = 3) {
+    RegionRules rules;
+    rules.fill_rule = FillRule::non_zero;
+    rules.close_mm = close_units * unit_mm;
+    rules.offset_mm = offset_units * unit_mm;
+    rules.miter_limit = miter_limit;
+    return rules;
+}
+
+/// Closes, and compares with closing everything.
+LayerContours closed(const Rings& rings, double radius_units, double miter_limit = 3) {
+    const RegionRules rules = rules_by(radius_units, 0, miter_limit);
+    LayerContours made = region_by(rings, rules);
+    const auto everywhere = regions::closed_everywhere(rings, rules);
+    REQUIRE(everywhere.ok());
+    const double difference = regions::difference_of(made, *everywhere);
+    const double perimeter = regions::perimeter_of(regions::rings_of(region_by(rings, rules_by(0))));
+    INFO("a difference of " << difference << " square units along " << perimeter << " units");
+    CHECK(difference >= 0);
+    CHECK(difference * unit_mm <= 5e-6 * perimeter);
+    return made;
+}
+
+std::string text_of(const LayerContours& layer) {
+    std::string text;
+    for (const lamella::Contour& contour : layer.contours) {
+        text += contour.role == lamella::Role::hole ? "hole" : "outer";
+        for (const Point p : regions::points_of(layer, contour)) {
+            text += " " + std::to_string(p.x) + "," + std::to_string(p.y);
+        }
+        text += "; ";
+    }
+    return text;
+}
+
+std::size_t holes_in(const LayerContours& layer) {
+    return static_cast<std::size_t>(std::count_if(layer.contours.begin(), layer.contours.end(),
+                                                  [](const auto& c) { return c.role == lamella::Role::hole; }));
+}
+
+/// Of each contour whether it is marked.
+std::vector<bool> marks_of(const Rings& rings, double radius_units, double miter_limit = 3) {
+    RegionRules rules = rules_by(0, 0, miter_limit);
+    rules.mark_near_mm = radius_units * unit_mm;
+    const LayerContours marked = region_by(rings, rules);
+    std::vector<bool> marks;
+    for (const lamella::Contour& contour : marked.contours) {
+        marks.push_back((contour.flags & lamella::near_contour) != 0);
+    }
+    return marks;
+}
+
+constexpr double radius = 51'380;  // 0.049 mm
+
+}  // namespace
+
+TEST_CASE("gaps under twice the radius are closed, others stay", "[closing]") {
+    const int r = GENERATE(1, 2, 7, 1000, 51'380);
+    const double limit = GENERATE(1.0, 1.2, 3.0, 10.0);
+    const int over = GENERATE(-2, -1, 0, 1, 2);
+    CAPTURE(r, limit, over);
+    const int gap = 2 * r + over;
+    const Rings pair = {shapes2d::box(0, 0, 100 * r, 50 * r), shapes2d::box(100 * r + gap, 0, 200 * r + gap, 50 * r)};
+    const LayerContours made = closed(pair, r, limit);
+    // At twice the radius exactly the dilated ones have a line in common.
+    CHECK(made.contours.size() == (over <= 0 ? 1 : 2));
+    const Rings slot = {shapes2d::box(0, 0, 100 * r, 100 * r),
+                        shapes2d::turned(shapes2d::box(20 * r, 20 * r, 80 * r, 20 * r + gap))};
+    CHECK(holes_in(closed(slot, r, limit)) == (over <= 0 ? 0 : 1));
+    const Rings rings = {shapes2d::box(0, 0, 100 * r, 100 * r),
+                         shapes2d::turned(shapes2d::box(10 * r, 10 * r, 90 * r, 90 * r)),
+                         shapes2d::box(10 * r + gap, 10 * r + gap, 90 * r - gap, 90 * r - gap)};
+    const LayerContours ringed = closed(rings, r, limit);
+    if (limit >= 3) {  // below, the cut corners of the inner one leave holes
+        CHECK(ringed.contours.size() == (over <= 0 ? 1 : 3));
+    }
+}
+
+TEST_CASE("closing agrees with closing everything on generated layers", "[closing]") {
+    const double r = GENERATE(20'000.0, 51'380.0, 51'380.224, 400'000.0);
+    const double limit = GENERATE(1.0, 1.2, 3.0, 10.0);
+    for (const shapes2d::Named& one : shapes2d::layers_to_close(r)) {
+        CAPTURE(one.name, r, limit);
+        closed(one.rings, r, limit);
+    }
+}
+
+TEST_CASE("closing agrees with closing everything on random polygons", "[closing]") {
+    const unsigned seed = GENERATE(range(1U, 121U));
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const double limit = std::array{1.0, 1.2, 3.0, 10.0}[random() % 4];
+    const double r = std::array{2'000.0, 51'380.0, 300'000.0}[random() % 3];
+    closed({shapes2d::random_star(random, 40, 4'000'000)}, r, limit);
+    closed(shapes2d::random_boxes(random, 30, 40, static_cast<int>(r)), r, limit);
+    closed(shapes2d::random_lattice(random, 4, 8, 9, static_cast<int>(3 * r)), r, limit);
+}
+
+TEST_CASE("a contour with nothing near is the same contour after closing", "[closing]") {
+    const Rings far = {shapes2d::round(0, 0, 1'000'000, 40), shapes2d::turned(shapes2d::round(0, 0, 400'000, 30)),
+                       shapes2d::round(5'000'000, 0, 1'000'000, 40)};
+    CHECK(regions::same(region_by(far, rules_by(radius)), region_by(far, rules_by(0))));
+}
+
+TEST_CASE("what closing fills in square corners can be written down", "[closing]") {
+    // The slit of a U is closed. By miters the dilated corners of the U keep it square.
+    const Rings u = {{{0, 0}, {1000, 0}, {1000, 1000}, {520, 1000}, {520, 100}, {480, 100}, {480, 1000}, {0, 1000}}};
+    RegionRules rules = rules_by(20);
+    rules.drop_collinear = true;
+    CHECK(text_of(region_by(u, rules)) == "outer 0,0 1000,0 1000,1000 0,1000; ");
+    rules.close_mm = 19 * unit_mm;
+    CHECK(text_of(region_by(u, rules)) == "outer 0,0 1000,0 1000,1000 520,1000 520,100 480,100 480,1000 0,1000; ");
+    // An inverted shell is solid by the non-zero rule, and is closed as such.
+    rules.close_mm = 20 * unit_mm;
+    CHECK(text_of(region_by({shapes2d::turned(u[0])}, rules)) == "outer 0,0 1000,0 1000,1000 0,1000; ");
+}
+
+TEST_CASE("offsets of squares can be written down", "[closing]") {
+    const Ring square = shapes2d::box(0, 0, 1000, 1000);
+    CHECK(text_of(region_by({square}, rules_by(0, 10))) == "outer -10,-10 1010,-10 1010,1010 -10,1010; ");
+    CHECK(text_of(region_by({square}, rules_by(0, -10))) == "outer 10,10 990,10 990,990 10,990; ");
+    CHECK(text_of(region_by({square}, rules_by(0, -499))) == "outer 499,499 501,499 501,501 499,501; ");
+    for (const double all : {-500.0, -501.0, -2000.0}) {
+        CHECK(region_by({square}, rules_by(0, all)).contours.empty());
+    }
+    const Rings frame = {square, shapes2d::turned(shapes2d::box(400, 400, 600, 600))};
+    CHECK(text_of(region_by(frame, rules_by(0, 10))) ==
+          "outer -10,-10 1010,-10 1010,1010 -10,1010; hole 410,410 410,590 590,590 590,410; ");
+    CHECK(text_of(region_by(frame, rules_by(0, 100))) == "outer -100,-100 1100,-100 1100,1100 -100,1100; ");
+    CHECK(text_of(region_by(frame, rules_by(0, -150))) ==
+          "outer 150,150 850,150 850,850 150,850; hole 250,250 250,750 750,750 750,250; ");
+    CHECK(region_by(frame, rules_by(0, -200)).contours.empty());
+    RegionRules merged = rules_by(0, 10);
+    merged.drop_collinear = true;
+    CHECK(text_of(region_by({square, shapes2d::box(1015, 0, 2000, 1000)}, merged)) ==
+          "outer -10,-10 2010,-10 2010,1010 -10,1010; ");
+    CHECK(region_by({square, shapes2d::box(1021, 0, 2000, 1000)}, merged).contours.size() == 2);
+    // Over the limit a corner is cut across its bisector, at the offset's distance.
+    CHECK(region_by({square}, rules_by(0, 10, 1)).points.size() == 8);
+}
+
+TEST_CASE("an offset region contains the region, and grows with the offset", "[closing]") {
+    const unsigned seed = GENERATE(range(1U, 41U));
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const Rings rings = {shapes2d::random_star(random, 30, 4'000'000)};
+    double area = 0;
+    Rings before;
+    for (const double offset : {-300'000.0, -51'380.0, -3'000.0, 0.0, 3'000.0, 51'380.0, 300'000.0}) {
+        const LayerContours now = region_by(rings, rules_by(0, offset));
+        const double perimeter = regions::perimeter_of(regions::rings_of(now));
+        CHECK(regions::area_of(now) > area);
+        // What lies outside of the larger one: all that both hold, less the larger one.
+        Rings both = before;
+        for (const Ring& ring : regions::rings_of(now)) {
+            both.push_back(ring);
+        }
+        const double united = regions::area_of(region_by(both, rules_by(0)));
+        CHECK(united - regions::area_of(now) <= 2 * perimeter);
+        area = regions::area_of(now);
+        before = regions::rings_of(now);
+    }
+}
+
+TEST_CASE("the offset of a convex polygon has the area by formula", "[closing]") {
+    const int corners = GENERATE(3, 4, 5, 8, 40);
+    const double d = GENERATE(-100'000.0, -1'000.0, 1'000.0, 100'000.0, 3'000'000.0);
+    CAPTURE(corners, d);
+    const Rings rings = {shapes2d::round(1'000, -2'000, 4'000'000, corners)};
+    // Each edge adds a rectangle; all corners together add the polygon around a circle of radius d, with the same
+    // directions.
+    const double area = regions::area_of(region_by(rings, rules_by(0)));
+    const double perimeter = regions::perimeter_of(rings);
+    const double tangents = corners * std::tan(std::numbers::pi / corners);
+    const double expected = area + perimeter * d + tangents * d * d;
+    const double made = regions::area_of(region_by(rings, rules_by(0, d)));
+    CHECK(std::abs(made - expected) <= 2 * (perimeter + 8 * std::abs(d)));
+}
+
+TEST_CASE("exactly the contours that closing changes or joins are marked", "[closing]") {
+    const int over = GENERATE(-2, -1, 0, 10);
+    const int gap = 200 + over;
+    CAPTURE(over);
+    const bool near = over <= 0;
+    // Two that come near each other, one far away, and one that comes near itself.
+    const Rings row = {shapes2d::box(0, 0, 1000, 1000),
+                       shapes2d::box(1000 + gap, 0, 3000, 1000),
+                       shapes2d::box(5000, 0, 6000, 1000),
+                       {{8000, 0},
+                        {9000, 0},
+                        {9000, 1000},
+                        {8500 + gap, 1000},
+                        {8500 + gap, 300},
+                        {8500, 300},
+                        {8500, 1000},
+                        {8000, 1000}}};
+    CHECK(marks_of(row, 100) == std::vector<bool>{near, near, false, near});
+}
+
+TEST_CASE("a body that closing swallows is marked though no dilated curves meet", "[closing]") {
+    // The hole is 10 wide and the body in it 1: dilated by 4 they are 2 and 9 wide.
+    const Rings rings = {shapes2d::box(0, 0, 3000, 3000), shapes2d::turned(shapes2d::box(1000, 1000, 2000, 2000)),
+                         shapes2d::box(1450, 1450, 1550, 1550), shapes2d::box(9000, 0, 9900, 900)};
+    CHECK(marks_of(rings, 400) == std::vector<bool>{false, true, true, false});
+    CHECK(marks_of(rings, 200) == std::vector<bool>{false, false, false, false});
+    RegionRules rules = rules_by(400);
+    CHECK(text_of(region_by(rings, rules)) == "outer 0,0 3000,0 3000,3000 0,3000; outer 9000,0 9900,0 9900,900 9000,900; ");
+}
+
+TEST_CASE("marked contours are those that closing changes, on random layers", "[closing]") {
+    const unsigned seed = GENERATE(range(1U, 61U));
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const Rings rings = regions::rings_of(region_by(shapes2d::random_boxes(random, 12, 40, 1000), rules_by(0)));
+    const auto marks = marks_of(rings, 700);
+    const Rings after = regions::rings_of(region_by(rings, rules_by(700)));
+    REQUIRE(marks.size() == rings.size());
+    for (std::size_t c = 0; c < rings.size(); ++c) {
+        CAPTURE(c);
+        const bool kept = std::find(after.begin(), after.end(), rings[c]) != after.end();
+        CHECK((kept || marks[c]));
+    }
+    const bool any = std::find(marks.begin(), marks.end(), true) != marks.end();
+    CHECK((any || after == rings));
+}
+
+TEST_CASE("closing and offsets that lead beyond the grid are refused", "[closing]") {
+    constexpr std::int32_t end = lamella::grid_limit;
+    RegionRules mark = rules_by(0);
+    mark.mark_near_mm = 10 * unit_mm;
+    for (const RegionRules& rules : {rules_by(10), rules_by(0, 1), mark}) {
+        const auto made = regions::region({shapes2d::box(-end, -end, end, end)}, rules);
+        REQUIRE(!made.ok());
+        CHECK(made.error().code == lamella::ErrorCode::invalid_argument);
+        CHECK_THAT(made.error().message, Catch::Contains("beyond the grid"));
+    }
+    // Dilated, both meet at their feet in an acute notch. Its miter on the way back leads farther down than the first
+    // estimate reckons with.
+    const auto feet = [](std::int32_t bottom) {
+        const std::int32_t top = bottom + 100'000;
+        return Rings{{{-200'000, bottom}, {0, bottom}, {-10'510, top}, {-200'000, top}},
+                     {{2'200, bottom}, {200'000, bottom}, {200'000, top}, {12'710, top}}};
+    };
+    const auto made = regions::region(feet(-end + 10'000), rules_by(1000, 0, 10));
+    REQUIRE(!made.ok());
+    CHECK(made.error().code == lamella::ErrorCode::invalid_argument);
+    CHECK_THAT(made.error().message, Catch::Contains("beyond the grid, which ends at 1073741824 units"));
+    CHECK(closed(feet(-end + 11'000), 1000, 10).contours.size() == 2);
+}
+
+TEST_CASE("outermost, largest and collinear: what is left can be written down", "[closing]") {
+    // A frame with a body in its hole, a body with a hole elsewhere, and a large one last.
+    const Rings rings = {shapes2d::box(0, 0, 1000, 1000),
+                         shapes2d::turned(shapes2d::box(100, 100, 900, 900)),
+                         shapes2d::box(400, 400, 600, 600),
+                         shapes2d::box(2000, 0, 2500, 500),
+                         shapes2d::turned(shapes2d::box(2100, 100, 2200, 200)),
+                         shapes2d::box(4000, 0, 5000, 800)};
+    RegionRules rules = rules_by(0);
+    rules.fill_rule = FillRule::outermost;
+    CHECK(
+        text_of(region_by(rings, rules)) ==
+        "outer 0,0 1000,0 1000,1000 0,1000; outer 2000,0 2500,0 2500,500 2000,500; outer 4000,0 5000,0 5000,800 4000,800; ");
+    rules.largest_only = true;
+    CHECK(text_of(region_by(rings, rules)) == "outer 0,0 1000,0 1000,1000 0,1000; ");
+    rules.fill_rule = FillRule::non_zero;
+    CHECK(text_of(region_by(rings, rules)) == "outer 0,0 1000,0 1000,1000 0,1000; hole 100,100 100,900 900,900 900,100; ");
+    const Rings dotted = {{{0, 0}, {500, 0}, {1000, 0}, {1000, 1000}, {600, 1000}, {0, 1000}, {0, 700}}};
+    rules = rules_by(0);
+    CHECK(region_by(dotted, rules).points.size() == 7);
+    rules.drop_collinear = true;
+    CHECK(text_of(region_by(dotted, rules)) == "outer 0,0 1000,0 1000,1000 0,1000; ");
+}
+
+TEST_CASE("threads, bands and the form of contours do not change regions", "[closing][threads]") {
+    shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 0}, 10, 3), shapes::octasphere({12, 3, 1}, 7, 2),
+                                        shapes::flipped(shapes::octasphere({1, 0, 0}, 4, 2)),
+                                        shapes::box({19.05, -3, -8}, {25, 3, 8}), shapes::octasphere({30, 0, 0}, 4.95, 3)});
+    lamella::SliceOptions options = uniform(0.3);
+    options.region.fill_rule = FillRule::non_zero;
+    SECTION("outermost") {
+        options.region.fill_rule = FillRule::outermost;
+    }
+    SECTION("the largest") {
+        options.region.largest_only = true;
+    }
+    SECTION("without collinear points") {
+        options.region.drop_collinear = true;
+    }
+    SECTION("closed") {
+        options.region.close_mm = 0.3;
+    }
+    SECTION("closed and eroded") {
+        options.region.close_mm = 0.3;
+        options.region.offset_mm = -0.4;
+        options.region.miter_limit = 1.2;
+    }
+    SECTION("marked") {
+        options.region.mark_near_mm = 0.3;
+    }
+    SECTION("by layers") {
+        options.region.fill_from = {{5, FillRule::outermost}, {20, FillRule::even_odd}, {33, FillRule::contours}};
+    }
+    options.control.threads = 1;
+    const lamella::SliceResult first = sliced(soup, options);
+    const lamella::SliceResult plain = sliced(soup, uniform(0.3));
+    CHECK(hash_result(first) != hash_result(plain));
+    for (const int threads : {1, 2, 3}) {
+        for (const int band : {0, 1, 7}) {
+            for (const auto form : {lamella::ContourForm::swept, lamella::ContourForm::assembled}) {
+                options.control.threads = threads;
+                options.tuning.band_planes = band;
+                options.tuning.form = form;
+                CHECK(hash_result(sliced(soup, options)) == hash_result(first));
+            }
+        }
+    }
+    CHECK(hash_result(sliced(shapes::shuffled(soup, 9), options)) == hash_result(first));
+}
+
+TEST_CASE("each layer has the rule that it is given", "[closing]") {
+    // A box within a box, both upright: two windings inside.
+    const shapes::Soup soup = shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::box({2, 2, 0}, {8, 8, 10})});
+    lamella::SliceOptions options = at_heights({1, 3, 5, 7, 9});
+    options.region.fill_rule = FillRule::non_zero;
+    options.region.fill_from = {{1, FillRule::even_odd}, {3, FillRule::contours}, {4, FillRule::outermost}};
+    const lamella::SliceResult result = sliced(soup, options);
+    std::vector<double> areas;
+    std::vector<std::uint64_t> counts;
+    for (const lamella::Layer& layer : result.layers) {
+        areas.push_back(result.area_mm2(layer));
+        counts.push_back(layer.contour_count);
+    }
+    CHECK(areas == std::vector<double>{100, 64, 64, areas[3], 100});
+    CHECK(counts == std::vector<std::uint64_t>{1, 2, 2, 2, 1});
+}
+
+TEST_CASE("contours over the whole grid cross in the right places", "[closing]") {
+    constexpr std::int32_t end = lamella::grid_limit;
+    const Ring square = shapes2d::box(-end, -end, end, end);
+    const Ring diamond = {{-end, 0}, {0, -end}, {end, 0}, {0, end}};
+    const double whole = 4.0 * end * end;
+    CHECK(regions::area_of(region_by({square}, rules_by(0))) == whole);
+    CHECK(regions::area_of(region_by({square, diamond}, rules_by(0))) == whole);
+    RegionRules odd = rules_by(0);
+    odd.fill_rule = FillRule::even_odd;
+    CHECK(regions::area_of(region_by({square, diamond}, odd)) == whole / 2);
+    // Both diagonals in one contour: a bow tie, whose halves run opposite ways.
+    const Ring bow = {{-end, -end}, {end, end}, {end, -end}, {-end, end}};
+    CHECK(text_of(region_by({bow}, odd)) ==
+          "outer -1073741824,-1073741824 0,0 -1073741824,1073741824; outer 0,0 1073741824,-1073741824 "
+          "1073741824,1073741824; ");
+    RegionRules positive = odd;
+    positive.fill_rule = FillRule::positive;
+    CHECK(regions::area_of(region_by({bow}, positive)) == whole / 4);
+    std::mt19937 random(3);
+    for (int i = 0; i < 20; ++i) {
+        const Rings rings = shapes2d::random_lattice(random, 6, 12, 5, 1 << 29);
+        region_by(rings, odd);
+        region_by(rings, positive);
+    }
+}

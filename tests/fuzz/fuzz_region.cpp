@@ -1,0 +1,189 @@
+// Regions of polygons on small lattices and over the whole grid, by every rule. A region must keep its promises, must not
+// depend on the contours' order or starts, must be its own region, and closing must agree with closing everything.
+#include <algorithm>
+#include <iterator>
+
+#include "bytes.hpp"
+#include "engine/region_checks.hpp"
+
+using lamella::FillRule;
+using lamella::LayerContours;
+using lamella::Point;
+using lamella::RegionRules;
+using regions::Ring;
+using regions::Rings;
+
+namespace {
+
+constexpr double unit_mm = 1;  // lengths are in units
+constexpr std::size_t most_rings = 12;
+constexpr std::size_t most_points = 96;
+
+/// Where coordinates lie: steps of a lattice, with or without a few units added.
+struct Lattice {
+    std::int32_t step;
+    std::int32_t half_width;  // in steps
+    bool loose;
+
+    std::int32_t coordinate(fuzz::Bytes& bytes) const {
+        const unsigned byte = bytes.next();
+        const auto steps = static_cast<std::int32_t>(byte % static_cast<unsigned>(2 * half_width + 1)) - half_width;
+        const std::int32_t more = loose ? static_cast<std::int32_t>(bytes.below(7)) - 3 : 0;
+        return std::clamp(steps * step + more, -lamella::grid_limit, lamella::grid_limit);
+    }
+};
+
+Lattice drawn_lattice(fuzz::Bytes& bytes) {
+    constexpr Lattice lattices[] = {{1, 4, false},   {1, 100, false},     {1 << 28, 4, false},  {1 << 28, 4, true},
+                                    {1000, 8, true}, {1 << 16, 40, true}, {1 << 23, 100, true}, {1 << 30, 1, true}};
+    return lattices[bytes.below(8)];
+}
+
+/// Every coordinate drawn; or one only changed, so that edges are upright and level; or the way back along a spike.
+Ring drawn_ring(fuzz::Bytes& bytes, const Lattice& lattice) {
+    Ring ring;
+    const unsigned shape = bytes.next();
+    const std::size_t count = 1 + shape % 16;
+    for (std::size_t i = 0; i < count; ++i) {
+        Point p{lattice.coordinate(bytes), lattice.coordinate(bytes)};
+        if (shape >= 192 && !ring.empty()) {
+            (i % 2 == 0 ? p.x : p.y) = i % 2 == 0 ? ring.back().x : ring.back().y;
+        }
+        ring.push_back(p);
+    }
+    if (shape >= 96 && shape < 128) {
+        ring.insert(ring.end(), ring.rbegin(), ring.rend());
+    }
+    if (shape >= 64 && shape < 96) {
+        ring.insert(ring.end(), ring.begin(), ring.end());
+    }
+    return ring;
+}
+
+RegionRules drawn_rules(fuzz::Bytes& bytes, const Lattice& lattice) {
+    constexpr FillRule rules[] = {FillRule::even_odd, FillRule::non_zero, FillRule::positive, FillRule::outermost};
+    constexpr double limits[] = {1, 1.2, 3, 10};
+    RegionRules drawn;
+    const unsigned first = bytes.next();
+    drawn.fill_rule = rules[first % 4];
+    drawn.largest_only = first / 4 % 8 == 0;
+    drawn.drop_collinear = first / 32 % 2 == 0;
+    drawn.miter_limit = limits[first / 64];
+    const unsigned second = bytes.next();
+    // Eighths of a lattice's step, and a few units more or less.
+    const auto length = [&](unsigned byte) {
+        const double steps = byte % 16 * 0.25 * lattice.step + (byte / 16 % 4) * 0.5;
+        return steps < 1 ? 0 : std::min(steps, lamella::grid_limit / drawn.miter_limit);
+    };
+    if (second % 4 != 0) {
+        drawn.close_mm = length(bytes.next());
+    }
+    if (second / 4 % 4 == 1) {
+        drawn.offset_mm = length(bytes.next());
+    } else if (second / 4 % 4 == 2) {
+        drawn.offset_mm = -length(bytes.next());
+    }
+    return drawn;
+}
+
+/// Empty where the region leads beyond the grid: nothing else may refuse one.
+lamella::Result<LayerContours> region(const Rings& rings, const RegionRules& rules) {
+    auto made = regions::region(rings, rules, unit_mm);
+    if (!made) {
+        const lamella::Error& error = made.error();
+        fuzz::require(error.code == lamella::ErrorCode::invalid_argument &&
+                          (rules.close_mm > 0 || rules.offset_mm != 0 || rules.mark_near_mm > 0) &&
+                          error.message.find("beyond the grid") != std::string::npos,
+                      error.message);
+    }
+    return made;
+}
+
+/// What `a` has and `b` has not, in square units.
+double area_outside(const LayerContours& a, const LayerContours& b) {
+    Rings rings = regions::rings_of(a);
+    for (Ring& ring : regions::rings_of(b)) {
+        std::reverse(ring.begin(), ring.end());
+        rings.push_back(std::move(ring));
+    }
+    RegionRules rules;
+    rules.fill_rule = FillRule::positive;
+    return regions::area_of(*region(rings, rules));
+}
+
+/// What rounding may move: a few units along every edge.
+double rounding_along(const Rings& rings) {
+    return 5 * (regions::perimeter_of(rings) + 20);
+}
+
+/// What is thinner than a unit may vanish: an edge that was moved can pass a pixel that it did not pass before.
+void check_itself(const LayerContours& made) {
+    RegionRules rules;
+    rules.fill_rule = FillRule::positive;
+    const auto again = region(regions::rings_of(made), rules);
+    fuzz::require(regions::difference_of(made, *again) <= rounding_along(regions::rings_of(made)),
+                  "a region is its own region");
+}
+
+/// Against closing everything.
+void check_closing(const Rings& rings, RegionRules rules, const LayerContours& made) {
+    if (rules.largest_only || rules.fill_rule == FillRule::outermost || rules.close_mm == 0 || rules.offset_mm != 0) {
+        return;
+    }
+    const auto everywhere = regions::closed_everywhere(rings, rules, unit_mm);
+    rules.close_mm = 0;
+    const auto plain = region(rings, rules);
+    fuzz::require(everywhere.ok() && regions::difference_of(made, *everywhere) <= rounding_along(regions::rings_of(*plain)),
+                  "closing agrees with closing everything");
+}
+
+/// What is dilated contains the region, and the region what is eroded.
+void check_offset(const Rings& rings, RegionRules rules, const LayerContours& made) {
+    if (rules.largest_only || rules.fill_rule == FillRule::outermost || rules.close_mm != 0 || rules.offset_mm == 0) {
+        return;
+    }
+    const bool dilated = rules.offset_mm > 0;
+    rules.offset_mm = 0;
+    const auto plain = region(rings, rules);
+    fuzz::require(
+        area_outside(dilated ? *plain : made, dilated ? made : *plain) <= rounding_along(regions::rings_of(*plain)),
+        "offsets move outwards or inwards only");
+}
+
+void check_marks(const Rings& rings, RegionRules rules) {
+    rules.mark_near_mm = rules.close_mm;
+    rules.close_mm = rules.offset_mm = 0;
+    const auto marked = region(rings, rules);
+    const auto again = region(regions::shuffled(rings, 5), rules);
+    fuzz::require(marked.ok() == again.ok() && (!marked || regions::same(*marked, *again)),
+                  "marks do not depend on order and starts");
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::Bytes bytes(data, size);
+    const std::uint32_t seed = bytes.next();
+    const Lattice lattice = drawn_lattice(bytes);
+    const RegionRules rules = drawn_rules(bytes, lattice);
+    Rings rings;
+    std::size_t points = 0;
+    while (!bytes.empty() && rings.size() < most_rings && points < most_points) {
+        rings.push_back(drawn_ring(bytes, lattice));
+        points += rings.back().size();
+    }
+    const auto made = region(rings, rules);
+    const auto again = region(regions::shuffled(rings, seed), rules);
+    fuzz::require(made.ok() == again.ok(), "order and starts do not decide whether a region is refused");
+    check_marks(rings, rules);
+    if (!made) {
+        return 0;
+    }
+    const std::string broken = regions::broken_promise(*made);
+    fuzz::require(broken.empty(), broken);
+    fuzz::require(regions::same(*made, *again), "order and starts do not change the region");
+    check_itself(*made);
+    check_closing(rings, rules, *made);
+    check_offset(rings, rules, *made);
+    return 0;
+}

@@ -1,6 +1,8 @@
 #include "exact/arrangement.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <unordered_set>
 
 namespace exact {

@@ -1,6 +1,7 @@
 // CGAL's arrangement of the edges of polygons, of two kinds at once, with the winding numbers of its faces by each kind.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <functional>

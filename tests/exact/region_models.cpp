@@ -1,4 +1,7 @@
 // Regions of real layers, alone and laid over moved copies of themselves, judged in exact arithmetic.
+#include <array>
+#include <random>
+
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"

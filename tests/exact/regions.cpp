@@ -1,4 +1,8 @@
 // Regions of random polygons, judged in exact arithmetic. The long test runs the short one on a hundred thousand.
+#include <algorithm>
+#include <array>
+#include <random>
+
 #include <catch2/catch.hpp>
 
 #include "exact/polygons.hpp"

@@ -1,5 +1,7 @@
 // 177,000 layers on lattices, each by every fill rule: 354,000 regions by even-odd and by non-zero, and as many by the
 // others.
+#include <random>
+
 #include <catch2/catch.hpp>
 
 #include "regions/lattice.hpp"

@@ -1,4 +1,8 @@
 // Regions of contours on lattices, judged triangle by triangle. A separate program judges hundreds of thousands.
+#include <algorithm>
+#include <array>
+#include <random>
+
 #include <catch2/catch.hpp>
 
 #include "regions/lattice.hpp"

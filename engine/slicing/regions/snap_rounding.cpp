@@ -54,10 +54,10 @@ bool passes_pixel(Point a, Point b, Point p) noexcept {
            Int128{-top} * dx < Int128{right} * -dy;
 }
 
-/// Neighbours of edges that may move are looked at too, and the first: a contour's start is a vertex.
+/// An edge that may move may come to lie on its neighbours.
 bool SnapRounding::Source::is_active(std::uint32_t edge) const noexcept {
     const auto count = static_cast<std::uint32_t>(near.size());
-    return edge == 0 || near[edge] != 0 || near[edge - 1] != 0 || near[edge + 1 < count ? edge + 1 : 0] != 0;
+    return near[edge] != 0 || near[edge > 0 ? edge - 1 : count - 1] != 0 || near[edge + 1 < count ? edge + 1 : 0] != 0;
 }
 
 void SnapRounding::run(std::span<const Point> crossings) {
@@ -74,7 +74,7 @@ void SnapRounding::collect_vertices(std::span<const Point> crossings) {
     vertices_.assign(crossings.begin(), crossings.end());
     for (const Source& source : contours_) {
         pace_.spend(source.near.size());
-        bool active_before = false;
+        bool active_before = true;  // a contour's start is a vertex
         for (std::uint32_t e = 0; e < source.near.size(); ++e) {
             const bool active = source.is_active(e);
             if (active || active_before) {
@@ -93,8 +93,9 @@ void SnapRounding::collect_vertices(std::span<const Point> crossings) {
 void SnapRounding::add_strands_of(std::uint32_t contour) {
     const Source& source = contours_[contour];
     const auto count = static_cast<std::uint32_t>(source.near.size());
-    std::uint32_t start = open_end;
-    std::uint32_t reached = open_end;
+    const auto start_place = std::lower_bound(vertices_.begin(), vertices_.end(), source.from(0));
+    const auto start = static_cast<std::uint32_t>(start_place - vertices_.begin());
+    std::uint32_t reached = start;
     std::size_t chain = strands_.size();  // the one that has no end yet
     bool in_chain = false;
     for (std::uint32_t e = 0; e < count; ++e) {
@@ -112,7 +113,6 @@ void SnapRounding::add_strands_of(std::uint32_t contour) {
             strands_[chain].to = on_edge_.front().vertex;
             in_chain = false;
         }
-        start = start == open_end ? on_edge_.front().vertex : start;
         reached = on_edge_.back().vertex;
     }
     if (in_chain) {

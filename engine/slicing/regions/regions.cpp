@@ -43,6 +43,7 @@ Regions::Regions(const Memory* memory)
       is_alone_(memory),
       alone_(memory),
       turned_edges_(memory),
+      from_start_(memory),
       folded_(memory),
       folded_ends_(memory),
       turned_(memory),
@@ -154,7 +155,7 @@ void Regions::list_dilated(const RegionSteps& steps) {
         curves_.push_back(dilated_curves_.append(points, steps.close, steps.miter_limit, RawOffset::Turned::omitted));
         parts_.push_back(ring.item.part);
         pace_.spend(curve_work * points.size());
-        if (!curves_.back().directions_kept && !fold(points, steps)) {
+        if (!curves_.back().directions_kept && !fold(ring.item, steps)) {
             curves_.back() = dilated_curves_.append(points, steps.close, steps.miter_limit);
         }
         refuse_beyond_grid(curves_.back());
@@ -164,11 +165,18 @@ void Regions::list_dilated(const RegionSteps& steps) {
     list_curves(dilated_curves_);
 }
 
-/// The ring that was looked at last. False if it cannot be folded so that nothing turns round.
-bool Regions::fold(std::span<const Point> ring, const RegionSteps& steps) {
+/// The ring that was looked at last. False if it cannot be folded so that nothing turns round. Edges are replaced from the
+/// ring's start on, wherever its points begin.
+bool Regions::fold(const NestItem& ring, const RegionSteps& steps) {
     const std::size_t begin = folded_.size();
-    dilated_curves_.list_turned_edges(ring.size(), turned_edges_);
-    if (!fold_edges(ring, turned_edges_, steps.close, folded_)) {
+    dilated_curves_.list_turned_edges(ring.count, turned_edges_);
+    for (std::uint32_t& edge : turned_edges_) {
+        edge = edge >= ring.start ? edge - ring.start : edge + ring.count - ring.start;
+    }
+    std::sort(turned_edges_.begin(), turned_edges_.end());
+    from_start_.resize(ring.count);
+    std::rotate_copy(ring.points, ring.points + ring.start, ring.points + ring.count, from_start_.begin());
+    if (!fold_edges(from_start_, turned_edges_, steps.close, folded_)) {
         return false;
     }
     const RawCurve curve = dilated_curves_.append(std::span(folded_).subspan(begin), steps.close, steps.miter_limit,

@@ -71,7 +71,7 @@ private:
     void turn_backward_ones();
     void close(const RegionSteps& steps, Nester& nester);
     void list_dilated(const RegionSteps& steps);
-    bool fold(std::span<const Point> ring, const RegionSteps& steps);
+    bool fold(const NestItem& ring, const RegionSteps& steps);
     Ring as_folded(std::uint32_t ring) const;
     bool is_left_alone(const RegionContour& kept, std::uint32_t source, bool hole) const noexcept;
     bool find_alone();
@@ -92,6 +92,7 @@ private:
     Vector<std::uint8_t> is_alone_;  // of each ring: closing leaves it alone
     Vector<Ring> alone_;
     Vector<std::uint32_t> turned_edges_;  // of a ring
+    Vector<Point> from_start_;            // points of a ring
     Vector<Point> folded_;
     Vector<std::size_t> folded_ends_;  // of each ring, in folded_
     Vector<Point> turned_;             // points of rings that were walked with the solid on their right

@@ -369,6 +369,18 @@ TEST_CASE("each layer has the rule that it is given", "[closing]") {
     CHECK(counts == std::vector<std::uint64_t>{1, 2, 2, 2, 1});
 }
 
+TEST_CASE("a needle whose edges rounding lays on each other leaves nothing", "[closing]") {
+    const Rings hook = {
+        {{-46, -93}, {-52, -93}, {-52, -80}, {-92, -80}, {-92, -63}, {-39, -63}, {-39, -68}, {-100, -68}, {-100, -100}}};
+    RegionRules rules;
+    rules.fill_rule = FillRule::positive;
+    rules.close_mm = 5.25;
+    rules.miter_limit = 1;
+    const auto made = regions::region(hook, rules, 1);
+    REQUIRE(made.ok());
+    CHECK(regions::broken_promise(*made) == "");
+}
+
 TEST_CASE("contours over the whole grid cross in the right places", "[closing]") {
     constexpr std::int32_t end = lamella::grid_limit;
     const Ring square = shapes2d::box(-end, -end, end, end);

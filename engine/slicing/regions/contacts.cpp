@@ -78,7 +78,28 @@ void Contacts::find(std::span<const NestItem> contours) {
     near_edges_.assign(first_edges_.back(), 0);
     near_.find(rounding_reach, any_number,
                [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) { meet(a, i, b, j); });
+    for (std::uint32_t c = 0; c < contours.size(); ++c) {
+        if (meets(c)) {
+            mark_sharp_corners(contours[c], c);
+        }
+    }
     sort_crossings();
+}
+
+/// Where an edge runs back along the one before, so near that either may be bent through an end of the other.
+void Contacts::mark_sharp_corners(const NestItem& contour, std::uint32_t number) {
+    const std::span<std::uint8_t> near = std::span(near_edges_).subspan(first_edges_[number], contour.count);
+    pace_.spend(contour.count);
+    for (std::uint32_t i = 0; i < contour.count; ++i) {
+        const Point from = contour.from_start(i);
+        const Point joint = contour.from_start(i + 1);
+        const Point to = contour.from_start(i + 2);
+        const std::int64_t along_x = (std::int64_t{joint.x} - from.x) * (std::int64_t{to.x} - joint.x);
+        const std::int64_t along_y = (std::int64_t{joint.y} - from.y) * (std::int64_t{to.y} - joint.y);
+        if (along_x < -along_y && (is_near(from, joint, to, rounding_reach) || is_near(to, from, joint, rounding_reach))) {
+            near[i] = near[i + 1 < contour.count ? i + 1 : 0] = 1;
+        }
+    }
 }
 
 void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {

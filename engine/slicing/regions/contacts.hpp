@@ -43,7 +43,7 @@ public:
     bool meets(std::uint32_t contour) const noexcept { return meets_[contour] != 0; }
     bool any_meets() const noexcept { return any_meets_; }
     /// For each edge of a contour from its start whether it comes within rounding_reach of an edge of another contour, or
-    /// of another run of its own.
+    /// of another run of its own, or at a sharp corner of the next one. Contours that meet nothing: without sharp corners.
     std::span<const std::uint8_t> near_edges(std::uint32_t contour) const noexcept {
         return std::span(near_edges_).subspan(first_edges_[contour], first_edges_[contour + 1] - first_edges_[contour]);
     }
@@ -53,6 +53,7 @@ public:
 private:
     void meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
     void mark(const EdgePath& path, std::size_t edge, bool meets) noexcept;
+    void mark_sharp_corners(const NestItem& contour, std::uint32_t number);
     void sort_crossings();
 
     EdgePairs near_;

@@ -147,9 +147,9 @@ Status check_reach(const RegionRules& rules, double unit_mm, double farthest_mm)
     const double factor = std::max(2.0, rules.miter_limit);
     const double reach_mm = factor * std::max(rules.close_mm + std::abs(rules.offset_mm), rules.mark_near_mm);
     if (reach_mm > 0 && farthest_mm + reach_mm > grid_limit * unit_mm) {
-        return refusal("contours that extend to " + exact_text(farthest_mm) + " mm from zero could be offset beyond the grid, " +
-                       "which ends at " + exact_text(grid_limit * unit_mm) + " mm; choose a unit of more than " +
-                       exact_text(unit_mm) + " mm");
+        return refusal("contours that extend to " + exact_text(farthest_mm) +
+                       " mm from zero could be offset beyond the grid, " + "which ends at " +
+                       exact_text(grid_limit * unit_mm) + " mm; choose a unit of more than " + exact_text(unit_mm) + " mm");
     }
     return {};
 }

@@ -15,6 +15,7 @@
 //     call                                           threads, executor  stop                progress  memory
 //     slice(), slice_parts()                         yes                yes                 yes       result and scratch
 //     assemble()                                     calling thread     yes                 yes       result and scratch
+//     region_of()                                    calling thread     yes                 -         result and scratch
 //     read_mesh()                                    yes                yes                 yes       mesh and scratch
 //     weld()                                         yes                yes                 yes       mesh and scratch
 //     inspect(), check()                             yes                yes                 yes       -
@@ -22,8 +23,7 @@
 //     find_crossings()                               yes                yes                 yes       -
 //     write_svg()                                    calling thread     yes                 yes       -
 //
-// A slice looks for a stop every few milliseconds, but for the tangles of a fill rule: what the clipping library does with
-// one cluster of contours that cross each other is not interrupted.
+// A slice looks for a stop every few milliseconds, also while it makes the region of a single layer.
 //
 // A negative number of threads is invalid_argument in all of them.
 #pragma once

@@ -7,10 +7,10 @@
 //     const lamella::Memory memory = lamella::memory_of(pool);
 //     const lamella::Result<lamella::SliceResult> sliced = lamella::slice(mesh, {.control = {.memory = &memory}});
 //
-// control.hpp lists which calls take what from it. With exceptions, which take operator new: by a fill rule other than
-// FillRule::contours, the search for contours that meet and all of the clipping library; the list of contours in a plane
-// that all threads work on together; the heights of planes that are not uniform; the texts of errors and warnings; and
-// objects of a fixed size, some a call, a thread and a band.
+// control.hpp lists which calls take what from it. With exceptions, which take operator new: the list of contours in a plane
+// that all threads work on together; the heights of planes that are not uniform; of several parts 8 bytes a layer; the fill
+// rules by layer that a result repeats; the texts of errors and warnings; and objects of a fixed size, some a call, a thread
+// and a band.
 #pragma once
 
 #include <cstddef>

@@ -29,7 +29,7 @@ fi
 stage() { printf '\n== %s (%d s so far)\n' "$1" "$SECONDS"; }
 
 stage "packages and build"
-install_missing "${build_packages[@]}" python3
+install_missing "${build_packages[@]}" "${bench_packages[@]}" python3
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
 cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON > /dev/null

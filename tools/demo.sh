@@ -28,7 +28,7 @@ quietly() {
 build() {
     local generator=()
     [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
-    quietly cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release
+    quietly cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=OFF
     quietly cmake --build build --parallel --target lamella_cli
 }
 

@@ -2,9 +2,11 @@
 
 build_packages=(
     cmake ninja-build g++
-    libtbb-dev libmimalloc-dev libbenchmark-dev catch2 libcli11-dev nlohmann-json3-dev libfast-float-dev
-    zlib1g-dev libexpat1-dev libzip-dev libpolyclipping-dev pkg-config
+    libtbb-dev libmimalloc-dev catch2 libcli11-dev nlohmann-json3-dev libfast-float-dev
+    zlib1g-dev libexpat1-dev libzip-dev pkg-config
 )
+# bench/: the second is only compared with.
+bench_packages=(libbenchmark-dev libpolyclipping-dev)
 test_packages=(libxml2-utils libcgal-dev python3)
 check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libc++-14-dev libc++abi-14-dev doxygen)
 picture_packages=(librsvg2-bin)

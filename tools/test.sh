@@ -70,13 +70,16 @@ check_docs() {
     quietly build/docs.log tools/docs.sh
 }
 
-# What macOS has: Clang with libc++. Only compiles, because the clipping library is built for GCC's library.
+# What macOS has: Clang with libc++. Compiles the libraries and runs the golden cases, which must give the bytes of GCC.
 check_libcxx() {
-    stage "Clang with libc++"
+    stage "Clang build with libc++"
     configure build/libcxx -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS="-stdlib=libc++" \
-        -DCMAKE_CXX_FLAGS_DEBUG="-O0" -DLAMELLA_PARALLEL=std -DLAMELLA_WERROR=ON -DLAMELLA_LARGE_UNITS=ON \
-        -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF
+        -DCMAKE_CXX_FLAGS_DEBUG="-O1" -DLAMELLA_PARALLEL=std -DLAMELLA_WERROR=ON -DLAMELLA_LARGE_UNITS=ON \
+        -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_GOLDEN_TESTS=ON
     build build/libcxx
+    stage "golden cases with libc++"
+    quietly build/libcxx/tests.log run_tests build/libcxx
+    summary build/libcxx/tests.log
 }
 
 # Checks every source of the engine, the tools and the oracle, with the headers that they include. Skips the other tests
@@ -120,7 +123,7 @@ fi
 stage "packages"
 install_missing "${build_packages[@]}" "${test_packages[@]}"
 if $all; then
-    install_missing "${check_packages[@]}" "${picture_packages[@]}"
+    install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}"
     check_format
 fi
 

@@ -8,8 +8,9 @@
 //     const lamella::Result<lamella::SliceResult> sliced = lamella::slice(mesh, {.control = {.memory = &memory}});
 //
 // control.hpp lists which calls take what from it. With exceptions, which take operator new: the list of contours in a plane
-// that all threads work on together; the heights of planes that are not uniform; the texts of errors and warnings; and
-// objects of a fixed size, some a call, a thread and a band.
+// that all threads work on together; the heights of planes that are not uniform; of several parts 8 bytes a layer; the fill
+// rules by layer that a result repeats; the texts of errors and warnings; and objects of a fixed size, some a call, a thread
+// and a band.
 #pragma once
 
 #include <cstddef>

@@ -51,7 +51,7 @@ enum ContourFlag : std::uint16_t {
     orientation_mixed = 2,
     /// Ends of open polylines were joined; see SliceResult::closed_gaps.
     gap_closed = 4,
-    /// Within twice RegionRules::mark_near_mm of another contour or of itself: closing would change it.
+    /// Closing by RegionRules::mark_near_mm would change it: it comes within twice that of another contour or of itself.
     near_contour = 8,
 };
 
@@ -103,7 +103,7 @@ struct StageTimes {  ///< wall time, ms; the sweep and its fused phases are spli
     double sweep = 0;
     double contours = 0;
     double nesting = 0;
-    double fill = 0;  ///< the fill rule, if one was asked for
+    double fill = 0;  ///< fill rule, closing, offset and marks, where asked for
 };
 
 /// What was done, for reports.

@@ -62,11 +62,13 @@ private:
 /// given heights give empty ones.
 ///
 /// n triangles, k planes, m crossings, q points in a layer: O(n + k + m) for uniform planes, O(n log k + k + m) otherwise,
-/// and O(q log q) per layer for ordering and nesting. Memory: O(n + k + m).
+/// and O(q log q) per layer for ordering and nesting. Memory: O(n + k + m). Regions take O((q + c) log (q + c)) per layer
+/// for c contacts, and a thread O(q + c) memory; see region.hpp.
 ///
-/// The result and all scratch that grows with the mesh come from `options.control.memory`, with these exceptions, which take
-/// operator new: the list of contours in a plane that all threads work on together; the heights of planes that are not
-/// uniform; and objects of a fixed size, some a call, a thread and a band. What rules of regions need comes from it too.
+/// The result and all scratch that grows with the mesh, that of regions included, come from `options.control.memory`, with
+/// these exceptions, which take operator new: the list of contours in a plane that all threads work on together; the heights
+/// of planes that are not uniform; the fill rules by layer that the result repeats; and objects of a fixed size, some a
+/// call, a thread and a band.
 ///
 /// A result is refused as too large by what is known before anything is linked: 64 bytes a layer, a point of 8 bytes a
 /// crossing, and a contour of 48 in each layer that has crossings. How many contours more there are is known only once they

@@ -322,3 +322,32 @@ TEST_CASE("fill rules: bodies that touch the tip of a spike into their hole lie 
     check({around, hole, below});
     check({around, hole, above, below});
 }
+
+TEST_CASE("fill rules: region_of joins what is empty in a point, but not what is solid", "[engine][fill]") {
+    using Points = std::vector<lamella::Point>;
+    const auto square = [](std::int32_t low, std::int32_t high) -> Points {
+        return {{low, low}, {high, low}, {high, high}, {low, high}};
+    };
+    const auto hole = [&](std::int32_t low, std::int32_t high) {
+        Points points = square(low, high);
+        std::reverse(points.begin(), points.end());
+        return points;
+    };
+    lamella::RegionRules rules;
+    rules.fill_rule = FillRule::non_zero;
+    // "outer 4 hole 8": the points of each contour.
+    const auto contours_of = [&](const std::vector<Points>& contours) {
+        const std::vector<std::span<const lamella::Point>> views(contours.begin(), contours.end());
+        const lamella::Result<lamella::LayerContours> region = lamella::region_of(views, rules);
+        REQUIRE(region.ok());
+        std::string text;
+        for (const lamella::Contour& contour : region->contours) {
+            text += (contour.role == Role::outer ? "outer " : "hole ") + std::to_string(contour.point_count) + " ";
+        }
+        return text;
+    };
+    CHECK(contours_of({square(0, 20), square(10, 30)}) == "outer 8 ");  // the example of region.hpp, finer
+    CHECK(contours_of({square(0, 20), square(20, 40)}) == "outer 4 outer 4 ");
+    CHECK(contours_of({square(-20, 90), hole(0, 20), hole(20, 40)}) == "outer 4 hole 8 ");
+    CHECK(contours_of({square(0, 90), {{0, 0}, {20, 40}, {40, 20}}}) == "outer 7 ");
+}

@@ -5,7 +5,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 source tools/packages.sh
 install_missing "${build_packages[@]}" "${picture_packages[@]}"
 
-cmake -S . -B build -DCMAKE_BUILD_TYPE=Release > /dev/null
+cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=OFF > /dev/null
 cmake --build build --parallel --target lamella_cli > /dev/null
 
 folder=$(mktemp -d)

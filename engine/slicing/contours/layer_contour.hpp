@@ -8,8 +8,8 @@ namespace lamella {
 
 struct LayerContour {
     NestItem item;             ///< points, area and box; then what nesting decides
-    EndKey start_key;          ///< the edge that the start lies on; zero where the contour was joined or clipped
-    std::uint32_t segments{};  ///< triangles that it crosses; of a clipped contour its edges
+    EndKey start_key;          ///< the edge that the start lies on; zero where the contour was joined or made
+    std::uint32_t segments{};  ///< triangles that it crosses; of a contour that was made its edges
 };
 
 }  // namespace lamella

@@ -7,7 +7,9 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t half_work = 16;  ///< as StopPace counts it
+// As StopPace counts it; memory is not read in order.
+constexpr std::size_t half_work = 16;
+constexpr std::size_t scatter_work = 8;
 
 /// Counter-clockwise around `centre`, beginning at the left; no two points lie in the same direction.
 class AroundPoint {
@@ -48,17 +50,21 @@ void Arrangement::build(const SnapRounding& snapped) {
 void Arrangement::sort_halves() {
     const auto count = static_cast<std::uint32_t>(2 * snapped_->strands().size());
     first_halves_.assign(snapped_->vertices().size() + 1, 0);
-    for (Half half = 0; half < count; ++half) {
-        ++first_halves_[from(half) + 1];
-    }
+    pace_.in_stretches(0, count, scatter_work, [&](std::size_t begin, std::size_t end) {
+        for (auto half = static_cast<Half>(begin); half < end; ++half) {
+            ++first_halves_[from(half) + 1];
+        }
+    });
     for (std::size_t v = 1; v < first_halves_.size(); ++v) {
         first_halves_[v] += first_halves_[v - 1];
     }
     stack_.assign(first_halves_.begin(), first_halves_.end());  // where the next half of each vertex goes
     halves_.resize(count);
-    for (Half half = 0; half < count; ++half) {
-        halves_[stack_[from(half)]++] = half;
-    }
+    pace_.in_stretches(0, count, scatter_work, [&](std::size_t begin, std::size_t end) {
+        for (auto half = static_cast<Half>(begin); half < end; ++half) {
+            halves_[stack_[from(half)]++] = half;
+        }
+    });
     place_of_.resize(count);
     for (std::uint32_t v = 0; v + 1 < first_halves_.size(); ++v) {
         const AroundPoint is_before(snapped_->vertices()[v]);
@@ -159,12 +165,14 @@ void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {
 void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Traced>& contours,
                         Vector<Point>& points) {
     contour_of_.resize(halves_.size());
-    for (Half half = 0; half < halves_.size(); ++half) {
-        const std::int64_t around = around_components[component_of_[from(half)]];
-        const bool solid_left = fills(rule, around + faces_[face_of_[half]].winding);
-        const bool solid_right = fills(rule, around + faces_[face_of_[half ^ 1]].winding);
-        contour_of_[half] = solid_left && !solid_right ? untraced : no_boundary;
-    }
+    pace_.in_stretches(0, halves_.size(), scatter_work, [&](std::size_t begin, std::size_t end) {
+        for (auto half = static_cast<Half>(begin); half < end; ++half) {
+            const std::int64_t around = around_components[component_of_[from(half)]];
+            const bool solid_left = fills(rule, around + faces_[face_of_[half]].winding);
+            const bool solid_right = fills(rule, around + faces_[face_of_[half ^ 1]].winding);
+            contour_of_[half] = solid_left && !solid_right ? untraced : no_boundary;
+        }
+    });
     const std::size_t base = contours.size();
     Vector<End> first_ends(faces_.get_allocator());
     for (Half half = 0; half < halves_.size(); ++half) {

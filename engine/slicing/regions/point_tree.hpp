@@ -25,9 +25,12 @@ public:
     /// Numbers points[i] i, below 2^31. Throws std::bad_alloc.
     void build(std::span<const Point> points, StopPace& pace) {
         nodes_.clear();
-        for (std::uint32_t i = 0; i < points.size(); ++i) {
-            nodes_.push_back({points[i], i & 0x7fffffff, 0});
-        }
+        nodes_.reserve(points.size());
+        pace.in_stretches(0, points.size(), 4, [&](std::size_t first, std::size_t last) {
+            for (auto i = static_cast<std::uint32_t>(first); i < last; ++i) {
+                nodes_.push_back({points[i], i & 0x7fffffff, 0});
+            }
+        });
         divide(0, nodes_.size(), pace);
     }
 

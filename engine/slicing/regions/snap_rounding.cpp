@@ -64,6 +64,7 @@ void SnapRounding::run(std::span<const Point> crossings) {
     strands_.clear();
     collect_vertices(crossings);
     tree_.build(vertices_, pace_);
+    strands_.reserve(2 * vertices_.size());  // copying many strands for room would keep a stop waiting
     for (std::uint32_t c = 0; c < contours_.size(); ++c) {
         add_strands_of(c);
     }

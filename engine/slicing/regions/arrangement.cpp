@@ -8,8 +8,8 @@ namespace lamella {
 namespace {
 
 // As StopPace counts it; memory is not read in order.
-constexpr std::size_t half_work = 16;
-constexpr std::size_t scatter_work = 8;
+constexpr std::size_t half_work = 48;
+constexpr std::size_t scatter_work = 24;
 
 /// Counter-clockwise around `centre`, beginning at the left; no two points lie in the same direction.
 class AroundPoint {
@@ -165,6 +165,7 @@ void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {
 void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Traced>& contours,
                         Vector<Point>& points) {
     contour_of_.resize(halves_.size());
+    pace_.ask();
     pace_.in_stretches(0, halves_.size(), scatter_work, [&](std::size_t begin, std::size_t end) {
         for (auto half = static_cast<Half>(begin); half < end; ++half) {
             const std::int64_t around = around_components[component_of_[from(half)]];

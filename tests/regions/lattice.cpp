@@ -195,7 +195,7 @@ std::vector<std::size_t> Lattice::beside(std::size_t triangle) const {
     const std::size_t cell = triangle - quarter;
     std::vector<std::size_t> found{cell + (quarter + 1) % 4, cell + (quarter + 3) % 4};
     const std::size_t column = cell % row / 4;
-    const std::size_t last = static_cast<std::size_t>(size_ + 1);
+    const std::size_t last = static_cast<std::size_t>(size_) + 1;
     if (quarter == south && cell >= row) {
         found.push_back(cell - row + north);
     } else if (quarter == north && cell + row < winding_.size()) {

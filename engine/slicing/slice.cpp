@@ -27,9 +27,11 @@
 #include "lamella/memory.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/prepared_triangles.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/part_slicer.hpp"
 #include "slicing/planes/plane_set.hpp"
+#include "slicing/prepared_parts.hpp"
 #include "slicing/regions/rules.hpp"
 #include "slicing/result/placement.hpp"
 #include "slicing/sweep/band_sweep.hpp"
@@ -83,10 +85,12 @@ namespace {
 /// One call of slice().
 class Slicing {
 public:
-    /// `frame`: null where the mesh's own box chooses grid and planes.
-    Slicing(const MeshView& mesh, const SliceOptions& options, const SharedFrame* frame, detail::WorkspaceParts& kept,
-            SliceResult& result)
+    /// `prepared`: null where triangles are read from `mesh`. `frame`: null where the mesh's own box chooses grid and
+    /// planes.
+    Slicing(const MeshView& mesh, const detail::PreparedParts* prepared, const SliceOptions& options,
+            const SharedFrame* frame, detail::WorkspaceParts& kept, SliceResult& result)
         : mesh_(mesh),
+          prepared_(prepared),
           options_(options),
           frame_(frame),
           kept_(kept),
@@ -128,6 +132,7 @@ private:
     void summarise();
 
     const MeshView& mesh_;
+    const detail::PreparedParts* prepared_;
     const SliceOptions& options_;
     const SharedFrame* frame_;
     detail::WorkspaceParts& kept_;
@@ -139,7 +144,9 @@ private:
 
 Status Slicing::choose_grid_and_planes() {
     const double asked_mm = frame_ != nullptr ? frame_->unit_mm : options_.unit_mm;
-    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
+    const Result<Bounds> bounds = prepared_ != nullptr
+                                      ? prepared_->frame.bounds
+                                      : measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
     if (!bounds) {
         return bounds.error();
     }
@@ -151,7 +158,7 @@ Status Slicing::choose_grid_and_planes() {
         return status;
     }
     result_.unit_mm = *unit;
-    result_.frame = options_.transform;
+    result_.frame = prepared_ != nullptr ? prepared_->transform : options_.transform;
     result_.plan = options_.plan;
     result_.part_count = 1;
     result_.part_regions = PartRegions::separate;
@@ -171,7 +178,11 @@ Status Slicing::choose_grid_and_planes() {
 /// size of the result is known, and refused if too large, before anything of that size is allocated.
 Status Slicing::bucket_triangles() {
     Buckets& buckets = kept_.buckets;
-    count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
+    if (prepared_ != nullptr) {
+        count_crossings(prepared_->triangles, kept_.planes, parallel_, buckets);
+    } else {
+        count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
+    }
     if (buckets.degenerate == mesh_.triangle_count) {
         return all_collapsed(mesh_.triangle_count, result_.unit_mm);
     }
@@ -188,8 +199,11 @@ Status Slicing::bucket_triangles() {
     parallel_.stop_if_asked();
     BandPlan& bands = kept_.bands;
     bands.cut(buckets, kept_.planes.size(), options_.tuning.band_planes, parallel_.threads());
-    const std::size_t reaching = scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes, bands.band_end,
-                                                   parallel_, buckets, bands.reaching.span());
+    const std::size_t reaching = prepared_ != nullptr
+                                     ? scatter_triangles(prepared_->triangles, kept_.planes, bands.band_end, parallel_,
+                                                         buckets, bands.reaching.span())
+                                     : scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes,
+                                                         bands.band_end, parallel_, buckets, bands.reaching.span());
     bands.find_seeds(kept_.planes.size(), reaching, options_.control.stop);
     return {};
 }
@@ -339,6 +353,24 @@ void Slicing::summarise() {
 
 Status detail::PartSlicer::slice(const MeshView& mesh, const SliceOptions& options, const SharedFrame* frame,
                                  Workspace& workspace, SliceResult& result) {
+    return run(mesh, nullptr, options, frame, workspace, result);
+}
+
+Status detail::PartSlicer::slice(const PreparedParts& mesh, const SliceOptions& options, Workspace& workspace,
+                                 SliceResult& result) {
+    if (options.unit_mm != 0 && options.unit_mm != mesh.asked_unit_mm && options.unit_mm != mesh.frame.unit_mm) {
+        return Error{ErrorCode::invalid_argument, "the mesh was prepared on another grid than the one asked for"};
+    }
+    if (!options.transform.is_identity() && options.transform.m != mesh.transform.m) {
+        return Error{ErrorCode::invalid_argument, "the mesh was prepared with another transform than the one asked for"};
+    }
+    MeshView counted_only;
+    counted_only.triangle_count = mesh.triangle_count;
+    return run(counted_only, &mesh, options, &mesh.frame, workspace, result);
+}
+
+Status detail::PartSlicer::run(const MeshView& mesh, const PreparedParts* prepared, const SliceOptions& options,
+                               const SharedFrame* frame, Workspace& workspace, SliceResult& result) {
     if (options.tuning.band_planes < 0) {
         return Error{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"};
     }
@@ -355,7 +387,7 @@ Status detail::PartSlicer::slice(const MeshView& mesh, const SliceOptions& optio
     if (result.points.memory() != options.control.memory) {
         result = SliceResult(options.control.memory);
     }
-    return Slicing(mesh, options, frame, *kept, result).run();
+    return Slicing(mesh, prepared, options, frame, *kept, result).run();
 }
 
 void Workspace::reset() noexcept {

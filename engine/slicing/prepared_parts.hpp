@@ -1,0 +1,22 @@
+// What a PreparedMesh holds.
+#pragma once
+
+#include <cstdint>
+
+#include "lamella/mesh.hpp"
+#include "slicing/buckets/prepared_triangles.hpp"
+#include "slicing/planes/shared_frame.hpp"
+
+namespace lamella::detail {
+
+struct PreparedParts {
+    explicit PreparedParts(const Memory* memory) : triangles(memory) {}
+
+    PreparedTriangles triangles;
+    SharedFrame frame{};
+    Transform transform{};
+    double asked_unit_mm = 0;
+    std::uint64_t triangle_count = 0;  ///< in the input
+};
+
+}  // namespace lamella::detail

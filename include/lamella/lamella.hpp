@@ -34,5 +34,6 @@
 #include "lamella/planes.hpp"
 #include "lamella/region.hpp"
 #include "lamella/result.hpp"
+#include "lamella/sink.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/version.hpp"

@@ -29,7 +29,7 @@ Result<PreparedMesh> make_prepared(const MeshView& mesh, const PrepareOptions& o
     parts->frame = {*bounds, *unit, options.transform.is_identity() ? mesh.coordinate_type : CoordinateType::f64};
     parts->transform = options.transform;
     parts->asked_unit_mm = options.unit_mm;
-    parts->triangle_count = mesh.triangle_count;
+    parts->counted.triangle_count = mesh.triangle_count;
     parts->triangles.build(mesh, options.transform, *bounds, *unit, parallel);
     if (parts->triangles.degenerate == mesh.triangle_count) {
         return all_collapsed(mesh.triangle_count, *unit);
@@ -57,15 +57,24 @@ Result<PreparedMesh> prepare(const MeshView& mesh, const PrepareOptions& options
     return guarded(options.control, [&] { return make_prepared(mesh, options); });
 }
 
+namespace {
+
+Status slice_prepared(const detail::PreparedParts& prepared, const SliceOptions& options, Workspace& workspace,
+                      SliceResult& result) {
+    return detail::PartSlicer::slice({prepared.counted, &prepared.frame, &prepared}, options, workspace, result);
+}
+
+}  // namespace
+
 Status slice(const PreparedMesh& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
-    return guarded(options.control, [&] { return detail::PartSlicer::slice(mesh.parts(), options, workspace, result); });
+    return guarded(options.control, [&] { return slice_prepared(mesh.parts(), options, workspace, result); });
 }
 
 Result<SliceResult> slice(const PreparedMesh& mesh, const SliceOptions& options) noexcept {
     return guarded(options.control, [&]() -> Result<SliceResult> {
         Workspace workspace;
         SliceResult result(options.control.memory);
-        if (Status status = detail::PartSlicer::slice(mesh.parts(), options, workspace, result); !status) {
+        if (Status status = slice_prepared(mesh.parts(), options, workspace, result); !status) {
             return status.error();
         }
         return result;

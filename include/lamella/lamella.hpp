@@ -35,5 +35,6 @@
 #include "lamella/prepare.hpp"
 #include "lamella/region.hpp"
 #include "lamella/result.hpp"
+#include "lamella/sink.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/version.hpp"

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <span>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
+#include "lamella/assemble.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -73,5 +75,9 @@ struct BandOutput {
 
     void add_empty_layer() { layer_contours.push_back(0); }
 };
+
+/// All contours and points of `output`, in arrays that take their memory from `memory`. Throws std::bad_alloc, and Stopped
+/// where the host that `pace` asks wants the call to end.
+LayerContours copy_layer(const BandOutput& output, StopPace& pace, const Memory* memory);
 
 }  // namespace lamella

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <unistd.h>
@@ -41,10 +42,7 @@ namespace lamella {
 
 namespace {
 
-std::uint64_t memory_limit(const SliceOptions& options) {
-    if (options.memory_limit_bytes != 0) {
-        return options.memory_limit_bytes;
-    }
+std::uint64_t half_of_memory() {
     const auto pages = static_cast<std::uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
     return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
 }
@@ -66,6 +64,7 @@ struct detail::WorkspaceParts {
     }
 
     const Memory* memory;
+    std::uint64_t usual_limit = half_of_memory();  ///< the system takes half a microsecond to say it
     std::unique_ptr<Parallel> parallel;
     BlockTable blocks;
     PlaneSet planes;
@@ -99,14 +98,13 @@ public:
           parallel_(kept.parallel_for(options.control)) {}
 
     Status run() {
-        const auto start = Clock::now();
         if (Status status = choose_grid_and_planes(); !status) {
             return status;
         }
         if (Status status = bucket_triangles(); !status) {
             return status;
         }
-        result_.summary.ms.bucket = milliseconds_since(start);
+        result_.summary.ms.bucket = end_stage();
         if (Status status = sweep_bands(); !status) {
             return status;
         }
@@ -122,8 +120,16 @@ private:
     void sweep_all_into(std::span<Point> points);
     void sweep_band(std::size_t band, int worker);
     void sweep_wide(std::size_t band);
+    std::uint64_t memory_limit() const noexcept {
+        return options_.memory_limit_bytes != 0 ? options_.memory_limit_bytes : kept_.usual_limit;
+    }
     LayerRules rules() const noexcept {
         return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm};
+    }
+    /// Milliseconds since the stage before ended.
+    double end_stage() noexcept {
+        const auto before = std::exchange(stage_began_, Clock::now());
+        return std::chrono::duration<double, std::milli>(stage_began_ - before).count();
     }
     void note_ticks_of(const WidePlane& wide, std::uint64_t spent);
     void split_time(double sweep_ms);
@@ -140,6 +146,7 @@ private:
     ProgressMeter progress_;
     const Parallel& parallel_;
     SweepTicks wide_ticks_;
+    Clock::time_point stage_began_ = Clock::now();
 };
 
 Status Slicing::choose_grid_and_planes() {
@@ -168,10 +175,10 @@ Status Slicing::choose_grid_and_planes() {
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
     std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
     if (frame_ != nullptr) {
-        return kept_.planes.build(options_.plan, frame_->bounds, *unit, frame_->number, memory_limit(options_));
+        return kept_.planes.build(options_.plan, frame_->bounds, *unit, frame_->number, memory_limit());
     }
     const CoordinateType number = options_.transform.is_identity() ? mesh_.coordinate_type : CoordinateType::f64;
-    return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
+    return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit());
 }
 
 /// Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band. The
@@ -190,11 +197,11 @@ Status Slicing::bucket_triangles() {
         std::count_if(buckets.segments.begin(), buckets.segments.end(), [](auto count) { return count > 0; });
     const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + kept_.planes.size() * sizeof(Layer) +
                                 static_cast<std::uint64_t>(cutting) * sizeof(Contour);
-    if (bytes > memory_limit(options_)) {
+    if (bytes > memory_limit()) {
         return Error{ErrorCode::result_too_large, counted(kept_.planes.size(), "layer") + " with " +
                                                       counted(buckets.segment_count, "segment") + " need " +
                                                       std::to_string(bytes) + " bytes, more than the memory limit of " +
-                                                      std::to_string(memory_limit(options_))};
+                                                      std::to_string(memory_limit())};
     }
     parallel_.stop_if_asked();
     BandPlan& bands = kept_.bands;
@@ -209,7 +216,6 @@ Status Slicing::bucket_triangles() {
 }
 
 Status Slicing::sweep_bands() {
-    const auto start = Clock::now();
     kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
 
     // A closed contour has at most as many points as segments; an open one has one more, for which there is some room. A
@@ -226,7 +232,7 @@ Status Slicing::sweep_bands() {
         room = needed;
     }
     kept_.bands.forget_many_seeds();  // before the result's contours are added to what is held
-    split_time(milliseconds_since(start));
+    split_time(end_stage());
     return {};
 }
 
@@ -316,7 +322,6 @@ void Slicing::split_time(double sweep_ms) {
 }
 
 void Slicing::finish_result() {
-    const auto start = Clock::now();
     result_.contours.resize_discarding(kept_.placement.contour_count());
     result_.layers.resize_discarding(kept_.planes.size());
     result_.closed_gaps.resize_discarding(kept_.placement.closed_gap_count());
@@ -324,7 +329,7 @@ void Slicing::finish_result() {
     fill_layers();
     kept_.placement.write_contours(parallel_, result_.contours.span(), result_.layers.span());
     summarise();
-    result_.summary.ms.contours += milliseconds_since(start);
+    result_.summary.ms.contours += end_stage();
 }
 
 void Slicing::fill_layers() {

@@ -23,7 +23,7 @@ struct Band {
 
 struct BandPlan {
     explicit BandPlan(const Memory* memory)
-        : bands(memory), band_end(memory), reaching(memory), seed_begin(memory), seeds(memory) {}
+        : bands(memory), band_end(memory), reaching(memory), seed_begin(memory), seeds(memory), band_of_(memory), change_(memory), next_seed_(memory) {}
 
     Vector<Band> bands;
     Vector<PlaneIndex> band_end;       ///< k + 1: the end of each plane's band, and k
@@ -49,6 +49,11 @@ struct BandPlan {
 
 private:
     void make_room(const Buckets& buckets, PlaneIndex planes);
+
+    // scratch of find_seeds()
+    Vector<std::uint32_t> band_of_;  // of each plane
+    Vector<std::int64_t> change_;
+    Vector<std::uint64_t> next_seed_;
 };
 
 }  // namespace lamella

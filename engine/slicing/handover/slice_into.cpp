@@ -30,7 +30,8 @@ class HostArrays final : public SliceOutput {
 public:
     explicit HostArrays(const HostOutput& host) : host_(host), writer_(host) {}
 
-    Status admit(const PlaneSet& planes, const Buckets& /*buckets*/, const SliceResult& result) override {
+    Status admit(const PlaneSet& planes, const Buckets& /*buckets*/, const SliceResult& result,
+                 std::uint64_t /*memory_limit*/) override {
         if (planes.size() > host_.layer_capacity) {
             return Error{ErrorCode::result_too_large, "the slice has " + counted(planes.size(), "layer") +
                                                           ", but there is memory for " +
@@ -97,7 +98,8 @@ private:
 /// Admits everything and keeps the numbers.
 class Counting final : public SliceOutput {
 public:
-    Status admit(const PlaneSet& planes, const Buckets& buckets, const SliceResult& result) override {
+    Status admit(const PlaneSet& planes, const Buckets& buckets, const SliceResult& result,
+                 std::uint64_t /*memory_limit*/) override {
         bounds_ = {.layers = planes.size(),
                    .contours = buckets.segment_count,
                    .points = 2 * buckets.segment_count,
@@ -121,7 +123,7 @@ Result<OutputBounds> bound_output(const MeshView& mesh, const SliceOptions& opti
     return guarded(options.control, [&]() -> Result<OutputBounds> {
         Counting counting;
         SliceResult result(options.control.memory);
-        if (Status status = detail::PartSlicer::admit(counting, mesh, options, workspace, result); !status) {
+        if (Status status = detail::PartSlicer::admit(counting, {mesh}, options, workspace, result); !status) {
             return status.error();
         }
         return counting.bounds();
@@ -141,7 +143,7 @@ Result<SliceTotals> slice_into(const HostOutput& output, const MeshView& mesh, c
         }
         HostArrays arrays(output);
         SliceResult result(options.control.memory);
-        if (Status status = detail::PartSlicer::slice_for(arrays, mesh, options, nullptr, workspace, result); !status) {
+        if (Status status = detail::PartSlicer::slice_for(arrays, {mesh}, options, workspace, result); !status) {
             return status.error();
         }
         return arrays.totals(result);

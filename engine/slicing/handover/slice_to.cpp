@@ -12,7 +12,8 @@ class SinkOutput final : public SliceOutput {
 public:
     explicit SinkOutput(const LayerSink& sink) : sink_(sink) {}
 
-    Status admit(const PlaneSet& /*planes*/, const Buckets& /*buckets*/, const SliceResult& /*result*/) override {
+    Status admit(const PlaneSet& /*planes*/, const Buckets& /*buckets*/, const SliceResult& /*result*/,
+                 std::uint64_t /*memory_limit*/) override {
         return {};
     }
 

@@ -43,7 +43,8 @@ private:
 
 Status PlaneSet::build(const LayerPlan& plan, const Bounds& bounds, double unit_mm, CoordinateType number,
                        std::uint64_t memory_limit) {
-    plan_ = plan;
+    side_ = plan.side;
+    layer_height_mm_ = 0;
     unit_mm_ = unit_mm;
     number_ = number;
     count_ = 0;
@@ -93,7 +94,7 @@ bool PlaneSet::find_step() noexcept {
 std::int32_t PlaneSet::round_height(double mm) const noexcept {
     const double as_vertex = number_ == CoordinateType::f32 ? static_cast<double>(static_cast<float>(mm)) : mm;
     const double reach_mm = beyond_grid * unit_mm_;  // what lies further cuts nothing, and would overflow
-    return to_even_grid(std::clamp(as_vertex, -reach_mm, reach_mm), unit_mm_) + (plan_.side == PlaneSide::below ? -1 : 1);
+    return to_even_grid(std::clamp(as_vertex, -reach_mm, reach_mm), unit_mm_) + (side_ == PlaneSide::below ? -1 : 1);
 }
 
 Status PlaneSet::check_count(double planes, std::uint64_t memory_limit) const {
@@ -141,6 +142,7 @@ Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, 
     const double datum = plan.datum == Datum::zero ? 0 : low;
     first_mm_ = datum + plan.first_height_mm.value_or(h / 2);
     step_mm_ = h;
+    layer_height_mm_ = h;
     // Layers continue below the datum only if the plan does not say where they start.
     const bool from_first = plan.first_height_mm || plan.datum == Datum::mesh_min;
     double step = std::floor((low - first_mm_) / h) - 1;
@@ -303,8 +305,8 @@ PlaneIndex PlaneSet::by_table(std::int32_t z) const noexcept {
 }
 
 double PlaneSet::bottom_mm(PlaneIndex i) const noexcept {
-    if (const auto* uniform = std::get_if<UniformLayers>(&plan_.spacing)) {
-        return height_mm(i) - uniform->layer_height_mm / 2;
+    if (layer_height_mm_ > 0) {
+        return height_mm(i) - layer_height_mm_ / 2;
     }
     const double here = height_mm(i);
     if (i > 0) {
@@ -314,8 +316,8 @@ double PlaneSet::bottom_mm(PlaneIndex i) const noexcept {
 }
 
 double PlaneSet::top_mm(PlaneIndex i) const noexcept {
-    if (const auto* uniform = std::get_if<UniformLayers>(&plan_.spacing)) {
-        return height_mm(i) + uniform->layer_height_mm / 2;
+    if (layer_height_mm_ > 0) {
+        return height_mm(i) + layer_height_mm_ / 2;
     }
     const double here = height_mm(i);
     if (i + 1 < count_) {

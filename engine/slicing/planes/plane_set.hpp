@@ -105,7 +105,8 @@ private:
         return static_cast<PlaneIndex>(i);
     }
 
-    LayerPlan plan_;
+    PlaneSide side_ = PlaneSide::below;
+    double layer_height_mm_ = 0;  // 0 when not uniform
     double unit_mm_ = default_unit_mm;
     CoordinateType number_ = CoordinateType::f32;
     PlaneIndex count_ = 0;

@@ -27,9 +27,12 @@ void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t se
     contour_count_ = 0;
     counts_ = {};
     aborted_ = false;
-    placed_.clear();
+    placed_.erase(placed_.begin() + static_cast<std::ptrdiff_t>(std::min(bands.size(), placed_.size())), placed_.end());
+    for (Placed& placed : placed_) {
+        placed.clear();
+    }
     placed_.reserve(bands.size());
-    for (std::size_t b = 0; b < bands.size(); ++b) {
+    while (placed_.size() < bands.size()) {
         placed_.emplace_back(memory_);
     }
     idle_.clear();

@@ -73,6 +73,16 @@ private:
     struct Placed {
         explicit Placed(const Memory* memory) : contours(memory), layer_contours(memory), closed_gaps(memory) {}
 
+        /// As it is before its band is begun, but for the memory that it holds.
+        void clear() noexcept {
+            contours.clear();
+            layer_contours.clear();
+            closed_gaps.clear();
+            output = nullptr;
+            done = false;
+            room.reset();
+        }
+
         std::uint64_t first_point = 0;
         std::uint64_t first_contour = 0;
         Vector<Contour> contours;

@@ -178,6 +178,7 @@ Status Slicing::bucket_triangles() {
     const auto cutting =
         std::count_if(buckets.segments.begin(), buckets.segments.end(), [](auto count) { return count > 0; });
     const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + kept_.planes.size() * sizeof(Layer) +
+                                kept_.planes.plane_of_listed().size() * sizeof(std::uint64_t) +
                                 static_cast<std::uint64_t>(cutting) * sizeof(Contour);
     if (bytes > memory_limit(options_)) {
         return Error{ErrorCode::result_too_large, counted(kept_.planes.size(), "layer") + " with " +
@@ -308,6 +309,9 @@ void Slicing::finish_result() {
     result_.closed_gaps.resize_discarding(kept_.placement.closed_gap_count());
     kept_.placement.write_closed_gaps(result_.closed_gaps.span(), options_.control.stop);
     fill_layers();
+    const std::vector<PlaneIndex>& listed = kept_.planes.plane_of_listed();
+    result_.layer_of.resize_discarding(listed.size());
+    std::copy(listed.begin(), listed.end(), result_.layer_of.begin());
     kept_.placement.write_contours(parallel_, result_.contours.span(), result_.layers.span());
     summarise();
     result_.summary.ms.contours += milliseconds_since(start);

@@ -317,6 +317,9 @@ void Slicing::split_time(double sweep_ms) {
 }
 
 Status Slicing::finish_result() {
+    const std::vector<PlaneIndex>& listed = kept_.planes.plane_of_listed();
+    result_.layer_of.resize_discarding(listed.size());
+    std::copy(listed.begin(), listed.end(), result_.layer_of.begin());
     summarise();
     Status status = output_.finish(sweep_input());
     result_.summary.ms.contours += end_stage();
@@ -332,10 +335,6 @@ void Slicing::summarise() {
     summary.bands = kept_.bands.bands.size();
     summary.threads = parallel_.threads();
 }
-
-}  // namespace
-
-namespace {
 
 /// A prepared mesh has its grid and its frame already.
 Status check_prepared(const detail::PreparedParts& prepared, const SliceOptions& options) {

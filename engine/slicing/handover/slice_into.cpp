@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "base/guard.hpp"
 #include "base/words.hpp"
@@ -63,15 +64,15 @@ public:
             placement.write_closed_gaps({host_.closed_gaps, placement.closed_gap_count()}, input.stop);
         }
         set_counts(placement.contour_counts(), layers, input.result);
-        totals_ = {
-            layers.size(), contours.size(), placement.point_count(), placement.closed_gap_count(), input.result.unit_mm, {}};
+        layers_ = layers.size();
+        contours_ = contours.size();
+        points_ = placement.point_count();
+        closed_gaps_ = placement.closed_gap_count();
         return {};
     }
 
-    SliceTotals totals(const SliceResult& result) const {
-        SliceTotals totals = totals_;
-        totals.summary = result.summary;
-        return totals;
+    SliceTotals totals(SliceResult& result) const {
+        return {layers_, contours_, points_, closed_gaps_, result.unit_mm, std::move(result.layer_of), result.summary};
     }
 
 private:
@@ -92,7 +93,10 @@ private:
 
     const HostOutput& host_;
     HostPoints writer_;
-    SliceTotals totals_;
+    std::uint64_t layers_ = 0;
+    std::uint64_t contours_ = 0;
+    std::uint64_t points_ = 0;
+    std::uint64_t closed_gaps_ = 0;
 };
 
 /// Admits everything and keeps the numbers.

@@ -1,5 +1,7 @@
 #include "lamella/sink.hpp"
 
+#include <utility>
+
 #include "base/guard.hpp"
 #include "slicing/handover/sink_bands.hpp"
 #include "slicing/part_slicer.hpp"
@@ -36,9 +38,9 @@ public:
         return {};
     }
 
-    SliceTotals totals(const SliceResult& result) const {
-        return {handed_over_.layers,      handed_over_.contours, handed_over_.points,
-                handed_over_.closed_gaps, result.unit_mm,        result.summary};
+    SliceTotals totals(SliceResult& result) const {
+        return {handed_over_.layers, handed_over_.contours,      handed_over_.points, handed_over_.closed_gaps,
+                result.unit_mm,      std::move(result.layer_of), result.summary};
     }
 
 private:

@@ -12,6 +12,7 @@ Status ResultOutput::admit(const PlaneSet& planes, const Buckets& buckets, const
     const auto cutting =
         std::count_if(buckets.segments.begin(), buckets.segments.end(), [](auto count) { return count > 0; });
     const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + planes.size() * sizeof(Layer) +
+                                planes.plane_of_listed().size() * sizeof(std::uint64_t) +
                                 static_cast<std::uint64_t>(cutting) * sizeof(Contour);
     if (bytes > memory_limit) {
         return Error{ErrorCode::result_too_large,

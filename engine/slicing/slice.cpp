@@ -17,9 +17,6 @@
 #include <cmath>
 #include <string>
 #include <utility>
-#include <vector>
-
-#include <unistd.h>
 
 #include "base/clock.hpp"
 #include "base/guard.hpp"
@@ -37,47 +34,9 @@
 #include "slicing/result/placement.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
+#include "slicing/workspace.hpp"
 
 namespace lamella {
-
-namespace {
-
-std::uint64_t half_of_memory() {
-    const auto pages = static_cast<std::uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
-    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
-}
-
-}  // namespace
-
-/// Scratch that is kept from call to call.
-struct detail::WorkspaceParts {
-    explicit WorkspaceParts(const Memory* memory)
-        : memory(memory), blocks(memory), planes(memory), buckets(memory), bands(memory), placement(memory) {}
-
-    /// Kept, since threads return sooner to an arena that they have just left than to a new one.
-    const Parallel& parallel_for(const Control& control) {
-        if (parallel == nullptr || !parallel->serves(control)) {
-            parallel = std::make_unique<Parallel>(control);
-        }
-        parallel->follow(control.stop);
-        return *parallel;
-    }
-
-    const Memory* memory;
-    std::uint64_t usual_limit = half_of_memory();  ///< the system takes half a microsecond to say it
-    std::unique_ptr<Parallel> parallel;
-    BlockTable blocks;
-    PlaneSet planes;
-    Buckets buckets;
-    BandPlan bands;
-    std::vector<std::unique_ptr<BandSweep>> sweeps;  // by worker
-    Placement placement;
-};
-
-Workspace::Workspace() noexcept = default;
-Workspace::~Workspace() = default;
-Workspace::Workspace(Workspace&&) noexcept = default;
-Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
 namespace {
 
@@ -151,6 +110,9 @@ private:
 
 Status Slicing::choose_grid_and_planes() {
     const double asked_mm = frame_ != nullptr ? frame_->unit_mm : options_.unit_mm;
+    if (prepared_ != nullptr) {
+        kept_.blocks.blocks.set_size(0);
+    }
     const Result<Bounds> bounds = prepared_ != nullptr
                                       ? prepared_->frame.bounds
                                       : measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
@@ -216,6 +178,8 @@ Status Slicing::bucket_triangles() {
 }
 
 Status Slicing::sweep_bands() {
+    kept_.last_made_regions = !options_.region.keeps_contours() || options_.region.mark_near_mm > 0;
+    kept_.sweeps_made_regions = kept_.sweeps_made_regions || kept_.last_made_regions;
     kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
 
     // A closed contour has at most as many points as segments; an open one has one more, for which there is some room. A
@@ -386,17 +350,13 @@ Status detail::PartSlicer::run(const MeshView& mesh, const PreparedParts* prepar
         return status;
     }
     std::unique_ptr<WorkspaceParts>& kept = workspace.parts_;
-    if (kept == nullptr || kept->memory != options.control.memory) {
+    if (kept == nullptr || kept->counted.host() != options.control.memory) {
         kept = std::make_unique<WorkspaceParts>(options.control.memory);
     }
     if (result.points.memory() != options.control.memory) {
         result = SliceResult(options.control.memory);
     }
     return Slicing(mesh, prepared, options, frame, *kept, result).run();
-}
-
-void Workspace::reset() noexcept {
-    parts_.reset();
 }
 
 Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/fit.hpp"
 #include "base/stop_pace.hpp"
 
 namespace lamella {
@@ -110,6 +111,9 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const S
     seed_begin.assign(bands.size() + 1, 0);
     seeds.resize_discarding(0);
     if (found.empty()) {
+        band_of_.clear();
+        change_.clear();
+        next_seed_.clear();
         give_back_many(reaching);
         return;
     }
@@ -145,6 +149,17 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const S
         }
     });
     give_back_many(reaching);
+}
+
+void BandPlan::trim() {
+    fit(bands);
+    fit(band_end);
+    fit(reaching);
+    fit(seed_begin);
+    fit(seeds);
+    fit(band_of_);
+    fit(change_);
+    fit(next_seed_);
 }
 
 void BandPlan::forget_many_seeds() {

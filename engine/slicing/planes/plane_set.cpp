@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "base/fit.hpp"
 #include "base/mixed.hpp"
 #include "base/words.hpp"
 #include "lamella/result.hpp"
@@ -195,7 +196,7 @@ Status PlaneSet::build_explicit(const ExplicitPlanes& plan) {
                          static_cast<std::int64_t>(i)};
         }
     }
-    heights_mm_ = plan.heights_mm;
+    heights_mm_.assign(plan.heights_mm.begin(), plan.heights_mm.end());
     fill_from_heights();
     if (Status status = check_distinct(); !status) {
         return status;
@@ -257,8 +258,16 @@ void PlaneSet::fill_from_heights() {
     padded_[count_ + 1] = above_all;
 }
 
+void PlaneSet::trim() {
+    count_ = 0;
+    fit(padded_);
+    fit(heights_mm_);
+    fit(table_.first);
+}
+
 void PlaneSet::make_table() {
     if (count_ == 0) {
+        table_.first.set_size(0);
         return;
     }
     table_.lowest = z(0);

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
-#include <vector>
 
+#include "base/vector.hpp"
 #include "lamella/array.hpp"
 #include "lamella/error.hpp"
 #include "lamella/grid.hpp"
@@ -44,7 +44,7 @@ struct HeightTable {
 /// k planes, ascending. Immutable once made, shared by all threads.
 class PlaneSet {
 public:
-    explicit PlaneSet(const Memory* memory) : padded_(memory), table_(memory) {}
+    explicit PlaneSet(const Memory* memory) : padded_(memory), heights_mm_(memory), table_(memory) {}
 
     PlaneIndex size() const noexcept { return count_; }
     bool uniform() const noexcept { return inverse_step_ > 0; }
@@ -77,6 +77,9 @@ public:
                  std::uint64_t memory_limit);
     /// The planes of a result, with their heights on the grid only. Precondition: they ascend. O(k).
     void build(const Array<Layer>& layers);
+
+    /// Gives back what the last planes did not need; there are none then. Throws std::bad_alloc.
+    void trim();
 
 private:
     Status build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
@@ -118,7 +121,7 @@ private:
     double first_z_ = 0;       // of plane 0, grid units
     double inverse_step_ = 0;  // planes per grid unit; 0 when not uniform
     double last_guess_ = 0;
-    std::vector<double> heights_mm_;  // when not uniform
+    Vector<double> heights_mm_;  // when not uniform
     HeightTable table_;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/fit.hpp"
+
 namespace lamella {
 
 namespace {
@@ -24,6 +26,14 @@ void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
     summary.emptied_layers = result.region.keeps_contours() ? 0 : count_emptied(result.layers.span());
 }
 
+void BandOutput::trim() {
+    begin({});
+    fit(buffer);
+    fit(contours);
+    fit(layer_contours);
+    fit(closed_gaps);
+}
+
 void BandOutput::move_to_buffer(std::size_t count) {
     if (buffer.capacity() < point_count + count) {
         Array<Point> larger(buffer.memory());
@@ -31,6 +41,7 @@ void BandOutput::move_to_buffer(std::size_t count) {
         std::copy_n(points, point_count, larger.data());
         buffer = std::move(larger);
     } else {
+        buffer.set_size(std::max(buffer.size(), point_count + count));
         std::copy_n(points, point_count, buffer.data());
     }
     points = buffer.data();

@@ -50,6 +50,8 @@ public:
     void give_back(std::size_t band);
     /// The band is done: places it and all done bands that follow it. Throws Stopped where begin()'s `stop` asks for it.
     void submit(std::size_t band);
+    /// Gives back what the last run did not need. To be called between runs. Throws std::bad_alloc.
+    void trim();
     /// The run has failed: wakes all that wait.
     void abort();
 

@@ -11,6 +11,8 @@ namespace {
 
 /// A band has at least so many segments if threads allow: about 2 MB of points, which stay in a core's cache until placed.
 constexpr std::uint64_t least_segments = 1 << 18;
+/// A band has at least so much work: some 20 us, for less than which no other thread is worth waking.
+constexpr std::uint64_t least_work = 1 << 12;
 /// A triangle that enters costs as much as so many segments: its edges are looked up and its links written.
 constexpr std::uint64_t segments_per_entry = 24;
 /// A band has at least so much work for each seed. A seed costs what a triangle that enters does: a twenty-fifth of it.
@@ -69,7 +71,7 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
         all_work += work_of(buckets, plane);
     }
     // Several bands for each thread even out those that take longer; on one thread they only serve the cache.
-    const std::uint64_t share = all_work / (16 * static_cast<std::uint64_t>(threads)) + 1;
+    const std::uint64_t share = std::max(all_work / (16 * static_cast<std::uint64_t>(threads)) + 1, least_work);
     Band band{0, 0, 0, false};
     std::uint64_t work = 0;
     for (PlaneIndex plane = 0; plane < planes; ++plane) {

@@ -28,6 +28,7 @@
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/grid/bounds.hpp"
+#include "slicing/grid/placed_reader.hpp"
 #include "slicing/part_slicer.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/regions/rules.hpp"
@@ -113,6 +114,8 @@ public:
 
 private:
     Status choose_grid_and_planes();
+    Bounds no_bounds();
+    Status build_planes(const Bounds& own);
     Status bucket_triangles();
     Status sweep_bands();
     void sweep_all_into(std::span<Point> points);
@@ -138,19 +141,22 @@ private:
 };
 
 Status Slicing::choose_grid_and_planes() {
-    const double asked_mm = frame_ != nullptr ? frame_->unit_mm : options_.unit_mm;
-    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
+    const double asked_mm = frame_ != nullptr ? frame_->unit.mm : options_.unit_mm;
+    const Result<Bounds> bounds = options_.allow_empty && mesh_.triangle_count == 0
+                                      ? no_bounds()
+                                      : measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
     if (!bounds) {
         return bounds.error();
     }
-    const Result<double> unit = frame_ != nullptr ? frame_->unit_mm : choose_unit(*bounds, asked_mm);
+    const Result<ChosenUnit> unit =
+        frame_ != nullptr ? frame_->unit : choose_unit(*bounds, asked_mm, options_.unit_fit == UnitFit::coarser_if_needed);
     if (!unit) {
         return unit.error();
     }
-    if (Status status = check_reach(options_.region, *unit, bounds->farthest_in_plane()); !status) {
+    if (Status status = check_reach(options_.region, unit->mm, bounds->farthest_in_plane()); !status) {
         return status;
     }
-    result_.unit_mm = *unit;
+    result_.unit_mm = unit->mm;
     result_.frame = options_.transform;
     result_.plan = options_.plan;
     result_.part_count = 1;
@@ -158,13 +164,21 @@ Status Slicing::choose_grid_and_planes() {
     result_.region = options_.region;
     result_.close_gaps_mm = options_.close_gaps_mm;
     result_.summary = {};
+    result_.summary.unit_doublings = unit->doublings;
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
     std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
-    if (frame_ != nullptr) {
-        return kept_.planes.build(options_.plan, frame_->bounds, *unit, frame_->number, memory_limit(options_));
-    }
-    const CoordinateType number = options_.transform.is_identity() ? mesh_.coordinate_type : CoordinateType::f64;
-    return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
+    return build_planes(*bounds);
+}
+
+Bounds Slicing::no_bounds() {
+    kept_.blocks.blocks.resize_discarding(0);
+    return {};
+}
+
+Status Slicing::build_planes(const Bounds& own) {
+    const Bounds& bounds = frame_ != nullptr ? frame_->bounds : own;
+    const CoordinateType number = frame_ != nullptr ? frame_->number : placed_number(mesh_, options_.transform);
+    return kept_.planes.build(options_.plan, bounds, result_.unit_mm, number, memory_limit(options_));
 }
 
 /// Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band. The
@@ -173,7 +187,13 @@ Status Slicing::bucket_triangles() {
     Buckets& buckets = kept_.buckets;
     count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
     if (buckets.degenerate == mesh_.triangle_count) {
-        return all_collapsed(mesh_.triangle_count, result_.unit_mm);
+        if (!options_.allow_empty) {
+            return all_collapsed(mesh_.triangle_count, result_.unit_mm);
+        }
+        if (Status status = build_planes({}); !status) {  // the box of nothing chooses no planes
+            return status;
+        }
+        count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
     }
     const auto cutting =
         std::count_if(buckets.segments.begin(), buckets.segments.end(), [](auto count) { return count > 0; });

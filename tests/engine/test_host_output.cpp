@@ -222,8 +222,9 @@ TEST_CASE("a polyline of one segment has the two points that bounds say", "[engi
 TEST_CASE("regions are written like other contours", "[engine][host][fill][threads]") {
     for (const auto& [mesh_name, mesh] : shape_cases::meshes()) {
         INFO(mesh_name);
-        SliceOptions options = uniform(1);
+        SliceOptions options = uniform(4);
         options.control.threads = 2;
+        options.tuning.band_planes = 1;
         options.region.fill_rule = lamella::FillRule::non_zero;
         options.region.offset_mm = -0.3;
         CHECK_FALSE(bounds_of(view_of(mesh), options).are_certain);

@@ -15,9 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
-
-#include <unistd.h>
+#include <utility>
 
 #include "base/clock.hpp"
 #include "base/guard.hpp"
@@ -25,69 +23,31 @@
 #include "lamella/memory.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/prepared_triangles.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/part_slicer.hpp"
 #include "slicing/planes/plane_set.hpp"
+#include "slicing/prepared_parts.hpp"
 #include "slicing/regions/rules.hpp"
 #include "slicing/result/result_output.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
+#include "slicing/workspace.hpp"
 
 namespace lamella {
-
-namespace {
-
-std::uint64_t memory_limit(const SliceOptions& options) {
-    if (options.memory_limit_bytes != 0) {
-        return options.memory_limit_bytes;
-    }
-    const auto pages = static_cast<std::uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
-    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
-}
-
-}  // namespace
-
-/// Scratch that is kept from call to call.
-struct detail::WorkspaceParts {
-    explicit WorkspaceParts(const Memory* memory)
-        : memory(memory), blocks(memory), planes(memory), buckets(memory), bands(memory), output(memory) {}
-
-    /// Kept, since threads return sooner to an arena that they have just left than to a new one.
-    const Parallel& parallel_for(const Control& control) {
-        if (parallel == nullptr || !parallel->serves(control)) {
-            parallel = std::make_unique<Parallel>(control);
-        }
-        parallel->follow(control.stop);
-        return *parallel;
-    }
-
-    const Memory* memory;
-    std::unique_ptr<Parallel> parallel;
-    BlockTable blocks;
-    PlaneSet planes;
-    Buckets buckets;
-    BandPlan bands;
-    std::vector<std::unique_ptr<BandSweep>> sweeps;  // by worker
-    OutputScratch output;
-};
-
-Workspace::Workspace() noexcept = default;
-Workspace::~Workspace() = default;
-Workspace::Workspace(Workspace&&) noexcept = default;
-Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
 namespace {
 
 /// One call of slice().
 class Slicing {
 public:
-    /// `frame`: null where the mesh's own box chooses grid and planes.
-    Slicing(SliceOutput& output, const MeshView& mesh, const SliceOptions& options, const SharedFrame* frame,
-            detail::WorkspaceParts& kept, SliceResult& result)
+    Slicing(SliceOutput& output, const detail::SliceInput& input, const SliceOptions& options, detail::WorkspaceParts& kept,
+            SliceResult& result)
         : output_(output),
-          mesh_(mesh),
+          mesh_(input.mesh),
+          prepared_(input.prepared),
+          frame_(input.frame),
           options_(options),
-          frame_(frame),
           kept_(kept),
           result_(result),
           progress_(options.control.progress),
@@ -101,16 +61,15 @@ public:
         if (Status status = count_triangles(); !status) {
             return status;
         }
-        return output_.admit(kept_.planes, kept_.buckets, result_);
+        return output_.admit(kept_.planes, kept_.buckets, result_, memory_limit());
     }
 
     Status run() {
-        const auto start = Clock::now();
         if (Status status = admit(); !status) {
             return status;
         }
         bucket_triangles();
-        result_.summary.ms.bucket = milliseconds_since(start);
+        result_.summary.ms.bucket = end_stage();
         if (Status status = sweep_bands(); !status) {
             return status;
         }
@@ -133,8 +92,16 @@ private:
         return {kept_.planes,          kept_.buckets, kept_.bands.bands, parallel_,
                 options_.control.stop, progress_,     kept_.output,      result_};
     }
+    std::uint64_t memory_limit() const noexcept {
+        return options_.memory_limit_bytes != 0 ? options_.memory_limit_bytes : kept_.usual_limit;
+    }
     LayerRules rules() const noexcept {
         return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm};
+    }
+    /// Milliseconds since the stage before ended.
+    double end_stage() noexcept {
+        const auto before = std::exchange(stage_began_, Clock::now());
+        return std::chrono::duration<double, std::milli>(stage_began_ - before).count();
     }
     void note_ticks_of(const WidePlane& wide, std::uint64_t spent);
     void split_time(double sweep_ms);
@@ -143,18 +110,25 @@ private:
 
     SliceOutput& output_;
     const MeshView& mesh_;
-    const SliceOptions& options_;
+    const detail::PreparedParts* prepared_;
     const SharedFrame* frame_;
+    const SliceOptions& options_;
     detail::WorkspaceParts& kept_;
     SliceResult& result_;
     ProgressMeter progress_;
     const Parallel& parallel_;
     SweepTicks wide_ticks_;
+    Clock::time_point stage_began_ = Clock::now();
 };
 
 Status Slicing::choose_grid_and_planes() {
     const double asked_mm = frame_ != nullptr ? frame_->unit_mm : options_.unit_mm;
-    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
+    if (prepared_ != nullptr) {
+        kept_.blocks.blocks.set_size(0);
+    }
+    const Result<Bounds> bounds = prepared_ != nullptr
+                                      ? prepared_->frame.bounds
+                                      : measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
     if (!bounds) {
         return bounds.error();
     }
@@ -166,7 +140,7 @@ Status Slicing::choose_grid_and_planes() {
         return status;
     }
     result_.unit_mm = *unit;
-    result_.frame = options_.transform;
+    result_.frame = prepared_ != nullptr ? prepared_->transform : options_.transform;
     result_.plan = options_.plan;
     result_.part_count = 1;
     result_.part_regions = PartRegions::separate;
@@ -176,15 +150,19 @@ Status Slicing::choose_grid_and_planes() {
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
     std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
     if (frame_ != nullptr) {
-        return kept_.planes.build(options_.plan, frame_->bounds, *unit, frame_->number, memory_limit(options_));
+        return kept_.planes.build(options_.plan, frame_->bounds, *unit, frame_->number, memory_limit());
     }
     const CoordinateType number = options_.transform.is_identity() ? mesh_.coordinate_type : CoordinateType::f64;
-    return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
+    return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit());
 }
 
 Status Slicing::count_triangles() {
     Buckets& buckets = kept_.buckets;
-    count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
+    if (prepared_ != nullptr) {
+        count_crossings(prepared_->triangles, kept_.planes, parallel_, buckets);
+    } else {
+        count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
+    }
     if (buckets.degenerate == mesh_.triangle_count) {
         return all_collapsed(mesh_.triangle_count, result_.unit_mm);
     }
@@ -198,19 +176,23 @@ void Slicing::bucket_triangles() {
     BandPlan& bands = kept_.bands;
     bands.cut(buckets, kept_.planes.size(), options_.tuning.band_planes, parallel_.threads(),
               output_.most_band_segments(parallel_.threads()));
-    const std::size_t reaching = scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes, bands.band_end,
-                                                   parallel_, buckets, bands.reaching.span());
+    const std::size_t reaching = prepared_ != nullptr
+                                     ? scatter_triangles(prepared_->triangles, kept_.planes, bands.band_end, parallel_,
+                                                         buckets, bands.reaching.span())
+                                     : scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes,
+                                                         bands.band_end, parallel_, buckets, bands.reaching.span());
     bands.find_seeds(kept_.planes.size(), reaching, options_.control.stop);
 }
 
 Status Slicing::sweep_bands() {
-    const auto start = Clock::now();
+    kept_.last_made_regions = !options_.region.keeps_contours() || options_.region.mark_near_mm > 0;
+    kept_.sweeps_made_regions = kept_.sweeps_made_regions || kept_.last_made_regions;
     kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
     if (Status status = output_.take_bands(sweep_input(), [this](BandTarget& target) { sweep_all_into(target); }); !status) {
         return status;
     }
     kept_.bands.forget_many_seeds();  // before the result's contours are added to what is held
-    split_time(milliseconds_since(start));
+    split_time(end_stage());
     return {};
 }
 
@@ -299,10 +281,12 @@ void Slicing::split_time(double sweep_ms) {
 }
 
 Status Slicing::finish_result() {
-    const auto start = Clock::now();
+    const Vector<PlaneIndex>& listed = kept_.planes.plane_of_listed();
+    result_.layer_of.resize_discarding(listed.size());
+    std::copy(listed.begin(), listed.end(), result_.layer_of.begin());
     summarise();
     Status status = output_.finish(sweep_input());
-    result_.summary.ms.contours += milliseconds_since(start);
+    result_.summary.ms.contours += end_stage();
     return status;
 }
 
@@ -316,11 +300,23 @@ void Slicing::summarise() {
     summary.threads = parallel_.threads();
 }
 
-}  // namespace
+/// A prepared mesh has its grid and its frame already.
+Status check_prepared(const detail::PreparedParts& prepared, const SliceOptions& options) {
+    if (options.unit_mm != 0 && options.unit_mm != prepared.asked_unit_mm && options.unit_mm != prepared.frame.unit_mm) {
+        return Error{ErrorCode::invalid_argument, "the mesh was prepared on another grid than the one asked for"};
+    }
+    if (!options.transform.is_identity() && options.transform.m != prepared.transform.m) {
+        return Error{ErrorCode::invalid_argument, "the mesh was prepared with another transform than the one asked for"};
+    }
+    return {};
+}
 
-namespace {
-
-Status check_options(const SliceOptions& options) {
+Status check_options(const detail::SliceInput& input, const SliceOptions& options) {
+    if (input.prepared != nullptr) {
+        if (Status status = check_prepared(*input.prepared, options); !status) {
+            return status;
+        }
+    }
     if (options.tuning.band_planes < 0) {
         return Error{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"};
     }
@@ -331,7 +327,7 @@ Status check_options(const SliceOptions& options) {
 }
 
 detail::WorkspaceParts& parts_for(const SliceOptions& options, std::unique_ptr<detail::WorkspaceParts>& kept) {
-    if (kept == nullptr || kept->memory != options.control.memory) {
+    if (kept == nullptr || kept->counted.host() != options.control.memory) {
         kept = std::make_unique<detail::WorkspaceParts>(options.control.memory);
     }
     return *kept;
@@ -339,45 +335,41 @@ detail::WorkspaceParts& parts_for(const SliceOptions& options, std::unique_ptr<d
 
 }  // namespace
 
-Status detail::PartSlicer::slice(const MeshView& mesh, const SliceOptions& options, const SharedFrame* frame,
-                                 Workspace& workspace, SliceResult& result) {
-    ResultOutput output(memory_limit(options));
-    return slice_for(output, mesh, options, frame, workspace, result);
+Status detail::PartSlicer::slice(const SliceInput& input, const SliceOptions& options, Workspace& workspace,
+                                 SliceResult& result) {
+    ResultOutput output;
+    return slice_for(output, input, options, workspace, result);
 }
 
-Status detail::PartSlicer::slice_for(SliceOutput& output, const MeshView& mesh, const SliceOptions& options,
-                                     const SharedFrame* frame, Workspace& workspace, SliceResult& result) {
-    if (Status status = check_options(options); !status) {
+Status detail::PartSlicer::slice_for(SliceOutput& output, const SliceInput& input, const SliceOptions& options,
+                                     Workspace& workspace, SliceResult& result) {
+    if (Status status = check_options(input, options); !status) {
         return status;
     }
     WorkspaceParts& kept = parts_for(options, workspace.parts_);
     if (result.points.memory() != options.control.memory) {
         result = SliceResult(options.control.memory);
     }
-    return Slicing(output, mesh, options, frame, kept, result).run();
+    return Slicing(output, input, options, kept, result).run();
 }
 
-Status detail::PartSlicer::admit(SliceOutput& output, const MeshView& mesh, const SliceOptions& options,
+Status detail::PartSlicer::admit(SliceOutput& output, const SliceInput& input, const SliceOptions& options,
                                  Workspace& workspace, SliceResult& result) {
-    if (Status status = check_options(options); !status) {
+    if (Status status = check_options(input, options); !status) {
         return status;
     }
-    return Slicing(output, mesh, options, nullptr, parts_for(options, workspace.parts_), result).admit();
-}
-
-void Workspace::reset() noexcept {
-    parts_.reset();
+    return Slicing(output, input, options, parts_for(options, workspace.parts_), result).admit();
 }
 
 Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
-    return guarded(options.control, [&] { return detail::PartSlicer::slice(mesh, options, nullptr, workspace, result); });
+    return guarded(options.control, [&] { return detail::PartSlicer::slice({mesh}, options, workspace, result); });
 }
 
 Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options) noexcept {
     return guarded(options.control, [&]() -> Result<SliceResult> {
         Workspace workspace;
         SliceResult result(options.control.memory);
-        if (Status status = detail::PartSlicer::slice(mesh, options, nullptr, workspace, result); !status) {
+        if (Status status = detail::PartSlicer::slice({mesh}, options, workspace, result); !status) {
             return status.error();
         }
         return result;

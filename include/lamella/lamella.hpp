@@ -34,6 +34,7 @@
 #include "lamella/mesh/weld.hpp"
 #include "lamella/parts.hpp"
 #include "lamella/planes.hpp"
+#include "lamella/prepare.hpp"
 #include "lamella/region.hpp"
 #include "lamella/result.hpp"
 #include "lamella/sink.hpp"

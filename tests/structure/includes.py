@@ -27,8 +27,8 @@ SLICING = [
     ["regions"],
     ["contours"],
     ["sweep"],
-    ["part_slicer.hpp"],
-    ["slice.cpp"],
+    ["part_slicer.hpp", "prepared_parts.hpp", "workspace.hpp"],
+    ["workspace.cpp", "slice.cpp", "prepare.cpp"],
     ["parts", "handover"],
 ]
 
@@ -38,7 +38,7 @@ PEERS = [("slicing/sweep/band_sweep", "slicing/sweep/wide_plane")]
 # Public headers that are not in a folder named after their library.
 PUBLIC = {
     "array": "base", "control": "base", "error": "base", "integer128": "base", "memory": "base", "version": "base",
-    "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "parts": "slicing", "planes": "slicing", "region": "slicing",
+    "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "parts": "slicing", "planes": "slicing", "prepare": "slicing", "region": "slicing",
     "host_output": "slicing", "islands": "slicing", "sink": "slicing",
     "result": "slicing", "slice": "slicing",
     "lamella": "audit", "io": "io",

@@ -24,7 +24,14 @@ struct Band {
 
 struct BandPlan {
     explicit BandPlan(const Memory* memory)
-        : bands(memory), band_end(memory), reaching(memory), seed_begin(memory), seeds(memory) {}
+        : bands(memory),
+          band_end(memory),
+          reaching(memory),
+          seed_begin(memory),
+          seeds(memory),
+          band_of_(memory),
+          change_(memory),
+          next_seed_(memory) {}
 
     Vector<Band> bands;
     Vector<PlaneIndex> band_end;       ///< k + 1: the end of each plane's band, and k
@@ -48,12 +55,20 @@ struct BandPlan {
     /// least one segment in its band. Throws Stopped where `stop` asks for it.
     void find_seeds(PlaneIndex planes, std::size_t reaching_count, const StopCheck& stop = {});
 
+    /// Gives back what the last call did not need. Throws std::bad_alloc.
+    void trim();
+
     /// Releases the memory of the seeds if it is large. To be called when all bands are swept.
     void forget_many_seeds();
 
 private:
     void cut_once(const Buckets& buckets, PlaneIndex planes, std::size_t fixed, int threads, std::uint64_t most_segments);
     void make_room(const Buckets& buckets, PlaneIndex planes);
+
+    // scratch of find_seeds()
+    Vector<std::uint32_t> band_of_;  // of each plane
+    Vector<std::int64_t> change_;
+    Vector<std::uint64_t> next_seed_;
 };
 
 }  // namespace lamella

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "base/guard.hpp"
 #include "base/words.hpp"
@@ -30,7 +31,8 @@ class HostArrays final : public SliceOutput {
 public:
     explicit HostArrays(const HostOutput& host) : host_(host), writer_(host) {}
 
-    Status admit(const PlaneSet& planes, const Buckets& /*buckets*/, const SliceResult& result) override {
+    Status admit(const PlaneSet& planes, const Buckets& /*buckets*/, const SliceResult& result,
+                 std::uint64_t /*memory_limit*/) override {
         if (planes.size() > host_.layer_capacity) {
             return Error{ErrorCode::result_too_large, "the slice has " + counted(planes.size(), "layer") +
                                                           ", but there is memory for " +
@@ -62,15 +64,15 @@ public:
             placement.write_closed_gaps({host_.closed_gaps, placement.closed_gap_count()}, input.stop);
         }
         set_counts(placement.contour_counts(), layers, input.result);
-        totals_ = {
-            layers.size(), contours.size(), placement.point_count(), placement.closed_gap_count(), input.result.unit_mm, {}};
+        layers_ = layers.size();
+        contours_ = contours.size();
+        points_ = placement.point_count();
+        closed_gaps_ = placement.closed_gap_count();
         return {};
     }
 
-    SliceTotals totals(const SliceResult& result) const {
-        SliceTotals totals = totals_;
-        totals.summary = result.summary;
-        return totals;
+    SliceTotals totals(SliceResult& result) const {
+        return {layers_, contours_, points_, closed_gaps_, result.unit_mm, std::move(result.layer_of), result.summary};
     }
 
 private:
@@ -91,13 +93,17 @@ private:
 
     const HostOutput& host_;
     HostPoints writer_;
-    SliceTotals totals_;
+    std::uint64_t layers_ = 0;
+    std::uint64_t contours_ = 0;
+    std::uint64_t points_ = 0;
+    std::uint64_t closed_gaps_ = 0;
 };
 
 /// Admits everything and keeps the numbers.
 class Counting final : public SliceOutput {
 public:
-    Status admit(const PlaneSet& planes, const Buckets& buckets, const SliceResult& result) override {
+    Status admit(const PlaneSet& planes, const Buckets& buckets, const SliceResult& result,
+                 std::uint64_t /*memory_limit*/) override {
         bounds_ = {.layers = planes.size(),
                    .contours = buckets.segment_count,
                    .points = 2 * buckets.segment_count,
@@ -121,7 +127,7 @@ Result<OutputBounds> bound_output(const MeshView& mesh, const SliceOptions& opti
     return guarded(options.control, [&]() -> Result<OutputBounds> {
         Counting counting;
         SliceResult result(options.control.memory);
-        if (Status status = detail::PartSlicer::admit(counting, mesh, options, workspace, result); !status) {
+        if (Status status = detail::PartSlicer::admit(counting, {mesh}, options, workspace, result); !status) {
             return status.error();
         }
         return counting.bounds();
@@ -141,7 +147,7 @@ Result<SliceTotals> slice_into(const HostOutput& output, const MeshView& mesh, c
         }
         HostArrays arrays(output);
         SliceResult result(options.control.memory);
-        if (Status status = detail::PartSlicer::slice_for(arrays, mesh, options, nullptr, workspace, result); !status) {
+        if (Status status = detail::PartSlicer::slice_for(arrays, {mesh}, options, workspace, result); !status) {
             return status.error();
         }
         return arrays.totals(result);

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include "base/fit.hpp"
+
 namespace lamella {
 
 namespace {
@@ -11,6 +13,14 @@ namespace {
 std::uint64_t count_emptied(std::span<const Layer> layers) noexcept {
     return static_cast<std::uint64_t>(std::count_if(
         layers.begin(), layers.end(), [](const Layer& layer) { return layer.segments > 0 && layer.contour_count == 0; }));
+}
+
+template <class T>
+void copy_paced(const T* from, std::size_t count, StopPace& pace, Array<T>& to) {
+    constexpr std::size_t words = (sizeof(T) + 7) / 8;
+    to.resize_discarding(count);
+    pace.in_stretches(0, count, words,
+                      [&](std::size_t begin, std::size_t end) { std::copy(from + begin, from + end, to.data() + begin); });
 }
 
 }  // namespace
@@ -32,6 +42,14 @@ void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
     set_counts(counts, result.layers.span(), result);
 }
 
+void BandOutput::trim() {
+    begin({});
+    fit(buffer);
+    fit(contours);
+    fit(layer_contours);
+    fit(closed_gaps);
+}
+
 void BandOutput::move_to_buffer(std::size_t count) {
     if (buffer.capacity() < point_count + count) {
         Array<Point> larger(buffer.memory());
@@ -39,6 +57,7 @@ void BandOutput::move_to_buffer(std::size_t count) {
         std::copy_n(points, point_count, larger.data());
         buffer = std::move(larger);
     } else {
+        buffer.set_size(std::max(buffer.size(), point_count + count));
         std::copy_n(points, point_count, buffer.data());
     }
     points = buffer.data();
@@ -88,6 +107,13 @@ std::size_t BandOutput::bytes_held() const noexcept {
 
 void BandOutput::release() noexcept {
     *this = BandOutput(buffer.memory());
+}
+
+LayerContours copy_layer(const BandOutput& output, StopPace& pace, const Memory* memory) {
+    LayerContours layer{Array<Contour>(memory), Array<Point>(memory)};
+    copy_paced(output.contours.data(), output.contours.size(), pace, layer.contours);
+    copy_paced(output.points, output.point_count, pace, layer.points);
+    return layer;
 }
 
 }  // namespace lamella

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <span>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
+#include "lamella/assemble.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -58,7 +60,7 @@ struct BandOutput {
     Point* points = nullptr;  ///< in the result's own array, or in `buffer`
     std::size_t point_count = 0;
     std::size_t capacity = 0;
-    Array<Point> buffer;
+    Array<Point> buffer;  ///< its size: what was needed in a run so far
     Vector<Contour> contours;
     ContourCounts counts;
     Vector<std::uint32_t> layer_contours;  ///< number of contours of each plane
@@ -77,6 +79,8 @@ struct BandOutput {
         layer_contours.clear();
         closed_gaps.clear();
     }
+    /// Between runs: gives back what the last one did not need. Throws std::bad_alloc.
+    void trim();
     bool in_buffer() const noexcept { return points == buffer.data(); }
 
     /// Makes room for `count` more points and returns where they go. Throws std::bad_alloc.
@@ -109,5 +113,9 @@ struct BandOutput {
     /// Gives all memory back.
     void release() noexcept;
 };
+
+/// All contours and points of `output`, in arrays that take their memory from `memory`. Throws std::bad_alloc, and Stopped
+/// where the host that `pace` asks wants the call to end.
+LayerContours copy_layer(const BandOutput& output, StopPace& pace, const Memory* memory);
 
 }  // namespace lamella

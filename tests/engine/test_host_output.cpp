@@ -347,6 +347,24 @@ TEST_CASE("arrays that contradict themselves are refused", "[engine][host][error
     CHECK(bound_output(lamella::MeshView{}, options).error().code == ErrorCode::empty_mesh);
 }
 
+TEST_CASE("a prepared mesh is bounded and written like the mesh", "[engine][host][prepare]") {
+    for (const auto& [mesh_name, mesh] : shape_cases::meshes()) {
+        INFO(mesh_name);
+        const SliceOptions options = uniform(0.5);
+        const auto prepared = lamella::prepare(view_of(mesh));
+        REQUIRE(prepared.ok());
+        const OutputBounds expected = bounds_of(view_of(mesh), options);
+        const lamella::Result<OutputBounds> bounds = bound_output(*prepared, options);
+        REQUIRE(bounds.ok());
+        CHECK(bounds->layers == expected.layers);
+        CHECK(bounds->segments == expected.segments);
+        CHECK(bounds->points == expected.points);
+        CHECK(bounds->unit_mm == expected.unit_mm);
+        HostArrays host(bounds->points, bounds->contours, bounds->layers, PointType::i64, 0, 1000);
+        require_same(host, slice_into(host.output, *prepared, options), sliced(mesh, options));
+    }
+}
+
 TEST_CASE("a layer without contours needs no points", "[engine][host]") {
     const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 4});
     for (const PointType type : {PointType::i32, PointType::f64}) {

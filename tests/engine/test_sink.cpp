@@ -5,6 +5,7 @@
 #include <chrono>
 #include <functional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -36,10 +37,10 @@ constexpr double region_layer_mm = 1;
 #endif
 
 SliceTotals handed(const LayerSink& sink, const lamella::MeshView& mesh, const SliceOptions& options) {
-    const lamella::Result<SliceTotals> totals = slice_to(sink, mesh, options);
+    lamella::Result<SliceTotals> totals = slice_to(sink, mesh, options);
     INFO((totals ? std::string() : totals.error().message));
     REQUIRE(totals.ok());
-    return *totals;
+    return std::move(totals).value();
 }
 
 void require_same_totals(const SliceTotals& totals, const lamella::SliceResult& result) {
@@ -378,6 +379,41 @@ TEST_CASE("a workspace serves slices to sinks and to results in turn", "[engine]
             REQUIRE(collected.difference(result) == "");
         }
     }
+}
+
+TEST_CASE("a sink gets the layers of a prepared mesh, and of heights in any order", "[engine][sink][prepare][threads]") {
+    SliceOptions options;
+    options.plan.spacing = lamella::ExplicitPlanes{{4, -1, 0.5, 4, 30, 2}};
+    options.control.threads = 2;
+    for (const auto& [mesh_name, mesh] : shape_cases::meshes()) {
+        INFO(mesh_name);
+        const auto prepared = lamella::prepare(view_of(mesh));
+        REQUIRE(prepared.ok());
+        const lamella::SliceResult expected = sliced(mesh, options);
+        for (const SinkOrder order : orders) {
+            CollectedLayers collected;
+            const auto totals = slice_to(LayerSink::to(collected, order), *prepared, options);
+            REQUIRE(totals.ok());
+            REQUIRE(collected.difference(expected) == "");
+            require_same_totals(*totals, expected);
+            REQUIRE(totals->layer_of.size() == 6);
+            CHECK(std::equal(totals->layer_of.begin(), totals->layer_of.end(), expected.layer_of.begin()));
+        }
+    }
+}
+
+TEST_CASE("a workspace counts what sinks make it hold, and gives it back", "[engine][sink][memory]") {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 5);
+    const CountingMemory memory;
+    SliceOptions options = uniform(0.02);
+    options.control.memory = &memory;
+    options.control.threads = 2;
+    lamella::Workspace workspace;
+    const auto nothing = [](const LayerView&) noexcept {};
+    REQUIRE(slice_to(LayerSink::to(nothing, SinkOrder::any), view_of(ball), options, workspace).ok());
+    CHECK(workspace.bytes() >= memory.held());
+    workspace.reset();
+    CHECK(memory.held() == 0);
 }
 
 TEST_CASE("a slice to a sink fails as slice() does", "[engine][sink][errors]") {

@@ -288,24 +288,30 @@ TEST_CASE("a band that is put aside is dropped when another thread fails", "[eng
 }
 
 TEST_CASE("a slow sink gets every layer in order", "[engine][sink][threads]") {
+    // Hollow, so that contours have parents, and torn, so that gaps are closed.
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 3);
+    shapes::Soup hollow = shapes::joined({shapes::flipped(shapes::scaled(ball, {0.5, 0.5, 0.5})), ball});
+    hollow.resize(hollow.size() - 9 * std::size_t{20});
     SliceOptions options = uniform(0.1);
     options.control.threads = 4;
-    options.tuning.band_planes = 2;
+    options.tuning.band_planes = 5;
+    options.close_gaps_mm = 50;
+    const lamella::SliceResult expected = sliced(hollow, options);
+    REQUIRE(expected.closed_gaps.size() > 3);
     for (const SinkOrder order : orders) {
         CollectedLayers collected;
         OrderNote note;
         const auto slow = [&](const LayerView& view) noexcept {
             if (view.index % 16 == 0) {
-                std::this_thread::sleep_for(std::chrono::milliseconds(5));
+                std::this_thread::sleep_for(std::chrono::milliseconds(10));  // the other threads put layers aside
             }
             if (order == SinkOrder::ascending) {
                 note(view);
             }
             collected(view);
         };
-        handed(LayerSink::to(slow, order), view_of(ball), options);
-        REQUIRE(collected.difference(sliced(ball, options)) == "");
+        handed(LayerSink::to(slow, order), view_of(hollow), options);
+        REQUIRE(collected.difference(expected) == "");
         CHECK(note.in_order);
     }
 }

@@ -27,8 +27,8 @@
 // A slice looks for a stop every few milliseconds, and so do prepare() and region_of(), whatever its rules.
 //
 // Calls may be made from several threads at once, and from within the tasks and loops of oneTBB, OpenMP or the host's own
-// pool: each uses at most its own number of threads, and none waits for another. What takes some 20 us is done by the calling
-// thread alone.
+// pool: each uses at most its own number of threads, and none waits for another. What takes some 20 us is done by the
+// calling thread alone.
 //
 // A negative number of threads is invalid_argument in all of them.
 #pragma once

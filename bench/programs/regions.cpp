@@ -6,13 +6,11 @@
 // on all. Regions of single layers run on one thread. Before that each layer's areas are compared: they may differ by a few
 // units along its contours.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
 #include <functional>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -23,7 +21,9 @@
 #include "lamella/assemble.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
+#include "medians.hpp"
 #include "region_area.hpp"
+#include "timed_runs.hpp"
 
 namespace lamella::bench {
 
@@ -33,39 +33,6 @@ constexpr double closing_mm = 0.049;
 constexpr double offset_mm = 0.2;
 /// Grid units by which a contour may lie elsewhere than the library's, on average.
 constexpr double apart = 6;
-
-struct Timed {
-    std::string name;
-    std::function<void()> work;
-};
-
-nlohmann::ordered_json medians_of(const std::vector<Timed>& all, int rounds) {
-    using Clock = std::chrono::steady_clock;
-    std::map<std::string, std::vector<double>> times;
-    for (int round = 0; round <= rounds; ++round) {
-        for (const Timed& each : all) {
-            const auto start = Clock::now();
-            each.work();
-            times[each.name].push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
-        }
-    }
-    nlohmann::ordered_json medians;
-    for (const Timed& each : all) {
-        std::vector<double>& own = times[each.name];
-        own.erase(own.begin());  // the first only warms
-        std::nth_element(own.begin(), own.begin() + rounds / 2, own.end());
-        medians[each.name] = own[static_cast<std::size_t>(rounds / 2)];
-    }
-    return medians;
-}
-
-template <class Value>
-Value checked(Result<Value> result) {
-    if (!result) {
-        throw std::runtime_error(result.error().message);
-    }
-    return std::move(result).value();
-}
 
 RegionRules non_zero(double close_mm = 0, double offset = 0) {
     RegionRules rules;

@@ -10,12 +10,13 @@ machine's load falls on all. The exit status is 1 if a bar is not met.
 
 import argparse
 import pathlib
-import re
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
+
+from readme_table import mark, replace_table
 
 LAYER_MM = "0.032"
 REPORT_BAR = 2.5
@@ -44,10 +45,6 @@ def measure(tool, mesh, threads, folder):
     return {name: statistics.median(each[1:]) for name, each in times.items()}
 
 
-def ratio(value, bar):
-    return f"{value:.2f} ({'met' if value <= bar else 'not met'})"
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tool")
@@ -65,20 +62,17 @@ def main():
             name, mesh = named.split("=", 1)
             ms = measure(arguments.tool, mesh, arguments.threads, pathlib.Path(folder))
             report, check = ms["report"] / ms["slice"], ms["check"] / ms["slice"]
-            met = met and report <= REPORT_BAR and check <= CHECK_BAR
+            report_text, report_met = mark(f"{report:.2f}", report, REPORT_BAR)
+            check_text, check_met = mark(f"{check:.2f}", check, CHECK_BAR)
+            met = met and report_met and check_met
             lines.append(
-                f"| {name} | {ms['slice']:.0f} ms | {ms['report']:.0f} ms | {ratio(report, REPORT_BAR)} "
-                f"| {ms['check']:.0f} ms | {ratio(check, CHECK_BAR)} |"
+                f"| {name} | {ms['slice']:.0f} ms | {ms['report']:.0f} ms | {report_text} "
+                f"| {ms['check']:.0f} ms | {check_text} |"
             )
     table = "\n".join(lines) + "\n"
     print(table, end="")
     if arguments.readme:
-        text = arguments.readme.read_text()
-        parts = re.split(r"(<!-- commands: (?:begin|end) -->\n)", text)
-        if len(parts) != 5:
-            sys.exit(f"{arguments.readme}: has not one pair of markers '<!-- commands: begin -->' and '... end'")
-        parts[2] = "\n" + table + "\n"
-        arguments.readme.write_text("".join(parts))
+        replace_table(arguments.readme, "commands", table)
     return 0 if met else 1
 
 

@@ -14,6 +14,8 @@ import re
 import subprocess
 import sys
 
+from readme_table import mark, replace_table
+
 LAYER_MM = "0.2"
 SLICE_BARS = {"non_zero": 1.25, "closing": 2.5, "offset": 6.0}
 # In seconds and bytes.
@@ -23,11 +25,6 @@ CASE = re.compile(r"region/([^/]+)/([^/]+)/threads:1/")
 
 def output_of(command):
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-
-
-def mark(text, value, bar):
-    """The text, with whether the bar is met; and that."""
-    return (text, True) if bar is None else (f"{text} ({'met' if value <= bar else 'not met'})", value <= bar)
 
 
 def slices_table(reports):
@@ -106,12 +103,7 @@ def main():
     table = "\n".join([*slices, "", *library_table(reports), "", *layers]) + "\n"
     print(table, end="")
     if arguments.readme:
-        text = arguments.readme.read_text()
-        parts = re.split(r"(<!-- regions: (?:begin|end) -->\n)", text)
-        if len(parts) != 5:
-            sys.exit(f"{arguments.readme}: has not one pair of markers '<!-- regions: begin -->' and '... end'")
-        parts[2] = "\n" + table + "\n"
-        arguments.readme.write_text("".join(parts))
+        replace_table(arguments.readme, "regions", table)
     return 0 if slices_met and layers_met else 1
 
 

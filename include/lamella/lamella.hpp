@@ -5,13 +5,14 @@
 //         std::printf("%zu layers, %zu contours\n", sliced->layers.size(), sliced->contours.size());
 //     }
 //
-// Which call to make when. Before slicing, inspect() says in O(n) whether a mesh is closed and what its box is; check()
-// takes longer and says what is wrong with it and where, down to faces that cross. Slicing itself needs neither. After
-// slicing, make_ledger() says what of the mesh no layer shows: parts that lie between two planes. certify_volume() compares
-// areas and volumes with the mesh, by another computation than slicing: call it where a wrong layer would be costly.
-// find_crossings() says where contours of a layer run through one another, which check() would find in the mesh as crossing
-// faces, more slowly. validate() is for tests and for results that a program has changed: it holds for every result as
-// slice() returns it.
+// Which call to make when. Slicing one mesh again and again, at other heights or by other rules: prepare() it once.
+// Before slicing, inspect() says in O(n) whether a mesh is closed and what its box is; check() takes longer and says
+// what is wrong with it and where, down to faces that cross. Slicing itself needs neither. After slicing, make_ledger()
+// says what of the mesh no layer shows: parts that lie between two planes. certify_volume() compares areas and volumes
+// with the mesh, by another computation than slicing: call it where a wrong layer would be costly. find_crossings() says
+// where contours of a layer run through one another, which check() would find in the mesh as crossing faces, more
+// slowly. validate() is for tests and for results that a program has changed: it holds for every result as slice()
+// returns it.
 #pragma once
 
 #include "lamella/assemble.hpp"

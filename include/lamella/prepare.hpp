@@ -46,7 +46,7 @@ public:
     PreparedMesh(PreparedMesh&&) noexcept;
     PreparedMesh& operator=(PreparedMesh&&) noexcept;
 
-    /// The memory that it holds: 48 bytes a triangle and about a fiftieth of a byte more for each.
+    /// The memory that it holds: 48 bytes a triangle and an eighth of a byte more for each.
     std::size_t bytes() const noexcept;
     /// The grid unit chosen, mm.
     double unit_mm() const noexcept;

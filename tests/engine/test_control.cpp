@@ -36,12 +36,16 @@ public:
     Calls()
         : soup_(shapes::octasphere({0, 0, 0}, 5, 4)),
           result_(sliced(soup_, uniform(0.1))),
+          prepared_(prepare(view_of(soup_)).value()),
           file_(folder_.write("a.stl", lamella::input_test::binary_stl(lamella::input_test::numbered_facets(5000)))) {}
 
     std::vector<ControlledCall> all() const {
         const lamella::MeshView mesh = view_of(soup_);
         return {
             {"slice", [=](const Control& c) { return code_of(slice(mesh, with(c, uniform(0.1)))); }},
+            {"prepare", [=](const Control& c) { return code_of(prepare(mesh, with(c, lamella::PrepareOptions{}))); }},
+            {"slice of a prepared mesh",
+             [=, this](const Control& c) { return code_of(slice(prepared_, with(c, uniform(0.1)))); }},
             {"assemble", [](const Control& c) { return code_of(lamella::assemble({}, c)); }},
             {"inspect",
              [=](const Control& c) { return code_of(lamella::inspect(mesh, with(c, lamella::InspectOptions{}))); }},
@@ -68,6 +72,7 @@ private:
     TempFolder folder_;
     shapes::Soup soup_;
     lamella::SliceResult result_;
+    lamella::PreparedMesh prepared_;
     std::filesystem::path file_;
 };
 

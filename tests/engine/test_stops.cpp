@@ -120,6 +120,7 @@ public:
                  return code_of(lamella::slice_to(lamella::LayerSink::to(nothing, lamella::SinkOrder::any), view, options));
              }},
             {"slice_into", [=](const Control& c) { return code_of(slice_into_arrays(view, c)); }},
+            {"prepare", [=](const Control& c) { return code_of(lamella::prepare(view, {.control = c})); }},
             {"make_ledger", [=, this](const Control& c) { return code_of(lamella::make_ledger(view, result(), c)); }},
             {"certify_volume", [=, this](const Control& c) { return code_of(lamella::certify_volume(view, result(), c)); }},
             {"find_crossings", [this](const Control& c) { return code_of(lamella::find_crossings(result(), c)); }},
@@ -299,6 +300,25 @@ TEST_CASE("a slice looks for a stop every 20 ms, in whatever form and with whate
             return code_of(lamella::slice_to(sink, sliced.mesh, sliced.options));
         }) <= most_slice_ms);
     }
+}
+
+TEST_CASE("preparing a mesh looks for a stop every 20 ms", "[engine][prepare][stops]") {
+    const TempFolder folder;
+    const lamella::models::Recipe recipe{.shape = lamella::models::Shape::prism, .triangles = 8 * triangles};
+    REQUIRE(lamella::models::write_stl(recipe, folder / "prism.stl", {}).ok());
+    const lamella::Result<lamella::MeshFile> prism = lamella::read_mesh(folder / "prism.stl");
+    REQUIRE(prism.ok());
+    AskGaps preparing;
+    CHECK(preparing.longest_of([&](const Control& c) { return code_of(lamella::prepare(prism->view(), {.control = c})); }) <=
+          most_slice_ms);
+    const lamella::Result<lamella::PreparedMesh> prepared = lamella::prepare(prism->view());
+    REQUIRE(prepared.ok());
+    AskGaps slicing;
+    CHECK(slicing.longest_of([&](const Control& c) {
+        lamella::SliceOptions options = uniform(150);
+        options.control = c;
+        return code_of(lamella::slice(*prepared, options));
+    }) <= most_slice_ms);
 }
 
 TEST_CASE("the region of contours that cross 230,400 times looks for a stop every 20 ms", "[engine][fill][stops]") {

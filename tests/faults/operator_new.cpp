@@ -183,6 +183,43 @@ TEST_CASE("slicing of a refused mesh survives failing operator new", "[faults]")
     fail_everywhere([&] { return code_of(slice(view_of(soup), options)); });
 }
 
+TEST_CASE("preparing, and slicing what was prepared, survive failing operator new", "[faults]") {
+    const shapes::Soup soup = everything();
+    lamella::SliceOptions options = uniform(0.4);
+    options.control.threads = GENERATE(1, 3);
+    fail_everywhere([&] { return code_of(prepare(view_of(soup), {.control = options.control})); });
+    const lamella::Result<lamella::PreparedMesh> prepared = prepare(view_of(soup));
+    REQUIRE(prepared.ok());
+    fail_everywhere([&] { return code_of(slice(*prepared, options)); });
+    fail_everywhere([&] {
+        lamella::Workspace workspace;
+        lamella::SliceResult result;
+        const auto code = code_of(slice(view_of(soup), options, workspace, result));
+        workspace.trim();
+        return code;
+    });
+}
+
+TEST_CASE("a slice with a kept workspace takes no memory", "[faults]") {
+    const shapes::Soup soup = GENERATE(shapes::box({0, 0, 0}, {4, 6, 8}), everything());
+    const lamella::Result<lamella::PreparedMesh> prepared = prepare(view_of(soup));
+    REQUIRE(prepared.ok());
+    lamella::SliceOptions options = uniform(0.4);
+    options.plan.spacing = GENERATE(lamella::LayerPlan{lamella::ExplicitPlanes{{3}}},
+                                    lamella::LayerPlan{lamella::UniformLayers{.layer_height_mm = 0.4}})
+                               .spacing;
+    options.control.threads = GENERATE(1, 2, 0);
+    lamella::Workspace workspace;
+    lamella::SliceResult result;
+    for (int call = 0; call < 6; ++call) {
+        const std::int64_t before = blocks_taken;
+        REQUIRE(slice(view_of(soup), options, workspace, result).ok());
+        REQUIRE(slice(*prepared, options, workspace, result).ok());
+        const std::int64_t taken = blocks_taken - before;
+        CHECK((call < 3 || taken == 0));
+    }
+}
+
 TEST_CASE("examining, welding and assembling survive failing operator new", "[faults]") {
     const shapes::Soup soup = everything();
     const int threads = GENERATE(1, 3);

@@ -22,7 +22,8 @@ public:
     Cells(std::int32_t lowest, std::int32_t highest, std::size_t triangles) : lowest_(lowest) {
         constexpr std::size_t triangles_a_cell = 256;
         const std::uint64_t span = height(lowest, highest);
-        const std::size_t wanted = parts_for(triangles, triangles_a_cell);
+        constexpr std::size_t most_cells = 2048;  // of a level: counters of more would take 20 ms to clear
+        const std::size_t wanted = std::min(parts_for(triangles, triangles_a_cell), most_cells);
         while ((span >> least_shift_) + 1 > wanted) {
             ++least_shift_;
         }

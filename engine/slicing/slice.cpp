@@ -16,9 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
-
-#include <unistd.h>
 
 #include "base/clock.hpp"
 #include "base/guard.hpp"
@@ -35,47 +32,9 @@
 #include "slicing/result/result_output.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
+#include "slicing/workspace.hpp"
 
 namespace lamella {
-
-namespace {
-
-std::uint64_t half_of_memory() {
-    const auto pages = static_cast<std::uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
-    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
-}
-
-}  // namespace
-
-/// Scratch that is kept from call to call.
-struct detail::WorkspaceParts {
-    explicit WorkspaceParts(const Memory* memory)
-        : memory(memory), blocks(memory), planes(memory), buckets(memory), bands(memory), output(memory) {}
-
-    /// Kept, since threads return sooner to an arena that they have just left than to a new one.
-    const Parallel& parallel_for(const Control& control) {
-        if (parallel == nullptr || !parallel->serves(control)) {
-            parallel = std::make_unique<Parallel>(control);
-        }
-        parallel->follow(control.stop);
-        return *parallel;
-    }
-
-    const Memory* memory;
-    std::uint64_t usual_limit = half_of_memory();  ///< the system takes half a microsecond to say it
-    std::unique_ptr<Parallel> parallel;
-    BlockTable blocks;
-    PlaneSet planes;
-    Buckets buckets;
-    BandPlan bands;
-    std::vector<std::unique_ptr<BandSweep>> sweeps;  // by worker
-    OutputScratch output;
-};
-
-Workspace::Workspace() noexcept = default;
-Workspace::~Workspace() = default;
-Workspace::Workspace(Workspace&&) noexcept = default;
-Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
 namespace {
 
@@ -164,6 +123,9 @@ private:
 
 Status Slicing::choose_grid_and_planes() {
     const double asked_mm = frame_ != nullptr ? frame_->unit_mm : options_.unit_mm;
+    if (prepared_ != nullptr) {
+        kept_.blocks.blocks.set_size(0);
+    }
     const Result<Bounds> bounds = prepared_ != nullptr
                                       ? prepared_->frame.bounds
                                       : measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
@@ -223,6 +185,8 @@ void Slicing::bucket_triangles() {
 }
 
 Status Slicing::sweep_bands() {
+    kept_.last_made_regions = !options_.region.keeps_contours() || options_.region.mark_near_mm > 0;
+    kept_.sweeps_made_regions = kept_.sweeps_made_regions || kept_.last_made_regions;
     kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
     if (Status status = output_.take_bands(sweep_input(), [this](BandTarget& target) { sweep_all_into(target); }); !status) {
         return status;
@@ -317,7 +281,7 @@ void Slicing::split_time(double sweep_ms) {
 }
 
 Status Slicing::finish_result() {
-    const std::vector<PlaneIndex>& listed = kept_.planes.plane_of_listed();
+    const Vector<PlaneIndex>& listed = kept_.planes.plane_of_listed();
     result_.layer_of.resize_discarding(listed.size());
     std::copy(listed.begin(), listed.end(), result_.layer_of.begin());
     summarise();
@@ -363,7 +327,7 @@ Status check_options(const detail::SliceInput& input, const SliceOptions& option
 }
 
 detail::WorkspaceParts& parts_for(const SliceOptions& options, std::unique_ptr<detail::WorkspaceParts>& kept) {
-    if (kept == nullptr || kept->memory != options.control.memory) {
+    if (kept == nullptr || kept->counted.host() != options.control.memory) {
         kept = std::make_unique<detail::WorkspaceParts>(options.control.memory);
     }
     return *kept;
@@ -395,10 +359,6 @@ Status detail::PartSlicer::admit(SliceOutput& output, const SliceInput& input, c
         return status;
     }
     return Slicing(output, input, options, parts_for(options, workspace.parts_), result).admit();
-}
-
-void Workspace::reset() noexcept {
-    parts_.reset();
 }
 
 Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {

@@ -15,6 +15,7 @@
 // Source: the paper's Algorithms 1 to 3 (slicing) and 4 (contours), with orientation and nesting, in parallel.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "lamella/control.hpp"
@@ -50,6 +51,11 @@ public:
     ~Workspace();
     Workspace(Workspace&&) noexcept;
     Workspace& operator=(Workspace&&) noexcept;
+    /// The memory that it holds.
+    std::size_t bytes() const noexcept;
+    /// Gives back what the last call did not need, as after one of a much larger mesh: what stays is at most about twice
+    /// what a new workspace would hold after that call.
+    void trim() noexcept;
     /// Gives all memory back: before the host's Memory that it came from goes.
     void reset() noexcept;
 

@@ -25,6 +25,7 @@
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/buckets/prepared_triangles.hpp"
 #include "slicing/grid/bounds.hpp"
+#include "slicing/grid/placed_reader.hpp"
 #include "slicing/part_slicer.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/prepared_parts.hpp"
@@ -82,6 +83,9 @@ public:
 
 private:
     Status choose_grid_and_planes();
+    Result<Bounds> find_bounds(double asked_mm);
+    Status build_planes(const Bounds& own);
+    void count();
     Status count_triangles();
     void bucket_triangles();
     Status sweep_bands();
@@ -122,24 +126,20 @@ private:
 };
 
 Status Slicing::choose_grid_and_planes() {
-    const double asked_mm = frame_ != nullptr ? frame_->unit_mm : options_.unit_mm;
-    if (prepared_ != nullptr) {
-        kept_.blocks.blocks.set_size(0);
-    }
-    const Result<Bounds> bounds = prepared_ != nullptr
-                                      ? prepared_->frame.bounds
-                                      : measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
+    const double asked_mm = frame_ != nullptr ? frame_->unit.mm : options_.unit_mm;
+    const Result<Bounds> bounds = find_bounds(asked_mm);
     if (!bounds) {
         return bounds.error();
     }
-    const Result<double> unit = frame_ != nullptr ? frame_->unit_mm : choose_unit(*bounds, asked_mm);
+    const Result<ChosenUnit> unit =
+        frame_ != nullptr ? frame_->unit : choose_unit(*bounds, asked_mm, options_.unit_fit == UnitFit::coarser_if_needed);
     if (!unit) {
         return unit.error();
     }
-    if (Status status = check_reach(options_.region, *unit, bounds->farthest_in_plane()); !status) {
+    if (Status status = check_reach(options_.region, unit->mm, bounds->farthest_in_plane()); !status) {
         return status;
     }
-    result_.unit_mm = *unit;
+    result_.unit_mm = unit->mm;
     result_.frame = prepared_ != nullptr ? prepared_->transform : options_.transform;
     result_.plan = options_.plan;
     result_.part_count = 1;
@@ -147,24 +147,45 @@ Status Slicing::choose_grid_and_planes() {
     result_.region = options_.region;
     result_.close_gaps_mm = options_.close_gaps_mm;
     result_.summary = {};
+    result_.summary.unit_doublings = unit->doublings;
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
     std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
-    if (frame_ != nullptr) {
-        return kept_.planes.build(options_.plan, frame_->bounds, *unit, frame_->number, memory_limit());
+    return build_planes(*bounds);
+}
+
+/// Of a prepared mesh it is known; of one without triangles there is none.
+Result<Bounds> Slicing::find_bounds(double asked_mm) {
+    if (prepared_ != nullptr || (options_.allow_empty && mesh_.triangle_count == 0)) {
+        kept_.blocks.blocks.set_size(0);
+        return prepared_ != nullptr ? prepared_->frame.bounds : Bounds{};
     }
-    const CoordinateType number = options_.transform.is_identity() ? mesh_.coordinate_type : CoordinateType::f64;
-    return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit());
+    return measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
+}
+
+Status Slicing::build_planes(const Bounds& own) {
+    const Bounds& bounds = frame_ != nullptr ? frame_->bounds : own;
+    const CoordinateType number = frame_ != nullptr ? frame_->number : placed_number(mesh_, options_.transform);
+    return kept_.planes.build(options_.plan, bounds, result_.unit_mm, number, memory_limit());
+}
+
+void Slicing::count() {
+    if (prepared_ != nullptr) {
+        count_crossings(prepared_->triangles, kept_.planes, parallel_, kept_.buckets);
+    } else {
+        count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, kept_.buckets);
+    }
 }
 
 Status Slicing::count_triangles() {
-    Buckets& buckets = kept_.buckets;
-    if (prepared_ != nullptr) {
-        count_crossings(prepared_->triangles, kept_.planes, parallel_, buckets);
-    } else {
-        count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
-    }
-    if (buckets.degenerate == mesh_.triangle_count) {
-        return all_collapsed(mesh_.triangle_count, result_.unit_mm);
+    count();
+    if (kept_.buckets.degenerate == mesh_.triangle_count) {
+        if (!options_.allow_empty) {
+            return all_collapsed(mesh_.triangle_count, result_.unit_mm);
+        }
+        if (Status status = build_planes({}); !status) {  // the box of nothing chooses no planes
+            return status;
+        }
+        count();
     }
     return {};
 }
@@ -302,10 +323,10 @@ void Slicing::summarise() {
 
 /// A prepared mesh has its grid and its frame already.
 Status check_prepared(const detail::PreparedParts& prepared, const SliceOptions& options) {
-    if (options.unit_mm != 0 && options.unit_mm != prepared.asked_unit_mm && options.unit_mm != prepared.frame.unit_mm) {
+    if (options.unit_mm != 0 && options.unit_mm != prepared.asked_unit_mm && options.unit_mm != prepared.frame.unit.mm) {
         return Error{ErrorCode::invalid_argument, "the mesh was prepared on another grid than the one asked for"};
     }
-    if (!options.transform.is_identity() && options.transform.m != prepared.transform.m) {
+    if (!options.transform.is_identity() && !(options.transform == prepared.transform)) {
         return Error{ErrorCode::invalid_argument, "the mesh was prepared with another transform than the one asked for"};
     }
     return {};

@@ -69,6 +69,43 @@ lamella_host_output default_host_output() noexcept {
     return output;
 }
 
+Status read_mesh(const lamella_mesh* given, MeshView& view, double& in_mm) {
+    if (given == nullptr) {
+        return Error{ErrorCode::invalid_argument, "the mesh is NULL"};
+    }
+    lamella_mesh c;
+    if (Status status = read_sized(given, default_mesh(), "lamella_mesh", c); !status) {
+        return status;
+    }
+    CoordinateType type{};
+    if (Status status = read_choice(c.coordinate_type, CoordinateType::i64, "coordinate_type", type); !status) {
+        return status;
+    }
+    IndexType index_type{};
+    if (Status status = read_choice(c.index_type, IndexType::u64, "index_type", index_type); !status) {
+        return status;
+    }
+    if (c.vertices == nullptr && c.triangle_count != 0) {
+        return missing("vertices");
+    }
+    if (!(c.coordinate_mm > 0) || !std::isfinite(c.coordinate_mm)) {
+        return Error{ErrorCode::invalid_argument, "coordinate_mm must be finite and above 0"};
+    }
+    in_mm = c.coordinate_mm;
+    const bool narrow = type == CoordinateType::f32 || type == CoordinateType::i32;
+    const std::size_t row = (c.indices == nullptr ? 9U : 3U) * (narrow ? 4U : 8U);
+    const std::size_t stride = c.vertex_stride == 0 ? row : c.vertex_stride;
+    const auto* const vertices = static_cast<const std::byte*>(c.vertices);
+    if (c.indices == nullptr) {
+        view = MeshView::strided_soup(vertices, c.triangle_count, stride, type);
+        return {};
+    }
+    const std::size_t indices = index_type == IndexType::u32 ? 3 * sizeof(std::uint32_t) : 3 * sizeof(std::uint64_t);
+    view = MeshView::indexed(vertices, c.vertex_count, stride, type, static_cast<const std::byte*>(c.indices),
+                             c.triangle_count, c.index_stride == 0 ? indices : c.index_stride, index_type);
+    return {};
+}
+
 /// The functions of C go by way of the struct, since those of C++ promise not to throw, which C cannot say.
 Status CallOptions::read_control(const lamella_control* given) {
     if (Status status = read_sized(given, default_control(), "lamella_control", control_); !status) {
@@ -172,6 +209,14 @@ Status CallOptions::read(const lamella_options* given) {
     if (Status status = read_rules(c.region); !status) {
         return status;
     }
+    if (Status status = read_choice(c.arithmetic, Arithmetic::as_mesh, "arithmetic", options.transform.arithmetic);
+        !status) {
+        return status;
+    }
+    if (Status status = read_choice(c.unit_fit, UnitFit::coarser_if_needed, "unit_fit", options.unit_fit); !status) {
+        return status;
+    }
+    options.allow_empty = c.allow_empty != 0;
     options.unit_mm = c.unit_mm;
     std::copy(std::begin(c.transform), std::end(c.transform), options.transform.m.begin());
     options.close_gaps_mm = c.close_gaps_mm;

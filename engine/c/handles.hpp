@@ -26,8 +26,8 @@ struct lamella_prepared {
 
 namespace lamella::c {
 
-/// For each struct of the C header that is an element of an array, or that the library only looks at: the C++ struct that lies
-/// in the same bytes.
+/// For each struct of the C header that is an element of an array, or that the library only looks at: the C++ struct that
+/// lies in the same bytes.
 template <class C>
 struct Same;
 template <>

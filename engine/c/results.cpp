@@ -22,8 +22,8 @@ namespace {
 
 /// By status; index: its number.
 constexpr const char* status_names[] = {
-    "ok",         "invalid_argument", "unreadable_file",  "malformed_mesh", "empty_mesh",      "bad_coordinate",
-    "bad_planes", "result_too_large", "out_of_memory",    "cancelled",      "unwritable_file",
+    "ok",         "invalid_argument", "unreadable_file", "malformed_mesh", "empty_mesh",      "bad_coordinate",
+    "bad_planes", "result_too_large", "out_of_memory",   "cancelled",      "unwritable_file",
 };
 
 /// OK is 0, and what can go wrong follows in the order of ErrorCode.
@@ -45,6 +45,7 @@ lamella_error empty_error() noexcept {
 
 lamella_view view_of(const SliceResult& result) noexcept {
     lamella_view view{};
+    view.unit_doublings = static_cast<std::int32_t>(result.summary.unit_doublings);
     view.unit_mm = result.unit_mm;
     view.layers = as_c<lamella_layer>(result.layers.data());
     view.layer_count = result.layers.size();
@@ -113,6 +114,7 @@ std::int32_t report(const Status& status, lamella_error* error) noexcept {
 
 lamella_totals totals_of(const SliceTotals& totals) noexcept {
     lamella_totals c{};
+    c.unit_doublings = static_cast<std::int32_t>(totals.summary.unit_doublings);
     c.unit_mm = totals.unit_mm;
     c.layers = totals.layers;
     c.contours = totals.contours;
@@ -132,8 +134,9 @@ void lamella_result_view(const lamella_result* result, lamella_view* view) {
 }
 
 double lamella_result_area_mm2(const lamella_result* result, uint64_t layer) {
-    return result == nullptr || layer >= result->result.layers.size() ? 0
-                                                                      : result->result.area_mm2(result->result.layers[layer]);
+    return result == nullptr || layer >= result->result.layers.size()
+               ? 0
+               : result->result.area_mm2(result->result.layers[layer]);
 }
 
 uint64_t lamella_result_hash(const lamella_result* result) {

@@ -83,8 +83,8 @@ Status check_sink(const lamella_sink* sink) {
         return Error{ErrorCode::invalid_argument, "the sink has no function that takes layers"};
     }
     if (sink->order != LAMELLA_SINK_ANY && sink->order != LAMELLA_SINK_ASCENDING) {
-        return Error{ErrorCode::invalid_argument, "the sink's order is " + std::to_string(sink->order) +
-                                                      ", but the choices are 0 to 1"};
+        return Error{ErrorCode::invalid_argument,
+                     "the sink's order is " + std::to_string(sink->order) + ", but the choices are 0 to 1"};
     }
     return {};
 }
@@ -111,10 +111,18 @@ Status read_output(const lamella_host_output* given, HostOutput& output) {
         return status;
     }
     switch (c.point_type) {
-        case LAMELLA_F32: output.type = PointType::f32; break;
-        case LAMELLA_F64: output.type = PointType::f64; break;
-        case LAMELLA_I32: output.type = PointType::i32; break;
-        case LAMELLA_I64: output.type = PointType::i64; break;
+        case LAMELLA_F32:
+            output.type = PointType::f32;
+            break;
+        case LAMELLA_F64:
+            output.type = PointType::f64;
+            break;
+        case LAMELLA_I32:
+            output.type = PointType::i32;
+            break;
+        case LAMELLA_I64:
+            output.type = PointType::i64;
+            break;
         default:
             return Error{ErrorCode::invalid_argument,
                          "point_type is " + std::to_string(c.point_type) + ", but the choices are 0 to 3"};
@@ -165,7 +173,6 @@ Status read_parts(const lamella_mesh* const* meshes, const double* transforms, s
 }
 
 }  // namespace
-
 }  // namespace lamella::c
 
 using namespace lamella;
@@ -178,9 +185,8 @@ int32_t lamella_slice(const lamella_mesh* mesh, const lamella_options* options, 
         if (Status status = call.read(mesh, options); !status) {
             return status;
         }
-        return fill_result(result, [&](SliceResult& filled) {
-            return slice(call.mesh, call.options(), call.workspace(), filled);
-        });
+        return fill_result(result,
+                           [&](SliceResult& filled) { return slice(call.mesh, call.options(), call.workspace(), filled); });
     });
 }
 
@@ -217,6 +223,7 @@ int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options
         }
         PrepareOptions how;
         how.unit_mm = call.options().unit_mm;
+        how.unit_fit = call.options().unit_fit;
         how.transform = call.options().transform;
         how.control = call.options().control;
         Result<PreparedMesh> made = prepare(call.mesh, how);
@@ -239,9 +246,8 @@ int32_t lamella_slice_prepared(const lamella_prepared* prepared, const lamella_o
         if (Status status = call.read(options); !status) {
             return status;
         }
-        return fill_result(result, [&](SliceResult& filled) {
-            return slice(prepared->mesh, call.options(), call.workspace(), filled);
-        });
+        return fill_result(
+            result, [&](SliceResult& filled) { return slice(prepared->mesh, call.options(), call.workspace(), filled); });
     });
 }
 
@@ -260,15 +266,13 @@ int32_t lamella_slice_to(const lamella_sink* sink, const lamella_mesh* mesh, con
         if (Status status = call.read(mesh, options); !status) {
             return status;
         }
-        return hand_over(sink, totals, [&](const LayerSink& to) {
-            return slice_to(to, call.mesh, call.options(), call.workspace());
-        });
+        return hand_over(sink, totals,
+                         [&](const LayerSink& to) { return slice_to(to, call.mesh, call.options(), call.workspace()); });
     });
 }
 
-int32_t lamella_slice_prepared_to(const lamella_sink* sink, const lamella_prepared* prepared,
-                                  const lamella_options* options, lamella_workspace* workspace, lamella_totals* totals,
-                                  lamella_error* error) {
+int32_t lamella_slice_prepared_to(const lamella_sink* sink, const lamella_prepared* prepared, const lamella_options* options,
+                                  lamella_workspace* workspace, lamella_totals* totals, lamella_error* error) {
     return called(error, [&]() -> Status {
         if (prepared == nullptr) {
             return Error{ErrorCode::invalid_argument, "the prepared mesh is NULL"};

@@ -293,9 +293,7 @@ LAMELLA_C_API int32_t lamella_slice_prepared(const lamella_prepared* prepared, c
 LAMELLA_C_API uint64_t lamella_prepared_bytes(const lamella_prepared* prepared);
 LAMELLA_C_API void lamella_prepared_free(lamella_prepared* prepared);
 
-/* lamella/slabs.hpp: what upward and downward faces project to. */
-LAMELLA_C_API int32_t lamella_slice_slabs(const lamella_mesh* mesh, const lamella_options* options, lamella_result** top,
-                                          lamella_result** bottom, lamella_error* error);
+
 
 /* lamella/sink.hpp. */
 enum { LAMELLA_SINK_ANY = 0, LAMELLA_SINK_ASCENDING = 1 };

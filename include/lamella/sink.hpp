@@ -37,6 +37,8 @@
 
 namespace lamella {
 
+class PreparedMesh;
+
 /// One layer. Valid until the sink returns.
 struct LayerView {
     std::uint64_t index = 0;                 ///< of the layer: as in SliceResult::layers
@@ -99,6 +101,10 @@ Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const 
 
 /// The same with scratch that is kept.
 Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const SliceOptions& options,
+                             Workspace& workspace) noexcept;
+
+/// The same of a prepared mesh.
+Result<SliceTotals> slice_to(const LayerSink& sink, const PreparedMesh& mesh, const SliceOptions& options,
                              Workspace& workspace) noexcept;
 
 }  // namespace lamella

@@ -3,8 +3,10 @@
 #include <utility>
 
 #include "base/guard.hpp"
+#include "lamella/prepare.hpp"
 #include "slicing/handover/sink_bands.hpp"
 #include "slicing/part_slicer.hpp"
+#include "slicing/prepared_parts.hpp"
 
 namespace lamella {
 
@@ -55,21 +57,29 @@ private:
     HandedOver handed_over_;
 };
 
+Result<SliceTotals> hand_over(const LayerSink& sink, const detail::SliceInput& input, const SliceOptions& options,
+                              Workspace& workspace) {
+    if (sink.take == nullptr) {
+        return Error{ErrorCode::invalid_argument, "the sink has no function that takes layers"};
+    }
+    SinkOutput output(sink);
+    SliceResult result(options.control.memory);
+    if (Status status = detail::PartSlicer::slice_for(output, input, options, workspace, result); !status) {
+        return status.error();
+    }
+    return output.totals(result);
+}
+
 }  // namespace
 
 Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const SliceOptions& options,
                              Workspace& workspace) noexcept {
-    return guarded(options.control, [&]() -> Result<SliceTotals> {
-        if (sink.take == nullptr) {
-            return Error{ErrorCode::invalid_argument, "the sink has no function that takes layers"};
-        }
-        SinkOutput output(sink);
-        SliceResult result(options.control.memory);
-        if (Status status = detail::PartSlicer::slice_for(output, {mesh}, options, workspace, result); !status) {
-            return status.error();
-        }
-        return output.totals(result);
-    });
+    return guarded(options.control, [&] { return hand_over(sink, {mesh}, options, workspace); });
+}
+
+Result<SliceTotals> slice_to(const LayerSink& sink, const PreparedMesh& mesh, const SliceOptions& options,
+                             Workspace& workspace) noexcept {
+    return guarded(options.control, [&] { return hand_over(sink, mesh.parts().input(), options, workspace); });
 }
 
 Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const SliceOptions& options) noexcept {

@@ -36,6 +36,8 @@
 
 namespace lamella {
 
+class PreparedMesh;
+
 /// What x and y of a point are written as.
 enum class PointType : std::uint8_t { i32, i64, f32, f64 };
 
@@ -72,7 +74,9 @@ struct OutputBounds {
 /// Counts what slicing `mesh` may give, without slicing it. O(n + k): two reads of the mesh, a tenth of the time of slicing
 /// or less. Memory and errors as in slice(), but for result_too_large.
 Result<OutputBounds> bound_output(const MeshView& mesh, const SliceOptions& options = {}) noexcept;
+Result<OutputBounds> bound_output(const PreparedMesh& mesh, const SliceOptions& options = {}) noexcept;
 Result<OutputBounds> bound_output(const MeshView& mesh, const SliceOptions& options, Workspace& workspace) noexcept;
+Result<OutputBounds> bound_output(const PreparedMesh& mesh, const SliceOptions& options, Workspace& workspace) noexcept;
 
 /// Slices `mesh` as slice() does, into `output`: one pass, whatever the type. Only scratch is allocated, from
 /// `options.control.memory` as in slice(); points that are converted pass through buffers of at most two bands a thread.
@@ -88,7 +92,11 @@ Result<OutputBounds> bound_output(const MeshView& mesh, const SliceOptions& opti
 ///
 /// After an error what the arrays hold is unspecified.
 Result<SliceTotals> slice_into(const HostOutput& output, const MeshView& mesh, const SliceOptions& options = {}) noexcept;
+Result<SliceTotals> slice_into(const HostOutput& output, const PreparedMesh& mesh,
+                               const SliceOptions& options = {}) noexcept;
 Result<SliceTotals> slice_into(const HostOutput& output, const MeshView& mesh, const SliceOptions& options,
+                               Workspace& workspace) noexcept;
+Result<SliceTotals> slice_into(const HostOutput& output, const PreparedMesh& mesh, const SliceOptions& options,
                                Workspace& workspace) noexcept;
 
 }  // namespace lamella

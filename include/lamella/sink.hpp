@@ -99,8 +99,12 @@ struct SliceTotals {
 /// in ascending order those below some plane, and gets no more.
 Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const SliceOptions& options = {}) noexcept;
 
+Result<SliceTotals> slice_to(const LayerSink& sink, const PreparedMesh& mesh, const SliceOptions& options = {}) noexcept;
+
 /// The same with scratch that is kept.
 Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const SliceOptions& options,
+                             Workspace& workspace) noexcept;
+Result<SliceTotals> slice_to(const LayerSink& sink, const PreparedMesh& mesh, const SliceOptions& options,
                              Workspace& workspace) noexcept;
 
 /// The same of a prepared mesh.

@@ -295,10 +295,10 @@ TEST_CASE("bands hold no more segments than asked for, unless seeds would outnum
         }
         CHECK(bands.bands.size() <= found.bands.bands.size());
     }
-    // 2^22 triangles of one plane's height each would be needed for more than 2^21 seeds: bands of one plane are cut wider.
+    // Of triangles that all planes cut, bands of one plane would have 63 times as many seeds: more than 2^21.
     Buckets counted{nullptr};
     constexpr PlaneIndex planes = 64;
-    constexpr std::uint32_t cut = 200'000;
+    constexpr std::uint32_t cut = 100'000;
     counted.segments.resize_discarding(planes);
     std::fill(counted.segments.begin(), counted.segments.end(), cut);
     counted.list_begin.resize_discarding(planes + 1);

@@ -222,8 +222,9 @@ TEST_CASE("a polyline of one segment has the two points that bounds say", "[engi
 TEST_CASE("regions are written like other contours", "[engine][host][fill][threads]") {
     for (const auto& [mesh_name, mesh] : shape_cases::meshes()) {
         INFO(mesh_name);
-        SliceOptions options = uniform(1);
+        SliceOptions options = uniform(4);
         options.control.threads = 2;
+        options.tuning.band_planes = 1;
         options.region.fill_rule = lamella::FillRule::non_zero;
         options.region.offset_mm = -0.3;
         CHECK_FALSE(bounds_of(view_of(mesh), options).are_certain);
@@ -344,6 +345,24 @@ TEST_CASE("arrays that contradict themselves are refused", "[engine][host][error
     CHECK(refusal_of({}, view_of(box), options).code == ErrorCode::result_too_large);
     CHECK(refusal_of({}, lamella::MeshView{}, options).code == ErrorCode::empty_mesh);
     CHECK(bound_output(lamella::MeshView{}, options).error().code == ErrorCode::empty_mesh);
+}
+
+TEST_CASE("a prepared mesh is bounded and written like the mesh", "[engine][host][prepare]") {
+    for (const auto& [mesh_name, mesh] : shape_cases::meshes()) {
+        INFO(mesh_name);
+        const SliceOptions options = uniform(0.5);
+        const auto prepared = lamella::prepare(view_of(mesh));
+        REQUIRE(prepared.ok());
+        const OutputBounds expected = bounds_of(view_of(mesh), options);
+        const lamella::Result<OutputBounds> bounds = bound_output(*prepared, options);
+        REQUIRE(bounds.ok());
+        CHECK(bounds->layers == expected.layers);
+        CHECK(bounds->segments == expected.segments);
+        CHECK(bounds->points == expected.points);
+        CHECK(bounds->unit_mm == expected.unit_mm);
+        HostArrays host(bounds->points, bounds->contours, bounds->layers, PointType::i64, 0, 1000);
+        require_same(host, slice_into(host.output, *prepared, options), sliced(mesh, options));
+    }
 }
 
 TEST_CASE("a layer without contours needs no points", "[engine][host]") {

@@ -39,7 +39,7 @@ BandOutput* SinkBands::begin_band(std::size_t band) {
 BandOutput* SinkBands::take_idle() {
     auto& outputs = input_.scratch.outputs;
     if (idle_.empty()) {
-        outputs.push_back(std::make_unique<BandOutput>(input_.result.points.memory()));
+        outputs.push_back(std::make_unique<BandOutput>(input_.scratch.memory));
         return outputs.back().get();
     }
     BandOutput* const output = idle_.back();

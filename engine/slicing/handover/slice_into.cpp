@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include "base/guard.hpp"
 #include "base/words.hpp"
+#include "lamella/prepare.hpp"
 #include "slicing/handover/host_points.hpp"
 #include "slicing/part_slicer.hpp"
+#include "slicing/prepared_parts.hpp"
 
 namespace lamella {
 
@@ -121,25 +122,18 @@ private:
     OutputBounds bounds_;
 };
 
-}  // namespace
-
-Result<OutputBounds> bound_output(const MeshView& mesh, const SliceOptions& options, Workspace& workspace) noexcept {
+Result<OutputBounds> count(const detail::SliceInput& input, const SliceOptions& options, Workspace& workspace) noexcept {
     return guarded(options.control, [&]() -> Result<OutputBounds> {
         Counting counting;
         SliceResult result(options.control.memory);
-        if (Status status = detail::PartSlicer::admit(counting, {mesh}, options, workspace, result); !status) {
+        if (Status status = detail::PartSlicer::admit(counting, input, options, workspace, result); !status) {
             return status.error();
         }
         return counting.bounds();
     });
 }
 
-Result<OutputBounds> bound_output(const MeshView& mesh, const SliceOptions& options) noexcept {
-    Workspace workspace;
-    return bound_output(mesh, options, workspace);
-}
-
-Result<SliceTotals> slice_into(const HostOutput& output, const MeshView& mesh, const SliceOptions& options,
+Result<SliceTotals> write_into(const HostOutput& output, const detail::SliceInput& input, const SliceOptions& options,
                                Workspace& workspace) noexcept {
     return guarded(options.control, [&]() -> Result<SliceTotals> {
         if (Status status = check_host(output); !status) {
@@ -147,14 +141,51 @@ Result<SliceTotals> slice_into(const HostOutput& output, const MeshView& mesh, c
         }
         HostArrays arrays(output);
         SliceResult result(options.control.memory);
-        if (Status status = detail::PartSlicer::slice_for(arrays, {mesh}, options, workspace, result); !status) {
+        if (Status status = detail::PartSlicer::slice_for(arrays, input, options, workspace, result); !status) {
             return status.error();
         }
         return arrays.totals(result);
     });
 }
 
+}  // namespace
+
+Result<OutputBounds> bound_output(const MeshView& mesh, const SliceOptions& options, Workspace& workspace) noexcept {
+    return count({mesh}, options, workspace);
+}
+
+Result<OutputBounds> bound_output(const PreparedMesh& mesh, const SliceOptions& options, Workspace& workspace) noexcept {
+    const detail::PreparedParts& prepared = mesh.parts();
+    return count({prepared.counted, &prepared.frame, &prepared}, options, workspace);
+}
+
+Result<OutputBounds> bound_output(const MeshView& mesh, const SliceOptions& options) noexcept {
+    Workspace workspace;
+    return bound_output(mesh, options, workspace);
+}
+
+Result<OutputBounds> bound_output(const PreparedMesh& mesh, const SliceOptions& options) noexcept {
+    Workspace workspace;
+    return bound_output(mesh, options, workspace);
+}
+
+Result<SliceTotals> slice_into(const HostOutput& output, const MeshView& mesh, const SliceOptions& options,
+                               Workspace& workspace) noexcept {
+    return write_into(output, {mesh}, options, workspace);
+}
+
+Result<SliceTotals> slice_into(const HostOutput& output, const PreparedMesh& mesh, const SliceOptions& options,
+                               Workspace& workspace) noexcept {
+    const detail::PreparedParts& prepared = mesh.parts();
+    return write_into(output, {prepared.counted, &prepared.frame, &prepared}, options, workspace);
+}
+
 Result<SliceTotals> slice_into(const HostOutput& output, const MeshView& mesh, const SliceOptions& options) noexcept {
+    Workspace workspace;
+    return slice_into(output, mesh, options, workspace);
+}
+
+Result<SliceTotals> slice_into(const HostOutput& output, const PreparedMesh& mesh, const SliceOptions& options) noexcept {
     Workspace workspace;
     return slice_into(output, mesh, options, workspace);
 }

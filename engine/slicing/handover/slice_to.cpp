@@ -58,31 +58,38 @@ private:
 };
 
 Result<SliceTotals> hand_over(const LayerSink& sink, const detail::SliceInput& input, const SliceOptions& options,
-                              Workspace& workspace) {
-    if (sink.take == nullptr) {
-        return Error{ErrorCode::invalid_argument, "the sink has no function that takes layers"};
-    }
-    SinkOutput output(sink);
-    SliceResult result(options.control.memory);
-    if (Status status = detail::PartSlicer::slice_for(output, input, options, workspace, result); !status) {
-        return status.error();
-    }
-    return output.totals(result);
+                              Workspace& workspace) noexcept {
+    return guarded(options.control, [&]() -> Result<SliceTotals> {
+        if (sink.take == nullptr) {
+            return Error{ErrorCode::invalid_argument, "the sink has no function that takes layers"};
+        }
+        SinkOutput output(sink);
+        SliceResult result(options.control.memory);
+        if (Status status = detail::PartSlicer::slice_for(output, input, options, workspace, result); !status) {
+            return status.error();
+        }
+        return output.totals(result);
+    });
 }
 
 }  // namespace
 
 Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const SliceOptions& options,
                              Workspace& workspace) noexcept {
-    return guarded(options.control, [&] { return hand_over(sink, {mesh}, options, workspace); });
+    return hand_over(sink, {mesh}, options, workspace);
 }
 
 Result<SliceTotals> slice_to(const LayerSink& sink, const PreparedMesh& mesh, const SliceOptions& options,
                              Workspace& workspace) noexcept {
-    return guarded(options.control, [&] { return hand_over(sink, mesh.parts().input(), options, workspace); });
+    return hand_over(sink, mesh.parts().input(), options, workspace);
 }
 
 Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const SliceOptions& options) noexcept {
+    Workspace workspace;
+    return slice_to(sink, mesh, options, workspace);
+}
+
+Result<SliceTotals> slice_to(const LayerSink& sink, const PreparedMesh& mesh, const SliceOptions& options) noexcept {
     Workspace workspace;
     return slice_to(sink, mesh, options, workspace);
 }

@@ -21,7 +21,8 @@ namespace lamella {
 
 /// Kept from call to call.
 struct OutputScratch {
-    explicit OutputScratch(const Memory* memory) : placement(memory) {}
+    explicit OutputScratch(const Memory* memory) : memory(memory), placement(memory) {}
+    const Memory* memory;
     Placement placement;
     std::vector<std::unique_ptr<BandOutput>> outputs;  ///< of sinks
 };

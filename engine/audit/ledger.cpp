@@ -164,7 +164,7 @@ private:
     void prefetch(std::uint32_t t) const noexcept {
 #ifdef __GNUC__
         const auto* const at = mesh_.indices != nullptr
-                                   ? reinterpret_cast<const std::byte*>(mesh_.indices + 3 * std::size_t{t})
+                                   ? mesh_.indices + t * mesh_.index_stride
                                    : mesh_.vertices + t * mesh_.stride;
         __builtin_prefetch(at);
         __builtin_prefetch(at + (mesh_.indices != nullptr ? 12 : mesh_.stride) - 1);

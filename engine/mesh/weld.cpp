@@ -35,12 +35,9 @@ constexpr double joined_share = 0.9;
 
 constexpr std::size_t weld_grain = 8192;
 
-/// Reads a corner; false if a coordinate cannot be used.
+/// False if a coordinate cannot be used.
 template <class Number>
-bool read_corner(const MeshView& mesh, std::size_t i, Corner<Number>& corner) {
-    const std::byte* at = mesh.indices != nullptr ? mesh.vertices + mesh.indices[i] * mesh.stride
-                                                  : mesh.vertices + i / 3 * mesh.stride + i % 3 * 3 * sizeof(Number);
-    std::memcpy(corner.place.at, at, sizeof corner.place.at);
+bool finish_corner(std::size_t i, Corner<Number>& corner) {
     corner.index = static_cast<std::uint32_t>(i);
     bool usable = true;
     for (Number& coordinate : corner.place.at) {
@@ -50,12 +47,27 @@ bool read_corner(const MeshView& mesh, std::size_t i, Corner<Number>& corner) {
     return usable;
 }
 
+/// Reads a corner; false if a coordinate cannot be used.
+template <class Number>
+bool read_corner(const MeshView& mesh, std::size_t i, Corner<Number>& corner) {
+    if (mesh.coordinate_type == CoordinateType::i32 || mesh.coordinate_type == CoordinateType::i64) {
+        const RawTriangle raw = RawReader(mesh)(i / 3);
+        std::transform(raw.v + i % 3 * 3, raw.v + i % 3 * 3 + 3, corner.place.at,
+                       [](double coordinate) { return static_cast<Number>(coordinate); });
+        return finish_corner(i, corner);
+    }
+    const std::byte* at = mesh.indices != nullptr ? mesh.vertices + mesh.vertex_of(i / 3, i % 3) * mesh.stride
+                                                  : mesh.vertices + i / 3 * mesh.stride + i % 3 * 3 * sizeof(Number);
+    std::memcpy(corner.place.at, at, sizeof corner.place.at);
+    return finish_corner(i, corner);
+}
+
 /// Of corner `i`, the first that cannot be used.
 Error unusable(const MeshView& mesh, std::size_t i) {
     const std::string triangle = "triangle " + std::to_string(i / 3);
-    if (mesh.indices != nullptr && mesh.indices[i] >= mesh.vertex_count) {
+    if (mesh.indices != nullptr && mesh.vertex_of(i / 3, i % 3) >= mesh.vertex_count) {
         return {ErrorCode::invalid_argument,
-                triangle + " has index " + std::to_string(mesh.indices[i]) + ", but there are " +
+                triangle + " has index " + std::to_string(mesh.vertex_of(i / 3, i % 3)) + ", but there are " +
                     std::to_string(mesh.vertex_count) + " vertices",
                 static_cast<std::int64_t>(i / 3)};
     }
@@ -71,7 +83,7 @@ Result<Array<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory*
     std::vector<std::size_t> first_bad(static_cast<std::size_t>(parallel.threads()), none);
     parallel.run_ranges(corners.size(), weld_grain, [&](std::size_t begin, std::size_t end, int worker) {
         for (std::size_t i = begin; i < end; ++i) {
-            const bool no_vertex = mesh.indices != nullptr && mesh.indices[i] >= mesh.vertex_count;
+            const bool no_vertex = mesh.indices != nullptr && mesh.vertex_of(i / 3, i % 3) >= mesh.vertex_count;
             if (no_vertex || !read_corner(mesh, i, corners[i])) {
                 std::size_t& first = first_bad[static_cast<std::size_t>(worker)];
                 first = std::min(first, i);
@@ -249,7 +261,8 @@ void keep_all(std::span<const Place<Number>> places, const Parallel& parallel, W
 
 template <class Number>
 Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Memory* memory, const Parallel& parallel) {
-    WeldedMesh welded{Array<std::byte>(memory), Array<std::uint32_t>(memory), mesh.coordinate_type};
+    WeldedMesh welded{Array<std::byte>(memory), Array<std::uint32_t>(memory),
+                      std::is_same_v<Number, float> ? CoordinateType::f32 : CoordinateType::f64};
     welded.indices.resize_discarding(3 * mesh.triangle_count);
     const Result<Array<Place<Number>>> places = distinct_places<Number>(mesh, welded.indices.span(), parallel, memory);
     if (!places) {

@@ -58,24 +58,16 @@ Result<PreparedMesh> prepare(const MeshView& mesh, const PrepareOptions& options
     return guarded(options.control, [&] { return make_prepared(mesh, options); });
 }
 
-namespace {
-
-Status slice_prepared(const detail::PreparedParts& prepared, const SliceOptions& options, Workspace& workspace,
-                      SliceResult& result) {
-    return detail::PartSlicer::slice({prepared.counted, &prepared.frame, &prepared}, options, workspace, result);
-}
-
-}  // namespace
-
 Status slice(const PreparedMesh& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
-    return guarded(options.control, [&] { return slice_prepared(mesh.parts(), options, workspace, result); });
+    return guarded(options.control,
+                   [&] { return detail::PartSlicer::slice(mesh.parts().input(), options, workspace, result); });
 }
 
 Result<SliceResult> slice(const PreparedMesh& mesh, const SliceOptions& options) noexcept {
     return guarded(options.control, [&]() -> Result<SliceResult> {
         Workspace workspace;
         SliceResult result(options.control.memory);
-        if (Status status = slice_prepared(mesh.parts(), options, workspace, result); !status) {
+        if (Status status = detail::PartSlicer::slice(mesh.parts().input(), options, workspace, result); !status) {
             return status.error();
         }
         return result;

@@ -3,12 +3,15 @@
 
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/prepared_triangles.hpp"
+#include "slicing/part_slicer.hpp"
 #include "slicing/planes/shared_frame.hpp"
 
 namespace lamella::detail {
 
 struct PreparedParts {
     explicit PreparedParts(const Memory* memory) : triangles(memory) {}
+
+    SliceInput input() const noexcept { return {counted, &frame, this}; }
 
     PreparedTriangles triangles;
     SharedFrame frame{};

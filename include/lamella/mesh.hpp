@@ -13,11 +13,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 namespace lamella {
 
-enum class CoordinateType : std::uint8_t { f32, f64 };
+/// Integers are read as doubles: what one of them means in mm is the transform's to say, as Transform::scale(1e-6).
+enum class CoordinateType : std::uint8_t { f32, f64, i32, i64 };
+
+enum class IndexType : std::uint8_t { u32, u64 };
 
 /// What a transform is computed in. A host that moves meshes of floats by a matrix of floats has flat faces where float
 /// arithmetic puts them, and asks for planes there. In double the same faces lie up to half a step of float beside them, so
@@ -50,13 +54,16 @@ struct Transform {
 
 /// Triangles in memory, in one of two shapes:
 ///  - soup: triangle t has its three vertices, three numbers each, packed at `vertices + t * stride`;
-///  - indexed: vertex v is three numbers at `vertices + v * stride`, triangle t is `indices[3t .. 3t+2]`.
+///  - indexed: vertex v is three numbers at `vertices + v * stride`, triangle t is three indices at
+///    `indices + t * index_stride`.
 /// Numbers need no alignment. The memory belongs to the caller and must outlive the call that it is passed to.
 struct MeshView {
     const std::byte* vertices = nullptr;
     std::size_t stride = 0;                  ///< bytes from one triangle (soup) or vertex (indexed) to the next
     std::size_t vertex_count = 0;            ///< indexed only; indices are checked against it
-    const std::uint32_t* indices = nullptr;  ///< null for soup
+    const std::byte* indices = nullptr;      ///< null for soup
+    std::size_t index_stride = 0;            ///< bytes from one triangle's indices to the next's
+    IndexType index_type = IndexType::u32;
     std::size_t triangle_count = 0;
     CoordinateType coordinate_type = CoordinateType::f32;
 
@@ -71,6 +78,23 @@ struct MeshView {
     static MeshView indexed(std::span<const double> xyz, std::span<const std::uint32_t> indices) noexcept;
     static MeshView indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType coordinate_type,
                             std::span<const std::uint32_t> indices) noexcept;
+    /// Of any index type and stride: for hosts that keep indices within a struct.
+    static MeshView indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType coordinate_type,
+                            const std::byte* first_index, std::size_t triangles, std::size_t index_stride,
+                            IndexType index_type) noexcept;
+
+    /// The vertex at a corner, 0 to 2. Precondition: indexed.
+    std::uint64_t vertex_of(std::size_t triangle, std::size_t corner) const noexcept {
+        const std::byte* const at = indices + triangle * index_stride;
+        if (index_type == IndexType::u32) {
+            std::uint32_t index;
+            std::memcpy(&index, at + corner * sizeof index, sizeof index);
+            return index;
+        }
+        std::uint64_t index;
+        std::memcpy(&index, at + corner * sizeof index, sizeof index);
+        return index;
+    }
 };
 
 }  // namespace lamella

@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 # From below to above. A file may include its own library and those below it.
-LIBRARIES = ["base", "slicing", "mesh", "audit", "io", "tools"]
+LIBRARIES = ["base", "slicing", "mesh", "audit", "c", "io", "tools"]
 
 # Folders of engine/slicing, from below to above; those in one line must not include each other. What is above calls what is
 # below: slice.cpp begins the sweeps of bands, a sweep builds layers with contours, contours are repaired, filled and nested,
@@ -41,7 +41,7 @@ PUBLIC = {
     "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "parts": "slicing", "planes": "slicing", "prepare": "slicing", "region": "slicing",
     "host_output": "slicing", "islands": "slicing", "sink": "slicing",
     "result": "slicing", "slice": "slicing",
-    "lamella": "audit", "io": "io",
+    "lamella": "audit", "lamella.h": "c", "io": "io",
 }  # fmt: skip
 
 # What a host that includes the core's headers is not to be burdened with.
@@ -111,7 +111,7 @@ def complaints(root):
     sources = []  # (file, path as included or as if it were)
     for folder, prefix in (("include/lamella", "lamella/"), ("engine", ""), ("tools", "tools/")):
         top = root / folder
-        for file in sorted(top.rglob("*.[hc]pp")):
+        for file in sorted([*top.rglob("*.[hc]pp"), *top.rglob("*.h")]):
             sources.append((file, prefix + file.relative_to(top).as_posix()))
     if len(sources) < 100:
         yield f"{root}: only {len(sources)} source files found"

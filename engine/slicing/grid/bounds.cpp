@@ -108,8 +108,7 @@ Error first_bad_coordinate(const MeshView& mesh, const Transform& transform) {
 /// The first triangle with an index that names no vertex, or -1.
 std::int64_t first_bad_index(const MeshView& mesh, std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
-        const std::uint32_t* corner = mesh.indices + 3 * t;
-        if (std::max({corner[0], corner[1], corner[2]}) >= mesh.vertex_count) {
+        if (std::max({mesh.vertex_of(t, 0), mesh.vertex_of(t, 1), mesh.vertex_of(t, 2)}) >= mesh.vertex_count) {
             return static_cast<std::int64_t>(t);
         }
     }

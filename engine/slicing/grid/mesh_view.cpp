@@ -53,12 +53,21 @@ MeshView MeshView::indexed(std::span<const double> xyz, std::span<const std::uin
 MeshView MeshView::indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType coordinate_type,
                            std::span<const std::uint32_t> indices) noexcept {
     assert(indices.size() % 3 == 0);
+    return indexed(first, vertices, stride, coordinate_type, reinterpret_cast<const std::byte*>(indices.data()),
+                   indices.size() / 3, 3 * sizeof(std::uint32_t), IndexType::u32);
+}
+
+MeshView MeshView::indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType coordinate_type,
+                           const std::byte* first_index, std::size_t triangles, std::size_t index_stride,
+                           IndexType index_type) noexcept {
     MeshView view;
     view.vertices = first;
     view.stride = stride;
     view.vertex_count = vertices;
-    view.indices = indices.data();
-    view.triangle_count = indices.size() / 3;
+    view.indices = first_index;
+    view.index_stride = index_stride;
+    view.index_type = index_type;
+    view.triangle_count = triangles;
     view.coordinate_type = coordinate_type;
     return view;
 }

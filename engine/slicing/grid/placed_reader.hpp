@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 #include "base/rounding.hpp"
@@ -21,13 +22,23 @@ public:
     explicit RawReader(const MeshView& mesh) noexcept : mesh_(mesh) {}
 
     RawTriangle operator()(std::size_t t) const noexcept {
-        return mesh_.coordinate_type == CoordinateType::f32 ? read<float>(t) : read<double>(t);
+        switch (mesh_.coordinate_type) {
+            case CoordinateType::f32:
+                return read<float>(t);
+            case CoordinateType::f64:
+                return read<double>(t);
+            case CoordinateType::i32:
+                return read<std::int32_t>(t);
+            case CoordinateType::i64:
+                break;
+        }
+        return read<std::int64_t>(t);
     }
 
     CoordinateType number() const noexcept { return mesh_.coordinate_type; }
     /// Where a vertex of `vertex_bytes` lies.
     const std::byte* at(std::size_t t, std::size_t corner, std::size_t vertex_bytes) const noexcept {
-        return mesh_.indices != nullptr ? mesh_.vertices + mesh_.indices[3 * t + corner] * mesh_.stride
+        return mesh_.indices != nullptr ? mesh_.vertices + mesh_.vertex_of(t, corner) * mesh_.stride
                                         : mesh_.vertices + t * mesh_.stride + corner * vertex_bytes;
     }
 
@@ -68,7 +79,7 @@ inline __m128 load_two_floats(const std::byte* at) noexcept {
 /// The type of coordinates after the transform, to which heights are rounded too.
 inline CoordinateType placed_number(const MeshView& mesh, const Transform& transform) noexcept {
     const bool as_mesh = transform.is_identity() || transform.arithmetic == Arithmetic::as_mesh;
-    return as_mesh ? mesh.coordinate_type : CoordinateType::f64;
+    return as_mesh && mesh.coordinate_type == CoordinateType::f32 ? CoordinateType::f32 : CoordinateType::f64;
 }
 
 /// Any MeshView after its transform. Every product is rounded and sums run from left to right, in vectors as without: the
@@ -118,6 +129,11 @@ public:
             const Vertex given{_mm_loadu_pd(reinterpret_cast<const double*>(at)), load_double(at + 2 * sizeof(double))};
             return identity_ ? given : moved(given);
         }
+        if (read_.number() != CoordinateType::f32) {
+            const Vertex given = read_.number() == CoordinateType::i32 ? of_integers<std::int32_t>(t, corner)
+                                                                       : of_integers<std::int64_t>(t, corner);
+            return identity_ ? given : moved(given);
+        }
         const std::byte* at = read_.at(t, corner, 3 * sizeof(float));
         const __m128 given = _mm_movelh_ps(load_two_floats(at), load_float(at + 2 * sizeof(float)));
         if (in_floats_) {
@@ -132,6 +148,14 @@ private:
     using Columns = std::array<std::array<Number, 4>, 4>;  // the last row is unused
 
 #ifdef __SSE2__
+    template <class Integer>
+    Vertex of_integers(std::size_t t, std::size_t corner) const noexcept {
+        Integer xyz[3];
+        std::memcpy(xyz, read_.at(t, corner, sizeof xyz), sizeof xyz);
+        return {_mm_set_pd(static_cast<double>(xyz[1]), static_cast<double>(xyz[0])),
+                _mm_set_sd(static_cast<double>(xyz[2]))};
+    }
+
     static Vertex in_doubles(__m128 xyz) noexcept {
         return {_mm_cvtps_pd(xyz), _mm_cvtps_pd(_mm_movehl_ps(xyz, xyz))};
     }

@@ -107,9 +107,8 @@ private:
     }
 
     GridTriangle indexed(std::size_t t) const noexcept {
-        const std::uint32_t* corner = mesh_.indices + 3 * t;
         GridTriangle grid;
-        store_vertices(grid, vertex(corner[0]), vertex(corner[1]), vertex(corner[2]));
+        store_vertices(grid, vertex(mesh_.vertex_of(t, 0)), vertex(mesh_.vertex_of(t, 1)), vertex(mesh_.vertex_of(t, 2)));
         return grid;
     }
 

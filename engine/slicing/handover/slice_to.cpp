@@ -81,8 +81,7 @@ Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const 
 
 Result<SliceTotals> slice_to(const LayerSink& sink, const PreparedMesh& mesh, const SliceOptions& options,
                              Workspace& workspace) noexcept {
-    const detail::PreparedParts& prepared = mesh.parts();
-    return hand_over(sink, {prepared.counted, &prepared.frame, &prepared}, options, workspace);
+    return hand_over(sink, mesh.parts().input(), options, workspace);
 }
 
 Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const SliceOptions& options) noexcept {

@@ -1,0 +1,101 @@
+// What the opaque handles hold, and the C structs that are views of C++ ones: same bytes, another name.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "c/call_options.hpp"
+#include "lamella/assemble.hpp"
+#include "lamella/lamella.h"
+#include "lamella/prepare.hpp"
+#include "lamella/result.hpp"
+#include "lamella/slice.hpp"
+
+struct lamella_result {
+    lamella::SliceResult result;
+};
+
+struct lamella_workspace {
+    lamella::Workspace workspace;
+    lamella::c::CallOptions options;  ///< kept, so that a call allocates nothing for them
+};
+
+struct lamella_prepared {
+    lamella::PreparedMesh mesh;
+};
+
+namespace lamella::c {
+
+/// For each struct of the C header that is an element of an array, or that the library only looks at: the C++ struct that
+/// lies in the same bytes.
+template <class C>
+struct Same;
+template <>
+struct Same<lamella_point> {
+    using type = Point;
+};
+template <>
+struct Same<lamella_contour> {
+    using type = Contour;
+};
+template <>
+struct Same<lamella_layer> {
+    using type = Layer;
+};
+template <>
+struct Same<lamella_closed_gap> {
+    using type = ClosedGap;
+};
+template <>
+struct Same<lamella_segment> {
+    using type = Segment;
+};
+template <>
+struct Same<lamella_memory> {
+    using type = Memory;
+};
+
+#define LAMELLA_SAME_PLACE(C, c_field, Cpp, field) \
+    static_assert(offsetof(C, c_field) == offsetof(Cpp, field), #C "." #c_field " and its C++ field lie in one place")
+static_assert(sizeof(lamella_point) == sizeof(Point));
+LAMELLA_SAME_PLACE(lamella_point, y, Point, y);
+static_assert(sizeof(lamella_contour) == sizeof(Contour));
+LAMELLA_SAME_PLACE(lamella_contour, twice_area_low, Contour, twice_area);
+LAMELLA_SAME_PLACE(lamella_contour, parent, Contour, parent);
+LAMELLA_SAME_PLACE(lamella_contour, point_count, Contour, point_count);
+LAMELLA_SAME_PLACE(lamella_contour, segments, Contour, segments);
+LAMELLA_SAME_PLACE(lamella_contour, role, Contour, role);
+LAMELLA_SAME_PLACE(lamella_contour, orientation, Contour, orientation);
+LAMELLA_SAME_PLACE(lamella_contour, flags, Contour, flags);
+LAMELLA_SAME_PLACE(lamella_contour, part, Contour, part);
+static_assert(sizeof(lamella_layer) == sizeof(Layer));
+LAMELLA_SAME_PLACE(lamella_layer, top_mm, Layer, top_mm);
+LAMELLA_SAME_PLACE(lamella_layer, first_contour, Layer, first_contour);
+LAMELLA_SAME_PLACE(lamella_layer, segments, Layer, segments);
+LAMELLA_SAME_PLACE(lamella_layer, plane, Layer, plane);
+static_assert(sizeof(lamella_closed_gap) == sizeof(ClosedGap));
+LAMELLA_SAME_PLACE(lamella_closed_gap, from, ClosedGap, from);
+LAMELLA_SAME_PLACE(lamella_closed_gap, to, ClosedGap, to);
+static_assert(sizeof(lamella_segment) == sizeof(Segment));
+LAMELLA_SAME_PLACE(lamella_segment, to_key, Segment, to_key);
+LAMELLA_SAME_PLACE(lamella_segment, from, Segment, from);
+LAMELLA_SAME_PLACE(lamella_segment, from_rank, Segment, from_rank);
+static_assert(sizeof(lamella_memory) == sizeof(Memory));
+LAMELLA_SAME_PLACE(lamella_memory, release, Memory, release);
+LAMELLA_SAME_PLACE(lamella_memory, context, Memory, context);
+#undef LAMELLA_SAME_PLACE
+
+template <class C>
+const typename Same<C>::type* as_cpp(const C* c) noexcept {
+    return reinterpret_cast<const typename Same<C>::type*>(c);
+}
+template <class C>
+typename Same<C>::type* as_cpp(C* c) noexcept {
+    return reinterpret_cast<typename Same<C>::type*>(c);
+}
+template <class C>
+const C* as_c(const typename Same<C>::type* cpp) noexcept {
+    return reinterpret_cast<const C*>(cpp);
+}
+
+}  // namespace lamella::c

@@ -1,0 +1,255 @@
+// The calls of lamella.h that look at results, make structs and names, and put contours together.
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "c/call.hpp"
+#include "c/call_options.hpp"
+#include "c/handles.hpp"
+#include "c/sized.hpp"
+#include "lamella/assemble.hpp"
+#include "lamella/region.hpp"
+#include "lamella/version.hpp"
+
+namespace lamella::c {
+
+namespace {
+
+/// By status; index: its number.
+constexpr const char* status_names[] = {
+    "ok",         "invalid_argument", "unreadable_file", "malformed_mesh", "empty_mesh",      "bad_coordinate",
+    "bad_planes", "result_too_large", "out_of_memory",   "cancelled",      "unwritable_file",
+};
+
+/// OK is 0, and what can go wrong follows in the order of ErrorCode.
+std::int32_t status_of(ErrorCode code) noexcept {
+    return static_cast<std::int32_t>(code) + 1;
+}
+static_assert(LAMELLA_INVALID_ARGUMENT == static_cast<int>(ErrorCode::invalid_argument) + 1);
+static_assert(LAMELLA_BAD_PLANES == static_cast<int>(ErrorCode::bad_planes) + 1);
+static_assert(LAMELLA_UNWRITABLE_FILE == static_cast<int>(ErrorCode::unwritable_file) + 1);
+
+lamella_error empty_error() noexcept {
+    lamella_error error{};
+    error.struct_size = sizeof error;
+    error.triangle = -1;
+    error.plane = -1;
+    error.byte_offset = -1;
+    return error;
+}
+
+lamella_view view_of(const SliceResult& result) noexcept {
+    lamella_view view{};
+    view.unit_doublings = static_cast<std::int32_t>(result.summary.unit_doublings);
+    view.unit_mm = result.unit_mm;
+    view.layers = as_c<lamella_layer>(result.layers.data());
+    view.layer_count = result.layers.size();
+    view.contours = as_c<lamella_contour>(result.contours.data());
+    view.contour_count = result.contours.size();
+    view.points = as_c<lamella_point>(result.points.data());
+    view.point_count = result.points.size();
+    view.closed_gaps = as_c<lamella_closed_gap>(result.closed_gaps.data());
+    view.closed_gap_count = result.closed_gaps.size();
+    view.layer_of = result.layer_of.data();
+    view.layer_of_count = result.layer_of.size();
+    const SliceSummary& summary = result.summary;
+    view.triangles = summary.triangles;
+    view.degenerate = summary.degenerate;
+    view.segments = summary.segments;
+    view.holes = summary.holes;
+    view.open_contours = summary.open_contours;
+    view.flat_contours = summary.flat_contours;
+    view.overruled_contours = summary.overruled_contours;
+    view.near_contours = summary.near_contours;
+    view.emptied_layers = summary.emptied_layers;
+    std::copy(std::begin(summary.min_mm), std::end(summary.min_mm), view.min_mm);
+    std::copy(std::begin(summary.max_mm), std::end(summary.max_mm), view.max_mm);
+    return view;
+}
+
+/// A result of one layer, at height 0.
+Status give_layer(Result<LayerContours> given, double unit_mm, const Memory* memory, lamella_result** result) {
+    return fill_result(result, [&](SliceResult& filled) -> Status {
+        if (!given) {
+            return given.error();
+        }
+        filled = SliceResult(memory);
+        filled.contours = std::move(given->contours);
+        filled.points = std::move(given->points);
+        filled.unit_mm = unit_mm;
+        filled.layers.resize_discarding(1);
+        filled.layers[0] = Layer{};
+        filled.layers[0].contour_count = filled.contours.size();
+        for (const Contour& contour : filled.contours) {
+            filled.layers[0].segments += contour.segments;
+            filled.summary.holes += contour.role == Role::hole ? 1 : 0;
+            filled.summary.flat_contours += contour.role == Role::flat ? 1 : 0;
+            filled.summary.open_contours += contour.role == Role::open ? 1 : 0;
+        }
+        filled.summary.segments = filled.layers[0].segments;
+        return {};
+    });
+}
+
+}  // namespace
+
+std::int32_t report(const Status& status, lamella_error* error) noexcept {
+    lamella_error c = empty_error();
+    if (!status) {
+        const Error& what = status.error();
+        c.status = status_of(what.code);
+        c.triangle = what.triangle;
+        c.plane = what.plane;
+        c.byte_offset = what.byte_offset;
+        std::snprintf(c.message, sizeof c.message, "%s", what.message.c_str());
+    }
+    write_sized(c, error);
+    return c.status;
+}
+
+lamella_totals totals_of(const SliceTotals& totals) noexcept {
+    lamella_totals c{};
+    c.unit_doublings = static_cast<std::int32_t>(totals.summary.unit_doublings);
+    c.unit_mm = totals.unit_mm;
+    c.layers = totals.layers;
+    c.contours = totals.contours;
+    c.points = totals.points;
+    c.closed_gaps = totals.closed_gaps;
+    c.open_contours = totals.summary.open_contours;
+    return c;
+}
+
+}  // namespace lamella::c
+
+using namespace lamella;
+using namespace lamella::c;
+
+void lamella_result_view(const lamella_result* result, lamella_view* view) {
+    write_sized(result == nullptr ? lamella_view{} : view_of(result->result), view);
+}
+
+double lamella_result_area_mm2(const lamella_result* result, uint64_t layer) {
+    return result == nullptr || layer >= result->result.layers.size()
+               ? 0
+               : result->result.area_mm2(result->result.layers[layer]);
+}
+
+uint64_t lamella_result_hash(const lamella_result* result) {
+    return result == nullptr ? 0 : hash_result(result->result);
+}
+
+void lamella_result_free(lamella_result* result) {
+    delete result;
+}
+
+lamella_workspace* lamella_workspace_create(void) {
+    return new (std::nothrow) lamella_workspace;
+}
+
+uint64_t lamella_workspace_bytes(const lamella_workspace* workspace) {
+    return workspace == nullptr ? 0 : workspace->workspace.bytes();
+}
+
+void lamella_workspace_trim(lamella_workspace* workspace) {
+    if (workspace != nullptr) {
+        workspace->workspace.trim();
+    }
+}
+
+void lamella_workspace_reset(lamella_workspace* workspace) {
+    if (workspace != nullptr) {
+        workspace->workspace.reset();
+    }
+}
+
+void lamella_workspace_free(lamella_workspace* workspace) {
+    delete workspace;
+}
+
+int32_t lamella_region_of(const lamella_path* contours, size_t count, const lamella_region_rules* rules, double unit_mm,
+                          const lamella_control* control, lamella_result** result, lamella_error* error) {
+    return called(error, [&]() -> Status {
+        CallOptions call;
+        if (Status status = call.read_control(control); !status) {
+            return status;
+        }
+        if (Status status = call.read_rules(rules); !status) {
+            return status;
+        }
+        if (contours == nullptr && count != 0) {
+            return Error{ErrorCode::invalid_argument, "contours is NULL, but its count is not 0"};
+        }
+        std::vector<std::span<const Point>> paths;
+        for (std::size_t i = 0; i < count; ++i) {
+            paths.emplace_back(as_cpp(contours[i].points), contours[i].count);
+        }
+        const double unit = unit_mm == 0 ? default_unit_mm : unit_mm;
+        const Control& host = call.options.control;
+        return give_layer(region_of(paths, call.options.region, unit, host), unit, host.memory, result);
+    });
+}
+
+int32_t lamella_assemble(const lamella_segment* segments, size_t count, const lamella_control* control,
+                         lamella_result** result, lamella_error* error) {
+    return called(error, [&]() -> Status {
+        CallOptions call;
+        if (Status status = call.read_control(control); !status) {
+            return status;
+        }
+        if (segments == nullptr && count != 0) {
+            return Error{ErrorCode::invalid_argument, "segments is NULL, but its count is not 0"};
+        }
+        const Control& host = call.options.control;
+        return give_layer(assemble({as_cpp(segments), count}, host), default_unit_mm, host.memory, result);
+    });
+}
+
+const char* lamella_version(void) {
+    return version;
+}
+
+const char* lamella_status_name(int32_t status) {
+    const bool known = status >= 0 && static_cast<std::size_t>(status) < std::size(status_names);
+    return known ? status_names[status] : "unknown";
+}
+
+void lamella_error_init_sized(lamella_error* error, size_t size) {
+    init_sized(error, size, empty_error());
+}
+
+void lamella_control_init_sized(lamella_control* control, size_t size) {
+    init_sized(control, size, default_control());
+}
+
+void lamella_mesh_init_sized(lamella_mesh* mesh, size_t size) {
+    init_sized(mesh, size, default_mesh());
+}
+
+void lamella_region_rules_init_sized(lamella_region_rules* rules, size_t size) {
+    init_sized(rules, size, default_rules());
+}
+
+void lamella_options_init_sized(lamella_options* options, size_t size) {
+    init_sized(options, size, default_options());
+}
+
+void lamella_view_init_sized(lamella_view* view, size_t size) {
+    init_sized(view, size, lamella_view{});
+}
+
+void lamella_totals_init_sized(lamella_totals* totals, size_t size) {
+    init_sized(totals, size, lamella_totals{});
+}
+
+void lamella_output_bounds_init_sized(lamella_output_bounds* bounds, size_t size) {
+    init_sized(bounds, size, lamella_output_bounds{});
+}
+
+void lamella_host_output_init_sized(lamella_host_output* output, size_t size) {
+    init_sized(output, size, default_host_output());
+}

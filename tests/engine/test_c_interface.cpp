@@ -1,0 +1,404 @@
+// lamella.h: the same bytes as the C++ calls, structs of other sizes, and what is refused.
+#include <catch2/catch.hpp>
+
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
+#include "lamella/host_output.hpp"
+#include "lamella/lamella.h"
+#include "lamella/lamella.hpp"
+
+using namespace lamella;
+
+namespace {
+
+struct Freed {
+    void operator()(lamella_result* result) const { lamella_result_free(result); }
+    void operator()(lamella_workspace* workspace) const { lamella_workspace_free(workspace); }
+    void operator()(lamella_prepared* prepared) const { lamella_prepared_free(prepared); }
+};
+using ResultHandle = std::unique_ptr<lamella_result, Freed>;
+
+lamella_error fresh_error() {
+    lamella_error error;
+    lamella_error_init(&error);
+    return error;
+}
+
+lamella_mesh soup_of(const std::vector<float>& soup) {
+    lamella_mesh mesh;
+    lamella_mesh_init(&mesh);
+    mesh.vertices = soup.data();
+    mesh.triangle_count = soup.size() / 9;
+    return mesh;
+}
+
+lamella_options options_at(double layer_height_mm) {
+    lamella_options options;
+    lamella_options_init(&options);
+    options.layer_height_mm = layer_height_mm;
+    return options;
+}
+
+ResultHandle sliced(const lamella_mesh& mesh, const lamella_options& options) {
+    lamella_result* result = nullptr;
+    lamella_error error = fresh_error();
+    INFO(error.message);
+    REQUIRE(lamella_slice(&mesh, &options, nullptr, &result, &error) == LAMELLA_OK);
+    return ResultHandle(result);
+}
+
+std::uint64_t hash_in_cpp(const MeshView& mesh, const SliceOptions& options) {
+    const Result<SliceResult> result = slice(mesh, options);
+    REQUIRE(result);
+    return hash_result(*result);
+}
+
+/// A tetrahedron of 9 mm.
+const std::vector<float> tetrahedron = {0, 0, 0, 0, 9, 0, 9, 0, 0, 0, 0, 0, 9, 0, 0, 0, 0, 9,
+                                        0, 0, 0, 0, 0, 9, 0, 9, 0, 9, 0, 0, 0, 9, 0, 0, 0, 9};
+
+}  // namespace
+
+TEST_CASE("a slice by C has the bytes of one by C++", "[c]") {
+    SliceOptions options;
+    options.plan.spacing = UniformLayers{.layer_height_mm = 0.5};
+    const lamella_mesh mesh = soup_of(tetrahedron);
+    const ResultHandle result = sliced(mesh, options_at(0.5));
+    CHECK(lamella_result_hash(result.get()) == hash_in_cpp(MeshView::soup(tetrahedron), options));
+    lamella_view view;
+    lamella_view_init(&view);
+    lamella_result_view(result.get(), &view);
+    REQUIRE(view.layer_count == 18);
+    CHECK(view.triangles == 4);
+    CHECK(view.contours[view.layers[3].first_contour].role == LAMELLA_ROLE_OUTER);
+    CHECK(lamella_result_area_mm2(result.get(), 3) == Approx(0.5 * 7.25 * 7.25).epsilon(1e-6));
+    CHECK(lamella_result_area_mm2(result.get(), 18) == 0);
+}
+
+TEST_CASE("every type of coordinates and indices gives the same slice by C", "[c]") {
+    const std::vector<std::int32_t> corners = {0, 0, 0, 9000, 0, 0, 0, 9000, 0, 0, 0, 9000};
+    const std::vector<std::uint32_t> indices = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    const auto hash = [&](int type, const void* vertices, int index_type, const void* index, std::size_t index_stride) {
+        lamella_mesh mesh;
+        lamella_mesh_init(&mesh);
+        mesh.coordinate_type = type;
+        mesh.vertices = vertices;
+        mesh.vertex_count = 4;
+        mesh.indices = index;
+        mesh.index_type = index_type;
+        mesh.index_stride = index_stride;
+        mesh.triangle_count = 4;
+        mesh.coordinate_mm = 1e-3;
+        const ResultHandle result = sliced(mesh, options_at(0.25));
+        return lamella_result_hash(result.get());
+    };
+    const std::vector<std::int64_t> wide(corners.begin(), corners.end());
+    const std::vector<double> doubles(corners.begin(), corners.end());
+    const std::vector<float> floats(corners.begin(), corners.end());
+    const std::vector<std::uint64_t> wide_indices(indices.begin(), indices.end());
+    std::vector<std::uint32_t> spaced;
+    for (std::size_t t = 0; t < 4; ++t) {
+        spaced.insert(spaced.end(), {indices[3 * t], indices[3 * t + 1], indices[3 * t + 2], 77, 78});
+    }
+    const std::uint64_t expected = hash(LAMELLA_F64, doubles.data(), LAMELLA_INDEX_U32, indices.data(), 0);
+    CHECK(hash(LAMELLA_I32, corners.data(), LAMELLA_INDEX_U32, indices.data(), 0) == expected);
+    CHECK(hash(LAMELLA_I64, wide.data(), LAMELLA_INDEX_U64, wide_indices.data(), 0) == expected);
+    CHECK(hash(LAMELLA_F32, floats.data(), LAMELLA_INDEX_U64, wide_indices.data(), 0) == expected);
+    CHECK(hash(LAMELLA_I32, corners.data(), LAMELLA_INDEX_U32, spaced.data(), 20) == expected);
+}
+
+TEST_CASE("an index of 64 bits beyond the last vertex is named", "[c]") {
+    const std::vector<double> xyz = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const std::vector<std::uint64_t> indices = {0, 1, 2, 0, 1, std::uint64_t{1} << 32};
+    lamella_mesh mesh;
+    lamella_mesh_init(&mesh);
+    mesh.coordinate_type = LAMELLA_F64;
+    mesh.vertices = xyz.data();
+    mesh.vertex_count = 3;
+    mesh.indices = indices.data();
+    mesh.index_type = LAMELLA_INDEX_U64;
+    mesh.triangle_count = 2;
+    lamella_result* result = nullptr;
+    lamella_error error = fresh_error();
+    CHECK(lamella_slice(&mesh, nullptr, nullptr, &result, &error) == LAMELLA_INVALID_ARGUMENT);
+    CHECK(error.triangle == 1);
+    CHECK(result == nullptr);
+}
+
+TEST_CASE("a struct that knows fewer fields has the defaults of the rest", "[c]") {
+    const lamella_mesh mesh = soup_of(tetrahedron);
+    lamella_options whole = options_at(0.5);
+    whole.memory_limit_bytes = 1;  // would refuse any result
+    lamella_result* result = nullptr;
+    lamella_error error = fresh_error();
+    CHECK(lamella_slice(&mesh, &whole, nullptr, &result, &error) == LAMELLA_RESULT_TOO_LARGE);
+    whole.struct_size = offsetof(lamella_options, memory_limit_bytes);
+    CHECK(lamella_slice(&mesh, &whole, nullptr, &result, &error) == LAMELLA_OK);
+    const ResultHandle owned(result);
+
+    // What is written stays within the program's struct, too.
+    lamella_view view;
+    std::memset(&view, 0x5a, sizeof view);
+    view.struct_size = offsetof(lamella_view, layer_count);
+    lamella_result_view(result, &view);
+    CHECK(view.unit_mm == default_unit_mm);
+    CHECK(view.layer_count == 0x5a5a5a5a5a5a5a5aU);
+    lamella_view_init_sized(&view, offsetof(lamella_view, layers));
+    CHECK(view.layer_count == 0x5a5a5a5a5a5a5a5aU);
+}
+
+TEST_CASE("a struct of a later version is read as far as it is known", "[c]") {
+    struct Later {
+        lamella_options known;
+        double unknown[4] = {1, 2, 3, 4};
+    } later{};
+    lamella_options_init_sized(&later.known, sizeof later);
+    later.known.layer_height_mm = 0.5;
+    CHECK(later.unknown[3] == 0);
+    const lamella_mesh mesh = soup_of(tetrahedron);
+    const ResultHandle result = sliced(mesh, later.known);
+    CHECK(lamella_result_hash(result.get()) == lamella_result_hash(sliced(mesh, options_at(0.5)).get()));
+}
+
+TEST_CASE("what C gives wrongly is refused by name", "[c]") {
+    const lamella_mesh good = soup_of(tetrahedron);
+    lamella_result* result = nullptr;
+    lamella_error error = fresh_error();
+    const auto message = [&](const lamella_mesh* mesh, const lamella_options* options) {
+        CHECK(lamella_slice(mesh, options, nullptr, &result, &error) == LAMELLA_INVALID_ARGUMENT);
+        CHECK(result == nullptr);
+        return std::string(error.message);
+    };
+    CHECK(message(nullptr, nullptr) == "the mesh is NULL");
+    lamella_mesh mesh = good;
+    mesh.struct_size = 0;
+    CHECK(message(&mesh, nullptr) == "struct_size of lamella_mesh is 0: initialise it by lamella_mesh_init()");
+    mesh = good;
+    mesh.coordinate_type = 4;
+    CHECK(message(&mesh, nullptr) == "coordinate_type is 4, but the choices are 0 to 3");
+    mesh = good;
+    mesh.vertices = nullptr;
+    CHECK(message(&mesh, nullptr) == "vertices is NULL, but its count is not 0");
+    mesh = good;
+    mesh.coordinate_mm = 0;
+    CHECK(message(&mesh, nullptr) == "coordinate_mm must be finite and above 0");
+    lamella_options options = options_at(1);
+    options.spacing = 2;
+    CHECK(message(&good, &options) == "spacing is 2, but the choices are 0 to 1");
+    options = options_at(1);
+    options.spacing = LAMELLA_LAYERS_AT_HEIGHTS;
+    options.height_count = 1;
+    CHECK(message(&good, &options) == "heights_mm is NULL, but its count is not 0");
+    options = options_at(1);
+    options.side = -1;
+    CHECK(message(&good, &options) == "side is -1, but the choices are 0 to 1");
+    CHECK(lamella_slice(&good, nullptr, nullptr, nullptr, nullptr) == LAMELLA_INVALID_ARGUMENT);
+    CHECK(std::string(lamella_status_name(LAMELLA_BAD_PLANES)) == "bad_planes");
+    CHECK(std::string(lamella_status_name(99)) == "unknown");
+}
+
+TEST_CASE("heights, rules and gaps go through C", "[c]") {
+    const std::vector<double> heights = {7, 1, 1, 4};
+    lamella_region_rules rules;
+    lamella_region_rules_init(&rules);
+    rules.fill_rule = LAMELLA_FILL_NON_ZERO;
+    rules.offset_mm = 0.25;
+    lamella_options options;
+    lamella_options_init(&options);
+    options.spacing = LAMELLA_LAYERS_AT_HEIGHTS;
+    options.heights_mm = heights.data();
+    options.height_count = heights.size();
+    options.region = &rules;
+    const lamella_mesh mesh = soup_of(tetrahedron);
+    const ResultHandle result = sliced(mesh, options);
+    SliceOptions same;
+    same.plan.spacing = ExplicitPlanes{heights};
+    same.region.fill_rule = FillRule::non_zero;
+    same.region.offset_mm = 0.25;
+    CHECK(lamella_result_hash(result.get()) == hash_in_cpp(MeshView::soup(tetrahedron), same));
+    lamella_view view;
+    lamella_view_init(&view);
+    lamella_result_view(result.get(), &view);
+    REQUIRE(view.layer_of_count == 4);
+    CHECK(std::vector<std::uint64_t>(view.layer_of, view.layer_of + 4) == std::vector<std::uint64_t>{2, 0, 0, 1});
+}
+
+TEST_CASE("threads, memory, stop and progress of C are used", "[c][threads]") {
+    struct Host {
+        std::atomic<int> workers = 0;
+        std::atomic<long long> held = 0;
+        std::atomic<bool> stopped = false;
+        double fraction = 0;
+    } host;
+    lamella_memory memory = {[](void* self, std::size_t bytes, std::size_t alignment) -> void* {
+                                 static_cast<Host*>(self)->held += static_cast<long long>(bytes);
+                                 return std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+                             },
+                             [](void* self, void* block, std::size_t bytes, std::size_t) {
+                                 static_cast<Host*>(self)->held -= static_cast<long long>(bytes);
+                                 std::free(block);
+                             },
+                             &host};
+    lamella_control control;
+    lamella_control_init(&control);
+    control.memory = &memory;
+    control.executor = [](void* self, std::int32_t workers, void (*body)(void*), void* argument) {
+        for (int i = 0; i < workers; ++i) {
+            ++static_cast<Host*>(self)->workers;
+            body(argument);
+        }
+    };
+    control.executor_context = &host;
+    control.executor_threads = 3;
+    control.stop = [](void* self) -> std::int32_t { return static_cast<Host*>(self)->stopped ? 1 : 0; };
+    control.stop_context = &host;
+    control.progress = [](void* self, double fraction) { static_cast<Host*>(self)->fraction = fraction; };
+    control.progress_context = &host;
+    const std::vector<float> sphere = shapes::floats(shapes::octasphere({0, 0, 0}, 20, 6));
+    const lamella_mesh mesh = soup_of(sphere);
+    lamella_options options = options_at(0.05);
+    options.control = &control;
+    {
+        const ResultHandle result = sliced(mesh, options);
+        CHECK(host.held > 0);
+        CHECK(host.fraction == 1);
+        CHECK(host.workers > 0);
+        CHECK(lamella_result_hash(result.get()) == lamella_result_hash(sliced(mesh, options_at(0.05)).get()));
+    }
+    CHECK(host.held == 0);
+    host.stopped = true;
+    lamella_result* result = nullptr;
+    CHECK(lamella_slice(&mesh, &options, nullptr, &result, nullptr) == LAMELLA_CANCELLED);
+    CHECK(result == nullptr);
+    CHECK(host.held == 0);
+}
+
+TEST_CASE("prepared meshes, sinks, parts and host arrays go through C", "[c]") {
+    const lamella_mesh mesh = soup_of(tetrahedron);
+    const lamella_options options = options_at(0.5);
+    const ResultHandle expected = sliced(mesh, options);
+    const std::uint64_t hash = lamella_result_hash(expected.get());
+    lamella_view view;
+    lamella_view_init(&view);
+    lamella_result_view(expected.get(), &view);
+    const std::unique_ptr<lamella_workspace, Freed> workspace(lamella_workspace_create());
+
+    SECTION("a prepared mesh gives the same bytes") {
+        lamella_prepared* handle = nullptr;
+        REQUIRE(lamella_prepare(&mesh, &options, &handle, nullptr) == LAMELLA_OK);
+        const std::unique_ptr<lamella_prepared, Freed> prepared(handle);
+        lamella_result* result = nullptr;
+        REQUIRE(lamella_slice_prepared(handle, &options, workspace.get(), &result, nullptr) == LAMELLA_OK);
+        const ResultHandle owned(result);
+        CHECK(lamella_result_hash(result) == hash);
+        CHECK(lamella_prepared_bytes(handle) >= 4 * 48);
+        CHECK(lamella_workspace_bytes(workspace.get()) > 0);
+        lamella_workspace_reset(workspace.get());
+        CHECK(lamella_workspace_bytes(workspace.get()) == 0);
+        CHECK(lamella_slice_prepared(nullptr, &options, nullptr, &result, nullptr) == LAMELLA_INVALID_ARGUMENT);
+    }
+    SECTION("a sink gets every layer") {
+        struct Got {
+            std::vector<lamella_point> points;
+            std::vector<std::uint64_t> order;
+        } got;
+        const lamella_sink sink = {[](void* context, const lamella_layer_view* layer) {
+                                       auto& into = *static_cast<Got*>(context);
+                                       into.order.push_back(layer->index);
+                                       into.points.insert(into.points.end(), layer->points, layer->points + layer->point_count);
+                                   },
+                                   &got, LAMELLA_SINK_ASCENDING, 0};
+        lamella_totals totals;
+        lamella_totals_init(&totals);
+        REQUIRE(lamella_slice_to(&sink, &mesh, &options, workspace.get(), &totals, nullptr) == LAMELLA_OK);
+        CHECK(totals.layers == view.layer_count);
+        CHECK(got.order.size() == view.layer_count);
+        REQUIRE(got.points.size() == view.point_count);
+        CHECK(std::memcmp(got.points.data(), view.points, view.point_count * sizeof(lamella_point)) == 0);
+        CHECK(lamella_slice_to(nullptr, &mesh, &options, nullptr, nullptr, nullptr) == LAMELLA_INVALID_ARGUMENT);
+    }
+    SECTION("parts are kept apart") {
+        const lamella_mesh* const meshes[] = {&mesh, &mesh};
+        std::vector<double> transforms(24, 0);
+        for (const std::size_t diagonal : {0U, 5U, 10U, 12U, 17U, 22U}) {
+            transforms[diagonal] = 1;
+        }
+        transforms[15] = 3;  // the second is moved along x
+        lamella_result* result = nullptr;
+        REQUIRE(lamella_slice_parts(meshes, transforms.data(), 2, &options, LAMELLA_PARTS_SEPARATE, &result, nullptr) ==
+                LAMELLA_OK);
+        const ResultHandle owned(result);
+        lamella_view both;
+        lamella_view_init(&both);
+        lamella_result_view(result, &both);
+        CHECK(both.contour_count == 2 * view.contour_count);
+        CHECK(both.contours[1].part == 1);
+    }
+    SECTION("host arrays are filled") {
+        lamella_output_bounds bounds;
+        lamella_output_bounds_init(&bounds);
+        REQUIRE(lamella_bound_output(&mesh, &options, workspace.get(), &bounds, nullptr) == LAMELLA_OK);
+        std::vector<double> xy(2 * bounds.points);
+        std::vector<lamella_contour> contours(bounds.contours);
+        std::vector<lamella_layer> layers(bounds.layers);
+        lamella_host_output output;
+        lamella_host_output_init(&output);
+        output.point_type = LAMELLA_F64;
+        output.points = xy.data();
+        output.point_capacity = bounds.points;
+        output.scale = bounds.unit_mm;
+        output.contours = contours.data();
+        output.contour_capacity = contours.size();
+        output.layers = layers.data();
+        output.layer_capacity = layers.size();
+        lamella_totals totals;
+        lamella_totals_init(&totals);
+        REQUIRE(lamella_slice_into(&output, &mesh, &options, workspace.get(), &totals, nullptr) == LAMELLA_OK);
+        REQUIRE(totals.points == view.point_count);
+        for (std::uint64_t i = 0; i < totals.points; ++i) {
+            REQUIRE(xy[2 * i] == view.points[i].x * view.unit_mm);
+            REQUIRE(xy[2 * i + 1] == view.points[i].y * view.unit_mm);
+        }
+    }
+}
+
+TEST_CASE("regions and assembled contours go through C", "[c]") {
+    const std::vector<lamella_point> low = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+    const std::vector<lamella_point> high = {{2, 2}, {6, 2}, {6, 6}, {2, 6}};
+    const lamella_path paths[] = {{low.data(), 4}, {high.data(), 4}};
+    lamella_region_rules rules;
+    lamella_region_rules_init(&rules);
+    rules.fill_rule = LAMELLA_FILL_NON_ZERO;
+    lamella_result* result = nullptr;
+    REQUIRE(lamella_region_of(paths, 2, &rules, 1, nullptr, &result, nullptr) == LAMELLA_OK);
+    const ResultHandle region(result);
+    lamella_view view;
+    lamella_view_init(&view);
+    lamella_result_view(result, &view);
+    REQUIRE(view.contour_count == 1);
+    CHECK(view.point_count == 8);
+    CHECK(lamella_result_area_mm2(result, 0) == 28);
+
+    std::vector<lamella_segment> segments(4);
+    for (std::uint64_t i = 0; i < 4; ++i) {
+        segments[i].from_key[0] = i;
+        segments[i].to_key[0] = (i + 1) % 4;
+        segments[i].from = low[i];
+        segments[i].to = low[(i + 1) % 4];
+    }
+    lamella_result* square = nullptr;
+    REQUIRE(lamella_assemble(segments.data(), 4, nullptr, &square, nullptr) == LAMELLA_OK);
+    const ResultHandle assembled(square);
+    lamella_result_view(square, &view);
+    CHECK(view.contour_count == 1);
+    CHECK(view.point_count == 4);
+    CHECK(view.segments == 4);
+}

@@ -313,7 +313,8 @@ TEST_CASE("prepared meshes, sinks, parts and host arrays go through C", "[c]") {
         const lamella_sink sink = {[](void* context, const lamella_layer_view* layer) {
                                        auto& into = *static_cast<Got*>(context);
                                        into.order.push_back(layer->index);
-                                       into.points.insert(into.points.end(), layer->points, layer->points + layer->point_count);
+                                       into.points.insert(into.points.end(), layer->points,
+                                                          layer->points + layer->point_count);
                                    },
                                    &got, LAMELLA_SINK_ASCENDING, 0};
         lamella_totals totals;

@@ -79,7 +79,7 @@ Result<Files::File> Files::get(const MeshWriter& writer) {
 
 std::array<float, 3> corner_of(const MeshView& view, std::uint64_t triangle, std::size_t corner) {
     const std::uint64_t number_bytes = view.coordinate_type == CoordinateType::f32 ? sizeof(float) : sizeof(double);
-    const std::byte* const at = view.indices != nullptr ? view.vertices + view.indices[3 * triangle + corner] * view.stride
+    const std::byte* const at = view.indices != nullptr ? view.vertices + view.vertex_of(triangle, corner) * view.stride
                                                         : view.vertices + triangle * view.stride + 3 * corner * number_bytes;
     std::array<float, 3> floats;
     std::array<double, 3> doubles;

@@ -42,11 +42,11 @@ inline std::vector<std::array<double, 9>> read_triangles(const std::filesystem::
         const MeshView view = mesh.view();
         REQUIRE(view.coordinate_type == CoordinateType::f64);
         REQUIRE(view.indices != nullptr);
-        const std::span<const std::uint32_t> indices(view.indices, 3 * view.triangle_count);
-        REQUIRE(std::all_of(indices.begin(), indices.end(), [&](std::uint32_t i) { return i < view.vertex_count; }));
         std::vector<std::array<double, 9>> triangles(view.triangle_count);
         for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
-            std::memcpy(&triangles[i / 3][3 * (i % 3)], view.vertices + indices[i] * view.stride, 3 * sizeof(double));
+            const std::uint64_t vertex = view.vertex_of(i / 3, i % 3);
+            REQUIRE(vertex < view.vertex_count);
+            std::memcpy(&triangles[i / 3][3 * (i % 3)], view.vertices + vertex * view.stride, 3 * sizeof(double));
         }
         return triangles;
     });

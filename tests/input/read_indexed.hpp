@@ -20,12 +20,11 @@ inline std::vector<Corners> corners_of(const MeshFile& mesh) {
     const MeshView view = mesh.view();
     REQUIRE(view.indices != nullptr);
     REQUIRE(view.coordinate_type == CoordinateType::f64);
-    REQUIRE(std::all_of(view.indices, view.indices + 3 * view.triangle_count,
-                        [&view](std::uint32_t index) { return index < view.vertex_count; }));
     std::vector<Corners> triangles(view.triangle_count);
     for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
         std::array<double, 3>& corner = triangles[i / 3][i % 3];
-        std::memcpy(corner.data(), view.vertices + view.indices[i] * view.stride, sizeof corner);
+        REQUIRE(view.vertex_of(i / 3, i % 3) < view.vertex_count);
+        std::memcpy(corner.data(), view.vertices + view.vertex_of(i / 3, i % 3) * view.stride, sizeof corner);
         for (double& coordinate : corner) {
             coordinate *= mesh.mm_per_unit;
         }

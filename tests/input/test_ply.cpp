@@ -27,7 +27,7 @@ shapes::Soup soup_of(const MeshFile& mesh) {
     const MeshView view = mesh.view();
     shapes::Soup soup;
     for (std::size_t i = 0; i < 3 * view.triangle_count; ++i) {
-        const std::byte* at = view.vertices + view.indices[i] * view.stride;
+        const std::byte* at = view.vertices + view.vertex_of(i / 3, i % 3) * view.stride;
         for (int axis = 0; axis < 3; ++axis) {
             float single = 0;
             double number = 0;

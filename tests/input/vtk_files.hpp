@@ -84,7 +84,7 @@ inline std::vector<Facet> triangles_of(const MeshFile& mesh) {
     REQUIRE(view.indices != nullptr);
     std::vector<Facet> facets(view.triangle_count);
     for (std::size_t i = 0; i < 3 * facets.size(); ++i) {
-        const std::byte* const vertex = view.vertices + view.indices[i] * view.stride;
+        const std::byte* const vertex = view.vertices + view.vertex_of(i / 3, i % 3) * view.stride;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             double value = 0;
             float single = 0;

@@ -2,11 +2,11 @@
 //
 //     const lamella::Result<lamella::PreparedMesh> prepared = lamella::prepare(mesh);
 //     lamella::Workspace workspace;
-//     lamella::SliceResult result;
+//     lamella::SliceResult sliced;
 //     for (const double height : {1.5, 0.25, 7.0}) {
 //         options.plan.spacing = lamella::ExplicitPlanes{.heights_mm = {height}};
-//         if (prepared && lamella::slice(*prepared, options, workspace, result)) {
-//             std::printf("z %g mm: %g mm2\n", height, result.area_mm2(result.layers[0]));
+//         if (prepared && lamella::slice(*prepared, options, workspace, sliced)) {
+//             std::printf("z %g mm: %g mm2\n", height, sliced.area_mm2(sliced.layers[0]));
 //         }
 //     }
 //

@@ -2,11 +2,11 @@
 //
 //     const lamella::Result<lamella::PreparedMesh> prepared = lamella::prepare(mesh);
 //     lamella::Workspace workspace;
-//     lamella::SliceResult cut;
+//     lamella::SliceResult sliced;
 //     for (const double height : {1.5, 0.25, 7.0}) {
 //         options.plan.spacing = lamella::ExplicitPlanes{.heights_mm = {height}};
-//         if (prepared && lamella::slice(*prepared, options, workspace, cut)) {
-//             std::printf("z %g mm: %g mm2\n", height, cut.area_mm2(cut.layers[0]));
+//         if (prepared && lamella::slice(*prepared, options, workspace, sliced)) {
+//             std::printf("z %g mm: %g mm2\n", height, sliced.area_mm2(sliced.layers[0]));
 //         }
 //     }
 //
@@ -46,7 +46,7 @@ public:
     PreparedMesh(PreparedMesh&&) noexcept;
     PreparedMesh& operator=(PreparedMesh&&) noexcept;
 
-    /// The memory that it holds: 48 bytes a triangle and an eighth of a byte more for each.
+    /// The memory that it holds: 48 bytes a triangle and about a fiftieth of a byte more for each.
     std::size_t bytes() const noexcept;
     /// The grid unit chosen, mm.
     double unit_mm() const noexcept;

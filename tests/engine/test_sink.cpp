@@ -408,6 +408,19 @@ TEST_CASE("a sink gets the layers of a prepared mesh, and of heights in any orde
     }
 }
 
+TEST_CASE("an empty mesh gives a sink empty layers where asked for", "[engine][sink]") {
+    SliceOptions options = at_heights({1, 3});
+    options.allow_empty = true;
+    std::size_t empty = 0;
+    const auto count = [&](const LayerView& view) noexcept {
+        empty += view.contours.empty() && view.points.empty() ? 1U : 0U;
+    };
+    for (const SinkOrder order : orders) {
+        CHECK(handed(LayerSink::to(count, order), lamella::MeshView{}, options).layers == 2);
+    }
+    CHECK(empty == 4);
+}
+
 TEST_CASE("a workspace counts what sinks make it hold, and gives it back", "[engine][sink][memory]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 5);
     const CountingMemory memory;

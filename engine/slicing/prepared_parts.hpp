@@ -1,8 +1,6 @@
 // What a PreparedMesh holds.
 #pragma once
 
-#include <cstdint>
-
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/prepared_triangles.hpp"
 #include "slicing/planes/shared_frame.hpp"
@@ -16,7 +14,7 @@ struct PreparedParts {
     SharedFrame frame{};
     Transform transform{};
     double asked_unit_mm = 0;
-    std::uint64_t triangle_count = 0;  ///< in the input
+    MeshView counted{};  ///< of the input its number of triangles only
 };
 
 }  // namespace lamella::detail

@@ -42,7 +42,8 @@ void WorkspaceParts::trim() {
         }
     }
     sweeps_made_regions = last_made_regions;
-    placement.trim();
+    output.placement.trim();
+    output.outputs.clear();
     bands.trim();
     buckets.trim();
     planes.trim();

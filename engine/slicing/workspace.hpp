@@ -12,7 +12,7 @@
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/grid/blocks.hpp"
 #include "slicing/planes/plane_set.hpp"
-#include "slicing/result/placement.hpp"
+#include "slicing/result/slice_output.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 
 namespace lamella::detail {
@@ -38,7 +38,7 @@ struct WorkspaceParts {
     std::vector<std::unique_ptr<BandSweep>> sweeps;  // by worker
     bool sweeps_made_regions = false;                // one of them, since it was made
     bool last_made_regions = false;
-    Placement placement{memory};
+    OutputScratch output{memory};
 };
 
 }  // namespace lamella::detail

@@ -119,6 +119,7 @@ struct SliceSummary {
     std::uint64_t near_contours = 0;       ///< contours with near_contour
     std::uint64_t emptied_layers = 0;      ///< layers that the mesh crosses, but of which the rules leave no contour
     std::uint64_t bands = 0;
+    int unit_doublings = 0;  ///< how often the unit asked for, or the default, was doubled to fit the mesh
     int threads = 1;
     double min_mm[3] = {0, 0, 0};  ///< box of the transformed mesh
     double max_mm[3] = {0, 0, 0};
@@ -135,12 +136,14 @@ struct PointMm {
 struct SliceResult {
     /// Its arrays will take their memory from `memory`; null: operator new.
     explicit SliceResult(const Memory* memory = nullptr) noexcept
-        : layers(memory), contours(memory), points(memory), closed_gaps(memory) {}
+        : layers(memory), contours(memory), points(memory), closed_gaps(memory), layer_of(memory) {}
 
     Array<Layer> layers;
     Array<Contour> contours;
     Array<Point> points;
     Array<ClosedGap> closed_gaps;  ///< by layer, then by `from` and `to`
+    /// The layer of each of ExplicitPlanes::heights_mm: an index into `layers`. Empty for other plans.
+    Array<std::uint64_t> layer_of;
     std::uint32_t part_count = 1;  ///< meshes
     PartRegions part_regions = PartRegions::separate;
     RegionRules region;

@@ -29,7 +29,7 @@ SLICING = [
     ["sweep"],
     ["part_slicer.hpp", "prepared_parts.hpp", "workspace.hpp"],
     ["workspace.cpp", "slice.cpp", "prepare.cpp"],
-    ["parts"],
+    ["parts", "handover"],
 ]
 
 # Two ways to sweep, neither of which knows the other.
@@ -39,6 +39,7 @@ PEERS = [("slicing/sweep/band_sweep", "slicing/sweep/wide_plane")]
 PUBLIC = {
     "array": "base", "control": "base", "error": "base", "integer128": "base", "memory": "base", "version": "base",
     "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "parts": "slicing", "planes": "slicing", "prepare": "slicing", "region": "slicing",
+    "host_output": "slicing", "islands": "slicing", "sink": "slicing",
     "result": "slicing", "slice": "slicing",
     "lamella": "audit", "io": "io",
 }  # fmt: skip

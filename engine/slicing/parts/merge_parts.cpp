@@ -100,10 +100,6 @@ void add(const SliceSummary& own, SliceSummary& sum) {
     sum.ms.contours += own.ms.contours;
     sum.ms.nesting += own.ms.nesting;
     sum.ms.fill += own.ms.fill;
-    for (int axis = 0; axis < 3; ++axis) {
-        sum.min_mm[axis] = std::min(sum.min_mm[axis], own.min_mm[axis]);
-        sum.max_mm[axis] = std::max(sum.max_mm[axis], own.max_mm[axis]);
-    }
 }
 
 }  // namespace
@@ -117,6 +113,8 @@ void merge_parts(std::span<const SliceResult> parts, const Parallel& parallel, S
         }
     });
     merge_gaps(parts, merged);
+    merged.layer_of.resize_discarding(parts[0].layer_of.size());
+    std::copy(parts[0].layer_of.begin(), parts[0].layer_of.end(), merged.layer_of.begin());
     merged.part_count = static_cast<std::uint32_t>(parts.size());
     merged.close_gaps_mm = parts[0].close_gaps_mm;
     merged.unit_mm = parts[0].unit_mm;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 
 #include "base/fit.hpp"
@@ -51,6 +52,7 @@ Status PlaneSet::build(const LayerPlan& plan, const Bounds& bounds, double unit_
     count_ = 0;
     inverse_step_ = 0;
     heights_mm_.clear();
+    plane_of_listed_.clear();
     if (const auto* uniform = std::get_if<UniformLayers>(&plan.spacing)) {
         return build_uniform(*uniform, bounds, memory_limit);
     }
@@ -110,16 +112,15 @@ Status PlaneSet::check_count(double planes, std::uint64_t memory_limit) const {
     return {};
 }
 
-/// Ascending and distinct after rounding, else the first pair that is not.
+/// Distinct after rounding, else the first pair that is not.
 Status PlaneSet::check_distinct() const {
     for (PlaneIndex i = 1; i < count_; ++i) {
         const double below = height_mm(i - 1);
         const double above = height_mm(i);
         if (above <= below || z(i) <= z(i - 1)) {
-            const char* what = above < below ? " are not in ascending order" : " are the same on the grid";
             return Error{ErrorCode::bad_planes,
                          "planes " + std::to_string(i - 1) + " and " + std::to_string(i) + " (" + mm_text(below) + ", " +
-                             mm_text(above) + ")" + what,
+                             mm_text(above) + ") are the same on the grid",
                          -1, static_cast<std::int64_t>(i)};
         }
     }
@@ -196,13 +197,48 @@ Status PlaneSet::build_explicit(const ExplicitPlanes& plan) {
                          static_cast<std::int64_t>(i)};
         }
     }
-    heights_mm_.assign(plan.heights_mm.begin(), plan.heights_mm.end());
+    sort_listed(plan.heights_mm);
+    keep_distinct();
     fill_from_heights();
-    if (Status status = check_distinct(); !status) {
-        return status;
-    }
     make_table();
     return {};
+}
+
+void PlaneSet::sort_listed(const std::vector<double>& heights_mm) {
+    heights_mm_.assign(heights_mm.begin(), heights_mm.end());
+    listed_order_.resize(heights_mm.size());
+    std::iota(listed_order_.begin(), listed_order_.end(), PlaneIndex{0});
+    if (std::is_sorted(heights_mm.begin(), heights_mm.end())) {
+        return;
+    }
+    std::sort(listed_order_.begin(), listed_order_.end(), [&](PlaneIndex a, PlaneIndex b) {
+        return heights_mm[a] != heights_mm[b] ? heights_mm[a] < heights_mm[b] : a < b;
+    });
+    std::transform(listed_order_.begin(), listed_order_.end(), heights_mm_.begin(),
+                   [&](PlaneIndex listed) { return heights_mm[listed]; });
+}
+
+/// Of sorted heights with one plane the least stays.
+void PlaneSet::keep_distinct() {
+    plane_of_listed_.resize(heights_mm_.size());
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < heights_mm_.size(); ++i) {
+        if (kept == 0 || !share_plane(heights_mm_[kept - 1], heights_mm_[i])) {
+            heights_mm_[kept++] = heights_mm_[i];
+        }
+        plane_of_listed_[listed_order_[i]] = static_cast<PlaneIndex>(kept - 1);
+    }
+    heights_mm_.resize(kept);
+}
+
+bool PlaneSet::within_reach(double mm) const noexcept {
+    return std::abs(mm / unit_mm_) < beyond_grid;
+}
+
+/// Heights beyond the grid are not rounded: only equal ones share a plane.
+bool PlaneSet::share_plane(double below_mm, double above_mm) const noexcept {
+    return below_mm == above_mm ||
+           (within_reach(below_mm) && within_reach(above_mm) && round_height(below_mm) == round_height(above_mm));
 }
 
 Status PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit) {
@@ -248,7 +284,7 @@ void PlaneSet::fill_from_heights() {
     padded_[0] = below_all;
     for (PlaneIndex i = 0; i < count_; ++i) {
         const double mm = heights_mm_[i];
-        if (std::abs(mm / unit_mm_) < beyond_grid) {
+        if (within_reach(mm)) {
             padded_[i + 1] = round_height(mm);
         } else {
             padded_[i + 1] = mm < 0 ? below_all + 3 + 2 * static_cast<std::int32_t>(i)
@@ -262,6 +298,8 @@ void PlaneSet::trim() {
     count_ = 0;
     fit(padded_);
     fit(heights_mm_);
+    fit(plane_of_listed_);
+    fit(listed_order_);
     fit(table_.first);
 }
 

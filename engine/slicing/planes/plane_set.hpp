@@ -44,7 +44,8 @@ struct HeightTable {
 /// k planes, ascending. Immutable once made, shared by all threads.
 class PlaneSet {
 public:
-    explicit PlaneSet(const Memory* memory) : padded_(memory), heights_mm_(memory), table_(memory) {}
+    explicit PlaneSet(const Memory* memory)
+        : padded_(memory), heights_mm_(memory), plane_of_listed_(memory), listed_order_(memory), table_(memory) {}
 
     PlaneIndex size() const noexcept { return count_; }
     bool uniform() const noexcept { return inverse_step_ > 0; }
@@ -61,6 +62,8 @@ public:
     /// Bottom and top of the slab that plane i stands for.
     double bottom_mm(PlaneIndex i) const noexcept;
     double top_mm(PlaneIndex i) const noexcept;
+    /// The plane of each listed height; empty where heights are not listed.
+    const Vector<PlaneIndex>& plane_of_listed() const noexcept { return plane_of_listed_; }
 
     /// The first plane above a vertex at height z. Uniform planes by arithmetic, corrected by one either way (Algorithm 2,
     /// first case); others by a table of heights and a few steps from there, a binary search where planes crowd (Algorithm
@@ -87,6 +90,10 @@ private:
     Status build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
     Status check_count(double planes, std::uint64_t memory_limit) const;
     Status check_distinct() const;
+    void sort_listed(const std::vector<double>& heights_mm);
+    void keep_distinct();
+    bool share_plane(double below_mm, double above_mm) const noexcept;
+    bool within_reach(double mm) const noexcept;
     void fill_from_heights();
     void make_table();
     bool find_step() noexcept;
@@ -121,7 +128,9 @@ private:
     double first_z_ = 0;       // of plane 0, grid units
     double inverse_step_ = 0;  // planes per grid unit; 0 when not uniform
     double last_guess_ = 0;
-    Vector<double> heights_mm_;  // when not uniform
+    Vector<double> heights_mm_;           // when not uniform
+    Vector<PlaneIndex> plane_of_listed_;  // when heights are listed
+    Vector<PlaneIndex> listed_order_;     // scratch: which of the listed heights is lowest, and so on
     HeightTable table_;
 };
 

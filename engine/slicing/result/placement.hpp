@@ -14,6 +14,7 @@
 //     buffered    swept to a buffer and copied: its room might be another band's, or some band has outgrown its room
 //     outgrown    begun in a room, finished in a buffer and copied
 //     cleared     done in its room, copied to a buffer since a band below has outgrown its own
+//     converted   swept to a buffer and given to a PointWriter, which all are where there is one
 //
 // A thread waits while it is more than two bands a thread ahead of the first unfinished one, the head.
 #pragma once
@@ -31,29 +32,27 @@
 #include "base/vector.hpp"
 #include "lamella/result.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/result/band_output.hpp"
+#include "slicing/result/band_target.hpp"
+#include "slicing/result/point_writer.hpp"
 
 namespace lamella {
 
-class Placement {
+class Placement final : public BandTarget {
 public:
     explicit Placement(const Memory* memory) : memory_(memory) {}
 
-    /// For a new run over `bands`; points go to `points`, up to its size.
+    /// For a new run over `bands`; points go to `points`, up to its size, or to `writer`, up to its capacity.
     void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
-               ProgressMeter& progress, const StopCheck& stop = {});
+               ProgressMeter& progress, const StopCheck& stop = {}, const PointWriter* writer = nullptr);
 
-    /// Where `band` puts its output; waits while it is too far ahead of the head. Null after abort(). Bands must be acquired
-    /// in ascending order, each by a thread that then submits it or aborts.
-    BandOutput* acquire(std::size_t band);
-    /// Takes back an unused output.
-    void give_back(std::size_t band);
-    /// The band is done: places it and all done bands that follow it. Throws Stopped where begin()'s `stop` asks for it.
-    void submit(std::size_t band);
+    /// Waits while the band is too far ahead of the head.
+    BandOutput* acquire(std::size_t band) override;
+    void give_back(std::size_t band) override;
+    /// Places the band and all done bands that follow it. Throws Stopped where begin()'s `stop` asks for it.
+    void submit(std::size_t band) override;
+    void abort() override;
     /// Gives back what the last run did not need. To be called between runs. Throws std::bad_alloc.
     void trim();
-    /// The run has failed: wakes all that wait.
-    void abort();
 
     /// Points of all bands. If they exceed the array given to begin(), those beyond it are lost and the run must be repeated
     /// with a larger one.
@@ -105,6 +104,7 @@ private:
     const Memory* memory_;
     std::span<const Band> bands_;
     std::span<Point> points_;
+    const PointWriter* writer_ = nullptr;
     ProgressMeter* progress_ = nullptr;
     StopCheck stop_{};
     std::mutex mutex_;

@@ -104,6 +104,7 @@ public:
                  options.control = c;
                  return code_of(lamella::slice(view, options));
              }},
+            {"prepare", [=](const Control& c) { return code_of(lamella::prepare(view, {.control = c})); }},
             {"slice_to, in plane order",
              [=](const Control& c) {
                  lamella::SliceOptions options = uniform(0.02);
@@ -120,7 +121,6 @@ public:
                  return code_of(lamella::slice_to(lamella::LayerSink::to(nothing, lamella::SinkOrder::any), view, options));
              }},
             {"slice_into", [=](const Control& c) { return code_of(slice_into_arrays(view, c)); }},
-            {"prepare", [=](const Control& c) { return code_of(lamella::prepare(view, {.control = c})); }},
             {"make_ledger", [=, this](const Control& c) { return code_of(lamella::make_ledger(view, result(), c)); }},
             {"certify_volume", [=, this](const Control& c) { return code_of(lamella::certify_volume(view, result(), c)); }},
             {"find_crossings", [this](const Control& c) { return code_of(lamella::find_crossings(result(), c)); }},

@@ -100,7 +100,7 @@ private:
         return options_.memory_limit_bytes != 0 ? options_.memory_limit_bytes : kept_.usual_limit;
     }
     LayerRules rules() const noexcept {
-        return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm};
+        return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm, options_.gap_sense};
     }
     /// Milliseconds since the stage before ended.
     double end_stage() noexcept {
@@ -146,6 +146,7 @@ Status Slicing::choose_grid_and_planes() {
     result_.part_regions = PartRegions::separate;
     result_.region = options_.region;
     result_.close_gaps_mm = options_.close_gaps_mm;
+    result_.gap_sense = options_.gap_sense;
     result_.summary = {};
     result_.summary.unit_doublings = unit->doublings;
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);

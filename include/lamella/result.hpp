@@ -47,7 +47,8 @@ enum ContourFlag : std::uint16_t {
     /// The facets' orientation gives a winding number below zero here or around here: an inverted shell, a flipped patch.
     /// The role was decided by the number of contours around, and the points run as the role demands.
     orientation_overruled = 1,
-    /// Neighbouring facets disagree about which side is solid; the contour runs as most of its segments do.
+    /// Neighbouring facets disagree about which side is solid, or polylines that were joined over gaps by GapSense::any;
+    /// the contour runs as most of its segments do.
     orientation_mixed = 2,
     /// Ends of open polylines were joined; see SliceResult::closed_gaps.
     gap_closed = 4,
@@ -80,11 +81,18 @@ struct Contour {
     std::uint32_t part = 0;       ///< index of the mesh that it comes from, among those of slice_parts(), or several_parts
 };
 
+/// Which ends of open polylines may be joined. Pairs are joined by distance, the nearest first, and at most one to each end.
+enum class GapSense : std::uint8_t {
+    kept,  ///< an end to a start: every polyline keeps its orientation
+    any,   ///< also two ends or two starts, for facets that disagree: one of the two polylines is turned round. Of equally
+           ///< near pairs those that keep the orientation come first.
+};
+
 /// Where two ends of open polylines were joined.
 struct ClosedGap {
     std::uint64_t layer = 0;  ///< index into SliceResult::layers
-    Point from;               ///< a polyline's end
-    Point to;                 ///< a polyline's start
+    Point from;               ///< a polyline's end; of two ends or two starts the smaller point
+    Point to;                 ///< a polyline's start; of two ends or two starts the larger point
 };
 
 /// One plane with the slab that it stands for.
@@ -147,7 +155,8 @@ struct SliceResult {
     std::uint32_t part_count = 1;  ///< meshes
     PartRegions part_regions = PartRegions::separate;
     RegionRules region;
-    double close_gaps_mm = 0;          ///< ends at most so far apart were joined
+    double close_gaps_mm = 0;  ///< ends at most so far apart were joined
+    GapSense gap_sense = GapSense::kept;
     double unit_mm = default_unit_mm;  ///< grid units times this give mm; to_mm() does it
     Transform frame;                   ///< from the caller's space to the space of layers and points
     LayerPlan plan;

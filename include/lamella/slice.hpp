@@ -50,6 +50,7 @@ struct SliceOptions {
     Transform transform{};  ///< from the mesh's coordinates to mm and to the slicing direction, which is z
     RegionRules region{};
     double close_gaps_mm = 0;              ///< join ends of open polylines at most so far apart; 0 joins none
+    GapSense gap_sense = GapSense::kept;   ///< which ends are joined
     std::uint64_t memory_limit_bytes = 0;  ///< larger results are refused before allocation; 0: half of physical memory
     Control control{};
     Tuning tuning{};  ///< for experiments

@@ -1,6 +1,7 @@
 // Which ends of polylines are joined, compared with a sorted list of all pairs.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <tuple>
 #include <vector>
@@ -12,59 +13,66 @@
 
 using lamella::Gap;
 using lamella::GapCloser;
+using lamella::GapRules;
+using lamella::GapSense;
 using lamella::Point;
 using lamella::PolylineEnds;
 
 namespace {
 
+/// The numbers of two ends: twice the polyline's, and one more for its last point.
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-Pairs greedy(const std::vector<PolylineEnds>& polylines, double reach) {
-    std::vector<std::tuple<double, Point, Point, std::uint32_t, std::uint32_t>> all;
-    for (std::uint32_t from = 0; from < polylines.size(); ++from) {
-        for (std::uint32_t to = 0; to < polylines.size(); ++to) {
-            const Point end = polylines[from].last;
-            const Point start = polylines[to].first;
-            const double dx = static_cast<double>(start.x) - end.x;
-            const double dy = static_cast<double>(start.y) - end.y;
-            if (dx * dx + dy * dy <= reach * reach) {
-                all.emplace_back(dx * dx + dy * dy, end, start, from, to);
+Pairs greedy(const std::vector<PolylineEnds>& polylines, const GapRules& rules) {
+    const auto at = [&](std::uint32_t end) { return end % 2 != 0 ? polylines[end / 2].last : polylines[end / 2].first; };
+    std::vector<std::tuple<double, bool, Point, Point, std::uint32_t, std::uint32_t>> all;
+    const auto ends = static_cast<std::uint32_t>(2 * polylines.size());
+    for (std::uint32_t a = 0; a < ends; ++a) {
+        for (std::uint32_t b = 0; b < ends; ++b) {
+            const bool turns = a % 2 == b % 2;
+            const bool listed =
+                turns ? rules.sense == GapSense::any && std::pair(at(a), a) < std::pair(at(b), b) : a % 2 != 0;
+            const double dx = static_cast<double>(at(b).x) - at(a).x;
+            const double dy = static_cast<double>(at(b).y) - at(a).y;
+            if (listed && dx * dx + dy * dy <= rules.reach * rules.reach) {
+                all.emplace_back(dx * dx + dy * dy, turns, at(a), at(b), a, b);
             }
         }
     }
     std::sort(all.begin(), all.end());
-    std::vector<bool> left(polylines.size(), true);
-    std::vector<bool> entered(polylines.size(), false);
+    std::vector<bool> joined(ends, false);
     Pairs pairs;
-    for (const auto& [squared, end, start, from, to] : all) {
-        if (left[from] && !entered[to]) {
-            left[from] = false;
-            entered[to] = true;
-            pairs.emplace_back(from, to);
+    for (const auto& [squared, turns, at_a, at_b, a, b] : all) {
+        if (!joined[a] && !joined[b]) {
+            joined[a] = true;
+            joined[b] = true;
+            pairs.emplace_back(a, b);
         }
     }
     return pairs;
 }
 
-Pairs closed(GapCloser& closer, const std::vector<PolylineEnds>& polylines, double reach) {
+Pairs closed(GapCloser& closer, const std::vector<PolylineEnds>& polylines, const GapRules& rules) {
     Pairs pairs;
-    for (const Gap& gap : closer.close(polylines, reach)) {
-        pairs.emplace_back(gap.from, gap.to);
+    for (const Gap& gap : closer.close(polylines, rules)) {
+        pairs.emplace_back(gap.from.number(), gap.to.number());
     }
     return pairs;
 }
 
-/// Whether next() and follows() agree with the pairs.
+/// Whether joined_to() agrees with the pairs.
 bool agree(const GapCloser& closer, const Pairs& pairs, std::size_t polylines) {
-    std::vector<std::int64_t> next(polylines, -1);
-    std::vector<bool> follows(polylines, false);
+    std::vector<std::uint32_t> other(2 * polylines);
+    std::iota(other.begin(), other.end(), 0U);
     for (const auto& [from, to] : pairs) {
-        next[from] = to;
-        follows[to] = true;
+        other[from] = to;
+        other[to] = from;
     }
     for (std::uint32_t p = 0; p < polylines; ++p) {
-        if (closer.next(p) != next[p] || closer.follows(p) != follows[p]) {
-            return false;
+        for (const bool last : {false, true}) {
+            if (closer.joined_to({p, last}).number() != other[2 * p + (last ? 1 : 0)]) {
+                return false;
+            }
         }
     }
     return true;
@@ -87,7 +95,7 @@ std::vector<PolylineEnds> random_polylines(std::mt19937& random, std::size_t cou
 TEST_CASE("the joined pairs and their order are those of a list of all pairs", "[engine][gaps]") {
     std::mt19937 random(21);
     GapCloser closer(nullptr);
-    std::size_t joined = 0;
+    std::size_t joined[2] = {0, 0};
     for (int turn = 0; turn < 6000; ++turn) {
         const std::int32_t side = 1 << random() % 9;  // few positions: many equal points and equal distances
         const std::int32_t step = turn % 3 == 0 ? (1 << 30) / side : 1 + turn % 2;
@@ -95,13 +103,16 @@ TEST_CASE("the joined pairs and their order are those of a list of all pairs", "
         const auto polylines = random_polylines(random, count, turn % 3 == 1 ? 0 : -step * (side / 2), step, side);
         const double steps = std::uniform_real_distribution(0.0, side * 1.5)(random);
         const double reach = turn % 7 == 0 ? 1e300 : step * (turn % 7 == 1 ? std::floor(steps) : steps);
-        const Pairs expected = greedy(polylines, reach);
-        INFO("turn " << turn << ", " << count << " polylines");
-        REQUIRE(closed(closer, polylines, reach) == expected);
-        REQUIRE(agree(closer, expected, count));
-        joined += expected.size();
+        for (const GapSense sense : {GapSense::kept, GapSense::any}) {
+            const Pairs expected = greedy(polylines, {reach, sense});
+            INFO("turn " << turn << ", " << count << " polylines, sense " << static_cast<int>(sense));
+            REQUIRE(closed(closer, polylines, {reach, sense}) == expected);
+            REQUIRE(agree(closer, expected, count));
+            joined[static_cast<int>(sense)] += expected.size();
+        }
     }
-    CHECK(joined > 40'000);
+    CHECK(joined[0] > 40'000);
+    CHECK(joined[1] > joined[0]);
 }
 
 TEST_CASE("ends in two distant clusters are joined as from a list of all pairs", "[engine][gaps]") {
@@ -112,7 +123,9 @@ TEST_CASE("ends in two distant clusters are joined as from a list of all pairs",
         for (PolylineEnds& polyline : polylines) {
             polyline.last.x += apart;
         }
-        CHECK(closed(closer, polylines, 1 << 30) == greedy(polylines, 1 << 30));
+        for (const GapSense sense : {GapSense::kept, GapSense::any}) {
+            CHECK(closed(closer, polylines, {1 << 30, sense}) == greedy(polylines, {1 << 30, sense}));
+        }
     }
 }
 
@@ -121,7 +134,10 @@ TEST_CASE("closing gaps takes memory in proportion to the ends, not to their pai
     constexpr std::size_t count = 20'000;
     CountingMemory memory;
     GapCloser closer(&memory);
-    CHECK(closer.close(random_polylines(random, count, 0, 1, 1 << 20), 1 << 30).size() == count);
-    CHECK(closer.close(random_polylines(random, count, 0, 1, 3), 1 << 30).size() == count);  // all ends at sixteen points
+    for (const GapSense sense : {GapSense::kept, GapSense::any}) {
+        const GapRules rules{1 << 30, sense};
+        CHECK(closer.close(random_polylines(random, count, 0, 1, 1 << 20), rules).size() == count);
+        CHECK(closer.close(random_polylines(random, count, 0, 1, 3), rules).size() == count);  // all ends at sixteen points
+    }
     CHECK(memory.peak() < 160 * count);
 }

@@ -63,6 +63,7 @@ Case drawn(fuzz::Bytes& bytes) {
     drawn.options.tuning.band_planes = static_cast<int>(form / 64);
     drawn.options.region.fill_rule = static_cast<lamella::FillRule>(mending % 4);
     drawn.options.close_gaps_mm = scale.step_mm * (mending / 4 % 4);
+    drawn.options.gap_sense = mending / 64 % 2 != 0 ? lamella::GapSense::any : lamella::GapSense::kept;
     if (mending / 16 % 4 == 3) {
         drawn.options.transform = lamella::Transform::from_normal(1, mending / 64, 2);
     }

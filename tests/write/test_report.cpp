@@ -150,6 +150,7 @@ TEST_CASE("report: every closed gap is listed, however many", "[write]") {
     }
     const json gaps = report_of(result).at("gaps");
     CHECK(gaps.at("reach_mm") == 7);
+    CHECK(gaps.at("sense") == "kept");
     CHECK(gaps.at("closed") == 500);
     CHECK(gaps.at("longest_mm") == 6);
     CHECK(gaps.at("total_mm") == 499 * 0.5 + 6);

@@ -196,8 +196,12 @@ void declare(CLI::App& command, SliceArguments& arguments) {
         ->check(given_path);
     declare_planes(command, arguments);
     command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart before slicing (off)")->type_name("MM");
-    command.add_option("--close-gaps", arguments.close_gaps_mm, "Join ends of open polylines at most MM apart (off)")
-        ->type_name("MM");
+    CLI::Option* const gaps =
+        command.add_option("--close-gaps", arguments.close_gaps_mm, "Join ends of open polylines at most MM apart (off)");
+    gaps->type_name("MM");
+    declare_choice<GapSense>(command, "--gap-sense", arguments.gap_sense, {{"kept", GapSense::kept}, {"any", GapSense::any}},
+                             "Which ends --close-gaps joins: any also turns polylines whose facets disagree (kept)")
+        ->needs(gaps);
     declare_region(command, arguments);
     CLI::Option* const normal = command.add_option("--normal", arguments.normal, "Cut perpendicular to this direction");
     CLI::Option* const transform = command.add_option("--transform", arguments.transform,
@@ -263,6 +267,7 @@ SliceOptions options_of(const SliceArguments& arguments) {
         }
     }
     options.close_gaps_mm = arguments.close_gaps_mm.value_or(0);
+    options.gap_sense = arguments.gap_sense;
     options.region = region_of(arguments);
     options.control.threads = arguments.threads;
     options.tuning.band_planes = arguments.band_planes;

@@ -27,6 +27,7 @@ struct SliceArguments : MeshArguments {
     PlaneSide side = PlaneSide::below;
     std::optional<double> weld_mm;
     std::optional<double> close_gaps_mm;
+    GapSense gap_sense = GapSense::kept;
     RegionRules region;                  ///< but for fill_from
     std::vector<std::string> fill_from;  ///< LAYER:RULE
     std::string normal;

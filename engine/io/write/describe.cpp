@@ -58,6 +58,10 @@ const char* name_of(Datum datum) noexcept {
     return datum == Datum::mesh_min ? "mesh-min" : "zero";
 }
 
+const char* name_of(GapSense sense) noexcept {
+    return sense == GapSense::kept ? "kept" : "any";
+}
+
 std::string describe(const LayerPlan& plan) {
     return std::visit([](const auto& spacing) { return words(spacing); }, plan.spacing) +
            "; each height rounded as a vertex of that height would be, then one grid unit " +
@@ -78,7 +82,8 @@ std::string describe_rules(const SliceResult& result) {
     text += describe_region(rules);
     if (result.close_gaps_mm > 0) {
         text += ". Gaps of up to " + exact_text(result.close_gaps_mm) +
-                " mm closed: " + std::to_string(result.closed_gaps.size());
+                (result.gap_sense == GapSense::any ? " mm closed in any sense: " : " mm closed: ") +
+                std::to_string(result.closed_gaps.size());
     }
     return text;
 }

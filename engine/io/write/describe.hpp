@@ -12,6 +12,7 @@ namespace lamella {
 
 const char* name_of(PlaneSide side) noexcept;
 const char* name_of(Datum datum) noexcept;
+const char* name_of(GapSense sense) noexcept;
 
 /// Where the planes lie and how each was rounded, as one sentence.
 std::string describe(const LayerPlan& plan);

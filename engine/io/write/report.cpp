@@ -122,6 +122,7 @@ void write_gaps(JsonText& json, const SliceResult& result) {
     }
     json.object("gaps", [&] {
         json.member("reach_mm", result.close_gaps_mm);
+        json.member("sense", name_of(result.gap_sense));
         json.member("closed", result.closed_gaps.size());
         json.member("longest_mm", longest);
         json.member("total_mm", total);

@@ -105,7 +105,7 @@ void LayerBuilder::close_gaps(BandOutput& out) {
     std::transform(first_open, contours_.end(), std::back_inserter(polylines_), [](const LayerContour& open) {
         return Polyline{{open.item.points, open.item.count}, open.start_key, open.segments, open.item.flags};
     });
-    if (!repair_.join(polylines_, rules.close_gaps, out.layer_contours.size(), out.closed_gaps)) {
+    if (!repair_.join(polylines_, {rules.close_gaps, rules.gap_sense}, out.layer_contours.size(), out.closed_gaps)) {
         return;
     }
     contours_.erase(first_open, contours_.end());

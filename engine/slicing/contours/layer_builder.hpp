@@ -30,6 +30,7 @@ struct LayerRules {
     const RegionRules* region = nullptr;  ///< null: contours stay as they are
     double unit_mm = default_unit_mm;
     double close_gaps = 0;  ///< grid units
+    GapSense gap_sense = GapSense::kept;
 };
 
 /// A contour that is not walked.

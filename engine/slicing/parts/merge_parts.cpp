@@ -117,6 +117,7 @@ void merge_parts(std::span<const SliceResult> parts, const Parallel& parallel, S
     std::copy(parts[0].layer_of.begin(), parts[0].layer_of.end(), merged.layer_of.begin());
     merged.part_count = static_cast<std::uint32_t>(parts.size());
     merged.close_gaps_mm = parts[0].close_gaps_mm;
+    merged.gap_sense = parts[0].gap_sense;
     merged.unit_mm = parts[0].unit_mm;
     merged.summary = parts[0].summary;
     for (const SliceResult& part : parts.subspan(1)) {

@@ -133,6 +133,7 @@ void unite_parts(const SliceResult& apart, const Control& control, const Paralle
     united.part_count = apart.part_count;
     united.part_regions = PartRegions::united;
     united.close_gaps_mm = apart.close_gaps_mm;
+    united.gap_sense = apart.gap_sense;
     united.unit_mm = apart.unit_mm;
     united.summary = apart.summary;
     set_counts(uniting.counts(), united);

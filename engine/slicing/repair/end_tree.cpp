@@ -85,8 +85,8 @@ void EndTree::measure(std::uint32_t node) noexcept {
                     {std::max(a.max.x, b.max.x), std::max(a.max.y, b.max.y)}};
 }
 
-std::uint32_t EndTree::nearest(Point to, double most_squared) {
-    Nearest best{most_squared, {highest, highest}, none};
+std::uint32_t EndTree::nearest(Point to, double most_squared, std::uint32_t but) {
+    Nearest best{most_squared, {highest, highest}, none, but};
     search(1, to, best);
     return best.site;
 }
@@ -116,8 +116,8 @@ void EndTree::search(std::uint32_t node, Point to, Nearest& best) {
     for (std::uint32_t site = first_site(node - leaf_count_); site < end; ++site) {
         const Point at = sites_[site].at;
         const double squared = squared_distance(to, at);
-        if (holds(site) && std::tie(squared, at) < std::tie(best.squared, best.at)) {
-            best = {squared, at, site};
+        if (holds(site) && site != best.but && std::tie(squared, at) < std::tie(best.squared, best.at)) {
+            best = {squared, at, site, best.but};
         }
     }
 }

@@ -16,6 +16,8 @@ namespace lamella {
 struct PolylineEnds {
     Point first;
     Point last;
+
+    Point at(bool at_last) const noexcept { return at_last ? last : first; }
 };
 
 inline double squared_distance(Point a, Point b) noexcept {
@@ -39,11 +41,12 @@ public:
     std::uint32_t site_count() const noexcept { return static_cast<std::uint32_t>(sites_.size()); }
     Point at(std::uint32_t site) const noexcept { return sites_[site].at; }
     bool holds(std::uint32_t site) const noexcept { return sites_[site].next != sites_[site].end; }
+    std::uint32_t count_at(std::uint32_t site) const noexcept { return sites_[site].end - sites_[site].next; }
 
     static constexpr std::uint32_t none = ~0U;
     /// The nearest site that has an end left, at most the square root of `most_squared` away, or none. At equal distances
-    /// the smallest point.
-    std::uint32_t nearest(Point to, double most_squared);
+    /// the smallest point. The site `but` is passed over.
+    std::uint32_t nearest(Point to, double most_squared, std::uint32_t but = none);
 
     /// Takes an end off the site and returns its polyline, the first by number. O(log n).
     std::uint32_t take(std::uint32_t site) noexcept;
@@ -62,6 +65,7 @@ private:
         double squared;
         Point at;
         std::uint32_t site;
+        std::uint32_t but;  // is no answer
     };
 
     std::uint32_t first_site(std::uint32_t leaf) const noexcept;

@@ -3,65 +3,120 @@
 #include <algorithm>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 namespace lamella {
 
-/// An end and a start that are each other's nearest are a pair, whatever is joined before them, since everything else is
-/// farther from both. The pairs can therefore be found in any order; sorting all distances is not needed.
-std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, double reach) {
-    const double reach_squared = std::min(reach * reach, std::numeric_limits<double>::max());
+/// Two ends that are each other's nearest are a pair, whatever is joined before them, since everything else is farther from
+/// both. The pairs can therefore be found in any order; sorting all distances is not needed.
+std::span<const Gap> GapCloser::close(std::span<const PolylineEnds> polylines, const GapRules& rules) {
+    assert(polylines.size() < std::size_t{1} << 31);
+    reach_squared_ = std::min(rules.reach * rules.reach, std::numeric_limits<double>::max());
+    sense_ = rules.sense;
     ends_.assign(polylines, &PolylineEnds::last);
     starts_.assign(polylines, &PolylineEnds::first);
-    next_.assign(polylines.size(), -1);
-    taken_.assign(polylines.size(), 0);
-    gaps_.clear();
-    for (std::uint32_t end = 0; end < ends_.site_count(); ++end) {
-        while (ends_.holds(end)) {
-            follow_chain(end, reach_squared);
-        }
+    joined_to_.clear();
+    joined_to_.reserve(2 * polylines.size());
+    for (std::uint32_t p = 0; p < polylines.size(); ++p) {
+        joined_to_.emplace_back(p, false);
+        joined_to_.emplace_back(p, true);
     }
-    std::sort(gaps_.begin(), gaps_.end(), [polylines, this](const Gap& a, const Gap& b) {
-        pace_.spend(1);
-        const auto key = [polylines](const Gap& gap) {
-            const Point end = polylines[gap.from].last;
-            const Point start = polylines[gap.to].first;
-            return std::tuple(squared_distance(end, start), end, start, gap.from, gap.to);
-        };
-        return key(a) < key(b);
-    });
+    gaps_.clear();
+    follow_chains(true);
+    if (sense_ == GapSense::any) {
+        follow_chains(false);
+    }
+    sort_gaps(polylines);
     return gaps_;
 }
 
-/// Follows the chain from `end` to the start nearest to it, to the end nearest to that, and so on. Distances fall, until two
-/// sites are each other's nearest. They are joined, and the chain goes on from the site before them, so that no search is
-/// repeated. On return `end` is joined, or taken off if nothing is within reach.
-void GapCloser::follow_chain(std::uint32_t end, double reach_squared) {
-    chain_.assign(1, end);
-    while (!chain_.empty()) {
-        const bool at_end = chain_.size() % 2 == 1;
-        const std::uint32_t site = chain_.back();
-        EndTree& others = at_end ? starts_ : ends_;
-        const std::uint32_t nearest = others.nearest((at_end ? ends_ : starts_).at(site), reach_squared);
-        if (nearest == EndTree::none) {
-            ends_.take_all(site);  // it is the first of the chain: all others are within reach of their predecessor
-            chain_.pop_back();
-        } else if (chain_.size() > 1 && nearest == chain_.end()[-2]) {
-            join(at_end ? site : nearest, at_end ? nearest : site);
-            chain_.resize(chain_.size() - 2);
-        } else {
-            chain_.push_back(nearest);
+/// Until no last or no first point is left.
+void GapCloser::follow_chains(bool last) {
+    const EndTree& tree = tree_of(last);
+    for (std::uint32_t site = 0; site < tree.site_count(); ++site) {
+        while (tree.holds(site)) {
+            follow_chain({site, last});
         }
     }
 }
 
-/// Joins as many as both sites hold. All are equally far apart, so they are paired by number.
-void GapCloser::join(std::uint32_t end, std::uint32_t start) {
-    while (ends_.holds(end) && starts_.holds(start)) {
-        const Gap gap{ends_.take(end), starts_.take(start)};
-        next_[gap.from] = gap.to;
-        taken_[gap.to] = 1;
-        gaps_.push_back(gap);
+/// Follows the chain from `first` to the site nearest to it, to the one nearest to that, and so on. Pairs come ever earlier
+/// in the order in which they are joined, until two sites are each other's nearest. They are joined, and the chain goes on
+/// from the site before them, so that no search is repeated. On return an end of `first` is joined, or all are taken off if
+/// nothing is within reach.
+void GapCloser::follow_chain(Site first) {
+    chain_.assign(1, first);
+    while (!chain_.empty()) {
+        const Site site = chain_.back();
+        const Site other = nearest(site);
+        if (other == no_site) {
+            tree_of(site.last).take_all(site.number);  // it is `first`: all others are within reach of their predecessor
+            chain_.pop_back();
+        } else if (other == site) {
+            join(site, site);
+            chain_.pop_back();
+        } else if (chain_.size() > 1 && other == chain_.end()[-2]) {
+            join(site, other);
+            chain_.resize(chain_.size() - 2);
+        } else {
+            chain_.push_back(other);
+        }
     }
+}
+
+/// The site whose ends come first among those that an end at `site` can be joined to: the site itself where two ends of a
+/// kind meet there and no end of the other kind does.
+GapCloser::Site GapCloser::nearest(Site site) {
+    const Point from = at(site);
+    const Site kept{tree_of(!site.last).nearest(from, reach_squared_), !site.last};
+    if (sense_ == GapSense::kept) {
+        return kept.number == EndTree::none ? no_site : kept;
+    }
+    double least = reach_squared_;
+    if (kept.number != EndTree::none) {
+        least = squared_distance(from, at(kept));
+        if (least == 0) {
+            return kept;
+        }
+    }
+    EndTree& same = tree_of(site.last);
+    if (same.count_at(site.number) > 1) {
+        return site;
+    }
+    const Site turned{same.nearest(from, least, site.number), site.last};
+    const bool turns =
+        turned.number != EndTree::none && (kept.number == EndTree::none || squared_distance(from, at(turned)) < least);
+    return turns ? turned : (kept.number == EndTree::none ? no_site : kept);
+}
+
+/// Joins as many as both sites hold. All are equally far apart, so they are paired by number.
+void GapCloser::join(Site a, Site b) {
+    const bool swap = a.last != b.last ? b.last : at(b) < at(a);
+    const auto [from, to] = swap ? std::pair(b, a) : std::pair(a, b);
+    EndTree& tree_from = tree_of(from.last);
+    EndTree& tree_to = tree_of(to.last);
+    const std::uint32_t count =
+        a == b ? tree_from.count_at(a.number) / 2 : std::min(tree_from.count_at(from.number), tree_to.count_at(to.number));
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const PolylineEnd end{tree_from.take(from.number), from.last};
+        const PolylineEnd start{tree_to.take(to.number), to.last};
+        joined_to_[end.number()] = start;
+        joined_to_[start.number()] = end;
+        gaps_.push_back({end, start});
+    }
+}
+
+/// By distance; see close().
+void GapCloser::sort_gaps(std::span<const PolylineEnds> polylines) {
+    std::sort(gaps_.begin(), gaps_.end(), [polylines, this](const Gap& a, const Gap& b) {
+        pace_.spend(1);
+        const auto key = [polylines](const Gap& gap) {
+            const Point from = polylines[gap.from.polyline()].at(gap.from.last());
+            const Point to = polylines[gap.to.polyline()].at(gap.to.last());
+            return std::tuple(squared_distance(from, to), gap.turns(), from, to, gap.from.number(), gap.to.number());
+        };
+        return key(a) < key(b);
+    });
 }
 
 }  // namespace lamella

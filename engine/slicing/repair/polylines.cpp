@@ -26,24 +26,43 @@ bool before(const Polyline& a, const Polyline& b) {
 
 }  // namespace
 
-bool PolylineRepair::join(std::span<const Polyline> polylines, double reach, std::uint64_t layer,
+bool PolylineRepair::join(std::span<const Polyline> polylines, const GapRules& rules, std::uint64_t layer,
                           Vector<ClosedGap>& closed_gaps) {
     sort(polylines);
-    const std::span<const Gap> gaps = gap_closer_.close(ends_, reach);
+    const std::span<const Gap> gaps = gap_closer_.close(ends_, rules);
     for (const Gap& gap : gaps) {
-        closed_gaps.push_back({layer, ends_[gap.from].last, ends_[gap.to].first});
+        closed_gaps.push_back(
+            {layer, ends_[gap.from.polyline()].at(gap.from.last()), ends_[gap.to.polyline()].at(gap.to.last())});
     }
     used_.assign(sorted_.size(), 0);
     joined_.clear();
     points_.clear();
-    for (const bool in_rings : {false, true}) {
-        for (std::uint32_t p = 0; p < sorted_.size() && !gaps.empty(); ++p) {
-            if (used_[p] == 0 && gap_closer_.follows(p) == in_rings) {
-                join_from(p);
-            }
+    if (gaps.empty()) {
+        return false;
+    }
+    join_open_from(false);
+    join_open_from(true);
+    join_rings();
+    return true;
+}
+
+/// Joins what starts at a first or a last point that is not joined. The second sort is left only where both ends are last
+/// points.
+void PolylineRepair::join_open_from(bool last) {
+    for (std::uint32_t p = 0; p < sorted_.size(); ++p) {
+        const PolylineEnd end{p, last};
+        if (used_[p] == 0 && !gap_closer_.is_joined(end)) {
+            join_from(end);
         }
     }
-    return !gaps.empty();
+}
+
+void PolylineRepair::join_rings() {
+    for (std::uint32_t p = 0; p < sorted_.size(); ++p) {
+        if (used_[p] == 0) {
+            join_from({p, false});
+        }
+    }
 }
 
 void PolylineRepair::sort(std::span<const Polyline> polylines) {
@@ -61,27 +80,46 @@ void PolylineRepair::sort(std::span<const Polyline> polylines) {
     points_.reserve(points);  // joined polylines point into it
 }
 
-/// Appends `first` and all that follow it.
-void PolylineRepair::join_from(std::uint32_t first) {
+/// Joins all polylines that follow each other from `first` on, up to an end that is not joined or until they meet `first`.
+void PolylineRepair::join_from(PolylineEnd first) {
     const std::size_t begin = points_.size();
     JoinedPolyline whole;
-    whole.start_key = sorted_[first].start_key;
-    for (std::int64_t next = first; next >= 0 && used_[static_cast<std::size_t>(next)] == 0;) {
-        const auto p = static_cast<std::uint32_t>(next);
-        const Polyline& part = sorted_[p];
-        pace_.spend(part.points.size());
-        points_.insert(points_.end(), part.points.begin(), part.points.end());
-        whole.segments += part.segments;
+    whole.closed = gap_closer_.is_joined(first);
+    std::uint64_t segments[2] = {0, 0};  // along the walk, against it
+    bool runs[2] = {false, false};
+    bool is_joined = whole.closed;
+    PolylineEnd last = first;
+    for (PolylineEnd entered = first; used_[entered.polyline()] == 0; entered = gap_closer_.joined_to(last)) {
+        const Polyline& part = sorted_[entered.polyline()];
+        append(entered);
+        segments[entered.last() ? 1 : 0] += part.segments;
+        runs[entered.last() ? 1 : 0] = true;
         whole.flags |= part.flags;
-        used_[p] = 1;
-        next = gap_closer_.next(p);
+        last = entered.other();
+        is_joined |= gap_closer_.is_joined(last);
     }
+    whole.segments = static_cast<std::uint32_t>(segments[0] + segments[1]);
     whole.points = std::span(points_).subspan(begin);
-    whole.closed = gap_closer_.follows(first);
-    if (gap_closer_.next(first) >= 0) {
-        whole.flags |= gap_closed;
+    const bool turned = segments[1] > segments[0] || !runs[0];
+    if (turned) {
+        std::reverse(whole.points.begin(), whole.points.end());
     }
+    const PolylineEnd start = turned ? last : first;
+    whole.start_key = start.last() ? EndKey{} : sorted_[start.polyline()].start_key;
+    whole.flags |= (is_joined ? gap_closed : 0) | (runs[0] && runs[1] ? orientation_mixed : 0);
     joined_.push_back(whole);
+}
+
+/// Appends the points of a polyline from `entered` to its other end.
+void PolylineRepair::append(PolylineEnd entered) {
+    const std::span<const Point> points = sorted_[entered.polyline()].points;
+    pace_.spend(points.size());
+    if (entered.last()) {
+        points_.insert(points_.end(), points.rbegin(), points.rend());
+    } else {
+        points_.insert(points_.end(), points.begin(), points.end());
+    }
+    used_[entered.polyline()] = 1;
 }
 
 }  // namespace lamella

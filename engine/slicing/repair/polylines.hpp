@@ -23,9 +23,10 @@ struct Polyline {
 /// What takes the place of polylines that follow each other.
 struct JoinedPolyline {
     std::span<Point> points;  ///< of all of them; repeated points are left in
-    EndKey start_key;         ///< of the first of them
+    EndKey start_key;         ///< of the first of them; zero if that one was turned round
     std::uint32_t segments = 0;
-    std::uint16_t flags = 0;  ///< with gap_closed, but for a polyline that nothing was joined to
+    std::uint16_t flags = 0;  ///< with gap_closed, but for a polyline that nothing was joined to; with orientation_mixed
+                              ///< where some run against the others
     bool closed = false;      ///< its end was joined to its own start
 };
 
@@ -41,18 +42,23 @@ public:
         gap_closer_.follow(host);
     }
 
-    /// Joins open polylines over gaps of at most `reach` grid units, nearest first, and appends the gaps that were closed to
-    /// `closed_gaps`, as of `layer`. Returns whether there were any: joined() then takes the place of all polylines. What
-    /// comes out does not depend on the order of the polylines. O(o log o + q) for o polylines with q points, unless gaps
-    /// lie so that searches are slow. Throws std::bad_alloc.
-    bool join(std::span<const Polyline> polylines, double reach, std::uint64_t layer, Vector<ClosedGap>& closed_gaps);
+    /// Joins open polylines over gaps by these rules, nearest first, and appends the gaps that were closed to
+    /// `closed_gaps`, as of `layer`. What comes of polylines that run against each other runs as most of their segments do.
+    /// Returns whether there were any: joined() then takes the place of all polylines. What comes out does not depend on the
+    /// order of the polylines. O(o log o + q) for o polylines with q points, unless gaps lie so that searches are slow.
+    /// Throws std::bad_alloc.
+    bool join(std::span<const Polyline> polylines, const GapRules& rules, std::uint64_t layer,
+              Vector<ClosedGap>& closed_gaps);
 
     /// Valid until the next call.
     std::span<const JoinedPolyline> joined() const noexcept { return joined_; }
 
 private:
     void sort(std::span<const Polyline> polylines);
-    void join_from(std::uint32_t first);
+    void join_open_from(bool last);
+    void join_rings();
+    void join_from(PolylineEnd first);
+    void append(PolylineEnd entered);
 
     GapCloser gap_closer_;
     Vector<Polyline> sorted_;    // as given, in canonical order

@@ -13,6 +13,8 @@ if(TARGET lamella_c)
   install(TARGETS lamella_c EXPORT lamella_c_targets)
   install(EXPORT lamella_c_targets FILE lamella-c-targets.cmake NAMESPACE lamella:: DESTINATION ${package_folder})
 endif()
+# Relative, so that an installed copy can be moved.
+file(RELATIVE_PATH to_prefix "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
 foreach(package lamella lamella_c)
   if(TARGET ${package})
     configure_file(${CMAKE_CURRENT_SOURCE_DIR}/${package}.pc.in ${CMAKE_CURRENT_BINARY_DIR}/${package}.pc @ONLY)

@@ -17,11 +17,11 @@ Status Stages::measure() {
         return bounds.error();
     }
     bounds_ = *bounds;
-    const Result<double> unit = choose_unit(bounds_, 0);
+    const Result<ChosenUnit> unit = choose_unit(bounds_, 0);
     if (!unit) {
         return unit.error();
     }
-    unit_mm_ = *unit;
+    unit_mm_ = unit->mm;
     return {};
 }
 

@@ -216,6 +216,9 @@ Status CallOptions::read(const lamella_options* given) {
     if (Status status = read_choice(c.unit_fit, UnitFit::coarser_if_needed, "unit_fit", options.unit_fit); !status) {
         return status;
     }
+    if (Status status = read_choice(c.gap_sense, GapSense::any, "gap_sense", options.gap_sense); !status) {
+        return status;
+    }
     options.allow_empty = c.allow_empty != 0;
     options.unit_mm = c.unit_mm;
     std::copy(std::begin(c.transform), std::end(c.transform), options.transform.m.begin());

@@ -154,7 +154,6 @@ typedef struct lamella_region_rules {
     double offset_mm;
     double miter_limit;
     double mark_near_mm;
-    double simplify_mm;
 } lamella_region_rules;
 
 typedef struct lamella_options {
@@ -174,8 +173,6 @@ typedef struct lamella_options {
     double close_gaps_mm;
     int32_t gap_sense; /* LAMELLA_GAP_SENSE_KEPT ... */
     int32_t allow_empty;
-    int32_t origins;
-    int32_t reserved;
     uint64_t memory_limit_bytes;
     const lamella_control* control; /* NULL: oneTBB's threads, the C++ library's memory, no stop, no progress */
 } lamella_options;
@@ -220,13 +217,6 @@ typedef struct lamella_closed_gap {
     lamella_point to;
 } lamella_closed_gap;
 
-typedef struct lamella_point_origin {
-    uint32_t triangle; /* UINT32_MAX: none */
-    uint16_t part;
-    uint8_t edge; /* 255: none */
-    uint8_t end_edge;
-} lamella_point_origin;
-
 typedef struct lamella_view {
     uint32_t struct_size;
     int32_t unit_doublings; /* how often the unit asked for was doubled */
@@ -237,7 +227,6 @@ typedef struct lamella_view {
     uint64_t contour_count;
     const lamella_point* points;
     uint64_t point_count;
-    const lamella_point_origin* origins; /* as many as points, where asked for, else NULL */
     const lamella_closed_gap* closed_gaps;
     uint64_t closed_gap_count;
     const uint64_t* layer_of; /* of each height given its layer */
@@ -309,7 +298,6 @@ typedef struct lamella_layer_view {
     uint64_t contour_count;
     const lamella_point* points;
     uint64_t point_count;
-    const lamella_point_origin* origins;
     const lamella_closed_gap* closed_gaps;
     uint64_t closed_gap_count;
 } lamella_layer_view;
@@ -363,8 +351,6 @@ typedef struct lamella_host_output {
     uint64_t layer_capacity;
     lamella_closed_gap* closed_gaps;
     uint64_t closed_gap_capacity;
-    lamella_point_origin* origins;
-    uint64_t origin_capacity;
 } lamella_host_output;
 
 LAMELLA_C_API int32_t lamella_bound_output(const lamella_mesh* mesh, const lamella_options* options,

@@ -59,10 +59,10 @@ struct Transform {
 /// Numbers need no alignment. The memory belongs to the caller and must outlive the call that it is passed to.
 struct MeshView {
     const std::byte* vertices = nullptr;
-    std::size_t stride = 0;                  ///< bytes from one triangle (soup) or vertex (indexed) to the next
-    std::size_t vertex_count = 0;            ///< indexed only; indices are checked against it
-    const std::byte* indices = nullptr;      ///< null for soup
-    std::size_t index_stride = 0;            ///< bytes from one triangle's indices to the next's
+    std::size_t stride = 0;              ///< bytes from one triangle (soup) or vertex (indexed) to the next
+    std::size_t vertex_count = 0;        ///< indexed only; indices are checked against it
+    const std::byte* indices = nullptr;  ///< null for soup
+    std::size_t index_stride = 0;        ///< bytes from one triangle's indices to the next's
     IndexType index_type = IndexType::u32;
     std::size_t triangle_count = 0;
     CoordinateType coordinate_type = CoordinateType::f32;

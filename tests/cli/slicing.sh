@@ -210,19 +210,20 @@ test_mending() {
     grep -q '^gaps *1 closed' .stdout || fail "the summary does not say what was closed"
     expect_failure 2 "--close-gaps" slice open.stl --close-gaps -1
 
-    # Two opposite walls of a cube, one of them flipped: ends face ends.
+    # Two opposite walls, 10 mm long and 8 mm apart, one of them flipped: ends face ends.
     cube whole.stl 0 6
     awk '/outer loop/ {n++; k = 0} /^facet/ {m++} m == 7 || m == 8 {if (/vertex/) {
             if (++k == 1) {first = $0} else if (k == 2) {second = $0} else {print $0; print second; print first}
-            next} print; next} m < 11 && m > 0 {next} 1' whole.stl > mixed.stl
-    expect 0 slice mixed.stl --planes 5 --close-gaps 10 --report report.json
+            next} print; next} m < 11 && m > 0 {next} 1' whole.stl |
+        awk '$1 == "vertex" && $3 == 10 {$3 = 8} 1' > mixed.stl
+    expect 0 slice mixed.stl --planes 5 --close-gaps 8 --report report.json
     expect_json report.json kept gaps sense
     expect_json report.json 0 gaps closed
-    expect 0 slice mixed.stl --planes 5 --close-gaps 10 --gap-sense any --report report.json
+    expect 0 slice mixed.stl --planes 5 --close-gaps 8 --gap-sense any --report report.json
     expect_json report.json any gaps sense
     expect_json report.json 2 gaps closed
     expect_json report.json 0 open_contours
-    expect_failure 2 "--gap-sense" slice mixed.stl --close-gaps 10 --gap-sense both
+    expect_failure 2 "--gap-sense" slice mixed.stl --close-gaps 8 --gap-sense both
     expect_failure 2 "--close-gaps" slice mixed.stl --gap-sense any
 
     awk '/^vertex 10 10 10$/ && ++n == 3 {$2 = 10.001} 1' left.stl > cracked.stl

@@ -248,7 +248,7 @@ TEST_CASE("a plane reads little more than the triangles that it cuts", "[engine]
     lamella::PlaneSet planes(nullptr);
     lamella::LayerPlan plan;
     plan.spacing = lamella::ExplicitPlanes{{50.1}};
-    REQUIRE(planes.build(plan, parts.frame.bounds, parts.frame.unit_mm, parts.frame.number, 1 << 20));
+    REQUIRE(planes.build(plan, parts.frame.bounds, parts.frame.unit.mm, parts.frame.number, 1 << 20));
     lamella::Buckets buckets(nullptr);
     count_crossings(parts.triangles, planes, lamella::Parallel({.threads = 1}), buckets);
     CHECK(buckets.segment_count >= 2000);

@@ -47,7 +47,9 @@ TEST_CASE("views describe the caller's memory", "[input]") {
     CHECK(indexed.triangle_count == 3);
     CHECK(indexed.vertex_count == 4);
     CHECK(indexed.stride == 24);
-    CHECK(indexed.indices == indices.data());
+    CHECK(indexed.indices == reinterpret_cast<const std::byte*>(indices.data()));
+    CHECK(indexed.index_stride == 12);
+    CHECK(indexed.vertex_of(1, 2) == indices[5]);
     CHECK(indexed.coordinate_type == CoordinateType::f64);
 
     const MeshView packed = MeshView::indexed(std::span<const float>(floats), indices);

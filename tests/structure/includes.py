@@ -27,7 +27,8 @@ SLICING = [
     ["regions"],
     ["contours"],
     ["sweep"],
-    ["part_slicer.hpp", "prepared_parts.hpp", "workspace.hpp"],
+    ["part_slicer.hpp", "workspace.hpp"],
+    ["prepared_parts.hpp"],
     ["workspace.cpp", "slice.cpp", "prepare.cpp"],
     ["parts", "handover"],
 ]

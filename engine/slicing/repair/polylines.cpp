@@ -46,8 +46,8 @@ bool PolylineRepair::join(std::span<const Polyline> polylines, const GapRules& r
     return true;
 }
 
-/// Joins what starts at a first or a last point that is not joined. The second sort is left only where both ends are last
-/// points.
+/// Joins what starts at a first (a last) point that is not joined. After all that start at a first point, only what has a
+/// last point at both of its ends is left for the last points.
 void PolylineRepair::join_open_from(bool last) {
     for (std::uint32_t p = 0; p < sorted_.size(); ++p) {
         const PolylineEnd end{p, last};

@@ -163,9 +163,8 @@ private:
     /// What stands in memory for a triangle alone.
     void prefetch(std::uint32_t t) const noexcept {
 #ifdef __GNUC__
-        const auto* const at = mesh_.indices != nullptr
-                                   ? mesh_.indices + t * mesh_.index_stride
-                                   : mesh_.vertices + t * mesh_.stride;
+        const auto* const at =
+            mesh_.indices != nullptr ? mesh_.indices + t * mesh_.index_stride : mesh_.vertices + t * mesh_.stride;
         __builtin_prefetch(at);
         __builtin_prefetch(at + (mesh_.indices != nullptr ? 12 : mesh_.stride) - 1);
 #endif

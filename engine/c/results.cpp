@@ -126,8 +126,26 @@ lamella_totals totals_of(const SliceTotals& totals) noexcept {
 
 }  // namespace lamella::c
 
-using namespace lamella;
-using namespace lamella::c;
+using lamella::Control;
+using lamella::default_unit_mm;
+using lamella::Error;
+using lamella::ErrorCode;
+using lamella::Point;
+using lamella::Status;
+using lamella::c::as_cpp;
+using lamella::c::called;
+using lamella::c::CallOptions;
+using lamella::c::default_control;
+using lamella::c::default_host_output;
+using lamella::c::default_mesh;
+using lamella::c::default_options;
+using lamella::c::default_rules;
+using lamella::c::empty_error;
+using lamella::c::give_layer;
+using lamella::c::init_sized;
+using lamella::c::status_names;
+using lamella::c::view_of;
+using lamella::c::write_sized;
 
 void lamella_result_view(const lamella_result* result, lamella_view* view) {
     write_sized(result == nullptr ? lamella_view{} : view_of(result->result), view);
@@ -140,7 +158,7 @@ double lamella_result_area_mm2(const lamella_result* result, uint64_t layer) {
 }
 
 uint64_t lamella_result_hash(const lamella_result* result) {
-    return result == nullptr ? 0 : hash_result(result->result);
+    return result == nullptr ? 0 : lamella::hash_result(result->result);
 }
 
 void lamella_result_free(lamella_result* result) {
@@ -190,7 +208,7 @@ int32_t lamella_region_of(const lamella_path* contours, size_t count, const lame
         }
         const double unit = unit_mm == 0 ? default_unit_mm : unit_mm;
         const Control& host = call.options.control;
-        return give_layer(region_of(paths, call.options.region, unit, host), unit, host.memory, result);
+        return give_layer(lamella::region_of(paths, call.options.region, unit, host), unit, host.memory, result);
     });
 }
 
@@ -205,12 +223,12 @@ int32_t lamella_assemble(const lamella_segment* segments, size_t count, const la
             return Error{ErrorCode::invalid_argument, "segments is NULL, but its count is not 0"};
         }
         const Control& host = call.options.control;
-        return give_layer(assemble({as_cpp(segments), count}, host), default_unit_mm, host.memory, result);
+        return give_layer(lamella::assemble({as_cpp(segments), count}, host), default_unit_mm, host.memory, result);
     });
 }
 
 const char* lamella_version(void) {
-    return version;
+    return lamella::version;
 }
 
 const char* lamella_status_name(int32_t status) {

@@ -175,8 +175,30 @@ Status read_parts(const lamella_mesh* const* meshes, const double* transforms, s
 }  // namespace
 }  // namespace lamella::c
 
-using namespace lamella;
-using namespace lamella::c;
+using lamella::Error;
+using lamella::ErrorCode;
+using lamella::HostOutput;
+using lamella::LayerSink;
+using lamella::OutputBounds;
+using lamella::Part;
+using lamella::PartRegions;
+using lamella::PreparedMesh;
+using lamella::PrepareOptions;
+using lamella::Result;
+using lamella::SliceResult;
+using lamella::SliceTotals;
+using lamella::Status;
+using lamella::c::bounds_of;
+using lamella::c::Call;
+using lamella::c::called;
+using lamella::c::CallOptions;
+using lamella::c::fill_result;
+using lamella::c::give_result;
+using lamella::c::hand_over;
+using lamella::c::read_output;
+using lamella::c::read_parts;
+using lamella::c::totals_of;
+using lamella::c::write_sized;
 
 int32_t lamella_slice(const lamella_mesh* mesh, const lamella_options* options, lamella_workspace* workspace,
                       lamella_result** result, lamella_error* error) {
@@ -185,8 +207,9 @@ int32_t lamella_slice(const lamella_mesh* mesh, const lamella_options* options, 
         if (Status status = call.read(mesh, options); !status) {
             return status;
         }
-        return fill_result(result,
-                           [&](SliceResult& filled) { return slice(call.mesh, call.options(), call.workspace(), filled); });
+        return fill_result(result, [&](SliceResult& filled) {
+            return lamella::slice(call.mesh, call.options(), call.workspace(), filled);
+        });
     });
 }
 
@@ -207,7 +230,7 @@ int32_t lamella_slice_parts(const lamella_mesh* const* meshes, const double* tra
             return status;
         }
         const auto regions = part_regions == LAMELLA_PARTS_UNITED ? PartRegions::united : PartRegions::separate;
-        return give_result(slice_parts(parts, call.options, regions), result);
+        return give_result(lamella::slice_parts(parts, call.options, regions), result);
     });
 }
 
@@ -226,7 +249,7 @@ int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options
         how.unit_fit = call.options().unit_fit;
         how.transform = call.options().transform;
         how.control = call.options().control;
-        Result<PreparedMesh> made = prepare(call.mesh, how);
+        Result<PreparedMesh> made = lamella::prepare(call.mesh, how);
         if (!made) {
             return made.error();
         }
@@ -246,8 +269,9 @@ int32_t lamella_slice_prepared(const lamella_prepared* prepared, const lamella_o
         if (Status status = call.read(options); !status) {
             return status;
         }
-        return fill_result(
-            result, [&](SliceResult& filled) { return slice(prepared->mesh, call.options(), call.workspace(), filled); });
+        return fill_result(result, [&](SliceResult& filled) {
+            return lamella::slice(prepared->mesh, call.options(), call.workspace(), filled);
+        });
     });
 }
 
@@ -266,8 +290,9 @@ int32_t lamella_slice_to(const lamella_sink* sink, const lamella_mesh* mesh, con
         if (Status status = call.read(mesh, options); !status) {
             return status;
         }
-        return hand_over(sink, totals,
-                         [&](const LayerSink& to) { return slice_to(to, call.mesh, call.options(), call.workspace()); });
+        return hand_over(sink, totals, [&](const LayerSink& to) {
+            return lamella::slice_to(to, call.mesh, call.options(), call.workspace());
+        });
     });
 }
 
@@ -282,7 +307,7 @@ int32_t lamella_slice_prepared_to(const lamella_sink* sink, const lamella_prepar
             return status;
         }
         return hand_over(sink, totals, [&](const LayerSink& to) {
-            return slice_to(to, prepared->mesh, call.options(), call.workspace());
+            return lamella::slice_to(to, prepared->mesh, call.options(), call.workspace());
         });
     });
 }
@@ -294,7 +319,7 @@ int32_t lamella_bound_output(const lamella_mesh* mesh, const lamella_options* op
         if (Status status = call.read(mesh, options); !status) {
             return status;
         }
-        const Result<OutputBounds> bound = bound_output(call.mesh, call.options(), call.workspace());
+        const Result<OutputBounds> bound = lamella::bound_output(call.mesh, call.options(), call.workspace());
         if (!bound) {
             return bound.error();
         }
@@ -314,7 +339,7 @@ int32_t lamella_slice_into(const lamella_host_output* output, const lamella_mesh
         if (Status status = read_output(output, host); !status) {
             return status;
         }
-        const Result<SliceTotals> given = slice_into(host, call.mesh, call.options(), call.workspace());
+        const Result<SliceTotals> given = lamella::slice_into(host, call.mesh, call.options(), call.workspace());
         if (!given) {
             return given.error();
         }

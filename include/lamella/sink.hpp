@@ -107,8 +107,4 @@ Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const 
 Result<SliceTotals> slice_to(const LayerSink& sink, const PreparedMesh& mesh, const SliceOptions& options,
                              Workspace& workspace) noexcept;
 
-/// The same of a prepared mesh.
-Result<SliceTotals> slice_to(const LayerSink& sink, const PreparedMesh& mesh, const SliceOptions& options,
-                             Workspace& workspace) noexcept;
-
 }  // namespace lamella

@@ -85,8 +85,9 @@ bool slices_well(int call, int threads, const Executor& executor = {}) {
     options.control.threads = threads;
     options.control.executor = executor;
     options.control.stop = crowd.check();
-    return slice(ball(), options, workspace, result).ok() && hash_result(result) == expected()[call % 7] &&
-           crowd.most() <= threads && crowd.most() > 0;
+    return slice(ball(), options, workspace, result).ok() &&
+           hash_result(result) == expected()[static_cast<std::size_t>(call) % 7] && crowd.most() <= threads &&
+           crowd.most() > 0;
 }
 
 /// A host's pool: threads that wait for work.

@@ -1,0 +1,142 @@
+// lamella in the place of PrusaSlicer's slice_mesh() and slice_mesh_ex(): the library inside a real host, for tests.
+//
+// This file and those that it includes from this folder are compiled against PrusaSlicer's headers and linked with its code.
+// They are therefore under PrusaSlicer's licence, the GNU Affero General Public License, version 3 or, at your option, any
+// later version. SPDX-License-Identifier: AGPL-3.0-or-later. Nothing else in the project includes them.
+//
+// What the host expects, and where it is met:
+//
+//     heights in any order, repeated          sorted() in cut.cpp
+//     vertices transformed in float           transformed() in cut.cpp
+//     cancelling by an exception              Cancel in cut.hpp
+//     a vertex on a plane lies above it       PlaneSide::below, the default
+//     coordinates of 32 bits, 1e-6 mm         SliceOptions::unit_mm; points are copied as bytes in contours.cpp
+//     gaps joined up to 2 mm                  SliceOptions::close_gaps_mm
+//     no collinear points in regions          RegionRules::drop_collinear
+//     loops turned counter-clockwise          polygons_counter_clockwise(), then a region of its own per layer
+#include <tbb/parallel_for.h>
+
+#include <libslic3r/ExPolygon.hpp>
+#include <libslic3r/Exception.hpp>
+#include <libslic3r/TriangleMesh.hpp>
+#include <libslic3r/TriangleMeshSlicer.hpp>
+
+#include "contours.hpp"
+#include "cut.hpp"
+
+namespace Slic3r {
+namespace {
+
+using namespace lamella_adapter;
+using Mode = MeshSlicingParams::SlicingMode;
+
+Mode mode_of(const MeshSlicingParams& params, std::size_t height) {
+    return height < params.slicing_mode_normal_below_layer ? params.mode_below : params.mode;
+}
+
+// Whether all loops are turned counter-clockwise before they are united.
+bool turns_loops(Mode mode) {
+    return mode == Mode::Positive || mode == Mode::PositiveLargestContour;
+}
+
+lamella::FillRule rule_of(Mode mode) {
+    return mode == Mode::EvenOdd ? lamella::FillRule::even_odd : lamella::FillRule::non_zero;
+}
+
+// Calls work(height) for every height, in parallel, and cancels between two.
+template <class Work>
+void for_each_height(std::size_t heights, const std::function<void()>& throw_on_cancel, const Work& work) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, heights), [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t height = range.begin(); height < range.end(); ++height) {
+            throw_on_cancel();
+            work(height);
+        }
+    });
+}
+
+// The host dilates by closing_radius and erodes by closing_radius - extra_offset; with a larger extra_offset it only
+// dilates.
+lamella::RegionRules rules_of(const MeshSlicingParamsEx& params, Mode mode) {
+    lamella::RegionRules rules;
+    rules.fill_rule = rule_of(mode);
+    rules.drop_collinear = true;
+    rules.offset_mm = params.extra_offset;
+    rules.close_mm = params.closing_radius >= params.extra_offset ? params.closing_radius : 0;
+    return rules;
+}
+
+Polygons polygons_of(const LayerView& layer, Mode mode) {
+    switch (mode) {
+        case Mode::Positive:
+            return polygons_counter_clockwise(layer);
+        case Mode::PositiveLargestContour:
+            return largest_polygon(layer);
+        default:
+            return polygons_as_facets_turn(layer);
+    }
+}
+
+// The region of one layer's loops, which a mode may turn: the rules of a slice see them as the facets turn them.
+ExPolygons region(const LayerView& layer, const lamella::RegionRules& rules, Mode mode) {
+    const Polygons loops = turns_loops(mode) ? polygons_counter_clockwise(layer) : polygons_as_facets_turn(layer);
+    std::vector<std::span<const lamella::Point>> views;
+    views.reserve(loops.size());
+    for (const Polygon& loop : loops) {
+        views.emplace_back(reinterpret_cast<const lamella::Point*>(loop.points.data()), loop.points.size());
+    }
+    const lamella::Result<lamella::LayerContours> region = lamella::region_of(views, rules, SCALING_FACTOR);
+    if (!region) {
+        throw SlicingError(region.error().message);
+    }
+    return expolygons(view_of(*region, SCALING_FACTOR));
+}
+
+void simplify(ExPolygons& whole, double resolution_mm) {
+    const double resolution = scaled<double>(resolution_mm);
+    if (resolution == 0) {
+        return;
+    }
+    ExPolygons simplified;
+    simplified.reserve(whole.size());
+    for (const ExPolygon& each : whole) {
+        append(simplified, each.simplify(resolution));
+    }
+    whole = std::move(simplified);
+}
+
+}  // namespace
+
+std::vector<Polygons> slice_mesh(const indexed_triangle_set& mesh, const std::vector<float>& zs,
+                                 const MeshSlicingParams& params, std::function<void()> throw_on_cancel) {
+    const Cut cut(mesh, zs, params.trafo, {}, throw_on_cancel);
+    std::vector<Polygons> layers(zs.size());
+    for_each_height(zs.size(), throw_on_cancel,
+                    [&](std::size_t height) { layers[height] = polygons_of(cut.layer(height), mode_of(params, height)); });
+    return layers;
+}
+
+Polygons slice_mesh(const indexed_triangle_set& mesh, const float plane_z, const MeshSlicingParams& params) {
+    const Cut cut(mesh, plane_z, params.trafo);
+    return polygons_of(cut.layer(0), mode_of(params, 0));
+}
+
+std::vector<ExPolygons> slice_mesh_ex(const indexed_triangle_set& mesh, const std::vector<float>& zs,
+                                      const MeshSlicingParamsEx& params, std::function<void()> throw_on_cancel) {
+    // One rule in all layers goes into the slice; others are applied to its loops afterwards.
+    const bool mixed = params.slicing_mode_normal_below_layer > 0 && params.mode_below != params.mode;
+    const bool at_once = !mixed && !turns_loops(params.mode);
+    const Cut cut(mesh, zs, params.trafo, at_once ? rules_of(params, params.mode) : lamella::RegionRules{}, throw_on_cancel);
+    std::vector<ExPolygons> layers(zs.size());
+    for_each_height(zs.size(), throw_on_cancel, [&](std::size_t height) {
+        const Mode mode = mode_of(params, height);
+        ExPolygons& layer = layers[height];
+        layer = at_once ? expolygons(cut.layer(height)) : region(cut.layer(height), rules_of(params, mode), mode);
+        if (mode == Mode::PositiveLargestContour) {
+            keep_largest_contour_only(layer);
+        }
+        simplify(layer, params.resolution);
+    });
+    return layers;
+}
+
+}  // namespace Slic3r

@@ -1,0 +1,121 @@
+// Part of the adapter, under its licence: AGPL-3.0-or-later (see adapter.cpp).
+#include "contours.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace Slic3r::lamella_adapter {
+namespace {
+
+using lamella::Contour;
+using lamella::Role;
+
+// Two 32-bit numbers, x first, in both: points in the host's unit are copied as bytes.
+static_assert(sizeof(Point) == sizeof(lamella::Point) && sizeof(coord_t) == sizeof(std::int32_t));
+
+bool is_loop(const Contour& contour) {
+    return contour.role == Role::outer || contour.role == Role::hole;
+}
+
+Points host_points(const LayerView& layer, const Contour& contour) {
+    const std::span<const lamella::Point> from = layer.points_of(contour);
+    if (layer.unit_mm == SCALING_FACTOR) {
+        const Point* first = reinterpret_cast<const Point*>(from.data());
+        return Points(first, first + from.size());
+    }
+    Points points;
+    points.reserve(from.size());
+    for (const lamella::Point& point : from) {
+        points.emplace_back(scale_(point.x * layer.unit_mm), scale_(point.y * layer.unit_mm));
+    }
+    return points;
+}
+
+Polygon polygon(const LayerView& layer, const Contour& contour) {
+    Polygon made;
+    made.points = host_points(layer, contour);
+    return made;
+}
+
+// Which way a contour runs: 1 counter-clockwise, -1 clockwise.
+int direction(const Contour& contour) {
+    return contour.role == Role::outer ? 1 : -1;
+}
+
+template <class Wanted>
+Polygons polygons(const LayerView& layer, const Wanted& wanted) {
+    Polygons made;
+    made.reserve(layer.contours.size());
+    for (const Contour& contour : layer.contours) {
+        if (is_loop(contour)) {
+            made.emplace_back(polygon(layer, contour));
+            if (wanted(contour) != direction(contour)) {
+                made.back().reverse();
+            }
+        }
+    }
+    return made;
+}
+
+// Holes follow their outer contour.
+std::size_t holes_after(std::span<const Contour> contours, std::size_t outer) {
+    std::size_t end = outer + 1;
+    while (end < contours.size() && contours[end].role == Role::hole) {
+        ++end;
+    }
+    return end - outer - 1;
+}
+
+}  // namespace
+
+LayerView view_of(const lamella::SliceResult& result, const lamella::Layer& layer) {
+    return {result.contours_of(layer), result.points.data(), result.unit_mm};
+}
+
+LayerView view_of(const lamella::LayerContours& contours, double unit_mm) {
+    return {{contours.contours.data(), contours.contours.size()}, contours.points.data(), unit_mm};
+}
+
+Polygons polygons_as_facets_turn(const LayerView& layer) {
+    return polygons(layer, [](const Contour& contour) { return static_cast<int>(contour.orientation); });
+}
+
+Polygons polygons_counter_clockwise(const LayerView& layer) {
+    return polygons(layer, [](const Contour&) { return 1; });
+}
+
+Polygons largest_polygon(const LayerView& layer) {
+    const auto area = [](const Contour& contour) { return is_loop(contour) ? std::abs(contour.twice_area.to_double()) : 0; };
+    const auto largest =
+        std::max_element(layer.contours.begin(), layer.contours.end(),
+                         [&](const Contour& left, const Contour& right) { return area(left) < area(right); });
+    if (largest == layer.contours.end() || !is_loop(*largest)) {
+        return {};
+    }
+    Polygons made;
+    made.emplace_back(polygon(layer, *largest));
+    made.back().make_counter_clockwise();
+    return made;
+}
+
+ExPolygons expolygons(const LayerView& layer) {
+    ExPolygons made;
+    made.reserve(static_cast<std::size_t>(
+        std::ranges::count_if(layer.contours, [](const Contour& contour) { return contour.role == Role::outer; })));
+    for (std::size_t at = 0; at < layer.contours.size(); ++at) {
+        if (layer.contours[at].role != Role::outer) {
+            continue;
+        }
+        ExPolygon& whole = made.emplace_back();
+        whole.contour = polygon(layer, layer.contours[at]);
+        const std::size_t holes = holes_after(layer.contours, at);
+        whole.holes.reserve(holes);
+        for (std::size_t hole = at + 1; hole <= at + holes; ++hole) {
+            whole.holes.emplace_back(polygon(layer, layer.contours[hole]));
+        }
+    }
+    return made;
+}
+
+}  // namespace Slic3r::lamella_adapter

@@ -13,7 +13,7 @@
 //     coordinates of 32 bits, 1e-6 mm         SliceOptions::unit_mm; points are copied as bytes in contours.cpp
 //     gaps joined up to 2 mm                  SliceOptions::close_gaps_mm
 //     no collinear points in regions          RegionRules::drop_collinear
-//     loops turned counter-clockwise          polygons_counter_clockwise(), then a region of its own per layer
+//     loops turned counter-clockwise          Turn::counter_clockwise, then a region of its own per layer
 #include <tbb/parallel_for.h>
 
 #include <libslic3r/ExPolygon.hpp>
@@ -68,27 +68,23 @@ lamella::RegionRules rules_of(const MeshSlicingParamsEx& params, Mode mode) {
 Polygons polygons_of(const LayerView& layer, Mode mode) {
     switch (mode) {
         case Mode::Positive:
-            return polygons_counter_clockwise(layer);
+            return polygons(layer, Turn::counter_clockwise);
         case Mode::PositiveLargestContour:
             return largest_polygon(layer);
         default:
-            return polygons_as_facets_turn(layer);
+            return polygons(layer, Turn::as_facets);
     }
 }
 
 // The region of one layer's loops, which a mode may turn: the rules of a slice see them as the facets turn them.
 ExPolygons region(const LayerView& layer, const lamella::RegionRules& rules, Mode mode) {
-    const Polygons loops = turns_loops(mode) ? polygons_counter_clockwise(layer) : polygons_as_facets_turn(layer);
-    std::vector<std::span<const lamella::Point>> views;
-    views.reserve(loops.size());
-    for (const Polygon& loop : loops) {
-        views.emplace_back(reinterpret_cast<const lamella::Point*>(loop.points.data()), loop.points.size());
+    const auto turned = loops(layer, turns_loops(mode) ? Turn::counter_clockwise : Turn::as_facets);
+    const std::vector<std::span<const lamella::Point>> views(turned.begin(), turned.end());
+    const lamella::Result<lamella::LayerContours> whole = lamella::region_of(views, rules, layer.unit_mm);
+    if (!whole) {
+        throw SlicingError(whole.error().message);
     }
-    const lamella::Result<lamella::LayerContours> region = lamella::region_of(views, rules, SCALING_FACTOR);
-    if (!region) {
-        throw SlicingError(region.error().message);
-    }
-    return expolygons(view_of(*region, SCALING_FACTOR));
+    return expolygons(view_of(*whole, layer.unit_mm));
 }
 
 void simplify(ExPolygons& whole, double resolution_mm) {

@@ -38,24 +38,10 @@ Polygon polygon(const LayerView& layer, const Contour& contour) {
     return made;
 }
 
-// Which way a contour runs: 1 counter-clockwise, -1 clockwise.
-int direction(const Contour& contour) {
-    return contour.role == Role::outer ? 1 : -1;
-}
-
-template <class Wanted>
-Polygons polygons(const LayerView& layer, const Wanted& wanted) {
-    Polygons made;
-    made.reserve(layer.contours.size());
-    for (const Contour& contour : layer.contours) {
-        if (is_loop(contour)) {
-            made.emplace_back(polygon(layer, contour));
-            if (wanted(contour) != direction(contour)) {
-                made.back().reverse();
-            }
-        }
-    }
-    return made;
+// Whether the library's points run the other way: the sense of an inverted shell is that of its role, not of its facets.
+bool is_reversed(const Contour& contour, Turn turn) {
+    const int runs = contour.role == Role::outer ? 1 : -1;
+    return turn == Turn::counter_clockwise ? runs < 0 : runs != contour.orientation;
 }
 
 // Holes follow their outer contour.
@@ -77,12 +63,32 @@ LayerView view_of(const lamella::LayerContours& contours, double unit_mm) {
     return {{contours.contours.data(), contours.contours.size()}, contours.points.data(), unit_mm};
 }
 
-Polygons polygons_as_facets_turn(const LayerView& layer) {
-    return polygons(layer, [](const Contour& contour) { return static_cast<int>(contour.orientation); });
+Polygons polygons(const LayerView& layer, Turn turn) {
+    Polygons made;
+    made.reserve(layer.contours.size());
+    for (const Contour& contour : layer.contours) {
+        if (is_loop(contour)) {
+            made.emplace_back(polygon(layer, contour));
+            if (is_reversed(contour, turn)) {
+                made.back().reverse();
+            }
+        }
+    }
+    return made;
 }
 
-Polygons polygons_counter_clockwise(const LayerView& layer) {
-    return polygons(layer, [](const Contour&) { return 1; });
+std::vector<std::vector<lamella::Point>> loops(const LayerView& layer, Turn turn) {
+    std::vector<std::vector<lamella::Point>> made;
+    for (const Contour& contour : layer.contours) {
+        if (is_loop(contour)) {
+            const std::span<const lamella::Point> points = layer.points_of(contour);
+            std::vector<lamella::Point>& loop = made.emplace_back(points.begin(), points.end());
+            if (is_reversed(contour, turn)) {
+                std::reverse(loop.begin(), loop.end());
+            }
+        }
+    }
+    return made;
 }
 
 Polygons largest_polygon(const LayerView& layer) {

@@ -25,11 +25,17 @@ struct LayerView {
 LayerView view_of(const lamella::SliceResult& result, const lamella::Layer& layer);
 LayerView view_of(const lamella::LayerContours& contours, double unit_mm);
 
-/// The closed contours that have an area, each running as the mesh's facets turn it.
-Polygons polygons_as_facets_turn(const LayerView& layer);
+/// Which way loops run.
+enum class Turn {
+    as_facets,          ///< as the mesh's facets turn them
+    counter_clockwise,  ///< all
+};
 
-/// The same, all counter-clockwise.
-Polygons polygons_counter_clockwise(const LayerView& layer);
+/// The closed contours that have an area.
+Polygons polygons(const LayerView& layer, Turn turn);
+
+/// The same, as the library takes them.
+std::vector<std::vector<lamella::Point>> loops(const LayerView& layer, Turn turn);
 
 /// The one with the largest area, counter-clockwise; none of an empty layer.
 Polygons largest_polygon(const LayerView& layer);

@@ -78,21 +78,31 @@ lamella::MeshView view(const std::vector<stl_vertex>& vertices, const std::vecto
                                       {reinterpret_cast<const std::uint32_t*>(indices.data()), 3 * indices.size()});
 }
 
-// The corners of the triangles that may cross a plane, nine numbers each.
+// Bits by vertex: not below the lowest height that a plane may get, not above the highest.
 //
 // The library moves vertices and planes by no more than three units and a float's rounding.
-std::vector<float> corners_near(const std::vector<stl_vertex>& vertices,
-                                const std::vector<stl_triangle_vertex_indices>& indices, float height) {
+std::vector<std::uint8_t> sides_of(const std::vector<stl_vertex>& vertices, float height) {
     const float reach = 1e-5F + 1e-6F * std::abs(height);
     const float low = height - reach;
     const float high = height + reach;
+    std::vector<std::uint8_t> sides(vertices.size());
+    for (std::size_t at = 0; at < vertices.size(); ++at) {
+        const float z = vertices[at].z();
+        sides[at] = static_cast<std::uint8_t>((z >= low ? 1 : 0) | (z <= high ? 2 : 0));
+    }
+    return sides;
+}
+
+// The corners of the triangles that may cross a plane, nine numbers each.
+std::vector<float> corners_near(const std::vector<stl_vertex>& vertices,
+                                const std::vector<stl_triangle_vertex_indices>& indices, float height) {
+    const std::vector<std::uint8_t> sides = sides_of(vertices, height);
     std::vector<float> corners;
     for (const stl_triangle_vertex_indices& triangle : indices) {
-        const stl_vertex* corner[3] = {&vertices[triangle[0]], &vertices[triangle[1]], &vertices[triangle[2]]};
-        const auto [least, most] = std::minmax({corner[0]->z(), corner[1]->z(), corner[2]->z()});
-        if (least <= high && most >= low) {
-            for (const stl_vertex* each : corner) {
-                corners.insert(corners.end(), each->data(), each->data() + 3);
+        if ((sides[triangle[0]] | sides[triangle[1]] | sides[triangle[2]]) == 3) {
+            for (int corner = 0; corner < 3; ++corner) {
+                const float* numbers = vertices[triangle[corner]].data();
+                corners.insert(corners.end(), numbers, numbers + 3);
             }
         }
     }
@@ -131,11 +141,16 @@ lamella::SliceOptions options_for(std::vector<double> heights) {
     return options;
 }
 
-// A mesh without triangles has empty layers.
-void slice_into(Scratch& scratch, const lamella::MeshView& mesh, const lamella::SliceOptions& options, Cancel& cancel) {
+// A mesh without triangles has empty layers. One that is too large for the host's unit gets the default grid.
+void slice_into(Scratch& scratch, const lamella::MeshView& mesh, lamella::SliceOptions& options, Cancel& cancel) {
     const lamella::Status status = lamella::slice(mesh, options, scratch.workspace, scratch.result);
     cancel.rethrow();
     if (status) {
+        return;
+    }
+    if (status.error().code == lamella::ErrorCode::bad_coordinate && options.unit_mm != 0) {
+        options.unit_mm = 0;
+        slice_into(scratch, mesh, options, cancel);
         return;
     }
     if (status.error().code != lamella::ErrorCode::empty_mesh) {

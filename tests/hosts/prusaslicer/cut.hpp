@@ -52,7 +52,6 @@ public:
 
     /// What the plane at `heights[height]` cuts.
     LayerView layer(std::size_t height) const;
-    double unit_mm() const { return scratch_->result.unit_mm; }
 
 private:
     std::unique_ptr<Scratch> scratch_;

@@ -1,14 +1,29 @@
-// slice() on a grid and at planes that are chosen already.
+// slice() for callers within the library: on a grid and at planes that are chosen already, or for another output.
 #pragma once
 
 #include "lamella/slice.hpp"
 #include "slicing/planes/shared_frame.hpp"
+#include "slicing/result/slice_output.hpp"
 
 namespace lamella::detail {
 
+struct PreparedParts;
+
+/// What is sliced: a mesh as it lies, or a prepared one.
+struct SliceInput {
+    const MeshView& mesh;                     ///< of a prepared mesh its number of triangles only
+    const SharedFrame* frame = nullptr;       ///< null: the mesh's own box chooses grid and planes
+    const PreparedParts* prepared = nullptr;  ///< null: triangles are read from `mesh`
+};
+
+/// Throws what slicing throws.
 struct PartSlicer {
-    /// Where `frame` is null, of the mesh's own. Throws what slicing throws.
-    static Status slice(const MeshView& mesh, const SliceOptions& options, const SharedFrame* frame, Workspace& workspace,
+    static Status slice(const SliceInput& input, const SliceOptions& options, Workspace& workspace, SliceResult& result);
+    /// For `output`; `result` gets what is not in layers.
+    static Status slice_for(SliceOutput& output, const SliceInput& input, const SliceOptions& options, Workspace& workspace,
+                            SliceResult& result);
+    /// Everything up to the count of crossings: what `output` admits, and no more.
+    static Status admit(SliceOutput& output, const SliceInput& input, const SliceOptions& options, Workspace& workspace,
                         SliceResult& result);
 };
 

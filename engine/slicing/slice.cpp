@@ -10,12 +10,11 @@
 //                                   regions    fill rule applied, on request
 //                                   nesting    orientation, roles, parents (Fig. 1, step 4)
 //       for each band             result     points to their place
-//     finish_result             result     contours and layers to their place
+//     finish_result             result     contours and layers to their place, or what the output is
 #include "lamella/slice.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include <unistd.h>
@@ -23,15 +22,16 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "base/words.hpp"
 #include "lamella/memory.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/prepared_triangles.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/part_slicer.hpp"
 #include "slicing/planes/plane_set.hpp"
+#include "slicing/prepared_parts.hpp"
 #include "slicing/regions/rules.hpp"
-#include "slicing/result/placement.hpp"
+#include "slicing/result/result_output.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
 
@@ -52,7 +52,7 @@ std::uint64_t memory_limit(const SliceOptions& options) {
 /// Scratch that is kept from call to call.
 struct detail::WorkspaceParts {
     explicit WorkspaceParts(const Memory* memory)
-        : memory(memory), blocks(memory), planes(memory), buckets(memory), bands(memory), placement(memory) {}
+        : memory(memory), blocks(memory), planes(memory), buckets(memory), bands(memory), output(memory) {}
 
     /// Kept, since threads return sooner to an arena that they have just left than to a new one.
     const Parallel& parallel_for(const Control& control) {
@@ -70,7 +70,7 @@ struct detail::WorkspaceParts {
     Buckets buckets;
     BandPlan bands;
     std::vector<std::unique_ptr<BandSweep>> sweeps;  // by worker
-    Placement placement;
+    OutputScratch output;
 };
 
 Workspace::Workspace() noexcept = default;
@@ -83,53 +83,71 @@ namespace {
 /// One call of slice().
 class Slicing {
 public:
-    /// `frame`: null where the mesh's own box chooses grid and planes.
-    Slicing(const MeshView& mesh, const SliceOptions& options, const SharedFrame* frame, detail::WorkspaceParts& kept,
+    Slicing(SliceOutput& output, const detail::SliceInput& input, const SliceOptions& options, detail::WorkspaceParts& kept,
             SliceResult& result)
-        : mesh_(mesh),
+        : output_(output),
+          mesh_(input.mesh),
+          prepared_(input.prepared),
+          frame_(input.frame),
           options_(options),
-          frame_(frame),
           kept_(kept),
           result_(result),
           progress_(options.control.progress),
           parallel_(kept.parallel_for(options.control)) {}
 
-    Status run() {
-        const auto start = Clock::now();
+    /// The size of the result is known, and refused if too large, before anything of that size is allocated.
+    Status admit() {
         if (Status status = choose_grid_and_planes(); !status) {
             return status;
         }
-        if (Status status = bucket_triangles(); !status) {
+        if (Status status = count_triangles(); !status) {
             return status;
         }
+        return output_.admit(kept_.planes, kept_.buckets, result_);
+    }
+
+    Status run() {
+        const auto start = Clock::now();
+        if (Status status = admit(); !status) {
+            return status;
+        }
+        bucket_triangles();
         result_.summary.ms.bucket = milliseconds_since(start);
         if (Status status = sweep_bands(); !status) {
             return status;
         }
-        finish_result();
+        if (Status status = finish_result(); !status) {
+            return status;
+        }
         progress_.finish();
         return {};
     }
 
 private:
     Status choose_grid_and_planes();
-    Status bucket_triangles();
+    Status count_triangles();
+    void bucket_triangles();
     Status sweep_bands();
-    void sweep_all_into(std::span<Point> points);
-    void sweep_band(std::size_t band, int worker);
-    void sweep_wide(std::size_t band);
+    void sweep_all_into(BandTarget& target);
+    void sweep_band(std::size_t band, int worker, BandTarget& target);
+    void sweep_wide(std::size_t band, BandTarget& target);
+    SweepInput sweep_input() noexcept {
+        return {kept_.planes,          kept_.buckets, kept_.bands.bands, parallel_,
+                options_.control.stop, progress_,     kept_.output,      result_};
+    }
     LayerRules rules() const noexcept {
         return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm};
     }
     void note_ticks_of(const WidePlane& wide, std::uint64_t spent);
     void split_time(double sweep_ms);
-    void finish_result();
-    void fill_layers();
+    Status finish_result();
     void summarise();
 
+    SliceOutput& output_;
     const MeshView& mesh_;
-    const SliceOptions& options_;
+    const detail::PreparedParts* prepared_;
     const SharedFrame* frame_;
+    const SliceOptions& options_;
     detail::WorkspaceParts& kept_;
     SliceResult& result_;
     ProgressMeter progress_;
@@ -139,7 +157,9 @@ private:
 
 Status Slicing::choose_grid_and_planes() {
     const double asked_mm = frame_ != nullptr ? frame_->unit_mm : options_.unit_mm;
-    const Result<Bounds> bounds = measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
+    const Result<Bounds> bounds = prepared_ != nullptr
+                                      ? prepared_->frame.bounds
+                                      : measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
     if (!bounds) {
         return bounds.error();
     }
@@ -151,7 +171,7 @@ Status Slicing::choose_grid_and_planes() {
         return status;
     }
     result_.unit_mm = *unit;
-    result_.frame = options_.transform;
+    result_.frame = prepared_ != nullptr ? prepared_->transform : options_.transform;
     result_.plan = options_.plan;
     result_.part_count = 1;
     result_.part_regions = PartRegions::separate;
@@ -167,49 +187,39 @@ Status Slicing::choose_grid_and_planes() {
     return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
 }
 
-/// Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band. The
-/// size of the result is known, and refused if too large, before anything of that size is allocated.
-Status Slicing::bucket_triangles() {
+Status Slicing::count_triangles() {
     Buckets& buckets = kept_.buckets;
-    count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
+    if (prepared_ != nullptr) {
+        count_crossings(prepared_->triangles, kept_.planes, parallel_, buckets);
+    } else {
+        count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
+    }
     if (buckets.degenerate == mesh_.triangle_count) {
         return all_collapsed(mesh_.triangle_count, result_.unit_mm);
     }
-    const auto cutting =
-        std::count_if(buckets.segments.begin(), buckets.segments.end(), [](auto count) { return count > 0; });
-    const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + kept_.planes.size() * sizeof(Layer) +
-                                static_cast<std::uint64_t>(cutting) * sizeof(Contour);
-    if (bytes > memory_limit(options_)) {
-        return Error{ErrorCode::result_too_large, counted(kept_.planes.size(), "layer") + " with " +
-                                                      counted(buckets.segment_count, "segment") + " need " +
-                                                      std::to_string(bytes) + " bytes, more than the memory limit of " +
-                                                      std::to_string(memory_limit(options_))};
-    }
-    parallel_.stop_if_asked();
-    BandPlan& bands = kept_.bands;
-    bands.cut(buckets, kept_.planes.size(), options_.tuning.band_planes, parallel_.threads());
-    const std::size_t reaching = scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes, bands.band_end,
-                                                   parallel_, buckets, bands.reaching.span());
-    bands.find_seeds(kept_.planes.size(), reaching, options_.control.stop);
     return {};
+}
+
+/// Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band.
+void Slicing::bucket_triangles() {
+    parallel_.stop_if_asked();
+    Buckets& buckets = kept_.buckets;
+    BandPlan& bands = kept_.bands;
+    bands.cut(buckets, kept_.planes.size(), options_.tuning.band_planes, parallel_.threads(),
+              output_.most_band_segments(parallel_.threads()));
+    const std::size_t reaching = prepared_ != nullptr
+                                     ? scatter_triangles(prepared_->triangles, kept_.planes, bands.band_end, parallel_,
+                                                         buckets, bands.reaching.span())
+                                     : scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes,
+                                                         bands.band_end, parallel_, buckets, bands.reaching.span());
+    bands.find_seeds(kept_.planes.size(), reaching, options_.control.stop);
 }
 
 Status Slicing::sweep_bands() {
     const auto start = Clock::now();
     kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
-
-    // A closed contour has at most as many points as segments; an open one has one more, for which there is some room. A
-    // mesh with very many open polylines needs more room and is swept again with the number of points counted.
-    std::uint64_t room = kept_.buckets.segment_count + kept_.buckets.segment_count / 64 + 64;
-    for (;;) {
-        result_.points.resize_discarding(room);
-        sweep_all_into(result_.points.span());
-        const std::uint64_t needed = kept_.placement.point_count();
-        if (needed <= room) {
-            result_.points.set_size(needed);
-            break;
-        }
-        room = needed;
+    if (Status status = output_.take_bands(sweep_input(), [this](BandTarget& target) { sweep_all_into(target); }); !status) {
+        return status;
     }
     kept_.bands.forget_many_seeds();  // before the result's contours are added to what is held
     split_time(milliseconds_since(start));
@@ -217,56 +227,55 @@ Status Slicing::sweep_bands() {
 }
 
 /// Wide planes by all threads, the bands between them by one thread each.
-void Slicing::sweep_all_into(std::span<Point> points) {
+void Slicing::sweep_all_into(BandTarget& target) {
     const auto& bands = kept_.bands.bands;
-    kept_.placement.begin(bands, parallel_.threads(), kept_.buckets.segment_count, points, progress_, options_.control.stop);
     for (std::size_t begin = 0; begin < bands.size();) {
         parallel_.stop_if_asked();
         if (bands[begin].wide && options_.tuning.form == ContourForm::swept) {
-            sweep_wide(begin++);
+            sweep_wide(begin++, target);
             continue;
         }
         std::size_t end = begin + 1;
         while (end < bands.size() && !bands[end].wide) {
             ++end;
         }
-        parallel_.run(end - begin, [&](std::size_t i, int worker) { sweep_band(begin + i, worker); });
+        parallel_.run(end - begin, [&](std::size_t i, int worker) { sweep_band(begin + i, worker, target); });
         begin = end;
     }
 }
 
-void Slicing::sweep_band(std::size_t band, int worker) {
+void Slicing::sweep_band(std::size_t band, int worker, BandTarget& target) {
     auto& sweep = kept_.sweeps[static_cast<std::size_t>(worker)];
-    Placement& placement = kept_.placement;
     try {
         if (sweep == nullptr) {
             sweep = std::make_unique<BandSweep>(kept_.memory);
         }
         sweep->set_rules(rules());
-        if (BandOutput* output = placement.acquire(band); output != nullptr) {
+        if (BandOutput* output = target.acquire(band); output != nullptr) {
             sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes,
                        options_.tuning.form, options_.control.stop, *output);
-            placement.submit(band);
+            target.submit(band);
         }
+    } catch (const BandDropped&) {  // the thread that has failed throws
     } catch (...) {
-        placement.abort();
+        target.abort();
         throw;
     }
 }
 
-void Slicing::sweep_wide(std::size_t band) {
+void Slicing::sweep_wide(std::size_t band, BandTarget& target) {
     WidePlane wide(kept_.memory, parallel_, options_.control.stop, rules());
-    BandOutput* output = kept_.placement.acquire(band);
+    BandOutput* output = target.acquire(band);
     if (output == nullptr) {
         return;
     }
     const std::uint64_t start = ticks();
     if (wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, *output)) {
         note_ticks_of(wide, ticks() - start);
-        kept_.placement.submit(band);
+        target.submit(band);
     } else {
-        kept_.placement.give_back(band);
-        sweep_band(band, 0);
+        target.give_back(band);
+        sweep_band(band, 0, target);
     }
 }
 
@@ -301,27 +310,12 @@ void Slicing::split_time(double sweep_ms) {
     ms.sweep = sweep_ms - ms.contours - ms.nesting - ms.fill;
 }
 
-void Slicing::finish_result() {
+Status Slicing::finish_result() {
     const auto start = Clock::now();
-    result_.contours.resize_discarding(kept_.placement.contour_count());
-    result_.layers.resize_discarding(kept_.planes.size());
-    result_.closed_gaps.resize_discarding(kept_.placement.closed_gap_count());
-    kept_.placement.write_closed_gaps(result_.closed_gaps.span(), options_.control.stop);
-    fill_layers();
-    kept_.placement.write_contours(parallel_, result_.contours.span(), result_.layers.span());
     summarise();
+    Status status = output_.finish(sweep_input());
     result_.summary.ms.contours += milliseconds_since(start);
-}
-
-void Slicing::fill_layers() {
-    const PlaneSet& planes = kept_.planes;
-    parallel_.run_ranges(planes.size(), 1 << 10, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const auto plane = static_cast<PlaneIndex>(i);
-            result_.layers[i] = {planes.bottom_mm(plane),   planes.height_mm(plane),     planes.top_mm(plane), 0, 0,
-                                 kept_.buckets.segments[i], PlaneHeight(planes.z(plane))};
-        }
-    });
+    return status;
 }
 
 void Slicing::summarise() {
@@ -332,30 +326,71 @@ void Slicing::summarise() {
     summary.segments = kept_.buckets.segment_count;
     summary.bands = kept_.bands.bands.size();
     summary.threads = parallel_.threads();
-    set_counts(kept_.placement.contour_counts(), result_);
 }
 
 }  // namespace
 
-Status detail::PartSlicer::slice(const MeshView& mesh, const SliceOptions& options, const SharedFrame* frame,
-                                 Workspace& workspace, SliceResult& result) {
+namespace {
+
+/// A prepared mesh has its grid and its frame already.
+Status check_prepared(const detail::PreparedParts& prepared, const SliceOptions& options) {
+    if (options.unit_mm != 0 && options.unit_mm != prepared.asked_unit_mm && options.unit_mm != prepared.frame.unit_mm) {
+        return Error{ErrorCode::invalid_argument, "the mesh was prepared on another grid than the one asked for"};
+    }
+    if (!options.transform.is_identity() && options.transform.m != prepared.transform.m) {
+        return Error{ErrorCode::invalid_argument, "the mesh was prepared with another transform than the one asked for"};
+    }
+    return {};
+}
+
+Status check_options(const detail::SliceInput& input, const SliceOptions& options) {
+    if (input.prepared != nullptr) {
+        if (Status status = check_prepared(*input.prepared, options); !status) {
+            return status;
+        }
+    }
     if (options.tuning.band_planes < 0) {
         return Error{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"};
     }
     if (!(options.close_gaps_mm >= 0) || !std::isfinite(options.close_gaps_mm)) {
         return Error{ErrorCode::invalid_argument, "the length up to which gaps are closed must be finite and not negative"};
     }
-    if (Status status = check_rules(options.region); !status) {
+    return check_rules(options.region);
+}
+
+detail::WorkspaceParts& parts_for(const SliceOptions& options, std::unique_ptr<detail::WorkspaceParts>& kept) {
+    if (kept == nullptr || kept->memory != options.control.memory) {
+        kept = std::make_unique<detail::WorkspaceParts>(options.control.memory);
+    }
+    return *kept;
+}
+
+}  // namespace
+
+Status detail::PartSlicer::slice(const SliceInput& input, const SliceOptions& options, Workspace& workspace,
+                                 SliceResult& result) {
+    ResultOutput output(memory_limit(options));
+    return slice_for(output, input, options, workspace, result);
+}
+
+Status detail::PartSlicer::slice_for(SliceOutput& output, const SliceInput& input, const SliceOptions& options,
+                                     Workspace& workspace, SliceResult& result) {
+    if (Status status = check_options(input, options); !status) {
         return status;
     }
-    std::unique_ptr<WorkspaceParts>& kept = workspace.parts_;
-    if (kept == nullptr || kept->memory != options.control.memory) {
-        kept = std::make_unique<WorkspaceParts>(options.control.memory);
-    }
+    WorkspaceParts& kept = parts_for(options, workspace.parts_);
     if (result.points.memory() != options.control.memory) {
         result = SliceResult(options.control.memory);
     }
-    return Slicing(mesh, options, frame, *kept, result).run();
+    return Slicing(output, input, options, kept, result).run();
+}
+
+Status detail::PartSlicer::admit(SliceOutput& output, const SliceInput& input, const SliceOptions& options,
+                                 Workspace& workspace, SliceResult& result) {
+    if (Status status = check_options(input, options); !status) {
+        return status;
+    }
+    return Slicing(output, input, options, parts_for(options, workspace.parts_), result).admit();
 }
 
 void Workspace::reset() noexcept {
@@ -363,14 +398,14 @@ void Workspace::reset() noexcept {
 }
 
 Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
-    return guarded(options.control, [&] { return detail::PartSlicer::slice(mesh, options, nullptr, workspace, result); });
+    return guarded(options.control, [&] { return detail::PartSlicer::slice({mesh}, options, workspace, result); });
 }
 
 Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options) noexcept {
     return guarded(options.control, [&]() -> Result<SliceResult> {
         Workspace workspace;
         SliceResult result(options.control.memory);
-        if (Status status = detail::PartSlicer::slice(mesh, options, nullptr, workspace, result); !status) {
+        if (Status status = detail::PartSlicer::slice({mesh}, options, workspace, result); !status) {
             return status.error();
         }
         return result;

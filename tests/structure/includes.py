@@ -27,9 +27,9 @@ SLICING = [
     ["regions"],
     ["contours"],
     ["sweep"],
-    ["part_slicer.hpp"],
-    ["slice.cpp"],
-    ["parts"],
+    ["part_slicer.hpp", "prepared_parts.hpp"],
+    ["slice.cpp", "prepare.cpp"],
+    ["parts", "handover"],
 ]
 
 # Two ways to sweep, neither of which knows the other.
@@ -38,7 +38,8 @@ PEERS = [("slicing/sweep/band_sweep", "slicing/sweep/wide_plane")]
 # Public headers that are not in a folder named after their library.
 PUBLIC = {
     "array": "base", "control": "base", "error": "base", "integer128": "base", "memory": "base", "version": "base",
-    "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "parts": "slicing", "planes": "slicing", "region": "slicing",
+    "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "parts": "slicing", "planes": "slicing", "prepare": "slicing", "region": "slicing",
+    "host_output": "slicing", "islands": "slicing", "sink": "slicing",
     "result": "slicing", "slice": "slicing",
     "lamella": "audit", "io": "io",
 }  # fmt: skip

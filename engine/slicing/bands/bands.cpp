@@ -1,6 +1,7 @@
 #include "slicing/bands/bands.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "base/stop_pace.hpp"
 
@@ -34,10 +35,15 @@ std::uint64_t reaching_into(const Buckets& buckets, PlaneIndex plane) noexcept {
     return buckets.segments[plane] - (buckets.list_begin[plane + 1] - buckets.list_begin[plane]);
 }
 
+/// At most so many seeds where bands are cut smaller than their work asks for.
+std::uint64_t most_seeds_of(const Buckets& buckets, PlaneIndex planes) noexcept {
+    constexpr std::uint64_t few_seeds = 1 << 21;
+    return std::max<std::uint64_t>(buckets.list_begin[planes], few_seeds);
+}
+
 /// See BandPlan::cut().
 std::size_t planes_a_band(const Buckets& buckets, PlaneIndex planes, std::size_t asked) {
-    constexpr std::uint64_t few_seeds = 1 << 21;
-    const std::uint64_t most_seeds = std::max<std::uint64_t>(buckets.list_begin[planes], few_seeds);
+    const std::uint64_t most_seeds = most_seeds_of(buckets, planes);
     for (;; asked *= 2) {
         std::uint64_t seeds = 0;
         for (std::size_t plane = asked; plane < planes; plane += asked) {
@@ -60,9 +66,23 @@ void give_back_many(Array<T>& array) {
 
 }  // namespace
 
-void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads) {
-    bands.clear();
+void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads, std::uint64_t most_segments) {
     const std::size_t fixed = asked_planes > 0 ? planes_a_band(buckets, planes, static_cast<std::size_t>(asked_planes)) : 0;
+    const auto has_many_seeds = [&] {
+        const auto add = [&](std::uint64_t sum, const Band& band) { return sum + reaching_into(buckets, band.first); };
+        return std::accumulate(bands.begin(), bands.end(), std::uint64_t{0}, add) > most_seeds_of(buckets, planes);
+    };
+    cut_once(buckets, planes, fixed, threads, most_segments);
+    while (most_segments < buckets.segment_count && has_many_seeds()) {
+        most_segments *= 2;
+        cut_once(buckets, planes, fixed, threads, most_segments);
+    }
+    make_room(buckets, planes);
+}
+
+void BandPlan::cut_once(const Buckets& buckets, PlaneIndex planes, std::size_t fixed, int threads,
+                        std::uint64_t most_segments) {
+    bands.clear();
     std::uint64_t all_work = 0;
     for (PlaneIndex plane = 0; plane < planes; ++plane) {
         all_work += work_of(buckets, plane);
@@ -74,7 +94,8 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
     for (PlaneIndex plane = 0; plane < planes; ++plane) {
         const std::uint64_t enough = std::clamp(work_per_seed * buckets.segments[plane], std::min(share, least_segments),
                                                 std::max(share, least_segments));
-        const bool full = fixed > 0 ? plane - band.first >= fixed : work >= enough;
+        const bool has_points = band.segments >= most_segments || buckets.segments[plane] > most_segments - band.segments;
+        const bool full = has_points || (fixed > 0 ? plane - band.first >= fixed : work >= enough);
         const bool wide = is_wide(buckets, plane);
         if ((full || wide || band.wide) && plane > band.first) {
             bands.push_back(band);
@@ -89,7 +110,6 @@ void BandPlan::cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, 
     if (planes > 0) {
         bands.push_back(band);
     }
-    make_room(buckets, planes);
 }
 
 void BandPlan::make_room(const Buckets& buckets, PlaneIndex planes) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -37,8 +38,11 @@ struct BandPlan {
 
     /// Cuts the planes into bands of about equal work if `asked_planes` is 0. Otherwise bands have `asked_planes` planes, or
     /// 2, 4, 8, ... times as many: the first of these for which there are at most 2^21 seeds, or at most as many as crossed
-    /// triangles. Makes `band_end`, and makes `reaching` large enough. O(k).
-    void cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads);
+    /// triangles. A band of more than one plane has at most `most_segments`, or 2, 4, 8, ... times as many by the same
+    /// bound on seeds. Makes `band_end`, and makes `reaching` large enough. O(k) for each of these tries.
+    void cut(const Buckets& buckets, PlaneIndex planes, int asked_planes, int threads,
+             std::uint64_t most_segments = no_limit);
+    static constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
 
     /// Finds every band's seeds in the first `reaching_count` of `reaching`. O(k + reaching_count + seeds); a seed has at
     /// least one segment in its band. Throws Stopped where `stop` asks for it.
@@ -48,6 +52,7 @@ struct BandPlan {
     void forget_many_seeds();
 
 private:
+    void cut_once(const Buckets& buckets, PlaneIndex planes, std::size_t fixed, int threads, std::uint64_t most_segments);
     void make_room(const Buckets& buckets, PlaneIndex planes);
 };
 

@@ -8,49 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "slicing/buckets/bucket_parts.hpp"
 #include "slicing/buckets/soup_scan.hpp"
 
 namespace lamella {
 
 namespace {
-
-/// So long a part of the mesh is gone through in a millisecond or so, after which the host is asked whether to end.
-constexpr std::size_t blocks_between_stops = 512;
-
-/// The mesh in as many parts as there are threads, cut between blocks.
-struct Parts {
-    std::size_t triangles;
-    std::size_t count;
-
-    Parts(std::size_t triangle_count, const Parallel& parallel)
-        : triangles(triangle_count),
-          count(std::min<std::size_t>(static_cast<std::size_t>(parallel.threads()), (triangle_count >> 12) + 1)) {}
-    std::size_t blocks() const noexcept { return block_count(triangles); }
-    std::size_t begin_block(std::size_t part) const noexcept { return blocks() * part / count; }
-};
-
-/// Numbers of one part, two rows of them, by plane:
-///
-///     row          while counting                           while scattering
-///     0            triangles that it cuts first             where the part's next such record goes
-///     1            triangles that the plane below cut last  -
-std::uint32_t* row_of(Buckets& buckets, std::size_t part, std::size_t planes, std::size_t row) noexcept {
-    return buckets.counters.data() + (2 * part + row) * (planes + 1);
-}
-
-struct PartCounts {
-    std::uint32_t* starting;
-    std::uint32_t* ended;
-
-    PartCounts(Buckets& buckets, std::size_t part, std::size_t planes)
-        : starting(row_of(buckets, part, planes, 0)), ended(row_of(buckets, part, planes, 1)) {}
-};
-
-struct PartCursors {
-    std::uint32_t* next_record;
-
-    PartCursors(Buckets& buckets, std::size_t part, std::size_t planes) : next_record(row_of(buckets, part, planes, 0)) {}
-};
 
 /// The count of one part.
 template <class Reader>
@@ -124,24 +87,6 @@ bool lies_between_planes(const TriangleBlock& block, double unit_mm, const Plane
     return to_even_grid(block.high_mm, unit_mm) < planes.z(planes.first_above(to_even_grid(block.low_mm, unit_mm)));
 }
 
-/// Where parts write down triangles that reach beyond their bands, a block's at a time.
-class ReachingOutput {
-public:
-    explicit ReachingOutput(std::span<Reaching> room) : room_(room) {}
-
-    /// Room for `count` more.
-    Reaching* take(std::size_t count) noexcept {
-        const std::size_t at = count_.fetch_add(count, std::memory_order_relaxed);
-        assert(at + count <= room_.size());
-        return room_.data() + at;
-    }
-    std::size_t count() const noexcept { return count_.load(std::memory_order_relaxed); }
-
-private:
-    std::span<Reaching> room_;
-    std::atomic<std::size_t> count_ = 0;
-};
-
 /// The scatter of one part.
 template <class Reader>
 class PartScatter {
@@ -197,15 +142,16 @@ private:
     ReachingOutput& reaching_;
 };
 
-/// Turns counts into where lists begin, for all and for each part, and sums up the segments.
-void prefix_sums(const PlaneSet& planes, const Parts& parts, Buckets& buckets) {
+}  // namespace
+
+void sum_up(const PlaneSet& planes, std::size_t parts, Buckets& buckets) {
     const std::size_t k = planes.size();
     std::uint32_t begin = 0;
     std::int64_t active = 0;
     buckets.segment_count = 0;
     for (std::size_t plane = 0; plane < k; ++plane) {
         buckets.list_begin[plane] = begin;
-        for (std::size_t part = 0; part < parts.count; ++part) {
+        for (std::size_t part = 0; part < parts; ++part) {
             const PartCounts counts(buckets, part, k);
             const std::uint32_t starting = counts.starting[plane];
             active += starting;
@@ -219,17 +165,20 @@ void prefix_sums(const PlaneSet& planes, const Parts& parts, Buckets& buckets) {
     buckets.list_begin[k] = begin;
 }
 
-}  // namespace
+void make_counters(const PlaneSet& planes, std::size_t parts, Buckets& buckets) {
+    const std::size_t k = planes.size();
+    buckets.counters.resize_discarding(parts * 2 * (k + 1));
+    buckets.list_begin.resize_discarding(k + 1);
+    buckets.segments.resize_discarding(k);
+}
 
 void count_crossings(const MeshView& mesh, const Transform& transform, double unit_mm, const BlockTable& blocks,
                      const PlaneSet& planes, const Parallel& parallel, Buckets& buckets) {
-    const Parts parts(mesh.triangle_count, parallel);
+    const BucketParts parts(mesh.triangle_count, parallel);
     const std::size_t k = planes.size();
     assert(blocks.blocks.size() == parts.blocks());
     buckets.crossed_mask.resize_discarding(parts.blocks());
-    buckets.counters.resize_discarding(parts.count * 2 * (k + 1));
-    buckets.list_begin.resize_discarding(k + 1);
-    buckets.segments.resize_discarding(k);
+    make_counters(planes, parts.count, buckets);
     std::vector<std::uint64_t> degenerate(parts.count);
     const SoupScan scan(mesh, transform, unit_mm, planes);
     with_reader(mesh, transform, unit_mm, [&](const auto& read) {
@@ -249,13 +198,13 @@ void count_crossings(const MeshView& mesh, const Transform& transform, double un
         });
     });
     buckets.degenerate = std::accumulate(degenerate.begin(), degenerate.end(), std::uint64_t{0});
-    prefix_sums(planes, parts, buckets);
+    sum_up(planes, parts.count, buckets);
 }
 
 std::size_t scatter_triangles(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes,
                               std::span<const PlaneIndex> reach_end, const Parallel& parallel, Buckets& buckets,
                               std::span<Reaching> reaching) {
-    const Parts parts(mesh.triangle_count, parallel);
+    const BucketParts parts(mesh.triangle_count, parallel);
     assert(reach_end.size() == std::size_t{planes.size()} + 1);
     buckets.records.resize_discarding(buckets.list_begin[planes.size()]);
     ReachingOutput output(reaching);

@@ -23,7 +23,7 @@ namespace lamella {
 
 struct Buckets {
     explicit Buckets(const Memory* memory)
-        : records(memory), list_begin(memory), segments(memory), crossed_mask(memory), counters(memory) {}
+        : records(memory), list_begin(memory), segments(memory), crossed_mask(memory), touched(memory), counters(memory) {}
 
     Array<CrossedTriangle> records;   ///< by first plane
     Array<std::uint32_t> list_begin;  ///< k + 1: where each plane's list begins in `records`
@@ -32,6 +32,7 @@ struct Buckets {
     std::uint64_t degenerate = 0;
 
     Array<std::uint64_t> crossed_mask;  // scratch: a bit a triangle, so that the second read skips what is not cut
+    Array<std::uint32_t> touched;       // scratch: blocks that planes pass through, of a prepared mesh
     Array<std::uint32_t> counters;      // scratch: per thread and plane
 };
 

@@ -130,7 +130,7 @@ private:
             options.control.progress = Progress::to(sink);
             options.memory_limit_bytes = memory_left();
             SliceResult& result = sliced_.emplace_back(options_.control.memory);
-            if (Status status = detail::PartSlicer::slice(parts_[p].mesh, options, &frame_, workspace, result); !status) {
+            if (Status status = detail::PartSlicer::slice({parts_[p].mesh, &frame_}, options, workspace, result); !status) {
                 return blame(status.error(), p);
             }
             before += parts_[p].mesh.triangle_count;

@@ -1,6 +1,7 @@
 #include "slicing/result/band_output.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
 namespace lamella {
@@ -14,14 +15,21 @@ std::uint64_t count_emptied(std::span<const Layer> layers) noexcept {
 
 }  // namespace
 
-void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
-    SliceSummary& summary = result.summary;
+void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, SliceSummary& summary) noexcept {
     summary.holes = counts.of(Role::hole);
     summary.open_contours = counts.of(Role::open);
     summary.flat_contours = counts.of(Role::flat);
     summary.overruled_contours = counts.overruled;
     summary.near_contours = counts.near;
-    summary.emptied_layers = result.region.keeps_contours() ? 0 : count_emptied(result.layers.span());
+    summary.emptied_layers = emptied_layers;
+}
+
+void set_counts(const ContourCounts& counts, std::span<const Layer> layers, SliceResult& result) noexcept {
+    set_counts(counts, result.region.keeps_contours() ? 0 : count_emptied(layers), result.summary);
+}
+
+void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
+    set_counts(counts, result.layers.span(), result);
 }
 
 void BandOutput::move_to_buffer(std::size_t count) {
@@ -35,6 +43,51 @@ void BandOutput::move_to_buffer(std::size_t count) {
     }
     points = buffer.data();
     capacity = buffer.capacity();
+}
+
+void BandOutput::make_room(std::size_t count) {
+    assert(point_count == 0);
+    if (buffer.capacity() < count) {
+        buffer.resize_discarding(count);
+    }
+    points = buffer.data();
+    capacity = buffer.capacity();
+}
+
+void BandOutput::drop_layers() noexcept {
+    first_layer += layer_contours.size();
+    point_count = 0;
+    contours.clear();
+    layer_contours.clear();
+    closed_gaps.clear();
+}
+
+void BandOutput::move_layers_to(BandOutput& other) noexcept {
+    assert(in_buffer() && other.point_count == 0);
+    other.begin(other.buffer.span());
+    std::swap(buffer, other.buffer);
+    std::swap(points, other.points);
+    std::swap(point_count, other.point_count);
+    std::swap(capacity, other.capacity);
+    contours.swap(other.contours);
+    layer_contours.swap(other.layer_contours);
+    closed_gaps.swap(other.closed_gaps);
+    other.first_layer = first_layer;
+    first_layer += other.layer_contours.size();
+}
+
+std::size_t BandOutput::bytes_used() const noexcept {
+    return point_count * sizeof(Point) + contours.size() * sizeof(Contour) + layer_contours.size() * sizeof(std::uint32_t) +
+           closed_gaps.size() * sizeof(ClosedGap);
+}
+
+std::size_t BandOutput::bytes_held() const noexcept {
+    return buffer.capacity() * sizeof(Point) + contours.capacity() * sizeof(Contour) +
+           layer_contours.capacity() * sizeof(std::uint32_t) + closed_gaps.capacity() * sizeof(ClosedGap);
+}
+
+void BandOutput::release() noexcept {
+    *this = BandOutput(buffer.memory());
 }
 
 }  // namespace lamella

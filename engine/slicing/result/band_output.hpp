@@ -32,8 +32,24 @@ struct ContourCounts {
     std::uint64_t of(Role role) const noexcept { return by_role[static_cast<std::size_t>(role)]; }
 };
 
-/// Sets what the summary counts of contours, and of layers that the rules have emptied. O(k).
+/// Sets what the summary counts of contours, and of layers that the rules have emptied.
+void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, SliceSummary& summary) noexcept;
+/// The same, with the emptied ones counted among `layers`. O(k).
+void set_counts(const ContourCounts& counts, std::span<const Layer> layers, SliceResult& result) noexcept;
 void set_counts(const ContourCounts& counts, SliceResult& result) noexcept;
+
+struct BandOutput;
+
+/// Takes layers while their band is still being swept.
+class LayerReader {
+public:
+    /// A layer has been appended to `output`, whose complete layers may now be taken out: see BandOutput::drop_layers(). On
+    /// the thread that sweeps the band.
+    virtual void layer_done(BandOutput& output) = 0;
+
+protected:
+    ~LayerReader() = default;
+};
 
 struct BandOutput {
     explicit BandOutput(const Memory* memory)
@@ -48,6 +64,8 @@ struct BandOutput {
     Vector<std::uint32_t> layer_contours;  ///< number of contours of each plane
     Vector<ClosedGap> closed_gaps;
     std::uint64_t first_layer = 0;  ///< number of the layer that comes first
+    LayerReader* reader = nullptr;  ///< null: layers stay until the band is done
+    std::size_t band = 0;           ///< for the reader
 
     /// Empties the output; points go to `room` while it lasts, then to `buffer`.
     void begin(std::span<Point> room) noexcept {
@@ -72,6 +90,24 @@ struct BandOutput {
     void move_to_buffer(std::size_t count);
 
     void add_empty_layer() { layer_contours.push_back(0); }
+
+    /// To be called after each layer.
+    void end_layer() {
+        if (reader != nullptr) {
+            reader->layer_done(*this);
+        }
+    }
+    /// Precondition: it is empty. From here on points go to `buffer`, which has room for `count`.
+    void make_room(std::size_t count);
+    /// Empties the output, which goes on with the layer that comes next. `counts` stay.
+    void drop_layers() noexcept;
+    /// Moves all layers to `other`, which is empty, and takes its memory in exchange. Both in buffers of their own.
+    void move_layers_to(BandOutput& other) noexcept;
+    /// Of its points, contours and gaps.
+    std::size_t bytes_used() const noexcept;
+    std::size_t bytes_held() const noexcept;
+    /// Gives all memory back.
+    void release() noexcept;
 };
 
 }  // namespace lamella

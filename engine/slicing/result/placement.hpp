@@ -31,11 +31,11 @@
 #include "base/vector.hpp"
 #include "lamella/result.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/result/band_output.hpp"
+#include "slicing/result/band_target.hpp"
 
 namespace lamella {
 
-class Placement {
+class Placement final : public BandTarget {
 public:
     explicit Placement(const Memory* memory) : memory_(memory) {}
 
@@ -43,15 +43,12 @@ public:
     void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
                ProgressMeter& progress, const StopCheck& stop = {});
 
-    /// Where `band` puts its output; waits while it is too far ahead of the head. Null after abort(). Bands must be acquired
-    /// in ascending order, each by a thread that then submits it or aborts.
-    BandOutput* acquire(std::size_t band);
-    /// Takes back an unused output.
-    void give_back(std::size_t band);
-    /// The band is done: places it and all done bands that follow it. Throws Stopped where begin()'s `stop` asks for it.
-    void submit(std::size_t band);
-    /// The run has failed: wakes all that wait.
-    void abort();
+    /// Waits while the band is too far ahead of the head.
+    BandOutput* acquire(std::size_t band) override;
+    void give_back(std::size_t band) override;
+    /// Places the band and all done bands that follow it. Throws Stopped where begin()'s `stop` asks for it.
+    void submit(std::size_t band) override;
+    void abort() override;
 
     /// Points of all bands. If they exceed the array given to begin(), those beyond it are lost and the run must be repeated
     /// with a larger one.

@@ -4,16 +4,29 @@
 #include <cmath>
 
 #include "base/int128.hpp"
+#include "lamella/sink.hpp"
 
 namespace lamella {
 
-double SliceResult::area_mm2(const Layer& layer) const noexcept {
-    // Areas carry their sign, so outers minus holes is a plain sum; rounding happens once, at its end.
+namespace {
+
+/// Areas carry their sign, so outers minus holes is a plain sum; rounding happens once, at its end.
+double area_of(std::span<const Contour> contours, double unit_mm) noexcept {
     Int128 twice_area = 0;
-    for (const Contour& contour : contours_of(layer)) {
+    for (const Contour& contour : contours) {
         twice_area += to_int128(contour.twice_area);
     }
     return static_cast<double>(twice_area) / 2 * unit_mm * unit_mm;
+}
+
+}  // namespace
+
+double SliceResult::area_mm2(const Layer& layer) const noexcept {
+    return area_of(contours_of(layer), unit_mm);
+}
+
+double LayerView::area_mm2() const noexcept {
+    return area_of(contours, unit_mm);
 }
 
 double SliceResult::area_mm2(const Contour& contour) const noexcept {

@@ -60,6 +60,7 @@ void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
             ticks_.contours += ticks() - linked;
         }
         compact();
+        out.end_layer();
     }
 }
 

@@ -1,0 +1,82 @@
+// What counting and scattering share, whatever they read triangles from: the parts that threads work on, their counters, and
+// the prefix sums between the two reads.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "base/parallel.hpp"
+#include "slicing/buckets/bucket.hpp"
+#include "slicing/grid/blocks.hpp"
+#include "slicing/planes/plane_set.hpp"
+
+namespace lamella {
+
+/// So long a part of the mesh is gone through in a millisecond or so, after which the host is asked whether to end.
+inline constexpr std::size_t blocks_between_stops = 512;
+
+/// Triangles in as many parts as there are threads, cut between blocks.
+struct BucketParts {
+    std::size_t triangles;
+    std::size_t count;
+
+    BucketParts(std::size_t triangle_count, const Parallel& parallel)
+        : triangles(triangle_count),
+          count(std::min<std::size_t>(static_cast<std::size_t>(parallel.threads()), (triangle_count >> 12) + 1)) {}
+    std::size_t blocks() const noexcept { return block_count(triangles); }
+    std::size_t begin_block(std::size_t part) const noexcept { return blocks() * part / count; }
+};
+
+/// Numbers of one part, two rows of them, by plane:
+///
+///     row          while counting                           while scattering
+///     0            triangles that it cuts first             where the part's next such record goes
+///     1            triangles that the plane below cut last  -
+inline std::uint32_t* counters_of(Buckets& buckets, std::size_t part, std::size_t planes, std::size_t row) noexcept {
+    return buckets.counters.data() + (2 * part + row) * (planes + 1);
+}
+
+struct PartCounts {
+    std::uint32_t* starting;
+    std::uint32_t* ended;
+
+    PartCounts(Buckets& buckets, std::size_t part, std::size_t planes)
+        : starting(counters_of(buckets, part, planes, 0)), ended(counters_of(buckets, part, planes, 1)) {}
+};
+
+struct PartCursors {
+    std::uint32_t* next_record;
+
+    PartCursors(Buckets& buckets, std::size_t part, std::size_t planes)
+        : next_record(counters_of(buckets, part, planes, 0)) {}
+};
+
+/// Where parts write down triangles that reach beyond their bands, a block's at a time.
+class ReachingOutput {
+public:
+    explicit ReachingOutput(std::span<Reaching> room) : room_(room) {}
+
+    /// Room for `count` more.
+    Reaching* take(std::size_t count) noexcept {
+        const std::size_t at = count_.fetch_add(count, std::memory_order_relaxed);
+        assert(at + count <= room_.size());
+        return room_.data() + at;
+    }
+    std::size_t count() const noexcept { return count_.load(std::memory_order_relaxed); }
+
+private:
+    std::span<Reaching> room_;
+    std::atomic<std::size_t> count_ = 0;
+};
+
+/// Turns counts into where lists begin, for all and for each of `parts`, and sums up the segments.
+void sum_up(const PlaneSet& planes, std::size_t parts, Buckets& buckets);
+
+/// Makes room for the counters of `parts` and for what sum_up() gives.
+void make_counters(const PlaneSet& planes, std::size_t parts, Buckets& buckets);
+
+}  // namespace lamella

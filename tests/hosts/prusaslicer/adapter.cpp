@@ -6,16 +6,14 @@
 //
 // What the host expects, and where it is met:
 //
-//     heights in any order, repeated          sorted() in cut.cpp
+//     heights in any order, repeated          Planes in cut.cpp
 //     vertices transformed in float           transformed() in cut.cpp
-//     cancelling by an exception              Cancel in cut.hpp
+//     cancelling by an exception              Exceptions in cut.cpp
 //     a vertex on a plane lies above it       PlaneSide::below, the default
 //     coordinates of 32 bits, 1e-6 mm         SliceOptions::unit_mm; points are copied as bytes in contours.cpp
 //     gaps joined up to 2 mm                  SliceOptions::close_gaps_mm
 //     no collinear points in regions          RegionRules::drop_collinear
 //     loops turned counter-clockwise          Turn::counter_clockwise, then a region of its own per layer
-#include <tbb/parallel_for.h>
-
 #include <libslic3r/ExPolygon.hpp>
 #include <libslic3r/Exception.hpp>
 #include <libslic3r/TriangleMesh.hpp>
@@ -43,17 +41,6 @@ lamella::FillRule rule_of(Mode mode) {
     return mode == Mode::EvenOdd ? lamella::FillRule::even_odd : lamella::FillRule::non_zero;
 }
 
-// Calls work(height) for every height, in parallel, and cancels between two.
-template <class Work>
-void for_each_height(std::size_t heights, const std::function<void()>& throw_on_cancel, const Work& work) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, heights), [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t height = range.begin(); height < range.end(); ++height) {
-            throw_on_cancel();
-            work(height);
-        }
-    });
-}
-
 // The host dilates by closing_radius and erodes by closing_radius - extra_offset; with a larger extra_offset it only
 // dilates.
 lamella::RegionRules rules_of(const MeshSlicingParamsEx& params, Mode mode) {
@@ -65,7 +52,7 @@ lamella::RegionRules rules_of(const MeshSlicingParamsEx& params, Mode mode) {
     return rules;
 }
 
-Polygons polygons_of(const LayerView& layer, Mode mode) {
+Polygons polygons_of(const lamella::LayerView& layer, Mode mode) {
     switch (mode) {
         case Mode::Positive:
             return polygons(layer, Turn::counter_clockwise);
@@ -77,14 +64,14 @@ Polygons polygons_of(const LayerView& layer, Mode mode) {
 }
 
 // The region of one layer's loops, which a mode may turn: the rules of a slice see them as the facets turn them.
-ExPolygons region(const LayerView& layer, const lamella::RegionRules& rules, Mode mode) {
+ExPolygons region(const lamella::LayerView& layer, const lamella::RegionRules& rules, Mode mode) {
     const auto turned = loops(layer, turns_loops(mode) ? Turn::counter_clockwise : Turn::as_facets);
     const std::vector<std::span<const lamella::Point>> views(turned.begin(), turned.end());
     const lamella::Result<lamella::LayerContours> whole = lamella::region_of(views, rules, layer.unit_mm);
     if (!whole) {
         throw SlicingError(whole.error().message);
     }
-    return expolygons(view_of(*whole, layer.unit_mm));
+    return expolygons(*whole, layer.unit_mm);
 }
 
 void simplify(ExPolygons& whole, double resolution_mm) {
@@ -104,33 +91,35 @@ void simplify(ExPolygons& whole, double resolution_mm) {
 
 std::vector<Polygons> slice_mesh(const indexed_triangle_set& mesh, const std::vector<float>& zs,
                                  const MeshSlicingParams& params, std::function<void()> throw_on_cancel) {
-    const Cut cut(mesh, zs, params.trafo, {}, throw_on_cancel);
     std::vector<Polygons> layers(zs.size());
-    for_each_height(zs.size(), throw_on_cancel,
-                    [&](std::size_t height) { layers[height] = polygons_of(cut.layer(height), mode_of(params, height)); });
+    cut(mesh, zs, params.trafo, {}, throw_on_cancel, [&](const lamella::LayerView& layer, std::size_t height) {
+        layers[height] = polygons_of(layer, mode_of(params, height));
+    });
     return layers;
 }
 
 Polygons slice_mesh(const indexed_triangle_set& mesh, const float plane_z, const MeshSlicingParams& params) {
-    const Cut cut(mesh, plane_z, params.trafo);
-    return polygons_of(cut.layer(0), mode_of(params, 0));
+    Polygons only;
+    cut(mesh, plane_z, params.trafo,
+        [&](const lamella::LayerView& layer, std::size_t height) { only = polygons_of(layer, mode_of(params, height)); });
+    return only;
 }
 
 std::vector<ExPolygons> slice_mesh_ex(const indexed_triangle_set& mesh, const std::vector<float>& zs,
                                       const MeshSlicingParamsEx& params, std::function<void()> throw_on_cancel) {
-    // One rule in all layers goes into the slice; others are applied to its loops afterwards.
+    // One rule in all layers goes into the slice; others are applied to the loops that it gives.
     const bool mixed = params.slicing_mode_normal_below_layer > 0 && params.mode_below != params.mode;
     const bool at_once = !mixed && !turns_loops(params.mode);
-    const Cut cut(mesh, zs, params.trafo, at_once ? rules_of(params, params.mode) : lamella::RegionRules{}, throw_on_cancel);
+    const lamella::RegionRules rules = at_once ? rules_of(params, params.mode) : lamella::RegionRules{};
     std::vector<ExPolygons> layers(zs.size());
-    for_each_height(zs.size(), throw_on_cancel, [&](std::size_t height) {
+    cut(mesh, zs, params.trafo, rules, throw_on_cancel, [&](const lamella::LayerView& layer, std::size_t height) {
         const Mode mode = mode_of(params, height);
-        ExPolygons& layer = layers[height];
-        layer = at_once ? expolygons(cut.layer(height)) : region(cut.layer(height), rules_of(params, mode), mode);
+        ExPolygons whole = at_once ? expolygons(layer) : region(layer, rules_of(params, mode), mode);
         if (mode == Mode::PositiveLargestContour) {
-            keep_largest_contour_only(layer);
+            keep_largest_contour_only(whole);
         }
-        simplify(layer, params.resolution);
+        simplify(whole, params.resolution);
+        layers[height] = std::move(whole);
     });
     return layers;
 }

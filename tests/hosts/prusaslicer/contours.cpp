@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace Slic3r::lamella_adapter {
@@ -18,7 +19,7 @@ bool is_loop(const Contour& contour) {
     return contour.role == Role::outer || contour.role == Role::hole;
 }
 
-Points host_points(const LayerView& layer, const Contour& contour) {
+Points host_points(const lamella::LayerView& layer, const Contour& contour) {
     const std::span<const lamella::Point> from = layer.points_of(contour);
     if (layer.unit_mm == SCALING_FACTOR) {
         const Point* first = reinterpret_cast<const Point*>(from.data());
@@ -32,7 +33,7 @@ Points host_points(const LayerView& layer, const Contour& contour) {
     return points;
 }
 
-Polygon polygon(const LayerView& layer, const Contour& contour) {
+Polygon polygon(const lamella::LayerView& layer, const Contour& contour) {
     Polygon made;
     made.points = host_points(layer, contour);
     return made;
@@ -55,15 +56,7 @@ std::size_t holes_after(std::span<const Contour> contours, std::size_t outer) {
 
 }  // namespace
 
-LayerView view_of(const lamella::SliceResult& result, const lamella::Layer& layer) {
-    return {result.contours_of(layer), result.points.data(), result.unit_mm};
-}
-
-LayerView view_of(const lamella::LayerContours& contours, double unit_mm) {
-    return {{contours.contours.data(), contours.contours.size()}, contours.points.data(), unit_mm};
-}
-
-Polygons polygons(const LayerView& layer, Turn turn) {
+Polygons polygons(const lamella::LayerView& layer, Turn turn) {
     Polygons made;
     made.reserve(layer.contours.size());
     for (const Contour& contour : layer.contours) {
@@ -77,7 +70,7 @@ Polygons polygons(const LayerView& layer, Turn turn) {
     return made;
 }
 
-std::vector<std::vector<lamella::Point>> loops(const LayerView& layer, Turn turn) {
+std::vector<std::vector<lamella::Point>> loops(const lamella::LayerView& layer, Turn turn) {
     std::vector<std::vector<lamella::Point>> made;
     for (const Contour& contour : layer.contours) {
         if (is_loop(contour)) {
@@ -91,7 +84,7 @@ std::vector<std::vector<lamella::Point>> loops(const LayerView& layer, Turn turn
     return made;
 }
 
-Polygons largest_polygon(const LayerView& layer) {
+Polygons largest_polygon(const lamella::LayerView& layer) {
     const auto area = [](const Contour& contour) { return is_loop(contour) ? std::abs(contour.twice_area.to_double()) : 0; };
     const auto largest =
         std::max_element(layer.contours.begin(), layer.contours.end(),
@@ -105,7 +98,7 @@ Polygons largest_polygon(const LayerView& layer) {
     return made;
 }
 
-ExPolygons expolygons(const LayerView& layer) {
+ExPolygons expolygons(const lamella::LayerView& layer) {
     ExPolygons made;
     made.reserve(static_cast<std::size_t>(
         std::ranges::count_if(layer.contours, [](const Contour& contour) { return contour.role == Role::outer; })));
@@ -122,6 +115,14 @@ ExPolygons expolygons(const LayerView& layer) {
         }
     }
     return made;
+}
+
+ExPolygons expolygons(const lamella::LayerContours& layer, double unit_mm) {
+    lamella::LayerView view;
+    view.contours = {layer.contours.data(), layer.contours.size()};
+    view.points = {layer.points.data(), layer.points.size()};
+    view.unit_mm = unit_mm;
+    return expolygons(view);
 }
 
 }  // namespace Slic3r::lamella_adapter

@@ -4,12 +4,15 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
+#include <exception>
 #include <libslic3r/Exception.hpp>
 #include <libslic3r/TriangleMesh.hpp>
 #include <mutex>
 #include <numeric>
+#include <span>
 #include <utility>
 
 namespace Slic3r::lamella_adapter {
@@ -19,33 +22,56 @@ static_assert(sizeof(stl_vertex) == 3 * sizeof(float) && sizeof(stl_triangle_ver
               "the library reads the host's arrays where they lie");
 
 // Fresh pages cost a slice more than its arithmetic, so what one call has written the next one writes again.
-class ScratchPool {
+class Workspaces {
 public:
-    std::unique_ptr<Scratch> take() {
-        {
-            const std::lock_guard lock(mutex_);
-            if (!idle_.empty()) {
-                std::unique_ptr<Scratch> kept = std::move(idle_.back());
-                idle_.pop_back();
-                return kept;
-            }
-        }
-        return std::make_unique<Scratch>();
-    }
-    void give_back(std::unique_ptr<Scratch> scratch) {
+    lamella::Workspace take() {
         const std::lock_guard lock(mutex_);
-        idle_.push_back(std::move(scratch));
+        if (idle_.empty()) {
+            return {};
+        }
+        lamella::Workspace kept = std::move(idle_.back());
+        idle_.pop_back();
+        return kept;
+    }
+    void give_back(lamella::Workspace workspace) {
+        const std::lock_guard lock(mutex_);
+        idle_.push_back(std::move(workspace));
     }
 
 private:
     std::mutex mutex_;
-    std::vector<std::unique_ptr<Scratch>> idle_;
+    std::vector<lamella::Workspace> idle_;
 };
 
-ScratchPool& scratch_pool() {
-    static ScratchPool pool;
-    return pool;
+Workspaces& workspaces() {
+    static Workspaces kept;
+    return kept;
 }
+
+// No exception passes through the library: the first is kept until the call is over, and ends it.
+class Exceptions {
+public:
+    template <class Work>
+    void within(const Work& work) noexcept {
+        try {
+            work();
+        } catch (...) {
+            if (!thrown_.exchange(true)) {
+                first_ = std::current_exception();
+            }
+        }
+    }
+    bool thrown() const noexcept { return thrown_.load(std::memory_order_relaxed); }
+    void rethrow() const {
+        if (first_) {
+            std::rethrow_exception(first_);
+        }
+    }
+
+private:
+    std::atomic<bool> thrown_ = false;
+    std::exception_ptr first_;
+};
 
 bool is_identity(const Transform3d& transform) {
     return transform.matrix() == Transform3d::Identity().matrix();
@@ -109,119 +135,114 @@ std::vector<float> corners_near(const std::vector<stl_vertex>& vertices,
     return corners;
 }
 
-struct Heights {
-    std::vector<double> ascending;      ///< without those that fall on the same plane
-    std::vector<std::size_t> layer_of;  ///< by height as the host gave them
+// The heights of the host, ascending and without those that fall on the same plane, as the library wants them.
+class Planes {
+public:
+    explicit Planes(const std::vector<float>& heights) : order_(heights.size()) {
+        std::iota(order_.begin(), order_.end(), std::size_t{0});
+        std::stable_sort(order_.begin(), order_.end(),
+                         [&](std::size_t left, std::size_t right) { return heights[left] < heights[right]; });
+        for (std::size_t at = 0; at < order_.size(); ++at) {
+            const double height = heights[order_[at]];
+            if (ascending_.empty() || height - ascending_.back() > 4 * SCALING_FACTOR) {
+                ascending_.push_back(height);
+                first_.push_back(at);
+            }
+        }
+        first_.push_back(order_.size());
+    }
+
+    const std::vector<double>& ascending() const { return ascending_; }
+    /// Indices into the host's heights.
+    std::span<const std::size_t> heights_at(std::size_t plane) const {
+        return std::span(order_).subspan(first_[plane], first_[plane + 1] - first_[plane]);
+    }
+
+private:
+    std::vector<std::size_t> order_;  ///< of the host's heights
+    std::vector<double> ascending_;
+    std::vector<std::size_t> first_;  ///< by plane: into order_
 };
 
-// The library wants heights ascending and distinct on its even grid.
-Heights sorted(const std::vector<float>& heights) {
-    std::vector<std::size_t> order(heights.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t left, std::size_t right) { return heights[left] < heights[right]; });
-    Heights made;
-    made.layer_of.resize(heights.size());
-    for (const std::size_t at : order) {
-        const double height = heights[at];
-        if (made.ascending.empty() || height - made.ascending.back() > 4 * SCALING_FACTOR) {
-            made.ascending.push_back(height);
+// One call of the library.
+class Call {
+public:
+    Call(const Planes& planes, const std::function<void()>& throw_on_cancel, const TakeLayer& take)
+        : planes_(planes), throw_on_cancel_(throw_on_cancel), take_(take) {
+        constexpr double host_gap_mm = 2;
+        options.plan.spacing = lamella::ExplicitPlanes{planes.ascending()};
+        options.unit_mm = SCALING_FACTOR;
+        options.close_gaps_mm = host_gap_mm;
+        options.control.stop = {[](void* call) noexcept { return static_cast<Call*>(call)->stop(); }, this};
+    }
+
+    void slice(const lamella::MeshView& mesh) {
+        lamella::Workspace workspace = workspaces().take();
+        auto totals = lamella::slice_to(lamella::LayerSink::to(*this, lamella::SinkOrder::any), mesh, options, workspace);
+        // One that is too large for the host's unit gets the default grid.
+        if (!totals && totals.error().code == lamella::ErrorCode::bad_coordinate) {
+            options.unit_mm = 0;
+            totals = lamella::slice_to(lamella::LayerSink::to(*this, lamella::SinkOrder::any), mesh, options, workspace);
         }
-        made.layer_of[at] = made.ascending.size() - 1;
+        workspaces().give_back(std::move(workspace));
+        exceptions_.rethrow();
+        if (!totals && totals.error().code != lamella::ErrorCode::empty_mesh) {
+            throw SlicingError(totals.error().message);
+        }
     }
-    return made;
-}
 
-lamella::SliceOptions options_for(std::vector<double> heights) {
-    constexpr double host_gap_mm = 2;
+    // The library's sink.
+    void operator()(const lamella::LayerView& layer) noexcept {
+        exceptions_.within([&] {
+            for (const std::size_t height : planes_.heights_at(layer.index)) {
+                take_(layer, height);
+            }
+        });
+    }
+
     lamella::SliceOptions options;
-    options.plan.spacing = lamella::ExplicitPlanes{std::move(heights)};
-    options.unit_mm = SCALING_FACTOR;
-    options.close_gaps_mm = host_gap_mm;
-    return options;
-}
 
-// A mesh without triangles has empty layers. One that is too large for the host's unit gets the default grid.
-void slice_into(Scratch& scratch, const lamella::MeshView& mesh, lamella::SliceOptions& options, Cancel& cancel) {
-    const lamella::Status status = lamella::slice(mesh, options, scratch.workspace, scratch.result);
-    cancel.rethrow();
-    if (status) {
-        return;
+private:
+    bool stop() noexcept {
+        exceptions_.within(throw_on_cancel_);
+        return exceptions_.thrown();
     }
-    if (status.error().code == lamella::ErrorCode::bad_coordinate && options.unit_mm != 0) {
-        options.unit_mm = 0;
-        slice_into(scratch, mesh, options, cancel);
-        return;
-    }
-    if (status.error().code != lamella::ErrorCode::empty_mesh) {
-        throw SlicingError(status.error().message);
-    }
-    scratch.result.layers.set_size(0);
-}
+
+    const Planes& planes_;
+    const std::function<void()>& throw_on_cancel_;
+    const TakeLayer& take_;
+    Exceptions exceptions_;
+};
 
 }  // namespace
 
-lamella::StopCheck Cancel::stop_check() noexcept {
-    return {[](void* context) noexcept { return static_cast<Cancel*>(context)->requested(); }, this};
-}
-
-bool Cancel::requested() noexcept {
-    try {
-        throw_on_cancel_();
-    } catch (...) {
-        if (!thrown_.exchange(true)) {
-            exception_ = std::current_exception();
-        }
-    }
-    return thrown_.load(std::memory_order_relaxed);
-}
-
-void Cancel::rethrow() const {
-    if (exception_) {
-        std::rethrow_exception(exception_);
-    }
-}
-
-Cut::Cut(const indexed_triangle_set& mesh, const std::vector<float>& heights, const Transform3d& transform,
-         const lamella::RegionRules& rules, const std::function<void()>& throw_on_cancel)
-    : scratch_(scratch_pool().take()) {
+void cut(const indexed_triangle_set& mesh, const std::vector<float>& heights, const Transform3d& transform,
+         const lamella::RegionRules& rules, const std::function<void()>& throw_on_cancel, const TakeLayer& take) {
     throw_on_cancel();
-    Heights ascending = sorted(heights);
-    layer_of_ = std::move(ascending.layer_of);
-    lamella::SliceOptions options = options_for(std::move(ascending.ascending));
-    options.region = rules;
-    Cancel cancel(throw_on_cancel);
-    options.control.stop = cancel.stop_check();
-    std::vector<stl_vertex> moved;
-    if (!is_identity(transform)) {
-        moved = transformed(mesh.vertices, float_transform(transform));
-        options.transform = from_host_units();
+    const Planes planes(heights);
+    Call call(planes, throw_on_cancel, take);
+    call.options.region = rules;
+    if (is_identity(transform)) {
+        call.slice(view(mesh.vertices, mesh.indices));
+        return;
     }
-    slice_into(*scratch_, view(moved.empty() ? mesh.vertices : moved, mesh.indices), options, cancel);
+    call.options.transform = from_host_units();
+    const std::vector<stl_vertex> moved = transformed(mesh.vertices, float_transform(transform));
+    call.slice(view(moved, mesh.indices));
 }
 
-Cut::Cut(const indexed_triangle_set& mesh, float height, const Transform3d& transform)
-    : scratch_(scratch_pool().take()), layer_of_{0} {
-    lamella::SliceOptions options = options_for({height});
-    options.control.threads = 1;
+void cut(const indexed_triangle_set& mesh, float height, const Transform3d& transform, const TakeLayer& take) {
+    const Planes planes({height});
     const std::function<void()> never = [] {};
-    Cancel cancel(never);
-    std::vector<stl_vertex> moved;
-    if (!is_identity(transform)) {
-        moved = transformed(mesh.vertices, float_transform(transform));
-        options.transform = from_host_units();
+    Call call(planes, never, take);
+    call.options.control.threads = 1;
+    if (is_identity(transform)) {
+        call.slice(lamella::MeshView::soup(corners_near(mesh.vertices, mesh.indices, height)));
+        return;
     }
-    const std::vector<float> corners = corners_near(moved.empty() ? mesh.vertices : moved, mesh.indices, height);
-    slice_into(*scratch_, lamella::MeshView::soup(corners), options, cancel);
-}
-
-Cut::~Cut() {
-    scratch_pool().give_back(std::move(scratch_));
-}
-
-LayerView Cut::layer(std::size_t height) const {
-    const lamella::SliceResult& result = scratch_->result;
-    return result.layers.empty() ? LayerView{} : view_of(result, result.layers[layer_of_[height]]);
+    call.options.transform = from_host_units();
+    const std::vector<stl_vertex> moved = transformed(mesh.vertices, float_transform(transform));
+    call.slice(lamella::MeshView::soup(corners_near(moved, mesh.indices, height)));
 }
 
 }  // namespace Slic3r::lamella_adapter

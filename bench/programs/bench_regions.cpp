@@ -2,11 +2,11 @@
 #include <memory>
 #include <vector>
 
-#include "base/int128.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/region.hpp"
 #include "measure.hpp"
 #include "peak_memory.hpp"
+#include "region_area.hpp"
 
 namespace lamella::bench {
 
@@ -60,14 +60,6 @@ Layer2d comb(std::int32_t teeth) {
     }
     layer.non_zero = layer.even_odd = static_cast<double>(teeth) * step * (step + height / 2.0);
     return layer;
-}
-
-double area_of(const LayerContours& region) {
-    Int128 twice = 0;
-    for (const Contour& contour : region.contours) {
-        twice += to_int128(contour.twice_area);
-    }
-    return static_cast<double>(twice) / 2;
 }
 
 void run_region(benchmark::State& state, const Layer2d& layer, FillRule rule) {

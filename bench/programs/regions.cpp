@@ -19,11 +19,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/int128.hpp"
 #include "clipper_regions.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
+#include "region_area.hpp"
 
 namespace lamella::bench {
 
@@ -100,14 +100,6 @@ std::vector<Spans> layers_of(const SliceResult& result) {
         }
     }
     return layers;
-}
-
-double area_of(const LayerContours& region) {
-    Int128 twice = 0;
-    for (const Contour& contour : region.contours) {
-        twice += to_int128(contour.twice_area);
-    }
-    return static_cast<double>(twice) / 2;
 }
 
 double length_of(const Spans& contours) {

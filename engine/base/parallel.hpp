@@ -2,6 +2,7 @@
 // same interface on std::thread, because Debian's oneTBB is not instrumented.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 
@@ -30,6 +31,11 @@ public:
     bool serves(const Control& control) const;
     /// From here on calls end when `stop` says so.
     void follow(const StopCheck& stop) noexcept { stop_ = stop; }
+
+    /// How many workers run() may have for so many indices; at least one.
+    std::size_t workers_for(std::size_t count) const noexcept {
+        return std::clamp<std::size_t>(count, 1, static_cast<std::size_t>(threads_));
+    }
 
     /// Calls task(index, worker) once for each index in [0, count), worker < threads() being distinct among calls that run
     /// at the same time. Indices are handed out in ascending order. Returns when all are done; rethrows the first exception,

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <unistd.h>
@@ -39,10 +40,7 @@ namespace lamella {
 
 namespace {
 
-std::uint64_t memory_limit(const SliceOptions& options) {
-    if (options.memory_limit_bytes != 0) {
-        return options.memory_limit_bytes;
-    }
+std::uint64_t half_of_memory() {
     const auto pages = static_cast<std::uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
     return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
 }
@@ -64,6 +62,7 @@ struct detail::WorkspaceParts {
     }
 
     const Memory* memory;
+    std::uint64_t usual_limit = half_of_memory();  ///< the system takes half a microsecond to say it
     std::unique_ptr<Parallel> parallel;
     BlockTable blocks;
     PlaneSet planes;
@@ -103,16 +102,15 @@ public:
         if (Status status = count_triangles(); !status) {
             return status;
         }
-        return output_.admit(kept_.planes, kept_.buckets, result_);
+        return output_.admit(kept_.planes, kept_.buckets, result_, memory_limit());
     }
 
     Status run() {
-        const auto start = Clock::now();
         if (Status status = admit(); !status) {
             return status;
         }
         bucket_triangles();
-        result_.summary.ms.bucket = milliseconds_since(start);
+        result_.summary.ms.bucket = end_stage();
         if (Status status = sweep_bands(); !status) {
             return status;
         }
@@ -135,8 +133,16 @@ private:
         return {kept_.planes,          kept_.buckets, kept_.bands.bands, parallel_,
                 options_.control.stop, progress_,     kept_.output,      result_};
     }
+    std::uint64_t memory_limit() const noexcept {
+        return options_.memory_limit_bytes != 0 ? options_.memory_limit_bytes : kept_.usual_limit;
+    }
     LayerRules rules() const noexcept {
         return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm};
+    }
+    /// Milliseconds since the stage before ended.
+    double end_stage() noexcept {
+        const auto before = std::exchange(stage_began_, Clock::now());
+        return std::chrono::duration<double, std::milli>(stage_began_ - before).count();
     }
     void note_ticks_of(const WidePlane& wide, std::uint64_t spent);
     void split_time(double sweep_ms);
@@ -153,6 +159,7 @@ private:
     ProgressMeter progress_;
     const Parallel& parallel_;
     SweepTicks wide_ticks_;
+    Clock::time_point stage_began_ = Clock::now();
 };
 
 Status Slicing::choose_grid_and_planes() {
@@ -181,10 +188,10 @@ Status Slicing::choose_grid_and_planes() {
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
     std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
     if (frame_ != nullptr) {
-        return kept_.planes.build(options_.plan, frame_->bounds, *unit, frame_->number, memory_limit(options_));
+        return kept_.planes.build(options_.plan, frame_->bounds, *unit, frame_->number, memory_limit());
     }
     const CoordinateType number = options_.transform.is_identity() ? mesh_.coordinate_type : CoordinateType::f64;
-    return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit(options_));
+    return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit());
 }
 
 Status Slicing::count_triangles() {
@@ -216,13 +223,12 @@ void Slicing::bucket_triangles() {
 }
 
 Status Slicing::sweep_bands() {
-    const auto start = Clock::now();
     kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
     if (Status status = output_.take_bands(sweep_input(), [this](BandTarget& target) { sweep_all_into(target); }); !status) {
         return status;
     }
     kept_.bands.forget_many_seeds();  // before the result's contours are added to what is held
-    split_time(milliseconds_since(start));
+    split_time(end_stage());
     return {};
 }
 
@@ -311,10 +317,12 @@ void Slicing::split_time(double sweep_ms) {
 }
 
 Status Slicing::finish_result() {
-    const auto start = Clock::now();
+    const std::vector<PlaneIndex>& listed = kept_.planes.plane_of_listed();
+    result_.layer_of.resize_discarding(listed.size());
+    std::copy(listed.begin(), listed.end(), result_.layer_of.begin());
     summarise();
     Status status = output_.finish(sweep_input());
-    result_.summary.ms.contours += milliseconds_since(start);
+    result_.summary.ms.contours += end_stage();
     return status;
 }
 
@@ -327,10 +335,6 @@ void Slicing::summarise() {
     summary.bands = kept_.bands.bands.size();
     summary.threads = parallel_.threads();
 }
-
-}  // namespace
-
-namespace {
 
 /// A prepared mesh has its grid and its frame already.
 Status check_prepared(const detail::PreparedParts& prepared, const SliceOptions& options) {
@@ -369,7 +373,7 @@ detail::WorkspaceParts& parts_for(const SliceOptions& options, std::unique_ptr<d
 
 Status detail::PartSlicer::slice(const SliceInput& input, const SliceOptions& options, Workspace& workspace,
                                  SliceResult& result) {
-    ResultOutput output(memory_limit(options));
+    ResultOutput output;
     return slice_for(output, input, options, workspace, result);
 }
 

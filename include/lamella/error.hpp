@@ -28,7 +28,7 @@ enum class ErrorCode : std::uint8_t {
     malformed_mesh,    ///< the bytes are not a mesh in the format that they claim
     empty_mesh,        ///< no triangle at all, or none with three distinct corners on the grid
     bad_coordinate,    ///< a coordinate that is not finite, or beyond 1e9 mm
-    bad_planes,        ///< heights not sorted or not distinct on the grid, a step under two units, too many planes
+    bad_planes,        ///< a height that is not finite, planes that are one on the grid, a step under two units, too many
     result_too_large,  ///< the result is known to exceed the memory limit; nothing was allocated for it
     out_of_memory,     ///< an allocation failed
     cancelled,         ///< the caller's StopCheck said so

@@ -35,9 +35,10 @@ struct UniformLayers {
     Datum datum = Datum::mesh_min;
 };
 
-/// Planes at the given absolute heights, ascending and distinct after rounding. Heights outside the mesh give empty layers
-/// (beyond the grid's reach, `Layer::plane` only keeps their order). A layer reaches from the middle between its plane and
-/// the one below to the middle between it and the one above.
+/// Planes at the given absolute heights, in any order. Heights that round to one plane share one layer, whose
+/// `Layer::plane_mm` is the least of them: layers stay ascending and distinct, and SliceResult::layer_of names the layer of
+/// each height. Heights outside the mesh give empty layers (beyond the grid's reach, `Layer::plane` only keeps their order).
+/// A layer reaches from the middle between its plane and the one below to the middle between it and the one above.
 struct ExplicitPlanes {
     std::vector<double> heights_mm;
 };

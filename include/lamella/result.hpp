@@ -135,12 +135,14 @@ struct PointMm {
 struct SliceResult {
     /// Its arrays will take their memory from `memory`; null: operator new.
     explicit SliceResult(const Memory* memory = nullptr) noexcept
-        : layers(memory), contours(memory), points(memory), closed_gaps(memory) {}
+        : layers(memory), contours(memory), points(memory), closed_gaps(memory), layer_of(memory) {}
 
     Array<Layer> layers;
     Array<Contour> contours;
     Array<Point> points;
     Array<ClosedGap> closed_gaps;  ///< by layer, then by `from` and `to`
+    /// The layer of each of ExplicitPlanes::heights_mm: an index into `layers`. Empty for other plans.
+    Array<std::uint64_t> layer_of;
     std::uint32_t part_count = 1;  ///< meshes
     PartRegions part_regions = PartRegions::separate;
     RegionRules region;

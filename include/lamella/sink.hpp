@@ -83,7 +83,8 @@ struct SliceTotals {
     std::uint64_t points = 0;
     std::uint64_t closed_gaps = 0;
     double unit_mm = default_unit_mm;
-    SliceSummary summary;  ///< its times include those of the sink
+    Array<std::uint64_t> layer_of;  ///< as SliceResult::layer_of
+    SliceSummary summary;           ///< its times include those of the sink
 };
 
 /// Slices `mesh` as slice() does and hands each layer to `sink`. The bytes of a layer, regions included, are those of

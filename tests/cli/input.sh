@@ -21,8 +21,6 @@ test_usage() {
     expect_failure 2 "--random-heights" "${slice[@]}" --random-heights 0:1
     expect_failure 2 "--random-heights" "${slice[@]}" --random-heights 1
     expect_failure 2 "--planes" "${slice[@]}" --planes 1,two
-    expect_failure 2 "plane" "${slice[@]}" --planes 2,1
-    expect_failure 2 "plane" "${slice[@]}" --planes 1,1
     expect_failure 2 "--datum" "${slice[@]}" --datum middle
     expect_failure 2 "--side" "${slice[@]}" --side left
     expect_failure 2 "--grid" "${slice[@]}" --grid 0

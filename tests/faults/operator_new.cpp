@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <new>
 #include <optional>
 
@@ -171,7 +172,7 @@ TEST_CASE("slicing of a refused mesh survives failing operator new", "[faults]")
         soup[100] = 1e300;
     }
     SECTION("planes") {
-        options.plan.spacing = lamella::ExplicitPlanes{{2, 1}};
+        options.plan.spacing = lamella::ExplicitPlanes{{2, std::numeric_limits<double>::infinity()}};
     }
     SECTION("the memory limit") {
         options.memory_limit_bytes = 1000;

@@ -48,18 +48,7 @@ RandomLayers random_layers(const SliceArguments& arguments) {
     return {.min_height_mm = *least, .max_height_mm = *most, .seed = arguments.seed};
 }
 
-/// The engine checks the order too, after rounding; here a file's lines can be named.
-void require_ascending(const NumberFile& file, const std::string& path) {
-    for (std::size_t i = 1; i < file.values.size(); ++i) {
-        if (file.values[i] <= file.values[i - 1]) {
-            throw Failure(bad_input, path + ":" + std::to_string(file.lines[i]) + ": the height " +
-                                         exact_text(file.values[i]) + " is not above " + exact_text(file.values[i - 1]) +
-                                         " of line " + std::to_string(file.lines[i - 1]));
-        }
-    }
-}
-
-ExplicitPlanes explicit_planes(const std::string& text, SliceRequest& request) {
+ExplicitPlanes explicit_planes(const std::string& text) {
     if (std::optional<std::vector<double>> list = parse_list(text)) {
         return {*std::move(list)};
     }
@@ -71,8 +60,6 @@ ExplicitPlanes explicit_planes(const std::string& text, SliceRequest& request) {
     if (file.values.empty()) {
         throw Failure(bad_input, text + ": no heights");
     }
-    require_ascending(file, text);
-    request.plane_lines = std::move(file.lines);
     return {std::move(file.values)};
 }
 
@@ -247,38 +234,40 @@ std::optional<double> least_plane_distance(const LayerPlan& plan) {
         return random->min_height_mm;
     }
     std::optional<double> least;
-    const std::vector<double>& heights = std::get<ExplicitPlanes>(plan.spacing).heights_mm;
+    std::vector<double> heights = std::get<ExplicitPlanes>(plan.spacing).heights_mm;
+    std::sort(heights.begin(), heights.end());
+    heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
     for (std::size_t i = 1; i < heights.size(); ++i) {
         least = std::min(least.value_or(heights[i] - heights[i - 1]), heights[i] - heights[i - 1]);
     }
     return least;
 }
 
-SliceRequest request_of(const SliceArguments& arguments) {
-    SliceRequest request;
-    LayerPlan& plan = request.options.plan;
+SliceOptions options_of(const SliceArguments& arguments) {
+    SliceOptions options;
+    LayerPlan& plan = options.plan;
     if (!arguments.planes.empty()) {
-        plan.spacing = explicit_planes(arguments.planes, request);
+        plan.spacing = explicit_planes(arguments.planes);
     } else if (!arguments.random_heights.empty()) {
         plan.spacing = random_layers(arguments);
     } else {
         plan.spacing = uniform_layers(arguments);
     }
     plan.side = arguments.side;
-    request.options.unit_mm = parse_grid(arguments.grid);
-    request.options.transform = transform_of(arguments);
+    options.unit_mm = parse_grid(arguments.grid);
+    options.transform = transform_of(arguments);
     for (const auto& [value, option] :
          {std::pair{&arguments.weld_mm, "--weld"}, {&arguments.close_gaps_mm, "--close-gaps"}}) {
         if (*value && !(**value >= 0 && std::isfinite(**value))) {
             throw Failure(bad_usage, std::string(option) + ": not a number of mm that is at least 0");
         }
     }
-    request.options.close_gaps_mm = arguments.close_gaps_mm.value_or(0);
-    request.options.region = region_of(arguments);
-    request.options.control.threads = arguments.threads;
-    request.options.tuning.band_planes = arguments.band_planes;
-    request.options.tuning.form = arguments.form;
-    return request;
+    options.close_gaps_mm = arguments.close_gaps_mm.value_or(0);
+    options.region = region_of(arguments);
+    options.control.threads = arguments.threads;
+    options.tuning.band_planes = arguments.band_planes;
+    options.tuning.form = arguments.form;
+    return options;
 }
 
 }  // namespace lamella::cli

@@ -44,15 +44,10 @@ void declare(CLI::App& command, SliceArguments& arguments);
 /// --progress, which info and check have too.
 void declare_progress(CLI::App& command, MeshArguments& arguments);
 
-struct SliceRequest {
-    SliceOptions options;
-    std::vector<std::size_t> plane_lines;  ///< where in the --planes file each height stands; empty if there is none
-};
-
-/// From one plane to the next, if there are two.
+/// The least distance between two planes at different heights, if there are two.
 std::optional<double> least_plane_distance(const LayerPlan& plan);
 
 /// Checks values and reads the files that flags name. Throws Failure.
-SliceRequest request_of(const SliceArguments& arguments);
+SliceOptions options_of(const SliceArguments& arguments);
 
 }  // namespace lamella::cli

@@ -29,9 +29,9 @@ public:
     void run() {
         require_outputs();
         interrupt_.tidy({arguments_.output, arguments_.report});
-        SliceRequest request = request_of(arguments_);
+        SliceOptions options = options_of(arguments_);
         const MeshFile mesh = read();
-        const SliceResult result = slice_mesh(mesh, request);
+        const SliceResult result = slice_mesh(mesh, options);
         if (result.summary.segments == 0) {
             note(why_nothing_is_cut(result.summary));
         }
@@ -95,16 +95,16 @@ private:
         return mesh;
     }
 
-    SliceResult slice_mesh(const MeshFile& mesh, SliceRequest& request) {
+    SliceResult slice_mesh(const MeshFile& mesh, SliceOptions& options) {
         if (arguments_.weld_mm) {
             weld_vertices(mesh);
         }
         const Stage stage(bar_, "slicing");
-        request.options.control.stop = interrupt_.defer();
-        request.options.control.progress = stage.progress();
-        Result<SliceResult> result = welded_ ? slice(*welded_, request.options) : slice(mesh, request.options);
+        options.control.stop = interrupt_.defer();
+        options.control.progress = stage.progress();
+        Result<SliceResult> result = welded_ ? slice(*welded_, options) : slice(mesh, options);
         if (!result) {
-            throw slicing_failure(result.error(), request);
+            throw slicing_failure(result.error());
         }
         return std::move(result).value();
     }
@@ -121,13 +121,9 @@ private:
         welded_ = std::move(welded).value();
     }
 
-    Failure slicing_failure(const Error& error, const SliceRequest& request) const {
+    Failure slicing_failure(const Error& error) const {
         interrupt_.die_if_interrupted();
         const Failure failure = failure_of(error);
-        const auto plane = static_cast<std::size_t>(error.plane);
-        if (error.code == ErrorCode::bad_planes && plane < request.plane_lines.size()) {
-            return {bad_input, arguments_.planes + ":" + std::to_string(request.plane_lines[plane]) + ": " + error.message};
-        }
         if (error.code == ErrorCode::empty_mesh && welded_ && welded_->joined > 0) {
             return {bad_input, arguments_.name() + ": welding at " + exact_text(*arguments_.weld_mm) +
                                    " mm leaves nothing: " + error.message};

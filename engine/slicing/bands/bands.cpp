@@ -127,26 +127,34 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const S
     StopPace pace;
     pace.follow(stop);
     const std::span<const Reaching> found{reaching.data(), reaching_count};
-    Vector<std::uint32_t> band_of(planes, bands.get_allocator());
+    seed_begin.assign(bands.size() + 1, 0);
+    seeds.resize_discarding(0);
+    if (found.empty()) {
+        give_back_many(reaching);
+        return;
+    }
+    Vector<std::uint32_t>& band_of = band_of_;
+    Vector<std::int64_t>& change = change_;
+    Vector<std::uint64_t>& next_seed = next_seed_;
+    band_of.resize(planes);
     for (std::uint32_t b = 0; b < bands.size(); ++b) {
         std::fill(band_of.begin() + bands[b].first, band_of.begin() + bands[b].last, b);
     }
     // Count, prefix sum, scatter. A triangle is counted from the band after its first to its last.
-    Vector<std::int64_t> change(bands.size() + 1, 0, bands.get_allocator());
+    change.assign(bands.size() + 1, 0);
     pace.in_stretches(0, found.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (const Reaching& triangle : found.subspan(begin, end - begin)) {
             ++change[band_of[triangle.first] + 1];
             --change[band_of[triangle.last - 1] + 1];
         }
     });
-    seed_begin.assign(bands.size() + 1, 0);
     std::int64_t seeds_here = 0;
     for (std::size_t b = 0; b < bands.size(); ++b) {
         seeds_here += change[b];
         seed_begin[b + 1] = seed_begin[b] + static_cast<std::uint64_t>(seeds_here);
     }
     seeds.resize_discarding(seed_begin.back());
-    Vector<std::uint64_t> next_seed(seed_begin);
+    next_seed = seed_begin;
     pace.in_stretches(0, found.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (const Reaching& triangle : found.subspan(begin, end - begin)) {
             const std::uint32_t last = band_of[triangle.last - 1];

@@ -24,7 +24,7 @@ struct Band {
 
 struct BandPlan {
     explicit BandPlan(const Memory* memory)
-        : bands(memory), band_end(memory), reaching(memory), seed_begin(memory), seeds(memory) {}
+        : bands(memory), band_end(memory), reaching(memory), seed_begin(memory), seeds(memory), band_of_(memory), change_(memory), next_seed_(memory) {}
 
     Vector<Band> bands;
     Vector<PlaneIndex> band_end;       ///< k + 1: the end of each plane's band, and k
@@ -54,6 +54,11 @@ struct BandPlan {
 private:
     void cut_once(const Buckets& buckets, PlaneIndex planes, std::size_t fixed, int threads, std::uint64_t most_segments);
     void make_room(const Buckets& buckets, PlaneIndex planes);
+
+    // scratch of find_seeds()
+    Vector<std::uint32_t> band_of_;  // of each plane
+    Vector<std::int64_t> change_;
+    Vector<std::uint64_t> next_seed_;
 };
 
 }  // namespace lamella

@@ -1,13 +1,11 @@
 #include "slicing/buckets/bucket.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cassert>
-#include <numeric>
 #include <utility>
-#include <vector>
 
+#include "base/per_worker.hpp"
 #include "slicing/buckets/bucket_parts.hpp"
 #include "slicing/buckets/soup_scan.hpp"
 
@@ -179,7 +177,7 @@ void count_crossings(const MeshView& mesh, const Transform& transform, double un
     assert(blocks.blocks.size() == parts.blocks());
     buckets.crossed_mask.resize_discarding(parts.blocks());
     make_counters(planes, parts.count, buckets);
-    std::vector<std::uint64_t> degenerate(parts.count);
+    PerWorker<std::uint64_t> degenerate(parts.count);
     const SoupScan scan(mesh, transform, unit_mm, planes);
     with_reader(mesh, transform, unit_mm, [&](const auto& read) {
         parallel.run(parts.count, [&](std::size_t part, int) {
@@ -197,7 +195,8 @@ void count_crossings(const MeshView& mesh, const Transform& transform, double un
             degenerate[part] = counter.degenerate();
         });
     });
-    buckets.degenerate = std::accumulate(degenerate.begin(), degenerate.end(), std::uint64_t{0});
+    buckets.degenerate = 0;
+    degenerate.for_each([&buckets](std::uint64_t of_part) { buckets.degenerate += of_part; });
     sum_up(planes, parts.count, buckets);
 }
 

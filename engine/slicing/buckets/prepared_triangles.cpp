@@ -177,17 +177,30 @@ std::size_t scatter_triangles(const PreparedTriangles& prepared, const PlaneSet&
     for_each_touched(buckets, parts, parallel, [&](std::size_t part, std::size_t i, std::size_t block) {
         const PartCursors cursors(buckets, part, planes.size());
         const CrossedTriangle* const first_of_block = prepared.triangles.data() + block * block_triangles;
+        // First where records go, then the records: a store that waits for memory would hold up the next ones, and loads
+        // that are a multiple of 4096 bytes away from it.
+        Reaching places[block_triangles];
+        std::size_t count = 0;
         for (std::uint64_t crossed = buckets.crossed_mask[i]; crossed != 0; crossed &= crossed - 1) {
             const CrossedTriangle& t = first_of_block[std::countr_zero(crossed)];
             const PlaneIndex first = planes.first_above(t.lower.z);
             const std::uint32_t at = cursors.next_record[first]++;
-            CrossedTriangle& record = buckets.records[at];
-            record = t;
-            record.middle_and_source |= planes.first_above(t.middle.z);
-            record.last = planes.first_above(t.upper.z);
-            if (record.last > reach_end[first]) {
-                *output.take(1) = {at, first, record.last};
-            }
+            __builtin_prefetch(buckets.records.data() + at, 1);
+            places[count++] = {at, first, planes.first_above(t.upper.z)};
+        }
+        std::size_t next = 0;
+        std::size_t reach = 0;
+        for (std::uint64_t crossed = buckets.crossed_mask[i]; crossed != 0; crossed &= crossed - 1) {
+            const Reaching place = places[next++];
+            CrossedTriangle record = first_of_block[std::countr_zero(crossed)];
+            record.middle_and_source |= planes.first_above(record.middle.z);
+            record.last = place.last;
+            buckets.records[place.record] = record;
+            places[reach] = place;
+            reach += place.last > reach_end[place.first] ? 1 : 0;
+        }
+        if (reach > 0) {
+            std::copy_n(places, reach, output.take(reach));
         }
     });
     return output.count();

@@ -59,11 +59,7 @@ public:
         output_.begin(output_.buffer.span());
         layer_.build(graph_, points_.data(), output_);
         progress_.reach(built_share);
-        LayerContours layer{Array<Contour>(memory), Array<Point>(memory)};
-        layer.contours.resize_discarding(output_.contours.size());
-        copy_paced(output_.contours.data(), output_.contours.size(), layer.contours.data());
-        layer.points.resize_discarding(output_.point_count);
-        copy_paced(output_.points, output_.point_count, layer.points.data());
+        LayerContours layer = copy_layer(output_, pace_, memory);
         progress_.finish();
         return layer;
     }
@@ -81,13 +77,6 @@ private:
             const PortRef target = attach(attaching, segment.to_key, segment.to, target_port, i);
             links_.push_back({{target, source}});
         }
-    }
-
-    template <class T>
-    void copy_paced(const T* from, std::size_t count, T* to) {
-        constexpr std::size_t words = (sizeof(T) + 7) / 8;
-        pace_.in_stretches(0, count, words,
-                           [&](std::size_t begin, std::size_t end) { std::copy(from + begin, from + end, to + begin); });
     }
 
     PortRef attach(SlotTable::Attaching& attaching, const EndKey& key, Point point, int port, std::uint32_t link) {

@@ -63,23 +63,6 @@ void LayerBuilder::build_traced(Point* rings, std::span<const WalkedContour> wal
     finish(out);
 }
 
-void LayerBuilder::build_closed(std::span<const std::span<const Point>> contours, BandOutput& out) {
-    given_.clear();
-    for (const std::span<const Point> contour : contours) {
-        given_.insert(given_.end(), contour.begin(), contour.end());
-        pace_.spend(contour.size());
-    }
-    contours_.clear();
-    std::span<Point> rest(given_);
-    for (const std::span<const Point> contour : contours) {
-        if (!contour.empty()) {
-            contours_.push_back(closed_contour(rest.first(contour.size())));
-        }
-        rest = rest.subspan(contour.size());
-    }
-    finish(out);
-}
-
 void LayerBuilder::build_given(std::span<const GivenContour> contours, BandOutput& out) {
     given_.clear();
     for (const GivenContour& contour : contours) {

@@ -55,10 +55,7 @@ public:
     void build_traced(Point* rings, std::span<const WalkedContour> walked, KeyAt key_at, const Parallel& parallel,
                       BandOutput& out);
 
-    /// The same for closed contours that are not walked but given. Those without points are left out.
-    void build_closed(std::span<const std::span<const Point>> contours, BandOutput& out);
-
-    /// The same for contours of other layers, which have points.
+    /// The same for contours that are not walked but given, each with points.
     void build_given(std::span<const GivenContour> contours, BandOutput& out);
 
     /// From here on building a layer throws Stopped where the host wants the call to end.

@@ -13,6 +13,7 @@
 #include "lamella/assemble.hpp"
 #include "slicing/contours/layer_builder.hpp"
 #include "slicing/regions/rules.hpp"
+#include "slicing/result/band_output.hpp"
 
 namespace lamella {
 
@@ -67,6 +68,19 @@ Status check_all(ContoursView contours, const RegionRules& rules, double unit_mm
     return check_reach(rules, unit_mm, farthest(contours) * unit_mm);
 }
 
+/// Those that have points.
+Vector<GivenContour> list_given(ContoursView contours, const Memory* memory, StopPace& pace) {
+    Vector<GivenContour> given(memory);
+    given.reserve(contours.size());
+    for (const std::span<const Point> contour : contours) {
+        pace.spend(1);
+        if (!contour.empty()) {
+            given.push_back({.points = contour, .segments = static_cast<std::uint32_t>(contour.size())});
+        }
+    }
+    return given;
+}
+
 }  // namespace
 
 Result<LayerContours> region_of(std::span<const std::span<const Point>> contours, const RegionRules& rules, double unit_mm,
@@ -83,13 +97,8 @@ Result<LayerContours> region_of(std::span<const std::span<const Point>> contours
         builder.rules = {&rules, unit_mm, 0};
         BandOutput output(control.memory);
         output.begin(output.buffer.span());
-        builder.build_closed(contours, output);
-        LayerContours layer{Array<Contour>(control.memory), Array<Point>(control.memory)};
-        layer.contours.resize_discarding(output.contours.size());
-        std::copy(output.contours.begin(), output.contours.end(), layer.contours.begin());
-        layer.points.resize_discarding(output.point_count);
-        std::copy(output.points, output.points + output.point_count, layer.points.begin());
-        return layer;
+        builder.build_given(list_given(contours, control.memory, pace), output);
+        return copy_layer(output, pace, control.memory);
     });
 }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <vector>
 
+#include "base/per_worker.hpp"
 #include "base/words.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -18,11 +18,14 @@ namespace {
 constexpr std::size_t grain = (1 << 12) / block_triangles;  // blocks per task
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// A box that grows, and whether something in it was not finite.
+constexpr std::int64_t no_triangle_yet = std::numeric_limits<std::int64_t>::max();
+
+/// A box that grows, whether something in it was not finite, and the first triangle with an index that names no vertex.
 struct Partial {
     double min[3] = {infinity, infinity, infinity};
     double max[3] = {-infinity, -infinity, -infinity};
     bool finite = true;
+    std::int64_t bad_index = no_triangle_yet;
 
     void add(int axis, double low, double high) noexcept {
         min[axis] = std::min(min[axis], low);
@@ -33,6 +36,7 @@ struct Partial {
             add(axis, other.min[axis], other.max[axis]);
         }
         finite = finite && other.finite;
+        bad_index = std::min(bad_index, other.bad_index);
     }
 };
 
@@ -129,31 +133,26 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, 
     }
     const bool float_soup =
         mesh.coordinate_type == CoordinateType::f32 && mesh.indices == nullptr && transform.is_identity();
-    const auto workers = static_cast<std::size_t>(parallel.threads());
-    std::vector<Partial> partial(workers);
-    std::vector<std::int64_t> bad_index(workers, std::numeric_limits<std::int64_t>::max());
     table.near_mm = BlockTable::near_mm_for(unit_mm > 0 ? unit_mm : default_unit_mm);
     table.blocks.resize_discarding(block_count(mesh.triangle_count));
+    PerWorker<Partial> partial(parallel.workers_for(table.blocks.size() / grain));
     parallel.run_ranges(table.blocks.size(), grain, [&](std::size_t begin, std::size_t end, int worker) {
         const auto w = static_cast<std::size_t>(worker);
         if (mesh.indices != nullptr) {
             const std::size_t last = std::min(mesh.triangle_count, end * block_triangles);
             if (const std::int64_t bad = first_bad_index(mesh, begin * block_triangles, last); bad >= 0) {
-                bad_index[w] = std::min(bad_index[w], bad);
+                partial[w].bad_index = std::min(partial[w].bad_index, bad);
                 return;
             }
         }
         partial[w].add(float_soup ? measure_soup(mesh, begin, end, table)
                                   : measure_general(mesh, transform, begin, end, table));
     });
-    if (const std::int64_t bad = *std::min_element(bad_index.begin(), bad_index.end());
-        bad != std::numeric_limits<std::int64_t>::max()) {
-        return Error{ErrorCode::invalid_argument, "triangle " + std::to_string(bad) + " has an index beyond the last vertex",
-                     bad};
-    }
     Partial all;
-    for (const Partial& p : partial) {
-        all.add(p);
+    partial.for_each([&all](const Partial& p) { all.add(p); });
+    if (all.bad_index != no_triangle_yet) {
+        return Error{ErrorCode::invalid_argument,
+                     "triangle " + std::to_string(all.bad_index) + " has an index beyond the last vertex", all.bad_index};
     }
     Bounds bounds{};
     double largest = 0;

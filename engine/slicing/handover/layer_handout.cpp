@@ -4,6 +4,8 @@
 #include <span>
 #include <tuple>
 
+#include "base/stop_pace.hpp"
+
 namespace lamella {
 
 namespace {
@@ -11,7 +13,7 @@ namespace {
 /// Walks through the layers of an output.
 class LayerCursor {
 public:
-    explicit LayerCursor(BandOutput& output) : output_(output) {}
+    LayerCursor(BandOutput& output, const StopCheck& stop) : output_(output) { pace_.follow(stop); }
 
     /// The next layer's contours, points and gaps, which then count from the layer's own first.
     LayerView next() {
@@ -51,6 +53,7 @@ private:
     std::size_t first_contour_ = 0;
     std::uint64_t first_point_ = 0;
     std::size_t first_gap_ = 0;
+    StopPace pace_;
 };
 
 }  // namespace
@@ -65,7 +68,7 @@ void HandedOver::add(const HandedOver& other) noexcept {
 }
 
 void LayerHandout::hand_over(BandOutput& output, HandedOver& total) const {
-    LayerCursor cursor(output);
+    LayerCursor cursor(output, stop_);
     for (std::size_t i = 0; i < output.layer_contours.size(); ++i) {
         LayerView view = cursor.next();
         view.layer = describe_layer(planes_, buckets_, static_cast<PlaneIndex>(view.index));

@@ -1,5 +1,7 @@
 #include "lamella/sink.hpp"
 
+#include <utility>
+
 #include "base/guard.hpp"
 #include "slicing/handover/sink_bands.hpp"
 #include "slicing/part_slicer.hpp"
@@ -12,7 +14,8 @@ class SinkOutput final : public SliceOutput {
 public:
     explicit SinkOutput(const LayerSink& sink) : sink_(sink) {}
 
-    Status admit(const PlaneSet& /*planes*/, const Buckets& /*buckets*/, const SliceResult& /*result*/) override {
+    Status admit(const PlaneSet& /*planes*/, const Buckets& /*buckets*/, const SliceResult& /*result*/,
+                 std::uint64_t /*memory_limit*/) override {
         return {};
     }
 
@@ -35,9 +38,9 @@ public:
         return {};
     }
 
-    SliceTotals totals(const SliceResult& result) const {
-        return {handed_over_.layers,      handed_over_.contours, handed_over_.points,
-                handed_over_.closed_gaps, result.unit_mm,        result.summary};
+    SliceTotals totals(SliceResult& result) const {
+        return {handed_over_.layers, handed_over_.contours,      handed_over_.points, handed_over_.closed_gaps,
+                result.unit_mm,      std::move(result.layer_of), result.summary};
     }
 
 private:

@@ -128,6 +128,8 @@ void unite_parts(const SliceResult& apart, const Control& control, const Paralle
     uniting.place_all();
     united.closed_gaps.resize_discarding(apart.closed_gaps.size());
     std::copy(apart.closed_gaps.begin(), apart.closed_gaps.end(), united.closed_gaps.begin());
+    united.layer_of.resize_discarding(apart.layer_of.size());
+    std::copy(apart.layer_of.begin(), apart.layer_of.end(), united.layer_of.begin());
     united.part_count = apart.part_count;
     united.part_regions = PartRegions::united;
     united.close_gaps_mm = apart.close_gaps_mm;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 
 #include "base/mixed.hpp"
@@ -43,12 +44,14 @@ private:
 
 Status PlaneSet::build(const LayerPlan& plan, const Bounds& bounds, double unit_mm, CoordinateType number,
                        std::uint64_t memory_limit) {
-    plan_ = plan;
+    side_ = plan.side;
+    layer_height_mm_ = 0;
     unit_mm_ = unit_mm;
     number_ = number;
     count_ = 0;
     inverse_step_ = 0;
     heights_mm_.clear();
+    plane_of_listed_.clear();
     if (const auto* uniform = std::get_if<UniformLayers>(&plan.spacing)) {
         return build_uniform(*uniform, bounds, memory_limit);
     }
@@ -93,7 +96,7 @@ bool PlaneSet::find_step() noexcept {
 std::int32_t PlaneSet::round_height(double mm) const noexcept {
     const double as_vertex = number_ == CoordinateType::f32 ? static_cast<double>(static_cast<float>(mm)) : mm;
     const double reach_mm = beyond_grid * unit_mm_;  // what lies further cuts nothing, and would overflow
-    return to_even_grid(std::clamp(as_vertex, -reach_mm, reach_mm), unit_mm_) + (plan_.side == PlaneSide::below ? -1 : 1);
+    return to_even_grid(std::clamp(as_vertex, -reach_mm, reach_mm), unit_mm_) + (side_ == PlaneSide::below ? -1 : 1);
 }
 
 Status PlaneSet::check_count(double planes, std::uint64_t memory_limit) const {
@@ -108,16 +111,15 @@ Status PlaneSet::check_count(double planes, std::uint64_t memory_limit) const {
     return {};
 }
 
-/// Ascending and distinct after rounding, else the first pair that is not.
+/// Distinct after rounding, else the first pair that is not.
 Status PlaneSet::check_distinct() const {
     for (PlaneIndex i = 1; i < count_; ++i) {
         const double below = height_mm(i - 1);
         const double above = height_mm(i);
         if (above <= below || z(i) <= z(i - 1)) {
-            const char* what = above < below ? " are not in ascending order" : " are the same on the grid";
             return Error{ErrorCode::bad_planes,
                          "planes " + std::to_string(i - 1) + " and " + std::to_string(i) + " (" + mm_text(below) + ", " +
-                             mm_text(above) + ")" + what,
+                             mm_text(above) + ") are the same on the grid",
                          -1, static_cast<std::int64_t>(i)};
         }
     }
@@ -141,6 +143,7 @@ Status PlaneSet::build_uniform(const UniformLayers& plan, const Bounds& bounds, 
     const double datum = plan.datum == Datum::zero ? 0 : low;
     first_mm_ = datum + plan.first_height_mm.value_or(h / 2);
     step_mm_ = h;
+    layer_height_mm_ = h;
     // Layers continue below the datum only if the plan does not say where they start.
     const bool from_first = plan.first_height_mm || plan.datum == Datum::mesh_min;
     double step = std::floor((low - first_mm_) / h) - 1;
@@ -193,13 +196,48 @@ Status PlaneSet::build_explicit(const ExplicitPlanes& plan) {
                          static_cast<std::int64_t>(i)};
         }
     }
-    heights_mm_ = plan.heights_mm;
+    sort_listed(plan.heights_mm);
+    keep_distinct();
     fill_from_heights();
-    if (Status status = check_distinct(); !status) {
-        return status;
-    }
     make_table();
     return {};
+}
+
+void PlaneSet::sort_listed(const std::vector<double>& heights_mm) {
+    heights_mm_ = heights_mm;
+    listed_order_.resize(heights_mm.size());
+    std::iota(listed_order_.begin(), listed_order_.end(), PlaneIndex{0});
+    if (std::is_sorted(heights_mm.begin(), heights_mm.end())) {
+        return;
+    }
+    std::sort(listed_order_.begin(), listed_order_.end(), [&](PlaneIndex a, PlaneIndex b) {
+        return heights_mm[a] != heights_mm[b] ? heights_mm[a] < heights_mm[b] : a < b;
+    });
+    std::transform(listed_order_.begin(), listed_order_.end(), heights_mm_.begin(),
+                   [&](PlaneIndex listed) { return heights_mm[listed]; });
+}
+
+/// Of sorted heights with one plane the least stays.
+void PlaneSet::keep_distinct() {
+    plane_of_listed_.resize(heights_mm_.size());
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < heights_mm_.size(); ++i) {
+        if (kept == 0 || !share_plane(heights_mm_[kept - 1], heights_mm_[i])) {
+            heights_mm_[kept++] = heights_mm_[i];
+        }
+        plane_of_listed_[listed_order_[i]] = static_cast<PlaneIndex>(kept - 1);
+    }
+    heights_mm_.resize(kept);
+}
+
+bool PlaneSet::within_reach(double mm) const noexcept {
+    return std::abs(mm / unit_mm_) < beyond_grid;
+}
+
+/// Heights beyond the grid are not rounded: only equal ones share a plane.
+bool PlaneSet::share_plane(double below_mm, double above_mm) const noexcept {
+    return below_mm == above_mm ||
+           (within_reach(below_mm) && within_reach(above_mm) && round_height(below_mm) == round_height(above_mm));
 }
 
 Status PlaneSet::build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit) {
@@ -245,7 +283,7 @@ void PlaneSet::fill_from_heights() {
     padded_[0] = below_all;
     for (PlaneIndex i = 0; i < count_; ++i) {
         const double mm = heights_mm_[i];
-        if (std::abs(mm / unit_mm_) < beyond_grid) {
+        if (within_reach(mm)) {
             padded_[i + 1] = round_height(mm);
         } else {
             padded_[i + 1] = mm < 0 ? below_all + 3 + 2 * static_cast<std::int32_t>(i)
@@ -303,8 +341,8 @@ PlaneIndex PlaneSet::by_table(std::int32_t z) const noexcept {
 }
 
 double PlaneSet::bottom_mm(PlaneIndex i) const noexcept {
-    if (const auto* uniform = std::get_if<UniformLayers>(&plan_.spacing)) {
-        return height_mm(i) - uniform->layer_height_mm / 2;
+    if (layer_height_mm_ > 0) {
+        return height_mm(i) - layer_height_mm_ / 2;
     }
     const double here = height_mm(i);
     if (i > 0) {
@@ -314,8 +352,8 @@ double PlaneSet::bottom_mm(PlaneIndex i) const noexcept {
 }
 
 double PlaneSet::top_mm(PlaneIndex i) const noexcept {
-    if (const auto* uniform = std::get_if<UniformLayers>(&plan_.spacing)) {
-        return height_mm(i) + uniform->layer_height_mm / 2;
+    if (layer_height_mm_ > 0) {
+        return height_mm(i) + layer_height_mm_ / 2;
     }
     const double here = height_mm(i);
     if (i + 1 < count_) {

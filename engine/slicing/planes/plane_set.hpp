@@ -61,6 +61,8 @@ public:
     /// Bottom and top of the slab that plane i stands for.
     double bottom_mm(PlaneIndex i) const noexcept;
     double top_mm(PlaneIndex i) const noexcept;
+    /// The plane of each listed height; empty where heights are not listed.
+    const std::vector<PlaneIndex>& plane_of_listed() const noexcept { return plane_of_listed_; }
 
     /// The first plane above a vertex at height z. Uniform planes by arithmetic, corrected by one either way (Algorithm 2,
     /// first case); others by a table of heights and a few steps from there, a binary search where planes crowd (Algorithm
@@ -84,6 +86,10 @@ private:
     Status build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
     Status check_count(double planes, std::uint64_t memory_limit) const;
     Status check_distinct() const;
+    void sort_listed(const std::vector<double>& heights_mm);
+    void keep_distinct();
+    bool share_plane(double below_mm, double above_mm) const noexcept;
+    bool within_reach(double mm) const noexcept;
     void fill_from_heights();
     void make_table();
     bool find_step() noexcept;
@@ -105,7 +111,8 @@ private:
         return static_cast<PlaneIndex>(i);
     }
 
-    LayerPlan plan_;
+    PlaneSide side_ = PlaneSide::below;
+    double layer_height_mm_ = 0;  // 0 when not uniform
     double unit_mm_ = default_unit_mm;
     CoordinateType number_ = CoordinateType::f32;
     PlaneIndex count_ = 0;
@@ -117,7 +124,9 @@ private:
     double first_z_ = 0;       // of plane 0, grid units
     double inverse_step_ = 0;  // planes per grid unit; 0 when not uniform
     double last_guess_ = 0;
-    std::vector<double> heights_mm_;  // when not uniform
+    std::vector<double> heights_mm_;           // when not uniform
+    std::vector<PlaneIndex> plane_of_listed_;  // when heights are listed
+    std::vector<PlaneIndex> listed_order_;     // scratch: which of the listed heights is lowest, and so on
     HeightTable table_;
 };
 

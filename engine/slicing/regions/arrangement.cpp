@@ -98,7 +98,7 @@ void Arrangement::find_faces() {
 void Arrangement::spread_windings(std::uint32_t vertex) {
     const auto component = static_cast<std::uint32_t>(components_.size());
     const Half last = halves_[first_halves_[vertex + 1] - 1];
-    components_.push_back({face_of_[last], face_of_[last ^ 1], snapped_->vertices()[vertex]});
+    components_.push_back({face_of_[last], snapped_->vertices()[vertex]});
     faces_[face_of_[last]].component = component;
     stack_.assign(1, face_of_[last]);
     while (!stack_.empty()) {
@@ -131,8 +131,7 @@ void Arrangement::find_lowest_points() {
             if (p < component.lowest) {
                 const bool is_lower_first =
                     AroundPoint(p)(snapped_->point_of(strand, i - 1), snapped_->point_of(strand, i + 1));
-                const Half around = is_lower_first ? half : half ^ 1;
-                component = {face_of_[around], face_of_[around ^ 1], p};
+                component = {face_of_[is_lower_first ? half : half ^ 1], p};
                 less[component_of_[strand.from]] = faces_[component.around].winding;
                 moved = true;
             }

@@ -58,9 +58,8 @@ public:
     };
     /// Strands that hang together.
     struct Component {
-        std::uint32_t around;      ///< the face that lies around all of it
-        std::uint32_t first_face;  ///< one that has the component's smallest point
-        Point lowest;              ///< that point
+        std::uint32_t around;  ///< the face that lies around all of it
+        Point lowest;          ///< its smallest point
     };
 
     /// Finds faces and winding numbers. `snapped` must stay until all is read. Throws std::bad_alloc.

@@ -1,6 +1,5 @@
 #include "slicing/regions/contacts.hpp"
 
-#include <algorithm>
 #include <cassert>
 #include <cstdlib>
 #include <limits>
@@ -17,11 +16,16 @@ bool cross(Point a, Point b, Point c, Point d) noexcept {
     return sign_of_side(a, b, c) * sign_of_side(a, b, d) < 0 && sign_of_side(c, d, a) * sign_of_side(c, d, b) < 0;
 }
 
-/// Whether the edge from `joint` to `to` lies on the one from `from` to `joint`.
-bool runs_back(Point from, Point joint, Point to) noexcept {
+/// Whether the edge from `joint` to `to` leads back, by more than a right angle, from the one from `from` to `joint`.
+bool turns_back(Point from, Point joint, Point to) noexcept {
     const std::int64_t along_x = (std::int64_t{joint.x} - from.x) * (std::int64_t{to.x} - joint.x);
     const std::int64_t along_y = (std::int64_t{joint.y} - from.y) * (std::int64_t{to.y} - joint.y);
-    return sign_of_side(from, joint, to) == 0 && (along_x < 0 || along_y < 0);
+    return along_x < -along_y;
+}
+
+/// Whether one of the two edges lies on the other.
+bool runs_back(Point from, Point joint, Point to) noexcept {
+    return sign_of_side(from, joint, to) == 0 && turns_back(from, joint, to);
 }
 
 /// value / (2 * divisor), rounded; halves up.
@@ -83,7 +87,6 @@ void Contacts::find(std::span<const NestItem> contours) {
             mark_sharp_corners(contours[c], c);
         }
     }
-    sort_crossings();
 }
 
 /// Where an edge runs back along the one before, so near that either may be bent through an end of the other.
@@ -94,9 +97,8 @@ void Contacts::mark_sharp_corners(const NestItem& contour, std::uint32_t number)
         const Point from = contour.from_start(i);
         const Point joint = contour.from_start(i + 1);
         const Point to = contour.from_start(i + 2);
-        const std::int64_t along_x = (std::int64_t{joint.x} - from.x) * (std::int64_t{to.x} - joint.x);
-        const std::int64_t along_y = (std::int64_t{joint.y} - from.y) * (std::int64_t{to.y} - joint.y);
-        if (along_x < -along_y && (is_near(from, joint, to, rounding_reach) || is_near(to, from, joint, rounding_reach))) {
+        if (turns_back(from, joint, to) &&
+            (is_near(from, joint, to, rounding_reach) || is_near(to, from, joint, rounding_reach))) {
             near[i] = near[i + 1 < contour.count ? i + 1 : 0] = 1;
         }
     }
@@ -135,14 +137,6 @@ void Contacts::mark(const EdgePath& path, std::size_t edge, bool meets) noexcept
     near_edges_[first_edges_[path.contour] + edge] = 1;
     meets_[path.contour] |= meets ? 1 : 0;
     any_meets_ = any_meets_ || meets;
-}
-
-void Contacts::sort_crossings() {
-    std::sort(crossings_.begin(), crossings_.end(), [this](const Point& a, const Point& b) {
-        pace_.spend(1);
-        return a < b;
-    });
-    crossings_.erase(std::unique(crossings_.begin(), crossings_.end()), crossings_.end());
 }
 
 }  // namespace lamella

@@ -47,14 +47,13 @@ public:
     std::span<const std::uint8_t> near_edges(std::uint32_t contour) const noexcept {
         return std::span(near_edges_).subspan(first_edges_[contour], first_edges_[contour + 1] - first_edges_[contour]);
     }
-    /// Where edges cross, rounded, ascending and distinct.
+    /// Where edges cross, rounded; in no order, and as often as two cross there.
     std::span<const Point> crossings() const noexcept { return crossings_; }
 
 private:
     void meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j);
     void mark(const EdgePath& path, std::size_t edge, bool meets) noexcept;
     void mark_sharp_corners(const NestItem& contour, std::uint32_t number);
-    void sort_crossings();
 
     EdgePairs near_;
     Vector<std::uint8_t> meets_;       // of each contour

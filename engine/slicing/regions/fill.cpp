@@ -100,7 +100,8 @@ void Fill::overlay(FillRule rule, Nester& nester) {
     arrangement_.build(snapped_);
     around_.assign(arrangement_.components().size(), 0);
     list_pieces();
-    find_windings(rule, nester);
+    nest_pieces(nester);
+    find_windings(rule);
     take_traced(rule);
 }
 
@@ -123,25 +124,27 @@ void Fill::list_pieces() {
     }
 }
 
-/// Winding numbers of the contours that meet no other, and around the components.
-void Fill::find_windings(FillRule rule, Nester& nester) {
+void Fill::nest_pieces(Nester& nester) {
     face_points_.clear();
-    Vector<std::size_t>& ends = face_ends_;
-    ends.clear();
+    face_ends_.clear();
     for (const Piece& piece : pieces_) {
         if (piece.face >= 0) {
             arrangement_.append_points_of(arrangement_.faces()[static_cast<std::size_t>(piece.face)], face_points_);
         }
-        ends.push_back(face_points_.size());
+        face_ends_.push_back(face_points_.size());
     }
     piece_items_.clear();
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
-        const std::size_t begin = p == 0 ? 0 : ends[p - 1];
+        const std::size_t begin = p == 0 ? 0 : face_ends_[p - 1];
         piece_items_.push_back(pieces_[p].contour >= 0
                                    ? items_[static_cast<std::size_t>(pieces_[p].contour)]
-                                   : closed_item(std::span(face_points_).subspan(begin, ends[p] - begin)));
+                                   : closed_item(std::span(face_points_).subspan(begin, face_ends_[p] - begin)));
     }
     nester.nest(piece_items_);
+}
+
+/// Winding numbers around the components, and in the contours that meet no other, which are kept or dropped by them.
+void Fill::find_windings(FillRule rule) {
     order_.resize(pieces_.size());
     std::iota(order_.begin(), order_.end(), 0U);
     std::sort(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {

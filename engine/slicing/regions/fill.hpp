@@ -76,7 +76,8 @@ private:
     std::int64_t keep_or_drop(std::uint32_t contour, std::int64_t around, FillRule rule);
     void overlay(FillRule rule, Nester& nester);
     void list_pieces();
-    void find_windings(FillRule rule, Nester& nester);
+    void nest_pieces(Nester& nester);
+    void find_windings(FillRule rule);
     void take_traced(FillRule rule);
 
     Contacts contacts_;

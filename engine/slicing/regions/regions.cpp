@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/guard.hpp"
+#include "base/int128.hpp"
 #include "slicing/offset/fold.hpp"
 #include "slicing/regions/closed_item.hpp"
 
@@ -28,10 +29,6 @@ void refuse_beyond_grid(const RawCurve& curve) {
     }
 }
 
-bool is_positive(const Integer128& area) noexcept {
-    return area.high >= 0 && (area.high > 0 || area.low > 0);
-}
-
 }  // namespace
 
 Regions::Regions(const Memory* memory)
@@ -48,16 +45,14 @@ Regions::Regions(const Memory* memory)
       folded_ends_(memory),
       turned_(memory),
       filled_(memory),
-      dilated_(memory),
-      closed_(memory),
       moved_(memory),
-      dilated_curves_(memory),
-      closed_curves_(memory),
-      moved_curves_(memory) {}
+      closed_(memory),
+      moved_curves_(memory),
+      closed_curves_(memory) {}
 
 void Regions::follow(const StopCheck& host) noexcept {
     pace_.follow(host);
-    for (Fill* fill : {&filled_, &dilated_, &closed_, &moved_}) {
+    for (Fill* fill : {&filled_, &moved_, &closed_}) {
         fill->follow(host);
     }
 }
@@ -101,7 +96,7 @@ void Regions::take(Fill& fill) {
             ring.touched = -1;
         } else {
             const NestItem item = closed_item(fill.points_of(contour));
-            rings_.push_back({.item = item, .touched = contour.touched, .hole = !is_positive(item.twice_area)});
+            rings_.push_back({.item = item, .touched = contour.touched, .hole = to_int128(item.twice_area) <= 0});
         }
         rings_.back().item.part = contour.part;
     }
@@ -110,7 +105,7 @@ void Regions::take(Fill& fill) {
 /// Contours that are solid on their right, as of inverted shells.
 void Regions::turn_backward_ones() {
     turned_.clear();
-    const auto is_backward = [](const Ring& ring) { return is_positive(ring.item.twice_area) == ring.hole; };
+    const auto is_backward = [](const Ring& ring) { return (to_int128(ring.item.twice_area) > 0) == ring.hole; };
     for (const Ring& ring : rings_) {
         if (is_backward(ring)) {
             const std::span<const Point> points = points_of(ring.item);
@@ -133,7 +128,7 @@ void Regions::turn_backward_ones() {
 
 void Regions::close(const RegionSteps& steps, Nester& nester) {
     list_dilated(steps);
-    fill_positive(dilated_, nester);
+    fill_positive(moved_, nester);
     if (find_alone() && folded_.empty()) {
         return;
     }
@@ -145,31 +140,29 @@ void Regions::close(const RegionSteps& steps, Nester& nester) {
 
 /// A ring with edges that turn round is folded if then none does, and its curve is that of the folded ring.
 void Regions::list_dilated(const RegionSteps& steps) {
-    dilated_curves_.clear();
-    curves_.clear();
-    parts_.clear();
+    clear_curves(moved_curves_);
     folded_.clear();
     folded_ends_.clear();
     for (const Ring& ring : rings_) {
         const std::span<const Point> points = points_of(ring.item);
-        curves_.push_back(dilated_curves_.append(points, steps.close, steps.miter_limit, RawOffset::Turned::omitted));
+        curves_.push_back(moved_curves_.append(points, steps.close, steps.miter_limit, RawOffset::Turned::omitted));
         parts_.push_back(ring.item.part);
         pace_.spend(curve_work * points.size());
         if (!curves_.back().directions_kept && !fold(ring.item, steps)) {
-            curves_.back() = dilated_curves_.append(points, steps.close, steps.miter_limit);
+            curves_.back() = moved_curves_.append(points, steps.close, steps.miter_limit);
         }
         refuse_beyond_grid(curves_.back());
         folded_ends_.push_back(folded_.size());
     }
     input_.clear();
-    list_curves(dilated_curves_);
+    list_curves(moved_curves_);
 }
 
 /// The ring that was looked at last. False if it cannot be folded so that nothing turns round. Edges are replaced from the
 /// ring's start on, wherever its points begin.
 bool Regions::fold(const NestItem& ring, const RegionSteps& steps) {
     const std::size_t begin = folded_.size();
-    dilated_curves_.list_turned_edges(ring.count, turned_edges_);
+    moved_curves_.list_turned_edges(ring.count, turned_edges_);
     for (std::uint32_t& edge : turned_edges_) {
         edge = edge >= ring.start ? edge - ring.start : edge + ring.count - ring.start;
     }
@@ -179,8 +172,8 @@ bool Regions::fold(const NestItem& ring, const RegionSteps& steps) {
     if (!fold_edges(from_start_, turned_edges_, steps.close, folded_)) {
         return false;
     }
-    const RawCurve curve = dilated_curves_.append(std::span(folded_).subspan(begin), steps.close, steps.miter_limit,
-                                                  RawOffset::Turned::omitted);
+    const RawCurve curve =
+        moved_curves_.append(std::span(folded_).subspan(begin), steps.close, steps.miter_limit, RawOffset::Turned::omitted);
     if (curve.reflex_cut || curve.count == 0) {
         folded_.resize(begin);
         return false;
@@ -189,23 +182,19 @@ bool Regions::fold(const NestItem& ring, const RegionSteps& steps) {
     return true;
 }
 
-/// Whether closing leaves the contour alone that curve `source` is of, `kept` being what the dilated region has of it.
-bool Regions::is_left_alone(const RegionContour& kept, std::uint32_t source, bool hole) const noexcept {
-    return curves_[source].directions_kept && !curves_[source].reflex_cut && kept.hole == hole;
-}
-
 /// Returns whether all are.
 bool Regions::find_alone() {
     is_alone_.assign(rings_.size(), 0);
     std::size_t alone = 0;
-    for (const RegionContour& contour : dilated_.region()) {
+    for (const RegionContour& contour : moved_.region()) {
         if (contour.kept >= 0) {
             const std::uint32_t ring = input_[static_cast<std::size_t>(contour.kept)].source;
-            is_alone_[ring] = is_left_alone(contour, ring, rings_[ring].hole) ? 1 : 0;
+            const RawCurve& curve = curves_[ring];
+            is_alone_[ring] = curve.directions_kept && !curve.reflex_cut && contour.hole == rings_[ring].hole ? 1 : 0;
             alone += is_alone_[ring];
         }
     }
-    return alone == rings_.size() && dilated_.region().size() == rings_.size();
+    return alone == rings_.size() && moved_.region().size() == rings_.size();
 }
 
 /// The ring without the edges that turn round.
@@ -221,13 +210,11 @@ Ring Regions::as_folded(std::uint32_t ring) const {
 
 /// Of the dilated region, but for the rings left alone, which stay as they were or folded.
 void Regions::list_eroded(const RegionSteps& steps) {
-    closed_curves_.clear();
-    curves_.clear();
-    parts_.clear();
+    clear_curves(closed_curves_);
     alone_.clear();
-    for (const RegionContour& contour : dilated_.region()) {
+    for (const RegionContour& contour : moved_.region()) {
         if (contour.kept < 0) {
-            append_curve(dilated_.points_of(contour), contour.part, -steps.close, steps.miter_limit, closed_curves_);
+            append_curve(moved_.points_of(contour), contour.part, -steps.close, steps.miter_limit, closed_curves_);
             continue;
         }
         const Ring& curve = input_[static_cast<std::size_t>(contour.kept)];
@@ -242,20 +229,24 @@ void Regions::list_eroded(const RegionSteps& steps) {
 }
 
 void Regions::offset(const RegionSteps& steps, Nester& nester) {
-    list_curves_of_rings(steps.offset, steps.miter_limit, moved_curves_);
+    list_moved(steps.offset, steps.miter_limit);
     fill_positive(moved_, nester);
     take(moved_);
 }
 
-void Regions::list_curves_of_rings(double distance, double miter_limit, RawOffset& curves) {
+void Regions::list_moved(double distance, double miter_limit) {
+    clear_curves(moved_curves_);
+    for (const Ring& ring : rings_) {
+        append_curve(points_of(ring.item), ring.item.part, distance, miter_limit, moved_curves_);
+    }
+    input_.clear();
+    list_curves(moved_curves_);
+}
+
+void Regions::clear_curves(RawOffset& curves) {
     curves.clear();
     curves_.clear();
     parts_.clear();
-    for (const Ring& ring : rings_) {
-        append_curve(points_of(ring.item), ring.item.part, distance, miter_limit, curves);
-    }
-    input_.clear();
-    list_curves(curves);
 }
 
 void Regions::append_curve(std::span<const Point> points, std::uint32_t part, double distance, double miter_limit,
@@ -291,43 +282,19 @@ void Regions::fill_positive(Fill& fill, Nester& nester) {
 }
 
 void Regions::mark_near(std::span<NestItem> contours, double distance, double miter_limit, Nester& nester) {
-    turned_.clear();
-    for (const NestItem& contour : contours) {
-        if (contour.orientation != 0 && contour.reverse) {
-            const std::span<const Point> points = points_of(contour);
-            turned_.insert(turned_.end(), points.rbegin(), points.rend());
+    rings_.clear();
+    for (std::uint32_t c = 0; c < contours.size(); ++c) {
+        if (contours[c].orientation != 0) {
+            rings_.push_back({.item = contours[c], .hole = contours[c].role == Role::hole, .source = c});
         }
     }
-    std::span<const Point> turned(turned_);
-    dilated_curves_.clear();
-    curves_.clear();
-    parts_.clear();
-    for (const NestItem& contour : contours) {
-        std::span<const Point> points = points_of(contour);
-        if (contour.orientation != 0 && contour.reverse) {
-            points = turned.first(contour.count);
-            turned = turned.subspan(contour.count);
-        }
-        curves_.emplace_back();
-        parts_.push_back(contour.part);
-        if (contour.orientation != 0) {
-            curves_.back() = dilated_curves_.append(points, distance, miter_limit);
-            refuse_beyond_grid(curves_.back());
-        }
-    }
-    input_.clear();
-    list_curves(dilated_curves_);
-    fill_positive(dilated_, nester);
-    is_alone_.assign(contours.size(), 0);
-    for (const RegionContour& contour : dilated_.region()) {
-        if (contour.kept >= 0) {
-            const std::uint32_t given = input_[static_cast<std::size_t>(contour.kept)].source;
-            is_alone_[given] = is_left_alone(contour, given, contours[given].role == Role::hole) ? 1 : 0;
-        }
-    }
-    for (std::size_t c = 0; c < contours.size(); ++c) {
-        if (contours[c].orientation != 0 && is_alone_[c] == 0) {
-            contours[c].flags |= near_contour;
+    turn_backward_ones();
+    list_moved(distance, miter_limit);
+    fill_positive(moved_, nester);
+    find_alone();
+    for (std::size_t r = 0; r < rings_.size(); ++r) {
+        if (is_alone_[r] == 0) {
+            contours[rings_[r].source].flags |= near_contour;
         }
     }
 }

@@ -41,7 +41,7 @@ struct Ring {
     std::int64_t given = -1;    ///< index of the given contour that it is, unchanged; -1: a stage made it
     std::int64_t touched = -1;  ///< made: see Arrangement::Traced, an index into the rings
     bool hole = false;
-    std::uint32_t source = 0;  ///< index of the ring that it is a curve of
+    std::uint32_t source = 0;  ///< of a curve: index of its ring; of a ring that is only marked: of its contour
 };
 
 /// Layer after layer; scratch is kept. One per thread.
@@ -73,13 +73,13 @@ private:
     void list_dilated(const RegionSteps& steps);
     bool fold(const NestItem& ring, const RegionSteps& steps);
     Ring as_folded(std::uint32_t ring) const;
-    bool is_left_alone(const RegionContour& kept, std::uint32_t source, bool hole) const noexcept;
     bool find_alone();
     void offset(const RegionSteps& steps, Nester& nester);
     void list_eroded(const RegionSteps& steps);
     void append_curve(std::span<const Point> points, std::uint32_t part, double distance, double miter_limit,
                       RawOffset& curves);
-    void list_curves_of_rings(double distance, double miter_limit, RawOffset& curves);
+    void list_moved(double distance, double miter_limit);
+    void clear_curves(RawOffset& curves);
     void list_curves(RawOffset& curves);
     void fill_positive(Fill& fill, Nester& nester);
     void take(Fill& fill);
@@ -99,12 +99,10 @@ private:
     bool unchanged_ = false;
 
     Fill filled_;
-    Fill dilated_;
+    Fill moved_;  // dilated for closing, or offset
     Fill closed_;
-    Fill moved_;
-    RawOffset dilated_curves_;
-    RawOffset closed_curves_;
     RawOffset moved_curves_;
+    RawOffset closed_curves_;
     StopPace pace_;
 };
 

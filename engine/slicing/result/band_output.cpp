@@ -13,6 +13,14 @@ std::uint64_t count_emptied(std::span<const Layer> layers) noexcept {
         layers.begin(), layers.end(), [](const Layer& layer) { return layer.segments > 0 && layer.contour_count == 0; }));
 }
 
+template <class T>
+void copy_paced(const T* from, std::size_t count, StopPace& pace, Array<T>& to) {
+    constexpr std::size_t words = (sizeof(T) + 7) / 8;
+    to.resize_discarding(count);
+    pace.in_stretches(0, count, words,
+                      [&](std::size_t begin, std::size_t end) { std::copy(from + begin, from + end, to.data() + begin); });
+}
+
 }  // namespace
 
 void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, SliceSummary& summary) noexcept {
@@ -88,6 +96,13 @@ std::size_t BandOutput::bytes_held() const noexcept {
 
 void BandOutput::release() noexcept {
     *this = BandOutput(buffer.memory());
+}
+
+LayerContours copy_layer(const BandOutput& output, StopPace& pace, const Memory* memory) {
+    LayerContours layer{Array<Contour>(memory), Array<Point>(memory)};
+    copy_paced(output.contours.data(), output.contours.size(), pace, layer.contours);
+    copy_paced(output.points, output.point_count, pace, layer.points);
+    return layer;
 }
 
 }  // namespace lamella

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <span>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
+#include "lamella/assemble.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -109,5 +111,9 @@ struct BandOutput {
     /// Gives all memory back.
     void release() noexcept;
 };
+
+/// All contours and points of `output`, in arrays that take their memory from `memory`. Throws std::bad_alloc, and Stopped
+/// where the host that `pace` asks wants the call to end.
+LayerContours copy_layer(const BandOutput& output, StopPace& pace, const Memory* memory);
 
 }  // namespace lamella

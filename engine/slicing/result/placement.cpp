@@ -12,8 +12,9 @@
 namespace lamella {
 
 void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
-                      ProgressMeter& progress, const StopCheck& stop) {
+                      ProgressMeter& progress, const StopCheck& stop, const PointWriter* writer) {
     stop_ = stop;
+    writer_ = writer;
     bands_ = bands;
     points_ = points;
     progress_ = &progress;
@@ -26,9 +27,12 @@ void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t se
     contour_count_ = 0;
     counts_ = {};
     aborted_ = false;
-    placed_.clear();
+    placed_.erase(placed_.begin() + static_cast<std::ptrdiff_t>(std::min(bands.size(), placed_.size())), placed_.end());
+    for (Placed& placed : placed_) {
+        placed.clear();
+    }
     placed_.reserve(bands.size());
-    for (std::size_t b = 0; b < bands.size(); ++b) {
+    while (placed_.size() < bands.size()) {
         placed_.emplace_back(memory_);
     }
     idle_.clear();
@@ -66,7 +70,7 @@ BandOutput* Placement::acquire(std::size_t band) {
 /// Where the band's points will lie if each unfinished band before it has a point for each segment. None if the points of
 /// another band may come to lie there.
 std::optional<Placement::Room> Placement::find_room(std::size_t band) {
-    if (outgrown_ && band != head_) {
+    if (writer_ != nullptr || (outgrown_ && band != head_)) {
         return {};
     }
     Room room{point_count_, 0};
@@ -162,12 +166,17 @@ void Placement::place_head() {
 /// From a buffer to the band's place.
 void Placement::copy_points(const Placed& placed) const {
     const BandOutput& output = *placed.output;
-    const bool fits = placed.first_point + output.point_count <= points_.size();
+    const std::uint64_t capacity = writer_ != nullptr ? writer_->capacity() : points_.size();
+    const bool fits = placed.first_point + output.point_count <= capacity;
     if (fits && output.in_buffer() && output.point_count > 0) {
         StopPace pace;
         pace.follow(stop_);
         pace.in_stretches(0, output.point_count, 1, [&](std::size_t begin, std::size_t end) {
-            std::copy(output.points + begin, output.points + end, points_.data() + placed.first_point + begin);
+            if (writer_ != nullptr) {
+                writer_->write(placed.first_point + begin, {output.points + begin, output.points + end});
+            } else {
+                std::copy(output.points + begin, output.points + end, points_.data() + placed.first_point + begin);
+            }
         });
     }
 }

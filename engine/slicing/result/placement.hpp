@@ -14,6 +14,7 @@
 //     buffered    swept to a buffer and copied: its room might be another band's, or some band has outgrown its room
 //     outgrown    begun in a room, finished in a buffer and copied
 //     cleared     done in its room, copied to a buffer since a band below has outgrown its own
+//     converted   swept to a buffer and given to a PointWriter, which all are where there is one
 //
 // A thread waits while it is more than two bands a thread ahead of the first unfinished one, the head.
 #pragma once
@@ -32,6 +33,7 @@
 #include "lamella/result.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/result/band_target.hpp"
+#include "slicing/result/point_writer.hpp"
 
 namespace lamella {
 
@@ -39,9 +41,9 @@ class Placement final : public BandTarget {
 public:
     explicit Placement(const Memory* memory) : memory_(memory) {}
 
-    /// For a new run over `bands`; points go to `points`, up to its size.
+    /// For a new run over `bands`; points go to `points`, up to its size, or to `writer`, up to its capacity.
     void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
-               ProgressMeter& progress, const StopCheck& stop = {});
+               ProgressMeter& progress, const StopCheck& stop = {}, const PointWriter* writer = nullptr);
 
     /// Waits while the band is too far ahead of the head.
     BandOutput* acquire(std::size_t band) override;
@@ -71,6 +73,16 @@ private:
     struct Placed {
         explicit Placed(const Memory* memory) : contours(memory), layer_contours(memory), closed_gaps(memory) {}
 
+        /// As it is before its band is begun, but for the memory that it holds.
+        void clear() noexcept {
+            contours.clear();
+            layer_contours.clear();
+            closed_gaps.clear();
+            output = nullptr;
+            done = false;
+            room.reset();
+        }
+
         std::uint64_t first_point = 0;
         std::uint64_t first_contour = 0;
         Vector<Contour> contours;
@@ -90,6 +102,7 @@ private:
     const Memory* memory_;
     std::span<const Band> bands_;
     std::span<Point> points_;
+    const PointWriter* writer_ = nullptr;
     ProgressMeter* progress_ = nullptr;
     StopCheck stop_{};
     std::mutex mutex_;

@@ -7,15 +7,17 @@
 
 namespace lamella {
 
-Status ResultOutput::admit(const PlaneSet& planes, const Buckets& buckets, const SliceResult& /*result*/) {
+Status ResultOutput::admit(const PlaneSet& planes, const Buckets& buckets, const SliceResult& /*result*/,
+                           std::uint64_t memory_limit) {
     const auto cutting =
         std::count_if(buckets.segments.begin(), buckets.segments.end(), [](auto count) { return count > 0; });
     const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + planes.size() * sizeof(Layer) +
+                                planes.plane_of_listed().size() * sizeof(std::uint64_t) +
                                 static_cast<std::uint64_t>(cutting) * sizeof(Contour);
-    if (bytes > memory_limit_) {
+    if (bytes > memory_limit) {
         return Error{ErrorCode::result_too_large,
                      counted(planes.size(), "layer") + " with " + counted(buckets.segment_count, "segment") + " need " +
-                         std::to_string(bytes) + " bytes, more than the memory limit of " + std::to_string(memory_limit_)};
+                         std::to_string(bytes) + " bytes, more than the memory limit of " + std::to_string(memory_limit)};
     }
     return {};
 }

@@ -42,7 +42,8 @@ class SliceOutput {
 public:
     /// The size is known, and nothing of that size is allocated yet: refuses what is too large. `result` holds unit, rules
     /// and box.
-    virtual Status admit(const PlaneSet& planes, const Buckets& buckets, const SliceResult& result) = 0;
+    virtual Status admit(const PlaneSet& planes, const Buckets& buckets, const SliceResult& result,
+                         std::uint64_t memory_limit) = 0;
     /// How many segments a band should have at most.
     virtual std::uint64_t most_band_segments(int /*threads*/) const noexcept {
         return std::numeric_limits<std::uint64_t>::max();

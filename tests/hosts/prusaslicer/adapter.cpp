@@ -6,7 +6,7 @@
 //
 // What the host expects, and where it is met:
 //
-//     heights in any order, repeated          Planes in cut.cpp
+//     heights in any order, repeated          by_height()
 //     vertices transformed in float           transformed() in cut.cpp
 //     cancelling by an exception              Exceptions in cut.cpp
 //     a vertex on a plane lies above it       PlaneSide::below, the default
@@ -14,10 +14,15 @@
 //     gaps joined up to 2 mm                  SliceOptions::close_gaps_mm
 //     no collinear points in regions          RegionRules::drop_collinear
 //     loops turned counter-clockwise          Turn::counter_clockwise, then a region of its own per layer
+#include <algorithm>
 #include <libslic3r/ExPolygon.hpp>
 #include <libslic3r/Exception.hpp>
 #include <libslic3r/TriangleMesh.hpp>
 #include <libslic3r/TriangleMeshSlicer.hpp>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "contours.hpp"
 #include "cut.hpp"
@@ -28,8 +33,8 @@ namespace {
 using namespace lamella_adapter;
 using Mode = MeshSlicingParams::SlicingMode;
 
-Mode mode_of(const MeshSlicingParams& params, std::size_t height) {
-    return height < params.slicing_mode_normal_below_layer ? params.mode_below : params.mode;
+Mode mode_of(const MeshSlicingParams& params, std::size_t layer) {
+    return layer < params.slicing_mode_normal_below_layer ? params.mode_below : params.mode;
 }
 
 // Whether all loops are turned counter-clockwise before they are united.
@@ -87,21 +92,37 @@ void simplify(ExPolygons& whole, double resolution_mm) {
     whole = std::move(simplified);
 }
 
+// By layer to by height. Heights that fall on one plane share its layer.
+template <class Layer>
+std::vector<Layer> by_height(std::vector<Layer> layers, const lamella::Array<std::uint64_t>& layer_of) {
+    std::vector<std::uint64_t> in_order(layer_of.size());
+    std::iota(in_order.begin(), in_order.end(), std::uint64_t{0});
+    if (std::equal(layer_of.begin(), layer_of.end(), in_order.begin())) {
+        return layers;
+    }
+    std::vector<Layer> made;
+    made.reserve(layer_of.size());
+    for (const std::uint64_t layer : layer_of) {
+        made.push_back(layers[layer]);
+    }
+    return made;
+}
+
 }  // namespace
 
 std::vector<Polygons> slice_mesh(const indexed_triangle_set& mesh, const std::vector<float>& zs,
                                  const MeshSlicingParams& params, std::function<void()> throw_on_cancel) {
     std::vector<Polygons> layers(zs.size());
-    cut(mesh, zs, params.trafo, {}, throw_on_cancel, [&](const lamella::LayerView& layer, std::size_t height) {
-        layers[height] = polygons_of(layer, mode_of(params, height));
+    const auto layer_of = cut(mesh, zs, params.trafo, {}, throw_on_cancel, [&](const lamella::LayerView& layer) {
+        layers[layer.index] = polygons_of(layer, mode_of(params, layer.index));
     });
-    return layers;
+    return by_height(std::move(layers), layer_of);
 }
 
 Polygons slice_mesh(const indexed_triangle_set& mesh, const float plane_z, const MeshSlicingParams& params) {
     Polygons only;
     cut(mesh, plane_z, params.trafo,
-        [&](const lamella::LayerView& layer, std::size_t height) { only = polygons_of(layer, mode_of(params, height)); });
+        [&](const lamella::LayerView& layer) { only = polygons_of(layer, mode_of(params, 0)); });
     return only;
 }
 
@@ -112,16 +133,16 @@ std::vector<ExPolygons> slice_mesh_ex(const indexed_triangle_set& mesh, const st
     const bool at_once = !mixed && !turns_loops(params.mode);
     const lamella::RegionRules rules = at_once ? rules_of(params, params.mode) : lamella::RegionRules{};
     std::vector<ExPolygons> layers(zs.size());
-    cut(mesh, zs, params.trafo, rules, throw_on_cancel, [&](const lamella::LayerView& layer, std::size_t height) {
-        const Mode mode = mode_of(params, height);
+    const auto layer_of = cut(mesh, zs, params.trafo, rules, throw_on_cancel, [&](const lamella::LayerView& layer) {
+        const Mode mode = mode_of(params, layer.index);
         ExPolygons whole = at_once ? expolygons(layer) : region(layer, rules_of(params, mode), mode);
         if (mode == Mode::PositiveLargestContour) {
             keep_largest_contour_only(whole);
         }
         simplify(whole, params.resolution);
-        layers[height] = std::move(whole);
+        layers[layer.index] = std::move(whole);
     });
-    return layers;
+    return by_height(std::move(layers), layer_of);
 }
 
 }  // namespace Slic3r

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <lamella/islands.hpp>
 #include <span>
 #include <utility>
 
@@ -43,15 +45,6 @@ Polygon polygon(const lamella::LayerView& layer, const Contour& contour) {
 bool is_reversed(const Contour& contour, Turn turn) {
     const int runs = contour.role == Role::outer ? 1 : -1;
     return turn == Turn::counter_clockwise ? runs < 0 : runs != contour.orientation;
-}
-
-// Holes follow their outer contour.
-std::size_t holes_after(std::span<const Contour> contours, std::size_t outer) {
-    std::size_t end = outer + 1;
-    while (end < contours.size() && contours[end].role == Role::hole) {
-        ++end;
-    }
-    return end - outer - 1;
 }
 
 }  // namespace
@@ -99,19 +92,15 @@ Polygons largest_polygon(const lamella::LayerView& layer) {
 }
 
 ExPolygons expolygons(const lamella::LayerView& layer) {
+    const lamella::Islands islands = lamella::islands_of(layer.contours);
     ExPolygons made;
-    made.reserve(static_cast<std::size_t>(
-        std::ranges::count_if(layer.contours, [](const Contour& contour) { return contour.role == Role::outer; })));
-    for (std::size_t at = 0; at < layer.contours.size(); ++at) {
-        if (layer.contours[at].role != Role::outer) {
-            continue;
-        }
+    made.reserve(static_cast<std::size_t>(std::distance(islands.begin(), islands.end())));
+    for (const lamella::Island island : islands) {
         ExPolygon& whole = made.emplace_back();
-        whole.contour = polygon(layer, layer.contours[at]);
-        const std::size_t holes = holes_after(layer.contours, at);
-        whole.holes.reserve(holes);
-        for (std::size_t hole = at + 1; hole <= at + holes; ++hole) {
-            whole.holes.emplace_back(polygon(layer, layer.contours[hole]));
+        whole.contour = polygon(layer, *island.outer);
+        whole.holes.reserve(island.holes.size());
+        for (const Contour& hole : island.holes) {
+            whole.holes.emplace_back(polygon(layer, hole));
         }
     }
     return made;

@@ -11,8 +11,6 @@
 #include <libslic3r/Exception.hpp>
 #include <libslic3r/TriangleMesh.hpp>
 #include <mutex>
-#include <numeric>
-#include <span>
 #include <utility>
 
 namespace Slic3r::lamella_adapter {
@@ -135,69 +133,41 @@ std::vector<float> corners_near(const std::vector<stl_vertex>& vertices,
     return corners;
 }
 
-// The heights of the host, ascending and without those that fall on the same plane, as the library wants them.
-class Planes {
-public:
-    explicit Planes(const std::vector<float>& heights) : order_(heights.size()) {
-        std::iota(order_.begin(), order_.end(), std::size_t{0});
-        std::stable_sort(order_.begin(), order_.end(),
-                         [&](std::size_t left, std::size_t right) { return heights[left] < heights[right]; });
-        for (std::size_t at = 0; at < order_.size(); ++at) {
-            const double height = heights[order_[at]];
-            if (ascending_.empty() || height - ascending_.back() > 4 * SCALING_FACTOR) {
-                ascending_.push_back(height);
-                first_.push_back(at);
-            }
-        }
-        first_.push_back(order_.size());
-    }
-
-    const std::vector<double>& ascending() const { return ascending_; }
-    /// Indices into the host's heights.
-    std::span<const std::size_t> heights_at(std::size_t plane) const {
-        return std::span(order_).subspan(first_[plane], first_[plane + 1] - first_[plane]);
-    }
-
-private:
-    std::vector<std::size_t> order_;  ///< of the host's heights
-    std::vector<double> ascending_;
-    std::vector<std::size_t> first_;  ///< by plane: into order_
-};
-
 // One call of the library.
 class Call {
 public:
-    Call(const Planes& planes, const std::function<void()>& throw_on_cancel, const TakeLayer& take)
-        : planes_(planes), throw_on_cancel_(throw_on_cancel), take_(take) {
+    Call(std::vector<double> heights, const std::function<void()>& throw_on_cancel, const TakeLayer& take)
+        : throw_on_cancel_(throw_on_cancel), take_(take) {
         constexpr double host_gap_mm = 2;
-        options.plan.spacing = lamella::ExplicitPlanes{planes.ascending()};
+        options.plan.spacing = lamella::ExplicitPlanes{std::move(heights)};
         options.unit_mm = SCALING_FACTOR;
         options.close_gaps_mm = host_gap_mm;
         options.control.stop = {[](void* call) noexcept { return static_cast<Call*>(call)->stop(); }, this};
     }
 
-    void slice(const lamella::MeshView& mesh) {
+    lamella::Array<std::uint64_t> slice(const lamella::MeshView& mesh) {
         lamella::Workspace workspace = workspaces().take();
-        auto totals = lamella::slice_to(lamella::LayerSink::to(*this, lamella::SinkOrder::any), mesh, options, workspace);
+        const lamella::LayerSink sink = lamella::LayerSink::to(*this, lamella::SinkOrder::any);
+        auto totals = lamella::slice_to(sink, mesh, options, workspace);
         // One that is too large for the host's unit gets the default grid.
         if (!totals && totals.error().code == lamella::ErrorCode::bad_coordinate) {
             options.unit_mm = 0;
-            totals = lamella::slice_to(lamella::LayerSink::to(*this, lamella::SinkOrder::any), mesh, options, workspace);
+            totals = lamella::slice_to(sink, mesh, options, workspace);
         }
         workspaces().give_back(std::move(workspace));
         exceptions_.rethrow();
-        if (!totals && totals.error().code != lamella::ErrorCode::empty_mesh) {
+        if (totals) {
+            return std::move(totals->layer_of);
+        }
+        if (totals.error().code != lamella::ErrorCode::empty_mesh) {
             throw SlicingError(totals.error().message);
         }
+        return lamella::Array<std::uint64_t>();
     }
 
     // The library's sink.
     void operator()(const lamella::LayerView& layer) noexcept {
-        exceptions_.within([&] {
-            for (const std::size_t height : planes_.heights_at(layer.index)) {
-                take_(layer, height);
-            }
-        });
+        exceptions_.within([&] { take_(layer); });
     }
 
     lamella::SliceOptions options;
@@ -208,7 +178,6 @@ private:
         return exceptions_.thrown();
     }
 
-    const Planes& planes_;
     const std::function<void()>& throw_on_cancel_;
     const TakeLayer& take_;
     Exceptions exceptions_;
@@ -216,25 +185,23 @@ private:
 
 }  // namespace
 
-void cut(const indexed_triangle_set& mesh, const std::vector<float>& heights, const Transform3d& transform,
-         const lamella::RegionRules& rules, const std::function<void()>& throw_on_cancel, const TakeLayer& take) {
+lamella::Array<std::uint64_t> cut(const indexed_triangle_set& mesh, const std::vector<float>& heights,
+                                  const Transform3d& transform, const lamella::RegionRules& rules,
+                                  const std::function<void()>& throw_on_cancel, const TakeLayer& take) {
     throw_on_cancel();
-    const Planes planes(heights);
-    Call call(planes, throw_on_cancel, take);
+    Call call(std::vector<double>(heights.begin(), heights.end()), throw_on_cancel, take);
     call.options.region = rules;
     if (is_identity(transform)) {
-        call.slice(view(mesh.vertices, mesh.indices));
-        return;
+        return call.slice(view(mesh.vertices, mesh.indices));
     }
     call.options.transform = from_host_units();
     const std::vector<stl_vertex> moved = transformed(mesh.vertices, float_transform(transform));
-    call.slice(view(moved, mesh.indices));
+    return call.slice(view(moved, mesh.indices));
 }
 
 void cut(const indexed_triangle_set& mesh, float height, const Transform3d& transform, const TakeLayer& take) {
-    const Planes planes({height});
     const std::function<void()> never = [] {};
-    Call call(planes, never, take);
+    Call call({height}, never, take);
     call.options.control.threads = 1;
     if (is_identity(transform)) {
         call.slice(lamella::MeshView::soup(corners_near(mesh.vertices, mesh.indices, height)));

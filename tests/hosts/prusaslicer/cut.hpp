@@ -2,7 +2,9 @@
 // AGPL-3.0-or-later (see adapter.cpp).
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <lamella/array.hpp>
 #include <lamella/sink.hpp>
 #include <libslic3r/TriangleMesh.hpp>
 #include <libslic3r/TriangleMeshSlicer.hpp>
@@ -10,13 +12,15 @@
 
 namespace Slic3r::lamella_adapter {
 
-/// A layer for `heights[height]`. Called by several threads at once; may throw.
-using TakeLayer = std::function<void(const lamella::LayerView& layer, std::size_t height)>;
+/// Called by several threads at once; may throw.
+using TakeLayer = std::function<void(const lamella::LayerView& layer)>;
 
-/// Cuts a mesh at the host's heights and hands over their layers, each as soon as it is finished. A mesh without triangles
-/// gives none. Throws what `take` and the host's cancelling throw, and SlicingError where the library refuses the mesh.
-void cut(const indexed_triangle_set& mesh, const std::vector<float>& heights, const Transform3d& transform,
-         const lamella::RegionRules& rules, const std::function<void()>& throw_on_cancel, const TakeLayer& take);
+/// Cuts a mesh at the host's heights, in any order, and hands over the layers, each as soon as it is finished. Returns the
+/// layer of each height, or nothing where a mesh without triangles gave no layer. Throws what `take` and the host's
+/// cancelling throw, and SlicingError where the library refuses the mesh.
+lamella::Array<std::uint64_t> cut(const indexed_triangle_set& mesh, const std::vector<float>& heights,
+                                  const Transform3d& transform, const lamella::RegionRules& rules,
+                                  const std::function<void()>& throw_on_cancel, const TakeLayer& take);
 
 /// At one height, on the calling thread.
 void cut(const indexed_triangle_set& mesh, float height, const Transform3d& transform, const TakeLayer& take);

@@ -7,10 +7,10 @@
 // What the host expects, and where it is met:
 //
 //     heights in any order, repeated          by_height()
-//     vertices transformed in float           transformed() in cut.cpp
+//     vertices transformed in float           HostVertex in cut.cpp
 //     cancelling by an exception              Exceptions in cut.cpp
 //     a vertex on a plane lies above it       PlaneSide::below, the default
-//     coordinates of 32 bits, 1e-6 mm         SliceOptions::unit_mm; points are copied as bytes in contours.cpp
+//     coordinates of 32 bits, 1e-6 mm         frame.hpp: points are copied as bytes
 //     gaps joined up to 2 mm                  SliceOptions::close_gaps_mm
 //     no collinear points in regions          RegionRules::drop_collinear
 //     loops turned counter-clockwise          Turn::counter_clockwise, then a region of its own per layer
@@ -26,6 +26,7 @@
 
 #include "contours.hpp"
 #include "cut.hpp"
+#include "frame.hpp"
 
 namespace Slic3r {
 namespace {
@@ -52,8 +53,8 @@ lamella::RegionRules rules_of(const MeshSlicingParamsEx& params, Mode mode) {
     lamella::RegionRules rules;
     rules.fill_rule = rule_of(mode);
     rules.drop_collinear = true;
-    rules.offset_mm = params.extra_offset;
-    rules.close_mm = params.closing_radius >= params.extra_offset ? params.closing_radius : 0;
+    rules.offset_mm = params.extra_offset * frame_per_mm;
+    rules.close_mm = params.closing_radius >= params.extra_offset ? params.closing_radius * frame_per_mm : 0;
     return rules;
 }
 

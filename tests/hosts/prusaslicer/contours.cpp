@@ -23,14 +23,15 @@ bool is_loop(const Contour& contour) {
 
 Points host_points(const lamella::LayerView& layer, const Contour& contour) {
     const std::span<const lamella::Point> from = layer.points_of(contour);
-    if (layer.unit_mm == SCALING_FACTOR) {
+    const auto host_units = static_cast<coord_t>(layer.unit_mm / lamella::default_unit_mm);
+    if (host_units == 1) {
         const Point* first = reinterpret_cast<const Point*>(from.data());
         return Points(first, first + from.size());
     }
     Points points;
     points.reserve(from.size());
     for (const lamella::Point& point : from) {
-        points.emplace_back(scale_(point.x * layer.unit_mm), scale_(point.y * layer.unit_mm));
+        points.emplace_back(point.x * host_units, point.y * host_units);
     }
     return points;
 }

@@ -13,6 +13,8 @@
 #include <mutex>
 #include <utility>
 
+#include "frame.hpp"
+
 namespace Slic3r::lamella_adapter {
 namespace {
 
@@ -75,58 +77,63 @@ bool is_identity(const Transform3d& transform) {
     return transform.matrix() == Transform3d::Identity().matrix();
 }
 
-// The host multiplies in float, with x and y scaled to its unit: a face that it sees on a plane must be on it here too.
-Transform3f float_transform(const Transform3d& transform) {
-    Transform3d scaled = transform;
-    scaled.prescale(Vec3d(1 / SCALING_FACTOR, 1 / SCALING_FACTOR, 1.));
-    return scaled.cast<float>();
-}
+// The host's vertices in the library's frame, rounded as the host rounds them: it multiplies in float, with x and y scaled
+// to its unit, so that a face which it sees on a plane must be on it here too. Powers of two round nothing.
+class HostVertex {
+public:
+    explicit HostVertex(const Transform3d& transform) : moves_(!is_identity(transform)) {
+        Transform3d scaled = transform;
+        scaled.prescale(Vec3d(1 / SCALING_FACTOR, 1 / SCALING_FACTOR, 1.));
+        by_ = scaled.cast<float>();
+    }
 
-// And from there to mm.
-lamella::Transform from_host_units() {
-    return {{SCALING_FACTOR, 0, 0, 0, 0, SCALING_FACTOR, 0, 0, 0, 0, 1, 0}};
-}
+    stl_vertex operator()(const stl_vertex& vertex) const {
+        if (!moves_) {
+            return vertex * frame_per_mm;
+        }
+        const stl_vertex moved = by_ * vertex;
+        return {moved.x() * 0x1p-20F, moved.y() * 0x1p-20F, in_frame(moved.z())};
+    }
 
-std::vector<stl_vertex> transformed(const std::vector<stl_vertex>& vertices, const Transform3f& by) {
-    std::vector<stl_vertex> moved(vertices.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 1 << 14), [&](const auto& range) {
+private:
+    Transform3f by_;
+    bool moves_;
+};
+
+std::vector<stl_vertex> host_vertices(const std::vector<stl_vertex>& vertices, const HostVertex& host_vertex) {
+    std::vector<stl_vertex> made(vertices.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 1 << 13), [&](const auto& range) {
         for (std::size_t at = range.begin(); at < range.end(); ++at) {
-            moved[at] = by * vertices[at];
+            made[at] = host_vertex(vertices[at]);
         }
     });
-    return moved;
-}
-
-lamella::MeshView view(const std::vector<stl_vertex>& vertices, const std::vector<stl_triangle_vertex_indices>& indices) {
-    return lamella::MeshView::indexed({reinterpret_cast<const float*>(vertices.data()), 3 * vertices.size()},
-                                      {reinterpret_cast<const std::uint32_t*>(indices.data()), 3 * indices.size()});
+    return made;
 }
 
 // Bits by vertex: not below the lowest height that a plane may get, not above the highest.
 //
-// The library moves vertices and planes by no more than three units and a float's rounding.
-std::vector<std::uint8_t> sides_of(const std::vector<stl_vertex>& vertices, float height) {
+// The library moves vertices and planes by no more than three units of its grid.
+std::vector<std::uint8_t> sides_of(const std::vector<stl_vertex>& vertices, const HostVertex& host_vertex, float height) {
     const float reach = 1e-5F + 1e-6F * std::abs(height);
     const float low = height - reach;
     const float high = height + reach;
     std::vector<std::uint8_t> sides(vertices.size());
     for (std::size_t at = 0; at < vertices.size(); ++at) {
-        const float z = vertices[at].z();
+        const float z = host_vertex(vertices[at]).z();
         sides[at] = static_cast<std::uint8_t>((z >= low ? 1 : 0) | (z <= high ? 2 : 0));
     }
     return sides;
 }
 
 // The corners of the triangles that may cross a plane, nine numbers each.
-std::vector<float> corners_near(const std::vector<stl_vertex>& vertices,
-                                const std::vector<stl_triangle_vertex_indices>& indices, float height) {
-    const std::vector<std::uint8_t> sides = sides_of(vertices, height);
+std::vector<float> corners_near(const indexed_triangle_set& mesh, const HostVertex& host_vertex, float height) {
+    const std::vector<std::uint8_t> sides = sides_of(mesh.vertices, host_vertex, height);
     std::vector<float> corners;
-    for (const stl_triangle_vertex_indices& triangle : indices) {
+    for (const stl_triangle_vertex_indices& triangle : mesh.indices) {
         if ((sides[triangle[0]] | sides[triangle[1]] | sides[triangle[2]]) == 3) {
             for (int corner = 0; corner < 3; ++corner) {
-                const float* numbers = vertices[triangle[corner]].data();
-                corners.insert(corners.end(), numbers, numbers + 3);
+                const stl_vertex vertex = host_vertex(mesh.vertices[triangle[corner]]);
+                corners.insert(corners.end(), vertex.data(), vertex.data() + 3);
             }
         }
     }
@@ -136,24 +143,19 @@ std::vector<float> corners_near(const std::vector<stl_vertex>& vertices,
 // One call of the library.
 class Call {
 public:
-    Call(std::vector<double> heights, const std::function<void()>& throw_on_cancel, const TakeLayer& take)
+    Call(const std::vector<float>& heights, const std::function<void()>& throw_on_cancel, const TakeLayer& take)
         : throw_on_cancel_(throw_on_cancel), take_(take) {
         constexpr double host_gap_mm = 2;
-        options.plan.spacing = lamella::ExplicitPlanes{std::move(heights)};
-        options.unit_mm = SCALING_FACTOR;
-        options.close_gaps_mm = host_gap_mm;
+        std::vector<double> in_library(heights.size());
+        std::transform(heights.begin(), heights.end(), in_library.begin(), in_frame);
+        options.plan.spacing = lamella::ExplicitPlanes{std::move(in_library)};
+        options.close_gaps_mm = host_gap_mm * frame_per_mm;
         options.control.stop = {[](void* call) noexcept { return static_cast<Call*>(call)->stop(); }, this};
     }
 
     lamella::Array<std::uint64_t> slice(const lamella::MeshView& mesh) {
         lamella::Workspace workspace = workspaces().take();
-        const lamella::LayerSink sink = lamella::LayerSink::to(*this, lamella::SinkOrder::any);
-        auto totals = lamella::slice_to(sink, mesh, options, workspace);
-        // One that is too large for the host's unit gets the default grid.
-        if (!totals && totals.error().code == lamella::ErrorCode::bad_coordinate) {
-            options.unit_mm = 0;
-            totals = lamella::slice_to(sink, mesh, options, workspace);
-        }
+        auto totals = lamella::slice_to(lamella::LayerSink::to(*this, lamella::SinkOrder::any), mesh, options, workspace);
         workspaces().give_back(std::move(workspace));
         exceptions_.rethrow();
         if (totals) {
@@ -189,27 +191,20 @@ lamella::Array<std::uint64_t> cut(const indexed_triangle_set& mesh, const std::v
                                   const Transform3d& transform, const lamella::RegionRules& rules,
                                   const std::function<void()>& throw_on_cancel, const TakeLayer& take) {
     throw_on_cancel();
-    Call call(std::vector<double>(heights.begin(), heights.end()), throw_on_cancel, take);
+    Call call(heights, throw_on_cancel, take);
     call.options.region = rules;
-    if (is_identity(transform)) {
-        return call.slice(view(mesh.vertices, mesh.indices));
-    }
-    call.options.transform = from_host_units();
-    const std::vector<stl_vertex> moved = transformed(mesh.vertices, float_transform(transform));
-    return call.slice(view(moved, mesh.indices));
+    const std::vector<stl_vertex> vertices = host_vertices(mesh.vertices, HostVertex(transform));
+    return call.slice(
+        lamella::MeshView::indexed({reinterpret_cast<const float*>(vertices.data()), 3 * vertices.size()},
+                                   {reinterpret_cast<const std::uint32_t*>(mesh.indices.data()), 3 * mesh.indices.size()}));
 }
 
 void cut(const indexed_triangle_set& mesh, float height, const Transform3d& transform, const TakeLayer& take) {
     const std::function<void()> never = [] {};
     Call call({height}, never, take);
     call.options.control.threads = 1;
-    if (is_identity(transform)) {
-        call.slice(lamella::MeshView::soup(corners_near(mesh.vertices, mesh.indices, height)));
-        return;
-    }
-    call.options.transform = from_host_units();
-    const std::vector<stl_vertex> moved = transformed(mesh.vertices, float_transform(transform));
-    call.slice(lamella::MeshView::soup(corners_near(moved, mesh.indices, height)));
+    const std::vector<float> corners = corners_near(mesh, HostVertex(transform), in_frame(height));
+    call.slice(lamella::MeshView::soup(corners));
 }
 
 }  // namespace Slic3r::lamella_adapter

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "slicing/grid/bounds.hpp"
-#include "slicing/grid/quantise.hpp"
+#include "slicing/grid/placed_reader.hpp"
 
 namespace lamella {
 
@@ -40,17 +40,13 @@ struct Measure {
 /// Volume as the sum of tetrahedra to the middle of the box: near, so that little cancels.
 Measure measure(const MeshView& mesh, const Transform& transform, const VectorMm& middle, const Parallel& parallel) {
     const std::size_t chunks = (mesh.triangle_count + chunk_triangles - 1) / chunk_triangles;
-    const RawReader read(mesh);
-    const bool transformed = !transform.is_identity();
+    const PlacedReader read(mesh, transform);
     std::vector<Measure> parts(chunks);
     parallel.run(chunks, [&](std::size_t chunk, int) {
         Measure part;
         const std::size_t end = std::min(mesh.triangle_count, (chunk + 1) * chunk_triangles);
         for (std::size_t t = chunk * chunk_triangles; t != end; ++t) {
-            RawTriangle raw = read(t);
-            if (transformed) {
-                apply(transform, raw);
-            }
+            const RawTriangle raw = read(t);
             const VectorMm a{raw.v[0], raw.v[1], raw.v[2]};
             const VectorMm normal =
                 cross(VectorMm{raw.v[3], raw.v[4], raw.v[5]} - a, VectorMm{raw.v[6], raw.v[7], raw.v[8]} - a);
@@ -77,7 +73,7 @@ Result<MeshInfo> measure_mesh(const MeshView& mesh, const Transform& transform, 
         return bounds.error();
     }
     const Bounds& box = bounds.value();
-    const Result<double> unit = choose_unit(box, asked_mm);
+    const Result<ChosenUnit> unit = choose_unit(box, asked_mm);
     if (!unit) {
         return unit.error();
     }
@@ -91,7 +87,7 @@ Result<MeshInfo> measure_mesh(const MeshView& mesh, const Transform& transform, 
     info.volume_mm3 = measured.six_volumes / 6;
     info.area_mm2 = measured.two_areas / 2;
     info.triangles = mesh.triangle_count;
-    info.unit_mm = *unit;
+    info.unit_mm = unit->mm;
     return info;
 }
 

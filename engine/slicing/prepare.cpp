@@ -5,6 +5,7 @@
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "slicing/grid/bounds.hpp"
+#include "slicing/grid/placed_reader.hpp"
 #include "slicing/part_slicer.hpp"
 #include "slicing/prepared_parts.hpp"
 
@@ -21,18 +22,18 @@ Result<PreparedMesh> make_prepared(const MeshView& mesh, const PrepareOptions& o
     if (!bounds) {
         return bounds.error();
     }
-    const Result<double> unit = choose_unit(*bounds, options.unit_mm);
+    const Result<ChosenUnit> unit = choose_unit(*bounds, options.unit_mm, options.unit_fit == UnitFit::coarser_if_needed);
     if (!unit) {
         return unit.error();
     }
     blocks = BlockTable(options.control.memory);
-    parts->frame = {*bounds, *unit, options.transform.is_identity() ? mesh.coordinate_type : CoordinateType::f64};
+    parts->frame = {*bounds, *unit, placed_number(mesh, options.transform)};
     parts->transform = options.transform;
     parts->asked_unit_mm = options.unit_mm;
     parts->counted.triangle_count = mesh.triangle_count;
-    parts->triangles.build(mesh, options.transform, *bounds, *unit, parallel);
+    parts->triangles.build(mesh, options.transform, *bounds, unit->mm, parallel);
     if (parts->triangles.degenerate == mesh.triangle_count) {
-        return all_collapsed(mesh.triangle_count, *unit);
+        return all_collapsed(mesh.triangle_count, unit->mm);
     }
     parallel.finish();
     return PreparedMesh(std::move(parts));
@@ -50,7 +51,7 @@ std::size_t PreparedMesh::bytes() const noexcept {
 }
 
 double PreparedMesh::unit_mm() const noexcept {
-    return parts_->frame.unit_mm;
+    return parts_->frame.unit.mm;
 }
 
 Result<PreparedMesh> prepare(const MeshView& mesh, const PrepareOptions& options) noexcept {

@@ -16,9 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
-
-#include <unistd.h>
 
 #include "base/clock.hpp"
 #include "base/guard.hpp"
@@ -28,6 +25,7 @@
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/buckets/prepared_triangles.hpp"
 #include "slicing/grid/bounds.hpp"
+#include "slicing/grid/placed_reader.hpp"
 #include "slicing/part_slicer.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/prepared_parts.hpp"
@@ -35,47 +33,9 @@
 #include "slicing/result/result_output.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
+#include "slicing/workspace.hpp"
 
 namespace lamella {
-
-namespace {
-
-std::uint64_t half_of_memory() {
-    const auto pages = static_cast<std::uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
-    return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
-}
-
-}  // namespace
-
-/// Scratch that is kept from call to call.
-struct detail::WorkspaceParts {
-    explicit WorkspaceParts(const Memory* memory)
-        : memory(memory), blocks(memory), planes(memory), buckets(memory), bands(memory), output(memory) {}
-
-    /// Kept, since threads return sooner to an arena that they have just left than to a new one.
-    const Parallel& parallel_for(const Control& control) {
-        if (parallel == nullptr || !parallel->serves(control)) {
-            parallel = std::make_unique<Parallel>(control);
-        }
-        parallel->follow(control.stop);
-        return *parallel;
-    }
-
-    const Memory* memory;
-    std::uint64_t usual_limit = half_of_memory();  ///< the system takes half a microsecond to say it
-    std::unique_ptr<Parallel> parallel;
-    BlockTable blocks;
-    PlaneSet planes;
-    Buckets buckets;
-    BandPlan bands;
-    std::vector<std::unique_ptr<BandSweep>> sweeps;  // by worker
-    OutputScratch output;
-};
-
-Workspace::Workspace() noexcept = default;
-Workspace::~Workspace() = default;
-Workspace::Workspace(Workspace&&) noexcept = default;
-Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
 namespace {
 
@@ -123,6 +83,9 @@ public:
 
 private:
     Status choose_grid_and_planes();
+    Result<Bounds> find_bounds(double asked_mm);
+    Status build_planes(const Bounds& own);
+    void count();
     Status count_triangles();
     void bucket_triangles();
     Status sweep_bands();
@@ -163,21 +126,20 @@ private:
 };
 
 Status Slicing::choose_grid_and_planes() {
-    const double asked_mm = frame_ != nullptr ? frame_->unit_mm : options_.unit_mm;
-    const Result<Bounds> bounds = prepared_ != nullptr
-                                      ? prepared_->frame.bounds
-                                      : measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
+    const double asked_mm = frame_ != nullptr ? frame_->unit.mm : options_.unit_mm;
+    const Result<Bounds> bounds = find_bounds(asked_mm);
     if (!bounds) {
         return bounds.error();
     }
-    const Result<double> unit = frame_ != nullptr ? frame_->unit_mm : choose_unit(*bounds, asked_mm);
+    const Result<ChosenUnit> unit =
+        frame_ != nullptr ? frame_->unit : choose_unit(*bounds, asked_mm, options_.unit_fit == UnitFit::coarser_if_needed);
     if (!unit) {
         return unit.error();
     }
-    if (Status status = check_reach(options_.region, *unit, bounds->farthest_in_plane()); !status) {
+    if (Status status = check_reach(options_.region, unit->mm, bounds->farthest_in_plane()); !status) {
         return status;
     }
-    result_.unit_mm = *unit;
+    result_.unit_mm = unit->mm;
     result_.frame = prepared_ != nullptr ? prepared_->transform : options_.transform;
     result_.plan = options_.plan;
     result_.part_count = 1;
@@ -185,24 +147,45 @@ Status Slicing::choose_grid_and_planes() {
     result_.region = options_.region;
     result_.close_gaps_mm = options_.close_gaps_mm;
     result_.summary = {};
+    result_.summary.unit_doublings = unit->doublings;
     std::copy_n(bounds->min_mm, 3, result_.summary.min_mm);
     std::copy_n(bounds->max_mm, 3, result_.summary.max_mm);
-    if (frame_ != nullptr) {
-        return kept_.planes.build(options_.plan, frame_->bounds, *unit, frame_->number, memory_limit());
+    return build_planes(*bounds);
+}
+
+/// Of a prepared mesh it is known; of one without triangles there is none.
+Result<Bounds> Slicing::find_bounds(double asked_mm) {
+    if (prepared_ != nullptr || (options_.allow_empty && mesh_.triangle_count == 0)) {
+        kept_.blocks.blocks.set_size(0);
+        return prepared_ != nullptr ? prepared_->frame.bounds : Bounds{};
     }
-    const CoordinateType number = options_.transform.is_identity() ? mesh_.coordinate_type : CoordinateType::f64;
-    return kept_.planes.build(options_.plan, *bounds, *unit, number, memory_limit());
+    return measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
+}
+
+Status Slicing::build_planes(const Bounds& own) {
+    const Bounds& bounds = frame_ != nullptr ? frame_->bounds : own;
+    const CoordinateType number = frame_ != nullptr ? frame_->number : placed_number(mesh_, options_.transform);
+    return kept_.planes.build(options_.plan, bounds, result_.unit_mm, number, memory_limit());
+}
+
+void Slicing::count() {
+    if (prepared_ != nullptr) {
+        count_crossings(prepared_->triangles, kept_.planes, parallel_, kept_.buckets);
+    } else {
+        count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, kept_.buckets);
+    }
 }
 
 Status Slicing::count_triangles() {
-    Buckets& buckets = kept_.buckets;
-    if (prepared_ != nullptr) {
-        count_crossings(prepared_->triangles, kept_.planes, parallel_, buckets);
-    } else {
-        count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, buckets);
-    }
-    if (buckets.degenerate == mesh_.triangle_count) {
-        return all_collapsed(mesh_.triangle_count, result_.unit_mm);
+    count();
+    if (kept_.buckets.degenerate == mesh_.triangle_count) {
+        if (!options_.allow_empty) {
+            return all_collapsed(mesh_.triangle_count, result_.unit_mm);
+        }
+        if (Status status = build_planes({}); !status) {  // the box of nothing chooses no planes
+            return status;
+        }
+        count();
     }
     return {};
 }
@@ -223,6 +206,8 @@ void Slicing::bucket_triangles() {
 }
 
 Status Slicing::sweep_bands() {
+    kept_.last_made_regions = !options_.region.keeps_contours() || options_.region.mark_near_mm > 0;
+    kept_.sweeps_made_regions = kept_.sweeps_made_regions || kept_.last_made_regions;
     kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
     if (Status status = output_.take_bands(sweep_input(), [this](BandTarget& target) { sweep_all_into(target); }); !status) {
         return status;
@@ -317,7 +302,7 @@ void Slicing::split_time(double sweep_ms) {
 }
 
 Status Slicing::finish_result() {
-    const std::vector<PlaneIndex>& listed = kept_.planes.plane_of_listed();
+    const Vector<PlaneIndex>& listed = kept_.planes.plane_of_listed();
     result_.layer_of.resize_discarding(listed.size());
     std::copy(listed.begin(), listed.end(), result_.layer_of.begin());
     summarise();
@@ -338,10 +323,10 @@ void Slicing::summarise() {
 
 /// A prepared mesh has its grid and its frame already.
 Status check_prepared(const detail::PreparedParts& prepared, const SliceOptions& options) {
-    if (options.unit_mm != 0 && options.unit_mm != prepared.asked_unit_mm && options.unit_mm != prepared.frame.unit_mm) {
+    if (options.unit_mm != 0 && options.unit_mm != prepared.asked_unit_mm && options.unit_mm != prepared.frame.unit.mm) {
         return Error{ErrorCode::invalid_argument, "the mesh was prepared on another grid than the one asked for"};
     }
-    if (!options.transform.is_identity() && options.transform.m != prepared.transform.m) {
+    if (!options.transform.is_identity() && !(options.transform == prepared.transform)) {
         return Error{ErrorCode::invalid_argument, "the mesh was prepared with another transform than the one asked for"};
     }
     return {};
@@ -363,7 +348,7 @@ Status check_options(const detail::SliceInput& input, const SliceOptions& option
 }
 
 detail::WorkspaceParts& parts_for(const SliceOptions& options, std::unique_ptr<detail::WorkspaceParts>& kept) {
-    if (kept == nullptr || kept->memory != options.control.memory) {
+    if (kept == nullptr || kept->counted.host() != options.control.memory) {
         kept = std::make_unique<detail::WorkspaceParts>(options.control.memory);
     }
     return *kept;
@@ -395,10 +380,6 @@ Status detail::PartSlicer::admit(SliceOutput& output, const SliceInput& input, c
         return status;
     }
     return Slicing(output, input, options, parts_for(options, workspace.parts_), result).admit();
-}
-
-void Workspace::reset() noexcept {
-    parts_.reset();
 }
 
 Status slice(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {

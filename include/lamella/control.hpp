@@ -14,6 +14,8 @@
 //
 //     call                                           threads, executor  stop                progress  memory
 //     slice(), slice_parts()                         yes                yes                 yes       result and scratch
+//     slice_to(), slice_into()                       yes                yes                 yes       scratch
+//     bound_output()                                 yes                yes                 -         scratch
 //     assemble()                                     calling thread     yes                 yes       result and scratch
 //     region_of()                                    calling thread     yes                 -         result and scratch
 //     read_mesh()                                    yes                yes                 yes       mesh and scratch

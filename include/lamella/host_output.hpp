@@ -69,15 +69,16 @@ struct OutputBounds {
     double unit_mm = default_unit_mm;  ///< of the slice
 };
 
-/// Counts what slicing `mesh` may give, without slicing it. O(n + k): two reads of the mesh, about a fifth of what slicing
-/// takes. Memory and errors as in slice(), but for result_too_large.
+/// Counts what slicing `mesh` may give, without slicing it. O(n + k): two reads of the mesh, a tenth of the time of slicing
+/// or less. Memory and errors as in slice(), but for result_too_large.
 Result<OutputBounds> bound_output(const MeshView& mesh, const SliceOptions& options = {}) noexcept;
 Result<OutputBounds> bound_output(const MeshView& mesh, const SliceOptions& options, Workspace& workspace) noexcept;
 
 /// Slices `mesh` as slice() does, into `output`: one pass, whatever the type. Only scratch is allocated, from
 /// `options.control.memory` as in slice(); points that are converted pass through buffers of at most two bands a thread.
 ///
-/// Nothing is written beyond a capacity, nor between strided points. Errors: those of slice(), and
+/// Nothing is written beyond a capacity, nor between strided points. Within it, what lies beyond the totals is unspecified.
+/// Errors: those of slice(), and
 ///
 ///     invalid_argument  an array that is null though it has a capacity, a stride shorter than a point, a scale out of
 ///     range,

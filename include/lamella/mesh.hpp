@@ -19,12 +19,23 @@ namespace lamella {
 
 enum class CoordinateType : std::uint8_t { f32, f64 };
 
+/// What a transform is computed in. A host that moves meshes of floats by a matrix of floats has flat faces where float
+/// arithmetic puts them, and asks for planes there. In double the same faces lie up to half a step of float beside them, so
+/// that a face on a plane may be missed; by `as_mesh` it never is.
+enum class Arithmetic : std::uint8_t {
+    f64,      ///< double, whatever the mesh has; heights are then rounded to the grid alone
+    as_mesh,  ///< the mesh's own number type: of floats, the entries of `m` are rounded to float first, and heights too
+};
+
 /// A 3x4 affine map, row by row, to mm: x' = m[0] x + m[1] y + m[2] z + m[3]; y' by m[4..7] and z' by m[8..11] likewise.
-/// Applied to every vertex while it is rounded to the grid.
+/// Every product is rounded and sums run from left to right, without contraction. Applied to every vertex while it is
+/// rounded to the grid. The identity changes nothing, in either arithmetic.
 struct Transform {
     std::array<double, 12> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    Arithmetic arithmetic = Arithmetic::f64;
 
     bool is_identity() const noexcept { return m == Transform{}.m; }
+    friend bool operator==(const Transform&, const Transform&) = default;
 
     /// The rotation that turns `normal` (any length but zero) into +z, so that planes are cut perpendicular to `normal`.
     /// (0, 0, 1) gives the identity exactly.
@@ -33,7 +44,7 @@ struct Transform {
     /// All three axes times `factor`: from other units to mm.
     static Transform scale(double factor) noexcept;
 
-    /// `first`, then `second`.
+    /// `first`, then `second`: computed in double, and `as_mesh` if either is.
     friend Transform operator*(const Transform& second, const Transform& first) noexcept;
 };
 

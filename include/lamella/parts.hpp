@@ -26,8 +26,8 @@ struct Part {
 };
 
 /// Slices every part at the planes of one plan, on one grid: both are chosen for the box around all parts. Heights are
-/// rounded as floats where every part is of floats that no transform moves, as doubles elsewhere. Facets of one part never
-/// continue those of another.
+/// rounded as floats where every part is of floats that no transform moves in double, as doubles elsewhere. Facets of one
+/// part never continue those of another.
 ///
 /// PartRegions::separate: SliceOptions::region is done to each part by itself. Parts may overlap, and find_crossings() says
 /// where. PartRegions::united: it is done to the contours of all parts together, by the orientation of their facets; no

@@ -31,9 +31,10 @@ struct PreparedParts;
 
 /// What slice() of the same mesh takes from its options before planes are known.
 struct PrepareOptions {
-    double unit_mm = 0;     ///< as SliceOptions::unit_mm
-    Transform transform{};  ///< as SliceOptions::transform
-    Control control{};      ///< of prepare() alone, but for `memory`, which the prepared mesh holds until its end
+    double unit_mm = 0;                    ///< as SliceOptions::unit_mm
+    UnitFit unit_fit = UnitFit::as_asked;  ///< as SliceOptions::unit_fit
+    Transform transform{};                 ///< as SliceOptions::transform
+    Control control{};  ///< of prepare() alone, but for `memory`, which the prepared mesh holds until its end
 };
 
 /// Immutable: any number of threads may slice it at once, each with a Workspace of its own. The MeshView that it was made of

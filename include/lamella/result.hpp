@@ -119,6 +119,7 @@ struct SliceSummary {
     std::uint64_t near_contours = 0;       ///< contours with near_contour
     std::uint64_t emptied_layers = 0;      ///< layers that the mesh crosses, but of which the rules leave no contour
     std::uint64_t bands = 0;
+    int unit_doublings = 0;  ///< how often the unit asked for, or the default, was doubled to fit the mesh
     int threads = 1;
     double min_mm[3] = {0, 0, 0};  ///< box of the transformed mesh
     double max_mm[3] = {0, 0, 0};

@@ -15,6 +15,8 @@
 // Source: the paper's Algorithms 1 to 3 (slicing) and 4 (contours), with orientation and nesting, in parallel.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 
 #include "lamella/control.hpp"
@@ -32,9 +34,19 @@ struct WorkspaceParts;
 struct PartSlicer;
 }  // namespace detail
 
+/// What is done where the mesh does not fit a grid of the unit asked for.
+enum class UnitFit : std::uint8_t {
+    as_asked,           ///< bad_coordinate
+    coarser_if_needed,  ///< the unit is doubled until it does; SliceSummary::unit_doublings says how often
+};
+
 struct SliceOptions {
     LayerPlan plan{};
-    double unit_mm = 0;     ///< grid unit; 0 chooses the default, unit_by_box the finest (see grid.hpp)
+    double unit_mm = 0;  ///< grid unit; 0 chooses the default, unit_by_box the finest (see grid.hpp)
+    UnitFit unit_fit = UnitFit::as_asked;
+    /// A mesh without triangles, or of which none is left on the grid, is no error: given heights give empty layers, other
+    /// plans none. The box of a mesh without triangles is a point at zero.
+    bool allow_empty = false;
     Transform transform{};  ///< from the mesh's coordinates to mm and to the slicing direction, which is z
     RegionRules region{};
     double close_gaps_mm = 0;              ///< join ends of open polylines at most so far apart; 0 joins none
@@ -50,6 +62,11 @@ public:
     ~Workspace();
     Workspace(Workspace&&) noexcept;
     Workspace& operator=(Workspace&&) noexcept;
+    /// The memory that it holds.
+    std::size_t bytes() const noexcept;
+    /// Gives back what the last call did not need, as after one of a much larger mesh: what stays is at most about twice
+    /// what a new workspace would hold after that call.
+    void trim() noexcept;
     /// Gives all memory back: before the host's Memory that it came from goes.
     void reset() noexcept;
 
@@ -75,8 +92,8 @@ private:
 /// are walked. A closed contour that has an area has three points or more, so that such a result is at most three times as
 /// large as that; one of open polylines of a single segment each, eight times. What the host's memory does not hold then is
 /// out_of_memory. Errors:
-/// invalid_argument, empty_mesh, bad_coordinate (with the triangle), bad_planes (with the plane), result_too_large,
-/// out_of_memory, cancelled.
+/// invalid_argument, empty_mesh (unless SliceOptions::allow_empty), bad_coordinate (with the triangle), bad_planes (with the
+/// plane), result_too_large, out_of_memory, cancelled.
 Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options = {}) noexcept;
 
 /// The same into an existing result and with scratch that is kept: for programs that slice again and again. Where

@@ -276,6 +276,42 @@ TEST_CASE("seeds of a band are the triangles from below that its first plane cut
     }
 }
 
+TEST_CASE("bands hold no more segments than asked for, unless seeds would outnumber the triangles", "[engine][bucket]") {
+    // Few triangles, each cut by all planes: from every band on to the next they are seeds.
+    const shapes::Soup tall = shapes::prism(64, 10, 20);
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 4);
+    for (const shapes::Soup& soup : {tall, ball}) {
+        const Bucketed found(view_of(soup), uniform_plan(0.01), 0x1p-20, 2, 0);
+        BandPlan bands{nullptr};
+        for (const std::uint64_t most : {std::uint64_t{1}, std::uint64_t{500}, std::uint64_t{5000}, no_limit}) {
+            bands.cut(found.buckets, found.planes.size(), 0, 1, most);
+            PlaneIndex next = 0;
+            for (const lamella::Band& band : bands.bands) {
+                CHECK(band.first == next);
+                CHECK((band.last == band.first + 1 || band.segments <= most));
+                next = band.last;
+            }
+            CHECK(next == found.planes.size());
+        }
+        CHECK(bands.bands.size() <= found.bands.bands.size());
+    }
+    // 2^22 triangles of one plane's height each would be needed for more than 2^21 seeds: bands of one plane are cut wider.
+    Buckets counted{nullptr};
+    constexpr PlaneIndex planes = 64;
+    constexpr std::uint32_t cut = 200'000;
+    counted.segments.resize_discarding(planes);
+    std::fill(counted.segments.begin(), counted.segments.end(), cut);
+    counted.list_begin.resize_discarding(planes + 1);
+    std::fill(counted.list_begin.begin(), counted.list_begin.end(), cut);
+    counted.list_begin[0] = 0;
+    counted.segment_count = std::uint64_t{cut} * planes;
+    BandPlan bands{nullptr};
+    bands.cut(counted, planes, 0, 1, cut);
+    REQUIRE(bands.bands.size() > 1);
+    CHECK((bands.bands.size() - 1) * cut <= std::size_t{1} << 21);
+    CHECK((2 * bands.bands.size() - 1) * cut > std::size_t{1} << 21);
+}
+
 TEST_CASE("degenerate triangles that no plane cuts are counted", "[engine][bucket]") {
     // All but one triangle lie below the only plane. In every tenth, two vertices are equal on a grid of 1 mm, but not on
     // a finer one.

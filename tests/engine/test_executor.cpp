@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/collected_layers.hpp"
 #include "engine/slicing.hpp"
 #include "lamella/io/check_report.hpp"
 
@@ -34,6 +35,11 @@ std::string answers(const Control& control) {
     options.tuning.band_planes = 7;
     const lamella::SliceResult result = sliced(parts(), options);
     const lamella::MeshView mesh = view_of(parts());
+    for (const auto order : {lamella::SinkOrder::any, lamella::SinkOrder::ascending}) {
+        CollectedLayers collected;
+        REQUIRE(slice_to(lamella::LayerSink::to(collected, order), mesh, options).ok());
+        REQUIRE(collected.difference(result) == "");
+    }
     const auto ledger = make_ledger(mesh, result, control);
     const auto volume = certify_volume(mesh, result, control);
     const auto crossings = find_crossings(result, control);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <new>
 #include <optional>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -108,6 +109,41 @@ TEST_CASE("a slice fails cleanly at each of its allocations", "[engine][faults]"
     options.control.threads = GENERATE(1, 3);
     options.tuning.band_planes = GENERATE(0, 5);
     fail_slicing_everywhere(everything(), options);
+}
+
+TEST_CASE("a slice to a sink fails cleanly at each of its allocations", "[engine][faults][sink]") {
+    SliceOptions options = uniform(0.4);
+    options.close_gaps_mm = 2;
+    options.control.threads = GENERATE(1, 3);
+    options.tuning.band_planes = GENERATE(0, 5);
+    const auto order = GENERATE(lamella::SinkOrder::any, lamella::SinkOrder::ascending);
+    const auto nothing = [](const lamella::LayerView&) noexcept {};
+    const shapes::Soup soup = everything();
+    fail_everywhere([&](const Memory* memory) {
+        options.control.memory = memory;
+        return code_of(slice_to(lamella::LayerSink::to(nothing, order), view_of(soup), options));
+    });
+}
+
+TEST_CASE("a slice into the host's arrays fails cleanly at each of its allocations", "[engine][faults][host]") {
+    SliceOptions options = uniform(0.4);
+    options.control.threads = GENERATE(1, 3);
+    const auto type = GENERATE(lamella::PointType::i32, lamella::PointType::f64);
+    const shapes::Soup soup = everything();
+    std::vector<double> points(std::size_t{2} << 16);
+    std::vector<lamella::Contour> contours(1 << 12);
+    std::vector<lamella::Layer> layers(1 << 10);
+    fail_everywhere([&](const Memory* memory) {
+        options.control.memory = memory;
+        return code_of(slice_into({.type = type,
+                                   .points = points.data(),
+                                   .point_capacity = points.size() / 2,
+                                   .contours = contours.data(),
+                                   .contour_capacity = contours.size(),
+                                   .layers = layers.data(),
+                                   .layer_capacity = layers.size()},
+                                  view_of(soup), options));
+    });
 }
 
 TEST_CASE("a slice by random planes fails cleanly at each of its allocations", "[engine][faults]") {

@@ -104,6 +104,22 @@ public:
                  options.control = c;
                  return code_of(lamella::slice(view, options));
              }},
+            {"slice_to, in plane order",
+             [=](const Control& c) {
+                 lamella::SliceOptions options = uniform(0.02);
+                 options.control = c;
+                 const auto nothing = [](const lamella::LayerView&) noexcept {};
+                 const auto sink = lamella::LayerSink::to(nothing, lamella::SinkOrder::ascending);
+                 return code_of(lamella::slice_to(sink, view, options));
+             }},
+            {"slice_to, in any order",
+             [=](const Control& c) {
+                 lamella::SliceOptions options = uniform(0.02);
+                 options.control = c;
+                 const auto nothing = [](const lamella::LayerView&) noexcept {};
+                 return code_of(lamella::slice_to(lamella::LayerSink::to(nothing, lamella::SinkOrder::any), view, options));
+             }},
+            {"slice_into", [=](const Control& c) { return code_of(slice_into_arrays(view, c)); }},
             {"make_ledger", [=, this](const Control& c) { return code_of(lamella::make_ledger(view, result(), c)); }},
             {"certify_volume", [=, this](const Control& c) { return code_of(lamella::certify_volume(view, result(), c)); }},
             {"find_crossings", [this](const Control& c) { return code_of(lamella::find_crossings(result(), c)); }},
@@ -115,6 +131,22 @@ public:
     }
 
 private:
+    static lamella::Result<lamella::SliceTotals> slice_into_arrays(const lamella::MeshView& view, const Control& control) {
+        static std::vector<double> points(std::size_t{2} << 23);
+        static std::vector<lamella::Contour> contours(std::size_t{1} << 20);
+        static std::vector<lamella::Layer> layers(std::size_t{1} << 14);
+        lamella::SliceOptions options = uniform(0.02);
+        options.control = control;
+        return lamella::slice_into({.type = lamella::PointType::f64,
+                                    .points = points.data(),
+                                    .point_capacity = points.size() / 2,
+                                    .contours = contours.data(),
+                                    .contour_capacity = contours.size(),
+                                    .layers = layers.data(),
+                                    .layer_capacity = layers.size()},
+                                   view, options);
+    }
+
     TempFolder folder_;
     lamella::Result<lamella::MeshFile> mesh_ = lamella::Error{};
     lamella::Result<lamella::SliceResult> result_ = lamella::Error{};
@@ -259,6 +291,12 @@ TEST_CASE("a slice looks for a stop every 20 ms, in whatever form and with whate
         CHECK(gaps.longest_of([&](const Control& c) {
             sliced.options.control = c;
             return code_of(lamella::slice(sliced.mesh, sliced.options));
+        }) <= most_slice_ms);
+        const auto nothing = [](const lamella::LayerView&) noexcept {};
+        const auto sink = lamella::LayerSink::to(nothing, lamella::SinkOrder::ascending);
+        CHECK(gaps.longest_of([&](const Control& c) {
+            sliced.options.control = c;
+            return code_of(lamella::slice_to(sink, sliced.mesh, sliced.options));
         }) <= most_slice_ms);
     }
 }

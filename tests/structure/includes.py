@@ -27,8 +27,8 @@ SLICING = [
     ["regions"],
     ["contours"],
     ["sweep"],
-    ["part_slicer.hpp", "prepared_parts.hpp"],
-    ["slice.cpp", "prepare.cpp"],
+    ["part_slicer.hpp", "prepared_parts.hpp", "workspace.hpp"],
+    ["workspace.cpp", "slice.cpp", "prepare.cpp"],
     ["parts", "handover"],
 ]
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/fit.hpp"
 #include "base/stop_pace.hpp"
 
 namespace lamella {
@@ -11,6 +12,8 @@ namespace {
 
 /// A band has at least so many segments if threads allow: about 2 MB of points, which stay in a core's cache until placed.
 constexpr std::uint64_t least_segments = 1 << 18;
+/// A band has at least so much work: some 20 us, for less than which no other thread is worth waking.
+constexpr std::uint64_t least_work = 1 << 12;
 /// A triangle that enters costs as much as so many segments: its edges are looked up and its links written.
 constexpr std::uint64_t segments_per_entry = 24;
 /// A band has at least so much work for each seed. A seed costs what a triangle that enters does: a twenty-fifth of it.
@@ -88,7 +91,7 @@ void BandPlan::cut_once(const Buckets& buckets, PlaneIndex planes, std::size_t f
         all_work += work_of(buckets, plane);
     }
     // Several bands for each thread even out those that take longer; on one thread they only serve the cache.
-    const std::uint64_t share = all_work / (16 * static_cast<std::uint64_t>(threads)) + 1;
+    const std::uint64_t share = std::max(all_work / (16 * static_cast<std::uint64_t>(threads)) + 1, least_work);
     Band band{0, 0, 0, false};
     std::uint64_t work = 0;
     for (PlaneIndex plane = 0; plane < planes; ++plane) {
@@ -130,6 +133,9 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const S
     seed_begin.assign(bands.size() + 1, 0);
     seeds.resize_discarding(0);
     if (found.empty()) {
+        band_of_.clear();
+        change_.clear();
+        next_seed_.clear();
         give_back_many(reaching);
         return;
     }
@@ -165,6 +171,17 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const S
         }
     });
     give_back_many(reaching);
+}
+
+void BandPlan::trim() {
+    fit(bands);
+    fit(band_end);
+    fit(reaching);
+    fit(seed_begin);
+    fit(seeds);
+    fit(band_of_);
+    fit(change_);
+    fit(next_seed_);
 }
 
 void BandPlan::forget_many_seeds() {

@@ -24,7 +24,14 @@ struct Band {
 
 struct BandPlan {
     explicit BandPlan(const Memory* memory)
-        : bands(memory), band_end(memory), reaching(memory), seed_begin(memory), seeds(memory), band_of_(memory), change_(memory), next_seed_(memory) {}
+        : bands(memory),
+          band_end(memory),
+          reaching(memory),
+          seed_begin(memory),
+          seeds(memory),
+          band_of_(memory),
+          change_(memory),
+          next_seed_(memory) {}
 
     Vector<Band> bands;
     Vector<PlaneIndex> band_end;       ///< k + 1: the end of each plane's band, and k
@@ -47,6 +54,9 @@ struct BandPlan {
     /// Finds every band's seeds in the first `reaching_count` of `reaching`. O(k + reaching_count + seeds); a seed has at
     /// least one segment in its band. Throws Stopped where `stop` asks for it.
     void find_seeds(PlaneIndex planes, std::size_t reaching_count, const StopCheck& stop = {});
+
+    /// Gives back what the last call did not need. Throws std::bad_alloc.
+    void trim();
 
     /// Releases the memory of the seeds if it is large. To be called when all bands are swept.
     void forget_many_seeds();

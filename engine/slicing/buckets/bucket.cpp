@@ -176,6 +176,7 @@ void count_crossings(const MeshView& mesh, const Transform& transform, double un
     const std::size_t k = planes.size();
     assert(blocks.blocks.size() == parts.blocks());
     buckets.crossed_mask.resize_discarding(parts.blocks());
+    buckets.touched.set_size(0);
     make_counters(planes, parts.count, buckets);
     PerWorker<std::uint64_t> degenerate(parts.count);
     const SoupScan scan(mesh, transform, unit_mm, planes);

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/fit.hpp"
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
 #include "lamella/memory.hpp"
@@ -24,6 +25,16 @@ namespace lamella {
 struct Buckets {
     explicit Buckets(const Memory* memory)
         : records(memory), list_begin(memory), segments(memory), crossed_mask(memory), touched(memory), counters(memory) {}
+
+    /// Gives back what the last call did not need. Throws std::bad_alloc.
+    void trim() {
+        fit(records);
+        fit(list_begin);
+        fit(segments);
+        fit(crossed_mask);
+        fit(touched);
+        fit(counters);
+    }
 
     Array<CrossedTriangle> records;   ///< by first plane
     Array<std::uint32_t> list_begin;  ///< k + 1: where each plane's list begins in `records`

@@ -8,7 +8,7 @@
 #include "base/per_worker.hpp"
 #include "base/words.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/grid/quantise.hpp"
+#include "slicing/grid/placed_reader.hpp"
 #include "slicing/grid/soup_box.hpp"
 
 namespace lamella {
@@ -51,8 +51,7 @@ bool has_near_vertices(const RawTriangle& t, double reach) {
 /// Blocks [begin, end) of any mesh.
 Partial measure_general(const MeshView& mesh, const Transform& transform, std::size_t begin, std::size_t end,
                         BlockTable& table) {
-    const RawReader read(mesh);
-    const bool identity = transform.is_identity();
+    const PlacedReader read(mesh, transform);
     Partial all;
     double poison = 0;  // times zero: becomes NaN, and stays so, at the first value that is not finite
     for (std::size_t block = begin; block < end; ++block) {
@@ -60,10 +59,7 @@ Partial measure_general(const MeshView& mesh, const Transform& transform, std::s
         bool near = false;
         const std::size_t last = std::min(mesh.triangle_count, (block + 1) * block_triangles);
         for (std::size_t t = block * block_triangles; t < last; ++t) {
-            RawTriangle raw = read(t);
-            if (!identity) {
-                apply(transform, raw);
-            }
+            const RawTriangle raw = read(t);
             for (int i = 0; i < 9; ++i) {
                 box.add(i % 3, raw.v[i], raw.v[i]);
                 poison += raw.v[i] * 0.0;
@@ -95,10 +91,9 @@ std::string axis_text(int i) {
 
 /// Finds the triangle with the bad coordinate. Serial: it runs once, on input that is refused.
 Error first_bad_coordinate(const MeshView& mesh, const Transform& transform) {
-    const RawReader read(mesh);
+    const PlacedReader read(mesh, transform);
     for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
-        RawTriangle raw = read(t);
-        apply(transform, raw);
+        const RawTriangle raw = read(t);
         for (int i = 0; i < 9; ++i) {
             if (!(std::abs(raw.v[i]) <= largest_coordinate_mm)) {
                 const char* what = std::isfinite(raw.v[i]) ? " is beyond 1e9 mm" : " is not finite";
@@ -119,6 +114,15 @@ std::int64_t first_bad_index(const MeshView& mesh, std::size_t begin, std::size_
         }
     }
     return -1;
+}
+
+template <class TooFine>
+ChosenUnit doubled_while(double unit_mm, TooFine too_fine) {
+    ChosenUnit unit{unit_mm, 0};
+    for (; too_fine(unit.mm); ++unit.doublings) {
+        unit.mm *= 2;
+    }
+    return unit;
 }
 
 }  // namespace
@@ -175,30 +179,30 @@ double finest_unit(double farthest_mm) noexcept {
     return unit;
 }
 
-Result<double> choose_unit(const Bounds& bounds, double asked_mm) {
+Result<ChosenUnit> choose_unit(const Bounds& bounds, double asked_mm, bool coarser) {
     double largest = 0;
     for (int axis = 0; axis < 3; ++axis) {
         largest = std::max({largest, std::abs(bounds.min_mm[axis]), std::abs(bounds.max_mm[axis])});
     }
     if (asked_mm == 0) {
-        double unit = default_unit_mm;
-        while (largest > unit * grid_limit) {
-            unit *= 2;
-        }
-        return unit;
+        return doubled_while(default_unit_mm, [&](double unit) { return largest > unit * grid_limit; });
     }
     if (asked_mm == unit_by_box) {
-        return finest_unit(largest);
+        return ChosenUnit{finest_unit(largest), 0};
     }
     if (!(asked_mm > 0) || !(asked_mm <= largest_coordinate_mm) || asked_mm < 1e-15) {
         return Error{ErrorCode::invalid_argument, "the grid unit must be between 1e-15 and 1e9 mm"};
     }
     // Rounding moves a vertex by up to a unit; the limit keeps two of room.
-    if (largest / asked_mm > grid_limit - 2) {
+    const auto too_fine = [&](double unit) { return largest / unit > grid_limit - 2; };
+    if (coarser) {
+        return doubled_while(asked_mm, too_fine);
+    }
+    if (too_fine(asked_mm)) {
         return Error{ErrorCode::bad_coordinate, "the mesh reaches " + exact_text(largest) + " mm, which a grid unit of " +
                                                     exact_text(asked_mm) + " mm cannot hold in 32 bits"};
     }
-    return asked_mm;
+    return ChosenUnit{asked_mm, 0};
 }
 
 Error all_collapsed(std::size_t triangles, double unit_mm) {

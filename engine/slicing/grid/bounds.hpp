@@ -31,10 +31,15 @@ struct Bounds {
 Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
                               BlockTable& table);
 
+struct ChosenUnit {
+    double mm;
+    int doublings;  ///< of the unit asked for, or of the default
+};
+
 /// The unit to use: `asked_mm`, or if that is 0 the default, doubled until the box fits, or if that is unit_by_box the
-/// finest power of two that the box fits. Errors: invalid_argument, bad_coordinate (the box does not fit the requested
-/// unit).
-Result<double> choose_unit(const Bounds& bounds, double asked_mm);
+/// finest power of two that the box fits. `coarser`: a unit asked for is doubled as the default is. Errors:
+/// invalid_argument, bad_coordinate (the box does not fit the requested unit).
+Result<ChosenUnit> choose_unit(const Bounds& bounds, double asked_mm, bool coarser = false);
 
 /// The unit of unit_by_box.
 double finest_unit(double farthest_mm) noexcept;

@@ -78,10 +78,13 @@ Transform Transform::scale(double factor) noexcept {
 }
 
 Transform operator*(const Transform& second, const Transform& first) noexcept {
-    if (first.is_identity()) {
-        return second;  // to the bit
+    Transform both = second;
+    if (first.arithmetic == Arithmetic::as_mesh) {
+        both.arithmetic = Arithmetic::as_mesh;
     }
-    Transform both;
+    if (first.is_identity()) {
+        return both;  // to the bit
+    }
     for (std::size_t row = 0; row < 3; ++row) {
         const double* of = second.m.data() + 4 * row;
         for (std::size_t column = 0; column < 4; ++column) {

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <array>
-#include <cstring>
 
 #include "base/rounding.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/mesh.hpp"
+#include "slicing/grid/placed_reader.hpp"
 
 namespace lamella {
 
@@ -23,73 +23,7 @@ inline std::int32_t to_even_grid(double mm, double unit_mm) noexcept {
     return 2 * round_to_int(mm / (2 * unit_mm));
 }
 
-/// Vertices of one triangle as doubles in the caller's space.
-struct RawTriangle {
-    double v[9];
-};
-
-/// Any MeshView, number by number. Precondition: indices have been checked against vertex_count.
-class RawReader {
-public:
-    explicit RawReader(const MeshView& mesh) noexcept : mesh_(mesh) {}
-
-    RawTriangle operator()(std::size_t t) const noexcept {
-        return mesh_.coordinate_type == CoordinateType::f32 ? read<float>(t) : read<double>(t);
-    }
-
-    CoordinateType number() const noexcept { return mesh_.coordinate_type; }
-    /// Where a vertex of `vertex_bytes` lies.
-    const std::byte* at(std::size_t t, std::size_t corner, std::size_t vertex_bytes) const noexcept {
-        return mesh_.indices != nullptr ? mesh_.vertices + mesh_.indices[3 * t + corner] * mesh_.stride
-                                        : mesh_.vertices + t * mesh_.stride + corner * vertex_bytes;
-    }
-
-private:
-    template <class T>
-    RawTriangle read(std::size_t t) const noexcept {
-        RawTriangle raw;
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            T xyz[3];
-            std::memcpy(xyz, at(t, corner, 3 * sizeof(T)), sizeof xyz);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                raw.v[3 * corner + axis] = static_cast<double>(xyz[axis]);
-            }
-        }
-        return raw;
-    }
-
-    MeshView mesh_;
-};
-
-inline void apply(const Transform& transform, RawTriangle& t) noexcept {
-    const auto& m = transform.m;
-    for (int corner = 0; corner < 3; ++corner) {
-        double* p = t.v + 3 * corner;
-        const double x = p[0];
-        const double y = p[1];
-        const double z = p[2];
-        for (std::size_t row = 0; row < 3; ++row) {
-            p[row] = m[4 * row] * x + m[4 * row + 1] * y + m[4 * row + 2] * z + m[4 * row + 3];
-        }
-    }
-}
-
 #ifdef __SSE2__
-/// From any alignment.
-inline __m128d load_double(const std::byte* at) noexcept {
-    double value;
-    std::memcpy(&value, at, sizeof value);
-    return _mm_set_sd(value);
-}
-inline __m128 load_float(const std::byte* at) noexcept {
-    float value;
-    std::memcpy(&value, at, sizeof value);
-    return _mm_set_ss(value);
-}
-inline __m128 load_two_floats(const std::byte* at) noexcept {
-    return _mm_castpd_ps(load_double(at));
-}
-
 /// Each argument holds x, y, z and an unused lane. Every vertex is written by one store: a load that spans two stores would
 /// wait until both have reached the cache.
 inline void store_vertices(GridTriangle& grid, __m128i first, __m128i second, __m128i third) noexcept {
@@ -106,42 +40,27 @@ inline void store_vertices(GridTriangle& grid, __m128i first, __m128i second, __
 class GeneralReader {
 public:
     GeneralReader(const MeshView& mesh, const Transform& transform, double unit_mm) noexcept
-        : raw_(mesh), transform_(transform), identity_(transform.is_identity()), unit_mm_(unit_mm) {}
+        : placed_(mesh, transform), unit_mm_(unit_mm) {}
 
     GridTriangle operator()(std::size_t t) const noexcept {
         GridTriangle grid;
 #ifdef __SSE2__
-        if (identity_) {
-            store_vertices(grid, even_vertex(t, 0), even_vertex(t, 1), even_vertex(t, 2));
-            return grid;
-        }
-#endif
-        RawTriangle raw = raw_(t);
-        if (!identity_) {
-            apply(transform_, raw);
-        }
+        store_vertices(grid, even_vertex(t, 0), even_vertex(t, 1), even_vertex(t, 2));
+#else
+        const RawTriangle raw = placed_(t);
         for (std::size_t i = 0; i < 3; ++i) {
             grid[i] = {to_even_grid(raw.v[3 * i], unit_mm_), to_even_grid(raw.v[3 * i + 1], unit_mm_),
                        to_even_grid(raw.v[3 * i + 2], unit_mm_)};
         }
+#endif
         return grid;
     }
 
 private:
 #ifdef __SSE2__
-    /// to_even_grid() of a vertex as it lies.
+    /// to_even_grid() of a vertex.
     __m128i even_vertex(std::size_t t, std::size_t corner) const noexcept {
-        __m128d xy;
-        __m128d z;
-        if (raw_.number() == CoordinateType::f64) {
-            const std::byte* at = raw_.at(t, corner, 3 * sizeof(double));
-            xy = _mm_loadu_pd(reinterpret_cast<const double*>(at));
-            z = load_double(at + 2 * sizeof(double));
-        } else {
-            const std::byte* at = raw_.at(t, corner, 3 * sizeof(float));
-            xy = _mm_cvtps_pd(load_two_floats(at));
-            z = _mm_cvtps_pd(load_float(at + 2 * sizeof(float)));
-        }
+        const auto [xy, z] = placed_.vertex(t, corner);
         const __m128d spacing = _mm_set1_pd(2 * unit_mm_);
         const __m128i half =
             _mm_unpacklo_epi64(_mm_cvtpd_epi32(_mm_div_pd(xy, spacing)), _mm_cvtpd_epi32(_mm_div_pd(z, spacing)));
@@ -149,9 +68,7 @@ private:
     }
 #endif
 
-    RawReader raw_;
-    Transform transform_;
-    bool identity_;
+    PlacedReader placed_;
     double unit_mm_;
 };
 

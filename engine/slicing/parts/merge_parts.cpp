@@ -100,10 +100,6 @@ void add(const SliceSummary& own, SliceSummary& sum) {
     sum.ms.contours += own.ms.contours;
     sum.ms.nesting += own.ms.nesting;
     sum.ms.fill += own.ms.fill;
-    for (int axis = 0; axis < 3; ++axis) {
-        sum.min_mm[axis] = std::min(sum.min_mm[axis], own.min_mm[axis]);
-        sum.max_mm[axis] = std::max(sum.max_mm[axis], own.max_mm[axis]);
-    }
 }
 
 }  // namespace

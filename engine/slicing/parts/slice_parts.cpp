@@ -17,6 +17,7 @@
 #include "base/parallel.hpp"
 #include "slicing/grid/blocks.hpp"
 #include "slicing/grid/bounds.hpp"
+#include "slicing/grid/placed_reader.hpp"
 #include "slicing/part_slicer.hpp"
 #include "slicing/parts/merge_parts.hpp"
 #include "slicing/parts/unite_parts.hpp"
@@ -51,9 +52,18 @@ public:
         if (Status status = slice_all(); !status) {
             return status.error();
         }
+        if (nothing_left()) {  // its box must not choose planes
+            frame_.bounds = {};
+            sliced_.clear();
+            if (Status status = slice_all(); !status) {
+                return status.error();
+            }
+        }
         const auto start = Clock::now();
         SliceResult merged(options_.control.memory);
         merge_parts(sliced_, parallel_, merged);
+        std::copy_n(frame_.bounds.min_mm, 3, merged.summary.min_mm);
+        std::copy_n(frame_.bounds.max_mm, 3, merged.summary.max_mm);
         merged.summary.ms.contours += milliseconds_since(start);
         sliced_.clear();
         SliceResult result = united_ ? unite(merged) : std::move(merged);
@@ -93,6 +103,9 @@ private:
         frame_.number = CoordinateType::f32;
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             const Transform transform = transform_of(parts_[p]);
+            if (options_.allow_empty && parts_[p].mesh.triangle_count == 0) {
+                continue;
+            }
             const Result<Bounds> own = measure_bounds(parts_[p].mesh, transform, options_.unit_mm, parallel_, table);
             if (!own) {
                 return blame(own.error(), p);
@@ -101,17 +114,21 @@ private:
                 frame_.bounds.min_mm[axis] = std::min(frame_.bounds.min_mm[axis], own->min_mm[axis]);
                 frame_.bounds.max_mm[axis] = std::max(frame_.bounds.max_mm[axis], own->max_mm[axis]);
             }
-            if (!transform.is_identity() || parts_[p].mesh.coordinate_type == CoordinateType::f64) {
+            if (placed_number(parts_[p].mesh, transform) == CoordinateType::f64) {
                 frame_.number = CoordinateType::f64;
             }
             triangles_ += parts_[p].mesh.triangle_count;
         }
-        const Result<double> unit = choose_unit(frame_.bounds, options_.unit_mm);
+        if (triangles_ == 0) {
+            frame_.bounds = {};
+        }
+        const Result<ChosenUnit> unit =
+            choose_unit(frame_.bounds, options_.unit_mm, options_.unit_fit == UnitFit::coarser_if_needed);
         if (!unit) {
             return unit.error();
         }
-        frame_.unit_mm = *unit;
-        return check_reach(options_.region, *unit, frame_.bounds.farthest_in_plane());
+        frame_.unit = *unit;
+        return check_reach(options_.region, unit->mm, frame_.bounds.farthest_in_plane());
     }
 
     Status slice_all() {
@@ -123,7 +140,8 @@ private:
         std::uint64_t before = 0;  // triangles of the parts before
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             const auto share = [&](std::size_t triangles) {
-                return sliced_share() * static_cast<double>(triangles) / static_cast<double>(triangles_);
+                return sliced_share() * static_cast<double>(triangles) /
+                       static_cast<double>(std::max<std::uint64_t>(1, triangles_));
             };
             const Share sink{progress_, share(before), share(parts_[p].mesh.triangle_count)};
             options.transform = transform_of(parts_[p]);
@@ -136,6 +154,11 @@ private:
             before += parts_[p].mesh.triangle_count;
         }
         return {};
+    }
+
+    bool nothing_left() const noexcept {
+        return std::all_of(sliced_.begin(), sliced_.end(),
+                           [](const SliceResult& part) { return part.summary.degenerate == part.summary.triangles; });
     }
 
     SliceResult unite(const SliceResult& apart) {

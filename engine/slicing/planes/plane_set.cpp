@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string>
 
+#include "base/fit.hpp"
 #include "base/mixed.hpp"
 #include "base/words.hpp"
 #include "lamella/result.hpp"
@@ -204,7 +205,7 @@ Status PlaneSet::build_explicit(const ExplicitPlanes& plan) {
 }
 
 void PlaneSet::sort_listed(const std::vector<double>& heights_mm) {
-    heights_mm_ = heights_mm;
+    heights_mm_.assign(heights_mm.begin(), heights_mm.end());
     listed_order_.resize(heights_mm.size());
     std::iota(listed_order_.begin(), listed_order_.end(), PlaneIndex{0});
     if (std::is_sorted(heights_mm.begin(), heights_mm.end())) {
@@ -293,8 +294,18 @@ void PlaneSet::fill_from_heights() {
     padded_[count_ + 1] = above_all;
 }
 
+void PlaneSet::trim() {
+    count_ = 0;
+    fit(padded_);
+    fit(heights_mm_);
+    fit(plane_of_listed_);
+    fit(listed_order_);
+    fit(table_.first);
+}
+
 void PlaneSet::make_table() {
     if (count_ == 0) {
+        table_.first.set_size(0);
         return;
     }
     table_.lowest = z(0);

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
-#include <vector>
 
+#include "base/vector.hpp"
 #include "lamella/array.hpp"
 #include "lamella/error.hpp"
 #include "lamella/grid.hpp"
@@ -44,7 +44,8 @@ struct HeightTable {
 /// k planes, ascending. Immutable once made, shared by all threads.
 class PlaneSet {
 public:
-    explicit PlaneSet(const Memory* memory) : padded_(memory), table_(memory) {}
+    explicit PlaneSet(const Memory* memory)
+        : padded_(memory), heights_mm_(memory), plane_of_listed_(memory), listed_order_(memory), table_(memory) {}
 
     PlaneIndex size() const noexcept { return count_; }
     bool uniform() const noexcept { return inverse_step_ > 0; }
@@ -62,7 +63,7 @@ public:
     double bottom_mm(PlaneIndex i) const noexcept;
     double top_mm(PlaneIndex i) const noexcept;
     /// The plane of each listed height; empty where heights are not listed.
-    const std::vector<PlaneIndex>& plane_of_listed() const noexcept { return plane_of_listed_; }
+    const Vector<PlaneIndex>& plane_of_listed() const noexcept { return plane_of_listed_; }
 
     /// The first plane above a vertex at height z. Uniform planes by arithmetic, corrected by one either way (Algorithm 2,
     /// first case); others by a table of heights and a few steps from there, a binary search where planes crowd (Algorithm
@@ -79,6 +80,9 @@ public:
                  std::uint64_t memory_limit);
     /// The planes of a result, with their heights on the grid only. Precondition: they ascend. O(k).
     void build(const Array<Layer>& layers);
+
+    /// Gives back what the last planes did not need; there are none then. Throws std::bad_alloc.
+    void trim();
 
 private:
     Status build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
@@ -124,9 +128,9 @@ private:
     double first_z_ = 0;       // of plane 0, grid units
     double inverse_step_ = 0;  // planes per grid unit; 0 when not uniform
     double last_guess_ = 0;
-    std::vector<double> heights_mm_;           // when not uniform
-    std::vector<PlaneIndex> plane_of_listed_;  // when heights are listed
-    std::vector<PlaneIndex> listed_order_;     // scratch: which of the listed heights is lowest, and so on
+    Vector<double> heights_mm_;           // when not uniform
+    Vector<PlaneIndex> plane_of_listed_;  // when heights are listed
+    Vector<PlaneIndex> listed_order_;     // scratch: which of the listed heights is lowest, and so on
     HeightTable table_;
 };
 

@@ -8,7 +8,7 @@ namespace lamella {
 
 struct SharedFrame {
     Bounds bounds;  ///< of all parts
-    double unit_mm;
+    ChosenUnit unit;
     CoordinateType number;  ///< heights are rounded to it; see PlaneSet::build()
 };
 

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include "base/fit.hpp"
+
 namespace lamella {
 
 namespace {
@@ -40,6 +42,14 @@ void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
     set_counts(counts, result.layers.span(), result);
 }
 
+void BandOutput::trim() {
+    begin({});
+    fit(buffer);
+    fit(contours);
+    fit(layer_contours);
+    fit(closed_gaps);
+}
+
 void BandOutput::move_to_buffer(std::size_t count) {
     if (buffer.capacity() < point_count + count) {
         Array<Point> larger(buffer.memory());
@@ -47,6 +57,7 @@ void BandOutput::move_to_buffer(std::size_t count) {
         std::copy_n(points, point_count, larger.data());
         buffer = std::move(larger);
     } else {
+        buffer.set_size(std::max(buffer.size(), point_count + count));
         std::copy_n(points, point_count, buffer.data());
     }
     points = buffer.data();

@@ -60,7 +60,7 @@ struct BandOutput {
     Point* points = nullptr;  ///< in the result's own array, or in `buffer`
     std::size_t point_count = 0;
     std::size_t capacity = 0;
-    Array<Point> buffer;
+    Array<Point> buffer;  ///< its size: what was needed in a run so far
     Vector<Contour> contours;
     ContourCounts counts;
     Vector<std::uint32_t> layer_contours;  ///< number of contours of each plane
@@ -79,6 +79,8 @@ struct BandOutput {
         layer_contours.clear();
         closed_gaps.clear();
     }
+    /// Between runs: gives back what the last one did not need. Throws std::bad_alloc.
+    void trim();
     bool in_buffer() const noexcept { return points == buffer.data(); }
 
     /// Makes room for `count` more points and returns where they go. Throws std::bad_alloc.

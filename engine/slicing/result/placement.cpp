@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/fit.hpp"
 #include "base/stop_pace.hpp"
 
 namespace lamella {
@@ -37,6 +38,7 @@ void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t se
     }
     idle_.clear();
     for (const auto& buffer : buffers_) {
+        buffer->buffer.set_size(0);
         idle_.push_back(buffer.get());
     }
 }
@@ -60,7 +62,7 @@ BandOutput* Placement::acquire(std::size_t band) {
         return output;
     }
     lock.unlock();
-    if (output->buffer.capacity() < bands_[band].segments) {
+    if (output->buffer.size() < bands_[band].segments) {
         output->buffer.resize_discarding(bands_[band].segments);
     }
     output->begin({output->buffer.data(), output->buffer.capacity()});
@@ -178,6 +180,17 @@ void Placement::copy_points(const Placed& placed) const {
                 std::copy(output.points + begin, output.points + end, points_.data() + placed.first_point + begin);
             }
         });
+    }
+}
+
+void Placement::trim() {
+    for (Placed& placed : placed_) {
+        fit(placed.contours);
+        fit(placed.layer_contours);
+        fit(placed.closed_gaps);
+    }
+    for (const auto& buffer : buffers_) {
+        buffer->trim();
     }
 }
 

@@ -51,6 +51,8 @@ public:
     /// Places the band and all done bands that follow it. Throws Stopped where begin()'s `stop` asks for it.
     void submit(std::size_t band) override;
     void abort() override;
+    /// Gives back what the last run did not need. To be called between runs. Throws std::bad_alloc.
+    void trim();
 
     /// Points of all bands. If they exceed the array given to begin(), those beyond it are lost and the run must be repeated
     /// with a larger one.

@@ -69,6 +69,7 @@ void BandSweep::begin(const Band& band, const Buckets& buckets) {
     buckets_ = &buckets;
     // In a closed mesh a plane has as many edges as segments.
     const std::size_t edges = *std::max_element(buckets.segments.begin() + band.first, buckets.segments.begin() + band.last);
+    most_segments_ = std::max(most_segments_, edges);
     graph_.clear();
     graph_.reserve(edges + 128);
     pending_count_ = 0;

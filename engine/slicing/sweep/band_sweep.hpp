@@ -51,6 +51,9 @@ public:
     /// Of the bands to come.
     void set_rules(const LayerRules& rules) noexcept { layers_.rules = rules; }
 
+    /// Of a plane, since construction: what the scratch was made for.
+    std::size_t most_segments() const noexcept { return most_segments_; }
+
     /// Time since the last call.
     SweepTicks take_ticks() noexcept;
 
@@ -83,6 +86,7 @@ private:
     LayerBuilder layers_;
     Band band_{};
     const Buckets* buckets_ = nullptr;
+    std::size_t most_segments_ = 0;
     Vector<Link> links_;  // of the plane's events: triangles that pass their middle vertex, then ...
     std::uint32_t link_count_ = 0;
     std::uint32_t first_entering_ = 0;  // ... from here on, triangles that enter

@@ -1,0 +1,179 @@
+// Triangles read from the caller's memory, and moved by the transform.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstring>
+
+#include "base/rounding.hpp"
+#include "lamella/mesh.hpp"
+
+namespace lamella {
+
+/// Vertices of one triangle as doubles.
+struct RawTriangle {
+    double v[9];
+};
+
+/// Any MeshView, number by number. Precondition: indices have been checked against vertex_count.
+class RawReader {
+public:
+    explicit RawReader(const MeshView& mesh) noexcept : mesh_(mesh) {}
+
+    RawTriangle operator()(std::size_t t) const noexcept {
+        return mesh_.coordinate_type == CoordinateType::f32 ? read<float>(t) : read<double>(t);
+    }
+
+    CoordinateType number() const noexcept { return mesh_.coordinate_type; }
+    /// Where a vertex of `vertex_bytes` lies.
+    const std::byte* at(std::size_t t, std::size_t corner, std::size_t vertex_bytes) const noexcept {
+        return mesh_.indices != nullptr ? mesh_.vertices + mesh_.indices[3 * t + corner] * mesh_.stride
+                                        : mesh_.vertices + t * mesh_.stride + corner * vertex_bytes;
+    }
+
+private:
+    template <class T>
+    RawTriangle read(std::size_t t) const noexcept {
+        RawTriangle raw;
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            T xyz[3];
+            std::memcpy(xyz, at(t, corner, 3 * sizeof(T)), sizeof xyz);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                raw.v[3 * corner + axis] = static_cast<double>(xyz[axis]);
+            }
+        }
+        return raw;
+    }
+
+    MeshView mesh_;
+};
+
+#ifdef __SSE2__
+/// From any alignment.
+inline __m128d load_double(const std::byte* at) noexcept {
+    double value;
+    std::memcpy(&value, at, sizeof value);
+    return _mm_set_sd(value);
+}
+inline __m128 load_float(const std::byte* at) noexcept {
+    float value;
+    std::memcpy(&value, at, sizeof value);
+    return _mm_set_ss(value);
+}
+inline __m128 load_two_floats(const std::byte* at) noexcept {
+    return _mm_castpd_ps(load_double(at));
+}
+#endif
+
+/// The type of coordinates after the transform, to which heights are rounded too.
+inline CoordinateType placed_number(const MeshView& mesh, const Transform& transform) noexcept {
+    const bool as_mesh = transform.is_identity() || transform.arithmetic == Arithmetic::as_mesh;
+    return as_mesh ? mesh.coordinate_type : CoordinateType::f64;
+}
+
+/// Any MeshView after its transform. Every product is rounded and sums run from left to right, in vectors as without: the
+/// bytes are those of a host's matrix of the same type times the vertex. Precondition: as RawReader.
+class PlacedReader {
+public:
+    PlacedReader(const MeshView& mesh, const Transform& transform) noexcept
+        : read_(mesh),
+          identity_(transform.is_identity()),
+          in_floats_(placed_number(mesh, transform) == CoordinateType::f32) {
+        for (std::size_t column = 0; column < 4; ++column) {
+            for (std::size_t row = 0; row < 3; ++row) {
+                doubles_[column][row] = transform.m[4 * row + column];
+                floats_[column][row] = static_cast<float>(doubles_[column][row]);
+            }
+        }
+    }
+
+    RawTriangle operator()(std::size_t t) const noexcept {
+#ifdef __SSE2__
+        RawTriangle raw;
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            const Vertex placed = vertex(t, corner);
+            _mm_storeu_pd(raw.v + 3 * corner, placed.xy);
+            _mm_store_sd(raw.v + 3 * corner + 2, placed.z);
+        }
+#else
+        RawTriangle raw = read_(t);
+        if (!identity_) {
+            for (std::size_t corner = 0; corner < 3; ++corner) {
+                in_floats_ ? move(floats_, raw.v + 3 * corner) : move(doubles_, raw.v + 3 * corner);
+            }
+        }
+#endif
+        return raw;
+    }
+
+#ifdef __SSE2__
+    struct Vertex {
+        __m128d xy;
+        __m128d z;  ///< and an unused lane
+    };
+
+    Vertex vertex(std::size_t t, std::size_t corner) const noexcept {
+        if (read_.number() == CoordinateType::f64) {
+            const std::byte* at = read_.at(t, corner, 3 * sizeof(double));
+            const Vertex given{_mm_loadu_pd(reinterpret_cast<const double*>(at)), load_double(at + 2 * sizeof(double))};
+            return identity_ ? given : moved(given);
+        }
+        const std::byte* at = read_.at(t, corner, 3 * sizeof(float));
+        const __m128 given = _mm_movelh_ps(load_two_floats(at), load_float(at + 2 * sizeof(float)));
+        if (in_floats_) {
+            return in_doubles(identity_ ? given : moved(given));
+        }
+        return moved(in_doubles(given));
+    }
+#endif
+
+private:
+    template <class Number>
+    using Columns = std::array<std::array<Number, 4>, 4>;  // the last row is unused
+
+#ifdef __SSE2__
+    static Vertex in_doubles(__m128 xyz) noexcept {
+        return {_mm_cvtps_pd(xyz), _mm_cvtps_pd(_mm_movehl_ps(xyz, xyz))};
+    }
+
+    __m128 moved(__m128 v) const noexcept {
+        const auto product = [this](std::size_t column, __m128 number) {
+            return _mm_mul_ps(_mm_loadu_ps(floats_[column].data()), number);
+        };
+        const __m128 xy = _mm_add_ps(product(0, _mm_shuffle_ps(v, v, _MM_SHUFFLE(0, 0, 0, 0))),
+                                     product(1, _mm_shuffle_ps(v, v, _MM_SHUFFLE(1, 1, 1, 1))));
+        const __m128 xyz = _mm_add_ps(xy, product(2, _mm_shuffle_ps(v, v, _MM_SHUFFLE(2, 2, 2, 2))));
+        return _mm_add_ps(xyz, _mm_loadu_ps(floats_[3].data()));
+    }
+
+    Vertex moved(const Vertex& v) const noexcept {
+        const __m128d x = _mm_unpacklo_pd(v.xy, v.xy);
+        const __m128d y = _mm_unpackhi_pd(v.xy, v.xy);
+        const __m128d z = _mm_unpacklo_pd(v.z, v.z);
+        const auto rows = [&](std::size_t first) {
+            const auto column = [&](std::size_t c) { return _mm_loadu_pd(doubles_[c].data() + first); };
+            const __m128d xy = _mm_add_pd(_mm_mul_pd(column(0), x), _mm_mul_pd(column(1), y));
+            return _mm_add_pd(_mm_add_pd(xy, _mm_mul_pd(column(2), z)), column(3));
+        };
+        return {rows(0), rows(2)};
+    }
+#else
+    template <class Number>
+    static void move(const Columns<Number>& columns, double* p) noexcept {
+        const auto x = static_cast<Number>(p[0]);
+        const auto y = static_cast<Number>(p[1]);
+        const auto z = static_cast<Number>(p[2]);
+        for (std::size_t row = 0; row < 3; ++row) {
+            p[row] = columns[0][row] * x + columns[1][row] * y + columns[2][row] * z + columns[3][row];
+        }
+    }
+#endif
+
+    RawReader read_;
+    bool identity_;
+    bool in_floats_;
+    Columns<double> doubles_{};
+    Columns<float> floats_{};
+};
+
+}  // namespace lamella

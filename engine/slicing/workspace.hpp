@@ -1,0 +1,44 @@
+// Scratch that is kept from call to call.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/counted_memory.hpp"
+#include "base/parallel.hpp"
+#include "lamella/slice.hpp"
+#include "slicing/bands/bands.hpp"
+#include "slicing/buckets/bucket.hpp"
+#include "slicing/grid/blocks.hpp"
+#include "slicing/planes/plane_set.hpp"
+#include "slicing/result/slice_output.hpp"
+#include "slicing/sweep/band_sweep.hpp"
+
+namespace lamella::detail {
+
+struct WorkspaceParts {
+    explicit WorkspaceParts(const Memory* host);
+
+    /// Kept, since threads return sooner to an arena that they have just left than to a new one.
+    const Parallel& parallel_for(const Control& control);
+
+    std::size_t bytes() const noexcept;
+    /// See Workspace::trim(). Throws std::bad_alloc.
+    void trim();
+
+    CountedMemory counted;
+    const Memory* memory = counted.memory();
+    std::uint64_t usual_limit;  ///< half of physical memory, for which the system takes half a microsecond
+    std::unique_ptr<Parallel> parallel;
+    BlockTable blocks{memory};
+    PlaneSet planes{memory};
+    Buckets buckets{memory};
+    BandPlan bands{memory};
+    std::vector<std::unique_ptr<BandSweep>> sweeps;  // by worker
+    bool sweeps_made_regions = false;                // one of them, since it was made
+    bool last_made_regions = false;
+    OutputScratch output{memory};
+};
+
+}  // namespace lamella::detail

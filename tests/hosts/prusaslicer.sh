@@ -116,11 +116,13 @@ keep() {
     done
 }
 
-# run_suites LABEL: results go to LABEL/SUITE.xml. Their failures are judged by suites.py.
+# run_suites LABEL: results go to LABEL/SUITE.xml; suites.py judges their failures. The suites write meshes and pictures to
+# where they are run.
 run_suites() {
     local suite
+    mkdir -p "$work/$1/output"
     for suite in "${suites[@]}"; do
-        "$work/$1/${suite}_tests" --reporter xml --out "$work/$1/$suite.xml" > "$work/logs/$1_$suite.txt" 2>&1 || true
+        (cd "$work/$1/output" && "../${suite}_tests" --reporter xml --out "../$suite.xml") > "$work/logs/$1_$suite.txt" 2>&1 || true
         [[ -s "$work/$1/$suite.xml" ]] || stop "${suite}_tests wrote no results: $work/logs/$1_$suite.txt"
     done
 }

@@ -7,6 +7,7 @@
 // What the host expects, and where it is met:
 //
 //     heights in any order, repeated          by_height()
+//     empty layers of an empty mesh           SliceOptions::allow_empty
 //     vertices transformed in float           HostVertex in cut.cpp
 //     cancelling by an exception              Exceptions in cut.cpp
 //     a vertex on a plane lies above it       PlaneSide::below, the default

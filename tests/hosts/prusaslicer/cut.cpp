@@ -150,6 +150,7 @@ public:
         std::transform(heights.begin(), heights.end(), in_library.begin(), in_frame);
         options.plan.spacing = lamella::ExplicitPlanes{std::move(in_library)};
         options.close_gaps_mm = host_gap_mm * frame_per_mm;
+        options.allow_empty = true;
         options.control.stop = {[](void* call) noexcept { return static_cast<Call*>(call)->stop(); }, this};
     }
 
@@ -158,13 +159,10 @@ public:
         auto totals = lamella::slice_to(lamella::LayerSink::to(*this, lamella::SinkOrder::any), mesh, options, workspace);
         workspaces().give_back(std::move(workspace));
         exceptions_.rethrow();
-        if (totals) {
-            return std::move(totals->layer_of);
-        }
-        if (totals.error().code != lamella::ErrorCode::empty_mesh) {
+        if (!totals) {
             throw SlicingError(totals.error().message);
         }
-        return lamella::Array<std::uint64_t>();
+        return std::move(totals->layer_of);
     }
 
     // The library's sink.

@@ -16,8 +16,8 @@ namespace Slic3r::lamella_adapter {
 using TakeLayer = std::function<void(const lamella::LayerView& layer)>;
 
 /// Cuts a mesh at the host's heights, in any order, and hands over the layers, each as soon as it is finished. Returns the
-/// layer of each height, or nothing where a mesh without triangles gave no layer. Throws what `take` and the host's
-/// cancelling throw, and SlicingError where the library refuses the mesh.
+/// layer of each height. Throws what `take` and the host's cancelling throw, and SlicingError where the library refuses the
+/// mesh.
 lamella::Array<std::uint64_t> cut(const indexed_triangle_set& mesh, const std::vector<float>& heights,
                                   const Transform3d& transform, const lamella::RegionRules& rules,
                                   const std::function<void()>& throw_on_cancel, const TakeLayer& take);

@@ -74,8 +74,7 @@ int main(int argc, char** argv) {
     try {
         const std::vector<Model> organs = organs_in(argv[3]);
         if (task == "time") {
-            time_both(organs);
-            return 0;
+            return time_both(organs) ? 0 : 1;
         }
         const std::vector<Model> parts = parts_in(argv[2]);
         const bool layers = layers_agree(parts, organs);

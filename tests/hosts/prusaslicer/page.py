@@ -30,8 +30,8 @@ even multiples of them.
 
 TIMES = """## Times
 
-Wall ms, the host's own -> with lamella (how many times faster): medians of 7 runs that alternate, after one that is not counted.
-Both include the conversion to the host's polygons.
+Wall ms, the host's own -> with lamella (how many times faster): medians of 7 runs that alternate (3
+or more, if they take longer than 20 s), after one that is not counted. Both include the conversion to the host's polygons.
 
 """
 

@@ -1,0 +1,255 @@
+// Whether the host's layers and the adapter's are the same. Under the adapter's licence: AGPL-3.0-or-later (see
+// adapter.cpp).
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <libslic3r/ClipperUtils.hpp>
+#include <numeric>
+#include <stdexcept>
+
+#include "both.hpp"
+
+namespace compare {
+namespace {
+
+using namespace Slic3r;
+using Mode = MeshSlicingParams::SlicingMode;
+using Layers = std::vector<ExPolygons>;
+
+constexpr double square_mm = SCALING_FACTOR * SCALING_FACTOR;
+
+const std::function<void()> never = [] {};
+
+// What one way of slicing is called, and how far contours may lie apart on average.
+struct Way {
+    const char* name;
+    MeshSlicingParamsEx params;
+    double bound_mm;
+    bool by_area = false;  ///< of contours with the same area either may be kept
+};
+
+// The layer in which the two differ most.
+struct Worst {
+    double apart_mm = 0;  ///< area that only one of them has, by the length of the host's contours
+    double difference_mm2 = 0;
+    double area_mm2 = 0;
+    float height = 0;
+};
+
+double area_of(const ExPolygons& region) {
+    return std::accumulate(region.begin(), region.end(), 0.0,
+                           [](double sum, const ExPolygon& each) { return sum + each.area(); });
+}
+
+double length_of(const ExPolygons& region) {
+    double sum = 0;
+    for (const ExPolygon& each : region) {
+        sum += each.contour.length();
+        for (const Polygon& hole : each.holes) {
+            sum += hole.length();
+        }
+    }
+    return sum * SCALING_FACTOR;
+}
+
+Worst difference(const ExPolygons& host, const ExPolygons& ours, float height, bool by_area) {
+    Worst made;
+    made.difference_mm2 = by_area ? std::abs(area_of(host) - area_of(ours)) * square_mm
+                                  : (area_of(diff_ex(host, ours)) + area_of(diff_ex(ours, host))) * square_mm;
+    made.area_mm2 = area_of(host) * square_mm;
+    // At least a millimetre: a speck in an otherwise empty layer counts as its area.
+    made.apart_mm = made.difference_mm2 / std::max(length_of(host), 1.0);
+    made.height = height;
+    return made;
+}
+
+Worst worst_layer(const Layers& host, const Layers& ours, const std::vector<float>& zs, bool by_area) {
+    if (host.size() != ours.size()) {
+        throw std::runtime_error("numbers of layers differ");
+    }
+    std::vector<Worst> all(host.size());
+    tbb::parallel_for(std::size_t{0}, host.size(),
+                      [&](std::size_t layer) { all[layer] = difference(host[layer], ours[layer], zs[layer], by_area); });
+    Worst made;
+    for (const Worst& each : all) {
+        made = each.apart_mm > made.apart_mm ? each : made;
+    }
+    return made;
+}
+
+Transform3d tilted() {
+    Transform3d made = Transform3d::Identity();
+    made.rotate(Eigen::AngleAxisd(0.3, Vec3d(1, 2, 3).normalized()));
+    made.pretranslate(Vec3d(10, -20, 5));
+    return made;
+}
+
+MeshSlicingParamsEx params_of(Mode mode, float closing = 0, float offset = 0, double resolution = 0) {
+    MeshSlicingParamsEx params;
+    params.mode = mode;
+    params.closing_radius = closing;
+    params.extra_offset = offset;
+    params.resolution = resolution;
+    return params;
+}
+
+// Where a plane passes a few units beside a face that is nearly flat, a contour moves by many.
+constexpr double points_mm = 1e-4;
+// The host rounds coordinates to float in units of 1e-6 mm.
+double rounding_mm(const Model& model) {
+    float farthest = 0;
+    for (const stl_vertex& vertex : model.mesh.vertices) {
+        farthest = std::max(farthest, vertex.cwiseAbs().maxCoeff());
+    }
+    return static_cast<double>(farthest) * 0x1p-23;
+}
+
+std::vector<Way> ways() {
+    constexpr double corners_mm = 5e-3;  // sharp corners are cut off differently
+    constexpr double resolution_mm = 0.01;
+    std::vector<Way> all{
+        {"regular", params_of(Mode::Regular), points_mm},
+        {"closing 0.049", params_of(Mode::Regular, 0.049F), corners_mm},
+        {"even-odd", params_of(Mode::EvenOdd), points_mm},
+        {"positive", params_of(Mode::Positive), points_mm},
+        {"largest contour", params_of(Mode::PositiveLargestContour), points_mm, true},
+        {"offset 0.1", params_of(Mode::Regular, 0, 0.1F), corners_mm},
+        {"offset 0.02, closing 0.049", params_of(Mode::Regular, 0.049F, 0.02F), corners_mm},
+        {"offset -0.1, closing 0.049", params_of(Mode::Regular, 0.049F, -0.1F), corners_mm},
+        {"resolution 0.01", params_of(Mode::Regular, 0, 0, resolution_mm), resolution_mm},
+        {"tilted", params_of(Mode::Regular), points_mm},
+        {"largest contour, regular below layer 5", params_of(Mode::PositiveLargestContour), points_mm, true},
+    };
+    all[9].params.trafo = tilted();
+    all[10].params.slicing_mode_normal_below_layer = 5;
+    return all;
+}
+
+struct Case {
+    const Model& model;
+    double first_mm;  ///< of the lowest plane: half a layer up, as hosts cut, or a layer up, where flat faces lie
+};
+
+// Prints a row: the mesh and layer in which both differ most. Any beyond the bound is a line after the table.
+bool agree(const std::vector<Case>& cases, const Way& way, const char* label, std::string& beyond) {
+    Worst worst;
+    std::string worst_mesh;
+    std::size_t layers = 0;
+    bool all = true;
+    for (const Case& each : cases) {
+        const std::vector<float> zs = heights(each.model, 0.2, each.first_mm, way.params.trafo);
+        const Worst found = worst_layer(slice_mesh_ex_host(each.model.mesh, zs, way.params, never),
+                                        slice_mesh_ex(each.model.mesh, zs, way.params, never), zs, way.by_area);
+        layers += zs.size();
+        if (found.apart_mm > way.bound_mm + rounding_mm(each.model)) {
+            all = false;
+            beyond += "Beyond the bound: " + each.model.name + ", " + way.name + ", at " + std::to_string(found.height) +
+                      ": " + std::to_string(found.difference_mm2) + " of " + std::to_string(found.area_mm2) + " mm2\n";
+        }
+        if (found.apart_mm >= worst.apart_mm) {
+            worst = found;
+            worst_mesh = each.model.name;
+        }
+    }
+    std::printf("| %s | %s | %zu | %s | %.2g | %.4g | %.2g | %.0g |\n", label, way.name, layers, worst_mesh.c_str(),
+                worst.difference_mm2, worst.area_mm2, worst.apart_mm, way.bound_mm);
+    return all;
+}
+
+// The loops of slice_mesh(), by the area that each layer's enclose as they turn.
+bool loops_agree(const Model& model) {
+    const std::vector<float> zs = heights(model, 0.2, 0.1);
+    const auto host = slice_mesh_host(model.mesh, zs, MeshSlicingParams{}, never);
+    const auto ours = slice_mesh(model.mesh, zs, MeshSlicingParams{}, never);
+    for (std::size_t layer = 0; layer < zs.size(); ++layer) {
+        const Polygons single = slice_mesh(model.mesh, zs[layer], MeshSlicingParams{});
+        double sums[3] = {0, 0, 0};
+        double length = 1;
+        for (const Polygon& loop : host[layer]) {
+            sums[0] += loop.area() * square_mm;
+            length += loop.length() * SCALING_FACTOR;
+        }
+        for (const Polygon& loop : ours[layer]) {
+            sums[1] += loop.area() * square_mm;
+        }
+        for (const Polygon& loop : single) {
+            sums[2] += loop.area() * square_mm;
+        }
+        if (std::abs(sums[0] - sums[1]) > (points_mm + rounding_mm(model)) * length ||
+            std::abs(sums[1] - sums[2]) > 1e-9 * length) {
+            std::printf("\n%s, loops at %g: %.9g mm2 of the host, %.9g of the adapter, %.9g at one plane\n",
+                        model.name.c_str(), static_cast<double>(zs[layer]), sums[0], sums[1], sums[2]);
+            return false;
+        }
+    }
+    return true;
+}
+
+bool report(bool holds, const char* what) {
+    std::printf("%s: %s\n", what, holds ? "yes" : "NO");
+    return holds;
+}
+
+struct Cancelled {};
+
+// The exception that the host's function throws arrives.
+bool cancels(const Model& model) {
+    try {
+        slice_mesh_ex(model.mesh, heights(model, 0.2, 0.1), MeshSlicingParamsEx{}, [] { throw Cancelled{}; });
+    } catch (const Cancelled&) {
+        return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+bool layers_agree(const std::vector<Model>& parts, const std::vector<Model>& organs) {
+    std::printf(
+        "| meshes | way | layers | worst in | differ by, mm2 | of mm2 | apart, mm | bound, mm |\n"
+        "|---|---|---|---|---|---|---|---|\n");
+    bool all = true;
+    std::string beyond;
+    const std::vector<Way> each_way = ways();
+    const auto cases = [](const std::vector<Model>& models, double first_mm) {
+        std::vector<Case> made;
+        std::transform(models.begin(), models.end(), std::back_inserter(made), [first_mm](const Model& model) {
+            return Case{model, first_mm};
+        });
+        return made;
+    };
+    for (const Way& way : each_way) {
+        all = agree(cases(parts, 0.1), way, "the host's", beyond) && all;
+    }
+    all = agree(cases(parts, 0.2), each_way.front(), "the host's, planes on faces", beyond) && all;
+    for (const Model& organ : organs) {
+        for (const Way& way : {each_way[0], each_way[1]}) {
+            all = agree({{organ, 0.1}}, way, organ.name.c_str(), beyond) && all;
+        }
+    }
+    std::printf("\n%s", beyond.c_str());
+    for (const std::vector<Model>* models : {&parts, &organs}) {
+        for (const Model& model : *models) {
+            all = loops_agree(model) && all;
+        }
+    }
+    return all;
+}
+
+bool calls_agree(const Model& model) {
+    std::vector<float> zs = heights(model, 0.2, 0.1);
+    const Layers sorted = slice_mesh_ex(model.mesh, zs, MeshSlicingParamsEx{}, never);
+    std::vector<float> mixed(zs.rbegin(), zs.rend());
+    mixed.insert(mixed.end(), zs.begin(), zs.end());
+    const Layers twice = slice_mesh_ex(model.mesh, mixed, MeshSlicingParamsEx{}, never);
+    Layers expected(sorted.rbegin(), sorted.rend());
+    expected.insert(expected.end(), sorted.begin(), sorted.end());
+    const Layers none = slice_mesh_ex(indexed_triangle_set{}, zs, MeshSlicingParamsEx{}, never);
+    std::printf("\n");
+    bool all = report(twice == expected, "Heights in descending order, and repeated, give their layers");
+    all = report(none == Layers(zs.size()), "A mesh without triangles gives empty layers") && all;
+    return report(cancels(model), "The host's exception ends a slice") && all;
+}
+
+}  // namespace compare

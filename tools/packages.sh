@@ -8,7 +8,7 @@ build_packages=(
 # bench/: the second is only compared with.
 bench_packages=(libbenchmark-dev libpolyclipping-dev)
 test_packages=(libxml2-utils libcgal-dev python3)
-check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libc++-14-dev libc++abi-14-dev doxygen)
+check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libc++-14-dev libc++abi-14-dev doxygen abigail-tools)
 picture_packages=(librsvg2-bin)
 
 is_installed() {

@@ -70,6 +70,12 @@ check_docs() {
     quietly build/docs.log tools/docs.sh
 }
 
+# Programs that were compiled with an older header of the C interface must still run.
+check_abi() {
+    stage "binary form of the C interface"
+    quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so
+}
+
 # What macOS has: Clang with libc++. Compiles the libraries and runs the golden cases, which must give the bytes of GCC.
 check_libcxx() {
     stage "Clang build with libc++"
@@ -133,6 +139,7 @@ build build
 
 if $all; then
     check_docs
+    check_abi
     check_libcxx
     check_memory
     check_threads

@@ -39,17 +39,22 @@ Status examine(const SliceResult& result) {
     return {};
 }
 
+Result<Bounds> examine(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel) {
+    BlockTable blocks(nullptr);
+    Result<Bounds> bounds = measure_bounds(mesh, transform, unit_mm, parallel, blocks);
+    if (bounds && !fits(*bounds, unit_mm)) {
+        return Error{ErrorCode::invalid_argument, "the mesh does not fit the result's grid"};
+    }
+    return bounds;
+}
+
 Result<Bounds> examine(const MeshView& mesh, const SliceResult& result, const Parallel& parallel) {
     if (mesh.triangle_count != result.summary.triangles) {
         return Error{ErrorCode::invalid_argument, "the result is not of this mesh"};
     }
-    BlockTable blocks(nullptr);
-    Result<Bounds> bounds = measure_bounds(mesh, result.frame, result.unit_mm, parallel, blocks);
+    Result<Bounds> bounds = examine(mesh, result.frame, result.unit_mm, parallel);
     if (!bounds) {
         return bounds;
-    }
-    if (!fits(*bounds, result.unit_mm)) {
-        return Error{ErrorCode::invalid_argument, "the mesh does not fit the result's grid"};
     }
     if (Status status = examine(result); !status) {
         return status.error();

@@ -15,4 +15,7 @@ Status examine(const SliceResult& result);
 /// The same, and the mesh can be what was sliced: as many triangles, each index in range, coordinates within the grid.
 Result<Bounds> examine(const MeshView& mesh, const SliceResult& result, const Parallel& parallel);
 
+/// The mesh can have been sliced by this transform on this grid: each index in range, coordinates within the grid.
+Result<Bounds> examine(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel);
+
 }  // namespace lamella

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "audit/containment.hpp"
+#include "audit/validate_origins.hpp"
 #include "base/guard.hpp"
 #include "lamella/audit/validate.hpp"
 #include "slicing/grid/exact.hpp"
@@ -386,7 +387,7 @@ Status failed(Complaint complaint, std::size_t layer) {
 }
 
 Status check(const SliceResult& result) {
-    for (const auto whole : {check_offsets, check_planes}) {
+    for (const auto whole : {check_offsets, check_planes, complaint_about_origins}) {
         Complaint complaint = whole(result);
         if (!complaint.empty()) {
             return failed(std::move(complaint), static_cast<std::size_t>(-1));

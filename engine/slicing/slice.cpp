@@ -23,6 +23,7 @@
 #include "lamella/memory.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/lowest_corners.hpp"
 #include "slicing/buckets/prepared_triangles.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/grid/placed_reader.hpp"
@@ -94,7 +95,7 @@ private:
     void sweep_wide(std::size_t band, BandTarget& target);
     SweepInput sweep_input() noexcept {
         return {kept_.planes,          kept_.buckets, kept_.bands.bands, parallel_,
-                options_.control.stop, progress_,     kept_.output,      result_};
+                options_.control.stop, progress_,     kept_.output,      options_.origins, result_};
     }
     std::uint64_t memory_limit() const noexcept {
         return options_.memory_limit_bytes != 0 ? options_.memory_limit_bytes : kept_.usual_limit;
@@ -200,10 +201,13 @@ void Slicing::bucket_triangles() {
               output_.most_band_segments(parallel_.threads()));
     const std::size_t reaching = prepared_ != nullptr
                                      ? scatter_triangles(prepared_->triangles, kept_.planes, bands.band_end, parallel_,
-                                                         buckets, bands.reaching.span())
+                                                         buckets, bands.reaching.span(), options_.origins)
                                      : scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes,
                                                          bands.band_end, parallel_, buckets, bands.reaching.span());
     bands.find_seeds(kept_.planes.size(), reaching, options_.control.stop);
+    if (options_.origins && prepared_ == nullptr) {
+        find_lowest_corners(mesh_, options_.transform, result_.unit_mm, parallel_, buckets);
+    }
 }
 
 Status Slicing::sweep_bands() {
@@ -244,6 +248,7 @@ void Slicing::sweep_band(std::size_t band, int worker, BandTarget& target) {
         }
         sweep->set_rules(rules());
         if (BandOutput* output = target.acquire(band); output != nullptr) {
+            sweep->set_origins(output->with_origins);
             sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes,
                        options_.tuning.form, options_.control.stop, *output);
             target.submit(band);
@@ -359,7 +364,7 @@ detail::WorkspaceParts& parts_for(const SliceOptions& options, std::unique_ptr<d
 
 Status detail::PartSlicer::slice(const SliceInput& input, const SliceOptions& options, Workspace& workspace,
                                  SliceResult& result) {
-    ResultOutput output;
+    ResultOutput output(options.origins);
     return slice_for(output, input, options, workspace, result);
 }
 

@@ -57,6 +57,7 @@ struct HostOutput {
     std::uint64_t layer_capacity = 0;
     ClosedGap* closed_gaps = nullptr;  ///< null: they are only counted
     std::uint64_t closed_gap_capacity = 0;
+    PointOrigin* origins = nullptr;  ///< room for `point_capacity`, packed, written where SliceOptions::origins; null: none
 };
 
 /// How much a slice may need.

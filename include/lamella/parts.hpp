@@ -40,7 +40,8 @@ struct Part {
 ///
 /// Costs what slicing each part costs, with a look at each box before. Parts are sliced one after another by all threads,
 /// and held until they are put together, so that the result takes its memory twice. SliceOptions::memory_limit_bytes is for
-/// all parts. Errors: those of slice(), which begin with "part N: " where a part is to blame; invalid_argument (no part).
+/// all parts. Errors: those of slice(), which begin with "part N: " where a part is to blame; invalid_argument (no part, or
+/// with SliceOptions::origins more than 65,535).
 Result<SliceResult> slice_parts(std::span<const Part> parts, const SliceOptions& options = {},
                                 PartRegions regions = PartRegions::separate) noexcept;
 

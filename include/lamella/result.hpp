@@ -19,6 +19,7 @@
 //     points    [ x y, x y, x y | x y, x y, ... ]   per contour, from its start, solid on the left
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -79,6 +80,37 @@ struct Contour {
     std::int8_t orientation = 0;  ///< by the facets or the fill rule: 1 counter-clockwise, -1 clockwise, 0 flat, open
     std::uint16_t flags = 0;      ///< ContourFlag bits
     std::uint32_t part = 0;       ///< index of the mesh that it comes from, among those of slice_parts(), or several_parts
+};
+
+inline constexpr std::uint32_t no_triangle = 0xffffffff;
+inline constexpr std::uint8_t no_edge = 3;  ///< edge e of a triangle leads from corner e to corner (e + 1) % 3
+
+/// Where a point and the contour edge that begins at it come from. 8 bytes.
+///
+///           2              The plane cuts `triangle` from p to q: the contour edge. p lies on the triangle's edge `edge`,
+///          / `.            here 2, and q on `end_edge`, here 1.
+///         p----q
+///        /      `.
+///       0---------1
+///
+/// Of several triangles with the same corners on the grid, in the same order around, the one with the smallest index stands
+/// for all. The last point of an open polyline names the triangle of the contour edge that ends there; no `end_edge`.
+///
+/// Equal consecutive points: the edge that has a length counts, that of the last of them. A contour that was turned round
+/// against its facets: each edge keeps its triangle, and `edge` and `end_edge` change places. An edge that joins a gap comes
+/// from no triangle.
+///
+/// Regions: a contour that no step changes keeps its origins. An edge along an edge of a given contour keeps its triangle,
+/// the one of the smallest part and index where there are several; `edge` or `end_edge` is there only where the mesh's edge
+/// makes the point, not a crossing of contours. Of contours equal in every point the first stands for all. What closing and
+/// offset move comes from no triangle. Where drop_collinear makes one edge of several, it comes from the triangle of the
+/// first.
+struct PointOrigin {
+    std::uint32_t triangle = no_triangle;  ///< index in the mesh
+    std::uint16_t part = 0;                ///< index of that mesh among those of slice_parts(); 0 where no_triangle
+    std::uint8_t edge = no_edge;           ///< where the contour edge begins
+    std::uint8_t end_edge = no_edge;       ///< where it ends
+    friend constexpr auto operator<=>(const PointOrigin&, const PointOrigin&) = default;
 };
 
 /// Which ends of open polylines may be joined. Pairs are joined by distance, the nearest first, and at most one to each end.
@@ -144,11 +176,12 @@ struct PointMm {
 struct SliceResult {
     /// Its arrays will take their memory from `memory`; null: operator new.
     explicit SliceResult(const Memory* memory = nullptr) noexcept
-        : layers(memory), contours(memory), points(memory), closed_gaps(memory), layer_of(memory) {}
+        : layers(memory), contours(memory), points(memory), origins(memory), closed_gaps(memory), layer_of(memory) {}
 
     Array<Layer> layers;
     Array<Contour> contours;
     Array<Point> points;
+    Array<PointOrigin> origins;    ///< of each of `points`; empty unless SliceOptions::origins
     Array<ClosedGap> closed_gaps;  ///< by layer, then by `from` and `to`
     /// The layer of each of ExplicitPlanes::heights_mm: an index into `layers`. Empty for other plans.
     Array<std::uint64_t> layer_of;
@@ -168,6 +201,10 @@ struct SliceResult {
     std::span<const Point> points_of(const Contour& contour) const noexcept {
         return {points.data() + contour.first_point, contour.point_count};
     }
+    /// Precondition: there are origins.
+    std::span<const PointOrigin> origins_of(const Contour& contour) const noexcept {
+        return {origins.data() + contour.first_point, contour.point_count};
+    }
     PointMm to_mm(Point point) const noexcept { return {point.x * unit_mm, point.y * unit_mm}; }
     /// Where a layer was really cut: `to_mm(layer.plane)`. How far from the height asked for: see grid.hpp.
     double to_mm(PlaneHeight height) const noexcept { return height.z() * unit_mm; }
@@ -182,7 +219,7 @@ struct SliceResult {
 /// A 64-bit hash (FNV-1a over 8-byte little-endian words) of: k; per layer the plane (int32 as int64) and its number of
 /// contours; per contour role, orientation, flags and part (one word: role | (orientation & 0xff) << 8 | flags << 16 |
 /// part << 32), segments, point_count, parent minus the layer's first contour (or -1), area low, area high; per point x and
-/// y (one word: x low, y high). Equal on every platform, thread count and band size.
+/// y (one word: x low, y high). Origins are left out. Equal on every platform, thread count and band size.
 std::uint64_t hash_result(const SliceResult& result) noexcept;
 
 }  // namespace lamella

@@ -45,6 +45,7 @@ struct LayerView {
     Layer layer;                             ///< its first_contour is 0
     std::span<const Contour> contours;       ///< their first_point and parent are indices into this view
     std::span<const Point> points;           ///< grid units
+    std::span<const PointOrigin> origins;    ///< of each of `points`; empty unless SliceOptions::origins
     std::span<const ClosedGap> closed_gaps;  ///< by `from` and `to`
     double unit_mm = default_unit_mm;
 

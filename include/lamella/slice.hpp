@@ -51,6 +51,7 @@ struct SliceOptions {
     RegionRules region{};
     double close_gaps_mm = 0;              ///< join ends of open polylines at most so far apart; 0 joins none
     GapSense gap_sense = GapSense::kept;   ///< which ends are joined
+    bool origins = false;                  ///< say which triangle each contour edge comes from: SliceResult::origins
     std::uint64_t memory_limit_bytes = 0;  ///< larger results are refused before allocation; 0: half of physical memory
     Control control{};
     Tuning tuning{};  ///< for experiments
@@ -89,12 +90,12 @@ private:
 /// call, a thread and a band.
 ///
 /// A result is refused as too large by what is known before anything is linked: 64 bytes a layer, a point of 8 bytes a
-/// crossing, and a contour of 48 in each layer that has crossings. How many contours more there are is known only once they
-/// are walked. A closed contour that has an area has three points or more, so that such a result is at most three times as
-/// large as that; one of open polylines of a single segment each, eight times. What the host's memory does not hold then is
-/// out_of_memory. Errors:
-/// invalid_argument, empty_mesh (unless SliceOptions::allow_empty), bad_coordinate (with the triangle), bad_planes (with the
-/// plane), result_too_large, out_of_memory, cancelled.
+/// crossing and its origin of 8 where asked for, and a contour of 48 in each layer that has crossings. How many contours
+/// more there are is known only once they are walked. A closed contour that has an area has three points or more, so that
+/// such a result is at most three times as large as that; one of open polylines of a single segment each, eight times. What
+/// the host's memory does not hold then is out_of_memory. Errors: invalid_argument, empty_mesh (unless
+/// SliceOptions::allow_empty), bad_coordinate (with the triangle), bad_planes (with the plane), result_too_large,
+/// out_of_memory, cancelled.
 Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options = {}) noexcept;
 
 /// The same into an existing result and with scratch that is kept: for programs that slice again and again. Where

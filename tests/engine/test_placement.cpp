@@ -77,6 +77,7 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
     std::mt19937 random(seed);
     const auto draw = [&](std::uint32_t below) { return static_cast<std::uint32_t>(random() % below); };
     const bool outgrow = draw(2) == 0;
+    const bool with_origins = draw(2) == 0;
     std::vector<lamella::Band> bands;
     std::vector<std::uint32_t> counts;
     std::vector<Point> expected;
@@ -92,10 +93,11 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
         }
     }
     std::vector<Point> points(std::max<std::size_t>(expected.size(), segments));
+    std::vector<lamella::PointOrigin> origins(with_origins ? points.size() : 0);
     lamella::ProgressMeter no_progress{lamella::Progress{}};
     lamella::Placement placement(nullptr);
     constexpr int threads = 3;
-    placement.begin(bands, threads, segments, points, no_progress);
+    placement.begin(bands, threads, segments, points, no_progress, {}, origins);
 
     // One interleaving of `threads` threads. A step begins the next band, reserves space for a point, writes it, or
     // submits.
@@ -123,6 +125,9 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
                 band.room = band.output->reserve_points(1);
                 continue;
             }
+            if (with_origins) {
+                band.output->origins[band.output->point_count] = {band.written, static_cast<std::uint16_t>(band.band)};
+            }
             *std::exchange(band.room, nullptr) = {static_cast<std::int32_t>(band.band),
                                                   static_cast<std::int32_t>(band.written++)};
             ++band.output->point_count;
@@ -138,4 +143,8 @@ TEST_CASE("bands with more or fewer points than segments are placed in order", "
     REQUIRE(placement.point_count() == expected.size());
     points.resize(expected.size());
     CHECK(points == expected);
+    for (std::size_t i = 0; i < expected.size() && with_origins; ++i) {
+        CHECK(origins[i] ==
+              lamella::PointOrigin{static_cast<std::uint32_t>(expected[i].y), static_cast<std::uint16_t>(expected[i].x)});
+    }
 }

@@ -24,11 +24,18 @@ namespace lamella {
 
 struct Buckets {
     explicit Buckets(const Memory* memory)
-        : records(memory), list_begin(memory), segments(memory), crossed_mask(memory), touched(memory), counters(memory) {}
+        : records(memory),
+          lowest_corners(memory),
+          list_begin(memory),
+          segments(memory),
+          crossed_mask(memory),
+          touched(memory),
+          counters(memory) {}
 
     /// Gives back what the last call did not need. Throws std::bad_alloc.
     void trim() {
         fit(records);
+        fit(lowest_corners);
         fit(list_begin);
         fit(segments);
         fit(crossed_mask);
@@ -36,10 +43,11 @@ struct Buckets {
         fit(counters);
     }
 
-    Array<CrossedTriangle> records;   ///< by first plane
-    Array<std::uint32_t> list_begin;  ///< k + 1: where each plane's list begins in `records`
-    Array<std::uint32_t> segments;    ///< k: triangles that each plane cuts
-    std::uint64_t segment_count = 0;  ///< m
+    Array<CrossedTriangle> records;      ///< by first plane
+    Array<std::uint8_t> lowest_corners;  ///< of each record, where origins are asked for: see lowest_corners.hpp
+    Array<std::uint32_t> list_begin;     ///< k + 1: where each plane's list begins in `records`
+    Array<std::uint32_t> segments;       ///< k: triangles that each plane cuts
+    std::uint64_t segment_count = 0;     ///< m
     std::uint64_t degenerate = 0;
 
     Array<std::uint64_t> crossed_mask;  // scratch: a bit a triangle, so that the second read skips what is not cut

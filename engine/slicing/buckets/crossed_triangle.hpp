@@ -33,10 +33,13 @@ inline constexpr HeightOrder height_orders[8] = {
     {0, 1, 2, 0}, {1, 0, 2, 1}, {0, 2, 1, 1}, {0, 1, 2, 0}, {0, 1, 2, 0}, {1, 2, 0, 0}, {2, 0, 1, 0}, {2, 1, 0, 1},
 };
 
+inline const HeightOrder& height_order_of(const GridTriangle& v) noexcept {
+    return height_orders[(v[1].z < v[0].z ? 1U : 0U) + (v[2].z < v[1].z ? 2U : 0U) + (v[2].z < v[0].z ? 4U : 0U)];
+}
+
 /// A record without its planes.
 inline CrossedTriangle order_by_height(const GridTriangle& v, std::uint32_t triangle) noexcept {
-    const unsigned index = (v[1].z < v[0].z ? 1U : 0U) + (v[2].z < v[1].z ? 2U : 0U) + (v[2].z < v[0].z ? 4U : 0U);
-    const HeightOrder& order = height_orders[index];
+    const HeightOrder& order = height_order_of(v);
     return {v[order.lower], v[order.middle], v[order.upper], triangle, order.odd != 0 ? 0U : 1U << 31, 0};
 }
 

@@ -131,8 +131,9 @@ void PreparedTriangles::build(const MeshView& mesh, const Transform& transform, 
                                       for (std::size_t t = begin; t < end; ++t) {
                                           const GridTriangle v = read(t);
                                           if (!is_degenerate(v)) {
-                                              const CrossedTriangle ordered =
+                                              CrossedTriangle ordered =
                                                   order_by_height(v, static_cast<std::uint32_t>(t));
+                                              ordered.last = height_order_of(v).lower;
                                               emit(cells.cell_of(ordered.lower.z, ordered.upper.z), ordered);
                                           }
                                       }
@@ -171,9 +172,10 @@ void count_crossings(const PreparedTriangles& prepared, const PlaneSet& planes, 
 
 std::size_t scatter_triangles(const PreparedTriangles& prepared, const PlaneSet& planes,
                               std::span<const PlaneIndex> reach_end, const Parallel& parallel, Buckets& buckets,
-                              std::span<Reaching> reaching) {
+                              std::span<Reaching> reaching, bool origins) {
     const BucketParts parts(buckets.touched.size() * block_triangles, parallel);
     buckets.records.resize_discarding(buckets.list_begin[planes.size()]);
+    buckets.lowest_corners.resize_discarding(origins ? buckets.records.size() : 0);
     ReachingOutput output(reaching);
     for_each_touched(buckets, parts, parallel, [&](std::size_t part, std::size_t i, std::size_t block) {
         const PartCursors cursors(buckets, part, planes.size());
@@ -194,6 +196,9 @@ std::size_t scatter_triangles(const PreparedTriangles& prepared, const PlaneSet&
         for (std::uint64_t crossed = buckets.crossed_mask[i]; crossed != 0; crossed &= crossed - 1) {
             const Reaching place = places[next++];
             CrossedTriangle record = first_of_block[std::countr_zero(crossed)];
+            if (origins) {
+                buckets.lowest_corners[place.record] = static_cast<std::uint8_t>(record.last);
+            }
             record.middle_and_source |= planes.first_above(record.middle.z);
             record.last = place.last;
             buckets.records[place.record] = record;

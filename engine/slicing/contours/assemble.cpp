@@ -57,7 +57,7 @@ public:
     LayerContours build(const Memory* memory) {
         output_.buffer.resize_discarding(segments_.size() + segments_.size() / 64 + 64);  // seldom more, see slice()
         output_.begin(output_.buffer.span());
-        layer_.build(graph_, points_.data(), output_);
+        layer_.build(graph_, points_.data(), nullptr, output_);
         progress_.reach(built_share);
         LayerContours layer = copy_layer(output_, pace_, memory);
         progress_.finish();

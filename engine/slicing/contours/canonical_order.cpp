@@ -9,6 +9,18 @@ namespace {
 
 constexpr std::size_t item_work = 8;  ///< as StopPace counts it
 
+/// By part, triangle and edges of each contour edge. Contours of as many points.
+bool comes_from_less(const NestItem& a, const NestItem& b) {
+    for (std::uint32_t i = 0; i < a.count; ++i) {
+        const PointOrigin& from_a = a.origins[(a.start + i) % a.count];
+        const PointOrigin& from_b = b.origins[(b.start + i) % b.count];
+        if (from_a != from_b) {
+            return from_a.part != from_b.part ? from_a.part < from_b.part : from_a < from_b;
+        }
+    }
+    return false;
+}
+
 /// Decides between contours that start on the same edge.
 bool holds_less(const LayerContour& contour_a, const LayerContour& contour_b) {
     const NestItem& a = contour_a.item;
@@ -29,7 +41,7 @@ bool holds_less(const LayerContour& contour_a, const LayerContour& contour_b) {
             return point_a < point_b;
         }
     }
-    return a.flags < b.flags;
+    return a.flags != b.flags || a.origins == nullptr ? a.flags < b.flags : comes_from_less(a, b);
 }
 
 }  // namespace

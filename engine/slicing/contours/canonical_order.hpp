@@ -29,8 +29,8 @@ public:
     /// From here on both calls throw Stopped where the host wants the call to end.
     void follow(const StopCheck& host) noexcept { pace_.follow(host); }
 
-    /// Sorts by the start point, then by its edge, then by content. Contours equal in all of that are interchangeable.
-    /// O(q log q). Throws std::bad_alloc.
+    /// Sorts by the start point, then by its edge, then by content, origins last. Contours equal in all of that are
+    /// interchangeable. O(q log q). Throws std::bad_alloc.
     void sort_by_start(std::span<const LayerContour> contours);
     /// The contour that comes `item`-th by start.
     std::uint32_t contour_of(std::size_t item) const noexcept { return by_start_[item].index; }

@@ -5,6 +5,7 @@
 
 #include "base/clock.hpp"
 #include "base/int128.hpp"
+#include "slicing/grid/origins.hpp"
 #include "slicing/regions/collinear.hpp"
 
 namespace lamella {
@@ -41,7 +42,9 @@ LayerBuilder::LayerBuilder(const Memory* memory)
       region_(memory),
       kept_(memory),
       made_(memory),
-      given_(memory) {}
+      made_origins_(memory),
+      given_(memory),
+      given_origins_(memory) {}
 
 void LayerBuilder::follow(const StopCheck& host) noexcept {
     pace_.follow(host);
@@ -52,21 +55,23 @@ void LayerBuilder::follow(const StopCheck& host) noexcept {
     regions_.follow(host);
 }
 
-void LayerBuilder::build(const LinkGraph& graph, const Point* points, BandOutput& out) {
-    rings_.read(graph, points, contours_);
+void LayerBuilder::build(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, BandOutput& out) {
+    rings_.read(graph, points, origins, contours_);
     finish(out);
 }
 
-void LayerBuilder::build_traced(Point* rings, std::span<const WalkedContour> walked, KeyAt key_at, const Parallel& parallel,
-                                BandOutput& out) {
-    read_traced(rings, walked, key_at, parallel, contours_);
+void LayerBuilder::build_traced(Point* rings, PointOrigin* origins, std::span<const WalkedContour> walked, KeyAt key_at,
+                                const Parallel& parallel, BandOutput& out) {
+    read_traced(rings, origins, walked, key_at, parallel, contours_);
     finish(out);
 }
 
 void LayerBuilder::build_given(std::span<const GivenContour> contours, BandOutput& out) {
     given_.clear();
+    given_origins_.clear();
     for (const GivenContour& contour : contours) {
         given_.insert(given_.end(), contour.points.begin(), contour.points.end());
+        given_origins_.insert(given_origins_.end(), contour.origins.begin(), contour.origins.end());
         pace_.spend(contour.points.size());
     }
     contours_.clear();
@@ -74,10 +79,16 @@ void LayerBuilder::build_given(std::span<const GivenContour> contours, BandOutpu
     for (const GivenContour& given : contours) {
         const std::span<Point> points = rest.first(given.points.size());
         rest = rest.subspan(given.points.size());
+        PointOrigin* const origins =
+            given_origins_.empty() ? nullptr : given_origins_.data() + (points.data() - given_.data());
         if (given.turned) {
             std::reverse(points.begin(), points.end());
+            for (std::size_t i = 0; i < given.origins.size(); ++i) {
+                origins[i] = origin_turned_round(given.origins, i);
+            }
         }
-        LayerContour& contour = contours_.emplace_back(given.closed ? closed_contour(points) : open_contour(points));
+        LayerContour& contour =
+            contours_.emplace_back(given.closed ? closed_contour(points, origins) : open_contour(points, origins));
         contour.segments = given.segments;
         contour.item.flags = given.flags;
         contour.item.part = given.part;
@@ -86,6 +97,7 @@ void LayerBuilder::build_given(std::span<const GivenContour> contours, BandOutpu
 }
 
 void LayerBuilder::finish(BandOutput& out) {
+    with_origins_ = out.with_origins;
     if (rules.close_gaps > 0) {
         close_gaps(out);
     }
@@ -103,15 +115,16 @@ void LayerBuilder::close_gaps(BandOutput& out) {
     const auto first_open = std::stable_partition(contours_.begin(), contours_.end(), is_closed);
     polylines_.clear();
     std::transform(first_open, contours_.end(), std::back_inserter(polylines_), [](const LayerContour& open) {
-        return Polyline{{open.item.points, open.item.count}, open.start_key, open.segments, open.item.flags};
+        return Polyline{
+            {open.item.points, open.item.count}, open.item.origins, open.start_key, open.segments, open.item.flags};
     });
     if (!repair_.join(polylines_, {rules.close_gaps, rules.gap_sense}, out.layer_contours.size(), out.closed_gaps)) {
         return;
     }
     contours_.erase(first_open, contours_.end());
     for (const JoinedPolyline& joined : repair_.joined()) {
-        LayerContour& contour =
-            contours_.emplace_back(joined.closed ? closed_contour(joined.points) : open_contour(joined.points));
+        LayerContour& contour = contours_.emplace_back(joined.closed ? closed_contour(joined.points, joined.origins)
+                                                                     : open_contour(joined.points, joined.origins));
         contour.start_key = joined.closed ? EndKey{} : joined.start_key;
         contour.segments = joined.segments;
         contour.item.flags = joined.flags;
@@ -183,6 +196,7 @@ void LayerBuilder::replace_by_rings() {
         points += is_rewritten(ring) ? ring.item.count : 0;
     }
     made_.resize(points);
+    made_origins_.resize(with_origins_ ? points : 0);
     Point* made = made_.data();
     for (const Ring& ring : region_) {
         pace_.spend(contour_work + ring.item.count);
@@ -190,11 +204,10 @@ void LayerBuilder::replace_by_rings() {
             contours_.push_back(walked_[walked_of_[static_cast<std::size_t>(ring.given)]]);
         }
         if (is_rewritten(ring)) {
-            std::copy_n(ring.item.points, ring.item.count, made);
             const std::span<Point> all(made, ring.item.count);
+            PointOrigin* const origins = with_origins_ ? made_origins_.data() + (made - made_.data()) : nullptr;
             made += ring.item.count;
-            const LayerContour contour =
-                closed_contour(all.first(rules.region->drop_collinear ? drop_collinear(all) : all.size()));
+            const LayerContour contour = closed_contour(all.first(rewrite(ring, all, origins)), origins);
             if (ring.given >= 0) {
                 const std::uint16_t flags = contours_.back().item.flags;
                 contours_.back().item = contour.item;
@@ -211,6 +224,18 @@ void LayerBuilder::replace_by_rings() {
         ring_of_.push_back(std::max<std::int64_t>(-1, order_.contour_of(i) - polylines));
     }
     region_nesting_.nest(items_, ring_of_, region_, nester_);
+}
+
+/// Writes the ring's points, and their origins unless null; returns how many points are left.
+std::size_t LayerBuilder::rewrite(const Ring& ring, std::span<Point> points, PointOrigin* origins) const {
+    std::copy_n(ring.item.points, ring.item.count, points.data());
+    if (origins != nullptr && ring.item.origins != nullptr) {
+        std::copy_n(ring.item.origins, ring.item.count, origins);
+    } else if (origins != nullptr) {
+        std::fill_n(origins, ring.item.count, PointOrigin());
+    }
+    const bool will_turn = (to_int128(ring.item.twice_area) > 0) == ring.hole;
+    return rules.region->drop_collinear ? drop_collinear(points, origins, will_turn) : points.size();
 }
 
 bool LayerBuilder::is_rewritten(const Ring& ring) const noexcept {
@@ -260,12 +285,29 @@ void LayerBuilder::copy_points(const NestItem& item, Point* to) {
     }
 }
 
+void LayerBuilder::copy_origins(const NestItem& item, PointOrigin* to) {
+    const std::span<const PointOrigin> walked(item.origins, item.count);
+    if (!item.reverse) {
+        std::rotate_copy(walked.begin(), walked.begin() + item.start, walked.end(), to);
+    } else {  // the start is the first point of the walk back that begins at it
+        const std::size_t skipped = item.count - 1 - item.start;
+        for (std::size_t i = 0; i < walked.size(); ++i) {
+            const std::size_t place = skipped + i;
+            to[i] = origin_turned_round(walked, place < walked.size() ? place : place - walked.size());
+        }
+    }
+    pace_.spend(item.count);
+}
+
 void LayerBuilder::append(BandOutput& out) {
     const std::size_t base = out.contours.size();
     for (const std::uint32_t i : order_.items()) {
         const NestItem& item = items_[i];
         pace_.spend(contour_work);
         copy_points(item, out.reserve_points(item.count));
+        if (out.with_origins) {
+            copy_origins(item, out.origins + out.point_count);
+        }
         Contour& contour = out.contours.emplace_back();
         contour.first_point = out.point_count;
         contour.twice_area = item.reverse ? to_integer128(-to_int128(item.twice_area)) : item.twice_area;

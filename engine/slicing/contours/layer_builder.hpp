@@ -36,6 +36,7 @@ struct LayerRules {
 /// A contour that is not walked.
 struct GivenContour {
     std::span<const Point> points;
+    std::span<const PointOrigin> origins;  ///< of each point, or empty for all contours
     bool closed = true;
     bool turned = false;         ///< the facets run the other way
     std::uint32_t segments = 0;  ///< as Contour::segments
@@ -48,13 +49,14 @@ class LayerBuilder {
 public:
     explicit LayerBuilder(const Memory* memory);
 
-    /// Appends the layer that `graph` holds to `out`; points[slot] is where the slot's edge pierces the plane. O(q log q)
-    /// for q points. Throws std::bad_alloc.
-    void build(const LinkGraph& graph, const Point* points, BandOutput& out);
+    /// Appends the layer that `graph` holds to `out`; points[slot] is where the slot's edge pierces the plane, and
+    /// origins[slot] where its segments come from, null where `out` takes no origins. O(q log q) for q points. Throws
+    /// std::bad_alloc.
+    void build(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, BandOutput& out);
 
     /// The same for closed contours whose points lie in walking order in `rings` already; see read_traced().
-    void build_traced(Point* rings, std::span<const WalkedContour> walked, KeyAt key_at, const Parallel& parallel,
-                      BandOutput& out);
+    void build_traced(Point* rings, PointOrigin* origins, std::span<const WalkedContour> walked, KeyAt key_at,
+                      const Parallel& parallel, BandOutput& out);
 
     /// The same for contours that are not walked but given, each with points.
     void build_given(std::span<const GivenContour> contours, BandOutput& out);
@@ -77,10 +79,12 @@ private:
     void nest(FillRule rule);
     void apply_rules(FillRule rule);
     void replace_by_rings();
+    std::size_t rewrite(const Ring& ring, std::span<Point> points, PointOrigin* origins) const;
     bool is_rewritten(const Ring& ring) const noexcept;
     void keep_some(bool outermost, bool largest);
     void append(BandOutput& out);
     void copy_points(const NestItem& item, Point* to);
+    void copy_origins(const NestItem& item, PointOrigin* to);
 
     RingReader rings_;
     PolylineRepair repair_;
@@ -97,9 +101,12 @@ private:
     Vector<std::uint32_t> walked_of_;  // of each of closed_: its number in walked_
     Vector<std::int64_t> ring_of_;     // of each of items_: its number in the region, -1 for an open polyline
     Vector<Ring> region_;
-    Vector<Ring> kept_;    // of the region, where only some are wanted
-    Vector<Point> made_;   // points of rings that were made or lost some
+    Vector<Ring> kept_;   // of the region, where only some are wanted
+    Vector<Point> made_;  // points of rings that were made or lost some
+    Vector<PointOrigin> made_origins_;
     Vector<Point> given_;  // points of contours that were not walked
+    Vector<PointOrigin> given_origins_;
+    bool with_origins_ = false;  // of the layer
     StopPace pace_;
 };
 

@@ -69,6 +69,17 @@ public:
     std::span<const Slot> order() const noexcept { return walker_.order(); }
     std::span<const WalkedContour> contours() const noexcept { return walker_.contours(); }
     const MeshEdge& edge(Slot slot) const noexcept { return slots_.edge(slot); }
+    /// The port of `slot` from which a segment leads to `next`, whichever way its facet runs.
+    PortRef port_towards(Slot slot, Slot next) const noexcept {
+        const PortRef source = port_of(slot, source_port);
+        const PortRef across = slots_.ports()[source].across;
+        return across != no_port && slot_of(across) == next ? source : port_of(slot, target_port);
+    }
+    /// Whether the facet of the segment at a port runs from there.
+    bool runs_from(PortRef ref) const noexcept {
+        return static_cast<int>(ref & 1) == source_port ? !slots_.has_any(slot_of(ref), SlotTable::mixed_source_is_target)
+                                                        : slots_.has_any(slot_of(ref), SlotTable::mixed_target_is_source);
+    }
     /// Slots made since begin_attaching().
     std::span<const Slot> fresh() const noexcept { return slots_.fresh(); }
     /// Slots in use are below this; some below it are free.

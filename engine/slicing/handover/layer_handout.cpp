@@ -30,6 +30,9 @@ public:
         }
         view.contours = contours;
         view.points = {output_.points + first_point_, points};
+        if (output_.with_origins) {
+            view.origins = {output_.origins + first_point_, points};
+        }
         view.closed_gaps = take_gaps(layer, view.index);
         first_contour_ += contours.size();
         first_point_ += points;

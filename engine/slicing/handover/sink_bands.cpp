@@ -31,6 +31,7 @@ BandOutput* SinkBands::begin_band(std::size_t band) {
     bands_[band].output = output;
     // All layers of a wide plane's band, which is one; of others a parcel, or the largest layer as it comes.
     const std::uint64_t segments = input_.bands[band].segments;
+    output->with_origins = input_.origins;
     output->begin({});
     output->make_room(input_.bands[band].wide ? segments : std::min<std::uint64_t>(segments, parcel_points));
     return output;

@@ -49,8 +49,12 @@ public:
         if (plain && host_.point_capacity > 0) {
             points = {static_cast<Point*>(host_.points), host_.point_capacity};
         }
+        std::span<PointOrigin> origins;
+        if (input.origins && host_.origins != nullptr) {
+            origins = {host_.origins, host_.point_capacity};
+        }
         placement.begin(input.bands, input.parallel.threads(), input.buckets.segment_count, points, input.progress,
-                        input.stop, plain ? nullptr : &writer_);
+                        input.stop, origins, plain ? nullptr : &writer_);
         sweep(placement);
         return check_room(input);
     }

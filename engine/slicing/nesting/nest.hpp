@@ -36,6 +36,7 @@ namespace lamella {
 /// One contour of a layer: input and output of nesting.
 struct NestItem {
     const Point* points = nullptr;  ///< consecutive ones distinct; closed: the first is not repeated; any may come first
+    const PointOrigin* origins = nullptr;  ///< of each point; null: none. Nesting does not look at them
     std::uint32_t count = 0;
     std::uint32_t start = 0;  ///< closed: index of its smallest (x, y)
     Integer128 twice_area;    ///< closed: as walked, square grid units
@@ -51,6 +52,10 @@ struct NestItem {
 
     /// The i-th point from the start on, as walked.
     const Point& from_start(std::uint32_t i) const noexcept { return points[(start + i) % count]; }
+    /// Where the edge from there on comes from; none where there are no origins.
+    PointOrigin origin_from_start(std::uint32_t i) const noexcept {
+        return origins == nullptr ? PointOrigin() : origins[(start + i) % count];
+    }
     /// Resets the outputs to those of a contour by itself: role flat or open, and its orientation.
     void reset() noexcept;
 };

@@ -59,7 +59,7 @@ double shrinking(Point a, Point b, Point c, Point d) noexcept {
 
 /// Replaces edges of an open stretch, the first to shrink to a point first, until none does so within the distance. Those at
 /// its ends stay.
-bool fold_stretch(double distance, Vector<Point>& stretch) {
+bool fold_stretch(double distance, Vector<Point>& stretch, Vector<std::uint32_t>& indices) {
     for (;;) {
         std::size_t first = 0;
         double fastest = 1 / distance;
@@ -79,22 +79,29 @@ bool fold_stretch(double distance, Vector<Point>& stretch) {
             return false;
         }
         stretch[first] = *corner;
+        indices[first] = no_point;
         stretch.erase(stretch.begin() + static_cast<std::ptrdiff_t>(first) + 1);
+        indices.erase(indices.begin() + static_cast<std::ptrdiff_t>(first) + 1);
     }
 }
 
 }  // namespace
 
 bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> turned, double distance,
-                Vector<Point>& points) {
+                Vector<Point>& points, Vector<std::uint32_t>& indices) {
     constexpr std::size_t before = 2;  // points of a stretch before its first edge that turns round
     constexpr std::size_t after = 3;   // and after the start of its last
     const std::size_t count = contour.size();
     const std::size_t begin = points.size();
     const std::size_t base = (turned[0] + count - before) % count;
-    const auto at = [&](std::size_t i) { return contour[(base + i) % count]; };
+    const auto append = [&](std::size_t i, Vector<Point>& to, Vector<std::uint32_t>& to_indices) {
+        const std::size_t index = (base + i) % count;
+        to.push_back(contour[index]);
+        to_indices.push_back(static_cast<std::uint32_t>(index));
+    };
     const auto place_of = [&](std::size_t t) { return (turned[t] + count - base) % count; };
     Vector<Point> stretch(points.get_allocator());
+    Vector<std::uint32_t> stretch_indices(indices.get_allocator());
     std::size_t next = 0;
     for (std::size_t t = 0; t < turned.size();) {
         const std::size_t first = place_of(t) - before;
@@ -107,20 +114,22 @@ bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> t
             return false;
         }
         for (; next < first; ++next) {
-            points.push_back(at(next));
+            append(next, points, indices);
         }
         stretch.clear();
+        stretch_indices.clear();
         for (; next <= last; ++next) {
-            stretch.push_back(at(next));
+            append(next, stretch, stretch_indices);
         }
-        if (!fold_stretch(distance, stretch)) {
+        if (!fold_stretch(distance, stretch, stretch_indices)) {
             points.resize(begin);
             return false;
         }
         points.insert(points.end(), stretch.begin(), stretch.end());
+        indices.insert(indices.end(), stretch_indices.begin(), stretch_indices.end());
     }
     for (; next < count; ++next) {
-        points.push_back(at(next));
+        append(next, points, indices);
     }
     return true;
 }

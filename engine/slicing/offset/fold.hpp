@@ -19,12 +19,16 @@
 
 namespace lamella {
 
-/// Appends the contour with the edges `turned`, ascending, replaced by points where the lines of their neighbours meet,
-/// rounded. Of edges side by side the one that shrinks to a point first goes first, and others stay that no longer turn
-/// round. Edge i leads from point i to point i + 1. `distance`: grid units, above 0. False, with nothing appended, where
-/// there is no such point to the right of an edge, or where nearly all of the contour turns round. O(points), and the square
-/// of edges that stand close together. Throws std::bad_alloc.
+/// Of a point that is none of the contour's.
+inline constexpr std::uint32_t no_point = 0xffffffff;
+
+/// Appends to `points` the contour with the edges `turned`, ascending, replaced by points where the lines of their
+/// neighbours meet, rounded, and to `indices` which of the contour's points each is, or no_point. Of edges side by side the
+/// one that shrinks to a point first goes first, and others stay that no longer turn round. Edge i leads from point i to
+/// point i + 1. `distance`: grid units, above 0. False, with nothing appended to `points`, where there is no such point to
+/// the right of an edge, or where nearly all of the contour turns round. O(points), and the square of edges that stand close
+/// together. Throws std::bad_alloc.
 bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> turned, double distance,
-                Vector<Point>& points);
+                Vector<Point>& points, Vector<std::uint32_t>& indices);
 
 }  // namespace lamella

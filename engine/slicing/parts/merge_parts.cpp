@@ -11,14 +11,15 @@ namespace lamella {
 
 namespace {
 
-/// A layer's points in a part: those of its contours follow one another.
-std::span<const Point> points_of_layer(const SliceResult& part, std::size_t layer) {
+/// A layer's points in a part, or their origins: those of its contours follow one another.
+template <class T>
+std::span<const T> of_layer(const Array<T>& elements, const SliceResult& part, std::size_t layer) {
     const std::span<const Contour> contours = part.contours_of(part.layers[layer]);
     if (contours.empty()) {
         return {};
     }
     const std::uint64_t first = contours.front().first_point;
-    return part.points.span().subspan(first, contours.back().first_point + contours.back().point_count - first);
+    return elements.span().subspan(first, contours.back().first_point + contours.back().point_count - first);
 }
 
 /// Sizes the arrays and says where each layer begins; returns where its points do.
@@ -37,7 +38,7 @@ Vector<std::uint64_t> lay_out(std::span<const SliceResult> parts, const Parallel
             assert(part.layers[l].plane == layer.plane);
             layer.segments += part.layers[l].segments;
             contours += part.layers[l].contour_count;
-            points += points_of_layer(part, l).size();
+            points += of_layer(part.points, part, l).size();
         }
         layer.contour_count = contours - layer.first_contour;
         if (l % 1024 == 0) {
@@ -46,15 +47,27 @@ Vector<std::uint64_t> lay_out(std::span<const SliceResult> parts, const Parallel
     }
     merged.contours.resize_discarding(contours);
     merged.points.resize_discarding(points);
+    merged.origins.resize_discarding(parts[0].origins.empty() ? 0 : points);
     return first_points;
+}
+
+void copy_origins(std::span<const PointOrigin> origins, std::uint16_t part, PointOrigin* to) {
+    std::transform(origins.begin(), origins.end(), to, [part](PointOrigin origin) {
+        origin.part = origin.triangle == no_triangle ? std::uint16_t{0} : part;
+        return origin;
+    });
 }
 
 void copy_layer(std::span<const SliceResult> parts, std::size_t l, std::uint64_t first_point, SliceResult& merged) {
     std::uint64_t first_contour = merged.layers[l].first_contour;
     for (std::size_t p = 0; p < parts.size(); ++p) {
         const Layer& layer = parts[p].layers[l];
-        const std::span<const Point> points = points_of_layer(parts[p], l);
+        const std::span<const Point> points = of_layer(parts[p].points, parts[p], l);
         std::copy(points.begin(), points.end(), merged.points.data() + first_point);
+        if (!merged.origins.empty()) {
+            copy_origins(of_layer(parts[p].origins, parts[p], l), static_cast<std::uint16_t>(p),
+                         merged.origins.data() + first_point);
+        }
         for (std::uint64_t c = 0; c < layer.contour_count; ++c) {
             const Contour& own = parts[p].contours[layer.first_contour + c];
             Contour& contour = merged.contours[first_contour + c] = own;

@@ -173,7 +173,8 @@ private:
     std::uint64_t memory_left() const noexcept {
         std::uint64_t left = options_.memory_limit_bytes;
         for (const SliceResult& result : sliced_) {
-            const std::uint64_t bytes = result.points.size() * sizeof(Point) + result.contours.size() * sizeof(Contour);
+            const std::uint64_t bytes = result.points.size() * sizeof(Point) + result.contours.size() * sizeof(Contour) +
+                                        result.origins.size() * sizeof(PointOrigin);
             left = left > bytes ? left - bytes : std::min<std::uint64_t>(left, 1);
         }
         return left;
@@ -195,6 +196,10 @@ Result<SliceResult> slice_parts(std::span<const Part> parts, const SliceOptions&
     return guarded(options.control, [&]() -> Result<SliceResult> {
         if (parts.empty()) {
             return Error{ErrorCode::invalid_argument, "there are no parts to slice"};
+        }
+        if (constexpr std::size_t most = std::numeric_limits<std::uint16_t>::max(); options.origins && parts.size() > most) {
+            return Error{ErrorCode::invalid_argument, "origins name one of at most " + std::to_string(most) +
+                                                          " parts, not of " + std::to_string(parts.size())};
         }
         return PartSlicing(parts, options, regions).run();
     });

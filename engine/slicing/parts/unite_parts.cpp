@@ -47,6 +47,7 @@ public:
         }
         united_.contours.resize_discarding(next.contour);
         united_.points.resize_discarding(next.point);
+        united_.origins.resize_discarding(apart_.origins.empty() ? 0 : next.point);
         parallel_.run(outputs_.size(), [&](std::size_t task, int) { place(task, begins[task]); });
     }
 
@@ -71,7 +72,8 @@ private:
             worker->builder.rules = {&united_.region, apart_.unit_mm, 0};
         }
         auto output = std::make_unique<BandOutput>(control_.memory);
-        output->begin(output->buffer.span());
+        output->with_origins = !apart_.origins.empty();
+        output->begin_in_buffer(0);
         output->first_layer = task * layers_a_task;
         const std::size_t end = std::min<std::size_t>(apart_.layers.size(), output->first_layer + layers_a_task);
         for (std::size_t l = output->first_layer; l < end; ++l) {
@@ -89,12 +91,25 @@ private:
         const bool turned =
             (contour.flags & orientation_overruled) != 0 && (contour.orientation > 0) != (contour.role == Role::outer);
         const auto flags = static_cast<std::uint16_t>(contour.flags & ~orientation_overruled);
-        return {apart_.points_of(contour), contour.role != Role::open, turned, contour.segments, flags, contour.part};
+        return {apart_.points_of(contour),
+                origins_of(contour),
+                contour.role != Role::open,
+                turned,
+                contour.segments,
+                flags,
+                contour.part};
+    }
+
+    std::span<const PointOrigin> origins_of(const Contour& contour) const noexcept {
+        return apart_.origins.empty() ? std::span<const PointOrigin>() : apart_.origins_of(contour);
     }
 
     void place(std::size_t task, Begin begin) {
         const BandOutput& output = *outputs_[task];
         std::copy_n(output.points, output.point_count, united_.points.data() + begin.point);
+        if (output.with_origins) {
+            std::copy_n(output.origins, output.point_count, united_.origins.data() + begin.point);
+        }
         for (std::size_t c = 0; c < output.contours.size(); ++c) {
             Contour& contour = united_.contours[begin.contour + c] = output.contours[c];
             contour.first_point += begin.point;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "slicing/grid/origins.hpp"
+
 namespace lamella {
 
 namespace {
@@ -153,6 +155,17 @@ void Arrangement::append_points(Half half, Vector<Point>& points) {
     pace_.spend(half_work + strand.edges);
 }
 
+/// Of the edges from these points on.
+void Arrangement::append_origins(Half half, Vector<PointOrigin>& origins) const {
+    const Strand& strand = strand_of(half);
+    const bool backwards = half % 2 == 1;
+    for (std::uint32_t i = 0; i < strand.edges; ++i) {
+        const PointOrigin origin =
+            strand.is_chain() ? snapped_->origin_of(strand, backwards ? strand.edges - 1 - i : i) : strand.origin;
+        origins.push_back(backwards ? turned(origin) : origin);
+    }
+}
+
 void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {
     Half half = face.first;
     do {
@@ -162,7 +175,7 @@ void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {
 }
 
 void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Traced>& contours,
-                        Vector<Point>& points) {
+                        Vector<Point>& points, Vector<PointOrigin>* origins) {
     contour_of_.resize(halves_.size());
     pace_.ask();
     pace_.in_stretches(0, halves_.size(), scatter_work, [&](std::size_t begin, std::size_t end) {
@@ -179,7 +192,7 @@ void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_comp
         if (contour_of_[half] == untraced) {
             const auto first_point = static_cast<std::uint32_t>(points.size());
             std::uint32_t part = strand_of(half).part;
-            first_ends.push_back(follow_boundary(half, static_cast<std::int64_t>(contours.size()), points, part));
+            first_ends.push_back(follow_boundary(half, static_cast<std::int64_t>(contours.size()), points, origins, part));
             contours.push_back({first_point, static_cast<std::uint32_t>(points.size()) - first_point, -1, part});
         }
     }
@@ -190,13 +203,17 @@ void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_comp
 
 /// Returns the contour's first end at its smallest vertex, the vertex being none where a point within a chain is smaller.
 /// `part`, the first's, becomes that of all.
-Arrangement::End Arrangement::follow_boundary(Half first, std::int64_t contour, Vector<Point>& points, std::uint32_t& part) {
+Arrangement::End Arrangement::follow_boundary(Half first, std::int64_t contour, Vector<Point>& points,
+                                              Vector<PointOrigin>* origins, std::uint32_t& part) {
     End smallest{none, none};
     const std::size_t begin = points.size();
     Half half = first;
     do {
         contour_of_[half] = contour;
         append_points(half, points);
+        if (origins != nullptr) {
+            append_origins(half, *origins);
+        }
         part = part_of_both(part, strand_of(half).part);
         smallest = std::min({smallest, End{from(half), place_of_[half]}, End{to(half), place_of_[half ^ 1]}});
         half = next_around_face(half);

@@ -79,9 +79,9 @@ public:
         std::uint32_t part;    ///< of its strands, as Contour::part
     };
     /// Appends the contours of the region where `rule` holds for the sum of a component's winding numbers and of the one
-    /// around it; their points to `points`.
+    /// around it; their points to `points`, and the origins of these to `origins`. It is null where the strands have none.
     void trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Traced>& contours,
-               Vector<Point>& points);
+               Vector<Point>& points, Vector<PointOrigin>* origins);
 
 private:
     static constexpr std::uint32_t none = 0xffffffff;
@@ -122,7 +122,9 @@ private:
     void spread_windings(std::uint32_t vertex);
     void find_lowest_points();
     void append_points(Half half, Vector<Point>& points);
-    End follow_boundary(Half first, std::int64_t contour, Vector<Point>& points, std::uint32_t& part);
+    void append_origins(Half half, Vector<PointOrigin>& origins) const;
+    End follow_boundary(Half first, std::int64_t contour, Vector<Point>& points, Vector<PointOrigin>* origins,
+                        std::uint32_t& part);
     std::int64_t touched_at(std::int64_t contour, std::int64_t base, std::span<const End> first_ends) const noexcept;
     bool is_boundary(Half half) const noexcept { return contour_of_[half] != no_boundary; }
 

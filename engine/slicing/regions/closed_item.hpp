@@ -10,11 +10,12 @@
 
 namespace lamella {
 
-/// Precondition: at least one point. O(points).
-inline NestItem closed_item(std::span<const Point> points) noexcept {
+/// Precondition: at least one point. `origins`: of each point, or null. O(points).
+inline NestItem closed_item(std::span<const Point> points, const PointOrigin* origins = nullptr) noexcept {
     const RingFacts facts = examine_ring(points.data(), points.size());
     NestItem item;
     item.points = points.data();
+    item.origins = origins;
     item.count = static_cast<std::uint32_t>(points.size());
     item.start = static_cast<std::uint32_t>(facts.smallest);
     item.twice_area = to_integer128(facts.twice_area);

@@ -31,12 +31,15 @@ Fill::Fill(const Memory* memory)
       around_known_(memory),
       traced_(memory),
       region_(memory),
-      points_(memory) {}
+      points_(memory),
+      origins_(memory) {}
 
 void Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester) {
     assert(rule != FillRule::contours);
     region_.clear();
     points_.clear();
+    origins_.clear();
+    with_origins_ = std::any_of(contours.begin(), contours.end(), [](const NestItem& c) { return c.origins != nullptr; });
     merge_equal_ones(contours);
     contacts_.find(items_);
     unchanged_ = !contacts_.any_meets() && items_.size() == contours.size();
@@ -173,7 +176,7 @@ void Fill::find_windings(FillRule rule) {
 
 void Fill::take_traced(FillRule rule) {
     traced_.clear();
-    arrangement_.trace(rule, around_, traced_, points_);
+    arrangement_.trace(rule, around_, traced_, points_, with_origins_ ? &origins_ : nullptr);
     const auto base = static_cast<std::int64_t>(region_.size());
     for (const Arrangement::Traced& contour : traced_) {
         region_.push_back({-1, false, contour.first_point, contour.count, contour.touched < 0 ? -1 : base + contour.touched,

@@ -60,6 +60,10 @@ public:
     std::span<Point> points_of(const RegionContour& made) noexcept {
         return std::span(points_).subspan(made.first, made.count);
     }
+    /// Null where no given contour has origins.
+    const PointOrigin* origins_of(const RegionContour& made) const noexcept {
+        return with_origins_ ? origins_.data() + made.first : nullptr;
+    }
     /// Whether the region is the contours as they are. Then nested() are they, with the outputs of nesting.
     bool is_unchanged() const noexcept { return unchanged_; }
     std::span<const NestItem> nested() const noexcept { return items_; }
@@ -97,6 +101,8 @@ private:
     Vector<Arrangement::Traced> traced_;
     Vector<RegionContour> region_;
     Vector<Point> points_;
+    Vector<PointOrigin> origins_;  // of points_
+    bool with_origins_ = false;
     bool unchanged_ = false;
     StopPace pace_;
 };

@@ -6,6 +6,7 @@
 
 #include "base/guard.hpp"
 #include "base/int128.hpp"
+#include "slicing/grid/origins.hpp"
 #include "slicing/offset/fold.hpp"
 #include "slicing/regions/closed_item.hpp"
 
@@ -42,8 +43,11 @@ Regions::Regions(const Memory* memory)
       turned_edges_(memory),
       from_start_(memory),
       folded_(memory),
+      folded_origins_(memory),
+      folded_of_(memory),
       folded_ends_(memory),
       turned_(memory),
+      turned_origins_(memory),
       filled_(memory),
       moved_(memory),
       closed_(memory),
@@ -95,7 +99,7 @@ void Regions::take(Fill& fill) {
             ring.hole = contour.hole;
             ring.touched = -1;
         } else {
-            const NestItem item = closed_item(fill.points_of(contour));
+            const NestItem item = closed_item(fill.points_of(contour), fill.origins_of(contour));
             rings_.push_back({.item = item, .touched = contour.touched, .hole = to_int128(item.twice_area) <= 0});
         }
         rings_.back().item.part = contour.part;
@@ -105,11 +109,15 @@ void Regions::take(Fill& fill) {
 /// Contours that are solid on their right, as of inverted shells.
 void Regions::turn_backward_ones() {
     turned_.clear();
+    turned_origins_.clear();
     const auto is_backward = [](const Ring& ring) { return (to_int128(ring.item.twice_area) > 0) == ring.hole; };
     for (const Ring& ring : rings_) {
         if (is_backward(ring)) {
             const std::span<const Point> points = points_of(ring.item);
             turned_.insert(turned_.end(), points.rbegin(), points.rend());
+            for (std::size_t i = 0; i < points.size() && ring.item.origins != nullptr; ++i) {
+                turned_origins_.push_back(origin_turned_round({ring.item.origins, points.size()}, i));
+            }
             unchanged_ = false;
         }
     }
@@ -118,7 +126,9 @@ void Regions::turn_backward_ones() {
         if (is_backward(ring)) {
             const std::size_t count = ring.item.count;
             const std::uint32_t part = ring.item.part;
-            ring.item = closed_item(rest.first(count));
+            const PointOrigin* const origins =
+                ring.item.origins == nullptr ? nullptr : turned_origins_.data() + (rest.data() - turned_.data());
+            ring.item = closed_item(rest.first(count), origins);
             ring.item.part = part;
             ring.given = -1;
             rest = rest.subspan(count);
@@ -142,6 +152,7 @@ void Regions::close(const RegionSteps& steps, Nester& nester) {
 void Regions::list_dilated(const RegionSteps& steps) {
     clear_curves(moved_curves_);
     folded_.clear();
+    folded_origins_.clear();
     folded_ends_.clear();
     for (const Ring& ring : rings_) {
         const std::span<const Point> points = points_of(ring.item);
@@ -169,7 +180,8 @@ bool Regions::fold(const NestItem& ring, const RegionSteps& steps) {
     std::sort(turned_edges_.begin(), turned_edges_.end());
     from_start_.resize(ring.count);
     std::rotate_copy(ring.points, ring.points + ring.start, ring.points + ring.count, from_start_.begin());
-    if (!fold_edges(from_start_, turned_edges_, steps.close, folded_)) {
+    folded_of_.clear();
+    if (!fold_edges(from_start_, turned_edges_, steps.close, folded_, folded_of_)) {
         return false;
     }
     const RawCurve curve =
@@ -179,7 +191,21 @@ bool Regions::fold(const NestItem& ring, const RegionSteps& steps) {
         return false;
     }
     curves_.back() = curve;
+    if (ring.origins != nullptr) {
+        keep_origins(ring);
+    }
     return true;
+}
+
+/// Of the edges of the ring that folding has left as they were.
+void Regions::keep_origins(const NestItem& ring) {
+    const std::uint32_t count = ring.count;
+    for (std::size_t i = 0; i < folded_of_.size(); ++i) {
+        const std::uint32_t from = folded_of_[i];
+        const std::uint32_t to = folded_of_[i + 1 < folded_of_.size() ? i + 1 : 0];
+        const bool stayed = from != no_point && to == (from + 1 < count ? from + 1 : 0);
+        folded_origins_.push_back(stayed ? ring.origins[(std::size_t{ring.start} + from) % count] : PointOrigin());
+    }
 }
 
 /// Returns whether all are.
@@ -202,7 +228,9 @@ Ring Regions::as_folded(std::uint32_t ring) const {
     Ring folded = rings_[ring];
     const std::size_t begin = ring == 0 ? 0 : folded_ends_[ring - 1];
     if (folded_ends_[ring] != begin) {
-        folded = {.item = closed_item(std::span(folded_).subspan(begin, folded_ends_[ring] - begin)), .hole = folded.hole};
+        const PointOrigin* const origins = folded_origins_.empty() ? nullptr : folded_origins_.data() + begin;
+        folded = {.item = closed_item(std::span(folded_).subspan(begin, folded_ends_[ring] - begin), origins),
+                  .hole = folded.hole};
         folded.item.part = rings_[ring].item.part;
     }
     return folded;

@@ -72,6 +72,7 @@ private:
     void close(const RegionSteps& steps, Nester& nester);
     void list_dilated(const RegionSteps& steps);
     bool fold(const NestItem& ring, const RegionSteps& steps);
+    void keep_origins(const NestItem& ring);
     Ring as_folded(std::uint32_t ring) const;
     bool find_alone();
     void offset(const RegionSteps& steps, Nester& nester);
@@ -94,8 +95,11 @@ private:
     Vector<std::uint32_t> turned_edges_;  // of a ring
     Vector<Point> from_start_;            // points of a ring
     Vector<Point> folded_;
+    Vector<PointOrigin> folded_origins_;
+    Vector<std::uint32_t> folded_of_;  // of a folded ring's points: which they were before
     Vector<std::size_t> folded_ends_;  // of each ring, in folded_
     Vector<Point> turned_;             // points of rings that were walked with the solid on their right
+    Vector<PointOrigin> turned_origins_;
     bool unchanged_ = false;
 
     Fill filled_;

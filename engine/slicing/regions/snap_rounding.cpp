@@ -7,6 +7,7 @@
 
 #include "base/int128.hpp"
 #include "slicing/grid/exact.hpp"
+#include "slicing/grid/origins.hpp"
 
 namespace lamella {
 
@@ -103,7 +104,8 @@ void SnapRounding::add_strands_of(std::uint32_t contour) {
         if (!source.is_active(e)) {
             if (!in_chain) {
                 chain = strands_.size();
-                strands_.push_back({reached, open_end, source.times, contour, e, 0, source.item->part});
+                strands_.push_back(
+                    {reached, open_end, source.times, contour, e, 0, source.item->part, source.item->origin_from_start(e)});
                 in_chain = true;
             }
             ++strands_[chain].edges;
@@ -136,17 +138,19 @@ void SnapRounding::bend(const Source& source, std::uint32_t edge) {
     pace_.spend(query_work);
     std::sort(on_edge_.begin(), on_edge_.end(), Along(a, b));
     assert(on_edge_.size() >= 2 && on_edge_.front().point == a && on_edge_.back().point == b);
+    const PointOrigin whole = source.item->origin_from_start(edge);
     for (std::size_t i = 0; i + 1 < on_edge_.size(); ++i) {
+        const PointOrigin origin = stretch_of(whole, i == 0, i + 2 == on_edge_.size());
         if (moved) {
-            cut(source, on_edge_[i], on_edge_[i + 1]);
+            cut(source, on_edge_[i], on_edge_[i + 1], origin);
         } else {
-            add_strand(source, on_edge_[i].vertex, on_edge_[i + 1].vertex);
+            add_strand(source, on_edge_[i].vertex, on_edge_[i + 1].vertex, origin);
         }
     }
 }
 
 /// Cuts a strand that was moved where it now lies on a vertex.
-void SnapRounding::cut(const Source& source, const Found& from, const Found& to) {
+void SnapRounding::cut(const Source& source, const Found& from, const Found& to, const PointOrigin& origin) {
     on_strand_.clear();
     tree_.find_along(from.point, to.point, [&](Point p, std::uint32_t vertex) {
         if (p != from.point && p != to.point && sign_of_side(from.point, to.point, p) == 0) {
@@ -156,18 +160,19 @@ void SnapRounding::cut(const Source& source, const Found& from, const Found& to)
     pace_.spend(query_work);
     std::sort(on_strand_.begin(), on_strand_.end(), Along(from.point, to.point));
     std::uint32_t last = from.vertex;
+    bool is_first = true;
     for (const Found& on : on_strand_) {
-        add_strand(source, last, on.vertex);
+        add_strand(source, last, on.vertex, stretch_of(origin, std::exchange(is_first, false), false));
         last = on.vertex;
     }
-    add_strand(source, last, to.vertex);
+    add_strand(source, last, to.vertex, stretch_of(origin, is_first, true));
 }
 
-void SnapRounding::add_strand(const Source& source, std::uint32_t from, std::uint32_t to) {
+void SnapRounding::add_strand(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin) {
     if (from < to) {
-        strands_.push_back({from, to, source.times, 0, 0, 1, source.item->part});
+        strands_.push_back({from, to, source.times, 0, 0, 1, source.item->part, origin});
     } else {
-        strands_.push_back({to, from, -source.times, 0, 0, 1, source.item->part});
+        strands_.push_back({to, from, -source.times, 0, 0, 1, source.item->part, turned(origin)});
     }
 }
 
@@ -185,6 +190,7 @@ void SnapRounding::merge_strands() {
         while (!strand.is_chain() && i < strands_.size() && !strands_[i].is_chain() && strands_[i].from == strand.from &&
                strands_[i].to == strand.to) {
             strand.part = part_of_both(strand.part, strands_[i].part);
+            strand.origin = origin_of_both(strand.origin, strands_[i].origin);
             strand.times += strands_[i++].times;
         }
         if (strand.times != 0) {

@@ -44,6 +44,7 @@ struct Strand {
     std::uint32_t first;    ///< of a chain: its first edge, from the contour's start
     std::uint32_t edges;    ///< 1: straight
     std::uint32_t part;     ///< of the contours along it, as Contour::part
+    PointOrigin origin;     ///< of a straight one, from `from` to `to`: of the contour that stands for all along it
 
     bool is_chain() const noexcept { return edges > 1; }
 };
@@ -75,6 +76,11 @@ public:
         return contours_[chain.contour].item->from_start(chain.first + i);
     }
 
+    /// The origin of edge i of a chain, as its contour runs.
+    PointOrigin origin_of(const Strand& chain, std::uint32_t i) const noexcept {
+        return contours_[chain.contour].item->origin_from_start(chain.first + i);
+    }
+
     /// Appends the points strictly between a chain's ends, from its first on or from its last.
     void append_points_within(const Strand& chain, bool backwards, Vector<Point>& points) const;
     /// Whether opposite contours have taken strands off each other.
@@ -98,8 +104,8 @@ private:
     void collect_vertices(std::span<const Point> crossings);
     void add_strands_of(std::uint32_t contour);
     void bend(const Source& source, std::uint32_t edge);
-    void cut(const Source& source, const Found& from, const Found& to);
-    void add_strand(const Source& source, std::uint32_t from, std::uint32_t to);
+    void cut(const Source& source, const Found& from, const Found& to, const PointOrigin& origin);
+    void add_strand(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin);
     void merge_strands();
 
     Vector<Source> contours_;

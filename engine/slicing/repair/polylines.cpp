@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "slicing/grid/origins.hpp"
+
 namespace lamella {
 
 namespace {
@@ -21,7 +23,10 @@ bool before(const Polyline& a, const Polyline& b) {
         return a.segments < b.segments;
     }
     const auto [at_a, at_b] = std::mismatch(a.points.begin(), a.points.end(), b.points.begin());
-    return at_a != a.points.end() ? *at_a < *at_b : a.flags < b.flags;
+    if (at_a != a.points.end() || a.flags != b.flags || a.origins == nullptr) {
+        return at_a != a.points.end() ? *at_a < *at_b : a.flags < b.flags;
+    }
+    return std::lexicographical_compare(a.origins, a.origins + a.points.size(), b.origins, b.origins + b.points.size());
 }
 
 }  // namespace
@@ -37,6 +42,7 @@ bool PolylineRepair::join(std::span<const Polyline> polylines, const GapRules& r
     used_.assign(sorted_.size(), 0);
     joined_.clear();
     points_.clear();
+    origins_.clear();
     if (gaps.empty()) {
         return false;
     }
@@ -77,10 +83,23 @@ void PolylineRepair::sort(std::span<const Polyline> polylines) {
         ends_.push_back({polyline.points.front(), polyline.points.back()});
         points += polyline.points.size();
     }
-    points_.reserve(points);  // joined polylines point into it
+    points_.reserve(points);  // joined polylines point into it, and into origins_
+    if (!polylines.empty() && polylines.front().origins != nullptr) {
+        origins_.reserve(points);
+    }
+}
+
+/// Whether an edge that has a length leads on from the end of a polyline.
+bool PolylineRepair::leads_on_from(PolylineEnd last) const {
+    if (!gap_closer_.is_joined(last)) {
+        return false;
+    }
+    const PolylineEnd next = gap_closer_.joined_to(last);
+    return ends_[next.polyline()].at(next.last()) != ends_[last.polyline()].at(last.last());
 }
 
 /// Joins all polylines that follow each other from `first` on, up to an end that is not joined or until they meet `first`.
+/// What joins two of them comes from no triangle.
 void PolylineRepair::join_from(PolylineEnd first) {
     const std::size_t begin = points_.size();
     JoinedPolyline whole;
@@ -100,9 +119,10 @@ void PolylineRepair::join_from(PolylineEnd first) {
     }
     whole.segments = static_cast<std::uint32_t>(segments[0] + segments[1]);
     whole.points = std::span(points_).subspan(begin);
+    whole.origins = origins_.empty() ? nullptr : origins_.data() + begin;
     const bool turned = segments[1] > segments[0] || !runs[0];
     if (turned) {
-        std::reverse(whole.points.begin(), whole.points.end());
+        turn_round(whole);
     }
     const PolylineEnd start = turned ? last : first;
     whole.start_key = start.last() ? EndKey{} : sorted_[start.polyline()].start_key;
@@ -119,7 +139,43 @@ void PolylineRepair::append(PolylineEnd entered) {
     } else {
         points_.insert(points_.end(), points.begin(), points.end());
     }
+    if (sorted_[entered.polyline()].origins != nullptr) {
+        append_origins(entered);
+    }
     used_[entered.polyline()] = 1;
+}
+
+void PolylineRepair::append_origins(PolylineEnd entered) {
+    const Polyline& part = sorted_[entered.polyline()];
+    const std::size_t count = part.points.size();
+    if (entered.last()) {
+        for (std::size_t i = count - 1; i > 0; --i) {
+            origins_.push_back(turned(part.origins[i - 1]));
+        }
+        origins_.push_back(count > 1 ? end_of(origins_.back()) : part.origins[0]);
+    } else {
+        origins_.insert(origins_.end(), part.origins, part.origins + count);
+    }
+    if (leads_on_from(entered.other())) {
+        origins_.back() = PointOrigin();
+    }
+}
+
+/// The points and the origins of a polyline walked the other way. A closed one keeps the origin of the edge that closes it.
+void PolylineRepair::turn_round(JoinedPolyline& whole) const {
+    const std::span<Point> points = whole.points;
+    std::reverse(points.begin(), points.end());
+    if (whole.origins == nullptr) {
+        return;
+    }
+    PointOrigin* const last = whole.origins + (points.size() - 1);
+    std::reverse(whole.origins, last);
+    std::transform(whole.origins, last, whole.origins, turned);
+    if (whole.closed) {
+        *last = turned(*last);
+    } else if (points.size() > 1) {
+        *last = end_of(last[-1]);
+    }
 }
 
 }  // namespace lamella

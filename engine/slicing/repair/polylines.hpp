@@ -14,16 +14,18 @@
 namespace lamella {
 
 struct Polyline {
-    std::span<const Point> points;  ///< not empty
-    EndKey start_key;               ///< the edge that the first point lies on
+    std::span<const Point> points;         ///< not empty
+    const PointOrigin* origins = nullptr;  ///< of each point, or null for all polylines
+    EndKey start_key;                      ///< the edge that the first point lies on
     std::uint32_t segments = 0;
     std::uint16_t flags = 0;  ///< ContourFlag bits
 };
 
 /// What takes the place of polylines that follow each other.
 struct JoinedPolyline {
-    std::span<Point> points;  ///< of all of them; repeated points are left in
-    EndKey start_key;         ///< of the first of them; zero if that one was turned round
+    std::span<Point> points;         ///< of all of them; repeated points are left in
+    PointOrigin* origins = nullptr;  ///< of each point, or null
+    EndKey start_key;                ///< of the first of them; zero if that one was turned round
     std::uint32_t segments = 0;
     std::uint16_t flags = 0;  ///< with gap_closed, but for a polyline that nothing was joined to; with orientation_mixed
                               ///< where some run against the others
@@ -34,7 +36,13 @@ struct JoinedPolyline {
 class PolylineRepair {
 public:
     explicit PolylineRepair(const Memory* memory)
-        : gap_closer_(memory), sorted_(memory), ends_(memory), used_(memory), points_(memory), joined_(memory) {}
+        : gap_closer_(memory),
+          sorted_(memory),
+          ends_(memory),
+          used_(memory),
+          points_(memory),
+          origins_(memory),
+          joined_(memory) {}
 
     /// From here on join() throws Stopped where the host wants the call to end.
     void follow(const StopCheck& host) noexcept {
@@ -59,12 +67,16 @@ private:
     void join_rings();
     void join_from(PolylineEnd first);
     void append(PolylineEnd entered);
+    void append_origins(PolylineEnd entered);
+    bool leads_on_from(PolylineEnd last) const;
+    void turn_round(JoinedPolyline& whole) const;
 
     GapCloser gap_closer_;
     Vector<Polyline> sorted_;    // as given, in canonical order
     Vector<PolylineEnds> ends_;  // of sorted_
     Vector<std::uint8_t> used_;  // of sorted_: whether it is part of a joined one
     Vector<Point> points_;       // of joined_
+    Vector<PointOrigin> origins_;
     Vector<JoinedPolyline> joined_;
     StopPace pace_;
 };

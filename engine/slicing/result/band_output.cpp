@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <type_traits>
 #include <utility>
 
 #include "base/fit.hpp"
@@ -45,23 +46,45 @@ void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
 void BandOutput::trim() {
     begin({});
     fit(buffer);
+    fit(origin_buffer);
     fit(contours);
     fit(layer_contours);
     fit(closed_gaps);
 }
 
-void BandOutput::move_to_buffer(std::size_t count) {
-    if (buffer.capacity() < point_count + count) {
-        Array<Point> larger(buffer.memory());
-        larger.resize_discarding(std::max(point_count + count, buffer.capacity() + buffer.capacity() / 2));
-        std::copy_n(points, point_count, larger.data());
-        buffer = std::move(larger);
-    } else {
-        buffer.set_size(std::max(buffer.size(), point_count + count));
-        std::copy_n(points, point_count, buffer.data());
+void BandOutput::begin_in_buffer(std::size_t count) {
+    if (buffer.size() < count) {
+        buffer.resize_discarding(count);
     }
-    points = buffer.data();
+    begin({buffer.data(), buffer.capacity()});
+    if (with_origins) {
+        if (origin_buffer.size() < count) {
+            origin_buffer.resize_discarding(count);
+        }
+        origins = origin_buffer.data();
+        capacity = std::min(capacity, origin_buffer.capacity());
+    }
+}
+
+void BandOutput::move_to_buffer(std::size_t count) {
+    const auto move = [this, count](auto*& elements, auto& own) {
+        if (own.capacity() < point_count + count) {
+            auto larger = std::remove_reference_t<decltype(own)>(own.memory());
+            larger.resize_discarding(std::max(point_count + count, own.capacity() + own.capacity() / 2));
+            std::copy_n(elements, point_count, larger.data());
+            own = std::move(larger);
+        } else {
+            own.set_size(std::max(own.size(), point_count + count));
+            std::copy_n(elements, point_count, own.data());
+        }
+        elements = own.data();
+    };
+    move(points, buffer);
     capacity = buffer.capacity();
+    if (with_origins) {
+        move(origins, origin_buffer);
+        capacity = std::min(capacity, origin_buffer.capacity());
+    }
 }
 
 void BandOutput::make_room(std::size_t count) {
@@ -71,6 +94,13 @@ void BandOutput::make_room(std::size_t count) {
     }
     points = buffer.data();
     capacity = buffer.capacity();
+    if (with_origins) {
+        if (origin_buffer.capacity() < count) {
+            origin_buffer.resize_discarding(count);
+        }
+        origins = origin_buffer.data();
+        capacity = std::min(capacity, origin_buffer.capacity());
+    }
 }
 
 void BandOutput::drop_layers() noexcept {
@@ -86,6 +116,9 @@ void BandOutput::move_layers_to(BandOutput& other) noexcept {
     other.begin(other.buffer.span());
     std::swap(buffer, other.buffer);
     std::swap(points, other.points);
+    std::swap(origin_buffer, other.origin_buffer);
+    std::swap(origins, other.origins);
+    other.with_origins = with_origins;
     std::swap(point_count, other.point_count);
     std::swap(capacity, other.capacity);
     contours.swap(other.contours);
@@ -96,12 +129,12 @@ void BandOutput::move_layers_to(BandOutput& other) noexcept {
 }
 
 std::size_t BandOutput::bytes_used() const noexcept {
-    return point_count * sizeof(Point) + contours.size() * sizeof(Contour) + layer_contours.size() * sizeof(std::uint32_t) +
+    return point_count * (sizeof(Point) + (with_origins ? sizeof(PointOrigin) : 0)) + contours.size() * sizeof(Contour) + layer_contours.size() * sizeof(std::uint32_t) +
            closed_gaps.size() * sizeof(ClosedGap);
 }
 
 std::size_t BandOutput::bytes_held() const noexcept {
-    return buffer.capacity() * sizeof(Point) + contours.capacity() * sizeof(Contour) +
+    return buffer.capacity() * sizeof(Point) + origin_buffer.capacity() * sizeof(PointOrigin) + contours.capacity() * sizeof(Contour) +
            layer_contours.capacity() * sizeof(std::uint32_t) + closed_gaps.capacity() * sizeof(ClosedGap);
 }
 

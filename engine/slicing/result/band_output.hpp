@@ -55,12 +55,15 @@ protected:
 
 struct BandOutput {
     explicit BandOutput(const Memory* memory)
-        : buffer(memory), contours(memory), layer_contours(memory), closed_gaps(memory) {}
+        : buffer(memory), origin_buffer(memory), contours(memory), layer_contours(memory), closed_gaps(memory) {}
 
-    Point* points = nullptr;  ///< in the result's own array, or in `buffer`
+    Point* points = nullptr;         ///< in the result's own array, or in `buffer`
+    PointOrigin* origins = nullptr;  ///< of each point, in the same place, where `with_origins`
     std::size_t point_count = 0;
     std::size_t capacity = 0;
     Array<Point> buffer;  ///< its size: what was needed in a run so far
+    Array<PointOrigin> origin_buffer;
+    bool with_origins = false;
     Vector<Contour> contours;
     ContourCounts counts;
     Vector<std::uint32_t> layer_contours;  ///< number of contours of each plane
@@ -69,9 +72,11 @@ struct BandOutput {
     LayerReader* reader = nullptr;  ///< null: layers stay until the band is done
     std::size_t band = 0;           ///< for the reader
 
-    /// Empties the output; points go to `room` while it lasts, then to `buffer`.
-    void begin(std::span<Point> room) noexcept {
+    /// Empties the output; points go to `room` while it lasts, then to `buffer`. `origin_room` is as large, or empty where
+    /// there are no origins.
+    void begin(std::span<Point> room, std::span<PointOrigin> origin_room = {}) noexcept {
         points = room.data();
+        origins = origin_room.data();
         capacity = room.size();
         point_count = 0;
         contours.clear();
@@ -81,6 +86,8 @@ struct BandOutput {
     }
     /// Between runs: gives back what the last one did not need. Throws std::bad_alloc.
     void trim();
+    /// The same with all points in `buffer`, which takes `count` at once. Throws std::bad_alloc.
+    void begin_in_buffer(std::size_t count);
     bool in_buffer() const noexcept { return points == buffer.data(); }
 
     /// Makes room for `count` more points and returns where they go. Throws std::bad_alloc.

@@ -13,11 +13,13 @@
 namespace lamella {
 
 void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
-                      ProgressMeter& progress, const StopCheck& stop, const PointWriter* writer) {
+                      ProgressMeter& progress, const StopCheck& stop, std::span<PointOrigin> origins,
+                      const PointWriter* writer) {
     stop_ = stop;
     writer_ = writer;
     bands_ = bands;
     points_ = points;
+    origins_ = origins;
     progress_ = &progress;
     segments_ = segments;
     segments_placed_ = 0;
@@ -57,15 +59,15 @@ BandOutput* Placement::acquire(std::size_t band) {
     idle_.pop_back();
     placed_[band].output = output;
     output->first_layer = bands_[band].first;
+    output->with_origins = !origins_.empty();
     if (const auto room = placed_[band].room = find_room(band); room) {
-        output->begin(points_.subspan(room->begin, room->end - room->begin));
+        const std::size_t size = room->end - room->begin;
+        output->begin(points_.subspan(room->begin, size),
+                      output->with_origins ? origins_.subspan(room->begin, size) : origins_);
         return output;
     }
     lock.unlock();
-    if (output->buffer.size() < bands_[band].segments) {
-        output->buffer.resize_discarding(bands_[band].segments);
-    }
-    output->begin({output->buffer.data(), output->buffer.capacity()});
+    output->begin_in_buffer(bands_[band].segments);
     return output;
 }
 
@@ -155,7 +157,11 @@ void Placement::place_head() {
     placed.closed_gaps.swap(placed.output->closed_gaps);
     if (placed.room && placed.room->begin != point_count_) {
         assert(placed.room->begin > point_count_);
-        std::memmove(points_.data() + point_count_, placed.output->points, placed.output->point_count * sizeof(Point));
+        const std::size_t count = placed.output->point_count;
+        std::memmove(points_.data() + point_count_, placed.output->points, count * sizeof(Point));
+        if (placed.output->with_origins) {
+            std::memmove(origins_.data() + point_count_, placed.output->origins, count * sizeof(PointOrigin));
+        }
     }
     placed.room.reset();
     point_count_ += placed.output->point_count;
@@ -178,6 +184,9 @@ void Placement::copy_points(const Placed& placed) const {
                 writer_->write(placed.first_point + begin, {output.points + begin, output.points + end});
             } else {
                 std::copy(output.points + begin, output.points + end, points_.data() + placed.first_point + begin);
+            }
+            if (output.with_origins) {
+                std::copy(output.origins + begin, output.origins + end, origins_.data() + placed.first_point + begin);
             }
         });
     }

@@ -41,9 +41,11 @@ class Placement final : public BandTarget {
 public:
     explicit Placement(const Memory* memory) : memory_(memory) {}
 
-    /// For a new run over `bands`; points go to `points`, up to its size, or to `writer`, up to its capacity.
+    /// For a new run over `bands`; points go to `points`, up to its size, or to `writer`, up to its capacity. Their origins go
+    /// to `origins`, which is as large, or empty where there are none.
     void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
-               ProgressMeter& progress, const StopCheck& stop = {}, const PointWriter* writer = nullptr);
+               ProgressMeter& progress, const StopCheck& stop = {}, std::span<PointOrigin> origins = {},
+               const PointWriter* writer = nullptr);
 
     /// Waits while the band is too far ahead of the head.
     BandOutput* acquire(std::size_t band) override;
@@ -105,6 +107,7 @@ private:
     std::span<const Band> bands_;
     std::span<Point> points_;
     const PointWriter* writer_ = nullptr;
+    std::span<PointOrigin> origins_;
     ProgressMeter* progress_ = nullptr;
     StopCheck stop_{};
     std::mutex mutex_;

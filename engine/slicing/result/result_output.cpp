@@ -11,7 +11,7 @@ Status ResultOutput::admit(const PlaneSet& planes, const Buckets& buckets, const
                            std::uint64_t memory_limit) {
     const auto cutting =
         std::count_if(buckets.segments.begin(), buckets.segments.end(), [](auto count) { return count > 0; });
-    const std::uint64_t bytes = buckets.segment_count * sizeof(Point) + planes.size() * sizeof(Layer) +
+    const std::uint64_t bytes = buckets.segment_count * point_bytes_ + planes.size() * sizeof(Layer) +
                                 planes.plane_of_listed().size() * sizeof(std::uint64_t) +
                                 static_cast<std::uint64_t>(cutting) * sizeof(Contour);
     if (bytes > memory_limit) {
@@ -27,15 +27,19 @@ Status ResultOutput::admit(const PlaneSet& planes, const Buckets& buckets, const
 Status ResultOutput::take_bands(const SweepInput& input, FunctionRef<void(BandTarget&)> sweep) {
     Placement& placement = input.scratch.placement;
     Array<Point>& points = input.result.points;
+    Array<PointOrigin>& origins = input.result.origins;
     const std::uint64_t segments = input.buckets.segment_count;
     std::uint64_t room = segments + segments / 64 + 64;
     for (;;) {
         points.resize_discarding(room);
-        placement.begin(input.bands, input.parallel.threads(), segments, points.span(), input.progress, input.stop);
+        origins.resize_discarding(input.origins ? room : 0);
+        placement.begin(input.bands, input.parallel.threads(), segments, points.span(), input.progress, input.stop,
+                        origins.span());
         sweep(placement);
         const std::uint64_t needed = placement.point_count();
         if (needed <= room) {
             points.set_size(needed);
+            origins.set_size(input.origins ? needed : 0);
             return {};
         }
         room = needed;

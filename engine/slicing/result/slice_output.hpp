@@ -36,6 +36,7 @@ struct SweepInput {
     const StopCheck& stop;
     ProgressMeter& progress;
     OutputScratch& scratch;
+    bool origins;         ///< SliceOptions::origins
     SliceResult& result;  ///< unit, frame, plan and summary; arrays only where the slice is made for it
 };
 

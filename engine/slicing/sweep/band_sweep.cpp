@@ -28,7 +28,10 @@ BandSweep::BandSweep(const Memory* memory)
       passing_at_(memory),
       active_(memory),
       faces_(memory),
-      points_(memory) {}
+      points_(memory),
+      origins_(memory),
+      substitutes_(memory),
+      moving_(memory) {}
 
 void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
                     ContourForm form, const StopCheck& stop, BandOutput& out) {
@@ -51,7 +54,7 @@ void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
         } else {
             take_events(plane, seeds_here);
         }
-        link_events();
+        link_events(plane);
         graph_.walk();
         const std::uint64_t linked = timed ? ticks() : 0;
         emit(plane, planes, out);
@@ -276,7 +279,7 @@ void BandSweep::enter_active(PlaneIndex plane) {
     graph_.end_attaching(events.attaching(), 2 * active_.size());
 }
 
-void BandSweep::link_events() {
+void BandSweep::link_events(PlaneIndex plane) {
     if (link_count_ == 0) {
         return;
     }
@@ -293,6 +296,9 @@ void BandSweep::link_events() {
             edges_.put(slot, graph_.edge(slot));
         }
     });
+    if (with_origins_) {
+        put_origins(plane);
+    }
 }
 
 /// At irregular edges, new links' long edges may have moved to other slots.
@@ -320,6 +326,9 @@ void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
         faces_.push_back({!has_lowest ? t.lower : (has_middle ? t.upper : t.middle), t.triangle, end});
     }
     sort_round_edge(lower, upper, faces_);
+    if (with_origins_) {
+        note_substitutes();
+    }
     std::transform(faces_.begin(), faces_.end(), ends.begin(), [](const FaceAtEdge& face) { return face.end; });
 }
 
@@ -336,7 +345,7 @@ void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) 
     pace_.in_stretches(0, graph_.slot_end(), 1, [&](std::size_t begin, std::size_t end) {
         kernels_.pierce(edges_.arrays(begin), planes.z(plane), end - begin, points_.data() + begin);
     });
-    layers_.build(graph_, points_.data(), out);
+    layers_.build(graph_, points_.data(), with_origins_ ? origins_.data() : nullptr, out);
 }
 
 void BandSweep::compact() {
@@ -345,6 +354,9 @@ void BandSweep::compact() {
             pending_[p].long_end = graph_.moved(pending_[p].long_end);
         }
         edges_.compact(new_to_old);
+        if (with_origins_) {
+            gather_slots(origins_, new_to_old, moving_);
+        }
     });
 }
 

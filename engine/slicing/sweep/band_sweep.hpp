@@ -50,6 +50,8 @@ public:
 
     /// Of the bands to come.
     void set_rules(const LayerRules& rules) noexcept { layers_.rules = rules; }
+    /// The same: whether contours say where their edges come from.
+    void set_origins(bool wanted) noexcept { with_origins_ = wanted; }
 
     /// Of a plane, since construction: what the scratch was made for.
     std::size_t most_segments() const noexcept { return most_segments_; }
@@ -59,6 +61,11 @@ public:
 
 private:
     class Events;
+    /// A link of a triangle that another one stands for.
+    struct Substitute {
+        std::uint32_t link;
+        std::uint32_t record;
+    };
     /// A triangle whose middle vertex lies above the plane.
     struct Pending {
         std::uint32_t record;
@@ -74,8 +81,12 @@ private:
     std::size_t most_middles(PlaneIndex plane, std::span<const std::uint32_t> seeds) const;
     void reserve_events(std::size_t links, std::size_t middles);
     std::uint32_t record_of(std::uint32_t link) const noexcept;
-    void link_events();
+    void link_events(PlaneIndex plane);
     void sort_meeting(Slot slot, std::span<MeetingEnd> ends);
+    void note_substitutes();
+    void put_origins(PlaneIndex plane);
+    PointOrigin origin_of_link(std::uint32_t link, PlaneIndex plane) const noexcept;
+    PointOrigin origin_by(std::uint32_t record, const Link& link) const noexcept;
     void correct_pending();
     void compact();
     void emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out);
@@ -101,6 +112,10 @@ private:
     Vector<std::uint32_t> active_;      // assembled form: records that the plane cuts
     Vector<FaceAtEdge> faces_;
     Vector<Point> points_;  // by slot
+    bool with_origins_ = false;
+    Vector<SlotOrigins> origins_;     // by slot
+    Vector<Substitute> substitutes_;  // of the plane's links
+    Vector<std::uint64_t> moving_;    // scratch
     StopPace pace_;
     SweepTicks ticks_;
 };

@@ -6,6 +6,7 @@
 #include "base/atomic_word.hpp"
 #include "base/rounding.hpp"
 #include "lamella/memory.hpp"
+#include "slicing/buckets/lowest_corners.hpp"
 #include "slicing/contours/mesh_edge.hpp"
 
 namespace lamella {
@@ -100,8 +101,12 @@ bool WidePlane::build(PlaneIndex plane, std::span<const std::uint32_t> seeds, co
     cut_into_pieces();
     string_together();
     trace(planes.z(plane));
+    if (out.with_origins) {
+        trace_origins();
+    }
     layer_.build_traced(
-        rings_.data(), contours_, [this](std::uint32_t at) { return to_key(edge_at(order_[at], true)); }, parallel_, out);
+        rings_.data(), out.with_origins ? origins_.data() : nullptr, contours_,
+        [this](std::uint32_t at) { return to_key(edge_at(order_[at], true)); }, parallel_, out);
     return true;
 }
 
@@ -301,6 +306,19 @@ void WidePlane::trace(std::int32_t z) {
                 order_[at] = segment;
                 rings_[at] = source_point(segment, z);
             }
+        }
+    });
+}
+
+/// No two triangles have the same corners and orientation, as each edge has one face on either side.
+void WidePlane::trace_origins() {
+    origins_.resize_discarding(count_);
+    parallel_.run_ranges(count_, grain, [&](std::size_t begin, std::size_t end, int) {
+        parallel_.stop_if_asked();
+        for (std::size_t at = begin; at < end; ++at) {
+            const std::uint32_t of = record(order_[at]);
+            const CrossedTriangle& t = buckets_->records[of];
+            origins_[at] = origin_of(t, buckets_->lowest_corners[of], t.middle_plane() <= plane_);
         }
     });
 }

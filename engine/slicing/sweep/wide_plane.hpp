@@ -31,6 +31,7 @@ public:
           on_piece_(memory),
           order_(memory),
           rings_(memory),
+          origins_(memory),
           pieces_(memory),
           contours_(memory),
           layer_(memory),
@@ -61,11 +62,11 @@ private:
     };
     class Table;
 
-    const CrossedTriangle& triangle(std::uint32_t segment) const noexcept {
-        return segment < seeds_.size()
-                   ? buckets_->records[seeds_[segment]]
-                   : buckets_->records[list_begin_ + (segment - static_cast<std::uint32_t>(seeds_.size()))];
+    std::uint32_t record(std::uint32_t segment) const noexcept {
+        return segment < seeds_.size() ? seeds_[segment]
+                                       : list_begin_ + (segment - static_cast<std::uint32_t>(seeds_.size()));
     }
+    const CrossedTriangle& triangle(std::uint32_t segment) const noexcept { return buckets_->records[record(segment)]; }
     MeshEdge edge_at(std::uint32_t segment, bool source) const noexcept;
     Point source_point(std::uint32_t segment, std::int32_t z) const noexcept;
 
@@ -77,6 +78,7 @@ private:
     void find_small_contours(std::size_t begin, std::size_t end, std::vector<Piece>& found) const;
     void string_together();
     void trace(std::int32_t z);
+    void trace_origins();
 
     const Parallel& parallel_;
     const Buckets* buckets_ = nullptr;
@@ -88,6 +90,7 @@ private:
     Array<std::uint8_t> on_piece_;  // by segment: it lies on a piece found
     Array<std::uint32_t> order_;    // segments in walking order
     Array<Point> rings_;
+    Array<PointOrigin> origins_;  // of rings_, where asked for
     Vector<Piece> pieces_;
     Vector<WalkedContour> contours_;
     LayerBuilder layer_;

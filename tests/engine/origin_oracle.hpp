@@ -1,0 +1,50 @@
+// Origins the obvious way: each triangle is cut by itself.
+#pragma once
+
+#include <compare>
+#include <span>
+#include <vector>
+
+#include "engine/shapes.hpp"
+#include "lamella/result.hpp"
+#include "oracle/oracle.hpp"
+
+namespace origin_oracle {
+
+/// What a plane cuts of a triangle, as its facet runs.
+struct Cut {
+    lamella::Point from;
+    lamella::Point to;
+    lamella::PointOrigin origin;
+    friend auto operator<=>(const Cut&, const Cut&) = default;
+};
+
+/// The triangles of one mesh on the grid of a result.
+class Triangles {
+public:
+    Triangles(const shapes::Soup& soup, const lamella::SliceResult& result, std::uint16_t part = 0);
+
+    /// Of all triangles with a cut that has a length, sorted. Of those with the same corners the smallest stands for all.
+    std::vector<Cut> cuts_at(lamella::PlaneHeight plane) const;
+
+    /// The contour edges of a layer that come from a triangle and have a length, as the facets run, sorted.
+    std::vector<Cut> edges_of(const lamella::SliceResult& result, const lamella::Layer& layer) const;
+
+    /// A mesh edge that an origin names, whatever the triangles' order and first corners: its ends, and the third corner.
+    struct Named {
+        lamella::GridVertex from;
+        lamella::GridVertex to;
+        lamella::GridVertex third;
+        friend auto operator<=>(const Named&, const Named&) = default;
+    };
+    Named named(std::uint32_t triangle, std::uint8_t edge) const;
+
+private:
+    bool runs_down(const lamella::PointOrigin& origin) const;
+
+    std::vector<oracle::Triangle> triangles_;  // equal corners: degenerate
+    std::vector<std::uint32_t> stands_for_;    // of each: the smallest with the same corners
+    std::uint16_t part_;
+};
+
+}  // namespace origin_oracle

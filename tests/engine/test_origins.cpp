@@ -1,0 +1,346 @@
+// Where contour edges come from, compared with each triangle cut by itself.
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/origin_oracle.hpp"
+#include "engine/slicing.hpp"
+#include "golden/shape_cases.hpp"
+
+using lamella::ContourForm;
+using lamella::PointOrigin;
+using lamella::SliceOptions;
+using lamella::SliceResult;
+using origin_oracle::Triangles;
+
+namespace {
+
+SliceOptions with_origins(SliceOptions options) {
+    options.origins = true;
+    return options;
+}
+
+/// Requires a valid result whose origins suit the mesh and that is otherwise the same as without origins.
+SliceResult traced(const shapes::Soup& soup, const SliceOptions& options) {
+    SliceResult result = sliced(soup, with_origins(options));
+    REQUIRE(result.origins.size() == result.points.size());
+    const lamella::Status valid = validate(result, view_of(soup));
+    INFO((valid ? std::string() : valid.error().message));
+    REQUIRE(valid.ok());
+    const SliceResult plain = sliced(soup, options);
+    REQUIRE(plain.origins.empty());
+    REQUIRE(hash_result(plain) == hash_result(result));
+    return result;
+}
+
+/// Every triangle that a plane cuts is named by its contour edge, and by no other.
+void check_against_oracle(const shapes::Soup& soup, const SliceResult& result) {
+    const Triangles triangles(soup, result);
+    for (const lamella::Layer& layer : result.layers) {
+        INFO("plane " << layer.plane.z());
+        REQUIRE(triangles.edges_of(result, layer) == triangles.cuts_at(layer.plane));
+    }
+}
+
+std::vector<PointOrigin> all(const SliceResult& result) {
+    return {result.origins.begin(), result.origins.end()};
+}
+
+SliceOptions through(std::uint64_t range) {
+    std::vector<double> heights;
+    for (std::uint64_t quarter = 1; quarter <= 4 * range; ++quarter) {
+        heights.push_back(0.25 * static_cast<double>(quarter));
+    }
+    SliceOptions options = at_heights(heights);
+    options.unit_mm = 0.125;
+    return options;
+}
+
+/// Of each contour its points and the mesh edges that its origins name, sorted: contours that are equal in every point
+/// come in the order of their triangles.
+auto named_edges(const shapes::Soup& soup, const SliceResult& result) {
+    using Named = std::pair<Triangles::Named, Triangles::Named>;
+    const Triangles triangles(soup, result);
+    std::vector<std::tuple<std::int32_t, std::vector<lamella::Point>, std::vector<Named>>> found;
+    for (const lamella::Layer& layer : result.layers) {
+        for (const lamella::Contour& contour : result.contours_of(layer)) {
+            const auto points = result.points_of(contour);
+            std::vector<Named> names;
+            for (const PointOrigin& origin : result.origins_of(contour)) {
+                names.emplace_back(triangles.named(origin.triangle, origin.edge),
+                                   triangles.named(origin.triangle, origin.end_edge));
+            }
+            found.emplace_back(layer.plane.z(), std::vector<lamella::Point>(points.begin(), points.end()), names);
+        }
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+/// Closed and open ones, with edges of all kinds, repeated triangles, and parts inside out.
+std::map<std::string, shapes::Soup> difficult_meshes() {
+    std::map<std::string, shapes::Soup> meshes = shape_cases::meshes();
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 5, 2);
+    const shapes::Soup tangle = shapes::random_tetrahedra(3, 6, 4);
+    const shapes::Soup soup = shapes::random_soup(7, 40, 4);
+    meshes["repeated"] = shapes::joined({ball, shapes::shuffled(ball, 1), shapes::flipped(ball), ball});
+    meshes["repeated tangle"] = shapes::joined({tangle, shapes::shuffled(tangle, 2), shapes::flipped(tangle), tangle});
+    meshes["repeated soup"] = shapes::joined({soup, shapes::shuffled(soup, 2), shapes::flipped(soup)});
+    meshes["inside out"] = shapes::flipped(ball);
+    meshes["inside out within"] = shapes::joined({ball, shapes::flipped(shapes::scaled(ball, {0.5, 0.5, 0.5}))});
+    return meshes;
+}
+
+std::vector<std::string> texts(std::span<const PointOrigin> origins) {
+    std::vector<std::string> lines;
+    for (const PointOrigin& origin : origins) {
+        lines.push_back((origin.triangle == lamella::no_triangle ? "-" : std::to_string(origin.triangle)) + ": " +
+                        std::to_string(origin.edge) + " to " + std::to_string(origin.end_edge));
+    }
+    return lines;
+}
+
+}  // namespace
+
+TEST_CASE("each contour edge names the triangle that it cuts, and the edges at its ends", "[engine][origins]") {
+    for (const auto& [mesh_name, mesh] : difficult_meshes()) {
+        for (const auto& [plan_name, options] : shape_cases::plans()) {
+            INFO(mesh_name << ", " << plan_name);
+            check_against_oracle(mesh, traced(mesh, options));
+        }
+    }
+}
+
+TEST_CASE("contour edges of random triangles name them", "[engine][origins][random]") {
+    const auto seed = GENERATE(range(1U, 150U));
+    for (const ContourForm form : {ContourForm::swept, ContourForm::assembled}) {
+        for (const std::uint64_t range : {2U, 3U, 8U}) {
+            SliceOptions options = through(range);
+            options.tuning.form = form;
+            const shapes::Soup soup = shapes::random_soup(seed, 30, range);
+            const shapes::Soup solids = shapes::random_tetrahedra(seed, 6, range);
+            INFO("seed " << seed << ", range " << range << ", assembled " << (form == ContourForm::assembled));
+            check_against_oracle(soup, traced(soup, options));
+            check_against_oracle(solids, traced(solids, options));
+        }
+    }
+}
+
+TEST_CASE("of equal consecutive points the edge that has a length says where it comes from", "[engine][origins]") {
+    const shapes::Soup ball = shapes::scaled(shapes::octasphere({0, 0, 0}, 4, 5), {1, 1, 16});
+    const SliceResult result = traced(ball, uniform(2, 0.5));
+    REQUIRE(result.points.size() < result.summary.segments);
+    check_against_oracle(ball, result);
+}
+
+TEST_CASE("threads, bands and forms do not change origins", "[engine][origins][threads]") {
+    for (const auto& [mesh_name, mesh] : difficult_meshes()) {
+        SliceOptions options = with_origins(uniform(0.125));
+        options.control.threads = 1;
+        const std::vector<PointOrigin> expected = all(sliced(mesh, options));
+        for (const int threads : {1, 3}) {
+            for (const int band : {0, 1, 2, 7}) {
+                for (const ContourForm form : {ContourForm::swept, ContourForm::assembled}) {
+                    options.control.threads = threads;
+                    options.tuning.band_planes = band;
+                    options.tuning.form = form;
+                    INFO(mesh_name << ", threads " << threads << ", band " << band << ", assembled "
+                                   << (form == ContourForm::assembled));
+                    REQUIRE(all(sliced(mesh, options)) == expected);
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("origins follow the triangles when those come in another order", "[engine][origins]") {
+    for (const auto& [mesh_name, mesh] : difficult_meshes()) {
+        const auto expected = named_edges(mesh, traced(mesh, uniform(0.25)));
+        for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+            INFO(mesh_name << ", shuffle " << seed);
+            const shapes::Soup shuffled = shapes::shuffled(mesh, seed);
+            REQUIRE(named_edges(shuffled, traced(shuffled, uniform(0.25))) == expected);
+        }
+    }
+}
+
+TEST_CASE("a contour that is turned round keeps the triangle of each edge", "[engine][origins]") {
+    // The front, seen from outside. Triangle 5 has the corners lb, rt, lt; its mirror image lb, lt, rt.
+    //
+    //     lt-----rt
+    //     | 5  .'|
+    //     |  .'  |         the plane cuts 5 from its left edge to the diagonal, then 4 from there to its right edge
+    //     |.'  4 |
+    //     lb-----rb
+    const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 4});
+    const SliceResult upright = traced(box, at_heights({2}));
+    REQUIRE(upright.contours[0].flags == 0);
+    CHECK(texts(upright.origins.span()) == std::vector<std::string>{"5: 2 to 0", "4: 2 to 1", "7: 2 to 0", "6: 2 to 1",
+                                                                    "9: 2 to 0", "8: 2 to 1", "11: 2 to 0", "10: 2 to 1"});
+    const SliceResult turned = traced(shapes::flipped(box), at_heights({2}));
+    REQUIRE(turned.contours[0].flags == lamella::orientation_overruled);
+    REQUIRE(std::equal(upright.points.begin(), upright.points.end(), turned.points.begin(), turned.points.end()));
+    CHECK(texts(turned.origins.span()) == std::vector<std::string>{"5: 0 to 2", "4: 0 to 1", "7: 0 to 2", "6: 0 to 1",
+                                                                   "9: 0 to 2", "8: 0 to 1", "11: 0 to 2", "10: 0 to 1"});
+}
+
+TEST_CASE("contours equal in every point come in the order of their triangles", "[engine][origins]") {
+    // Two tetrahedra with a vertical edge in common. Near their lowest vertex all their corners round to the same points.
+    const auto tetrahedron = [](double size) {
+        const shapes::Xyz low{0, 0, 0};
+        const shapes::Xyz high{0, 0, 4};
+        const shapes::Xyz right{size, 0, 4};
+        const shapes::Xyz back{0, size, 4};
+        return shapes::joined({shapes::triangle(low, right, high), shapes::triangle(low, high, back),
+                               shapes::triangle(low, back, right), shapes::triangle(high, right, back)});
+    };
+    for (const auto& [first, second] : {std::pair(3, 4), std::pair(4, 3)}) {
+        const shapes::Soup both = shapes::joined({tetrahedron(first), tetrahedron(second)});
+        for (const ContourForm form : {ContourForm::swept, ContourForm::assembled}) {
+            SliceOptions options = at_heights({1});
+            options.tuning.form = form;
+            const SliceResult result = traced(both, options);
+            REQUIRE(result.contours.size() == 2);
+            REQUIRE(std::equal(result.points.begin(), result.points.begin() + 3, result.points.begin() + 3));
+            CHECK(std::all_of(result.origins.begin(), result.origins.begin() + 3,
+                              [](const PointOrigin& origin) { return origin.triangle < 4; }));
+        }
+    }
+}
+
+TEST_CASE("edges that join gaps come from no triangle", "[engine][origins][repair]") {
+    // The front side lacks its two triangles.
+    shapes::Soup open = shapes::box({0, 0, 0}, {4, 4, 4});
+    open.erase(open.begin() + 9 * 4, open.begin() + 9 * 6);
+    SliceOptions options = at_heights({2});
+    SECTION("an open polyline ends at the edge of its last triangle") {
+        const SliceResult result = traced(open, options);
+        REQUIRE(result.contours[0].role == lamella::Role::open);
+        check_against_oracle(open, result);
+        const auto origins = result.origins.span();
+        CHECK(origins.back() ==
+              PointOrigin{origins[origins.size() - 2].triangle, 0, origins[origins.size() - 2].end_edge, lamella::no_edge});
+    }
+    SECTION("closed over the gap") {
+        options.close_gaps_mm = 5;
+        const SliceResult result = traced(open, options);
+        REQUIRE(result.contours[0].role == lamella::Role::outer);
+        check_against_oracle(open, result);
+        CHECK(std::count(result.origins.begin(), result.origins.end(), PointOrigin()) == 1);
+    }
+}
+
+TEST_CASE("joined gaps of random triangles leave the origins of all others", "[engine][origins][repair][random]") {
+    const auto seed = GENERATE(range(1U, 100U));
+    const shapes::Soup soup = shapes::random_soup(seed, 30, 5);
+    SliceOptions options = through(5);
+    options.close_gaps_mm = 0.75;
+    const SliceResult result = traced(soup, options);
+    check_against_oracle(soup, result);
+    const auto gaps =
+        static_cast<std::size_t>(std::count_if(result.closed_gaps.begin(), result.closed_gaps.end(),
+                                               [](const lamella::ClosedGap& gap) { return gap.from != gap.to; }));
+    CHECK(static_cast<std::size_t>(std::count(result.origins.begin(), result.origins.end(), PointOrigin())) == gaps);
+}
+
+TEST_CASE("a wide plane says where its edges come from", "[engine][origins][wide][threads]") {
+    // The box is cut by the first plane alone, so that the prism's records are not those with the first numbers.
+    const shapes::Soup prism = shapes::joined({shapes::box({0, 0, 0}, {4, 4, 2}), shapes::prism(1 << 15, 900, 4)});
+    SliceOptions options = with_origins(uniform(2));
+    options.control.threads = 1;
+    options.tuning.form = ContourForm::assembled;
+    const std::vector<PointOrigin> expected = all(sliced(prism, options));
+    options.tuning.form = ContourForm::swept;
+    options.control.threads = 3;
+    const SliceResult result = sliced(prism, options);
+    CHECK(result.layers[1].segments >= std::size_t{1} << 18);
+    CHECK(all(result) == expected);
+    CHECK(validate(result, view_of(prism)).ok());
+}
+
+TEST_CASE("origins are there only where asked for, also in a result that is used again", "[engine][origins]") {
+    lamella::Workspace workspace;
+    SliceResult result;
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 5, 2);
+    for (const bool wanted : {true, false, true}) {
+        SliceOptions options = uniform(0.5);
+        options.origins = wanted;
+        REQUIRE(slice(view_of(ball), options, workspace, result).ok());
+        CHECK(result.origins.size() == (wanted ? result.points.size() : 0));
+        CHECK(validate(result, view_of(ball)).ok());
+    }
+}
+
+TEST_CASE("origins count towards the memory limit", "[engine][origins]") {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 5, 2);
+    SliceOptions options = uniform(0.5);
+    const SliceResult result = sliced(ball, options);
+    options.memory_limit_bytes = result.summary.segments * sizeof(lamella::Point) +
+                                 result.layers.size() * (sizeof(lamella::Layer) + sizeof(lamella::Contour));
+    CHECK(slice(view_of(ball), options).ok());
+    CHECK(failure_of(view_of(ball), with_origins(options)).code == lamella::ErrorCode::result_too_large);
+    options.memory_limit_bytes += result.summary.segments * sizeof(PointOrigin);
+    CHECK(slice(view_of(ball), with_origins(options)).ok());
+}
+
+TEST_CASE("validate() finds origins that do not suit the result or the mesh", "[engine][origins]") {
+    const shapes::Soup box = shapes::box({0, 0, 0}, {4, 4, 4});
+    const lamella::MeshView mesh = view_of(box);
+    SliceResult result = traced(box, at_heights({2, 3}));
+    const std::string here = "layer 0, contour 0, point 0: ";
+    const auto complaint = [&](const std::function<void(PointOrigin&)>& damage) {
+        const PointOrigin right = result.origins[0];
+        damage(result.origins[0]);
+        const lamella::Status status = validate(result, mesh);
+        result.origins[0] = right;
+        return status ? std::string() : status.error().message;
+    };
+    using Origin = PointOrigin;
+    REQUIRE(result.origins[0] == Origin{5, 0, 2, 0});
+    CHECK(complaint([](Origin&) {}).empty());
+    // Seen without the mesh.
+    CHECK(complaint([](Origin& origin) { origin.triangle = lamella::no_triangle; }) ==
+          "contour 0, point 0: an origin without a triangle, yet with an edge or a part");
+    CHECK(complaint([](Origin& origin) { origin.edge = 4; }) ==
+          "contour 0, point 0: the origin names an edge that no triangle has");
+    CHECK(complaint([](Origin& origin) { origin.end_edge = 2; }) ==
+          "contour 0, point 0: the contour edge begins and ends on the same edge of its triangle");
+    CHECK(complaint([](Origin& origin) { origin.triangle = 12; }) ==
+          "contour 0, point 0: the origin's triangle is not in the mesh");
+    CHECK(complaint([](Origin& origin) { origin.part = 1; }) ==
+          "contour 0, point 0: the origin's part is not the contour's");
+    // Seen by the mesh.
+    CHECK(complaint([](Origin& origin) { origin = {}; }) == here + "no origin, though nothing was made or joined here");
+    CHECK(complaint([](Origin& origin) { origin.triangle = 0; }) == here + "the plane does not cut the origin's triangle");
+    CHECK(complaint([](Origin& origin) { origin.triangle = 9; }) ==
+          here + "the point does not lie on the edge that its origin names");
+    CHECK(complaint([](Origin& origin) { origin.edge = 1; }) ==
+          here + "the point does not lie on the edge that its origin names");
+    CHECK(complaint([](Origin& origin) { origin.end_edge = 1; }) ==
+          here + "the contour edge does not end on the edge that its origin names");
+    CHECK(complaint([](Origin& origin) {
+              origin = {9, 0, lamella::no_edge, lamella::no_edge};
+          }) == here + "the contour edge does not lie in the origin's triangle");
+    // A mesh of which one facet looks the other way.
+    shapes::Soup back = box;
+    const shapes::Soup flipped = shapes::flipped(box);
+    std::copy_n(flipped.begin() + 9 * 5, 9, back.begin() + 9 * 5);
+    const PointOrigin right = std::exchange(result.origins[0], Origin{5, 0, 0, 2});
+    result.origins[8] = result.origins[0];
+    CHECK(validate(result, view_of(back)).error().message == here + "the contour edge runs against its facet");
+    result.origins[0] = result.origins[8] = right;
+    CHECK(validate(result, mesh).ok());
+
+    const shapes::Soup two = shapes::joined({box, box});
+    CHECK(validate(result, view_of(two)).error().message == "the result is not of this mesh");
+    CHECK(validate(result, std::vector<lamella::Part>(2, {.mesh = mesh})).error().message ==
+          "the result is not of so many parts");
+    result.origins.set_size(15);
+    CHECK(validate(result).error().message == "there are not as many origins as points");
+}

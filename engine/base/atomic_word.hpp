@@ -15,6 +15,8 @@ public:
 
     Word load() const noexcept { return __atomic_load_n(word_, __ATOMIC_RELAXED); }
 
+    void store(Word value) const noexcept { __atomic_store_n(word_, value, __ATOMIC_RELAXED); }
+
     /// Writes `desired` where the word is `expected`. Elsewhere `expected` becomes what the word is, and false comes back.
     bool replace(Word& expected, Word desired) const noexcept {
         return __atomic_compare_exchange_n(word_, &expected, desired, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);

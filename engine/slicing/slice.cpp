@@ -23,6 +23,7 @@
 #include "lamella/memory.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/indexed_triangles.hpp"
 #include "slicing/buckets/lowest_corners.hpp"
 #include "slicing/buckets/prepared_triangles.hpp"
 #include "slicing/grid/bounds.hpp"
@@ -86,16 +87,18 @@ private:
     Status choose_grid_and_planes();
     Result<Bounds> find_bounds(double asked_mm);
     Status build_planes(const Bounds& own);
+    bool places_vertices() const noexcept { return prepared_ == nullptr && VertexTable::pays_for(mesh_); }
     void count();
     Status count_triangles();
+    std::size_t scatter();
     void bucket_triangles();
     Status sweep_bands();
     void sweep_all_into(BandTarget& target);
     void sweep_band(std::size_t band, int worker, BandTarget& target);
     void sweep_wide(std::size_t band, BandTarget& target);
     SweepInput sweep_input() noexcept {
-        return {kept_.planes,          kept_.buckets, kept_.bands.bands, parallel_,
-                options_.control.stop, progress_,     kept_.output,      options_.origins, result_};
+        return {kept_.planes, kept_.buckets, kept_.bands.bands, parallel_, options_.control.stop,
+                progress_,    kept_.output,  options_.origins,  result_};
     }
     std::uint64_t memory_limit() const noexcept {
         return options_.memory_limit_bytes != 0 ? options_.memory_limit_bytes : kept_.usual_limit;
@@ -161,6 +164,9 @@ Result<Bounds> Slicing::find_bounds(double asked_mm) {
         kept_.blocks.blocks.set_size(0);
         return prepared_ != nullptr ? prepared_->frame.bounds : Bounds{};
     }
+    if (places_vertices()) {
+        return measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.vertices, kept_.blocks);
+    }
     return measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
 }
 
@@ -173,6 +179,8 @@ Status Slicing::build_planes(const Bounds& own) {
 void Slicing::count() {
     if (prepared_ != nullptr) {
         count_crossings(prepared_->triangles, kept_.planes, parallel_, kept_.buckets);
+    } else if (places_vertices()) {
+        count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.vertices, kept_.planes, parallel_, kept_.buckets);
     } else {
         count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, kept_.buckets);
     }
@@ -192,6 +200,21 @@ Status Slicing::count_triangles() {
     return {};
 }
 
+/// Returns how many triangles reach beyond their band.
+std::size_t Slicing::scatter() {
+    const PlaneSet& planes = kept_.planes;
+    const auto& band_end = kept_.bands.band_end;
+    Buckets& buckets = kept_.buckets;
+    const std::span<Reaching> reaching = kept_.bands.reaching.span();
+    if (prepared_ != nullptr) {
+        return scatter_triangles(prepared_->triangles, planes, band_end, parallel_, buckets, reaching, options_.origins);
+    }
+    if (places_vertices()) {
+        return scatter_triangles(mesh_, kept_.vertices, planes, band_end, parallel_, buckets, reaching);
+    }
+    return scatter_triangles(mesh_, options_.transform, result_.unit_mm, planes, band_end, parallel_, buckets, reaching);
+}
+
 /// Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band.
 void Slicing::bucket_triangles() {
     parallel_.stop_if_asked();
@@ -199,12 +222,7 @@ void Slicing::bucket_triangles() {
     BandPlan& bands = kept_.bands;
     bands.cut(buckets, kept_.planes.size(), options_.tuning.band_planes, parallel_.threads(),
               output_.most_band_segments(parallel_.threads()));
-    const std::size_t reaching = prepared_ != nullptr
-                                     ? scatter_triangles(prepared_->triangles, kept_.planes, bands.band_end, parallel_,
-                                                         buckets, bands.reaching.span(), options_.origins)
-                                     : scatter_triangles(mesh_, options_.transform, result_.unit_mm, kept_.planes,
-                                                         bands.band_end, parallel_, buckets, bands.reaching.span());
-    bands.find_seeds(kept_.planes.size(), reaching, options_.control.stop);
+    bands.find_seeds(kept_.planes.size(), scatter(), options_.control.stop);
     if (options_.origins && prepared_ == nullptr) {
         find_lowest_corners(mesh_, options_.transform, result_.unit_mm, parallel_, buckets);
     }

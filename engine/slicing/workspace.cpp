@@ -47,6 +47,7 @@ void WorkspaceParts::trim() {
     bands.trim();
     buckets.trim();
     planes.trim();
+    vertices.trim();
     fit(blocks.blocks);
 }
 

@@ -10,6 +10,7 @@
 #include "lamella/slice.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/indexed_triangles.hpp"
 #include "slicing/grid/blocks.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/result/slice_output.hpp"
@@ -32,6 +33,7 @@ struct WorkspaceParts {
     std::uint64_t usual_limit;  ///< half of physical memory, for which the system takes half a microsecond
     std::unique_ptr<Parallel> parallel;
     BlockTable blocks{memory};
+    VertexTable vertices{memory};
     PlaneSet planes{memory};
     Buckets buckets{memory};
     BandPlan bands{memory};

@@ -33,14 +33,22 @@ inline constexpr HeightOrder height_orders[8] = {
     {0, 1, 2, 0}, {1, 0, 2, 1}, {0, 2, 1, 1}, {0, 1, 2, 0}, {0, 1, 2, 0}, {1, 2, 0, 0}, {2, 0, 1, 0}, {2, 1, 0, 1},
 };
 
+inline const HeightOrder& height_order_of(std::int32_t z0, std::int32_t z1, std::int32_t z2) noexcept {
+    return height_orders[(z1 < z0 ? 1U : 0U) + (z2 < z1 ? 2U : 0U) + (z2 < z0 ? 4U : 0U)];
+}
 inline const HeightOrder& height_order_of(const GridTriangle& v) noexcept {
-    return height_orders[(v[1].z < v[0].z ? 1U : 0U) + (v[2].z < v[1].z ? 2U : 0U) + (v[2].z < v[0].z ? 4U : 0U)];
+    return height_order_of(v[0].z, v[1].z, v[2].z);
+}
+
+/// The top bit of CrossedTriangle::middle_and_source.
+inline std::uint32_t source_bit(const HeightOrder& order) noexcept {
+    return order.odd != 0 ? 0U : 1U << 31;
 }
 
 /// A record without its planes.
 inline CrossedTriangle order_by_height(const GridTriangle& v, std::uint32_t triangle) noexcept {
     const HeightOrder& order = height_order_of(v);
-    return {v[order.lower], v[order.middle], v[order.upper], triangle, order.odd != 0 ? 0U : 1U << 31, 0};
+    return {v[order.lower], v[order.middle], v[order.upper], triangle, source_bit(order), 0};
 }
 
 }  // namespace lamella

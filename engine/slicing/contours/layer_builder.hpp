@@ -36,7 +36,7 @@ struct LayerRules {
 /// A contour that is not walked.
 struct GivenContour {
     std::span<const Point> points;
-    std::span<const PointOrigin> origins;  ///< of each point, or empty for all contours
+    std::span<const PointOrigin> origins{};  ///< of each point, or empty for all contours
     bool closed = true;
     bool turned = false;         ///< the facets run the other way
     std::uint32_t segments = 0;  ///< as Contour::segments

@@ -1,6 +1,7 @@
 // Triangles read from the caller's memory, and moved by the transform.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -35,6 +36,21 @@ public:
         return read<std::int64_t>(t);
     }
 
+    /// One vertex: x, y, z.
+    std::array<double, 3> corner(std::size_t t, std::size_t corner) const noexcept {
+        switch (mesh_.coordinate_type) {
+            case CoordinateType::f32:
+                return read_corner<float>(t, corner);
+            case CoordinateType::f64:
+                return read_corner<double>(t, corner);
+            case CoordinateType::i32:
+                return read_corner<std::int32_t>(t, corner);
+            case CoordinateType::i64:
+                break;
+        }
+        return read_corner<std::int64_t>(t, corner);
+    }
+
     CoordinateType number() const noexcept { return mesh_.coordinate_type; }
     /// Where a vertex of `vertex_bytes` lies.
     const std::byte* at(std::size_t t, std::size_t corner, std::size_t vertex_bytes) const noexcept {
@@ -47,13 +63,17 @@ private:
     RawTriangle read(std::size_t t) const noexcept {
         RawTriangle raw;
         for (std::size_t corner = 0; corner < 3; ++corner) {
-            T xyz[3];
-            std::memcpy(xyz, at(t, corner, 3 * sizeof(T)), sizeof xyz);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                raw.v[3 * corner + axis] = static_cast<double>(xyz[axis]);
-            }
+            const std::array<double, 3> xyz = read_corner<T>(t, corner);
+            std::copy(xyz.begin(), xyz.end(), raw.v + 3 * corner);
         }
         return raw;
+    }
+
+    template <class T>
+    std::array<double, 3> read_corner(std::size_t t, std::size_t corner) const noexcept {
+        T xyz[3];
+        std::memcpy(xyz, at(t, corner, 3 * sizeof(T)), sizeof xyz);
+        return {static_cast<double>(xyz[0]), static_cast<double>(xyz[1]), static_cast<double>(xyz[2])};
     }
 
     MeshView mesh_;
@@ -115,6 +135,22 @@ public:
         }
 #endif
         return raw;
+    }
+
+    /// One vertex: x, y, z.
+    std::array<double, 3> corner(std::size_t t, std::size_t corner) const noexcept {
+        std::array<double, 3> xyz;
+#ifdef __SSE2__
+        const Vertex placed = vertex(t, corner);
+        _mm_storeu_pd(xyz.data(), placed.xy);
+        _mm_store_sd(xyz.data() + 2, placed.z);
+#else
+        xyz = read_.corner(t, corner);
+        if (!identity_) {
+            in_floats_ ? move(floats_, xyz.data()) : move(doubles_, xyz.data());
+        }
+#endif
+        return xyz;
     }
 
 #ifdef __SSE2__

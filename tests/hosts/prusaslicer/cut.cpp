@@ -110,6 +110,11 @@ std::vector<stl_vertex> host_vertices(const std::vector<stl_vertex>& vertices, c
     return made;
 }
 
+lamella::MeshView view_of(const std::vector<stl_vertex>& vertices, const std::vector<stl_triangle_vertex_indices>& indices) {
+    return lamella::MeshView::indexed({reinterpret_cast<const float*>(vertices.data()), 3 * vertices.size()},
+                                      {reinterpret_cast<const std::uint32_t*>(indices.data()), 3 * indices.size()});
+}
+
 // Bits by vertex: not below the lowest height that a plane may get, not above the highest.
 //
 // The library moves vertices and planes by no more than three units of its grid.
@@ -191,10 +196,12 @@ lamella::Array<std::uint64_t> cut(const indexed_triangle_set& mesh, const std::v
     throw_on_cancel();
     Call call(heights, throw_on_cancel, take);
     call.options.region = rules;
-    const std::vector<stl_vertex> vertices = host_vertices(mesh.vertices, HostVertex(transform));
-    return call.slice(
-        lamella::MeshView::indexed({reinterpret_cast<const float*>(vertices.data()), 3 * vertices.size()},
-                                   {reinterpret_cast<const std::uint32_t*>(mesh.indices.data()), 3 * mesh.indices.size()}));
+    if (is_identity(transform)) {
+        call.options.transform = lamella::Transform::scale(frame_per_mm);
+        call.options.transform.arithmetic = lamella::Arithmetic::as_mesh;
+        return call.slice(view_of(mesh.vertices, mesh.indices));
+    }
+    return call.slice(view_of(host_vertices(mesh.vertices, HostVertex(transform)), mesh.indices));
 }
 
 void cut(const indexed_triangle_set& mesh, float height, const Transform3d& transform, const TakeLayer& take) {

@@ -1,0 +1,183 @@
+// Meshes whose vertices are placed once: what comes out must be what their triangles give corner by corner.
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/slicing.hpp"
+#include "slicing/buckets/indexed_triangles.hpp"
+
+using lamella::Arithmetic;
+using lamella::IndexType;
+using lamella::MeshView;
+
+namespace {
+
+/// Vertices as numbers of any type, whole mm, so that every type holds the same.
+template <class Number>
+struct Mesh {
+    std::vector<Number> xyz;
+    std::vector<std::uint32_t> indices;
+
+    MeshView view() const {
+        const lamella::CoordinateType type = [] {
+            if constexpr (std::is_same_v<Number, float>) {
+                return lamella::CoordinateType::f32;
+            } else if constexpr (std::is_same_v<Number, double>) {
+                return lamella::CoordinateType::f64;
+            } else if constexpr (std::is_same_v<Number, std::int32_t>) {
+                return lamella::CoordinateType::i32;
+            } else {
+                return lamella::CoordinateType::i64;
+            }
+        }();
+        return MeshView::indexed(reinterpret_cast<const std::byte*>(xyz.data()), xyz.size() / 3, 3 * sizeof(Number), type,
+                                 indices);
+    }
+    /// Three vertices of its own for each triangle.
+    std::vector<Number> soup() const {
+        std::vector<Number> numbers;
+        for (const std::uint32_t index : indices) {
+            numbers.insert(numbers.end(), xyz.begin() + 3 * index, xyz.begin() + 3 * index + 3);
+        }
+        return numbers;
+    }
+};
+
+/// Triangles of vertices that lie close together; some vertices lie in one place, some triangles have a vertex twice.
+template <class Number>
+Mesh<Number> tangle(std::size_t vertices, std::size_t triangles, unsigned seed) {
+    std::mt19937 random(seed);
+    Mesh<Number> mesh;
+    for (std::size_t v = 0; v < vertices; ++v) {
+        const bool doubled = v > 0 && v % 13 == 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto fresh = static_cast<Number>(static_cast<std::int64_t>(random() % 64 + v / 4) - 40);
+            mesh.xyz.push_back(doubled ? mesh.xyz[3 * (v - 1) + axis] : fresh);
+        }
+    }
+    for (std::size_t t = 0; t < triangles; ++t) {
+        const std::size_t near = random() % (vertices - 30);
+        for (int corner = 0; corner < 3; ++corner) {
+            mesh.indices.push_back(static_cast<std::uint32_t>(near + random() % 30));
+        }
+    }
+    return mesh;
+}
+
+struct Outcome {
+    std::uint64_t hash;
+    std::uint64_t degenerate;
+    std::uint64_t crossed;
+    std::vector<double> box;
+
+    friend bool operator==(const Outcome&, const Outcome&) = default;
+};
+
+Outcome outcome_of(const MeshView& mesh, const lamella::SliceOptions& options) {
+    const lamella::SliceResult result = sliced(mesh, options);
+    const lamella::SliceSummary& summary = result.summary;
+    Outcome outcome{hash_result(result), summary.degenerate, summary.crossed, {}};
+    outcome.box.insert(outcome.box.end(), summary.min_mm, summary.min_mm + 3);
+    outcome.box.insert(outcome.box.end(), summary.max_mm, summary.max_mm + 3);
+    return outcome;
+}
+
+std::vector<lamella::SliceOptions> ways_of_slicing() {
+    std::vector<lamella::SliceOptions> ways;
+    for (const double unit_mm : {0.0, 0.001, 2.5}) {
+        ways.push_back(uniform(7, unit_mm));
+        ways.push_back(uniform(7, unit_mm));
+        ways.back().plan.spacing = lamella::ExplicitPlanes{{-11, 3, 3, 90, 17.25, 12, 1000}};
+        ways.back().transform.m = {0.3, 0.7, -0.1, 4, 0.7, -0.3, 0.2, 0.1, 0.1, 0.2, 0.9, -2};
+        ways.back().control.threads = 3;
+        ways.push_back(ways.back());
+        ways.back().transform.arithmetic = Arithmetic::as_mesh;
+    }
+    return ways;
+}
+
+template <class Number>
+void check_against_soup() {
+    const Mesh<Number> mesh = tangle<Number>(900, 20000, 5);
+    REQUIRE(lamella::VertexTable::pays_for(mesh.view()));
+    const std::vector<Number> corners = mesh.soup();
+    const MeshView soup = MeshView::strided_soup(reinterpret_cast<const std::byte*>(corners.data()), corners.size() / 9,
+                                                 9 * sizeof(Number), mesh.view().coordinate_type);
+    for (const lamella::SliceOptions& options : ways_of_slicing()) {
+        INFO("unit " << options.unit_mm << ", arithmetic " << static_cast<int>(options.transform.arithmetic));
+        const Outcome expected = outcome_of(soup, options);
+        CHECK(expected.degenerate > 1000);
+        CHECK(expected.crossed > 100);
+        CHECK(outcome_of(mesh.view(), options) == expected);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("shared vertices give what a soup gives", "[engine][indexed][threads]") {
+    check_against_soup<float>();
+    check_against_soup<double>();
+    check_against_soup<std::int32_t>();
+    check_against_soup<std::int64_t>();
+}
+
+TEST_CASE("shared vertices are found by indices of any type and stride", "[engine][indexed]") {
+    const Mesh<float> mesh = tangle<float>(300, 2000, 7);
+    const Outcome expected = outcome_of(mesh.view(), uniform(3));
+    std::vector<std::uint64_t> records;  // three indices and a number that is none
+    for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
+        records.push_back(mesh.indices[i]);
+        if (i % 3 == 2) {
+            records.push_back(std::numeric_limits<std::uint64_t>::max());
+        }
+    }
+    const MeshView view = mesh.view();
+    CHECK(outcome_of(MeshView::indexed(view.vertices, view.vertex_count, view.stride, view.coordinate_type,
+                                       reinterpret_cast<const std::byte*>(records.data()), view.triangle_count,
+                                       4 * sizeof(std::uint64_t), IndexType::u64),
+                     uniform(3)) == expected);
+}
+
+TEST_CASE("vertices that no triangle has bound nothing and may be anything", "[engine][indexed]") {
+    Mesh<double> mesh = tangle<double>(300, 2000, 9);
+    const Outcome expected = outcome_of(mesh.view(), uniform(3));
+    for (const double stray : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
+        mesh.xyz.insert(mesh.xyz.end(), 3, stray);
+    }
+    REQUIRE(lamella::VertexTable::pays_for(mesh.view()));
+    CHECK(outcome_of(mesh.view(), uniform(3)) == expected);
+}
+
+TEST_CASE("what is wrong with an indexed mesh is named by its first triangle", "[engine][indexed][errors]") {
+    Mesh<double> mesh = tangle<double>(300, 20000, 11);
+    const auto at_triangle = [&mesh](std::size_t t) -> std::uint32_t& { return mesh.indices[3 * t + 1]; };
+    SECTION("an index that names no vertex") {
+        at_triangle(17000) = 300;
+        at_triangle(12345) = 4000000000U;
+        const lamella::Error error = failure_of(mesh.view(), uniform(3));
+        CHECK(error.code == lamella::ErrorCode::invalid_argument);
+        CHECK(error.message == "triangle 12345 has an index beyond the last vertex");
+    }
+    SECTION("a coordinate that is no number") {
+        mesh.xyz.insert(mesh.xyz.end(), {1, std::numeric_limits<double>::quiet_NaN(), 2});
+        at_triangle(12345) = 300;
+        const lamella::Error error = failure_of(mesh.view(), uniform(3));
+        CHECK(error.code == lamella::ErrorCode::bad_coordinate);
+        CHECK(error.message == "triangle 12345, vertex 1, y is not finite");
+    }
+    SECTION("a coordinate that is too large") {
+        mesh.xyz.insert(mesh.xyz.end(), {1, 2, -2e9});
+        at_triangle(12345) = 300;
+        CHECK(failure_of(mesh.view(), uniform(3)).message == "triangle 12345, vertex 1, z is beyond 1e9 mm");
+    }
+}
+
+TEST_CASE("meshes with vertices of their own are read corner by corner", "[engine][indexed]") {
+    const Mesh<float> few = tangle<float>(300, 299, 13);
+    CHECK_FALSE(lamella::VertexTable::pays_for(few.view()));
+    CHECK_FALSE(lamella::VertexTable::pays_for(MeshView::soup(std::span<const float>(few.xyz))));
+}

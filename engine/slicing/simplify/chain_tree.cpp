@@ -9,6 +9,7 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t leaf_edges = 8;
+constexpr std::uint64_t box_steps = 4;  ///< an edge takes one
 
 FlatBox around_both(const FlatBox& a, const FlatBox& b) noexcept {
     return {{std::min(a.low.x, b.low.x), std::min(a.low.y, b.low.y)},
@@ -68,7 +69,7 @@ void ChainTree::visit(std::size_t level, std::size_t at, Query& query) const {
     if (end <= query.first || begin >= query.last || query.on_chain) {
         return;
     }
-    ++query.steps;
+    query.steps += box_steps;
     const bool is_whole = query.first <= begin && end <= query.last;
     if (is_whole && !holds(boxes_[levels_[level] + at], query.p)) {
         query.winding += winding_of(points_[begin], points_[end], query.p);
@@ -76,6 +77,7 @@ void ChainTree::visit(std::size_t level, std::size_t at, Query& query) const {
         visit(level - 1, 2 * at, query);
         visit(level - 1, 2 * at + 1, query);
     } else {
+        query.steps += leaf_edges;
         for (std::size_t i = std::max(begin, query.first); i < std::min(end, query.last); ++i) {
             query.on_chain = query.on_chain || lies_on(query.p, points_[i], points_[i + 1]);
             query.winding += winding_of(points_[i], points_[i + 1], query.p);

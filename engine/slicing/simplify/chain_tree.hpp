@@ -29,8 +29,8 @@ public:
     void build(std::span<const Point> points, StopPace& pace);
 
     /// Whether `p` lies on the chain from points[first] to points[last], or within the ring of it and the line back; not
-    /// where it is one of these two points. `steps` grows by the boxes opened: O(log n) where those at each level lie apart,
-    /// O(n) at worst.
+    /// where it is one of these two points. `steps` grows by the boxes and edges looked at: O(log n) where those at each
+    /// level lie apart, O(n) at worst.
     bool encloses(std::size_t first, std::size_t last, Point p, std::uint64_t& steps) const;
 
 private:

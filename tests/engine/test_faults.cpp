@@ -180,6 +180,11 @@ TEST_CASE("every rule of regions fails cleanly at each of its allocations", "[en
     SECTION("outermost") {
         options.region.fill_rule = lamella::FillRule::outermost;
     }
+    SECTION("simplification") {
+        options.region.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::positive);
+        options.region.simplify_mm = 0.3;
+        options.origins = true;
+    }
     SECTION("marks") {
         options.region.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::positive);
         options.region.mark_near_mm = 0.6;

@@ -25,6 +25,7 @@ SLICING = [
     ["result", "nesting"],
     ["repair", "edges", "offset"],
     ["regions"],
+    ["simplify"],
     ["contours"],
     ["sweep"],
     ["part_slicer.hpp", "workspace.hpp"],

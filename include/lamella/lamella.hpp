@@ -39,5 +39,6 @@
 #include "lamella/region.hpp"
 #include "lamella/result.hpp"
 #include "lamella/sink.hpp"
+#include "lamella/slabs.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/version.hpp"

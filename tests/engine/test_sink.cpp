@@ -127,7 +127,7 @@ struct ManyLayers {
     lamella::Parallel parallel{lamella::Control{.threads = 2}};
     lamella::StopCheck stop;
     lamella::ProgressMeter progress{lamella::Progress{}};
-    lamella::SweepInput input{planes, buckets, bands, parallel, stop, progress, scratch, result};
+    lamella::SweepInput input{planes, buckets, bands, parallel, stop, progress, scratch, false, result};
 };
 
 }  // namespace

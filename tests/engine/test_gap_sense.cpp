@@ -57,7 +57,7 @@ struct Joined {
 Joined joined(const std::vector<Line>& lines, double reach, GapSense sense) {
     std::vector<lamella::Polyline> polylines;
     for (const Line& line : lines) {
-        polylines.push_back({line.points, {}, static_cast<std::uint32_t>(line.points.size() - 1), line.flags});
+        polylines.push_back({line.points, nullptr, {}, static_cast<std::uint32_t>(line.points.size() - 1), line.flags});
     }
     lamella::PolylineRepair repair(nullptr);
     lamella::Vector<lamella::ClosedGap> gaps(nullptr);

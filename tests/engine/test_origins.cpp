@@ -316,7 +316,8 @@ TEST_CASE("validate() finds origins that do not suit the result or the mesh", "[
     CHECK(complaint([](Origin& origin) { origin.part = 1; }) ==
           "contour 0, point 0: the origin's part is not the contour's");
     // Seen by the mesh.
-    CHECK(complaint([](Origin& origin) { origin = {}; }) == here + "no origin, though nothing was made or joined here");
+    CHECK(complaint([](Origin& origin) { origin = {}; }) ==
+          here + "no origin, though nothing was made, joined or simplified here");
     CHECK(complaint([](Origin& origin) { origin.triangle = 0; }) == here + "the plane does not cut the origin's triangle");
     CHECK(complaint([](Origin& origin) { origin.triangle = 9; }) ==
           here + "the point does not lie on the edge that its origin names");

@@ -21,8 +21,8 @@
 //     plane 0   --------|-----|--------
 //                       '-----'             downward: to plane 0
 //
-// So the upward faces of a closed mesh between planes i and i + 1 are the top surface of layer i. Where none of them lies
-// above another, that is what layer i has and layer i + 1 has not. Upward pieces below the lowest plane and downward pieces
+// So the upward faces of a closed mesh between planes i and i + 1 are the top surface of layer i: where nothing overhangs
+// between these planes, what layer i has and layer i + 1 has not. Upward pieces below the lowest plane and downward pieces
 // above the highest one project to none. Two planes, far below and far above the mesh, give the whole shadow: of upward
 // faces in layer 0, of downward ones in layer 1.
 //
@@ -76,7 +76,7 @@ struct Slabs {
 ///
 /// n triangles, m pieces, q points left of a layer when its edges between pieces have cancelled: O(n + k + m) for k uniform
 /// planes, O(n log k + k + m) otherwise, and O(q log q) a layer for the region, as region_of(). Threads share triangles,
-/// then slabs: all pieces of a layer are united by one thread. Memory from `control.memory`: 8 bytes a piece, about 100 a
+/// then slabs: all pieces of a layer are united by one thread. Memory from `control.memory`: 8 bytes a piece, about 200 a
 /// piece of the largest layer for each thread, and the result; some counters and objects of a fixed size take operator new.
 /// A result is refused as too large by its layers and pieces, before either is stored. Not for make_ledger() and
 /// certify_volume(). Errors: those of slice(), and invalid_argument (neither top nor bottom, a fill rule in `region`).

@@ -1,8 +1,9 @@
 # Prints a C++ function for each example in the files named: of a header the first run of lines at its head that begin with
 # "//     ", of a page every block between ```cpp and ```. What the examples take for granted are the function's parameters.
+# The functions are listed at the end, with the place of each.
 BEGIN {
     print "#include <cstdint>\n#include <cstdio>\n#include <cstdlib>\n#include <thread>\n#include <vector>\n"
-    print "#include \"lamella/io.hpp\"\n#include \"lamella/lamella.hpp\"\n"
+    print "#include \"examples/examples.hpp\"\n#include \"lamella/io.hpp\"\n#include \"lamella/lamella.hpp\"\n"
 }
 FNR == 1 { end_file(); file = FILENAME; examples = 0; is_header = file ~ /[.]hpp$/; past_head = 0 }
 
@@ -14,7 +15,14 @@ is_header { end_example(); next }
 /^```cpp$/ { in_page = 1; next }
 in_page { line($0) }
 
-END { end_file() }
+END {
+    end_file()
+    print "const std::vector<Example>& all_examples() {\n    static const std::vector<Example> all = {"
+    for (i = 1; i <= number; ++i) {
+        print "        {\"" places[i] "\", example_" i "},"
+    }
+    print "    };\n    return all;\n}"
+}
 
 function line(text) {
     if (!inside) {
@@ -23,6 +31,9 @@ function line(text) {
         print "void example_" ++number "([[maybe_unused]] const lamella::MeshView& mesh,"
         print "    [[maybe_unused]] const lamella::SliceResult& result, [[maybe_unused]] lamella::SliceOptions& options) {"
         print "#line " FNR " \"" FILENAME "\""
+        place = FILENAME
+        sub(/.*\//, "", place)
+        places[number] = place " " examples
     }
     print text
 }

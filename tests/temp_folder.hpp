@@ -33,7 +33,9 @@ public:
     const std::filesystem::path& path() const noexcept { return path_; }
     std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
+    /// A file of that name goes first: when one is cut to nothing and written anew, ext4 waits for the disk.
     std::filesystem::path write(const std::string& name, std::string_view bytes) const {
+        std::filesystem::remove(path_ / name);
         std::ofstream(path_ / name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
         return path_ / name;
     }

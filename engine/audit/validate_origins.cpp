@@ -129,7 +129,8 @@ private:
         const PointOrigin& origin = result_.origins_of(contour)[i];
         const bool is_plain = result_.region.rule_of(layer) == FillRule::contours;
         if (origin.triangle == no_triangle) {
-            return is_plain && (contour.flags & gap_closed) == 0 ? "no origin, though nothing was made or joined here" : "";
+            const bool as_walked = is_plain && (contour.flags & gap_closed) == 0 && result_.region.simplify_mm == 0;
+            return as_walked ? "no origin, though nothing was made, joined or simplified here" : "";
         }
         const MeshView& mesh = parts_[origin.part].mesh;
         if (origin.triangle >= mesh.triangle_count) {

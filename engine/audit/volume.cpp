@@ -135,7 +135,7 @@ public:
         measure();
         certificate_.mesh_mm3 = static_cast<double>(sums_.six_volumes) / 6 * 8 * cube_mm3();
         certificate_.verdict = volumes_agree() ? VolumeVerdict::holds : VolumeVerdict::volumes_differ;
-        if (!result_.region.keeps_contours() || !result_.closed_gaps.empty()) {
+        if (!result_.region.keeps_contours() || result_.region.simplify_mm > 0 || !result_.closed_gaps.empty()) {
             certificate_.verdict = VolumeVerdict::not_as_walked;
         } else if (!compare_layers()) {
             certificate_.verdict = VolumeVerdict::areas_differ;

@@ -229,7 +229,7 @@ void Slicing::bucket_triangles() {
 }
 
 Status Slicing::sweep_bands() {
-    kept_.last_made_regions = !options_.region.keeps_contours() || options_.region.mark_near_mm > 0;
+    kept_.last_made_regions = !options_.region.leaves_contours();
     kept_.sweeps_made_regions = kept_.sweeps_made_regions || kept_.last_made_regions;
     kept_.sweeps.resize(std::max(kept_.sweeps.size(), static_cast<std::size_t>(parallel_.threads())));
     if (Status status = output_.take_bands(sweep_input(), [this](BandTarget& target) { sweep_all_into(target); }); !status) {

@@ -6,18 +6,14 @@
 
 namespace lamella {
 
-namespace {
+namespace detail {
 
-std::uint64_t half_of_memory() {
+std::uint64_t usual_memory_limit() {
     const auto pages = static_cast<std::uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
     return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) / 2;
 }
 
-}  // namespace
-
-namespace detail {
-
-WorkspaceParts::WorkspaceParts(const Memory* host) : counted(host), usual_limit(half_of_memory()) {}
+WorkspaceParts::WorkspaceParts(const Memory* host) : counted(host), usual_limit(usual_memory_limit()) {}
 
 const Parallel& WorkspaceParts::parallel_for(const Control& control) {
     if (parallel == nullptr || !parallel->serves(control)) {

@@ -18,6 +18,9 @@
 
 namespace lamella::detail {
 
+/// Half of physical memory: what results may take where the caller says nothing. The system takes half a microsecond for it.
+std::uint64_t usual_memory_limit();
+
 struct WorkspaceParts {
     explicit WorkspaceParts(const Memory* host);
 
@@ -30,7 +33,7 @@ struct WorkspaceParts {
 
     CountedMemory counted;
     const Memory* memory = counted.memory();
-    std::uint64_t usual_limit;  ///< half of physical memory, for which the system takes half a microsecond
+    std::uint64_t usual_limit;
     std::unique_ptr<Parallel> parallel;
     BlockTable blocks{memory};
     VertexTable vertices{memory};

@@ -14,7 +14,7 @@
 //
 //     call                                           threads, executor  stop                progress  memory
 //     slice(), slice_parts()                         yes                yes                 yes       result and scratch
-//     prepare()                                      yes                yes                 yes       result and scratch
+//     prepare(), slice_slabs()                       yes                yes                 yes       result and scratch
 //     slice_to(), slice_into()                       yes                yes                 yes       scratch
 //     bound_output()                                 yes                yes                 -         scratch
 //     assemble()                                     calling thread     yes                 yes       result and scratch
@@ -26,7 +26,7 @@
 //     find_crossings()                               yes                yes                 yes       -
 //     write_svg()                                    calling thread     yes                 yes       -
 //
-// A slice looks for a stop every few milliseconds, and so do prepare() and region_of(), whatever its rules.
+// A slice looks for a stop every few milliseconds, and so do prepare(), slice_slabs() and region_of(), whatever its rules.
 //
 // Calls may be made from several threads at once, and from within the tasks and loops of oneTBB, OpenMP or the host's own
 // pool: each uses at most its own number of threads, and none waits for another. What takes some 20 us is done by the

@@ -5,7 +5,8 @@
 //         std::printf("%zu layers, %zu contours\n", sliced->layers.size(), sliced->contours.size());
 //     }
 //
-// Which call to make when. Slicing one mesh again and again, at other heights or by other rules: prepare() it once.
+// Which call to make when. Slicing one mesh again and again, at other heights or by other rules: prepare() it once. Top and
+// bottom surfaces of layers: slice_slabs().
 // Before slicing, inspect() says in O(n) whether a mesh is closed and what its box is; check() takes longer and says
 // what is wrong with it and where, down to faces that cross. Slicing itself needs neither. After slicing, make_ledger()
 // says what of the mesh no layer shows: parts that lie between two planes. certify_volume() compares areas and volumes
@@ -39,5 +40,6 @@
 #include "lamella/region.hpp"
 #include "lamella/result.hpp"
 #include "lamella/sink.hpp"
+#include "lamella/slabs.hpp"
 #include "lamella/slice.hpp"
 #include "lamella/version.hpp"

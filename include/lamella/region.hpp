@@ -17,6 +17,7 @@
 //     outermost      holes, and what lies in them, go
 //     largest_only   all but the outer contour of the largest area, with its holes, go
 //     drop_collinear points within straight lines go
+//     simplify_mm    points within so much of the lines that replace them go
 //     mark_near_mm   contours that closing would change now are marked
 //
 // The contours of a region have their solid on the left and cross nowhere, but may touch in points. Solid does not hang
@@ -78,7 +79,7 @@ struct FillFrom {
 /// SliceSummary::open_contours counts them. Layers of which nothing is left are empty; SliceSummary::emptied_layers counts
 /// them. Closing, offset, largest_only and drop_collinear need a rule other than `contours` in every layer.
 ///
-/// Lengths are 0, which does nothing, or at least a grid unit. They are moved edge by edge, with miter joins. What they may
+/// Lengths are 0, which does nothing, or at least a grid unit. Edges are moved one by one, with miter joins. What they may
 /// reach must lie on the grid: the farthest coordinate plus max(2, miter_limit) times the larger of close_mm + |offset_mm|
 /// and mark_near_mm is at most grid_limit units. What cannot be done is invalid_argument before anything is cut.
 struct RegionRules {
@@ -95,10 +96,19 @@ struct RegionRules {
     /// the unit.
     double mark_near_mm = 0;
     bool drop_collinear = false;  ///< only points exactly on the line between their neighbours
+    /// Points go that lie within so much, in whole grid units, of the line that replaces them and their neighbours that go;
+    /// the line lies as near to the contour that was. Any rule will do; open polylines are simplified too. Starts, ends of
+    /// polylines, three points of a closed contour and the sign of its area stay; contours without area stay whole. No line
+    /// crosses or touches another edge, or passes a contour by on the other side: where it would, and where contours met
+    /// before, points stay. Contour::segments stays too, but for contours that were made, whose edges it counts. Layers stay
+    /// whole where edges come near one another so often that to compare them would take more than O(m log m) for m points.
+    double simplify_mm = 0;
 
     FillRule rule_of(std::uint64_t layer) const noexcept;
-    /// Whether every layer keeps its contours as the mesh gives them.
+    /// Whether every layer keeps its contours as the mesh gives them, but for simplify_mm.
     bool keeps_contours() const noexcept;
+    /// Whether nothing at all is done.
+    bool leaves_contours() const noexcept { return keeps_contours() && simplify_mm == 0 && mark_near_mm == 0; }
 };
 
 /// The region that closed contours bound, with outers and holes, parents, and in the order of SliceResult. A contour's last

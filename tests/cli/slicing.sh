@@ -108,6 +108,16 @@ cube() {
     } > "$1"
 }
 
+test_simplify() {
+    cube cube.stl 0 6
+    expect 0 slice cube.stl --planes 2 --simplify 0.01 -o out.svg --report report.json
+    expect_json report.json 0.01 region simplify_mm
+    expect_json report.json 4 points
+    grep -qxF 'dropped   points within 0.01 mm of the lines left' .stdout || fail "the summary does not say what was dropped"
+    grep -qF 'Contours simplified by at most 0.01 mm' out.svg || fail "the SVG does not say what was dropped"
+    expect_failure 2 "the tolerance of simplification" slice cube.stl --simplify -1
+}
+
 test_regions() {
     cube left.stl 0 6
     cube right.stl 5 6

@@ -146,6 +146,19 @@ TEST_CASE("a slice into the host's arrays fails cleanly at each of its allocatio
     });
 }
 
+TEST_CASE("slabs fail cleanly at each of their allocations", "[engine][faults][slabs]") {
+    const shapes::Soup soup = everything();
+    lamella::SlabOptions options;
+    options.plan.spacing = lamella::UniformLayers{0.4};
+    options.region.drop_collinear = true;
+    options.region.close_mm = GENERATE(0.0, 0.6);
+    options.control.threads = GENERATE(1, 3);
+    fail_everywhere([&](const Memory* memory) {
+        options.control.memory = memory;
+        return code_of(slice_slabs(view_of(soup), options));
+    });
+}
+
 TEST_CASE("a slice by random planes fails cleanly at each of its allocations", "[engine][faults]") {
     SliceOptions options;
     options.plan.spacing = lamella::RandomLayers{0.2, 0.6, 4};
@@ -179,6 +192,11 @@ TEST_CASE("every rule of regions fails cleanly at each of its allocations", "[en
     }
     SECTION("outermost") {
         options.region.fill_rule = lamella::FillRule::outermost;
+    }
+    SECTION("simplification") {
+        options.region.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::positive);
+        options.region.simplify_mm = 0.3;
+        options.origins = true;
     }
     SECTION("marks") {
         options.region.fill_rule = GENERATE(lamella::FillRule::contours, lamella::FillRule::positive);

@@ -120,6 +120,13 @@ public:
                  const auto nothing = [](const lamella::LayerView&) noexcept {};
                  return code_of(lamella::slice_to(lamella::LayerSink::to(nothing, lamella::SinkOrder::any), view, options));
              }},
+            {"slice_slabs",
+             [=](const Control& c) {
+                 lamella::SlabOptions options;
+                 options.plan = uniform(0.02).plan;
+                 options.control = c;
+                 return code_of(lamella::slice_slabs(view, options));
+             }},
             {"slice_into", [=](const Control& c) { return code_of(slice_into_arrays(view, c)); }},
             {"make_ledger", [=, this](const Control& c) { return code_of(lamella::make_ledger(view, result(), c)); }},
             {"certify_volume", [=, this](const Control& c) { return code_of(lamella::certify_volume(view, result(), c)); }},
@@ -319,6 +326,20 @@ TEST_CASE("preparing a mesh looks for a stop every 20 ms", "[engine][prepare][st
         options.control = c;
         return code_of(lamella::slice(*prepared, options));
     }) <= most_slice_ms);
+}
+
+TEST_CASE("projecting a large mesh onto one layer looks for a stop every 20 ms", "[engine][slabs][stops]") {
+    const ScannedBone bone;
+    const shapes::Soup needles = burst(triangles / 100);
+    lamella::SlabOptions options;
+    options.plan.spacing = lamella::ExplicitPlanes{{-1e6, 1e6}};
+    for (const lamella::MeshView& mesh : {bone.mesh().view(), view_of(needles)}) {
+        AskGaps gaps;
+        CHECK(gaps.longest_of([&](const Control& c) {
+            options.control = c;
+            return code_of(lamella::slice_slabs(mesh, options));
+        }) <= most_slice_ms);
+    }
 }
 
 TEST_CASE("the region of contours that cross 230,400 times looks for a stop every 20 ms", "[engine][fill][stops]") {

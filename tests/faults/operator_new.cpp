@@ -262,6 +262,7 @@ TEST_CASE("regions take what grows with the layer from the host's memory", "[fau
     rules.offset_mm = GENERATE(0, -5);
     rules.mark_near_mm = GENERATE(0, 40);
     rules.drop_collinear = true;
+    rules.simplify_mm = GENERATE(0, 3);
     CHECK(blocks_of_region(2, rules) == blocks_of_region(3000, rules));
 }
 
@@ -273,6 +274,7 @@ TEST_CASE("regions survive failing operator new", "[faults]") {
     options.region.offset_mm = -0.2;
     options.region.mark_near_mm = 0.3;
     options.region.drop_collinear = true;
+    options.region.simplify_mm = 0.1;
     fail_everywhere([&] { return code_of(slice(view_of(soup), options)); });
 }
 

@@ -159,6 +159,24 @@ void check_marks(const Rings& rings, RegionRules rules) {
                   "marks do not depend on order and starts");
 }
 
+/// What is simplified keeps its contours, their starts and roles, and crosses nowhere.
+void check_simplified(const Rings& rings, RegionRules rules, const LayerContours& made) {
+    rules.simplify_mm = std::max(1.0, rules.close_mm);
+    const auto simplified = region(rings, rules);
+    const auto again = region(regions::shuffled(rings, 7), rules);
+    fuzz::require(simplified.ok() && again.ok() && regions::same(*simplified, *again),
+                  "simplification does not depend on order and starts");
+    const std::string broken = regions::broken_promise(*simplified);
+    fuzz::require(broken.empty(), "simplified: " + broken);
+    const bool same_contours =
+        std::equal(made.contours.begin(), made.contours.end(), simplified->contours.begin(), simplified->contours.end(),
+                   [&](const lamella::Contour& a, const lamella::Contour& b) {
+                       return a.role == b.role && a.parent == b.parent && a.point_count >= b.point_count &&
+                              made.points[a.first_point] == simplified->points[b.first_point];
+                   });
+    fuzz::require(same_contours, "simplification keeps contours, starts, roles and parents");
+}
+
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -185,5 +203,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     check_itself(*made);
     check_closing(rings, rules, *made);
     check_offset(rings, rules, *made);
+    check_simplified(rings, rules, *made);
     return 0;
 }

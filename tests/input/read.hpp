@@ -59,6 +59,14 @@ inline std::vector<Facet> read_facets(const std::filesystem::path& path) {
     });
 }
 
+/// One of those four ways: for loops over so many files that each is read once.
+inline Result<MeshFile> read_in_turn(const std::filesystem::path& path, std::size_t turn) {
+    ReadOptions options;
+    options.control.threads = turn % 4 == 3 ? 3 : 1;
+    options.map_file = turn % 2 == 1;
+    return read_mesh(path, options);
+}
+
 /// The error of a file that must be refused: the same read and mapped, one line that names the file.
 inline Error read_error(const std::filesystem::path& path) {
     Error first;

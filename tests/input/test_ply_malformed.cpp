@@ -70,9 +70,11 @@ TEST_CASE("a PLY file cut off anywhere is refused", "[input][ply]") {
             continue;  // what is left of the last number is a number, too
         }
         CAPTURE(length);
-        const Error error = malformed(dir, cut);
-        CHECK(error.byte_offset >= 0);
-        CHECK(error.byte_offset <= static_cast<std::int64_t>(length));
+        const Result<MeshFile> mesh = read_in_turn(dir.write("a.ply", cut), length);
+        REQUIRE_FALSE(mesh.ok());
+        CHECK(mesh.error().code == ErrorCode::malformed_mesh);
+        CHECK(mesh.error().byte_offset >= 0);
+        CHECK(mesh.error().byte_offset <= static_cast<std::int64_t>(length));
     }
 }
 

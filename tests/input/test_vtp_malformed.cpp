@@ -23,7 +23,7 @@ TEST_CASE("VTP cut off anywhere is refused", "[input][vtp]") {
         format == "raw" || format == "base64" ? whole.rfind("</AppendedData") + 14 : whole.rfind('>') + 1;
     for (std::size_t length = whole.find("<VTKFile") + 8; length < complete; ++length) {
         INFO(length);
-        const Result<MeshFile> mesh = read_mesh(dir.write("a.vtp", whole.substr(0, length)));
+        const Result<MeshFile> mesh = read_in_turn(dir.write("a.vtp", whole.substr(0, length)), length);
         REQUIRE_FALSE(mesh.ok());
         CHECK(mesh.error().code == ErrorCode::malformed_mesh);
     }

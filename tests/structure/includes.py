@@ -25,12 +25,13 @@ SLICING = [
     ["result", "nesting"],
     ["repair", "edges", "offset"],
     ["regions"],
+    ["simplify"],
     ["contours"],
     ["sweep"],
     ["part_slicer.hpp", "workspace.hpp"],
     ["prepared_parts.hpp"],
     ["workspace.cpp", "slice.cpp", "prepare.cpp"],
-    ["parts", "handover"],
+    ["parts", "handover", "slabs"],
 ]
 
 # Two ways to sweep, neither of which knows the other.
@@ -40,7 +41,7 @@ PEERS = [("slicing/sweep/band_sweep", "slicing/sweep/wide_plane")]
 PUBLIC = {
     "array": "base", "control": "base", "error": "base", "integer128": "base", "memory": "base", "version": "base",
     "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "parts": "slicing", "planes": "slicing", "prepare": "slicing", "region": "slicing",
-    "host_output": "slicing", "islands": "slicing", "sink": "slicing",
+    "host_output": "slicing", "islands": "slicing", "sink": "slicing", "slabs": "slicing",
     "result": "slicing", "slice": "slicing",
     "lamella": "audit", "lamella.h": "c", "io": "io",
 }  # fmt: skip

@@ -180,6 +180,9 @@ void declare_region(CLI::App& command, SliceArguments& arguments) {
                     "Cut corners off that --close or --offset would move farther than N times its MM (3)")
         ->type_name("N");
     command.add_flag("--drop-collinear", rules.drop_collinear, "Drop points that lie within straight lines");
+    command
+        .add_option("--simplify", rules.simplify_mm, "Drop points that lie within MM of the lines left, last of all (off)")
+        ->type_name("MM");
     command.add_flag("--largest-only", rules.largest_only, "Keep the largest contour of a layer only, with its holes");
     command
         .add_option("--mark-near", rules.mark_near_mm,

@@ -72,6 +72,11 @@ std::string rules_by_layer(const RegionRules& rules) {
     return text;
 }
 
+std::string simplified(const RegionRules& rules) {
+    return rules.simplify_mm == 0 ? ""
+                                  : "dropped   points within " + exact_text(rules.simplify_mm) + " mm of the lines left\n";
+}
+
 /// How closed contours became regions, and what was left as it is.
 std::string regions(const SliceResult& result) {
     const RegionRules& rules = result.region;
@@ -81,7 +86,7 @@ std::string regions(const SliceResult& result) {
                 exact_text(2 * rules.mark_near_mm) + " mm were closed\n";
     }
     if (rules.keeps_contours()) {
-        return text;
+        return simplified(rules) + text;
     }
     text += "filled    " + rules_by_layer(rules) + "\n";
     if (rules.close_mm > 0) {
@@ -97,6 +102,7 @@ std::string regions(const SliceResult& result) {
     if (rules.drop_collinear) {
         text += "dropped   points within straight lines\n";
     }
+    text += simplified(rules);
     if (result.summary.open_contours > 0) {
         text += "left      " + counted(result.summary.open_contours, "open polyline") + " as cut: they bound no region\n";
     }

@@ -42,6 +42,9 @@ std::string describe_region(const RegionRules& rules) {
     if (rules.drop_collinear) {
         text += ". Points within straight lines dropped";
     }
+    if (rules.simplify_mm > 0) {
+        text += ". Contours simplified by at most " + exact_text(rules.simplify_mm) + " mm";
+    }
     if (rules.mark_near_mm > 0) {
         text += ". Contours marked that closing by " + exact_text(rules.mark_near_mm) + " mm would change";
     }

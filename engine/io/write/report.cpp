@@ -255,7 +255,7 @@ void write_weld(JsonText& json, const WeldedMesh& welded) {
 /// Whether anything but one fill rule for all layers was asked for.
 bool goes_beyond_one_rule(const RegionRules& rules) {
     return !rules.fill_from.empty() || rules.largest_only || rules.close_mm > 0 || rules.offset_mm != 0 ||
-           rules.mark_near_mm > 0 || rules.drop_collinear;
+           rules.mark_near_mm > 0 || rules.drop_collinear || rules.simplify_mm > 0;
 }
 
 void write_region(JsonText& json, const SliceResult& result) {
@@ -272,6 +272,9 @@ void write_region(JsonText& json, const SliceResult& result) {
         json.member("miter_limit", rules.miter_limit);
         json.member("largest_only", rules.largest_only);
         json.member("drop_collinear", rules.drop_collinear);
+        if (rules.simplify_mm > 0) {
+            json.member("simplify_mm", rules.simplify_mm);
+        }
         json.member("mark_near_mm", rules.mark_near_mm);
         json.member("near_contours", result.summary.near_contours);
         json.member("emptied_layers", result.summary.emptied_layers);

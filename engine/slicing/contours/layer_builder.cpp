@@ -1,6 +1,7 @@
 #include "slicing/contours/layer_builder.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "base/clock.hpp"
@@ -32,6 +33,7 @@ LayerBuilder::LayerBuilder(const Memory* memory)
       nester_(memory),
       regions_(memory),
       region_nesting_(memory),
+      simplifier_(memory),
       contours_(memory),
       items_(memory),
       polylines_(memory),
@@ -53,6 +55,7 @@ void LayerBuilder::follow(const StopCheck& host) noexcept {
     repair_.follow(host);
     nester_.follow(host);
     regions_.follow(host);
+    simplifier_.follow(host);
 }
 
 void LayerBuilder::build(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, BandOutput& out) {
@@ -143,16 +146,32 @@ void LayerBuilder::sort_by_start() {
 
 void LayerBuilder::nest(FillRule rule) {
     const bool marks = rules.region != nullptr && rules.region->mark_near_mm > 0;
+    const bool simplifies = rules.region != nullptr && rules.region->simplify_mm > 0;
     const std::uint64_t before = timed ? ticks() : 0;
     if (rule != FillRule::contours) {
         apply_rules(rule);
-    } else {
+    }
+    if (simplifies) {
+        simplify();
+    }
+    if (rule == FillRule::contours) {
         nester_.nest(items_);
     }
     if (marks) {
         regions_.mark_near(items_, rules.region->mark_near_mm / rules.unit_mm, rules.region->miter_limit, nester_);
     }
-    fill_ticks += timed && (marks || rule != FillRule::contours) ? ticks() - before : 0;
+    fill_ticks += timed && (marks || simplifies || rule != FillRule::contours) ? ticks() - before : 0;
+}
+
+/// A region keeps its parents and roles: no contour of it crosses another, before or after.
+void LayerBuilder::simplify() {
+    const double units = std::floor(rules.region->simplify_mm / rules.unit_mm);
+    constexpr double most = 2.0 * grid_limit;
+    simplifier_.run(items_, static_cast<std::int64_t>(std::min(units, most)));
+    for (std::size_t i = 0; i < items_.size(); ++i) {
+        LayerContour& contour = contours_[order_.contour_of(i)];
+        contour.segments = contour.made ? items_[i].count : contour.segments;
+    }
 }
 
 void LayerBuilder::apply_rules(FillRule rule) {
@@ -214,6 +233,7 @@ void LayerBuilder::replace_by_rings() {
                 contours_.back().item.flags = flags;
             } else {
                 contours_.push_back(contour);
+                contours_.back().made = true;
             }
         }
         contours_.back().item.part = ring.item.part;

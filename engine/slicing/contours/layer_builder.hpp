@@ -4,6 +4,7 @@
 //     repair           open polylines joined over gaps, where asked for
 //     canonical_order  contours by start
 //     nesting          parents and roles (regions, where a fill rule is asked for: what is filled, then parents and roles)
+//     simplify         points that a tolerance spares go, before nesting or after what a fill rule makes, where asked for
 //     canonical_order  holes after their outers
 //     append           the result's contours and points
 #pragma once
@@ -22,6 +23,7 @@
 #include "slicing/regions/regions.hpp"
 #include "slicing/repair/polylines.hpp"
 #include "slicing/result/band_output.hpp"
+#include "slicing/simplify/simplifier.hpp"
 
 namespace lamella {
 
@@ -78,6 +80,7 @@ private:
     void sort_by_start();
     void nest(FillRule rule);
     void apply_rules(FillRule rule);
+    void simplify();
     void replace_by_rings();
     std::size_t rewrite(const Ring& ring, std::span<Point> points, PointOrigin* origins) const;
     bool is_rewritten(const Ring& ring) const noexcept;
@@ -92,6 +95,7 @@ private:
     Nester nester_;
     Regions regions_;
     RegionNesting region_nesting_;
+    Simplifier simplifier_;
     Vector<LayerContour> contours_;  // of the plane; a fill rule replaces the closed ones
     Vector<NestItem> items_;         // of contours_, by start
     Vector<Polyline> polylines_;     // the open ones of contours_, for repair

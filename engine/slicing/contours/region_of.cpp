@@ -75,7 +75,7 @@ Vector<GivenContour> list_given(ContoursView contours, const Memory* memory, Sto
     for (const std::span<const Point> contour : contours) {
         pace.spend(1);
         if (!contour.empty()) {
-            given.push_back({.points = contour, .segments = static_cast<std::uint32_t>(contour.size())});
+            given.push_back({.points = contour, .origins = {}, .segments = static_cast<std::uint32_t>(contour.size())});
         }
     }
     return given;

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/little_endian.hpp"
+#include "base/rounding.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {
@@ -47,5 +48,17 @@ private:
         return v;
     }
 };
+
+/// Where an edge that does not lie level pierces the plane at `z`, which is between its ends; the arithmetic of
+/// Kernels::pierce.
+inline Point pierced_point(const MeshEdge& edge, std::int32_t z) noexcept {
+    const GridVertex lower = edge.lower();
+    const GridVertex upper = edge.upper();
+    const double height = static_cast<double>(upper.z) - lower.z;
+    const double slope_x = (static_cast<double>(upper.x) - lower.x) / height;
+    const double slope_y = (static_cast<double>(upper.y) - lower.y) / height;
+    const auto rise = static_cast<double>(std::int64_t{z} - lower.z);
+    return {round_to_int(lower.x + slope_x * rise), round_to_int(lower.y + slope_y * rise)};
+}
 
 }  // namespace lamella

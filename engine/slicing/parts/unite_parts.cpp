@@ -9,6 +9,7 @@
 #include "base/vector.hpp"
 #include "slicing/contours/layer_builder.hpp"
 #include "slicing/result/band_output.hpp"
+#include "slicing/result/stacked_outputs.hpp"
 
 namespace lamella {
 
@@ -35,29 +36,14 @@ public:
     }
 
     void place_all() {
-        const std::size_t layers = apart_.layers.size();
-        std::vector<Begin> begins;
-        Begin next;
-        united_.layers.resize_discarding(layers);
-        for (const auto& output : outputs_) {
-            begins.push_back(next);
-            next.contour += output->contours.size();
-            next.point += output->point_count;
-            counts_.add(output->counts);
-        }
-        united_.contours.resize_discarding(next.contour);
-        united_.points.resize_discarding(next.point);
-        united_.origins.resize_discarding(apart_.origins.empty() ? 0 : next.point);
-        parallel_.run(outputs_.size(), [&](std::size_t task, int) { place(task, begins[task]); });
+        united_.layers.resize_discarding(apart_.layers.size());
+        std::copy(apart_.layers.begin(), apart_.layers.end(), united_.layers.begin());
+        counts_ = stack_outputs(outputs_, !apart_.origins.empty(), parallel_, united_);
     }
 
     const ContourCounts& counts() const noexcept { return counts_; }
 
 private:
-    struct Begin {
-        std::uint64_t contour = 0;
-        std::uint64_t point = 0;
-    };
     struct Worker {
         explicit Worker(const Memory* memory) : builder(memory), given(memory) {}
         LayerBuilder builder;
@@ -102,26 +88,6 @@ private:
 
     std::span<const PointOrigin> origins_of(const Contour& contour) const noexcept {
         return apart_.origins.empty() ? std::span<const PointOrigin>() : apart_.origins_of(contour);
-    }
-
-    void place(std::size_t task, Begin begin) {
-        const BandOutput& output = *outputs_[task];
-        std::copy_n(output.points, output.point_count, united_.points.data() + begin.point);
-        if (output.with_origins) {
-            std::copy_n(output.origins, output.point_count, united_.origins.data() + begin.point);
-        }
-        for (std::size_t c = 0; c < output.contours.size(); ++c) {
-            Contour& contour = united_.contours[begin.contour + c] = output.contours[c];
-            contour.first_point += begin.point;
-            contour.parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(begin.contour);
-        }
-        std::uint64_t first = begin.contour;
-        for (std::size_t i = 0; i < output.layer_contours.size(); ++i) {
-            Layer& layer = united_.layers[output.first_layer + i] = apart_.layers[output.first_layer + i];
-            layer.first_contour = first;
-            layer.contour_count = output.layer_contours[i];
-            first += layer.contour_count;
-        }
     }
 
     const SliceResult& apart_;

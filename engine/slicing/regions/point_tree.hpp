@@ -44,6 +44,12 @@ public:
         find(0, nodes_.size(), {least, most}, edge, see);
     }
 
+    /// Calls see(point, number) for each point in `box`, its sides included, until it returns false.
+    template <class See>
+    void find_in(const FlatBox& box, See see) const {
+        find_in(0, nodes_.size(), box, see);
+    }
+
 private:
     struct Node {
         Point point;
@@ -97,6 +103,30 @@ private:
         if (edge.box.meets(above)) {
             find(middle + 1, end, above, edge, see);
         }
+    }
+
+    /// Whether to go on.
+    template <class See>
+    bool find_in(std::size_t begin, std::size_t end, const FlatBox& box, See& see) const {
+        if (end - begin <= leaf) {
+            for (std::size_t i = begin; i < end; ++i) {
+                if (!see_in(nodes_[i], box, see)) {
+                    return false;
+                }
+            }
+            return true;
+        }
+        const std::size_t middle = begin + (end - begin) / 2;
+        const Node& node = nodes_[middle];
+        const bool below = node.by_x != 0 ? box.low.x <= node.point.x : box.low.y <= node.point.y;
+        const bool above = node.by_x != 0 ? node.point.x <= box.high.x : node.point.y <= box.high.y;
+        return (!below || find_in(begin, middle, box, see)) && see_in(node, box, see) &&
+               (!above || find_in(middle + 1, end, box, see));
+    }
+
+    template <class See>
+    static bool see_in(const Node& node, const FlatBox& box, See& see) {
+        return !box.meets({node.point, node.point}) || see(node.point, node.number);
     }
 
     Vector<Node> nodes_;

@@ -24,12 +24,14 @@ struct NamedLength {
     std::string_view name;
     double mm;
     bool may_be_negative;
+    bool moves_edges;
 };
 
-std::array<NamedLength, 3> lengths_of(const RegionRules& rules) {
-    return {{{"the closing radius", rules.close_mm, false},
-             {"the offset", rules.offset_mm, true},
-             {"the radius of the mark for near contours", rules.mark_near_mm, false}}};
+std::array<NamedLength, 4> lengths_of(const RegionRules& rules) {
+    return {{{"the closing radius", rules.close_mm, false, true},
+             {"the offset", rules.offset_mm, true, true},
+             {"the radius of the mark for near contours", rules.mark_near_mm, false, true},
+             {"the tolerance of simplification", rules.simplify_mm, false, false}}};
 }
 
 Status check_lengths(const RegionRules& rules) {
@@ -133,7 +135,7 @@ Status check_reach(const RegionRules& rules, double unit_mm, double farthest_mm)
     const double most_mm = grid_limit * unit_mm / std::max(1.0, rules.miter_limit);
     for (const NamedLength& length : lengths_of(rules)) {
         const double mm = std::abs(length.mm);
-        if (mm > most_mm) {
+        if (mm > most_mm && length.moves_edges) {
             return refusal(std::string(length.name) + " of " + exact_text(length.mm) +
                            " mm is beyond the grid: with a unit of " + exact_text(unit_mm) + " mm and a miter limit of " +
                            exact_text(rules.miter_limit) + " it is at most " + exact_text(most_mm) + " mm");

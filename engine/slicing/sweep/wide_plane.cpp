@@ -4,10 +4,10 @@
 #include <bit>
 
 #include "base/atomic_word.hpp"
-#include "base/rounding.hpp"
 #include "lamella/memory.hpp"
 #include "slicing/buckets/lowest_corners.hpp"
 #include "slicing/contours/mesh_edge.hpp"
+#include "slicing/grid/mesh_edge.hpp"
 
 namespace lamella {
 
@@ -114,18 +114,6 @@ bool WidePlane::build(PlaneIndex plane, std::span<const std::uint32_t> seeds, co
 MeshEdge WidePlane::edge_at(std::uint32_t segment, bool source) const noexcept {
     const CrossedTriangle& t = triangle(segment);
     return source == t.long_edge_is_source() ? long_edge(t) : short_edge(t, t.middle_plane() <= plane_);
-}
-
-/// Where the edge that a segment leaves pierces the plane; the arithmetic of Kernels::pierce.
-Point WidePlane::source_point(std::uint32_t segment, std::int32_t z) const noexcept {
-    const MeshEdge edge = edge_at(segment, true);
-    const GridVertex lower = edge.lower();
-    const GridVertex upper = edge.upper();
-    const double height = static_cast<double>(upper.z) - lower.z;
-    const double slope_x = (static_cast<double>(upper.x) - lower.x) / height;
-    const double slope_y = (static_cast<double>(upper.y) - lower.y) / height;
-    const auto rise = static_cast<double>(std::int64_t{z} - lower.z);
-    return {round_to_int(lower.x + slope_x * rise), round_to_int(lower.y + slope_y * rise)};
 }
 
 /// next_[i] = the segment that leaves the edge which segment i enters. False if an edge has not exactly one face either way.
@@ -304,7 +292,7 @@ void WidePlane::trace(std::int32_t z) {
             for (std::uint64_t at = pieces_[p].offset; at < pieces_[p].offset + pieces_[p].count;
                  ++at, segment = next_[segment]) {
                 order_[at] = segment;
-                rings_[at] = source_point(segment, z);
+                rings_[at] = pierced_point(edge_at(segment, true), z);
             }
         }
     });

@@ -68,7 +68,6 @@ private:
     }
     const CrossedTriangle& triangle(std::uint32_t segment) const noexcept { return buckets_->records[record(segment)]; }
     MeshEdge edge_at(std::uint32_t segment, bool source) const noexcept;
-    Point source_point(std::uint32_t segment, std::int32_t z) const noexcept;
 
     bool link();
     std::int64_t link_block(Table& table, std::uint32_t begin, std::uint32_t end);

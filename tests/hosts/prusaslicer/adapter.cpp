@@ -1,4 +1,5 @@
-// lamella in the place of PrusaSlicer's slice_mesh() and slice_mesh_ex(): the library inside a real host, for tests.
+// lamella in the place of PrusaSlicer's slice_mesh(), slice_mesh_ex() and slice_mesh_slabs(): the library inside a real
+// host, for tests.
 //
 // This file and those that it includes from this folder are compiled against PrusaSlicer's headers and linked with its code.
 // They are therefore under PrusaSlicer's licence, the GNU Affero General Public License, version 3 or, at your option, any
@@ -15,6 +16,9 @@
 //     gaps joined up to 2 mm                  SliceOptions::close_gaps_mm
 //     no collinear points in regions          RegionRules::drop_collinear
 //     loops turned counter-clockwise          Turn::counter_clockwise, then a region of its own per layer
+//     faces turned by a mirroring transform   project() in cut.cpp
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <libslic3r/ExPolygon.hpp>
 #include <libslic3r/Exception.hpp>
@@ -110,6 +114,19 @@ std::vector<Layer> by_height(std::vector<Layer> layers, const lamella::Array<std
     return made;
 }
 
+// What faces of one sense project, by height.
+std::vector<Polygons> slabs_by_height(const lamella::SliceResult& slabs) {
+    std::vector<Polygons> layers(slabs.layers.size());
+    tbb::parallel_for(std::size_t{0}, layers.size(), [&](std::size_t layer) {
+        lamella::LayerView view;
+        view.contours = slabs.contours_of(slabs.layers[layer]);
+        view.points = slabs.points.span();
+        view.unit_mm = slabs.unit_mm;
+        layers[layer] = polygons(view, Turn::as_facets);
+    });
+    return by_height(std::move(layers), slabs.layer_of);
+}
+
 }  // namespace
 
 std::vector<Polygons> slice_mesh(const indexed_triangle_set& mesh, const std::vector<float>& zs,
@@ -145,6 +162,22 @@ std::vector<ExPolygons> slice_mesh_ex(const indexed_triangle_set& mesh, const st
         layers[layer.index] = std::move(whole);
     });
     return by_height(std::move(layers), layer_of);
+}
+
+void slice_mesh_slabs(const indexed_triangle_set& mesh, const std::vector<float>& zs, const Transform3d& trafo,
+                      std::vector<Polygons>* out_top, std::vector<Polygons>* out_bottom,
+                      std::function<void()> throw_on_cancel) {
+    const Faces wanted{out_top != nullptr, out_bottom != nullptr};
+    if (!wanted.upward && !wanted.downward) {
+        return;
+    }
+    const lamella::Slabs slabs = project(mesh, zs, trafo, wanted, throw_on_cancel);
+    if (wanted.upward) {
+        *out_top = slabs_by_height(slabs.top);
+    }
+    if (wanted.downward) {
+        *out_bottom = slabs_by_height(slabs.bottom);
+    }
 }
 
 }  // namespace Slic3r

@@ -85,6 +85,12 @@ Transform3d tilted() {
     return made;
 }
 
+Transform3d mirrored() {
+    Transform3d made = Transform3d::Identity();
+    made.scale(Vec3d(-1, 1, 1));
+    return made;
+}
+
 MeshSlicingParamsEx params_of(Mode mode, float closing = 0, float offset = 0, double resolution = 0) {
     MeshSlicingParamsEx params;
     params.mode = mode;
@@ -131,30 +137,99 @@ struct Case {
     double first_mm;  ///< of the lowest plane: half a layer up, as hosts cut, or a layer up, where flat faces lie
 };
 
-// Prints a row: the mesh and layer in which both differ most. Any beyond the bound is a line after the table.
-bool agree(const std::vector<Case>& cases, const Way& way, const char* label, std::string& beyond) {
-    Worst worst;
-    std::string worst_mesh;
-    std::size_t layers = 0;
-    bool all = true;
-    for (const Case& each : cases) {
-        const std::vector<float> zs = heights(each.model, 0.2, each.first_mm, way.params.trafo);
-        const Worst found = worst_layer(slice_mesh_ex_host(each.model.mesh, zs, way.params, never),
-                                        slice_mesh_ex(each.model.mesh, zs, way.params, never), zs, way.by_area);
-        layers += zs.size();
-        if (found.apart_mm > way.bound_mm + rounding_mm(each.model)) {
-            all = false;
-            beyond += "Beyond the bound: " + each.model.name + ", " + way.name + ", at " + std::to_string(found.height) +
-                      ": " + std::to_string(found.difference_mm2) + " of " + std::to_string(found.area_mm2) + " mm2\n";
+// A row of the table: the mesh and layer in which both differ most. Any beyond the bound is a line after the table.
+class Row {
+public:
+    Row(const char* way, double bound_mm, std::string& beyond) : way_(way), bound_mm_(bound_mm), beyond_(beyond) {}
+
+    void add(const Model& model, std::size_t layers, const Worst& found) {
+        layers_ += layers;
+        if (found.apart_mm > bound_mm_ + rounding_mm(model)) {
+            all_ = false;
+            beyond_ += "Beyond the bound: " + model.name + ", " + way_ + ", at " + std::to_string(found.height) + ": " +
+                       std::to_string(found.difference_mm2) + " of " + std::to_string(found.area_mm2) + " mm2\n";
         }
-        if (found.apart_mm >= worst.apart_mm) {
-            worst = found;
-            worst_mesh = each.model.name;
+        if (found.apart_mm >= worst_.apart_mm) {
+            worst_ = found;
+            worst_mesh_ = model.name;
         }
     }
-    std::printf("| %s | %s | %zu | %s | %.2g | %.4g | %.2g | %.0g |\n", label, way.name, layers, worst_mesh.c_str(),
-                worst.difference_mm2, worst.area_mm2, worst.apart_mm, way.bound_mm);
-    return all;
+    // Whether all is within the bound.
+    bool print(const char* label) const {
+        std::printf("| %s | %s | %zu | %s | %.2g | %.4g | %.2g | %.0g |\n", label, way_, layers_, worst_mesh_.c_str(),
+                    worst_.difference_mm2, worst_.area_mm2, worst_.apart_mm, bound_mm_);
+        return all_;
+    }
+
+private:
+    const char* way_;
+    double bound_mm_;
+    std::string& beyond_;
+    Worst worst_;
+    std::string worst_mesh_;
+    std::size_t layers_ = 0;
+    bool all_ = true;
+};
+
+bool agree(const std::vector<Case>& cases, const Way& way, const char* label, std::string& beyond) {
+    Row row(way.name, way.bound_mm, beyond);
+    for (const Case& each : cases) {
+        const std::vector<float> zs = heights(each.model, 0.2, each.first_mm, way.params.trafo);
+        row.add(each.model, zs.size(),
+                worst_layer(slice_mesh_ex_host(each.model.mesh, zs, way.params, never),
+                            slice_mesh_ex(each.model.mesh, zs, way.params, never), zs, way.by_area));
+    }
+    return row.print(label);
+}
+
+// What both project onto layers.
+struct SlabLayers {
+    Layers top;
+    Layers bottom;
+};
+
+template <class Project>
+SlabLayers slab_layers(const Project& project) {
+    std::vector<Polygons> top;
+    std::vector<Polygons> bottom;
+    project(&top, &bottom);
+    const auto united = [](const std::vector<Polygons>& layers) {
+        Layers made(layers.size());
+        tbb::parallel_for(std::size_t{0}, layers.size(), [&](std::size_t layer) { made[layer] = union_ex(layers[layer]); });
+        return made;
+    };
+    return {united(top), united(bottom)};
+}
+
+// Two rows: what upward and what downward faces project.
+bool slabs_agree(const std::vector<Case>& cases, const Transform3d& trafo, const char* label, std::string& beyond) {
+    Row top("top slabs", points_mm, beyond);
+    Row bottom("bottom slabs", points_mm, beyond);
+    for (const Case& each : cases) {
+        const std::vector<float> zs = heights(each.model, 0.2, each.first_mm, trafo);
+        const SlabLayers host =
+            slab_layers([&](auto* up, auto* down) { slice_mesh_slabs_host(each.model.mesh, zs, trafo, up, down, never); });
+        const SlabLayers ours =
+            slab_layers([&](auto* up, auto* down) { slice_mesh_slabs(each.model.mesh, zs, trafo, up, down, never); });
+        top.add(each.model, zs.size(), worst_layer(host.top, ours.top, zs, false));
+        bottom.add(each.model, zs.size(), worst_layer(host.bottom, ours.bottom, zs, false));
+    }
+    const bool tops = top.print(label);
+    return bottom.print(label) && tops;
+}
+
+// Every third facet, as if painted: the host projects such patches.
+std::vector<Model> painted(const std::vector<Model>& models) {
+    std::vector<Model> patches = models;
+    for (Model& patch : patches) {
+        std::size_t kept = 0;
+        for (std::size_t facet = 0; facet < patch.mesh.indices.size(); facet += 3) {
+            patch.mesh.indices[kept++] = patch.mesh.indices[facet];
+        }
+        patch.mesh.indices.resize(kept);
+        its_compactify_vertices(patch.mesh);
+    }
+    return patches;
 }
 
 // The loops of slice_mesh(), by the area that each layer's enclose as they turn.
@@ -223,10 +298,18 @@ bool layers_agree(const std::vector<Model>& parts, const std::vector<Model>& org
         all = agree(cases(parts, 0.1), way, "the host's", beyond) && all;
     }
     all = agree(cases(parts, 0.2), each_way.front(), "the host's, planes on faces", beyond) && all;
+    const Transform3d as_is = Transform3d::Identity();
+    const std::vector<Model> patches = painted(parts);
+    all = slabs_agree(cases(parts, 0.1), as_is, "the host's", beyond) && all;
+    all = slabs_agree(cases(parts, 0.2), as_is, "the host's, planes on faces", beyond) && all;
+    all = slabs_agree(cases(parts, 0.1), tilted(), "the host's, tilted", beyond) && all;
+    all = slabs_agree(cases(parts, 0.1), mirrored(), "the host's, mirrored", beyond) && all;
+    all = slabs_agree(cases(patches, 0.1), as_is, "every third facet of the host's", beyond) && all;
     for (const Model& organ : organs) {
         for (const Way& way : {each_way[0], each_way[1]}) {
             all = agree({{organ, 0.1}}, way, organ.name.c_str(), beyond) && all;
         }
+        all = slabs_agree({{organ, 0.1}}, as_is, organ.name.c_str(), beyond) && all;
     }
     std::printf("\n%s", beyond.c_str());
     for (const std::vector<Model>* models : {&parts, &organs}) {

@@ -15,6 +15,9 @@ std::vector<Polygons> slice_mesh_host(const indexed_triangle_set& mesh, const st
 Polygons slice_mesh_host(const indexed_triangle_set& mesh, const float plane_z, const MeshSlicingParams& params);
 std::vector<ExPolygons> slice_mesh_ex_host(const indexed_triangle_set& mesh, const std::vector<float>& zs,
                                            const MeshSlicingParamsEx& params, std::function<void()> throw_on_cancel);
+void slice_mesh_slabs_host(const indexed_triangle_set& mesh, const std::vector<float>& zs, const Transform3d& trafo,
+                           std::vector<Polygons>* out_top, std::vector<Polygons>* out_bottom,
+                           std::function<void()> throw_on_cancel);
 
 }  // namespace Slic3r
 

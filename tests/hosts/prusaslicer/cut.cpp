@@ -145,37 +145,34 @@ std::vector<float> corners_near(const indexed_triangle_set& mesh, const HostVert
     return corners;
 }
 
-// One call of the library.
-class Call {
+lamella::ExplicitPlanes planes_at(const std::vector<float>& heights) {
+    lamella::ExplicitPlanes planes;
+    planes.heights_mm.resize(heights.size());
+    std::transform(heights.begin(), heights.end(), planes.heights_mm.begin(), in_frame);
+    return planes;
+}
+
+bool mirrors(const Transform3d& transform) {
+    return transform.linear().determinant() < 0;
+}
+
+// What is outside stays outside where the transform of the vertices mirrors.
+std::vector<stl_triangle_vertex_indices> turned(std::vector<stl_triangle_vertex_indices> triangles) {
+    for (stl_triangle_vertex_indices& triangle : triangles) {
+        std::swap(triangle[1], triangle[2]);
+    }
+    return triangles;
+}
+
+// Asks the host whether the call is to end, and keeps the exception by which it says so.
+class Cancelling {
 public:
-    Call(const std::vector<float>& heights, const std::function<void()>& throw_on_cancel, const TakeLayer& take)
-        : throw_on_cancel_(throw_on_cancel), take_(take) {
-        constexpr double host_gap_mm = 2;
-        std::vector<double> in_library(heights.size());
-        std::transform(heights.begin(), heights.end(), in_library.begin(), in_frame);
-        options.plan.spacing = lamella::ExplicitPlanes{std::move(in_library)};
-        options.close_gaps_mm = host_gap_mm * frame_per_mm;
-        options.allow_empty = true;
-        options.control.stop = {[](void* call) noexcept { return static_cast<Call*>(call)->stop(); }, this};
-    }
+    explicit Cancelling(const std::function<void()>& throw_on_cancel) : throw_on_cancel_(throw_on_cancel) {}
 
-    lamella::Array<std::uint64_t> slice(const lamella::MeshView& mesh) {
-        lamella::Workspace workspace = workspaces().take();
-        auto totals = lamella::slice_to(lamella::LayerSink::to(*this, lamella::SinkOrder::any), mesh, options, workspace);
-        workspaces().give_back(std::move(workspace));
-        exceptions_.rethrow();
-        if (!totals) {
-            throw SlicingError(totals.error().message);
-        }
-        return std::move(totals->layer_of);
+    lamella::StopCheck check() {
+        return {[](void* cancelling) noexcept { return static_cast<Cancelling*>(cancelling)->stop(); }, this};
     }
-
-    // The library's sink.
-    void operator()(const lamella::LayerView& layer) noexcept {
-        exceptions_.within([&] { take_(layer); });
-    }
-
-    lamella::SliceOptions options;
+    Exceptions& exceptions() { return exceptions_; }
 
 private:
     bool stop() noexcept {
@@ -184,8 +181,42 @@ private:
     }
 
     const std::function<void()>& throw_on_cancel_;
-    const TakeLayer& take_;
     Exceptions exceptions_;
+};
+
+// One slice by the library.
+class Call {
+public:
+    Call(const std::vector<float>& heights, const std::function<void()>& throw_on_cancel, const TakeLayer& take)
+        : cancelling_(throw_on_cancel), take_(take) {
+        constexpr double host_gap_mm = 2;
+        options.plan.spacing = planes_at(heights);
+        options.close_gaps_mm = host_gap_mm * frame_per_mm;
+        options.allow_empty = true;
+        options.control.stop = cancelling_.check();
+    }
+
+    lamella::Array<std::uint64_t> slice(const lamella::MeshView& mesh) {
+        lamella::Workspace workspace = workspaces().take();
+        auto totals = lamella::slice_to(lamella::LayerSink::to(*this, lamella::SinkOrder::any), mesh, options, workspace);
+        workspaces().give_back(std::move(workspace));
+        cancelling_.exceptions().rethrow();
+        if (!totals) {
+            throw SlicingError(totals.error().message);
+        }
+        return std::move(totals->layer_of);
+    }
+
+    // The library's sink.
+    void operator()(const lamella::LayerView& layer) noexcept {
+        cancelling_.exceptions().within([&] { take_(layer); });
+    }
+
+    lamella::SliceOptions options;
+
+private:
+    Cancelling cancelling_;
+    const TakeLayer& take_;
 };
 
 }  // namespace
@@ -210,6 +241,26 @@ void cut(const indexed_triangle_set& mesh, float height, const Transform3d& tran
     call.options.control.threads = 1;
     const std::vector<float> corners = corners_near(mesh, HostVertex(transform), in_frame(height));
     call.slice(lamella::MeshView::soup(corners));
+}
+
+lamella::Slabs project(const indexed_triangle_set& mesh, const std::vector<float>& heights, const Transform3d& transform,
+                       Faces faces, const std::function<void()>& throw_on_cancel) {
+    throw_on_cancel();
+    Cancelling cancelling(throw_on_cancel);
+    lamella::SlabOptions options;
+    options.plan.spacing = planes_at(heights);
+    options.allow_empty = true;
+    options.top = faces.upward;
+    options.bottom = faces.downward;
+    options.control.stop = cancelling.check();
+    const std::vector<stl_vertex> vertices = host_vertices(mesh.vertices, HostVertex(transform));
+    auto slabs = mirrors(transform) ? lamella::slice_slabs(view_of(vertices, turned(mesh.indices)), options)
+                                    : lamella::slice_slabs(view_of(vertices, mesh.indices), options);
+    cancelling.exceptions().rethrow();
+    if (!slabs) {
+        throw SlicingError(slabs.error().message);
+    }
+    return std::move(slabs).value();
 }
 
 }  // namespace Slic3r::lamella_adapter

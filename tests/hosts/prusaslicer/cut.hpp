@@ -6,6 +6,7 @@
 #include <functional>
 #include <lamella/array.hpp>
 #include <lamella/sink.hpp>
+#include <lamella/slabs.hpp>
 #include <libslic3r/TriangleMesh.hpp>
 #include <libslic3r/TriangleMeshSlicer.hpp>
 #include <vector>
@@ -24,5 +25,15 @@ lamella::Array<std::uint64_t> cut(const indexed_triangle_set& mesh, const std::v
 
 /// At one height, on the calling thread.
 void cut(const indexed_triangle_set& mesh, float height, const Transform3d& transform, const TakeLayer& take);
+
+/// Which faces are projected.
+struct Faces {
+    bool upward;
+    bool downward;
+};
+
+/// Projects faces onto layers at the host's heights. Throws as cut().
+lamella::Slabs project(const indexed_triangle_set& mesh, const std::vector<float>& heights, const Transform3d& transform,
+                       Faces faces, const std::function<void()>& throw_on_cancel);
 
 }  // namespace Slic3r::lamella_adapter

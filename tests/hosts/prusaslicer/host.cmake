@@ -18,7 +18,7 @@ set(adapter_folder ${CMAKE_CURRENT_LIST_DIR})
 
 # The host's own functions stay in the library under other names, for comparison and for what calls them in their file.
 set_source_files_properties(${libslic3r_folder}/TriangleMeshSlicer.cpp TARGET_DIRECTORY libslic3r PROPERTIES
-  COMPILE_DEFINITIONS "slice_mesh=slice_mesh_host;slice_mesh_ex=slice_mesh_ex_host")
+  COMPILE_DEFINITIONS "slice_mesh=slice_mesh_host;slice_mesh_ex=slice_mesh_ex_host;slice_mesh_slabs=slice_mesh_slabs_host")
 
 # A library of its own: the host is C++17.
 add_library(lamella_adapter STATIC

@@ -13,7 +13,8 @@ import sys
 HEAD = """# lamella in PrusaSlicer
 
 `tests/hosts/prusaslicer.sh` made this page. PrusaSlicer is Debian's source package, built without its window, unchanged but
-for the two functions `slice_mesh` and `slice_mesh_ex`, which the adapter in tests/hosts/prusaslicer defines in their place.
+for the functions `slice_mesh`, `slice_mesh_ex` and `slice_mesh_slabs`, which the adapter in tests/hosts/prusaslicer defines in
+their place.
 """
 
 SUITES = """## The host's own tests

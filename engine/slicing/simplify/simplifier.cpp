@@ -1,0 +1,321 @@
+#include "slicing/simplify/simplifier.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <limits>
+#include <new>
+
+#include "base/int128.hpp"
+#include "slicing/nesting/ring_facts.hpp"
+#include "slicing/simplify/chain.hpp"
+#include "slicing/simplify/edge_tests.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t chain_work = 4;  ///< of a point, as StopPace counts it
+constexpr int rounds_by_distance = 3;  ///< from then on lines are split by halves, which ends soon
+
+template <class Value>
+int sign(Value value) noexcept {
+    return (value > 0) - (value < 0);
+}
+
+/// What O(m log m) allows for.
+std::uint64_t most_steps(std::uint64_t edges) noexcept {
+    constexpr std::uint64_t steps_per_comparison = 64;
+    return steps_per_comparison * edges * static_cast<std::uint64_t>(std::bit_width(edges) + 1);
+}
+
+}  // namespace
+
+Simplifier::Simplifier(const Memory* memory)
+    : paths_(memory),
+      points_(memory),
+      is_left_(memory),
+      in_conflict_(memory),
+      left_(memory),
+      left_points_(memory),
+      left_origins_(memory),
+      starts_(memory),
+      starts_tree_(memory),
+      chains_(memory),
+      pairs_(memory) {}
+
+void Simplifier::run(std::span<NestItem> items, std::int64_t tolerance) {
+    tolerance_ = tolerance;
+    list(items);
+    for (Path& path : paths_) {
+        reduce(path);
+    }
+    list_left();
+    if (std::all_of(paths_.begin(), paths_.end(), [](const Path& path) { return path.left == path.count(); })) {
+        return;
+    }
+    starts_tree_.build(starts_, pace_);
+    chains_.build(points_, pace_);
+    for (int round = 1;; ++round) {
+        if (!find_conflicts(items)) {
+            is_left_.assign(points_.size(), 1);
+            list_left();
+            return;
+        }
+        if (!give_back(round)) {
+            break;
+        }
+        list_left();
+    }
+    write(items);
+}
+
+void Simplifier::list(std::span<const NestItem> items) {
+    paths_.clear();
+    points_.clear();
+    starts_.clear();
+    for (const NestItem& item : items) {
+        const std::size_t begin = points_.size();
+        points_.insert(points_.end(), item.points + item.start, item.points + item.count);
+        points_.insert(points_.end(), item.points, item.points + item.start);
+        starts_.push_back(points_[begin]);
+        if (item.closed) {
+            points_.push_back(points_[begin]);
+        }
+        const bool is_flat = item.closed && to_int128(item.twice_area) == 0;
+        paths_.push_back({.begin = begin,
+                          .last = points_.size() - 1,
+                          .closed = item.closed,
+                          .stays = is_flat || item.count <= (item.closed ? 3U : 2U)});
+        pace_.spend(item.count);
+    }
+    if (points_.size() > std::numeric_limits<Index>::max()) {
+        throw std::bad_alloc();
+    }
+    is_left_.assign(points_.size(), 0);
+    in_conflict_.assign(points_.size(), 0);
+}
+
+/// A closed path is two chains: from its start to the point that is furthest from there, and back.
+void Simplifier::reduce(Path& path) {
+    path.has_changed = !path.stays;
+    if (path.stays) {
+        std::fill(is_left_.begin() + static_cast<std::ptrdiff_t>(path.begin),
+                  is_left_.begin() + static_cast<std::ptrdiff_t>(path.last) + 1, std::uint8_t{1});
+        return;
+    }
+    is_left_[path.begin] = is_left_[path.last] = 1;
+    reduce_chain(path.begin, path.last);
+}
+
+void Simplifier::reduce_chain(std::size_t first, std::size_t last) {
+    reduce_chain(first, last, 2 * static_cast<int>(std::bit_width(last - first)));
+}
+
+/// Where the furthest points have peeled off little, chains are halved: O(n log n) for all points of a contour.
+void Simplifier::reduce_chain(std::size_t first, std::size_t last, int splits_left) {
+    if (last - first < 2) {
+        return;
+    }
+    pace_.spend(chain_work * (last - first));
+    const ChainReach reach = measure_chain(points_.data(), first, last, tolerance_);
+    if (reach.within) {
+        return;
+    }
+    const std::size_t at = splits_left > 0 ? reach.furthest : first + (last - first) / 2;
+    is_left_[at] = 1;
+    const int left = std::max(0, splits_left - 1);
+    reduce_chain(first, at, left);
+    reduce_chain(at, last, left);
+}
+
+/// Of closed paths without the start that stands at the end.
+void Simplifier::list_left() {
+    left_.clear();
+    left_points_.clear();
+    for (Path& path : paths_) {
+        path.first_left = left_.size();
+        const std::size_t end = path.closed ? path.last : path.last + 1;
+        pace_.in_stretches(path.begin, end, 1, [&](std::size_t from, std::size_t to) {
+            for (std::size_t i = from; i < to; ++i) {
+                if (is_left_[i] != 0) {
+                    left_.push_back(static_cast<Index>(i - path.begin));
+                    left_points_.push_back(points_[i]);
+                }
+            }
+        });
+        path.left = left_.size() - path.first_left;
+    }
+}
+
+/// Whether all were found, in no more steps than may be.
+bool Simplifier::find_conflicts(std::span<const NestItem> items) {
+    pairs_.clear();
+    for (std::size_t p = 0; p < paths_.size(); ++p) {
+        const Path& path = paths_[p];
+        pairs_.add(
+            {.points = std::span(left_points_).subspan(path.first_left, path.left), .contour = p, .closed = path.closed});
+        pace_.spend(path.left);
+    }
+    const std::uint64_t most = most_steps(points_.size());
+    if (!pairs_.find(0, most,
+                     [this](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) { compare(a, i, b, j); })) {
+        return false;
+    }
+    steps_ = 0;
+    for (std::size_t p = 0; p < paths_.size() && steps_ <= most; ++p) {
+        if (paths_[p].has_changed) {
+            find_jumps(p, most);
+            keep_orientation(p, items[p]);
+            paths_[p].has_changed = false;
+        }
+    }
+    return steps_ <= most;
+}
+
+/// Whether edge `edge` of what is left of a path replaces points.
+bool Simplifier::is_line(std::size_t path, std::size_t edge) const noexcept {
+    return end_of_line(path, edge) - left_[paths_[path].first_left + edge] > 1;
+}
+
+/// The number of the point where an edge of what is left ends.
+std::size_t Simplifier::end_of_line(std::size_t path, std::size_t edge) const noexcept {
+    const Path& of = paths_[path];
+    return edge + 1 < of.left ? left_[of.first_left + edge + 1] : of.last - of.begin;
+}
+
+void Simplifier::object_to(std::size_t path, std::size_t edge) noexcept {
+    in_conflict_[paths_[path].begin + left_[paths_[path].first_left + edge]] = 1;
+}
+
+void Simplifier::compare(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
+    const bool a_is_line = is_line(a.contour, i);
+    const bool b_is_line = is_line(b.contour, j);
+    if (!a_is_line && !b_is_line) {
+        return;
+    }
+    const bool into_b = a.contour == b.contour && (i + 1 == j || (a.closed && j == 0 && i + 1 == a.edges()));
+    const bool into_a = a.contour == b.contour && (j + 1 == i || (a.closed && i == 0 && j + 1 == a.edges()));
+    const bool in_conflict = into_b   ? folds_back(a[i], a[i + 1], b[j + 1])
+                             : into_a ? folds_back(b[j], b[j + 1], a[i + 1])
+                                      : have_common_point(a[i], a[i + 1], b[j], b[j + 1]);
+    if (in_conflict && a_is_line) {
+        object_to(a.contour, i);
+    }
+    if (in_conflict && b_is_line) {
+        object_to(b.contour, j);
+    }
+}
+
+/// Ends early where steps_ comes to more than `most`.
+void Simplifier::find_jumps(std::size_t path, std::uint64_t most) {
+    const Path& of = paths_[path];
+    for (std::size_t edge = 0; edge + (of.closed ? 0 : 1) < of.left && steps_ <= most; ++edge) {
+        if (!is_line(path, edge)) {
+            continue;
+        }
+        const std::size_t first = of.begin + left_[of.first_left + edge];
+        const std::size_t last = of.begin + end_of_line(path, edge);
+        FlatBox box{points_[first], points_[first]};
+        for (std::size_t i = first + 1; i <= last; ++i) {
+            const Point p = points_[i];
+            box = {{std::min(box.low.x, p.x), std::min(box.low.y, p.y)},
+                   {std::max(box.high.x, p.x), std::max(box.high.y, p.y)}};
+        }
+        const std::uint64_t before = steps_;
+        starts_tree_.find_in(box, [&](Point start, std::uint32_t other) {
+            ++steps_;
+            if (other != path && in_conflict_[first] == 0 && chains_.encloses(first, last, start, steps_)) {
+                in_conflict_[first] = 1;
+            }
+            return in_conflict_[first] == 0 && steps_ <= most;
+        });
+        pace_.spend(last - first + chain_work * (steps_ - before));
+    }
+}
+
+/// Objects to all lines where fewer than three points would be left, or the area would change its sign.
+void Simplifier::keep_orientation(std::size_t path, const NestItem& item) {
+    const Path& of = paths_[path];
+    const Point* const points = left_points_.data() + of.first_left;
+    pace_.spend(of.left);
+    if (!of.closed || (of.left >= 3 && sign(examine_ring(points, of.left).twice_area) == sign(to_int128(item.twice_area)))) {
+        return;
+    }
+    for (std::size_t edge = 0; edge < of.left; ++edge) {
+        if (is_line(path, edge)) {
+            object_to(path, edge);
+        }
+    }
+}
+
+/// Whether there was something to give back.
+bool Simplifier::give_back(int round) {
+    bool any = false;
+    for (std::size_t p = 0; p < paths_.size(); ++p) {
+        Path& path = paths_[p];
+        for (std::size_t edge = 0; edge < path.left; ++edge) {
+            const std::size_t first = path.begin + left_[path.first_left + edge];
+            if (in_conflict_[first] != 0) {
+                in_conflict_[first] = 0;
+                split(first, path.begin + end_of_line(p, edge), round, round > rounds_by_distance);
+                path.has_changed = any = true;
+            }
+        }
+    }
+    return any;
+}
+
+/// Into 2^times parts and more: a part may lie further from its points than the whole did.
+void Simplifier::split(std::size_t first, std::size_t last, int times, bool by_halves) {
+    if (last - first < 2 || times == 0) {
+        reduce_chain(first, last);
+        return;
+    }
+    pace_.spend(chain_work * (last - first));
+    const std::size_t at =
+        by_halves ? first + (last - first) / 2 : measure_chain(points_.data(), first, last, tolerance_).furthest;
+    is_left_[at] = 1;
+    split(first, at, times - 1, by_halves);
+    split(at, last, times - 1, by_halves);
+}
+
+void Simplifier::write(std::span<NestItem> items) {
+    left_origins_.resize(items.empty() || items[0].origins == nullptr ? 0 : left_.size());
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        const Path& path = paths_[i];
+        NestItem& item = items[i];
+        if (path.left == path.count()) {
+            continue;
+        }
+        if (item.origins != nullptr) {
+            write_origins(i, item);
+            item.origins = left_origins_.data() + path.first_left;
+        }
+        item.points = left_points_.data() + path.first_left;
+        item.count = static_cast<std::uint32_t>(path.left);
+        item.start = 0;
+        if (item.closed) {
+            const RingFacts facts = examine_ring(item.points, item.count);
+            item.twice_area = to_integer128(facts.twice_area);
+            item.box_min = facts.box_min;
+            item.box_max = facts.box_max;
+        }
+        pace_.spend(path.left);
+    }
+}
+
+/// Lines come from no triangle, nor does the end of a polyline that a line leads to.
+void Simplifier::write_origins(std::size_t path, const NestItem& item) noexcept {
+    const Path& of = paths_[path];
+    bool after_line = false;
+    for (std::size_t edge = 0; edge < of.left; ++edge) {
+        const bool is_end = !of.closed && edge + 1 == of.left;
+        const bool from_none = is_end ? after_line : is_line(path, edge);
+        left_origins_[of.first_left + edge] =
+            from_none ? PointOrigin() : item.origin_from_start(left_[of.first_left + edge]);
+        after_line = from_none;
+    }
+}
+
+}  // namespace lamella

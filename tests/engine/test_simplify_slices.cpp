@@ -1,0 +1,263 @@
+// Simplification in every way to slice: origins, sinks, memory of the host, prepared meshes, parts, and regions.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/collected_layers.hpp"
+#include "engine/region_checks.hpp"
+#include "engine/slicing.hpp"
+
+using lamella::Contour;
+using lamella::FillRule;
+using lamella::Part;
+using lamella::Point;
+using lamella::PointOrigin;
+using lamella::Role;
+using lamella::SliceOptions;
+using lamella::SliceResult;
+
+namespace {
+
+/// Two balls that overlap, rough by up to 0.05 mm, and a third one that lacks its upper side.
+shapes::Soup rough_balls() {
+    shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 0}, 10, 5), shapes::octasphere({6, 1, 1}, 8, 5)});
+    const std::size_t closed = soup.size();
+    const shapes::Soup open = shapes::octasphere({20, 0, 0}, 5, 4);
+    soup.insert(soup.end(), open.begin(), open.begin() + static_cast<std::ptrdiff_t>(open.size() / 9 * 7 / 10 * 9));
+    for (std::size_t i = 0; i < closed; ++i) {  // by the place, so that equal corners stay equal
+        soup[i] += 0.05 * std::sin(soup[i] * 7919);
+    }
+    return soup;
+}
+
+SliceOptions simplified(double tolerance_mm, FillRule rule = FillRule::contours) {
+    SliceOptions options = uniform(0.7);
+    options.region.fill_rule = rule;
+    options.region.simplify_mm = tolerance_mm;
+    options.origins = true;
+    options.control.threads = 2;
+    return options;
+}
+
+/// Requires that lines between points that are no neighbours in the plain contour come from no triangle, and that all other
+/// edges have the origins of the plain ones. Returns how many such lines there are.
+std::size_t check_origins(const SliceResult& plain, const SliceResult& result) {
+    REQUIRE(plain.contours.size() == result.contours.size());
+    std::size_t lines = 0;
+    for (std::size_t c = 0; c < plain.contours.size(); ++c) {
+        const auto before = plain.points_of(plain.contours[c]);
+        const auto after = result.points_of(result.contours[c]);
+        const auto old_origins = plain.origins_of(plain.contours[c]);
+        const auto origins = result.origins_of(result.contours[c]);
+        const bool open = plain.contours[c].role == Role::open;
+        std::size_t at = 0;
+        bool after_line = false;
+        for (std::size_t i = 0; i < after.size(); ++i) {
+            while (at < before.size() && before[at] != after[i]) {
+                ++at;
+            }
+            REQUIRE(at < before.size());
+            const bool is_end = open && i + 1 == after.size();
+            const bool is_line = !is_end && before[at + 1 < before.size() ? at + 1 : 0] != after[(i + 1) % after.size()];
+            REQUIRE(origins[i] == (is_line || (is_end && after_line) ? PointOrigin() : old_origins[at]));
+            lines += is_line;
+            after_line = is_line;
+        }
+    }
+    return lines;
+}
+
+void require_valid(const SliceResult& result, const shapes::Soup& soup) {
+    const lamella::Status valid = validate(result, view_of(soup));
+    INFO((valid ? std::string() : valid.error().message));
+    REQUIRE(valid.ok());
+}
+
+bool same_bytes(const SliceResult& a, const SliceResult& b) {
+    return hash_result(a) == hash_result(b) &&
+           std::equal(a.origins.begin(), a.origins.end(), b.origins.begin(), b.origins.end());
+}
+
+}  // namespace
+
+TEST_CASE("lines that replace points come from no triangle, all other edges keep theirs", "[engine][simplify][origins]") {
+    const shapes::Soup soup = rough_balls();
+    for (const FillRule rule : {FillRule::contours, FillRule::non_zero, FillRule::even_odd}) {
+        for (const double tolerance : {0.001, 0.05, 0.5}) {
+            SliceOptions options = simplified(tolerance, rule);
+            const SliceResult result = sliced(soup, options);
+            require_valid(result, soup);
+            options.region.simplify_mm = 0;
+            const SliceResult plain = sliced(soup, options);
+            require_valid(plain, soup);
+            CHECK(plain.summary.open_contours > 0);
+            CHECK(result.points.size() < plain.points.size());
+            CHECK(check_origins(plain, result) > 100);
+            options.region.simplify_mm = tolerance;
+            options.origins = false;
+            CHECK(hash_result(sliced(soup, options)) == hash_result(result));
+        }
+    }
+}
+
+TEST_CASE("a contour that is turned round against its facets keeps the origins of its edges when simplified",
+          "[engine][simplify][origins]") {
+    const shapes::Soup soup = shapes::flipped(shapes::octasphere({0, 0, 0}, 10, 5));
+    SliceOptions options = simplified(0.02);
+    const SliceResult result = sliced(soup, options);
+    require_valid(result, soup);
+    CHECK(result.summary.overruled_contours > 0);
+    options.region.simplify_mm = 0;
+    CHECK(check_origins(sliced(soup, options), result) > 100);
+}
+
+TEST_CASE("contours keep their segments when simplified, those that were made count their edges", "[engine][simplify]") {
+    const shapes::Soup soup = rough_balls();
+    for (const FillRule rule : {FillRule::contours, FillRule::non_zero}) {
+        SliceOptions options = simplified(0.05, rule);
+        const SliceResult result = sliced(soup, options);
+        options.region.simplify_mm = 0;
+        const SliceResult plain = sliced(soup, options);
+        REQUIRE(result.contours.size() == plain.contours.size());
+        std::size_t made = 0;
+        for (std::size_t c = 0; c < plain.contours.size(); ++c) {
+            const Contour& before = plain.contours[c];
+            const bool is_made = rule != FillRule::contours && before.role != Role::open && before.segments != 0 &&
+                                 result.contours[c].segments != before.segments;
+            made += is_made;
+            CHECK(result.contours[c].segments == (is_made ? result.contours[c].point_count : before.segments));
+            CHECK(result.contours[c].parent == before.parent);
+            CHECK(result.contours[c].role == before.role);
+        }
+        CHECK((made > 10) == (rule != FillRule::contours));
+    }
+}
+
+TEST_CASE("sinks, the host's arrays and prepared meshes get the simplified contours of slice()",
+          "[engine][simplify][sink][host][prepare]") {
+    const shapes::Soup soup = rough_balls();
+    const lamella::MeshView mesh = view_of(soup);
+    for (const FillRule rule : {FillRule::contours, FillRule::non_zero}) {
+        SliceOptions options = simplified(0.05, rule);
+        const SliceResult result = sliced(soup, options);
+        for (const lamella::SinkOrder order : {lamella::SinkOrder::any, lamella::SinkOrder::ascending}) {
+            CollectedLayers collected;
+            const auto totals = slice_to(lamella::LayerSink::to(collected, order), mesh, options);
+            REQUIRE(totals.ok());
+            CHECK(collected.difference(result).empty());
+            CHECK(totals->points == result.points.size());
+        }
+
+        const auto bounds = bound_output(mesh, options);
+        REQUIRE(bounds.ok());
+        CHECK(bounds->are_certain == (rule == FillRule::contours));
+        CHECK(bounds->points >= result.points.size());
+        std::vector<Point> points(result.points.size());  // no more than is needed
+        std::vector<PointOrigin> origins(points.size());
+        std::vector<Contour> contours(result.contours.size());
+        std::vector<lamella::Layer> layers(result.layers.size());
+        lamella::HostOutput output{.points = points.data(),
+                                   .point_capacity = points.size(),
+                                   .contours = contours.data(),
+                                   .contour_capacity = contours.size(),
+                                   .layers = layers.data(),
+                                   .layer_capacity = layers.size(),
+                                   .origins = origins.data()};
+        const auto totals = slice_into(output, mesh, options);
+        INFO((totals ? std::string() : totals.error().message));
+        REQUIRE(totals.ok());
+        CHECK(std::equal(points.begin(), points.end(), result.points.begin(), result.points.end()));
+        CHECK(std::equal(origins.begin(), origins.end(), result.origins.begin(), result.origins.end()));
+        CHECK(std::memcmp(contours.data(), result.contours.data(), contours.size() * sizeof(Contour)) == 0);
+
+        const auto prepared = lamella::prepare(mesh);
+        REQUIRE(prepared.ok());
+        const auto again = slice(*prepared, options);
+        REQUIRE(again.ok());
+        CHECK(same_bytes(*again, result));
+
+        for (const lamella::ContourForm form : {lamella::ContourForm::assembled, lamella::ContourForm::swept}) {
+            options.tuning.form = form;
+            options.tuning.band_planes = 1;
+            CHECK(same_bytes(sliced(soup, options), result));
+        }
+    }
+}
+
+TEST_CASE("a workspace simplifies one slice after another alike", "[engine][simplify]") {
+    const shapes::Soup soup = rough_balls();
+    lamella::Workspace workspace;
+    for (const double tolerance : {0.05, 0.0, 0.5, 0.05}) {
+        const SliceOptions options = simplified(tolerance);
+        SliceResult result;
+        REQUIRE(slice(view_of(soup), options, workspace, result).ok());
+        CHECK(same_bytes(result, sliced(soup, options)));
+    }
+}
+
+TEST_CASE("parts are simplified each by itself, united ones as the region of all", "[engine][simplify][parts]") {
+    const shapes::Soup left = shapes::octasphere({0, 0, 0}, 10, 5);
+    const shapes::Soup right = shapes::octasphere({8, 1, 0.3}, 9, 5);
+    const std::vector<Part> parts = {{.mesh = view_of(left)}, {.mesh = view_of(right)}};
+    SliceOptions options = simplified(0.05, FillRule::non_zero);
+    options.unit_mm = 0x1p-20;
+    options.plan.spacing = lamella::ExplicitPlanes{{-7.25, -3.5, 0.125, 4.75}};
+
+    const auto apart = slice_parts(parts, options);
+    REQUIRE(apart.ok());
+    CHECK(validate(*apart, parts).ok());
+    const SliceResult alone = sliced(right, options);
+    for (std::size_t l = 0; l < alone.layers.size(); ++l) {
+        const auto contours = apart->contours_of(apart->layers[l]);
+        const auto own = std::find_if(contours.begin(), contours.end(), [](const Contour& c) { return c.part == 1; });
+        REQUIRE(own != contours.end());
+        const auto expected = alone.points_of(alone.contours_of(alone.layers[l])[0]);
+        const auto found = apart->points_of(*own);
+        CHECK(std::equal(found.begin(), found.end(), expected.begin(), expected.end()));
+    }
+
+    const auto united = slice_parts(parts, options, lamella::PartRegions::united);
+    REQUIRE(united.ok());
+    CHECK(validate(*united, parts).ok());
+    const SliceResult whole = sliced(shapes::joined({left, right}), options);
+    CHECK(whole.points.size() < 2000);
+    CHECK(std::equal(united->points.begin(), united->points.end(), whole.points.begin(), whole.points.end()));
+    options.region.simplify_mm = 0;
+    CHECK(sliced(shapes::joined({left, right}), options).points.size() > 2 * whole.points.size());
+}
+
+TEST_CASE("regions of random tetrahedra stay valid regions when simplified", "[engine][simplify][regions][random]") {
+    std::size_t fewer = 0;
+    for (std::uint64_t seed = 0; seed < 120; ++seed) {
+        const shapes::Soup soup = shapes::random_tetrahedra(seed, 8 + static_cast<int>(seed % 25), 9);
+        SliceOptions options = at_heights({1.25, 2.75, 4.5, 6.25});
+        options.unit_mm = 1.0 / 64;
+        options.origins = true;
+        for (const FillRule rule : {FillRule::contours, FillRule::non_zero, FillRule::even_odd, FillRule::positive}) {
+            INFO("seed " << seed << ", " << lamella::name_of(rule));
+            options.region.fill_rule = rule;
+            options.region.simplify_mm = 0;
+            const SliceResult plain = sliced(soup, options);
+            options.region.simplify_mm = static_cast<double>(1 + seed % 40) / 32;
+            const SliceResult result = sliced(soup, options);
+            require_valid(result, soup);
+            const auto crossings = find_crossings(result);
+            const auto crossings_before = find_crossings(plain);
+            REQUIRE(crossings.ok());
+            REQUIRE(crossings_before.ok());
+            REQUIRE(crossings->count <= crossings_before->count);
+            REQUIRE(result.contours.size() == plain.contours.size());
+            // Where contours cross, which of those around is the smallest may change.
+            for (std::size_t c = 0; c < plain.contours.size() && rule != FillRule::contours; ++c) {
+                REQUIRE(result.contours[c].parent == plain.contours[c].parent);
+                REQUIRE(result.contours[c].role == plain.contours[c].role);
+            }
+            fewer += result.points.size() < plain.points.size();
+        }
+    }
+    CHECK(fewer > 100);
+}

@@ -172,6 +172,7 @@ Status CallOptions::read_rules(const lamella_region_rules* given) {
     rules.offset_mm = c.offset_mm;
     rules.miter_limit = c.miter_limit;
     rules.mark_near_mm = c.mark_near_mm;
+    rules.simplify_mm = c.simplify_mm;
     return {};
 }
 

@@ -33,7 +33,7 @@ inline constexpr std::size_t end_of_fields = 0;
 LAMELLA_LAST_FIELD(lamella_error, message);
 LAMELLA_LAST_FIELD(lamella_control, progress_context);
 LAMELLA_LAST_FIELD(lamella_mesh, coordinate_mm);
-LAMELLA_LAST_FIELD(lamella_region_rules, mark_near_mm);
+LAMELLA_LAST_FIELD(lamella_region_rules, simplify_mm);
 LAMELLA_LAST_FIELD(lamella_options, reserved);
 LAMELLA_LAST_FIELD(lamella_view, origins);
 LAMELLA_LAST_FIELD(lamella_totals, layer_of_capacity);

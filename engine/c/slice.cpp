@@ -9,6 +9,7 @@
 #include "c/slice_call.hpp"
 #include "lamella/parts.hpp"
 #include "lamella/prepare.hpp"
+#include "lamella/slabs.hpp"
 #include "lamella/slice.hpp"
 
 namespace lamella::c {
@@ -43,6 +44,22 @@ Status read_parts(const lamella_mesh* const* meshes, const double* transforms, s
     return {};
 }
 
+/// What slabs know nothing of is refused, not left undone in silence.
+Status slab_options_of(const SliceOptions& given, SlabOptions& options) {
+    if (given.close_gaps_mm != 0 || given.origins) {
+        return Error{ErrorCode::invalid_argument, "slabs have neither gaps that are joined nor origins"};
+    }
+    options.plan = given.plan;
+    options.unit_mm = given.unit_mm;
+    options.unit_fit = given.unit_fit;
+    options.allow_empty = given.allow_empty;
+    options.transform = given.transform;
+    options.region = given.region;
+    options.memory_limit_bytes = given.memory_limit_bytes;
+    options.control = given.control;
+    return {};
+}
+
 }  // namespace
 }  // namespace lamella::c
 
@@ -53,6 +70,8 @@ using lamella::PartRegions;
 using lamella::PreparedMesh;
 using lamella::PrepareOptions;
 using lamella::Result;
+using lamella::SlabOptions;
+using lamella::Slabs;
 using lamella::SliceResult;
 using lamella::Status;
 using lamella::c::Call;
@@ -62,6 +81,7 @@ using lamella::c::check_prepared;
 using lamella::c::fill_result;
 using lamella::c::give_result;
 using lamella::c::read_parts;
+using lamella::c::slab_options_of;
 
 int32_t lamella_slice(const lamella_mesh* mesh, const lamella_options* options, lamella_workspace* workspace,
                       lamella_result** result, lamella_error* error) {
@@ -94,6 +114,42 @@ int32_t lamella_slice_parts(const lamella_mesh* const* meshes, const double* tra
         }
         const auto regions = part_regions == LAMELLA_PARTS_UNITED ? PartRegions::united : PartRegions::separate;
         return give_result(lamella::slice_parts(parts, call.options, regions), result);
+    });
+}
+
+int32_t lamella_slice_slabs(const lamella_mesh* mesh, const lamella_options* options, lamella_result** top,
+                            lamella_result** bottom, lamella_error* error) {
+    return called(error, [&]() -> Status {
+        Call call(nullptr);
+        if (Status status = call.read(mesh, options); !status) {
+            return status;
+        }
+        SlabOptions how;
+        if (Status status = slab_options_of(call.options(), how); !status) {
+            return status;
+        }
+        how.top = top != nullptr;
+        how.bottom = bottom != nullptr;
+        Result<Slabs> slabs = lamella::slice_slabs(call.mesh, how);
+        if (!slabs) {
+            return slabs.error();
+        }
+        // Both results are made before either is given.
+        std::unique_ptr<lamella_result> fresh[2];
+        lamella_result** const places[] = {top, bottom};
+        SliceResult* const made[] = {&slabs->top, &slabs->bottom};
+        for (int i = 0; i < 2; ++i) {
+            if (places[i] != nullptr && *places[i] == nullptr) {
+                fresh[i] = std::make_unique<lamella_result>();
+            }
+        }
+        for (int i = 0; i < 2; ++i) {
+            if (places[i] != nullptr) {
+                *places[i] = fresh[i] != nullptr ? fresh[i].release() : *places[i];
+                (*places[i])->result = std::move(*made[i]);
+            }
+        }
+        return {};
     });
 }
 

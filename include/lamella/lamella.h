@@ -159,6 +159,7 @@ typedef struct lamella_region_rules {
     double offset_mm;
     double miter_limit;
     double mark_near_mm;
+    double simplify_mm;
 } lamella_region_rules;
 
 #define LAMELLA_DEFAULT_UNIT_MM (1.0 / 1048576) /* lamella/grid.hpp: what unit_mm 0 stands for */
@@ -312,6 +313,11 @@ LAMELLA_C_API int32_t lamella_slice(const lamella_mesh* mesh, const lamella_opti
 LAMELLA_C_API int32_t lamella_slice_parts(const lamella_mesh* const* meshes, const double* transforms, size_t count,
                                           const lamella_options* options, int32_t part_regions, lamella_result** result,
                                           lamella_error* error);
+
+/* lamella/slabs.hpp: what upward and downward faces project onto each layer. `top` or `bottom` is NULL where it is not asked
+ * for. Of `options` the fill rule of regions, gaps and origins must be left out. */
+LAMELLA_C_API int32_t lamella_slice_slabs(const lamella_mesh* mesh, const lamella_options* options, lamella_result** top,
+                                          lamella_result** bottom, lamella_error* error);
 
 /* lamella/prepare.hpp. Of `options` transform, arithmetic, unit and control are used. */
 LAMELLA_C_API int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options, lamella_prepared** prepared,

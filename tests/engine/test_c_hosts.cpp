@@ -215,3 +215,49 @@ TEST_CASE("islands and areas go through C", "[c]") {
     CHECK(lamella_next_island(nullptr, 0, &none, &island) == 0);
     CHECK(lamella_contour_area_mm2(nullptr, 1) == 0);
 }
+
+TEST_CASE("slabs by C are those of C++", "[c]") {
+    const std::vector<float> soup = hollow_and_solid();
+    const lamella_mesh mesh = soup_of(soup);
+    lamella_options options = options_at(3);
+    lamella_result* top = nullptr;
+    lamella_result* bottom = nullptr;
+    REQUIRE(lamella_slice_slabs(&mesh, &options, &top, &bottom, nullptr) == LAMELLA_OK);
+    const ResultHandle tops(top);
+    const ResultHandle bottoms(bottom);
+    SlabOptions same;
+    same.plan.spacing = UniformLayers{.layer_height_mm = 3};
+    const Result<Slabs> expected = slice_slabs(MeshView::soup(soup), same);
+    REQUIRE(expected);
+    REQUIRE(view_of(tops).contour_count != 0);
+    REQUIRE(view_of(bottoms).contour_count != 0);
+    CHECK(lamella_result_hash(top) == hash_result(expected->top));
+    CHECK(lamella_result_hash(bottom) == hash_result(expected->bottom));
+    CHECK(lamella_result_hash(top) != lamella_result_hash(bottom));
+
+    lamella_result* alone = nullptr;
+    REQUIRE(lamella_slice_slabs(&mesh, &options, nullptr, &alone, nullptr) == LAMELLA_OK);
+    const ResultHandle owned(alone);
+    CHECK(lamella_result_hash(alone) == lamella_result_hash(bottom));
+    REQUIRE(lamella_slice_slabs(&mesh, &options, &alone, nullptr, nullptr) == LAMELLA_OK);
+    CHECK(lamella_result_hash(alone) == lamella_result_hash(top));
+    CHECK(lamella_slice_slabs(&mesh, &options, nullptr, nullptr, nullptr) == LAMELLA_INVALID_ARGUMENT);
+    options.origins = 1;
+    lamella_error error = fresh_error();
+    CHECK(lamella_slice_slabs(&mesh, &options, &alone, nullptr, &error) == LAMELLA_INVALID_ARGUMENT);
+    CHECK(std::string(error.message) == "slabs have neither gaps that are joined nor origins");
+}
+
+TEST_CASE("a tolerance of simplification goes through C", "[c]") {
+    const std::vector<float> sphere = shapes::floats(shapes::octasphere({0, 0, 0}, 20, 4));
+    const lamella_mesh mesh = soup_of(sphere);
+    lamella_region_rules rules;
+    lamella_region_rules_init(&rules);
+    rules.simplify_mm = 0.5;
+    lamella_options options = options_at(1);
+    const std::uint64_t points = view_of(sliced(mesh, options)).point_count;
+    options.region = &rules;
+    CHECK(view_of(sliced(mesh, options)).point_count < points / 2);
+    rules.struct_size = offsetof(lamella_region_rules, simplify_mm);
+    CHECK(view_of(sliced(mesh, options)).point_count == points);
+}

@@ -27,19 +27,26 @@ inline constexpr std::size_t largest_struct = 4096;
 template <class T>
 inline constexpr std::size_t end_of_fields = 0;
 
-#define LAMELLA_LAST_FIELD(T, field) \
-    template <>                      \
-    inline constexpr std::size_t end_of_fields<T> = offsetof(T, field) + sizeof(T::field)
-LAMELLA_LAST_FIELD(lamella_error, message);
-LAMELLA_LAST_FIELD(lamella_control, progress_context);
-LAMELLA_LAST_FIELD(lamella_mesh, coordinate_mm);
-LAMELLA_LAST_FIELD(lamella_region_rules, simplify_mm);
-LAMELLA_LAST_FIELD(lamella_options, reserved);
-LAMELLA_LAST_FIELD(lamella_view, origins);
-LAMELLA_LAST_FIELD(lamella_totals, layer_of_capacity);
-LAMELLA_LAST_FIELD(lamella_output_bounds, unit_mm);
-LAMELLA_LAST_FIELD(lamella_host_output, origins);
-#undef LAMELLA_LAST_FIELD
+#define LAMELLA_END_OF(T, field) (offsetof(T, field) + sizeof(T::field))
+template <>
+inline constexpr std::size_t end_of_fields<lamella_error> = LAMELLA_END_OF(lamella_error, message);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_control> = LAMELLA_END_OF(lamella_control, progress_context);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_mesh> = LAMELLA_END_OF(lamella_mesh, coordinate_mm);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_region_rules> = LAMELLA_END_OF(lamella_region_rules, simplify_mm);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_options> = LAMELLA_END_OF(lamella_options, reserved);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_view> = LAMELLA_END_OF(lamella_view, origins);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_totals> = LAMELLA_END_OF(lamella_totals, layer_of_capacity);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_output_bounds> = LAMELLA_END_OF(lamella_output_bounds, unit_mm);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_host_output> = LAMELLA_END_OF(lamella_host_output, origins);
+#undef LAMELLA_END_OF
 
 template <class T>
 constexpr void check_sized() {

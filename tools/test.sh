@@ -74,6 +74,7 @@ check_docs() {
 check_abi() {
     stage "binary form of the C interface"
     quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so
+    quietly build/abi.log tests/abi/check.sh build/engine/liblamella_c.so --self-test
 }
 
 # What macOS has: Clang with libc++. Compiles the libraries and runs the golden cases, which must give the bytes of GCC.

@@ -6,7 +6,6 @@
 
 #include "base/guard.hpp"
 #include "c/handles.hpp"
-#include "lamella/sink.hpp"
 
 namespace lamella::c {
 
@@ -46,7 +45,5 @@ inline Status give_result(Result<SliceResult> given, lamella_result** result) {
         return {};
     });
 }
-
-lamella_totals totals_of(const SliceTotals& totals) noexcept;
 
 }  // namespace lamella::c

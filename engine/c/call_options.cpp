@@ -69,6 +69,12 @@ lamella_host_output default_host_output() noexcept {
     return output;
 }
 
+lamella_totals default_totals() noexcept {
+    lamella_totals totals{};
+    totals.struct_size = sizeof totals;
+    return totals;
+}
+
 Status read_mesh(const lamella_mesh* given, MeshView& view, double& in_mm) {
     if (given == nullptr) {
         return Error{ErrorCode::invalid_argument, "the mesh is NULL"};
@@ -166,6 +172,7 @@ Status CallOptions::read_rules(const lamella_region_rules* given) {
     rules.offset_mm = c.offset_mm;
     rules.miter_limit = c.miter_limit;
     rules.mark_near_mm = c.mark_near_mm;
+    rules.simplify_mm = c.simplify_mm;
     return {};
 }
 
@@ -220,6 +227,7 @@ Status CallOptions::read(const lamella_options* given) {
         return status;
     }
     options.allow_empty = c.allow_empty != 0;
+    options.origins = c.origins != 0;
     options.unit_mm = c.unit_mm;
     std::copy(std::begin(c.transform), std::end(c.transform), options.transform.m.begin());
     options.close_gaps_mm = c.close_gaps_mm;

@@ -41,5 +41,6 @@ lamella_mesh default_mesh() noexcept;
 lamella_region_rules default_rules() noexcept;
 lamella_options default_options() noexcept;
 lamella_host_output default_host_output() noexcept;
+lamella_totals default_totals() noexcept;
 
 }  // namespace lamella::c

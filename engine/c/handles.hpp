@@ -47,6 +47,10 @@ struct Same<lamella_closed_gap> {
     using type = ClosedGap;
 };
 template <>
+struct Same<lamella_point_origin> {
+    using type = PointOrigin;
+};
+template <>
 struct Same<lamella_segment> {
     using type = Segment;
 };
@@ -76,6 +80,13 @@ LAMELLA_SAME_PLACE(lamella_layer, plane, Layer, plane);
 static_assert(sizeof(lamella_closed_gap) == sizeof(ClosedGap));
 LAMELLA_SAME_PLACE(lamella_closed_gap, from, ClosedGap, from);
 LAMELLA_SAME_PLACE(lamella_closed_gap, to, ClosedGap, to);
+static_assert(sizeof(lamella_point_origin) == sizeof(PointOrigin));
+LAMELLA_SAME_PLACE(lamella_point_origin, part, PointOrigin, part);
+LAMELLA_SAME_PLACE(lamella_point_origin, edge, PointOrigin, edge);
+LAMELLA_SAME_PLACE(lamella_point_origin, end_edge, PointOrigin, end_edge);
+static_assert(LAMELLA_NO_TRIANGLE == no_triangle && LAMELLA_NO_EDGE == no_edge && LAMELLA_SEVERAL_PARTS == several_parts);
+static_assert(LAMELLA_DEFAULT_UNIT_MM == default_unit_mm && LAMELLA_UNIT_BY_BOX == unit_by_box &&
+              LAMELLA_GRID_LIMIT == grid_limit);
 static_assert(sizeof(lamella_segment) == sizeof(Segment));
 LAMELLA_SAME_PLACE(lamella_segment, to_key, Segment, to_key);
 LAMELLA_SAME_PLACE(lamella_segment, from, Segment, from);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "c/handles.hpp"
 #include "c/sized.hpp"
 #include "lamella/assemble.hpp"
+#include "lamella/islands.hpp"
 #include "lamella/region.hpp"
 #include "lamella/version.hpp"
 
@@ -69,6 +71,7 @@ lamella_view view_of(const SliceResult& result) noexcept {
     view.emptied_layers = summary.emptied_layers;
     std::copy(std::begin(summary.min_mm), std::end(summary.min_mm), view.min_mm);
     std::copy(std::begin(summary.max_mm), std::end(summary.max_mm), view.max_mm);
+    view.origins = result.origins.empty() ? nullptr : as_c<lamella_point_origin>(result.origins.data());
     return view;
 }
 
@@ -112,26 +115,16 @@ std::int32_t report(const Status& status, lamella_error* error) noexcept {
     return c.status;
 }
 
-lamella_totals totals_of(const SliceTotals& totals) noexcept {
-    lamella_totals c{};
-    c.unit_doublings = static_cast<std::int32_t>(totals.summary.unit_doublings);
-    c.unit_mm = totals.unit_mm;
-    c.layers = totals.layers;
-    c.contours = totals.contours;
-    c.points = totals.points;
-    c.closed_gaps = totals.closed_gaps;
-    c.open_contours = totals.summary.open_contours;
-    return c;
-}
-
 }  // namespace lamella::c
 
+using lamella::Contour;
 using lamella::Control;
 using lamella::default_unit_mm;
 using lamella::Error;
 using lamella::ErrorCode;
 using lamella::Point;
 using lamella::Status;
+using lamella::c::as_c;
 using lamella::c::as_cpp;
 using lamella::c::called;
 using lamella::c::CallOptions;
@@ -163,6 +156,31 @@ uint64_t lamella_result_hash(const lamella_result* result) {
 
 void lamella_result_free(lamella_result* result) {
     delete result;
+}
+
+double lamella_contour_area_mm2(const lamella_contour* contour, double unit_mm) {
+    if (contour == nullptr) {
+        return 0;
+    }
+    lamella::SliceResult units;
+    units.unit_mm = unit_mm;
+    return units.area_mm2(*as_cpp(contour));
+}
+
+int32_t lamella_next_island(const lamella_contour* contours, uint64_t contour_count, uint64_t* at, lamella_island* island) {
+    if (contours == nullptr || at == nullptr || island == nullptr || *at >= contour_count) {
+        return 0;
+    }
+    const std::span<const Contour> rest(as_cpp(contours) + *at, contour_count - *at);
+    const lamella::Islands islands = lamella::islands_of(rest);
+    if (islands.begin() == islands.end()) {
+        *at = contour_count;
+        return 0;
+    }
+    const lamella::Island found = *islands.begin();
+    *island = {as_c<lamella_contour>(found.outer), as_c<lamella_contour>(found.holes.data()), found.holes.size()};
+    *at += static_cast<std::uint64_t>(found.holes.data() + found.holes.size() - rest.data());
+    return 1;
 }
 
 lamella_workspace* lamella_workspace_create(void) {

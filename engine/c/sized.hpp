@@ -1,9 +1,10 @@
 // Structs that begin with their size. A program that was compiled with an older header fills in only the beginning: the rest
-// has its defaults. A program with a newer header has more than the library knows, and what is beyond is left alone.
+// has its defaults. A program with a newer header has fields that the library does not know: they must be 0, since what they
+// ask for would not be done.
 //
 //     the program's      [ size | a | b ]           [ size | a | b | c | d ]
 //     the library's      [ size | a | b | c ]       [ size | a | b | c ]
-//                                      ^ default
+//                                      ^ default                      ^ 0
 #pragma once
 
 #include <algorithm>
@@ -14,13 +15,45 @@
 #include <type_traits>
 
 #include "lamella/error.hpp"
+#include "lamella/lamella.h"
+#include "lamella/version.hpp"
 
 namespace lamella::c {
+
+/// No version of a struct is larger: what is was not initialised.
+inline constexpr std::size_t largest_struct = 4096;
+
+/// Where the last field of T ends.
+template <class T>
+inline constexpr std::size_t end_of_fields = 0;
+
+#define LAMELLA_END_OF(T, field) (offsetof(T, field) + sizeof(T::field))
+template <>
+inline constexpr std::size_t end_of_fields<lamella_error> = LAMELLA_END_OF(lamella_error, message);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_control> = LAMELLA_END_OF(lamella_control, progress_context);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_mesh> = LAMELLA_END_OF(lamella_mesh, coordinate_mm);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_region_rules> = LAMELLA_END_OF(lamella_region_rules, simplify_mm);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_options> = LAMELLA_END_OF(lamella_options, reserved);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_view> = LAMELLA_END_OF(lamella_view, origins);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_totals> = LAMELLA_END_OF(lamella_totals, layer_of_capacity);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_output_bounds> = LAMELLA_END_OF(lamella_output_bounds, unit_mm);
+template <>
+inline constexpr std::size_t end_of_fields<lamella_host_output> = LAMELLA_END_OF(lamella_host_output, origins);
+#undef LAMELLA_END_OF
 
 template <class T>
 constexpr void check_sized() {
     static_assert(std::is_standard_layout_v<T> && std::is_trivially_copyable_v<T>, "what C can read");
     static_assert(offsetof(T, struct_size) == 0, "the size comes first");
+    static_assert(end_of_fields<T> == sizeof(T),
+                  "a field of a later version must not lie where programs of this one leave padding unset");
 }
 
 /// The defaults, into a struct of `size` bytes.
@@ -30,6 +63,22 @@ void init_sized(T* out, std::size_t size, const T& defaults) noexcept {
     std::memset(out, 0, size);
     std::memcpy(out, &defaults, std::min(size, sizeof(T)));
     out->struct_size = static_cast<std::uint32_t>(size);
+}
+
+/// invalid_argument where what the library does not know is set.
+template <class T>
+Status check_unknown(const T* given, std::size_t size, const T& known, const char* name) {
+    const auto* const bytes = reinterpret_cast<const unsigned char*>(given);
+    bool set = size > sizeof(T) && std::any_of(bytes + sizeof(T), bytes + size, [](unsigned char b) { return b != 0; });
+    if constexpr (requires { known.reserved; }) {
+        set = set || known.reserved != 0;
+    }
+    if (!set) {
+        return {};
+    }
+    return Error{ErrorCode::invalid_argument, std::string(name) + " has a field set that lamella " + version +
+                                                  " does not know: initialise it by " + name +
+                                                  "_init(), or use a later version of the library"};
 }
 
 /// What the program gave, and the defaults beyond; all defaults where it gave nothing.
@@ -42,12 +91,12 @@ Status read_sized(const T* given, const T& defaults, const char* name, T& whole)
     }
     std::uint32_t size = 0;
     std::memcpy(&size, given, sizeof size);
-    if (size < 2 * sizeof size) {
+    if (size < 2 * sizeof size || size > largest_struct) {
         return Error{ErrorCode::invalid_argument, std::string("struct_size of ") + name + " is " + std::to_string(size) +
                                                       ": initialise it by " + name + "_init()"};
     }
     std::memcpy(&whole, given, std::min<std::size_t>(size, sizeof(T)));
-    return {};
+    return check_unknown(given, size, whole, name);
 }
 
 /// As much of `value` as the program's struct holds.

@@ -1,155 +1,27 @@
-// The calls of lamella.h that cut a mesh.
-#include <cstdio>
+// The calls of lamella.h that cut a mesh into a result.
 #include <memory>
 #include <utility>
 #include <vector>
 
-#include "base/guard.hpp"
 #include "c/call.hpp"
 #include "c/call_options.hpp"
 #include "c/handles.hpp"
-#include "c/sized.hpp"
-#include "lamella/host_output.hpp"
+#include "c/slice_call.hpp"
 #include "lamella/parts.hpp"
 #include "lamella/prepare.hpp"
-#include "lamella/sink.hpp"
+#include "lamella/slabs.hpp"
 #include "lamella/slice.hpp"
 
 namespace lamella::c {
 
+Status check_prepared(const lamella_prepared* prepared) {
+    if (prepared == nullptr) {
+        return Error{ErrorCode::invalid_argument, "the prepared mesh is NULL"};
+    }
+    return {};
+}
+
 namespace {
-
-/// Mesh, options and workspace of one call.
-class Call {
-public:
-    explicit Call(lamella_workspace* workspace) : kept_(workspace) {
-        if (kept_ == nullptr) {
-            own_ = std::make_unique<lamella_workspace>();
-            kept_ = own_.get();
-        }
-    }
-
-    Status read(const lamella_options* given) { return kept_->options.read(given); }
-    Status read(const lamella_mesh* given_mesh, const lamella_options* given) {
-        if (Status status = read(given); !status) {
-            return status;
-        }
-        double in_mm = 1;
-        if (Status status = read_mesh(given_mesh, mesh, in_mm); !status) {
-            return status;
-        }
-        if (in_mm != 1) {
-            options().transform = options().transform * Transform::scale(in_mm);
-        }
-        return {};
-    }
-
-    SliceOptions& options() noexcept { return kept_->options.options; }
-    Workspace& workspace() noexcept { return kept_->workspace; }
-
-    MeshView mesh;
-
-private:
-    std::unique_ptr<lamella_workspace> own_;
-    lamella_workspace* kept_;
-};
-
-/// Hands layers to a function of C.
-class SinkOfC {
-public:
-    explicit SinkOfC(const lamella_sink& sink) : sink_(sink) {}
-
-    void operator()(const LayerView& view) const noexcept {
-        lamella_layer_view c{};
-        c.struct_size = sizeof c;
-        c.index = view.index;
-        c.unit_mm = view.unit_mm;
-        c.layer = as_c<lamella_layer>(&view.layer);
-        c.contours = as_c<lamella_contour>(view.contours.data());
-        c.contour_count = view.contours.size();
-        c.points = as_c<lamella_point>(view.points.data());
-        c.point_count = view.points.size();
-        c.closed_gaps = as_c<lamella_closed_gap>(view.closed_gaps.data());
-        c.closed_gap_count = view.closed_gaps.size();
-        sink_.take(sink_.context, &c);
-    }
-
-private:
-    const lamella_sink& sink_;
-};
-
-Status check_sink(const lamella_sink* sink) {
-    if (sink == nullptr || sink->take == nullptr) {
-        return Error{ErrorCode::invalid_argument, "the sink has no function that takes layers"};
-    }
-    if (sink->order != LAMELLA_SINK_ANY && sink->order != LAMELLA_SINK_ASCENDING) {
-        return Error{ErrorCode::invalid_argument,
-                     "the sink's order is " + std::to_string(sink->order) + ", but the choices are 0 to 1"};
-    }
-    return {};
-}
-
-/// `slice_to(sink)` is the call of C++.
-template <class SliceTo>
-Status hand_over(const lamella_sink* sink, lamella_totals* totals, const SliceTo& slice_to) {
-    if (Status status = check_sink(sink); !status) {
-        return status;
-    }
-    SinkOfC taking(*sink);
-    const auto order = sink->order == LAMELLA_SINK_ANY ? SinkOrder::any : SinkOrder::ascending;
-    const Result<SliceTotals> given = slice_to(LayerSink::to(taking, order));
-    if (!given) {
-        return given.error();
-    }
-    write_sized(totals_of(*given), totals);
-    return {};
-}
-
-Status read_output(const lamella_host_output* given, HostOutput& output) {
-    lamella_host_output c;
-    if (Status status = read_sized(given, default_host_output(), "lamella_host_output", c); !status) {
-        return status;
-    }
-    switch (c.point_type) {
-        case LAMELLA_F32:
-            output.type = PointType::f32;
-            break;
-        case LAMELLA_F64:
-            output.type = PointType::f64;
-            break;
-        case LAMELLA_I32:
-            output.type = PointType::i32;
-            break;
-        case LAMELLA_I64:
-            output.type = PointType::i64;
-            break;
-        default:
-            return Error{ErrorCode::invalid_argument,
-                         "point_type is " + std::to_string(c.point_type) + ", but the choices are 0 to 3"};
-    }
-    output.points = c.points;
-    output.point_capacity = c.point_capacity;
-    output.stride = c.point_stride;
-    output.scale = c.scale;
-    output.contours = as_cpp(c.contours);
-    output.contour_capacity = c.contour_capacity;
-    output.layers = as_cpp(c.layers);
-    output.layer_capacity = c.layer_capacity;
-    output.closed_gaps = as_cpp(c.closed_gaps);
-    output.closed_gap_capacity = c.closed_gap_capacity;
-    return {};
-}
-
-lamella_output_bounds bounds_of(const OutputBounds& bounds) noexcept {
-    lamella_output_bounds c{};
-    c.are_certain = bounds.are_certain ? 1 : 0;
-    c.layers = bounds.layers;
-    c.contours = bounds.contours;
-    c.points = bounds.points;
-    c.segments = bounds.segments;
-    c.unit_mm = bounds.unit_mm;
-    return c;
-}
 
 /// `transforms`: twelve numbers a mesh, or null.
 Status read_parts(const lamella_mesh* const* meshes, const double* transforms, std::size_t count, std::vector<Part>& parts) {
@@ -172,33 +44,44 @@ Status read_parts(const lamella_mesh* const* meshes, const double* transforms, s
     return {};
 }
 
+/// What slabs know nothing of is refused, not left undone in silence.
+Status slab_options_of(const SliceOptions& given, SlabOptions& options) {
+    if (given.close_gaps_mm != 0 || given.origins) {
+        return Error{ErrorCode::invalid_argument, "slabs have neither gaps that are joined nor origins"};
+    }
+    options.plan = given.plan;
+    options.unit_mm = given.unit_mm;
+    options.unit_fit = given.unit_fit;
+    options.allow_empty = given.allow_empty;
+    options.transform = given.transform;
+    options.region = given.region;
+    options.memory_limit_bytes = given.memory_limit_bytes;
+    options.control = given.control;
+    return {};
+}
+
 }  // namespace
 }  // namespace lamella::c
 
 using lamella::Error;
 using lamella::ErrorCode;
-using lamella::HostOutput;
-using lamella::LayerSink;
-using lamella::OutputBounds;
 using lamella::Part;
 using lamella::PartRegions;
 using lamella::PreparedMesh;
 using lamella::PrepareOptions;
 using lamella::Result;
+using lamella::SlabOptions;
+using lamella::Slabs;
 using lamella::SliceResult;
-using lamella::SliceTotals;
 using lamella::Status;
-using lamella::c::bounds_of;
 using lamella::c::Call;
 using lamella::c::called;
 using lamella::c::CallOptions;
+using lamella::c::check_prepared;
 using lamella::c::fill_result;
 using lamella::c::give_result;
-using lamella::c::hand_over;
-using lamella::c::read_output;
 using lamella::c::read_parts;
-using lamella::c::totals_of;
-using lamella::c::write_sized;
+using lamella::c::slab_options_of;
 
 int32_t lamella_slice(const lamella_mesh* mesh, const lamella_options* options, lamella_workspace* workspace,
                       lamella_result** result, lamella_error* error) {
@@ -234,6 +117,42 @@ int32_t lamella_slice_parts(const lamella_mesh* const* meshes, const double* tra
     });
 }
 
+int32_t lamella_slice_slabs(const lamella_mesh* mesh, const lamella_options* options, lamella_result** top,
+                            lamella_result** bottom, lamella_error* error) {
+    return called(error, [&]() -> Status {
+        Call call(nullptr);
+        if (Status status = call.read(mesh, options); !status) {
+            return status;
+        }
+        SlabOptions how;
+        if (Status status = slab_options_of(call.options(), how); !status) {
+            return status;
+        }
+        how.top = top != nullptr;
+        how.bottom = bottom != nullptr;
+        Result<Slabs> slabs = lamella::slice_slabs(call.mesh, how);
+        if (!slabs) {
+            return slabs.error();
+        }
+        // Both results are made before either is given.
+        std::unique_ptr<lamella_result> fresh[2];
+        lamella_result** const places[] = {top, bottom};
+        SliceResult* const made[] = {&slabs->top, &slabs->bottom};
+        for (int i = 0; i < 2; ++i) {
+            if (places[i] != nullptr && *places[i] == nullptr) {
+                fresh[i] = std::make_unique<lamella_result>();
+            }
+        }
+        for (int i = 0; i < 2; ++i) {
+            if (places[i] != nullptr) {
+                *places[i] = fresh[i] != nullptr ? fresh[i].release() : *places[i];
+                (*places[i])->result = std::move(*made[i]);
+            }
+        }
+        return {};
+    });
+}
+
 int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options, lamella_prepared** prepared,
                         lamella_error* error) {
     return called(error, [&]() -> Status {
@@ -262,8 +181,8 @@ int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options
 int32_t lamella_slice_prepared(const lamella_prepared* prepared, const lamella_options* options,
                                lamella_workspace* workspace, lamella_result** result, lamella_error* error) {
     return called(error, [&]() -> Status {
-        if (prepared == nullptr) {
-            return Error{ErrorCode::invalid_argument, "the prepared mesh is NULL"};
+        if (Status status = check_prepared(prepared); !status) {
+            return status;
         }
         Call call(workspace);
         if (Status status = call.read(options); !status) {
@@ -279,71 +198,10 @@ uint64_t lamella_prepared_bytes(const lamella_prepared* prepared) {
     return prepared == nullptr ? 0 : prepared->mesh.bytes();
 }
 
+double lamella_prepared_unit_mm(const lamella_prepared* prepared) {
+    return prepared == nullptr ? 0 : prepared->mesh.unit_mm();
+}
+
 void lamella_prepared_free(lamella_prepared* prepared) {
     delete prepared;
-}
-
-int32_t lamella_slice_to(const lamella_sink* sink, const lamella_mesh* mesh, const lamella_options* options,
-                         lamella_workspace* workspace, lamella_totals* totals, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        Call call(workspace);
-        if (Status status = call.read(mesh, options); !status) {
-            return status;
-        }
-        return hand_over(sink, totals, [&](const LayerSink& to) {
-            return lamella::slice_to(to, call.mesh, call.options(), call.workspace());
-        });
-    });
-}
-
-int32_t lamella_slice_prepared_to(const lamella_sink* sink, const lamella_prepared* prepared, const lamella_options* options,
-                                  lamella_workspace* workspace, lamella_totals* totals, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        if (prepared == nullptr) {
-            return Error{ErrorCode::invalid_argument, "the prepared mesh is NULL"};
-        }
-        Call call(workspace);
-        if (Status status = call.read(options); !status) {
-            return status;
-        }
-        return hand_over(sink, totals, [&](const LayerSink& to) {
-            return lamella::slice_to(to, prepared->mesh, call.options(), call.workspace());
-        });
-    });
-}
-
-int32_t lamella_bound_output(const lamella_mesh* mesh, const lamella_options* options, lamella_workspace* workspace,
-                             lamella_output_bounds* bounds, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        Call call(workspace);
-        if (Status status = call.read(mesh, options); !status) {
-            return status;
-        }
-        const Result<OutputBounds> bound = lamella::bound_output(call.mesh, call.options(), call.workspace());
-        if (!bound) {
-            return bound.error();
-        }
-        write_sized(bounds_of(*bound), bounds);
-        return {};
-    });
-}
-
-int32_t lamella_slice_into(const lamella_host_output* output, const lamella_mesh* mesh, const lamella_options* options,
-                           lamella_workspace* workspace, lamella_totals* totals, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        Call call(workspace);
-        if (Status status = call.read(mesh, options); !status) {
-            return status;
-        }
-        HostOutput host;
-        if (Status status = read_output(output, host); !status) {
-            return status;
-        }
-        const Result<SliceTotals> given = lamella::slice_into(host, call.mesh, call.options(), call.workspace());
-        if (!given) {
-            return given.error();
-        }
-        write_sized(totals_of(*given), totals);
-        return {};
-    });
 }

@@ -26,13 +26,18 @@
  *
  * The calls are those of the C++ headers, whose comments say what they do; here stands what C adds.
  *
- * Structs that a program fills in begin with their size and are initialised by a call of that name: a field that a later
- * version adds then has its default for programs that do not know it. Structs in arrays (points, contours, layers) never
- * change. Enumerations are kept in int32_t.
+ * Structs that grow from version to version begin with their size and are initialised by a call of that name. A library that
+ * is newer than the program gives fields that the program does not know their defaults. One that is older refuses the struct
+ * with LAMELLA_INVALID_ARGUMENT where a field is set that it does not know, and takes it where such fields are 0, as the
+ * initialisation leaves them. Fields named `reserved` are 0, too. The structs without a size (points, contours, layers, the
+ * sink) never change. Enumerations are kept in int32_t.
  *
  * What a call returns is a status, LAMELLA_OK or what went wrong; `error`, which may be NULL, then says more. A handle that
- * was made is given back by its _free(), which takes NULL too. Views point into their handle and live as long, or until it is
- * filled anew. No call throws, prints, aborts or keeps global state. Callbacks must not throw or jump out. */
+ * was made is given back by its _free(), which takes NULL too. Views point into their handle and live as long, or until it
+ * is filled anew. No call throws, prints, aborts or keeps global state. Callbacks must not throw or jump out.
+ *
+ * A handle may be used by one thread at a time, but for a prepared mesh: that any number of threads may slice at once, each
+ * with a workspace and a result of its own. */
 #ifndef LAMELLA_LAMELLA_H
 #define LAMELLA_LAMELLA_H
 
@@ -86,12 +91,12 @@ typedef struct lamella_memory {
 typedef struct lamella_control {
     uint32_t struct_size;
     int32_t threads; /* at most this many; 0: all that the executor has */
-    /* Calls body(argument) up to `workers` times, at once or one after the other, and returns when they have. NULL: oneTBB. */
+    /* Calls body(argument) up to `workers` times, at once or one by one, and returns when they have. NULL: oneTBB. */
     void (*executor)(void* context, int32_t workers, void (*body)(void* argument), void* argument);
     void* executor_context;
     int32_t executor_threads;
     int32_t reserved;
-    const lamella_memory* memory;  /* NULL: the C++ library's */
+    const lamella_memory* memory;   /* NULL: the C++ library's */
     int32_t (*stop)(void* context); /* not 0 ends the call with LAMELLA_CANCELLED; asked by several threads at once */
     void* stop_context;
     void (*progress)(void* context, double fraction); /* on any working thread, one call at a time; 1 in the last */
@@ -154,7 +159,12 @@ typedef struct lamella_region_rules {
     double offset_mm;
     double miter_limit;
     double mark_near_mm;
+    double simplify_mm;
 } lamella_region_rules;
+
+#define LAMELLA_DEFAULT_UNIT_MM (1.0 / 1048576) /* lamella/grid.hpp: what unit_mm 0 stands for */
+#define LAMELLA_UNIT_BY_BOX (-1.0)
+#define LAMELLA_GRID_LIMIT 1073741824 /* the largest magnitude of a point's x and y */
 
 typedef struct lamella_options {
     uint32_t struct_size;
@@ -165,22 +175,28 @@ typedef struct lamella_options {
     int32_t side;             /* LAMELLA_SIDE_BELOW ... */
     const double* heights_mm; /* for LAMELLA_LAYERS_AT_HEIGHTS: in any order */
     size_t height_count;
-    double unit_mm; /* 0: the default; -1: the finest that the mesh's box allows */
-    double transform[12];
-    int32_t arithmetic;                 /* LAMELLA_ARITHMETIC_F64 ... */
-    int32_t unit_fit;                   /* LAMELLA_UNIT_AS_ASKED ... */
+    double unit_mm;       /* of the grid; 0: the default; LAMELLA_UNIT_BY_BOX: the finest that the mesh's box allows */
+    double transform[12]; /* three rows of four, to mm: x' = t[0] x + t[1] y + t[2] z + t[3] */
+    int32_t arithmetic;   /* LAMELLA_ARITHMETIC_F64 ... */
+    int32_t unit_fit;     /* LAMELLA_UNIT_AS_ASKED ... */
     const lamella_region_rules* region; /* NULL: contours as the mesh gives them */
     double close_gaps_mm;
     int32_t gap_sense; /* LAMELLA_GAP_SENSE_KEPT ... */
     int32_t allow_empty;
     uint64_t memory_limit_bytes;
     const lamella_control* control; /* NULL: oneTBB's threads, the C++ library's memory, no stop, no progress */
+    int32_t origins;                /* not 0: say which triangle each contour edge comes from */
+    int32_t reserved;
 } lamella_options;
 
 /* --- Results: lamella/result.hpp */
 
 enum { LAMELLA_ROLE_OUTER = 0, LAMELLA_ROLE_HOLE = 1, LAMELLA_ROLE_FLAT = 2, LAMELLA_ROLE_OPEN = 3 };
 enum { LAMELLA_ORIENTATION_OVERRULED = 1, LAMELLA_ORIENTATION_MIXED = 2, LAMELLA_GAP_CLOSED = 4, LAMELLA_NEAR_CONTOUR = 8 };
+
+#define LAMELLA_SEVERAL_PARTS UINT32_MAX
+#define LAMELLA_NO_TRIANGLE UINT32_MAX
+#define LAMELLA_NO_EDGE 3
 
 typedef struct lamella_point { /* grid units; times unit_mm they are mm */
     int32_t x;
@@ -197,8 +213,16 @@ typedef struct lamella_contour {
     uint8_t role;       /* LAMELLA_ROLE_OUTER ... */
     int8_t orientation; /* 1 counter-clockwise, -1 clockwise */
     uint16_t flags;     /* LAMELLA_ORIENTATION_OVERRULED ... */
-    uint32_t part;      /* or UINT32_MAX: several */
+    uint32_t part;      /* or LAMELLA_SEVERAL_PARTS */
 } lamella_contour;
+
+/* Of a point and the contour edge that begins there. Edge e of a triangle leads from corner e to corner (e + 1) % 3. */
+typedef struct lamella_point_origin {
+    uint32_t triangle; /* index in the mesh, or LAMELLA_NO_TRIANGLE */
+    uint16_t part;     /* index of that mesh among those of lamella_slice_parts() */
+    uint8_t edge;      /* on which the contour edge begins, or LAMELLA_NO_EDGE */
+    uint8_t end_edge;  /* and on which it ends */
+} lamella_point_origin;
 
 typedef struct lamella_layer {
     double bottom_mm;
@@ -242,6 +266,7 @@ typedef struct lamella_view {
     uint64_t emptied_layers;
     double min_mm[3];
     double max_mm[3];
+    const lamella_point_origin* origins; /* of each point; NULL without lamella_options.origins */
 } lamella_view;
 
 typedef struct lamella_result lamella_result;
@@ -253,10 +278,25 @@ LAMELLA_C_API double lamella_result_area_mm2(const lamella_result* result, uint6
 LAMELLA_C_API uint64_t lamella_result_hash(const lamella_result* result);
 LAMELLA_C_API void lamella_result_free(lamella_result* result);
 
+/* mm2 within a contour: positive for an outer one, negative for a hole. */
+LAMELLA_C_API double lamella_contour_area_mm2(const lamella_contour* contour, double unit_mm);
+
+/* lamella/islands.hpp: an outer contour and the holes in it. */
+typedef struct lamella_island {
+    const lamella_contour* outer;
+    const lamella_contour* holes;
+    uint64_t hole_count;
+} lamella_island;
+
+/* The islands of a layer's contours one after the other, from `*at` = 0 on: 1, with the next one in `*island`, or 0 after
+ * the last. */
+LAMELLA_C_API int32_t lamella_next_island(const lamella_contour* contours, uint64_t contour_count, uint64_t* at,
+                                          lamella_island* island);
+
 /* --- Calls
  *
- * `options` may be NULL: the defaults. `*result` is NULL, or a result that is filled anew and whose memory is used again; it
- * is left as it was where a call fails before it has a result to give. */
+ * `options` may be NULL: the defaults. `*result` is NULL, or a result that is filled anew and whose memory is used again.
+ * Where a call fails, NULL stays NULL, and what a given result holds is unspecified. */
 
 /* Scratch that is kept from call to call, one for each thread that calls. NULL where there is no memory. */
 LAMELLA_C_API lamella_workspace* lamella_workspace_create(void);
@@ -274,20 +314,25 @@ LAMELLA_C_API int32_t lamella_slice_parts(const lamella_mesh* const* meshes, con
                                           const lamella_options* options, int32_t part_regions, lamella_result** result,
                                           lamella_error* error);
 
+/* lamella/slabs.hpp: what upward and downward faces project onto each layer. `top` or `bottom` is NULL where it is not asked
+ * for. Of `options` the fill rule of regions, gaps and origins must be left out. */
+LAMELLA_C_API int32_t lamella_slice_slabs(const lamella_mesh* mesh, const lamella_options* options, lamella_result** top,
+                                          lamella_result** bottom, lamella_error* error);
+
 /* lamella/prepare.hpp. Of `options` transform, arithmetic, unit and control are used. */
 LAMELLA_C_API int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options, lamella_prepared** prepared,
                                       lamella_error* error);
 LAMELLA_C_API int32_t lamella_slice_prepared(const lamella_prepared* prepared, const lamella_options* options,
                                              lamella_workspace* workspace, lamella_result** result, lamella_error* error);
 LAMELLA_C_API uint64_t lamella_prepared_bytes(const lamella_prepared* prepared);
+LAMELLA_C_API double lamella_prepared_unit_mm(const lamella_prepared* prepared);
 LAMELLA_C_API void lamella_prepared_free(lamella_prepared* prepared);
-
-
 
 /* lamella/sink.hpp. */
 enum { LAMELLA_SINK_ANY = 0, LAMELLA_SINK_ASCENDING = 1 };
 
-/* Valid until the sink returns. Contours and parents are numbered within the layer. */
+/* Valid until the sink returns. Contours and parents are numbered within the layer. A library that is older than the program
+ * gives a smaller struct_size, and no more fields than that. */
 typedef struct lamella_layer_view {
     uint32_t struct_size;
     int32_t reserved;
@@ -300,6 +345,7 @@ typedef struct lamella_layer_view {
     uint64_t point_count;
     const lamella_closed_gap* closed_gaps;
     uint64_t closed_gap_count;
+    const lamella_point_origin* origins; /* of each point; NULL without lamella_options.origins */
 } lamella_layer_view;
 
 typedef struct lamella_sink {
@@ -318,6 +364,18 @@ typedef struct lamella_totals {
     uint64_t points;
     uint64_t closed_gaps;
     uint64_t open_contours;
+    uint64_t triangles;
+    uint64_t degenerate;
+    uint64_t segments;
+    uint64_t holes;
+    uint64_t flat_contours;
+    uint64_t overruled_contours;
+    uint64_t near_contours;
+    uint64_t emptied_layers;
+    double min_mm[3];
+    double max_mm[3];
+    uint64_t* layer_of;         /* the program's, filled in with the layer of each height given; or NULL */
+    uint64_t layer_of_capacity; /* at least the number of heights */
 } lamella_totals;
 
 /* `workspace` and `totals` may be NULL. */
@@ -349,16 +407,23 @@ typedef struct lamella_host_output {
     uint64_t contour_capacity;
     lamella_layer* layers;
     uint64_t layer_capacity;
-    lamella_closed_gap* closed_gaps;
+    lamella_closed_gap* closed_gaps; /* NULL: they are only counted */
     uint64_t closed_gap_capacity;
+    lamella_point_origin* origins; /* room for point_capacity, filled in with lamella_options.origins; NULL: none */
 } lamella_host_output;
 
 LAMELLA_C_API int32_t lamella_bound_output(const lamella_mesh* mesh, const lamella_options* options,
                                            lamella_workspace* workspace, lamella_output_bounds* bounds,
                                            lamella_error* error);
+LAMELLA_C_API int32_t lamella_bound_prepared_output(const lamella_prepared* prepared, const lamella_options* options,
+                                                    lamella_workspace* workspace, lamella_output_bounds* bounds,
+                                                    lamella_error* error);
 LAMELLA_C_API int32_t lamella_slice_into(const lamella_host_output* output, const lamella_mesh* mesh,
                                          const lamella_options* options, lamella_workspace* workspace,
                                          lamella_totals* totals, lamella_error* error);
+LAMELLA_C_API int32_t lamella_slice_prepared_into(const lamella_host_output* output, const lamella_prepared* prepared,
+                                                  const lamella_options* options, lamella_workspace* workspace,
+                                                  lamella_totals* totals, lamella_error* error);
 
 /* --- Contours that are not cut from a mesh. The result has one layer. */
 
@@ -387,8 +452,8 @@ LAMELLA_C_API int32_t lamella_assemble(const lamella_segment* segments, size_t c
 
 /* --- Names, and structs with their defaults */
 
-LAMELLA_C_API const char* lamella_version(void);                  /* "0.2.0" */
-LAMELLA_C_API const char* lamella_status_name(int32_t status);    /* "bad_planes" */
+LAMELLA_C_API const char* lamella_version(void);               /* "0.2.0" */
+LAMELLA_C_API const char* lamella_status_name(int32_t status); /* "bad_planes" */
 
 LAMELLA_C_API void lamella_error_init_sized(lamella_error* error, size_t size);
 LAMELLA_C_API void lamella_control_init_sized(lamella_control* control, size_t size);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/c_calls.hpp"
 #include "engine/shapes.hpp"
 #include "engine/slicing.hpp"
 #include "lamella/host_output.hpp"
@@ -16,54 +17,21 @@
 #include "lamella/lamella.hpp"
 
 using namespace lamella;
+using c_calls::Freed;
+using c_calls::fresh_error;
+using c_calls::options_at;
+using c_calls::ResultHandle;
+using c_calls::sliced;
+using c_calls::soup_of;
+using c_calls::tetrahedron;
 
 namespace {
-
-struct Freed {
-    void operator()(lamella_result* result) const { lamella_result_free(result); }
-    void operator()(lamella_workspace* workspace) const { lamella_workspace_free(workspace); }
-    void operator()(lamella_prepared* prepared) const { lamella_prepared_free(prepared); }
-};
-using ResultHandle = std::unique_ptr<lamella_result, Freed>;
-
-lamella_error fresh_error() {
-    lamella_error error;
-    lamella_error_init(&error);
-    return error;
-}
-
-lamella_mesh soup_of(const std::vector<float>& soup) {
-    lamella_mesh mesh;
-    lamella_mesh_init(&mesh);
-    mesh.vertices = soup.data();
-    mesh.triangle_count = soup.size() / 9;
-    return mesh;
-}
-
-lamella_options options_at(double layer_height_mm) {
-    lamella_options options;
-    lamella_options_init(&options);
-    options.layer_height_mm = layer_height_mm;
-    return options;
-}
-
-ResultHandle sliced(const lamella_mesh& mesh, const lamella_options& options) {
-    lamella_result* result = nullptr;
-    lamella_error error = fresh_error();
-    INFO(error.message);
-    REQUIRE(lamella_slice(&mesh, &options, nullptr, &result, &error) == LAMELLA_OK);
-    return ResultHandle(result);
-}
 
 std::uint64_t hash_in_cpp(const MeshView& mesh, const SliceOptions& options) {
     const Result<SliceResult> result = slice(mesh, options);
     REQUIRE(result);
     return hash_result(*result);
 }
-
-/// A tetrahedron of 9 mm.
-const std::vector<float> tetrahedron = {0, 0, 0, 0, 9, 0, 9, 0, 0, 0, 0, 0, 9, 0, 0, 0, 0, 9,
-                                        0, 0, 0, 0, 0, 9, 0, 9, 0, 9, 0, 0, 0, 9, 0, 0, 0, 9};
 
 }  // namespace
 
@@ -155,7 +123,7 @@ TEST_CASE("a struct that knows fewer fields has the defaults of the rest", "[c]"
     CHECK(view.layer_count == 0x5a5a5a5a5a5a5a5aU);
 }
 
-TEST_CASE("a struct of a later version is read as far as it is known", "[c]") {
+TEST_CASE("a struct of a later version is taken unless a field is set that is not known", "[c]") {
     struct Later {
         lamella_options known;
         double unknown[4] = {1, 2, 3, 4};
@@ -166,6 +134,20 @@ TEST_CASE("a struct of a later version is read as far as it is known", "[c]") {
     const lamella_mesh mesh = soup_of(tetrahedron);
     const ResultHandle result = sliced(mesh, later.known);
     CHECK(lamella_result_hash(result.get()) == lamella_result_hash(sliced(mesh, options_at(0.5)).get()));
+
+    const std::string expected =
+        "lamella_options has a field set that lamella " + std::string(lamella_version()) +
+        " does not know: initialise it by lamella_options_init(), or use a later version of the library";
+    lamella_result* refused = nullptr;
+    lamella_error error = fresh_error();
+    later.unknown[3] = 1e-300;
+    CHECK(lamella_slice(&mesh, &later.known, nullptr, &refused, &error) == LAMELLA_INVALID_ARGUMENT);
+    CHECK(error.message == expected);
+    later.unknown[3] = 0;
+    later.known.reserved = 1;
+    CHECK(lamella_slice(&mesh, &later.known, nullptr, &refused, &error) == LAMELLA_INVALID_ARGUMENT);
+    CHECK(error.message == expected);
+    CHECK(refused == nullptr);
 }
 
 TEST_CASE("what C gives wrongly is refused by name", "[c]") {
@@ -181,6 +163,8 @@ TEST_CASE("what C gives wrongly is refused by name", "[c]") {
     lamella_mesh mesh = good;
     mesh.struct_size = 0;
     CHECK(message(&mesh, nullptr) == "struct_size of lamella_mesh is 0: initialise it by lamella_mesh_init()");
+    mesh.struct_size = 0xcccccccc;
+    CHECK(message(&mesh, nullptr) == "struct_size of lamella_mesh is 3435973836: initialise it by lamella_mesh_init()");
     mesh = good;
     mesh.coordinate_type = 4;
     CHECK(message(&mesh, nullptr) == "coordinate_type is 4, but the choices are 0 to 3");

@@ -1,37 +1,12 @@
 /* Cuts a binary STL file by way of the C interface. Compiled as C99 and as C++17, and linked with the shared library and
  * with the static one. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <lamella/lamella.h>
-
-static unsigned char* read_all(const char* path, size_t* size) {
-    FILE* file = fopen(path, "rb");
-    unsigned char* bytes = NULL;
-    if (file == NULL) {
-        return NULL;
-    }
-    fseek(file, 0, SEEK_END);
-    *size = (size_t)ftell(file);
-    rewind(file);
-    bytes = (unsigned char*)malloc(*size);
-    if (fread(bytes, 1, *size, file) != *size) {
-        free(bytes);
-        bytes = NULL;
-    }
-    fclose(file);
-    return bytes;
-}
+#include "sample.h"
 
 static void count_layer(void* context, const lamella_layer_view* layer) {
     *(uint64_t*)context += layer->contour_count;
 }
 
 int main(int count, char** words) {
-    size_t size = 0;
-    unsigned char* bytes = read_all(words[count - 1], &size);
-    uint32_t triangles = 0;
     uint64_t handed_over = 0;
     lamella_mesh mesh;
     lamella_options options;
@@ -39,15 +14,10 @@ int main(int count, char** words) {
     lamella_view view;
     lamella_sink sink = {count_layer, NULL, LAMELLA_SINK_ASCENDING, 0};
     lamella_result* result = NULL;
-    if (bytes == NULL || size < 84) {
-        fprintf(stderr, "no mesh\n");
+    unsigned char* const bytes = read_sample(words[count - 1], &mesh);
+    if (bytes == NULL) {
         return 1;
     }
-    memcpy(&triangles, bytes + 80, sizeof triangles);
-    lamella_mesh_init(&mesh);
-    mesh.vertices = bytes + 84 + 12;
-    mesh.vertex_stride = 50;
-    mesh.triangle_count = triangles;
     lamella_options_init(&options);
     options.layer_height_mm = 0.5;
     lamella_error_init(&error);
@@ -66,7 +36,7 @@ int main(int count, char** words) {
         fprintf(stderr, "the sink got %d contours\n", (int)handed_over);
         return 1;
     }
-    printf("%d layers, %d contours\n", (int)view.layer_count, (int)view.contour_count);
+    print_counts(result);
     lamella_result_free(result);
     free(bytes);
     return 0;

@@ -1,23 +1,43 @@
 #!/usr/bin/env bash
-# run_all.sh FOLDER SAMPLE PREFIX CC: runs the programs in FOLDER, and one that pkg-config finds its library for.
+# run_all.sh FOLDER SAMPLE PREFIX README CC CXX [PYTHON]: runs the programs in FOLDER, which CMake has built, those that are
+# built here by what pkg-config says, and one in Python.
 set -euo pipefail
-folder=$1 sample=$2 prefix=$3 cc=$4
+folder=$1 sample=$2 prefix=$3 readme=$4 cc=$5 cxx=$6 python=${7:-}
 source_folder=$(dirname "${BASH_SOURCE[0]}")
 readonly expected="40 layers, 40 contours"
 
 check() {
     local printed
-    printed=$("$@" "$sample")
-    [[ "$printed" == "$expected" ]] || { echo "$1 printed: $printed"; exit 1; }
+    printed=$("$@" "$sample") || { echo "$1 failed"; exit 1; }
+    [[ "${printed##*$'\n'}" == "$expected" ]] || { echo "$1 printed: $printed"; exit 1; }
 }
 
-for program in app app_static app_shared_clash app17; do
+for program in app app_static app_namesakes_c app_namesakes_lamella app17; do
     check "$folder/$program"
 done
 
-pc=$(dirname "$(find "$prefix" -name lamella_c.pc)")
-export PKG_CONFIG_PATH=$pc
-# shellcheck disable=SC2046
-"$cc" -std=c99 "$source_folder/app.c" $(pkg-config --cflags --libs lamella_c) -o "$folder/app_pkg_config"
-LD_LIBRARY_PATH=$(pkg-config --variable=libdir lamella_c) check "$folder/app_pkg_config"
+pc=$(find "$prefix" -name lamella_c.pc)
+export PKG_CONFIG_PATH=${pc%/*}
+libraries=$(pkg-config --variable=libdir lamella_c)
+# Of two files of one content the second is another library.
+cp -L "$libraries/liblamella_c.so" "$folder/liblamella_copy.so"
+check "$folder/plugins" "$libraries/liblamella_c.so" "$folder/liblamella_copy.so" "$folder/libplugin.so"
+[[ -z $python ]] || check "$python" "$source_folder/app.py" "$libraries/liblamella_c.so"
+
+# build NAME PACKAGE COMPILER...: the last word is the source.
+build() {
+    local program=$folder/$1 package=$2
+    shift 2
+    # shellcheck disable=SC2046  # words of flags
+    "$@" $(pkg-config --cflags --libs "$package") -o "$program"
+}
+# shellcheck disable=SC2016
+sed -n '/^```cpp$/,/^```$/p' "$readme" | sed '/^```/d' > "$folder/app20.cpp"
+build pkg_config_c99 lamella_c "$cc" -std=c99 -pedantic-errors "$source_folder/app.c"
+build pkg_config_c++17 lamella_c "$cxx" -std=c++17 "$folder/app17.cpp"
+build pkg_config_static_c++17 lamella "$cxx" -std=c++17 "$folder/app17.cpp"
+build pkg_config_static_c++20 lamella "$cxx" -std=c++20 "$folder/app20.cpp"
+for program in pkg_config_c99 pkg_config_c++17 pkg_config_static_c++17 pkg_config_static_c++20; do
+    LD_LIBRARY_PATH=$libraries check "$folder/$program"
+done
 echo "all programs cut the sample"

@@ -1,15 +1,36 @@
 #!/usr/bin/env bash
-# symbols.sh SHARED STATIC: the shared library exports nothing but the C interface; what the static one defines for others is
-# lamella's.
+# symbols.sh SHARED STATIC HEADER FOLDER: the shared library exports the functions of HEADER and nothing else; what the static
+# one defines for others is lamella's. FOLDER takes what is written.
 set -euo pipefail
-foreign=$(nm -D --defined-only "$1" | awk '{ print $3 }' | grep -v '^lamella_' || true)
-[[ -z "$foreign" ]] || { echo "$1 exports $foreign"; exit 1; }
-[[ $(nm -D --defined-only "$1" | grep -c ' T lamella_') -ge 30 ]] || { echo "$1 exports too little"; exit 1; }
-readelf -d "$1" | grep -q 'SONAME.*liblamella_c[.]so[.][0-9]' || { echo "$1 has no SONAME"; exit 1; }
+shared=$1 static=$2 header=$3 folder=$4
+
+# exports_interface LIBRARY: fails unless LIBRARY exports the functions of the header.
+exports_interface() {
+    local defined
+    defined=$(nm -D --defined-only --format=posix "$1") || return 1
+    diff <(grep -o 'LAMELLA_C_API[^;(]*' "$header" | grep -o 'lamella_[a-z0-9_]*$' | sort) \
+        <(awk '{ sub(/@.*/, "", $1); print $1 }' <<< "$defined" | sort)
+}
+
+[[ $(grep -c '^LAMELLA_C_API' "$header") -ge 30 ]] || { echo "$header declares too little"; exit 1; }
+exports_interface "$shared" || { echo "$shared does not export what $header declares"; exit 1; }
+! exports_interface "$(dirname "$(c++ -print-libgcc-file-name)")/libstdc++.so" > "$folder/differences" 2>&1 ||
+    { echo "a library that exports something else is not noticed"; exit 1; }
+
+dynamic=$(readelf -dW "$shared")
+[[ $dynamic =~ SONAME[^$'\n']*\[liblamella_c\.so\.[0-9]+\] ]] || { echo "$shared has no SONAME"; exit 1; }
+relocations=$(readelf -rW "$shared")
+[[ $relocations == *JUMP_SLO* ]] || { echo "readelf lists no calls of $shared"; exit 1; }
+[[ $relocations != *lamella* ]] || { echo "a host can catch calls within $shared"; exit 1; }
+
 # Strong symbols: those of templates from the C++ library are weak.
-foreign=$(nm --defined-only --extern-only "$2" | awk '$2 ~ /[TDBR]/ { print $3 }' | grep -v 'lamella' || true)
-[[ -z "$foreign" ]] || { echo "$2 defines $foreign"; exit 1; }
-# Position-independent: a shared library can be made of it.
-c++ -shared -Wl,--whole-archive "$2" -Wl,--no-whole-archive -o "$3/whole.so"
-rm "$3/whole.so"
+symbols=$(nm --defined-only --extern-only "$static")
+foreign=$(awk '$2 ~ /^[TDBR]$/ && $3 !~ /lamella/ { print $3 }' <<< "$symbols")
+[[ -z $foreign && $symbols == *lamella_slice* ]] || { echo "$static defines $foreign"; exit 1; }
+# Position-independent: a shared library can be made of it, which exports the C interface and nothing of C++.
+c++ -shared -Wl,--whole-archive "$static" -Wl,--no-whole-archive -o "$folder/whole.so"
+symbols=$(nm -D --defined-only "$folder/whole.so")
+hidden=$(awk '$2 ~ /^[TDBR]$/ && $3 !~ /^lamella_/ { print $3 }' <<< "$symbols")
+rm "$folder/whole.so" "$folder/differences"
+[[ -z $hidden ]] || { echo "of a host's library these would be seen: $hidden"; exit 1; }
 echo "symbols are lamella's"

@@ -200,86 +200,51 @@ Status bound(const Mesh& mesh, Call& call, lamella_output_bounds* bounds) {
 }  // namespace
 }  // namespace lamella::c
 
+using lamella::MeshView;
+using lamella::PreparedMesh;
 using lamella::Status;
 using lamella::c::bound;
 using lamella::c::Call;
-using lamella::c::called;
-using lamella::c::check_prepared;
+using lamella::c::called_with;
 using lamella::c::hand_over;
 using lamella::c::write_into;
 
 int32_t lamella_slice_to(const lamella_sink* sink, const lamella_mesh* mesh, const lamella_options* options,
                          lamella_workspace* workspace, lamella_totals* totals, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        Call call(workspace);
-        if (Status status = call.read(mesh, options); !status) {
-            return status;
-        }
-        return hand_over(sink, call.mesh, call, totals);
-    });
+    return called_with(mesh, options, workspace, error,
+                       [&](const MeshView& view, Call& call) -> Status { return hand_over(sink, view, call, totals); });
 }
 
 int32_t lamella_slice_prepared_to(const lamella_sink* sink, const lamella_prepared* prepared, const lamella_options* options,
                                   lamella_workspace* workspace, lamella_totals* totals, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        if (Status status = check_prepared(prepared); !status) {
-            return status;
-        }
-        Call call(workspace);
-        if (Status status = call.read(options); !status) {
-            return status;
-        }
-        return hand_over(sink, prepared->mesh, call, totals);
+    return called_with(prepared, options, workspace, error, [&](const PreparedMesh& prepared_mesh, Call& call) -> Status {
+        return hand_over(sink, prepared_mesh, call, totals);
     });
 }
 
 int32_t lamella_bound_output(const lamella_mesh* mesh, const lamella_options* options, lamella_workspace* workspace,
                              lamella_output_bounds* bounds, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        Call call(workspace);
-        if (Status status = call.read(mesh, options); !status) {
-            return status;
-        }
-        return bound(call.mesh, call, bounds);
-    });
+    return called_with(mesh, options, workspace, error,
+                       [&](const MeshView& view, Call& call) -> Status { return bound(view, call, bounds); });
 }
 
 int32_t lamella_bound_prepared_output(const lamella_prepared* prepared, const lamella_options* options,
                                       lamella_workspace* workspace, lamella_output_bounds* bounds, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        if (Status status = check_prepared(prepared); !status) {
-            return status;
-        }
-        Call call(workspace);
-        if (Status status = call.read(options); !status) {
-            return status;
-        }
-        return bound(prepared->mesh, call, bounds);
+    return called_with(prepared, options, workspace, error, [&](const PreparedMesh& prepared_mesh, Call& call) -> Status {
+        return bound(prepared_mesh, call, bounds);
     });
 }
 
 int32_t lamella_slice_into(const lamella_host_output* output, const lamella_mesh* mesh, const lamella_options* options,
                            lamella_workspace* workspace, lamella_totals* totals, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        Call call(workspace);
-        if (Status status = call.read(mesh, options); !status) {
-            return status;
-        }
-        return write_into(output, call.mesh, call, totals);
-    });
+    return called_with(mesh, options, workspace, error,
+                       [&](const MeshView& view, Call& call) -> Status { return write_into(output, view, call, totals); });
 }
 
 int32_t lamella_slice_prepared_into(const lamella_host_output* output, const lamella_prepared* prepared,
                                     const lamella_options* options, lamella_workspace* workspace, lamella_totals* totals,
                                     lamella_error* error) {
-    return called(error, [&]() -> Status {
-        if (Status status = check_prepared(prepared); !status) {
-            return status;
-        }
-        Call call(workspace);
-        if (Status status = call.read(options); !status) {
-            return status;
-        }
-        return write_into(output, prepared->mesh, call, totals);
+    return called_with(prepared, options, workspace, error, [&](const PreparedMesh& prepared_mesh, Call& call) -> Status {
+        return write_into(output, prepared_mesh, call, totals);
     });
 }

@@ -65,6 +65,7 @@ Status slab_options_of(const SliceOptions& given, SlabOptions& options) {
 
 using lamella::Error;
 using lamella::ErrorCode;
+using lamella::MeshView;
 using lamella::Part;
 using lamella::PartRegions;
 using lamella::PreparedMesh;
@@ -76,8 +77,8 @@ using lamella::SliceResult;
 using lamella::Status;
 using lamella::c::Call;
 using lamella::c::called;
+using lamella::c::called_with;
 using lamella::c::CallOptions;
-using lamella::c::check_prepared;
 using lamella::c::fill_result;
 using lamella::c::give_result;
 using lamella::c::read_parts;
@@ -85,14 +86,9 @@ using lamella::c::slab_options_of;
 
 int32_t lamella_slice(const lamella_mesh* mesh, const lamella_options* options, lamella_workspace* workspace,
                       lamella_result** result, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        Call call(workspace);
-        if (Status status = call.read(mesh, options); !status) {
-            return status;
-        }
-        return fill_result(result, [&](SliceResult& filled) {
-            return lamella::slice(call.mesh, call.options(), call.workspace(), filled);
-        });
+    return called_with(mesh, options, workspace, error, [&](const MeshView& view, Call& call) -> Status {
+        return fill_result(
+            result, [&](SliceResult& filled) { return lamella::slice(view, call.options(), call.workspace(), filled); });
     });
 }
 
@@ -180,16 +176,9 @@ int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options
 
 int32_t lamella_slice_prepared(const lamella_prepared* prepared, const lamella_options* options,
                                lamella_workspace* workspace, lamella_result** result, lamella_error* error) {
-    return called(error, [&]() -> Status {
-        if (Status status = check_prepared(prepared); !status) {
-            return status;
-        }
-        Call call(workspace);
-        if (Status status = call.read(options); !status) {
-            return status;
-        }
+    return called_with(prepared, options, workspace, error, [&](const PreparedMesh& prepared_mesh, Call& call) -> Status {
         return fill_result(result, [&](SliceResult& filled) {
-            return lamella::slice(prepared->mesh, call.options(), call.workspace(), filled);
+            return lamella::slice(prepared_mesh, call.options(), call.workspace(), filled);
         });
     });
 }

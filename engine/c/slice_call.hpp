@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "c/call.hpp"
 #include "c/call_options.hpp"
 #include "c/handles.hpp"
 #include "lamella/lamella.h"
@@ -47,5 +48,32 @@ private:
 };
 
 Status check_prepared(const lamella_prepared* prepared);
+
+/// Runs use(mesh, call) for what a call of C was given.
+template <class Use>
+std::int32_t called_with(const lamella_mesh* mesh, const lamella_options* options, lamella_workspace* workspace,
+                         lamella_error* error, const Use& use) noexcept {
+    return called(error, [&]() -> Status {
+        Call call(workspace);
+        if (Status status = call.read(mesh, options); !status) {
+            return status;
+        }
+        return use(call.mesh, call);
+    });
+}
+template <class Use>
+std::int32_t called_with(const lamella_prepared* prepared, const lamella_options* options, lamella_workspace* workspace,
+                         lamella_error* error, const Use& use) noexcept {
+    return called(error, [&]() -> Status {
+        if (Status status = check_prepared(prepared); !status) {
+            return status;
+        }
+        Call call(workspace);
+        if (Status status = call.read(options); !status) {
+            return status;
+        }
+        return use(prepared->mesh, call);
+    });
+}
 
 }  // namespace lamella::c

@@ -104,8 +104,8 @@ inline constexpr std::uint8_t no_edge = 3;  ///< edge e of a triangle leads from
 /// the one of the smallest part and index where there are several; `edge` or `end_edge` is there only where the mesh's edge
 /// makes the point, not a crossing of contours. Of contours equal in every point the first stands for all. What closing and
 /// offset move comes from no triangle. Where drop_collinear makes one edge of several, it comes from the triangle of the
-/// first. Where simplify_mm does, the edge comes from no triangle, and names no mesh edge at the points that it keeps; nor does
-/// the last point of an open polyline that it leads to. All other edges keep theirs.
+/// first. Where simplify_mm does, the edge comes from no triangle, and names no mesh edge at the points that it keeps; nor
+/// does the last point of an open polyline that it leads to. All other edges keep theirs.
 struct PointOrigin {
     std::uint32_t triangle = no_triangle;  ///< index in the mesh
     std::uint16_t part = 0;                ///< index of that mesh among those of slice_parts(); 0 where no_triangle

@@ -131,8 +131,7 @@ void PreparedTriangles::build(const MeshView& mesh, const Transform& transform, 
                                       for (std::size_t t = begin; t < end; ++t) {
                                           const GridTriangle v = read(t);
                                           if (!is_degenerate(v)) {
-                                              CrossedTriangle ordered =
-                                                  order_by_height(v, static_cast<std::uint32_t>(t));
+                                              CrossedTriangle ordered = order_by_height(v, static_cast<std::uint32_t>(t));
                                               ordered.last = height_order_of(v).lower;
                                               emit(cells.cell_of(ordered.lower.z, ordered.upper.z), ordered);
                                           }

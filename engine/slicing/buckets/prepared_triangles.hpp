@@ -37,10 +37,11 @@ struct PreparedTriangles {
         std::int32_t high;
     };
 
-    Array<CrossedTriangle> triangles;  ///< those that are not degenerate; `last`: which corner is the lowest, in place of planes
-    Array<Range> blocks;               ///< of 64 triangles
-    Array<Range> super_blocks;         ///< of 64 blocks
-    std::uint64_t degenerate = 0;      ///< left out
+    Array<CrossedTriangle>
+        triangles;                 ///< those that are not degenerate; `last`: which corner is the lowest, in place of planes
+    Array<Range> blocks;           ///< of 64 triangles
+    Array<Range> super_blocks;     ///< of 64 blocks
+    std::uint64_t degenerate = 0;  ///< left out
 
     std::size_t bytes() const noexcept;
 
@@ -51,8 +52,8 @@ struct PreparedTriangles {
 };
 
 /// As the functions of bucket.hpp of the same names do for a mesh: with the same lists, but for the order within each.
-/// Where `origins` are asked for, `buckets.lowest_corners` is filled in too. O(n / 4096 + the triangles in blocks that planes
-/// pass through).
+/// Where `origins` are asked for, `buckets.lowest_corners` is filled in too. O(n / 4096 + the triangles in blocks that
+/// planes pass through).
 void count_crossings(const PreparedTriangles& prepared, const PlaneSet& planes, const Parallel& parallel, Buckets& buckets);
 std::size_t scatter_triangles(const PreparedTriangles& prepared, const PlaneSet& planes,
                               std::span<const PlaneIndex> reach_end, const Parallel& parallel, Buckets& buckets,

@@ -129,13 +129,14 @@ void BandOutput::move_layers_to(BandOutput& other) noexcept {
 }
 
 std::size_t BandOutput::bytes_used() const noexcept {
-    return point_count * (sizeof(Point) + (with_origins ? sizeof(PointOrigin) : 0)) + contours.size() * sizeof(Contour) + layer_contours.size() * sizeof(std::uint32_t) +
-           closed_gaps.size() * sizeof(ClosedGap);
+    return point_count * (sizeof(Point) + (with_origins ? sizeof(PointOrigin) : 0)) + contours.size() * sizeof(Contour) +
+           layer_contours.size() * sizeof(std::uint32_t) + closed_gaps.size() * sizeof(ClosedGap);
 }
 
 std::size_t BandOutput::bytes_held() const noexcept {
-    return buffer.capacity() * sizeof(Point) + origin_buffer.capacity() * sizeof(PointOrigin) + contours.capacity() * sizeof(Contour) +
-           layer_contours.capacity() * sizeof(std::uint32_t) + closed_gaps.capacity() * sizeof(ClosedGap);
+    return buffer.capacity() * sizeof(Point) + origin_buffer.capacity() * sizeof(PointOrigin) +
+           contours.capacity() * sizeof(Contour) + layer_contours.capacity() * sizeof(std::uint32_t) +
+           closed_gaps.capacity() * sizeof(ClosedGap);
 }
 
 void BandOutput::release() noexcept {

@@ -41,8 +41,8 @@ class Placement final : public BandTarget {
 public:
     explicit Placement(const Memory* memory) : memory_(memory) {}
 
-    /// For a new run over `bands`; points go to `points`, up to its size, or to `writer`, up to its capacity. Their origins go
-    /// to `origins`, which is as large, or empty where there are none.
+    /// For a new run over `bands`; points go to `points`, up to its size, or to `writer`, up to its capacity. Their origins
+    /// go to `origins`, which is as large, or empty where there are none.
     void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
                ProgressMeter& progress, const StopCheck& stop = {}, std::span<PointOrigin> origins = {},
                const PointWriter* writer = nullptr);

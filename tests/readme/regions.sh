@@ -24,7 +24,7 @@ box() {
 { echo "solid part"; box 0 5; box 4 9; box 9.05 12; box 20 30; echo "endsolid part"; } > part.stl
 
 sed -n '/^```bash$/,/^```$/p' "$page" | sed '/^```/d' > examples
-[[ $(grep -c '^lamella slice' examples) == 5 ]] || { echo "the page does not show five commands"; exit 1; }
+[[ $(grep -c '^lamella slice' examples) == 6 ]] || { echo "the page does not show six commands"; exit 1; }
 PATH=$(dirname "$tool"):$PATH bash -eu examples > output
 
 # has FILE COUNT WORDS: the SVG has that many contours of that kind in its 50 layers.
@@ -33,6 +33,8 @@ has united.svg 150 'slic3r:type="contour"'
 has closed.svg 100 'slic3r:type="contour"'
 has shrunk.svg 150 'slic3r:type="contour"'
 has shrunk.svg 50 'points="0.2,0.2 8.8,0.2 8.8,9.8 0.2,9.8"'
+has light.svg 200 'slic3r:type="contour"'
+has light.svg 50 'points="20,0 30,0 30,10 20,10"'
 has marked.svg 200 'slic3r:type="contour"'
 has marked.svg 150 'class="near"'
 grep -q '"fill_rule": *"outermost"' rules.json || { echo "the report does not name the rule"; exit 1; }

@@ -1,6 +1,6 @@
-# Writes every block between ```c++ and ``` to a file in `folder`, under the name that its first line begins with:
+# Writes every block between ```hpp and ``` to a file in `folder`, under the name that its first line begins with:
 # "// NAME: ...". Fails where a block has no name, and where the adapter is longer than the page says.
-/^```c\+\+$/ { inside = 1; name = ""; next }
+/^```hpp$/ { inside = 1; name = ""; next }
 /^```/ && inside { inside = 0; close(folder "/" name); next }
 inside && name == "" {
     if ($0 !~ /^\/\/ [a-z]+\.hpp: /) {

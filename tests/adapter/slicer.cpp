@@ -1,9 +1,14 @@
 // The made-up slicer of the page about hosts, with lamella as its slicing step: what its layers must be.
+#include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "adapter.hpp"
 
@@ -140,6 +145,14 @@ lamella::SliceResult slice_by_library(const host::Mesh& mesh, double height_mm, 
     return std::move(*sliced);
 }
 
+host::Polygon points_of(const lamella::SliceResult& result, std::size_t contour) {
+    host::Polygon points;
+    for (const lamella::Point point : result.points_of(result.contours[contour])) {
+        points.push_back({point.x, point.y});
+    }
+    return points;
+}
+
 std::vector<double> every(double step_mm, std::size_t count) {
     std::vector<double> heights(count);
     for (std::size_t at = 0; at < count; ++at) {
@@ -164,18 +177,23 @@ TEST_CASE("the adapter gives the layers of slice(), in the order of the heights"
         const std::vector<host::Polygon> polygons = polygons_of(layers[at]);
         REQUIRE(polygons.size() == expected.contours.size());
         for (std::size_t contour = 0; contour < polygons.size(); ++contour) {
-            host::Polygon points;
-            for (const lamella::Point point : expected.points_of(expected.contours[contour])) {
-                points.push_back({point.x, point.y});
-            }
-            CHECK(points.size() == 4);
-            CHECK(same(polygons[contour], points));
+            CHECK(polygons[contour].size() == 4);
+            CHECK(same(polygons[contour], points_of(expected, contour)));
         }
     }
     REQUIRE(layers[0].islands.size() == 1);
     REQUIRE(layers[0].islands[0].holes.size() == 1);
     CHECK(area_mm2(layers[0].islands[0].holes[0]) == Approx(-100));
     CHECK(same(layers[0], layers[2]));
+}
+
+TEST_CASE("points are those of slice(), to the nanometre") {
+    const host::Mesh mesh = sphere(20, 17.3F);
+    const std::vector<host::Layer> layers = slice(mesh, {3.3});
+    REQUIRE(layers[0].islands.size() == 1);
+    const host::Polygon& points = layers[0].islands[0].outer;
+    CHECK(same(points, points_of(slice_by_library(mesh, 3.3), 0)));
+    CHECK(std::any_of(points.begin(), points.end(), [](host::Point point) { return point.x % 2 != 0; }));
 }
 
 TEST_CASE("a face on a plane is met where the host's floats put it") {
@@ -213,7 +231,7 @@ TEST_CASE("gaps are closed against the facets' orientation too, and are warnings
     add_triangle(mesh, first, first + 2, first + 1);
     add_triangle(mesh, first + 1, first + 2, first + 3);
     const std::vector<host::Layer> layers = slice(mesh, {5, 20, 3});
-    for (const std::size_t at : {0, 2}) {
+    for (const std::size_t at : {std::size_t{0}, std::size_t{2}}) {
         CAPTURE(at);
         CHECK(area_mm2(layers[at]) == Approx(1600));
         REQUIRE(layers[at].warnings.size() == 2);
@@ -232,6 +250,7 @@ TEST_CASE("an empty mesh has an empty layer for each height") {
     for (const host::Layer& layer : layers) {
         CHECK(layer.islands.empty());
     }
+    CHECK(slice(box_with_hole(), {}).empty());
 }
 
 TEST_CASE("bodies are united or cancel out by the fill rule, and narrow gaps are closed") {

@@ -11,6 +11,8 @@
 //                                   nesting    orientation, roles, parents (Fig. 1, step 4)
 //       for each band             result     points to their place
 //     finish_result             result     contours and layers to their place, or what the output is
+//
+// Triangles are read through triangle_source.
 #include "lamella/slice.hpp"
 
 #include <algorithm>
@@ -22,10 +24,6 @@
 #include "base/parallel.hpp"
 #include "lamella/memory.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/buckets/bucket.hpp"
-#include "slicing/buckets/indexed_triangles.hpp"
-#include "slicing/buckets/lowest_corners.hpp"
-#include "slicing/buckets/prepared_triangles.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/grid/placed_reader.hpp"
 #include "slicing/part_slicer.hpp"
@@ -35,6 +33,7 @@
 #include "slicing/result/result_output.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
+#include "slicing/triangle_source.hpp"
 #include "slicing/workspace.hpp"
 
 namespace lamella {
@@ -54,7 +53,8 @@ public:
           kept_(kept),
           result_(result),
           progress_(options.control.progress),
-          parallel_(kept.parallel_for(options.control)) {}
+          parallel_(kept.parallel_for(options.control)),
+          source_(input, options, parallel_, kept) {}
 
     /// The size of the result is known, and refused if too large, before anything of that size is allocated.
     Status admit() {
@@ -85,12 +85,8 @@ public:
 
 private:
     Status choose_grid_and_planes();
-    Result<Bounds> find_bounds(double asked_mm);
     Status build_planes(const Bounds& own);
-    bool places_vertices() const noexcept { return prepared_ == nullptr && VertexTable::pays_for(mesh_); }
-    void count();
     Status count_triangles();
-    std::size_t scatter();
     void bucket_triangles();
     Status sweep_bands();
     void sweep_all_into(BandTarget& target);
@@ -125,13 +121,14 @@ private:
     SliceResult& result_;
     ProgressMeter progress_;
     const Parallel& parallel_;
+    TriangleSource source_;
     SweepTicks wide_ticks_;
     Clock::time_point stage_began_ = Clock::now();
 };
 
 Status Slicing::choose_grid_and_planes() {
     const double asked_mm = frame_ != nullptr ? frame_->unit.mm : options_.unit_mm;
-    const Result<Bounds> bounds = find_bounds(asked_mm);
+    const Result<Bounds> bounds = source_.measure(asked_mm);
     if (!bounds) {
         return bounds.error();
     }
@@ -158,36 +155,14 @@ Status Slicing::choose_grid_and_planes() {
     return build_planes(*bounds);
 }
 
-/// Of a prepared mesh it is known; of one without triangles there is none.
-Result<Bounds> Slicing::find_bounds(double asked_mm) {
-    if (prepared_ != nullptr || (options_.allow_empty && mesh_.triangle_count == 0)) {
-        kept_.blocks.blocks.set_size(0);
-        return prepared_ != nullptr ? prepared_->frame.bounds : Bounds{};
-    }
-    if (places_vertices()) {
-        return measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.vertices, kept_.blocks);
-    }
-    return measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);
-}
-
 Status Slicing::build_planes(const Bounds& own) {
     const Bounds& bounds = frame_ != nullptr ? frame_->bounds : own;
     const CoordinateType number = frame_ != nullptr ? frame_->number : placed_number(mesh_, options_.transform);
     return kept_.planes.build(options_.plan, bounds, result_.unit_mm, number, memory_limit());
 }
 
-void Slicing::count() {
-    if (prepared_ != nullptr) {
-        count_crossings(prepared_->triangles, kept_.planes, parallel_, kept_.buckets);
-    } else if (places_vertices()) {
-        count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.vertices, kept_.planes, parallel_, kept_.buckets);
-    } else {
-        count_crossings(mesh_, options_.transform, result_.unit_mm, kept_.blocks, kept_.planes, parallel_, kept_.buckets);
-    }
-}
-
 Status Slicing::count_triangles() {
-    count();
+    source_.count(result_.unit_mm);
     if (kept_.buckets.degenerate == mesh_.triangle_count) {
         if (!options_.allow_empty) {
             return all_collapsed(mesh_.triangle_count, result_.unit_mm);
@@ -195,24 +170,9 @@ Status Slicing::count_triangles() {
         if (Status status = build_planes({}); !status) {  // the box of nothing chooses no planes
             return status;
         }
-        count();
+        source_.count(result_.unit_mm);
     }
     return {};
-}
-
-/// Returns how many triangles reach beyond their band.
-std::size_t Slicing::scatter() {
-    const PlaneSet& planes = kept_.planes;
-    const auto& band_end = kept_.bands.band_end;
-    Buckets& buckets = kept_.buckets;
-    const std::span<Reaching> reaching = kept_.bands.reaching.span();
-    if (prepared_ != nullptr) {
-        return scatter_triangles(prepared_->triangles, planes, band_end, parallel_, buckets, reaching, options_.origins);
-    }
-    if (places_vertices()) {
-        return scatter_triangles(mesh_, kept_.vertices, planes, band_end, parallel_, buckets, reaching);
-    }
-    return scatter_triangles(mesh_, options_.transform, result_.unit_mm, planes, band_end, parallel_, buckets, reaching);
 }
 
 /// Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band.
@@ -222,10 +182,7 @@ void Slicing::bucket_triangles() {
     BandPlan& bands = kept_.bands;
     bands.cut(buckets, kept_.planes.size(), options_.tuning.band_planes, parallel_.threads(),
               output_.most_band_segments(parallel_.threads()));
-    bands.find_seeds(kept_.planes.size(), scatter(), options_.control.stop);
-    if (options_.origins && prepared_ == nullptr) {
-        find_lowest_corners(mesh_, options_.transform, result_.unit_mm, parallel_, buckets);
-    }
+    bands.find_seeds(kept_.planes.size(), source_.scatter(result_.unit_mm), options_.control.stop);
 }
 
 Status Slicing::sweep_bands() {

@@ -30,7 +30,8 @@ SLICING = [
     ["sweep"],
     ["part_slicer.hpp", "workspace.hpp"],
     ["prepared_parts.hpp"],
-    ["workspace.cpp", "slice.cpp", "prepare.cpp"],
+    ["triangle_source.hpp"],
+    ["workspace.cpp", "slice.cpp", "prepare.cpp", "triangle_source.cpp"],
     ["parts", "handover", "slabs"],
 ]
 

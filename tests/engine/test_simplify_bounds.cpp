@@ -15,7 +15,7 @@ TEST_CASE("the distance of a chain is compared exactly", "[engine][simplify]") {
     std::mt19937 random(8);
     std::size_t within = 0;
     for (int turn = 0; turn < 20'000; ++turn) {
-        const int side_length = 1 << (2 + random() % 12);
+        const unsigned side_length = 1U << (2 + random() % 12);
         std::vector<Point> chain(2 + random() % 6);
         for (Point& p : chain) {
             p = {static_cast<std::int32_t>(random() % side_length), static_cast<std::int32_t>(random() % side_length)};
@@ -45,7 +45,7 @@ TEST_CASE("the distance of a chain is compared exactly", "[engine][simplify]") {
 
 TEST_CASE("roots are rounded down, at squares and beside them", "[engine][simplify]") {
     for (int bits = 0; bits < 63; ++bits) {
-        for (const std::uint64_t near : {0, 1, 2, 12'345}) {
+        for (const std::uint64_t near : {0U, 1U, 2U, 12'345U}) {
             const std::uint64_t root = (std::uint64_t{1} << bits) + (bits > 14 ? near : 0);
             const Wide square = Wide{root} * root;
             CHECK(lamella::floor_of_root(square) == root);

@@ -130,6 +130,33 @@ TEST_CASE("closing agrees with closing everything on random polygons", "[closing
     closed(shapes2d::random_lattice(random, 4, 8, 9, static_cast<int>(3 * r)), r, limit);
 }
 
+TEST_CASE("a notch beside a corner beyond the miter limit closes up to the cut corner", "[closing]") {
+    // A wall of the notch runs from its floor to a sharp corner. Dilated, that is cut: the edge along the cut bounds what is
+    // dilated, and not the lines of the edges on both sides of the wall.
+    closed({{{0, 200'000}, {60'000, 60'000}, {160'000, 20'000}, {190'000, 180'000}, {80'000, 190'000}, {160'000, 130'000}}},
+           20'000);
+    closed(
+        {{{140'000, 180'000}, {180'000, 20'000}, {10'000, 40'000}, {70'000, 100'000}, {70'000, 90'000}, {100'000, 40'000}}},
+        50'000, 1.2);
+}
+
+TEST_CASE("a wall that folding a notch would leave some units long does not turn by rounding", "[closing]") {
+    // Without one wall of the slit at -422165,1578876 the other would be a unit long: its direction, rounded, is any. Other
+    // contours touch the slit's mouth, so that what it is dilated to is eroded again.
+    closed({{{-2'489'867, 409'499}, {0, 0}, {-592'670, 1'482'448}},
+            {{-653'498, 1'634'598},
+             {-592'670, 1'482'448},
+             {-422'165, 1'578'876},
+             {-490'590, 1'834'783},
+             {-404'805, 1'588'693},
+             {0, 1'817'628},
+             {0, 2'437'636}},
+            {{-422'165, 1'578'876}, {0, 0}, {0, 427'428}, {-404'805, 1'588'693}},
+            {{0, 0}, {148'997, 0}, {41'210, 309'207}},
+            {{0, 427'428}, {41'210, 309'207}, {261'997, 1'965'799}, {0, 1'817'628}}},
+           81'921, 10);
+}
+
 TEST_CASE("a contour with nothing near is the same contour after closing", "[closing]") {
     const Rings far = {shapes2d::round(0, 0, 1'000'000, 40), shapes2d::turned(shapes2d::round(0, 0, 400'000, 30)),
                        shapes2d::round(5'000'000, 0, 1'000'000, 40)};

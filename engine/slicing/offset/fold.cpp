@@ -1,9 +1,11 @@
 #include "slicing/offset/fold.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "base/rounding.hpp"
+#include "slicing/offset/offset_kernels.hpp"
 
 namespace lamella {
 
@@ -36,30 +38,47 @@ std::optional<Point> corner_of(Point a, Point b, Point c, Point d) noexcept {
     return Point{round_to_int(x), round_to_int(y)};
 }
 
+struct Step {
+    double x, y, length;
+
+    Step(Point from, Point to) noexcept
+        : x(static_cast<double>(to.x) - from.x), y(static_cast<double>(to.y) - from.y), length(std::sqrt(x * x + y * y)) {}
+    double sine_to(const Step& next) const noexcept { return (x * next.y - y * next.x) / (length * next.length); }
+    double cosine1_to(const Step& next) const noexcept { return 1 + (x * next.x + y * next.y) / (length * next.length); }
+    /// The tangent of half the turn.
+    double turn_to(const Step& next) const noexcept {
+        return (x * next.y - y * next.x) / (length * next.length + (x * next.x + y * next.y));
+    }
+};
+
 /// By how much the offset of the edge from `b` to `c` shrinks on its way, as a share of its length for each unit of
 /// distance; zero or less if it does not.
 double shrinking(Point a, Point b, Point c, Point d) noexcept {
-    struct Vector2 {
-        double x, y, length;
-
-        Vector2(Point from, Point to) noexcept
-            : x(static_cast<double>(to.x) - from.x),
-              y(static_cast<double>(to.y) - from.y),
-              length(std::sqrt(x * x + y * y)) {}
-        /// The tangent of half the turn.
-        double turn_to(const Vector2& next) const noexcept {
-            return (x * next.y - y * next.x) / (length * next.length + (x * next.x + y * next.y));
-        }
-    };
-    const Vector2 before(a, b);
-    const Vector2 edge(b, c);
-    const Vector2 after(c, d);
+    const Step before(a, b);
+    const Step edge(b, c);
+    const Step after(c, d);
     return -(before.turn_to(edge) + edge.turn_to(after)) / edge.length;
+}
+
+/// Whether the outer corner `b` passes the miter limit. Between the moved edges then runs a third one, which stays where one
+/// of them shrinks to a point.
+bool is_cut(Point a, Point b, Point c, double miter_limit) noexcept {
+    const Step before(a, b);
+    const Step after(b, c);
+    return before.sine_to(after) >= 0 &&
+           before.cosine1_to(after) < std::max(2.0 / (miter_limit * miter_limit), sharpest_cosine1);
+}
+
+/// Whether the edge from `a` to `b`, an end of which was rounded, still has its direction: when it moves by `distance`, its
+/// ends may slip along it by a few units.
+bool is_steady(Point a, Point b, double distance) noexcept {
+    constexpr double slip = 8;
+    return Step(a, b).length * slip >= distance;
 }
 
 /// Replaces edges of an open stretch, the first to shrink to a point first, until none does so within the distance. Those at
 /// its ends stay.
-bool fold_stretch(double distance, Vector<Point>& stretch, Vector<std::uint32_t>& indices) {
+bool fold_stretch(double distance, double miter_limit, Vector<Point>& stretch, Vector<std::uint32_t>& indices) {
     for (;;) {
         std::size_t first = 0;
         double fastest = 1 / distance;
@@ -73,9 +92,15 @@ bool fold_stretch(double distance, Vector<Point>& stretch, Vector<std::uint32_t>
         if (first == 0) {
             return true;
         }
-        const std::optional<Point> corner =
-            corner_of(stretch[first - 1], stretch[first], stretch[first + 1], stretch[first + 2]);
-        if (!corner || *corner == stretch[first - 1] || *corner == stretch[first + 2]) {
+        const Point a = stretch[first - 1];
+        const Point b = stretch[first];
+        const Point c = stretch[first + 1];
+        const Point d = stretch[first + 2];
+        if (is_cut(a, b, c, miter_limit) || is_cut(b, c, d, miter_limit)) {
+            return false;
+        }
+        const std::optional<Point> corner = corner_of(a, b, c, d);
+        if (!corner || !is_steady(a, *corner, distance) || !is_steady(*corner, d, distance)) {
             return false;
         }
         stretch[first] = *corner;
@@ -87,7 +112,7 @@ bool fold_stretch(double distance, Vector<Point>& stretch, Vector<std::uint32_t>
 
 }  // namespace
 
-bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> turned, double distance,
+bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> turned, double distance, double miter_limit,
                 Vector<Point>& points, Vector<std::uint32_t>& indices) {
     constexpr std::size_t before = 2;  // points of a stretch before its first edge that turns round
     constexpr std::size_t after = 3;   // and after the start of its last
@@ -121,7 +146,7 @@ bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> t
         for (; next <= last; ++next) {
             append(next, stretch, stretch_indices);
         }
-        if (!fold_stretch(distance, stretch, stretch_indices)) {
+        if (!fold_stretch(distance, miter_limit, stretch, stretch_indices)) {
             points.resize(begin);
             return false;
         }

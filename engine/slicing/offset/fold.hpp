@@ -26,9 +26,10 @@ inline constexpr std::uint32_t no_point = 0xffffffff;
 /// neighbours meet, rounded, and to `indices` which of the contour's points each is, or no_point. Of edges side by side the
 /// one that shrinks to a point first goes first, and others stay that no longer turn round. Edge i leads from point i to
 /// point i + 1. `distance`: grid units, above 0. False, with nothing appended to `points`, where there is no such point to
-/// the right of an edge, or where nearly all of the contour turns round. O(points), and the square of edges that stand close
-/// together. Throws std::bad_alloc.
-bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> turned, double distance,
+/// the right of an edge; where an outer corner beside an edge passes the miter limit, so that its neighbours' moved edges do
+/// not meet; where a neighbour becomes so short that rounding turns it; or where nearly all of the contour turns round.
+/// O(points), and the square of edges that stand close together. Throws std::bad_alloc.
+bool fold_edges(std::span<const Point> contour, std::span<const std::uint32_t> turned, double distance, double miter_limit,
                 Vector<Point>& points, Vector<std::uint32_t>& indices);
 
 }  // namespace lamella

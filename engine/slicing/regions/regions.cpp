@@ -181,7 +181,7 @@ bool Regions::fold(const NestItem& ring, const RegionSteps& steps) {
     from_start_.resize(ring.count);
     std::rotate_copy(ring.points, ring.points + ring.start, ring.points + ring.count, from_start_.begin());
     folded_of_.clear();
-    if (!fold_edges(from_start_, turned_edges_, steps.close, folded_, folded_of_)) {
+    if (!fold_edges(from_start_, turned_edges_, steps.close, steps.miter_limit, folded_, folded_of_)) {
         return false;
     }
     const RawCurve curve =

@@ -64,10 +64,12 @@ std::optional<ErrorCode> code_of(const Outcome& outcome) {
 constexpr std::uint64_t triangles = 20'000;
 constexpr double most_ms = 2000;
 constexpr double most_slice_ms = 1000;
+constexpr int stops_each = 3;
 #else
 constexpr std::uint64_t triangles = 150'000;
 constexpr double most_ms = 100;
 constexpr double most_slice_ms = 20;
+constexpr int stops_each = 8;
 #endif
 
 class ScannedBone {
@@ -245,7 +247,7 @@ TEST_CASE("a stop that comes at any moment ends every call within 100 ms", "[eng
             REQUIRE(call.run({.threads = threads}) == std::nullopt);
             const double whole = ms_since(start);
             std::vector<double> late;
-            for (int round = 0; round < 8; ++round) {
+            for (int round = 0; round < stops_each; ++round) {
                 StopAt stop(std::uniform_real_distribution<double>(0, whole)(random));
                 if (call.run({.threads = threads, .stop = stop.check()}) == ErrorCode::cancelled) {
                     late.push_back(stop.ms_late());

@@ -10,6 +10,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/origin_oracle.hpp"
+#include "engine/rounds.hpp"
 #include "engine/slicing.hpp"
 #include "golden/shape_cases.hpp"
 
@@ -118,7 +119,7 @@ TEST_CASE("each contour edge names the triangle that it cuts, and the edges at i
 }
 
 TEST_CASE("contour edges of random triangles name them", "[engine][origins][random]") {
-    const auto seed = GENERATE(range(1U, 150U));
+    const auto seed = GENERATE(range(1U, 1 + rounds(149)));
     for (const ContourForm form : {ContourForm::swept, ContourForm::assembled}) {
         for (const std::uint64_t range : {2U, 3U, 8U}) {
             SliceOptions options = through(range);
@@ -237,7 +238,7 @@ TEST_CASE("edges that join gaps come from no triangle", "[engine][origins][repai
 }
 
 TEST_CASE("joined gaps of random triangles leave the origins of all others", "[engine][origins][repair][random]") {
-    const auto seed = GENERATE(range(1U, 100U));
+    const auto seed = GENERATE(range(1U, 1 + rounds(99)));
     const shapes::Soup soup = shapes::random_soup(seed, 30, 5);
     SliceOptions options = through(5);
     options.close_gaps_mm = 0.75;

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/rounds.hpp"
 #include "engine/slicing.hpp"
 #include "models/models.hpp"
 #include "oracle/compare.hpp"
@@ -69,7 +70,7 @@ shapes::Soup from_recipe(lamella::models::Shape shape, std::uint64_t triangles) 
 
 TEST_CASE("unbalanced soups with coincident corners agree with the oracle", "[engine][random]") {
     const ContourForm form = GENERATE(ContourForm::swept, ContourForm::assembled);
-    for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    for (std::uint64_t seed = 0; seed < rounds(400); ++seed) {
         const std::uint64_t range = 2 + seed % 4;
         INFO("seed " << seed);
         check_against_oracle(shapes::random_soup(seed, 3 + static_cast<int>(seed % 40), range), through_all(range, form));
@@ -78,7 +79,7 @@ TEST_CASE("unbalanced soups with coincident corners agree with the oracle", "[en
 
 TEST_CASE("tetrahedra that share edges agree with the oracle and close", "[engine][random]") {
     const ContourForm form = GENERATE(ContourForm::swept, ContourForm::assembled);
-    for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    for (std::uint64_t seed = 0; seed < rounds(400); ++seed) {
         const std::uint64_t range = 2 + seed % 4;
         const shapes::Soup soup = shapes::random_tetrahedra(seed, 2 + static_cast<int>(seed % 12), range);
         INFO("seed " << seed);

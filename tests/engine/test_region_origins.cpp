@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/origin_oracle.hpp"
+#include "engine/rounds.hpp"
 #include "engine/slicing.hpp"
 
 using lamella::FillRule;
@@ -137,7 +138,7 @@ shapes::Soup random_boxes(std::uint64_t seed, int count) {
 }  // namespace
 
 TEST_CASE("edges of a region keep the triangles along which they run", "[engine][origins][regions]") {
-    const auto seed = GENERATE(range(1U, 200U));
+    const auto seed = GENERATE(range(1U, 1 + rounds(199)));
     const FillRule rule = GENERATE(FillRule::non_zero, FillRule::even_odd, FillRule::positive);
     const shapes::Soup boxes = random_boxes(seed, 5);
     const SliceResult result = traced_region(boxes, filled(at_heights({1, 2, 3}), rule));
@@ -145,7 +146,7 @@ TEST_CASE("edges of a region keep the triangles along which they run", "[engine]
 }
 
 TEST_CASE("bent edges of a region keep the triangle of the edge that was bent", "[engine][origins][regions]") {
-    const auto seed = GENERATE(range(1U, 60U));
+    const auto seed = GENERATE(range(1U, 1 + rounds(59)));
     const shapes::Soup tangle = shapes::random_tetrahedra(seed, 6, 9);
     SliceOptions options = filled(at_heights({1.25, 2.75, 4.5, 6.25}));
     options.unit_mm = 1.0 / 64;

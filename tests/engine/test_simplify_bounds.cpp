@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "cpu_time.hpp"
+#include "engine/rounds.hpp"
 #include "engine/simplify_checks.hpp"
 #include "slicing/simplify/chain.hpp"
 
@@ -14,7 +15,7 @@ using namespace simplify_checks;
 TEST_CASE("the distance of a chain is compared exactly", "[engine][simplify]") {
     std::mt19937 random(8);
     std::size_t within = 0;
-    for (int turn = 0; turn < 20'000; ++turn) {
+    for (unsigned turn = 0; turn < rounds(20'000); ++turn) {
         const unsigned side_length = 1U << (2 + random() % 12);
         std::vector<Point> chain(2 + random() % 6);
         for (Point& p : chain) {

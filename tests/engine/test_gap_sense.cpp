@@ -8,7 +8,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/rounds.hpp"
 #include "engine/slicing.hpp"
 #include "slicing/repair/polylines.hpp"
 
@@ -120,7 +119,7 @@ SliceResult cut(const shapes::Soup& soup, double reach_mm, GapSense sense) {
 TEST_CASE("joined in any sense: each segment is kept once, and most run as before", "[engine][gaps]") {
     std::mt19937 random(31);
     std::size_t mixed = 0;
-    for (unsigned turn = 0; turn < rounds(600); ++turn) {
+    for (int turn = 0; turn < 600; ++turn) {
         const std::vector<Line> lines = random_lines(random, 1 + random() % 30);
         const Joined result = joined(lines, static_cast<double>(random() % 20), GapSense::any);
         if (result.gaps.empty()) {
@@ -152,7 +151,7 @@ TEST_CASE("joined in any sense: each segment is kept once, and most run as befor
 
 TEST_CASE("joined in any sense: the order of the polylines does not matter", "[engine][gaps]") {
     std::mt19937 random(32);
-    for (unsigned turn = 0; turn < rounds(300); ++turn) {
+    for (int turn = 0; turn < 300; ++turn) {
         std::vector<Line> lines = random_lines(random, 1 + random() % 30);
         const std::vector<Line> again(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(lines.size() / 3));
         lines.insert(lines.end(), again.begin(), again.end());

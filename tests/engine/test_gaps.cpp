@@ -9,7 +9,6 @@
 #include <catch2/catch.hpp>
 
 #include "engine/counting_memory.hpp"
-#include "engine/rounds.hpp"
 #include "slicing/repair/gaps.hpp"
 
 using lamella::Gap;
@@ -97,7 +96,7 @@ TEST_CASE("the joined pairs and their order are those of a list of all pairs", "
     std::mt19937 random(21);
     GapCloser closer(nullptr);
     std::size_t joined[2] = {0, 0};
-    for (unsigned turn = 0; turn < rounds(6000); ++turn) {
+    for (int turn = 0; turn < 6000; ++turn) {
         const std::int32_t side = 1 << random() % 9;  // few positions: many equal points and equal distances
         const std::int32_t step = turn % 3 == 0 ? (1 << 30) / side : 1 + turn % 2;
         const std::size_t count = random() % (turn % 50 == 0 ? 200 : 40);

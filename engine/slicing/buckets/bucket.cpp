@@ -90,12 +90,13 @@ template <class Reader>
 class PartScatter {
 public:
     PartScatter(const Reader& read, const SoupScan& scan, const PlaneSet& planes, std::span<const PlaneIndex> reach_end,
-                PartCursors cursors, Buckets& buckets, ReachingOutput& reaching)
+                std::size_t part, Buckets& buckets, ReachingOutput& reaching)
         : read_(read),
           scan_(scan),
           planes_(planes),
           reach_end_(reach_end),
-          cursors_(cursors),
+          part_(part),
+          cursors_(buckets, part, planes.size()),
           records_(buckets.records.data()),
           reaching_(reaching) {}
 
@@ -106,12 +107,9 @@ public:
         }
         SoupScan::Written written;
         std::uint64_t mask = scan_.write(begin, crossed, reach_end_.data(), cursors_.next_record, records_, written);
-        if (mask == 0) {
-            return;
-        }
-        for (Reaching* out = reaching_.take(static_cast<std::size_t>(std::popcount(mask))); mask != 0; mask &= mask - 1) {
+        for (; mask != 0; mask &= mask - 1) {
             const int t = std::countr_zero(mask);
-            *out++ = {written.record[t], written.first[t], written.last[t]};
+            reaching_.add(part_, {written.record[t], written.first[t], written.last[t]});
         }
     }
 
@@ -126,7 +124,7 @@ private:
             const std::uint32_t at = cursors_.next_record[first]++;
             records_[at] = record;
             if (record.last > reach_end_[first]) {
-                *reaching_.take(1) = {at, first, record.last};
+                reaching_.add(part_, {at, first, record.last});
             }
         }
     }
@@ -135,6 +133,7 @@ private:
     const SoupScan& scan_;
     const PlaneSet& planes_;
     std::span<const PlaneIndex> reach_end_;
+    std::size_t part_;
     PartCursors cursors_;
     CrossedTriangle* records_;
     ReachingOutput& reaching_;
@@ -207,11 +206,11 @@ std::size_t scatter_triangles(const MeshView& mesh, const Transform& transform, 
     const BucketParts parts(mesh.triangle_count, parallel);
     assert(reach_end.size() == std::size_t{planes.size()} + 1);
     buckets.records.resize_discarding(buckets.list_begin[planes.size()]);
-    ReachingOutput output(reaching);
+    ReachingOutput output(reaching, parts.count);
     const SoupScan scan(mesh, transform, unit_mm, planes);
     with_reader(mesh, transform, unit_mm, [&](const auto& read) {
         parallel.run(parts.count, [&](std::size_t part, int) {
-            PartScatter scatter(read, scan, planes, reach_end, PartCursors(buckets, part, planes.size()), buckets, output);
+            PartScatter scatter(read, scan, planes, reach_end, part, buckets, output);
             for (std::size_t block = parts.begin_block(part); block < parts.begin_block(part + 1); ++block) {
                 if (block % blocks_between_stops == 0) {
                     parallel.stop_if_asked();
@@ -221,7 +220,7 @@ std::size_t scatter_triangles(const MeshView& mesh, const Transform& transform, 
             }
         });
     });
-    return output.count();
+    return output.finish();
 }
 
 }  // namespace lamella

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cassert>
 #include <cstddef>
@@ -10,6 +11,7 @@
 #include <span>
 
 #include "base/parallel.hpp"
+#include "base/per_worker.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/grid/blocks.hpp"
 #include "slicing/planes/plane_set.hpp"
@@ -55,21 +57,40 @@ struct PartCursors {
         : next_record(counters_of(buckets, part, planes, 0)) {}
 };
 
-/// Where parts write down triangles that reach beyond their bands, a block's at a time.
+/// Where parts write down triangles that reach beyond their bands: each part a buffer at a time, as cores that write side by
+/// side wait for each other's cache lines.
 class ReachingOutput {
 public:
-    explicit ReachingOutput(std::span<Reaching> room) : room_(room) {}
+    ReachingOutput(std::span<Reaching> room, std::size_t parts) : room_(room), buffers_(parts) {}
 
-    /// Room for `count` more.
-    Reaching* take(std::size_t count) noexcept {
-        const std::size_t at = count_.fetch_add(count, std::memory_order_relaxed);
-        assert(at + count <= room_.size());
-        return room_.data() + at;
+    void add(std::size_t part, const Reaching& triangle) noexcept {
+        Buffer& buffer = buffers_[part];
+        if (buffer.count == buffer.triangles.size()) {
+            write(buffer);
+            buffer.count = 0;
+        }
+        buffer.triangles[buffer.count++] = triangle;
     }
-    std::size_t count() const noexcept { return count_.load(std::memory_order_relaxed); }
+    /// All parts are done. Returns how many triangles there are.
+    std::size_t finish() noexcept {
+        buffers_.for_each([this](const Buffer& buffer) { write(buffer); });
+        return count_.load(std::memory_order_relaxed);
+    }
 
 private:
+    struct Buffer {
+        std::array<Reaching, 256> triangles;
+        std::size_t count = 0;
+    };
+
+    void write(const Buffer& buffer) noexcept {
+        const std::size_t at = count_.fetch_add(buffer.count, std::memory_order_relaxed);
+        assert(at + buffer.count <= room_.size());
+        std::copy_n(buffer.triangles.begin(), buffer.count, room_.begin() + static_cast<std::ptrdiff_t>(at));
+    }
+
     std::span<Reaching> room_;
+    PerWorker<Buffer> buffers_;
     std::atomic<std::size_t> count_ = 0;
 };
 

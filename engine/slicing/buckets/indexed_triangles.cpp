@@ -52,25 +52,41 @@ struct VertexBox {
     }
 };
 
+/// Calls use(part, begin, end) for every block of `parts`: parts by different threads. A part of the triangles mostly has
+/// the vertices of the same part of the vertices, so that what a core has written, it reads again.
+template <class Use>
+void for_each_block(const BucketParts& parts, const Parallel& parallel, Use use) {
+    parallel.run(parts.count, [&](std::size_t part, int) {
+        for (std::size_t block = parts.begin_block(part); block < parts.begin_block(part + 1); ++block) {
+            if (block % blocks_between_stops == 0) {
+                parallel.stop_if_asked();
+            }
+            const std::size_t begin = block * block_triangles;
+            use(part, begin, std::min(begin + block_triangles, parts.triangles));
+        }
+    });
+}
+
 /// False where an index names no vertex.
 bool mark_used(const MeshView& mesh, const Parallel& parallel, Array<std::uint8_t>& used) {
     used.resize_discarding(mesh.vertex_count);
     std::fill(used.begin(), used.end(), std::uint8_t{0});
-    PerWorker<std::uint8_t> beyond(parallel.workers_for(mesh.triangle_count / items_a_task));
-    parallel.run_ranges(mesh.triangle_count, items_a_task, [&](std::size_t begin, std::size_t end, int worker) {
+    const BucketParts parts(mesh.triangle_count, parallel);
+    PerWorker<std::uint8_t> beyond(parts.count);
+    for_each_block(parts, parallel, [&, mesh](std::size_t part, std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
             for (std::size_t corner = 0; corner < 3; ++corner) {
                 const std::uint64_t vertex = mesh.vertex_of(t, corner);
-                if (vertex >= mesh.vertex_count) {
-                    beyond[static_cast<std::size_t>(worker)] = 1;
-                    return;
+                if (vertex < mesh.vertex_count) {
+                    AtomicWord(used[vertex]).store(1);
+                } else {
+                    beyond[part] = 1;
                 }
-                AtomicWord(used[vertex]).store(1);
             }
         }
     });
     bool all_within = true;
-    beyond.for_each([&all_within](std::uint8_t of_worker) { all_within = all_within && of_worker == 0; });
+    beyond.for_each([&all_within](std::uint8_t of_part) { all_within = all_within && of_part == 0; });
     return all_within;
 }
 
@@ -78,7 +94,7 @@ void place_vertices(const MeshView& mesh, const Transform& transform, double uni
                     const Parallel& parallel, VertexTable& table) {
     const PlacedReader read(vertices_of(mesh), transform);
     table.placed.resize_discarding(mesh.vertex_count);
-    parallel.run_ranges(mesh.vertex_count, items_a_task, [&](std::size_t begin, std::size_t end, int) {
+    for_each_block({mesh.vertex_count, parallel}, parallel, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t vertex = begin; vertex < end; ++vertex) {
             if (table.used[vertex] != 0) {
                 const std::array<double, 3> mm = read.corner(vertex, 0);
@@ -142,19 +158,6 @@ std::uint64_t count_block(const MeshView& mesh, const VertexTable& table, std::s
     return mask;
 }
 
-/// Calls use(part, block) for every block: parts by different threads.
-template <class Use>
-void for_each_block(const BucketParts& parts, const Parallel& parallel, Use use) {
-    parallel.run(parts.count, [&](std::size_t part, int) {
-        for (std::size_t block = parts.begin_block(part); block < parts.begin_block(part + 1); ++block) {
-            if (block % blocks_between_stops == 0) {
-                parallel.stop_if_asked();
-            }
-            use(part, block);
-        }
-    });
-}
-
 CrossedTriangle record_of(const Corners& v, std::uint32_t triangle) noexcept {
     const PlacedVertex* const corners[3] = {&v.a, &v.b, &v.c};
     const HeightOrder& order = height_order_of(v.a.at.z, v.b.at.z, v.c.at.z);
@@ -170,15 +173,16 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, 
     VertexBox all;
     if (mark_used(mesh, parallel, table.used)) {
         const PlacedReader read(vertices_of(mesh), transform);
-        PerWorker<VertexBox> boxes(parallel.workers_for(mesh.vertex_count / items_a_task));
-        parallel.run_ranges(mesh.vertex_count, items_a_task, [&](std::size_t begin, std::size_t end, int worker) {
+        const BucketParts parts(mesh.vertex_count, parallel);
+        PerWorker<VertexBox> boxes(parts.count);
+        for_each_block(parts, parallel, [&](std::size_t part, std::size_t begin, std::size_t end) {
             VertexBox box;
             for (std::size_t vertex = begin; vertex < end; ++vertex) {
                 if (table.used[vertex] != 0) {
                     box.add(read.corner(vertex, 0));
                 }
             }
-            boxes[static_cast<std::size_t>(worker)].add(box);
+            boxes[part].add(box);
         });
         boxes.for_each([&all](const VertexBox& box) { all.add(box); });
     }
@@ -200,11 +204,9 @@ void count_crossings(const MeshView& mesh, const Transform& transform, double un
     make_counters(planes, parts.count, buckets);
     std::fill(buckets.counters.begin(), buckets.counters.end(), 0U);
     PerWorker<std::uint64_t> degenerate(parts.count);
-    for_each_block(parts, parallel, [&](std::size_t part, std::size_t block) {
-        const std::size_t begin = block * block_triangles;
-        const std::size_t end = std::min(begin + block_triangles, parts.triangles);
+    for_each_block(parts, parallel, [&](std::size_t part, std::size_t begin, std::size_t end) {
         const PartCounts counts(buckets, part, planes.size());
-        buckets.crossed_mask[block] = count_block(mesh, table, begin, end, counts, degenerate[part]);
+        buckets.crossed_mask[begin / block_triangles] = count_block(mesh, table, begin, end, counts, degenerate[part]);
     });
     buckets.degenerate = 0;
     degenerate.for_each([&buckets](std::uint64_t of_part) { buckets.degenerate += of_part; });
@@ -216,30 +218,30 @@ std::size_t scatter_triangles(const MeshView& mesh, const VertexTable& table, co
                               std::span<Reaching> reaching) {
     const BucketParts parts(mesh.triangle_count, parallel);
     buckets.records.resize_discarding(buckets.list_begin[planes.size()]);
-    ReachingOutput output(reaching);
-    for_each_block(parts, parallel, [&](std::size_t part, std::size_t block) {
+    ReachingOutput output(reaching, parts.count);
+    for_each_block(parts, parallel, [&, mesh](std::size_t part, std::size_t begin, std::size_t) {
         const PartCursors cursors(buckets, part, planes.size());
-        const std::size_t begin = block * block_triangles;
         // First where records go, then the records: a store that waits for memory would hold up the next ones.
         std::uint32_t places[block_triangles];
         std::size_t count = 0;
-        for (std::uint64_t crossed = buckets.crossed_mask[block]; crossed != 0; crossed &= crossed - 1) {
+        const std::uint64_t mask = buckets.crossed_mask[begin / block_triangles];
+        for (std::uint64_t crossed = mask; crossed != 0; crossed &= crossed - 1) {
             const Corners v(mesh, table, begin + static_cast<std::size_t>(std::countr_zero(crossed)));
             const PlaneIndex first = v.first_plane();
             const std::uint32_t at = cursors.next_record[first]++;
             __builtin_prefetch(buckets.records.data() + at, 1);
             places[count++] = at;
             if (v.last_plane() > reach_end[first]) {
-                *output.take(1) = {at, first, v.last_plane()};
+                output.add(part, {at, first, v.last_plane()});
             }
         }
         count = 0;
-        for (std::uint64_t crossed = buckets.crossed_mask[block]; crossed != 0; crossed &= crossed - 1) {
+        for (std::uint64_t crossed = mask; crossed != 0; crossed &= crossed - 1) {
             const std::size_t t = begin + static_cast<std::size_t>(std::countr_zero(crossed));
             buckets.records[places[count++]] = record_of(Corners(mesh, table, t), static_cast<std::uint32_t>(t));
         }
     });
-    return output.count();
+    return output.finish();
 }
 
 }  // namespace lamella

@@ -175,7 +175,7 @@ std::size_t scatter_triangles(const PreparedTriangles& prepared, const PlaneSet&
     const BucketParts parts(buckets.touched.size() * block_triangles, parallel);
     buckets.records.resize_discarding(buckets.list_begin[planes.size()]);
     buckets.lowest_corners.resize_discarding(origins ? buckets.records.size() : 0);
-    ReachingOutput output(reaching);
+    ReachingOutput output(reaching, parts.count);
     for_each_touched(buckets, parts, parallel, [&](std::size_t part, std::size_t i, std::size_t block) {
         const PartCursors cursors(buckets, part, planes.size());
         const CrossedTriangle* const first_of_block = prepared.triangles.data() + block * block_triangles;
@@ -191,7 +191,6 @@ std::size_t scatter_triangles(const PreparedTriangles& prepared, const PlaneSet&
             places[count++] = {at, first, planes.first_above(t.upper.z)};
         }
         std::size_t next = 0;
-        std::size_t reach = 0;
         for (std::uint64_t crossed = buckets.crossed_mask[i]; crossed != 0; crossed &= crossed - 1) {
             const Reaching place = places[next++];
             CrossedTriangle record = first_of_block[std::countr_zero(crossed)];
@@ -201,14 +200,12 @@ std::size_t scatter_triangles(const PreparedTriangles& prepared, const PlaneSet&
             record.middle_and_source |= planes.first_above(record.middle.z);
             record.last = place.last;
             buckets.records[place.record] = record;
-            places[reach] = place;
-            reach += place.last > reach_end[place.first] ? 1 : 0;
-        }
-        if (reach > 0) {
-            std::copy_n(places, reach, output.take(reach));
+            if (place.last > reach_end[place.first]) {
+                output.add(part, place);
+            }
         }
     });
-    return output.count();
+    return output.finish();
 }
 
 }  // namespace lamella

@@ -1,6 +1,7 @@
 #include "slicing/contours/kernels.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "base/rounding.hpp"
@@ -167,6 +168,26 @@ LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slot
     return fits_halves(facts) ? facts : trace_portable(points, slots, count, ring);
 }
 
+/// Row `bits`: the positions of its set bits, lowest first.
+///
+///     bits 0b00100101    0 2 5 - - - - -
+using BitPositions = std::array<std::array<std::uint8_t, 8>, 256>;
+
+constexpr BitPositions make_bit_positions() {
+    BitPositions positions{};
+    for (std::size_t bits = 0; bits < positions.size(); ++bits) {
+        std::size_t found = 0;
+        for (std::uint8_t bit = 0; bit < 8; ++bit) {
+            if ((bits >> bit & 1) != 0) {
+                positions[bits][found++] = bit;
+            }
+        }
+    }
+    return positions;
+}
+
+constexpr BitPositions bit_positions = make_bit_positions();
+
 LAMELLA_AVX2 std::size_t select_equal_avx2(const std::uint32_t* values, std::size_t count, std::uint32_t value,
                                            std::uint32_t* indices) {
     const __m256i wanted = _mm256_set1_epi32(static_cast<int>(value));
@@ -174,9 +195,12 @@ LAMELLA_AVX2 std::size_t select_equal_avx2(const std::uint32_t* values, std::siz
     std::size_t i = 0;
     for (; i + 8 <= count; i += 8) {
         const __m256i same = _mm256_cmpeq_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(values + i)), wanted);
-        for (auto bits = static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(same))); bits != 0; bits &= bits - 1) {
-            indices[found++] = static_cast<std::uint32_t>(i) + static_cast<std::uint32_t>(std::countr_zero(bits));
-        }
+        const auto bits = static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(same)));
+        // No branch on how many there are: it would often be mispredicted.
+        const __m128i row = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(bit_positions[bits].data()));
+        const __m256i selected = _mm256_add_epi32(_mm256_cvtepu8_epi32(row), _mm256_set1_epi32(static_cast<int>(i)));
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(indices + found), selected);
+        found += static_cast<std::size_t>(std::popcount(bits));
     }
     for (; i < count; ++i) {
         indices[found] = static_cast<std::uint32_t>(i);

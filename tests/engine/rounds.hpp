@@ -1,4 +1,4 @@
-// How often a test with random input repeats itself.
+// How often a test repeats itself.
 #pragma once
 
 /// All rounds in the release; a quarter under a sanitizer, where each takes ten times as long.
@@ -7,5 +7,14 @@ constexpr unsigned rounds(unsigned all) {
     return (all + 3) / 4;
 #else
     return all;
+#endif
+}
+
+/// Whether combination number `i` of many is tried: each in the release; every third under a sanitizer.
+constexpr bool tried([[maybe_unused]] unsigned i) {
+#ifdef LAMELLA_TESTS_SANITIZED
+    return i % 3 == 0;
+#else
+    return true;
 #endif
 }

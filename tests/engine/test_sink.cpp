@@ -12,6 +12,7 @@
 
 #include "engine/collected_layers.hpp"
 #include "engine/counting_memory.hpp"
+#include "engine/rounds.hpp"
 #include "engine/slicing.hpp"
 #include "golden/shape_cases.hpp"
 #include "slicing/handover/sink_bands.hpp"
@@ -133,6 +134,7 @@ struct ManyLayers {
 }  // namespace
 
 TEST_CASE("a sink gets the layers of slice() whatever threads, bands and form", "[engine][sink][threads]") {
+    unsigned combination = 0;
     for (const auto& [mesh_name, mesh] : shape_cases::meshes()) {
         SliceOptions options = uniform(0.25);
         options.close_gaps_mm = 0.5;
@@ -144,7 +146,9 @@ TEST_CASE("a sink gets the layers of slice() whatever threads, bands and form", 
                     options.control.threads = threads;
                     options.tuning.band_planes = band;
                     options.tuning.form = form;
-                    require_same_layers(view_of(mesh), options);
+                    if (tried(combination++)) {
+                        require_same_layers(view_of(mesh), options);
+                    }
                 }
             }
         }

@@ -69,7 +69,7 @@ constexpr int stops_each = 3;
 constexpr std::uint64_t triangles = 150'000;
 constexpr double most_ms = 100;
 constexpr double most_slice_ms = 20;
-constexpr int stops_each = 8;
+constexpr int stops_each = 4;
 #endif
 
 class ScannedBone {

@@ -262,7 +262,7 @@ double ms_to_read(const std::filesystem::path& path, int threads, const StopChec
 void check_stops(const std::filesystem::path& path, int threads, std::mt19937& random) {
     const double whole = ms_to_read(path, threads);
     std::vector<double> late;
-    for (int round = 0; round < 4; ++round) {
+    for (int round = 0; round < 3; ++round) {
         StopAt stop(std::uniform_real_distribution<double>(0, whole)(random));
         const Result<MeshFile> mesh = read_with(path, threads, stop.check());
         if (!mesh.ok()) {

@@ -59,6 +59,7 @@ from ._errors import (
     UnreadableFileError,
     UnwritableFileError,
 )
+from ._kinds import NO_TRIANGLE, SEVERAL_PARTS, ContourFlag, Role
 from ._layer import Layer, Polygon
 from ._mesh import Mesh, read, weld
 from ._native import version as __version__
@@ -69,9 +70,12 @@ from ._slice import slice, slice_parts
 from ._stream import stream
 
 __all__ = [
+    "NO_TRIANGLE",
+    "SEVERAL_PARTS",
     "CancelledError",
     "Certificate",
     "Check",
+    "ContourFlag",
     "CoordinateError",
     "EmptyMeshError",
     "Error",
@@ -88,6 +92,7 @@ __all__ = [
     "Prepared",
     "Result",
     "ResultTooLargeError",
+    "Role",
     "UnreadableFileError",
     "UnwritableFileError",
     "__version__",

@@ -38,3 +38,22 @@ def assemble(segments: npt.ArrayLike, keys: Optional[npt.ArrayLike] = None, *, g
     >>> lamella.assemble(square).area
     16.0
     """
+    rows = whole_array(segments, "segments")
+    if rows.ndim == 3 and rows.shape[1:] == (2, 2):
+        rows = rows.reshape(-1, 4)
+    if rows.ndim != 2 or rows.shape[1] != 4:
+        raise InvalidArgumentError(f"segments must have shape (n, 2, 2) or (n, 4), and have {rows.shape}")
+    ends = None if keys is None else _checked_keys(keys, len(rows))
+    unit = number("grid", grid)
+    if not 0 < unit < float("inf"):
+        raise InvalidArgumentError(f"grid must be finite and more than 0 mm, and is {unit:g}")
+    return Result(_native.assemble(np.ascontiguousarray(rows), ends, unit), None, {})[0]
+
+
+def _checked_keys(keys: npt.ArrayLike, count: int) -> np.ndarray:
+    ends = np.asarray(keys)
+    if ends.dtype.kind not in "iu" or ends.shape != (count, 2):
+        raise InvalidArgumentError(
+            f"keys must be integers of shape ({count}, 2), and are {ends.dtype} of shape {ends.shape}"
+        )
+    return ends.astype(np.int64, copy=False)

@@ -31,6 +31,14 @@ class Finding(NamedTuple):
     """Of a loop."""
 
 
+def _rows(columns: Dict[str, np.ndarray]) -> npt.NDArray[np.void]:
+    """A structured array of columns."""
+    rows = np.empty(len(columns["first"]), [(name, column.dtype, column.shape[1:]) for name, column in columns.items()])
+    for name, column in columns.items():
+        rows[name] = column
+    return rows
+
+
 class Check:
     """What `check` found.
 
@@ -58,7 +66,7 @@ class Check:
         self.clean: bool = found["clean"]
         self.complete: bool = found["complete"]
         self.info: Dict[str, Any] = found["info"]
-        self.shells: npt.NDArray[np.void] = found["shells"]
+        self.shells: npt.NDArray[np.void] = _rows(found["shells"])
         self.findings: Dict[str, Finding] = {key: Finding(**fault) for key, fault in found["findings"].items()}
 
     def __getitem__(self, fault: str) -> Finding:

@@ -54,8 +54,9 @@ class Prepared:
         -------
         Result
         """
-        native = slice_options({"heights": heights, **options}, prepared=True)
-        return finish(self._view.run(_native.slice_prepared, native, self._native), self._view, native)
+        keywords = {"heights": heights, **options}
+        native = slice_options(keywords, prepared=True)
+        return finish(self._view.run(_native.slice_prepared, native, self._native), self._view, keywords)
 
     def __repr__(self) -> str:
         return f"<lamella.Prepared: {self._view.triangle_count:,} triangles, {self.nbytes:,} bytes>"

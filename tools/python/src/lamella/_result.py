@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Union, overload
 
 import numpy as np
 import numpy.typing as npt
-
-from itertools import repeat as _repeat
 
 from . import _native
 from ._errors import InvalidArgumentError, MeshWarning, warn
@@ -227,14 +226,14 @@ class Result:
 
     def _whole_mesh(self, what: str) -> View:
         if self._view is None:
-            raise InvalidArgumentError(f"the {what} needs the mesh, which does not travel with a pickled result")
+            raise InvalidArgumentError(f"the {what} needs the whole mesh, which neither pickled results nor chunks of layers have")
         return self._view
 
     def __len__(self) -> int:
         return self._native.layer_count
 
     def __iter__(self) -> Iterator[Layer]:
-        return map(Layer, _repeat(self), range(len(self)))
+        return map(Layer, itertools.repeat(self), range(len(self)))
 
     @overload
     def __getitem__(self, index: int) -> Layer: ...

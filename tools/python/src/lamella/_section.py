@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 import numpy.typing as npt
 
+from ._errors import InvalidArgumentError
 from ._mesh import MeshLike
-from ._options import plane_frame, whole_array
+from ._options import plane_frame
 from ._slice import slice as slice_mesh
 
 if TYPE_CHECKING:
@@ -76,5 +76,7 @@ def section_multiplane(
     >>> cuts.areas.round(3)
     array([253.125, 112.5  ])
     """
-    heights = np.atleast_1d(whole_array(heights, "heights"))
+    for name in options:
+        if name in ("normal", "transform", "layer_height", "first_height", "datum"):
+            raise InvalidArgumentError(f"{name} is given by origin, normal and heights")
     return slice_mesh(mesh, transform=plane_frame(origin, normal), heights=heights, **options)

@@ -133,8 +133,7 @@ def slice(  # noqa: A001: the word of the field
     keywords = dict(locals())
     del keywords["mesh"], keywords["faces"]
     view = as_view(mesh, faces, unit=keywords.pop("unit"))
-    options = slice_options(keywords)
-    return finish(view.run(_native.slice, options), view, options)
+    return finish(view.run(_native.slice, slice_options(keywords)), view, keywords)
 
 
 def slice_parts(
@@ -173,5 +172,4 @@ def slice_parts(
     """
     keywords: dict = dict(options)
     view = as_views(meshes, transforms, unit=keywords.pop("unit", "mm"))
-    native = slice_options(keywords)
-    return finish(view.run(_native.slice_parts, native, united), view, native)
+    return finish(view.run(_native.slice_parts, slice_options(keywords), united), view, keywords)

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Iterator, Optional
 import numpy.typing as npt
 
 from . import _native
-from ._mesh import MeshLike, as_view
-from ._options import slice_options
+from ._errors import InvalidArgumentError
+from ._mesh import MeshLike, View, as_view
+from ._options import slice_options, whole_number
 from ._result import Result, finish
 
 if TYPE_CHECKING:
@@ -52,17 +53,15 @@ def stream(
     """
     keywords: dict = dict(options)
     view = as_view(mesh, faces, unit=keywords.pop("unit", "mm"))
-    native = slice_options(keywords)
-    chunks = view.run(_native.Stream, native, chunk)
-    return _chunks(chunks, view, native)
+    if whole_number("chunk", chunk) == 0:
+        raise InvalidArgumentError("a chunk must have at least one layer")
+    chunks = view.run(_native.Stream, slice_options(keywords), chunk)
+    return _chunks(chunks, view, keywords)
 
 
-def _chunks(chunks: _native.Stream, view, options) -> Iterator[Result]:
+def _chunks(chunks: _native.Stream, view: View, keywords: dict) -> Iterator[Result]:
     try:
-        while True:
-            layers = view.run_with(chunks.next)
-            if layers is None:
-                return
-            yield finish(layers, view, options)
+        while (layers := view.run(lambda _: chunks.next())) is not None:
+            yield finish(layers, None, keywords)
     finally:
         chunks.close()

@@ -87,7 +87,9 @@ HeldResult assemble_segments(const py::array_t<double, py::array::c_style>& rows
     result.points = std::move(made.points);
     result.unit_mm = unit_mm;
     result.layers.resize_discarding(1);
-    result.layers[0] = {.contour_count = result.contours.size(), .segments = segments.size()};
+    result.layers[0] = {};
+    result.layers[0].contour_count = result.contours.size();
+    result.layers[0].segments = segments.size();
     result.summary.segments = segments.size();
     count_roles(result);
     return held;

@@ -112,8 +112,8 @@ def check(
     >>> found
     <lamella.Check: not clean: 3 boundary edges, 1 boundary loop>
     >>> found["boundary_edges"].points[0, :2]
-    array([[ 0.,  0., 40.],
-           [ 0.,  0.,  0.]])
+    array([[ 0.,  0.,  0.],
+           [ 0., 30.,  0.]])
     """
     view = as_view(mesh, faces, unit=unit)
     options = slice_options({"grid": grid, "transform": transform, "threads": threads})

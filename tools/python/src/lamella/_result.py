@@ -67,14 +67,14 @@ class Result:
     Examples
     --------
     >>> s = lamella.slice(corners, faces, layer_height=10)
-    >>> s.points[:3]
-    array([[ 0.   ,  0.   ],
-           [26.25 ,  0.   ],
-           [ 0.   , 26.25 ]])
+    >>> s.points[:3].round(3)
+    array([[ 0.  ,  0.  ],
+           [26.25,  0.  ],
+           [ 0.  , 26.25]])
     >>> s[-1].z
     35.0
-    >>> [layer.area for layer in s if layer.z < 10]
-    [344.53124]
+    >>> [round(layer.area, 3) for layer in s if layer.z < 10]
+    [344.531]
     """
 
     def __init__(self, native: _native.Result, view: Optional[View], keywords: Dict[str, Any]) -> None:

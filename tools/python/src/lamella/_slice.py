@@ -127,8 +127,8 @@ def slice(  # noqa: A001: the word of the field
     >>> box = lamella.slice(corners, faces, layer_height=10)
     >>> box.layers["z"]
     array([ 5., 15., 25., 35.])
-    >>> lamella.slice(corners, faces, heights=[20, 10]).areas
-    array([253.12496185, 112.49998856])
+    >>> lamella.slice(corners, faces, heights=[20, 10]).areas.round(3)
+    array([253.125, 112.5  ])
     """
     keywords = dict(locals())
     del keywords["mesh"], keywords["faces"]

@@ -47,9 +47,9 @@ def stream(
     --------
     >>> for layers in lamella.stream(corners, faces, layer_height=1, chunk=16):
     ...     print(layers.first_layer, len(layers), layers.areas.sum().round(1))
-    0 16 4812.5
-    16 16 1100.0
-    32 8 93.8
+    0 16 4703.6
+    16 16 1247.6
+    32 8 47.8
     """
     keywords: dict = dict(options)
     view = as_view(mesh, faces, unit=keywords.pop("unit", "mm"))

@@ -92,7 +92,7 @@ void raise(const Error& error) {
     const py::object exception = kind(py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(
                                           error.message.data(), static_cast<py::ssize_t>(error.message.size()), "replace")),
                                       py::arg("triangle") = index_or_none(error.triangle),
-                                      py::arg("plane") = index_or_none(error.plane),
+                                      py::arg("layer") = index_or_none(error.plane),
                                       py::arg("byte_offset") = index_or_none(error.byte_offset));
     PyErr_SetObject(kind.ptr(), exception.ptr());
     throw py::error_already_set();

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <type_traits>
 
+#include "lamella/mesh/scale.hpp"
 #include "native.hpp"
 
 namespace lamella::python {
@@ -147,6 +148,16 @@ py::dict summary(const HeldResult& held) {
     return made;
 }
 
+/// Unit, the mesh's diagonal and the finest unit for it, in mm, where the grid is coarse for the mesh; else None.
+py::object coarse_grid(const HeldResult& held, const View& view) {
+    const SliceSummary& summary = held.result.summary;
+    const MeshScale scale = judge_scale(summary.min_mm, summary.max_mm, view.mesh().coordinate_type, held.result.unit_mm);
+    if (!scale.coarse_grid || summary.triangles == 0) {
+        return py::none();
+    }
+    return py::make_tuple(held.result.unit_mm, scale.diagonal_mm, scale.finest_unit_mm);
+}
+
 /// What pickle keeps beside the arrays.
 struct Rest {
     SliceSummary summary;
@@ -279,6 +290,7 @@ void define_results(py::module_& module) {
         .def_property_readonly("layer_count", [](const HeldResult& h) { return h.result.layers.size(); })
         .def_readonly("first_layer", &HeldResult::first_layer)
         .def("hash", [](const HeldResult& h) { return hash_result(h.result); }, py::call_guard<py::gil_scoped_release>())
+        .def("coarse_grid", &coarse_grid)
         .def("state", &state);
     module.def("restore", &restore);
 }

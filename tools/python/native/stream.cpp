@@ -1,4 +1,6 @@
 // Layers in chunks, while a thread slices.
+#include <unistd.h>
+
 #include <algorithm>
 #include <condition_variable>
 #include <cstring>
@@ -99,19 +101,27 @@ private:
 };
 
 /// A thread slices and waits while a finished chunk has not been taken: two chunks are held at most.
-class Stream {
+class Slicing {
 public:
-    Stream(const py::object& view, SliceOptions options, std::uint64_t chunk_layers)
+    Slicing(const py::object& view, SliceOptions options, std::uint64_t chunk_layers)
         : mesh_(view), options_(std::move(options)), chunk_layers_(chunk_layers) {
         const View& meshes = view.cast<const View&>();
         options_.transform = meshes.to_planes(options_.transform);
-        options_.control.stop = {[](void* context) noexcept { return static_cast<Stream*>(context)->closing_.load(); }, this};
+        options_.control.stop = {[](void* context) noexcept { return static_cast<Slicing*>(context)->closing_.load(); }, this};
         chunk_.emplace(options_, 0);
         worker_ = std::thread([this, mesh = meshes.mesh()] { work(mesh); });
     }
-    Stream(const Stream&) = delete;
-    Stream& operator=(const Stream&) = delete;
-    ~Stream() { close(); }
+    Slicing(const Slicing&) = delete;
+    Slicing& operator=(const Slicing&) = delete;
+    ~Slicing() {
+        {
+            const std::lock_guard lock(mutex_);
+            closing_ = true;
+        }
+        changed_.notify_all();
+        const py::gil_scoped_release released;
+        worker_.join();
+    }
 
     /// The next chunk, or None.
     py::object next() {
@@ -140,18 +150,6 @@ public:
             return py::none();
         }
         return py::cast(std::move(*taken));
-    }
-
-    void close() {
-        {
-            const std::lock_guard lock(mutex_);
-            closing_ = true;
-        }
-        changed_.notify_all();
-        if (worker_.joinable()) {
-            const py::gil_scoped_release released;
-            worker_.join();
-        }
     }
 
 private:
@@ -206,11 +204,42 @@ private:
     std::thread worker_;
 };
 
+/// A Slicing, which a forked process leaves alone: its thread is not there, and what it holds locked stays so.
+class Stream {
+public:
+    Stream(const py::object& view, const SliceOptions& options, std::uint64_t chunk_layers)
+        : process_(getpid()), slicing_(std::make_unique<Slicing>(view, options, chunk_layers)) {}
+    Stream(Stream&&) = default;
+    Stream& operator=(Stream&&) = default;
+    ~Stream() { close(); }
+
+    py::object next() {
+        if (!slicing_) {
+            return py::none();
+        }
+        if (getpid() != process_) {
+            raise({ErrorCode::invalid_argument, "a stream cannot go on in a forked process: begin it there"});
+        }
+        return slicing_->next();
+    }
+
+    void close() {
+        if (getpid() != process_) {
+            static_cast<void>(slicing_.release());
+        }
+        slicing_.reset();
+    }
+
+private:
+    pid_t process_;
+    std::unique_ptr<Slicing> slicing_;
+};
+
 }  // namespace
 
 void define_stream(py::module_& module) {
     py::class_<Stream>(module, "Stream")
-        .def(py::init<py::object, SliceOptions, std::uint64_t>())
+        .def(py::init<const py::object&, const SliceOptions&, std::uint64_t>())
         .def("next", &Stream::next)
         .def("close", &Stream::close);
 }

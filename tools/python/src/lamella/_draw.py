@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from typing import TYPE_CHECKING, Any, Dict
+from typing import TYPE_CHECKING, Any, Dict, List
 
 import numpy as np
 
@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 SIDE = 160
 """Of a picture, pixels."""
 MOST_POINTS = 4000
-"""Of a picture; a contour of more is drawn with fewer."""
+"""About so many are drawn."""
+MOST_CONTOURS = 500
+"""So many are drawn, those of most points."""
 
 
 def layer_svg(layer: Layer) -> str:
@@ -28,7 +30,7 @@ def layer_svg(layer: Layer) -> str:
     scale = (SIDE - 4) / max(float((high - low).max()), 1e-300)
     step = -(-len(points) // MOST_POINTS)
     solid, lines = [], []
-    for role, path in layer._paths():
+    for role, path in _largest(layer):
         kept = path[::step] if len(path) > 3 * step else path
         drawn = np.column_stack((kept[:, 0] - low[0], high[1] - kept[:, 1])) * scale + 2
         text = "M" + " ".join(f"{x:.1f},{y:.1f}" for x, y in drawn.tolist())
@@ -39,6 +41,15 @@ def layer_svg(layer: Layer) -> str:
         f'<path d="{"".join(solid)}" fill="#9db8d2" fill-rule="evenodd" stroke="#20435f" stroke-width="0.7"/>'
         f'<path d="{"".join(lines)}" fill="none" stroke="#c03020"/></svg>'
     )
+
+
+def _largest(layer: Layer) -> List[tuple]:
+    """Role and points of the contours with most points, in their order."""
+    paths = layer._paths()
+    if len(paths) <= MOST_CONTOURS:
+        return paths
+    chosen = np.sort(np.argsort([-len(path) for _, path in paths], kind="stable")[:MOST_CONTOURS])
+    return [paths[i] for i in chosen]
 
 
 def result_html(result: Result) -> str:

@@ -18,8 +18,8 @@ class Error(Exception):
         Row of the triangle to blame in the faces or triangles that were given.
     vertex : int or None
         Row of the vertex to blame in the vertices that were given.
-    plane : int or None
-        Index of the height to blame.
+    layer : int or None
+        Index of the height to blame among those that were given, or of the layer.
     path : str or None
         The file to blame.
     byte_offset : int or None
@@ -34,14 +34,14 @@ class Error(Exception):
         *,
         triangle: Optional[int] = None,
         vertex: Optional[int] = None,
-        plane: Optional[int] = None,
+        layer: Optional[int] = None,
         path: Optional[str] = None,
         byte_offset: Optional[int] = None,
     ) -> None:
         super().__init__(message)
         self.triangle = triangle
         self.vertex = vertex
-        self.plane = plane
+        self.layer = layer
         self.path = path
         self.byte_offset = byte_offset
 

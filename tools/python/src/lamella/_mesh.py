@@ -70,10 +70,9 @@ class View:
         if isinstance(error, CoordinateError):
             corners = mesh.vertices[face].astype(np.float64)
             worst = int(np.argmax(np.where(np.isfinite(corners), np.abs(corners), np.inf).max(axis=1)))
-            at = f"vertices[{face[worst]}] = {corners[worst].tolist()}"
-            return type(error)(
-                f"{at}: {error}", triangle=triangle, vertex=int(face[worst]), path=mesh.path
-            )
+            vertex = int(face[worst])
+            text = f"vertices[{vertex}] = {corners[worst].tolist()}: not finite, or beyond 1e9 mm"
+            return type(error)(text, triangle=triangle, vertex=vertex, path=mesh.path)
         return None
 
 
@@ -213,6 +212,8 @@ def as_views(meshes: Sequence[Any], transforms: Optional[Sequence[Any]], *, unit
 
 def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[str, float]) -> Arrays:
     if isinstance(mesh, (str, os.PathLike)):
+        if faces is not None:
+            _refuse("faces are for arrays of vertices, not for files")
         mesh = read(mesh, unit=unit)
     if faces is not None:
         return _checked(mesh, faces)

@@ -108,7 +108,7 @@ def whole_array(values: Any, name: str) -> npt.NDArray[np.float64]:
 
 
 def heights_array(values: Any) -> npt.NDArray[np.float64]:
-    heights = whole_array(values, "heights")
+    heights = np.atleast_1d(whole_array(values, "heights"))
     if heights.ndim != 1:
         refuse(f"heights must have one dimension, and have shape {heights.shape}")
     return np.ascontiguousarray(heights)

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._errors import InvalidArgumentError, MeshWarning, warn
+from ._errors import Error, InvalidArgumentError, MeshWarning, warn
 from ._kinds import Role
 from ._layer import Layer
 from ._options import slice_options
@@ -217,12 +217,16 @@ class Result:
         """
         name = os.fspath(path)
         end = os.path.splitext(name)[1].lower()
-        if end == ".svg":
-            self._native.write_svg(name)
-        elif end == ".json":
-            self._whole_mesh("report").run(self._native.write_report, name)
-        else:
+        if end not in (".svg", ".json"):
             raise InvalidArgumentError(f"{name}: results are saved as .svg or .json, not '{end}'", path=name)
+        try:
+            if end == ".svg":
+                self._native.write_svg(name)
+            else:
+                self._native.write_report(self._whole_mesh("report").native, name)
+        except Error as error:
+            error.path = name
+            raise
 
     def _whole_mesh(self, what: str) -> View:
         if self._view is None:
@@ -272,9 +276,12 @@ def _restore(state: tuple, keywords: Dict[str, Any], certificate: Optional[Certi
 
 def finish(native: _native.Result, view: Optional[View], keywords: Dict[str, Any]) -> Result:
     """The result of a call, after warning of what is wrong with it."""
-    if native.open_contours > 0:
-        warn(
-            f"{native.open_contours:,} contours are open, because the mesh has holes: lamella.check() says where",
-            MeshWarning,
-        )
+    count = native.open_contours
+    if count > 0:
+        are = "1 contour is" if count == 1 else f"{count:,} contours are"
+        warn(f"{are} open, because the mesh has holes: lamella.check() says where", MeshWarning)
+    if view is not None and (coarse := native.coarse_grid(view.native)) is not None:
+        unit, diagonal, finest = coarse
+        help_ = f"grid='auto' takes {finest:g} mm" if finest < unit else "none finer reaches the mesh's coordinates"
+        warn(f"the grid of {unit:g} mm is coarse for a mesh of {diagonal:g} mm from corner to corner; {help_}", MeshWarning)
     return Result(native, view, keywords)

@@ -114,7 +114,7 @@ def slice(  # noqa: A001: the word of the field
     Raises
     ------
     Error
-        Of the kind that fits: `CoordinateError` names the vertex, `PlanesError` the plane, `InvalidArgumentError` what is
+        Of the kind that fits: `CoordinateError` names the vertex, `PlanesError` the layer, `InvalidArgumentError` what is
         allowed.
 
     Warns

@@ -92,7 +92,8 @@ def test_a_stream_that_is_left_early_lets_its_mesh_go(torus):
     lamella.stream(*torus, chunk=1, layer_height=0.001)
     del layers
     gc.collect()
-    assert sys.getrefcount(torus[0]) == before
+    after = sys.getrefcount(torus[0])
+    assert after == before
 
 
 def test_errors_of_a_stream_are_raised(cube):

@@ -31,6 +31,7 @@ CASES = [
 ]
 
 
+@pytest.mark.filterwarnings("ignore::lamella.MeshWarning")
 @pytest.mark.skipif(TOOL is None, reason="LAMELLA_TOOL does not name the command line tool")
 @pytest.mark.parametrize("arguments, options", CASES)
 def test_slices_are_those_of_the_command_line_tool(torus, tmp_path, arguments, options):

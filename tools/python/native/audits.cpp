@@ -19,7 +19,8 @@ py::dict certify(const HeldResult& held, const View& view) {
     py::dict made;
     made["verdict"] = std::string(name_of(certificate.verdict));
     made["mesh_volume"] = certificate.mesh_mm3;
-    made["slab_volumes"] = py::array_t<double>(static_cast<py::ssize_t>(certificate.slab_mm3.size()), certificate.slab_mm3.data());
+    made["slab_volumes"] =
+        py::array_t<double>(static_cast<py::ssize_t>(certificate.slab_mm3.size()), certificate.slab_mm3.data());
     made["worst_layer"] = certificate.worst_layer;
     made["worst_difference"] = certificate.worst_difference_mm2;
     made["worst_allowed"] = certificate.worst_allowed_mm2;
@@ -47,9 +48,8 @@ void write_report(const HeldResult& held, const View& view, const std::string& p
 }
 
 void write_picture(const HeldResult& held, const std::string& path) {
-    run(Control{}, [&](const Control& control) {
-        return write_svg(held.result, std::filesystem::path(path), {.control = control});
-    });
+    run(Control{},
+        [&](const Control& control) { return write_svg(held.result, std::filesystem::path(path), {.control = control}); });
 }
 
 }  // namespace

@@ -82,8 +82,8 @@ py::dict read(const std::string& path, double mm_per_unit, const SliceOptions& o
 
 py::dict weld_mesh(const View& view, double tolerance_mm, const SliceOptions& options) {
     WeldedMesh outcome = run(options.control, [&](const Control& control) {
-        return weld(view.mesh(), {.tolerance_mm = tolerance_mm, .mm_per_unit = view.parts().front().transform.m[0],
-                                  .control = control});
+        return weld(view.mesh(),
+                    {.tolerance_mm = tolerance_mm, .mm_per_unit = view.parts().front().transform.m[0], .control = control});
     });
     const auto* const welded = new WeldedMesh(std::move(outcome));
     const py::capsule owner(welded, [](void* kept) { delete static_cast<WeldedMesh*>(kept); });

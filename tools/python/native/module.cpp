@@ -9,16 +9,26 @@ namespace {
 
 const char* name_of(ErrorCode code) {
     switch (code) {
-        case ErrorCode::invalid_argument: return "invalid_argument";
-        case ErrorCode::unreadable_file: return "unreadable_file";
-        case ErrorCode::malformed_mesh: return "malformed_mesh";
-        case ErrorCode::empty_mesh: return "empty_mesh";
-        case ErrorCode::bad_coordinate: return "bad_coordinate";
-        case ErrorCode::bad_planes: return "bad_planes";
-        case ErrorCode::result_too_large: return "result_too_large";
-        case ErrorCode::out_of_memory: return "out_of_memory";
-        case ErrorCode::cancelled: return "cancelled";
-        case ErrorCode::unwritable_file: return "unwritable_file";
+        case ErrorCode::invalid_argument:
+            return "invalid_argument";
+        case ErrorCode::unreadable_file:
+            return "unreadable_file";
+        case ErrorCode::malformed_mesh:
+            return "malformed_mesh";
+        case ErrorCode::empty_mesh:
+            return "empty_mesh";
+        case ErrorCode::bad_coordinate:
+            return "bad_coordinate";
+        case ErrorCode::bad_planes:
+            return "bad_planes";
+        case ErrorCode::result_too_large:
+            return "result_too_large";
+        case ErrorCode::out_of_memory:
+            return "out_of_memory";
+        case ErrorCode::cancelled:
+            return "cancelled";
+        case ErrorCode::unwritable_file:
+            return "unwritable_file";
     }
     return "invalid_argument";
 }
@@ -89,11 +99,11 @@ py::array_t<double> from_normal(double x, double y, double z) {
 void raise(const Error& error) {
     const py::object kinds = py::module_::import("lamella._errors").attr("BY_CODE");
     const py::object kind = kinds[name_of(error.code)];
-    const py::object exception = kind(py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(
-                                          error.message.data(), static_cast<py::ssize_t>(error.message.size()), "replace")),
-                                      py::arg("triangle") = index_or_none(error.triangle),
-                                      py::arg("layer") = index_or_none(error.plane),
-                                      py::arg("byte_offset") = index_or_none(error.byte_offset));
+    const py::object exception =
+        kind(py::reinterpret_steal<py::str>(
+                 PyUnicode_DecodeUTF8(error.message.data(), static_cast<py::ssize_t>(error.message.size()), "replace")),
+             py::arg("triangle") = index_or_none(error.triangle), py::arg("layer") = index_or_none(error.plane),
+             py::arg("byte_offset") = index_or_none(error.byte_offset));
     PyErr_SetObject(kind.ptr(), exception.ptr());
     throw py::error_already_set();
 }
@@ -133,22 +143,23 @@ void define_options(py::module_& module) {
     options.def(py::init<>()).def("set_heights", &set_heights).def("set_layers", &set_layers);
     set(options, "fill_from", &set_fill_from);
     set(options, "threads", &set_threads);
-    set(options, "transform", [](SliceOptions& o, const py::array_t<double>& matrix) { o.transform = transform_of(matrix); });
+    set(options, "transform",
+        [](SliceOptions& o, const py::array_t<double>& matrix) { o.transform = transform_of(matrix); });
     set(options, "memory_limit", [](SliceOptions& o, std::uint64_t bytes) { o.memory_limit_bytes = bytes; });
-    set(options, "side", choice([](SliceOptions& o) -> auto& { return o.plan.side; }));
-    set(options, "fill_rule", choice([](SliceOptions& o) -> auto& { return o.region.fill_rule; }));
-    set(options, "gap_sense", choice([](SliceOptions& o) -> auto& { return o.gap_sense; }));
-    set(options, "unit_mm", number([](SliceOptions& o) -> auto& { return o.unit_mm; }));
-    set(options, "close_mm", number([](SliceOptions& o) -> auto& { return o.region.close_mm; }));
-    set(options, "offset_mm", number([](SliceOptions& o) -> auto& { return o.region.offset_mm; }));
-    set(options, "miter_limit", number([](SliceOptions& o) -> auto& { return o.region.miter_limit; }));
-    set(options, "simplify_mm", number([](SliceOptions& o) -> auto& { return o.region.simplify_mm; }));
-    set(options, "mark_near_mm", number([](SliceOptions& o) -> auto& { return o.region.mark_near_mm; }));
-    set(options, "close_gaps_mm", number([](SliceOptions& o) -> auto& { return o.close_gaps_mm; }));
-    set(options, "largest_only", flag([](SliceOptions& o) -> auto& { return o.region.largest_only; }));
-    set(options, "drop_collinear", flag([](SliceOptions& o) -> auto& { return o.region.drop_collinear; }));
-    set(options, "origins", flag([](SliceOptions& o) -> auto& { return o.origins; }));
-    set(options, "allow_empty", flag([](SliceOptions& o) -> auto& { return o.allow_empty; }));
+    set(options, "side", choice([](SliceOptions & o) -> auto& { return o.plan.side; }));
+    set(options, "fill_rule", choice([](SliceOptions & o) -> auto& { return o.region.fill_rule; }));
+    set(options, "gap_sense", choice([](SliceOptions & o) -> auto& { return o.gap_sense; }));
+    set(options, "unit_mm", number([](SliceOptions & o) -> auto& { return o.unit_mm; }));
+    set(options, "close_mm", number([](SliceOptions & o) -> auto& { return o.region.close_mm; }));
+    set(options, "offset_mm", number([](SliceOptions & o) -> auto& { return o.region.offset_mm; }));
+    set(options, "miter_limit", number([](SliceOptions & o) -> auto& { return o.region.miter_limit; }));
+    set(options, "simplify_mm", number([](SliceOptions & o) -> auto& { return o.region.simplify_mm; }));
+    set(options, "mark_near_mm", number([](SliceOptions & o) -> auto& { return o.region.mark_near_mm; }));
+    set(options, "close_gaps_mm", number([](SliceOptions & o) -> auto& { return o.close_gaps_mm; }));
+    set(options, "largest_only", flag([](SliceOptions & o) -> auto& { return o.region.largest_only; }));
+    set(options, "drop_collinear", flag([](SliceOptions & o) -> auto& { return o.region.drop_collinear; }));
+    set(options, "origins", flag([](SliceOptions & o) -> auto& { return o.origins; }));
+    set(options, "allow_empty", flag([](SliceOptions & o) -> auto& { return o.allow_empty; }));
     module.attr("UNIT_BY_BOX") = unit_by_box;
     module.def("from_normal", &from_normal);
 }

@@ -172,8 +172,7 @@ static_assert(std::is_trivially_copyable_v<Rest>);
 py::tuple state(const py::object& self) {
     const HeldResult& held = self.cast<const HeldResult&>();
     const SliceResult& result = held.result;
-    const Rest rest{result.summary, result.frame,      result.unit_mm,
-                    held.first_layer, result.part_count, result.part_regions};
+    const Rest rest{result.summary, result.frame, result.unit_mm, held.first_layer, result.part_count, result.part_regions};
     const auto bytes = [&](const auto& array) {
         using Element = std::remove_cv_t<std::remove_reference_t<decltype(array[0])>>;
         return py::array(py::dtype::of<std::uint8_t>(), {static_cast<py::ssize_t>(array.size() * sizeof(Element))},
@@ -264,32 +263,42 @@ void define_results(py::module_& module) {
             return view_of(type(), array.data(), array.size(), self);
         });
     };
-    view("layers", [](const SliceResult& r) -> auto& { return r.layers; }, &layer_type);
-    view("contours", [](const SliceResult& r) -> auto& { return r.contours; }, &contour_type);
-    view("origins", [](const SliceResult& r) -> auto& { return r.origins; }, &origin_type);
-    view("closed_gaps", [](const SliceResult& r) -> auto& { return r.closed_gaps; }, &gap_type);
-    view("layer_of", [](const SliceResult& r) -> auto& { return r.layer_of; }, &py::dtype::of<std::int64_t>);
+    view(
+        "layers", [](const SliceResult& r) -> auto& { return r.layers; }, &layer_type);
+    view(
+        "contours", [](const SliceResult& r) -> auto& { return r.contours; }, &contour_type);
+    view(
+        "origins", [](const SliceResult& r) -> auto& { return r.origins; }, &origin_type);
+    view(
+        "closed_gaps", [](const SliceResult& r) -> auto& { return r.closed_gaps; }, &gap_type);
+    view(
+        "layer_of", [](const SliceResult& r) -> auto& { return r.layer_of; }, &py::dtype::of<std::int64_t>);
     held.def_property_readonly("points_grid", &points_grid)
         .def("points", &points_mm)
-        .def("areas", [](const HeldResult& h) {
-            return numbers_of(h.result.layers, [&](const Layer& layer) { return h.result.area_mm2(layer); });
-        })
-        .def("perimeters", [](const HeldResult& h) {
-            return numbers_of(h.result.layers, [&](const Layer& layer) { return perimeter_mm(h.result, layer); });
-        })
-        .def("contour_areas", [](const HeldResult& h) {
-            return numbers_of(h.result.contours, [&](const Contour& contour) { return h.result.area_mm2(contour); });
-        })
-        .def("contour_lengths", [](const HeldResult& h) {
-            return numbers_of(h.result.contours, [&](const Contour& contour) { return length_mm(h.result, contour); });
-        })
+        .def("areas",
+             [](const HeldResult& h) {
+                 return numbers_of(h.result.layers, [&](const Layer& layer) { return h.result.area_mm2(layer); });
+             })
+        .def("perimeters",
+             [](const HeldResult& h) {
+                 return numbers_of(h.result.layers, [&](const Layer& layer) { return perimeter_mm(h.result, layer); });
+             })
+        .def("contour_areas",
+             [](const HeldResult& h) {
+                 return numbers_of(h.result.contours, [&](const Contour& contour) { return h.result.area_mm2(contour); });
+             })
+        .def("contour_lengths",
+             [](const HeldResult& h) {
+                 return numbers_of(h.result.contours, [&](const Contour& contour) { return length_mm(h.result, contour); });
+             })
         .def_property_readonly("frame", &frame)
         .def_property_readonly("summary", &summary)
         .def_property_readonly("unit_mm", [](const HeldResult& h) { return h.result.unit_mm; })
         .def_property_readonly("open_contours", [](const HeldResult& h) { return h.result.summary.open_contours; })
         .def_property_readonly("layer_count", [](const HeldResult& h) { return h.result.layers.size(); })
         .def_readonly("first_layer", &HeldResult::first_layer)
-        .def("hash", [](const HeldResult& h) { return hash_result(h.result); }, py::call_guard<py::gil_scoped_release>())
+        .def(
+            "hash", [](const HeldResult& h) { return hash_result(h.result); }, py::call_guard<py::gil_scoped_release>())
         .def("coarse_grid", &coarse_grid)
         .def("state", &state);
     module.def("restore", &restore);

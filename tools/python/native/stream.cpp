@@ -107,7 +107,8 @@ public:
         : mesh_(view), options_(std::move(options)), chunk_layers_(chunk_layers) {
         const View& meshes = view.cast<const View&>();
         options_.transform = meshes.to_planes(options_.transform);
-        options_.control.stop = {[](void* context) noexcept { return static_cast<Slicing*>(context)->closing_.load(); }, this};
+        options_.control.stop = {[](void* context) noexcept { return static_cast<Slicing*>(context)->closing_.load(); },
+                                 this};
         chunk_.emplace(options_, 0);
         worker_ = std::thread([this, mesh = meshes.mesh()] { work(mesh); });
     }
@@ -195,9 +196,9 @@ private:
     SliceOptions options_;
     std::uint64_t chunk_layers_;
     std::atomic<bool> closing_ = false;
-    std::optional<Chunk> chunk_;   // the worker's
-    std::optional<Error> error_;   // the worker's, until it has finished
-    std::mutex mutex_;             // of the two below
+    std::optional<Chunk> chunk_;  // the worker's
+    std::optional<Error> error_;  // the worker's, until it has finished
+    std::mutex mutex_;            // of the two below
     std::optional<HeldResult> ready_;
     bool finished_ = false;
     std::condition_variable changed_;

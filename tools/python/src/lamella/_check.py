@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, NamedTuple, Optional, Union
+from dataclasses import dataclass
+from typing import Any, Dict, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +13,8 @@ from ._mesh import MeshLike, as_view
 from ._options import slice_options
 
 
-class Finding(NamedTuple):
+@dataclass(frozen=True)
+class Finding:
     """All faults of one kind. The arrays have a row for each place that is kept."""
 
     count: int

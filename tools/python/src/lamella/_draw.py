@@ -29,7 +29,8 @@ def layer_svg(layer: Layer) -> str:
     low, high = points.min(axis=0), points.max(axis=0)
     scale = (SIDE - 4) / max(float((high - low).max()), 1e-300)
     step = -(-len(points) // MOST_POINTS)
-    solid, lines = [], []
+    solid: List[str] = []
+    lines: List[str] = []
     for role, path in _largest(layer):
         kept = path[::step] if len(path) > 3 * step else path
         drawn = np.column_stack((kept[:, 0] - low[0], high[1] - kept[:, 1])) * scale + 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
+from types import FrameType
 from typing import Optional
 
 
@@ -136,7 +137,7 @@ BY_CODE = {
 def warn(message: str, category: type) -> None:
     """Warns in the name of the first caller outside this package."""
     depth = 2
-    frame = sys._getframe(1)
+    frame: Optional[FrameType] = sys._getframe(1)
     while frame is not None and frame.f_globals.get("__package__") == __package__:
         frame = frame.f_back
         depth += 1

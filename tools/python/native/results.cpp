@@ -256,6 +256,10 @@ py::array view_of(const py::dtype& type, const void* data, std::size_t count, co
 }
 
 void define_results(py::module_& module) {
+    // Made now: what imports numpy may let other threads run, which must not wait for a static that is being made.
+    for (const auto type : {&layer_type, &contour_type, &origin_type, &gap_type}) {
+        type();
+    }
     py::class_<HeldResult> held(module, "Result");
     const auto view = [&held](const char* name, auto get, const auto& type) {
         held.def_property_readonly(name, [get, type](const py::object& self) {

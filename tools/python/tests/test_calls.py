@@ -2,6 +2,7 @@
 
 import gc
 import gzip
+import os
 import struct
 import sys
 
@@ -44,6 +45,8 @@ def test_parts_keep_their_numbers(cube):
     united = lamella.slice_parts([cube, cube], transforms=[None, move], heights=[5], united=True, fill_rule="non-zero")
     assert united.areas == pytest.approx([175])
     assert united.contours["part"].tolist() == [lamella.SEVERAL_PARTS]
+    with pytest.raises(lamella.InvalidArgumentError, match="one mesh, and there are 2"):
+        separate.certificate
     with pytest.raises(lamella.InvalidArgumentError, match="2 meshes and 1 transforms"):
         lamella.slice_parts([cube, cube], transforms=[None])
     with pytest.raises(lamella.InvalidArgumentError):
@@ -94,6 +97,13 @@ def test_a_stream_that_is_left_early_lets_its_mesh_go(torus):
     gc.collect()
     after = sys.getrefcount(torus[0])
     assert after == before
+
+
+def test_the_loop_over_a_stream_may_slice_itself(torus):
+    chunks = lamella.stream(*torus, chunk=20, layer_height=0.1)
+    assert [lamella.slice(*torus, heights=layers.layers["z"]).hash for layers in chunks] == [
+        lamella.slice(*torus, heights=layers.layers["z"]).hash for layers in lamella.stream(*torus, chunk=20, layer_height=0.1)
+    ]
 
 
 def test_errors_of_a_stream_are_raised(cube):
@@ -179,6 +189,14 @@ def test_files_are_read_with_views_of_their_bytes(torus, tmp_path):
     del mesh
     gc.collect()
     assert (triangles == copy).all()
+
+
+def test_any_file_name_will_do(cube, tmp_path):
+    name = os.fsencode(tmp_path) + b"/gr\xfc\xdfe.stl"
+    write_stl(name, cube[0][cube[1]])
+    assert lamella.slice(name).hash == lamella.slice(os.fsdecode(name)).hash == lamella.slice(*cube).hash
+    lamella.slice(name).save(name + b".svg")
+    assert os.path.getsize(name + b".svg") > 1000
 
 
 def test_bad_files_are_named(tmp_path):

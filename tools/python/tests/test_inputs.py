@@ -2,6 +2,7 @@
 
 import pathlib
 import types
+import zipfile
 
 import numpy as np
 import pytest
@@ -122,6 +123,9 @@ def test_units_scale_coordinates(cube):
     centimetres = lamella.slice(vertices / 10, faces, unit="cm", layer_height=1)
     assert centimetres.areas == pytest.approx([100] * 10)
     assert lamella.slice(vertices, faces, unit=0.5, layer_height=1).areas == pytest.approx([25] * 5)
+    welded = lamella.weld(vertices / 10, faces, unit="cm")
+    assert lamella.slice(welded, heights=[5]).areas == pytest.approx([100])
+    assert lamella.slice(welded, heights=[0.5], unit="mm").areas == pytest.approx([1])
     assert lamella.prepare(vertices, faces, unit="cm").slice([50]).areas == pytest.approx([10000])
 
 
@@ -151,6 +155,23 @@ def test_what_is_no_mesh_is_a_type_error():
     with pytest.raises(TypeError, match="int is no mesh") as raised:
         lamella.slice(3)
     assert isinstance(raised.value, lamella.MeshTypeError)
+
+
+def test_a_file_that_states_its_unit_keeps_it(tmp_path, cube):
+    rows = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in cube[0].tolist())
+    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in cube[1].tolist())
+    model = (
+        '<model unit="centimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>'
+        f'<object id="1"><mesh><vertices>{rows}</vertices><triangles>{faces}</triangles></mesh></object></resources>'
+        '<build><item objectid="1"/></build></model>'
+    )
+    relation = 'Id="r" Target="/3D/3dmodel.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"'
+    space = "http://schemas.openxmlformats.org/package/2006/relationships"
+    with zipfile.ZipFile(tmp_path / "cube.3mf", "w") as package:
+        package.writestr("_rels/.rels", f'<Relationships xmlns="{space}"><Relationship {relation}/></Relationships>')
+        package.writestr("3D/3dmodel.model", model)
+    for mesh in (tmp_path / "cube.3mf", lamella.read(tmp_path / "cube.3mf")):
+        assert lamella.slice(mesh, unit="in", heights=[50]).areas == pytest.approx([10000])
 
 
 @pytest.mark.parametrize("wrong", [8, -1, 2**31 - 1])

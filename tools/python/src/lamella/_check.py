@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._mesh import MeshLike, as_view
-from ._options import slice_options
+from ._options import number, slice_options, whole_number
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def check(
     tolerance: float = 0.01,
     sliver_ratio: float = 100,
     most_places: int = 1000,
-    unit: Union[str, float] = "mm",
+    unit: Union[None, str, float] = None,
     grid: Union[None, str, float] = None,
     transform: Optional[npt.ArrayLike] = None,
     threads: int = 0,
@@ -118,5 +118,6 @@ def check(
            [ 0., 30.,  0.]])
     """
     view = as_view(mesh, faces, unit=unit)
+    limits = number("tolerance", tolerance), number("sliver_ratio", sliver_ratio), whole_number("most_places", most_places)
     options = slice_options({"grid": grid, "transform": transform, "threads": threads})
-    return Check(view.run(_native.check, options, float(tolerance), float(sliver_ratio), int(most_places)))
+    return Check(view.run(_native.check, options, *limits))

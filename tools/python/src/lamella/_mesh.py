@@ -25,8 +25,8 @@ class Arrays(NamedTuple):
     """(m, 3), or None for triangles."""
     given_faces: Optional[np.ndarray]
     """As they were given, for messages."""
-    unit: Optional[float]
-    """mm that a coordinate has, where the mesh states it."""
+    unit: float
+    """mm that a coordinate has."""
     path: Optional[str]
 
 
@@ -35,11 +35,13 @@ class View:
 
     __slots__ = ("_meshes", "native")
 
-    def __init__(self, meshes: List[Arrays], units: List[float], transforms: Sequence[Optional[np.ndarray]]) -> None:
+    def __init__(self, meshes: List[Arrays], transforms: Sequence[Optional[np.ndarray]]) -> None:
         self._meshes = meshes
-        self.native = _native.View(
-            [(mesh.vertices, mesh.faces, unit, move) for mesh, unit, move in zip(meshes, units, transforms)]
-        )
+        self.native = _native.View([(mesh.vertices, mesh.faces, mesh.unit, move) for mesh, move in zip(meshes, transforms)])
+
+    @property
+    def mesh_count(self) -> int:
+        return len(self._meshes)
 
     @property
     def triangle_count(self) -> int:
@@ -148,9 +150,9 @@ def read(path: Union[str, os.PathLike[str]], *, unit: Union[str, float] = "mm", 
     MeshWarning
         What the reader noticed.
     """
-    name = os.fspath(path)
+    name = os.fsdecode(path)
     try:
-        file = _native.read(name, mm_per_unit(unit), slice_options({"threads": threads}))
+        file = _native.read(os.fsencode(name), mm_per_unit(unit), slice_options({"threads": threads}))
     except Error as error:
         error.path = name
         raise
@@ -164,7 +166,7 @@ def weld(
     faces: Optional[npt.ArrayLike] = None,
     *,
     tolerance: float = 0.01,
-    unit: Union[str, float] = "mm",
+    unit: Union[None, str, float] = None,
     threads: int = 0,
 ) -> Mesh:
     """Join vertices that should be one, so that a cracked mesh closes. Slicing never does this by itself.
@@ -194,43 +196,46 @@ def weld(
     return Mesh(welded["vertices"], welded["faces"], welded["unit"], None, welded["info"])
 
 
-def as_view(mesh: MeshLike, faces: Optional[npt.ArrayLike], *, unit: Union[str, float]) -> View:
+def as_view(mesh: MeshLike, faces: Optional[npt.ArrayLike], *, unit: Union[None, str, float]) -> View:
     """A mesh in any form that users may have."""
-    arrays = _arrays_of(mesh, faces, unit)
-    return View([arrays], [arrays.unit or mm_per_unit(unit)], [None])
+    return View([_arrays_of(mesh, faces, unit)], [None])
 
 
-def as_views(meshes: Sequence[Any], transforms: Optional[Sequence[Any]], *, unit: Union[str, float]) -> View:
+def as_views(meshes: Sequence[Any], transforms: Optional[Sequence[Any]], *, unit: Union[None, str, float]) -> View:
     """Several of them, each with a transform of its own."""
     arrays = [_arrays_of(mesh, None, unit) for mesh in meshes]
     moves = [None] * len(arrays) if transforms is None else list(transforms)
     if len(moves) != len(arrays):
         raise InvalidArgumentError(f"there are {len(arrays)} meshes and {len(moves)} transforms")
     matrices = [None if move is None else affine(f"transforms[{i}]", move) for i, move in enumerate(moves)]
-    return View(arrays, [mesh.unit or mm_per_unit(unit) for mesh in arrays], matrices)
+    return View(arrays, matrices)
 
 
-def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[str, float]) -> Arrays:
-    if isinstance(mesh, (str, os.PathLike)):
+def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None, str, float]) -> Arrays:
+    mm = mm_per_unit("mm" if unit is None else unit)
+    if isinstance(mesh, (str, bytes, os.PathLike)):
         if faces is not None:
             _refuse("faces are for arrays of vertices, not for files")
-        mesh = read(mesh, unit=unit)
-    if faces is not None:
-        return _checked(mesh, faces)
-    if isinstance(mesh, Mesh):
-        arrays = _checked(mesh._vertices, mesh._faces)
-        return arrays._replace(unit=mesh.unit, path=mesh.path)
+        mesh = read(mesh, unit=mm)
+    if isinstance(mesh, Mesh) and faces is None:
+        keeps_unit = unit is None or mesh.info.get("states_unit", False)
+        return _checked(mesh._vertices, mesh._faces, mesh.unit if keeps_unit else mm)._replace(path=mesh.path)
+    return _checked(*((mesh, faces) if faces is not None else _parts_of(mesh)), mm)
+
+
+def _parts_of(mesh: MeshLike) -> tuple:
+    """Vertices and faces, or triangles and None."""
     if isinstance(mesh, tuple) and len(mesh) == 2:
-        return _checked(*mesh)
+        return mesh
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
-        return _checked(mesh.vertices, mesh.faces)
+        return mesh.vertices, mesh.faces
     if hasattr(mesh, "points") and hasattr(mesh, "cells"):
         led = isinstance(mesh.cells, np.ndarray)
-        return _checked(mesh.points, _faces_of_vtk(mesh.cells) if led else _faces_of_cells(mesh.cells))
+        return mesh.points, _faces_of_vtk(mesh.cells) if led else _faces_of_cells(mesh.cells)
     if hasattr(mesh, "points") and hasattr(mesh, "faces"):
-        return _checked(mesh.points, _faces_of_vtk(mesh.faces))
+        return mesh.points, _faces_of_vtk(mesh.faces)
     if isinstance(mesh, (np.ndarray, list, tuple)) or hasattr(mesh, "__array__"):
-        return _checked(mesh, None)
+        return mesh, None
     raise MeshTypeError(
         f"{type(mesh).__name__} is no mesh: pass vertices and faces, triangles, a path, or an object that has .vertices "
         "and .faces, or .points and .cells"
@@ -265,11 +270,11 @@ def _faces_of_vtk(faces: Any) -> np.ndarray:
     return flat.reshape(-1, 4)[:, 1:]
 
 
-def _checked(vertices: Any, faces: Any) -> Arrays:
+def _checked(vertices: Any, faces: Any, unit: float) -> Arrays:
     if faces is None:
-        return Arrays(_triangles(vertices), None, None, None, None)
+        return Arrays(_triangles(vertices), None, None, unit, None)
     given = _array(faces, "faces")
-    return Arrays(_rows(_coordinates(vertices, "vertices"), "vertices", 3), _indices(given), given, None, None)
+    return Arrays(_rows(_coordinates(vertices, "vertices"), "vertices", 3), _indices(given), given, unit, None)
 
 
 def _triangles(values: Any) -> np.ndarray:

@@ -22,7 +22,7 @@ class SliceKeywords(TypedDict, total=False):
     datum: str
     heights: Union[None, npt.ArrayLike]
     side: str
-    unit: Union[str, float]
+    unit: Union[None, str, float]
     grid: Union[None, str, float]
     normal: Union[None, npt.ArrayLike]
     transform: Union[None, npt.ArrayLike]

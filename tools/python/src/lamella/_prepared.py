@@ -66,7 +66,7 @@ def prepare(
     mesh: MeshLike,
     faces: Optional[npt.ArrayLike] = None,
     *,
-    unit: Union[str, float] = "mm",
+    unit: Union[None, str, float] = None,
     grid: Union[None, str, float] = None,
     normal: Optional[npt.ArrayLike] = None,
     transform: Optional[npt.ArrayLike] = None,

@@ -182,7 +182,10 @@ class Result:
 
         Needs the mesh, which must be as it was when it was sliced.
         """
-        return Certificate(**self._whole_mesh("certificate").run(self._native.certify))
+        view = self._whole_mesh("certificate")
+        if view.mesh_count != 1:
+            raise InvalidArgumentError(f"the certificate is for one mesh, and there are {view.mesh_count}")
+        return Certificate(**view.run(self._native.certify))
 
     def contours_frame(self) -> pandas.DataFrame:
         """One row per contour as a pandas DataFrame: layer, z, role, area, length, points, parent, part, flags, segments."""
@@ -215,15 +218,15 @@ class Result:
             Its end decides: ``.svg`` for a picture with a group per layer, which printers and viewers of layers read;
             ``.json`` for the report: counts, ledger of triangles, certificate, places of open contours.
         """
-        name = os.fspath(path)
+        name = os.fsdecode(path)
         end = os.path.splitext(name)[1].lower()
         if end not in (".svg", ".json"):
             raise InvalidArgumentError(f"{name}: results are saved as .svg or .json, not '{end}'", path=name)
         try:
             if end == ".svg":
-                self._native.write_svg(name)
+                self._native.write_svg(os.fsencode(name))
             else:
-                self._native.write_report(self._whole_mesh("report").native, name)
+                self._native.write_report(self._whole_mesh("report").native, os.fsencode(name))
         except Error as error:
             error.path = name
             raise

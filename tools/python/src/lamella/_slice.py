@@ -26,7 +26,7 @@ def slice(  # noqa: A001: the word of the field
     datum: str = "mesh-min",
     heights: Optional[npt.ArrayLike] = None,
     side: str = "below",
-    unit: Union[str, float] = "mm",
+    unit: Union[None, str, float] = None,
     grid: Union[None, str, float] = None,
     normal: Optional[npt.ArrayLike] = None,
     transform: Optional[npt.ArrayLike] = None,
@@ -66,8 +66,8 @@ def slice(  # noqa: A001: the word of the field
         each.
     side : {"below", "above"}
         Where a plane passes a vertex of exactly its height.
-    unit : {"mm", "um", "cm", "m", "in", "ft"} or float
-        Unit of the mesh's coordinates, or how many mm it has. A file that states its unit keeps that.
+    unit : {"mm", "um", "cm", "m", "in", "ft"} or float, optional
+        Unit of the mesh's coordinates, or how many mm it has; mm without it. A file that states its unit keeps that.
     grid : float or "auto", optional
         Unit of the integer grid, mm. Without it 2**-20, or more if the mesh needs it. "auto": the finest that the mesh
         fits.
@@ -92,7 +92,7 @@ def slice(  # noqa: A001: the word of the field
     simplify : float
         Drop points within so many mm of the lines that are left.
     mark_near : float
-        Set the flag `lamella.Result.NEAR` on contours that ``close=mark_near`` would change.
+        Set the flag `ContourFlag.NEAR` on contours that ``close=mark_near`` would change.
     close_gaps : float
         Join ends of open polylines at most so many mm apart.
     gap_sense : {"kept", "any"}
@@ -171,5 +171,5 @@ def slice_parts(
     array([0, 0, 1, 1], dtype=uint32)
     """
     keywords: dict = dict(options)
-    view = as_views(meshes, transforms, unit=keywords.pop("unit", "mm"))
+    view = as_views(meshes, transforms, unit=keywords.pop("unit", None))
     return finish(view.run(_native.slice_parts, slice_options(keywords), united), view, keywords)

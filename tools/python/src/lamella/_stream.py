@@ -52,7 +52,7 @@ def stream(
     32 8 47.8
     """
     keywords: dict = dict(options)
-    view = as_view(mesh, faces, unit=keywords.pop("unit", "mm"))
+    view = as_view(mesh, faces, unit=keywords.pop("unit", None))
     if whole_number("chunk", chunk) == 0:
         raise InvalidArgumentError("a chunk must have at least one layer")
     chunks = view.run(_native.Stream, slice_options(keywords), chunk)

@@ -157,6 +157,13 @@ def test_what_is_no_mesh_is_a_type_error():
     assert isinstance(raised.value, lamella.MeshTypeError)
 
 
+TYPES = (
+    '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
+    '<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
+    '<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>'
+)
+
+
 def test_a_file_that_states_its_unit_keeps_it(tmp_path, cube):
     rows = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in cube[0].tolist())
     faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in cube[1].tolist())
@@ -168,6 +175,7 @@ def test_a_file_that_states_its_unit_keeps_it(tmp_path, cube):
     relation = 'Id="r" Target="/3D/3dmodel.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"'
     space = "http://schemas.openxmlformats.org/package/2006/relationships"
     with zipfile.ZipFile(tmp_path / "cube.3mf", "w") as package:
+        package.writestr("[Content_Types].xml", TYPES)
         package.writestr("_rels/.rels", f'<Relationships xmlns="{space}"><Relationship {relation}/></Relationships>')
         package.writestr("3D/3dmodel.model", model)
     for mesh in (tmp_path / "cube.3mf", lamella.read(tmp_path / "cube.3mf")):

@@ -126,7 +126,7 @@ class Mesh:
         return (Mesh, (self._vertices, self._faces, self.unit, self.path, self.info))
 
 
-def read(path: Union[str, os.PathLike[str]], *, unit: Union[str, float] = "mm", threads: int = 0) -> Mesh:
+def read(path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] = "mm", threads: int = 0) -> Mesh:
     """Read a mesh file: STL, OBJ, OFF, PLY, VTK, VTP or 3MF, or gzip of any. The content decides, not the name.
 
     Parameters
@@ -220,7 +220,8 @@ def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None,
     if isinstance(mesh, Mesh) and faces is None:
         keeps_unit = unit is None or mesh.info.get("states_unit", False)
         return _checked(mesh._vertices, mesh._faces, mesh.unit if keeps_unit else mm)._replace(path=mesh.path)
-    return _checked(*((mesh, faces) if faces is not None else _parts_of(mesh)), mm)
+    vertices, its_faces = (mesh, faces) if faces is not None else _parts_of(mesh)
+    return _checked(vertices, its_faces, mm)
 
 
 def _parts_of(mesh: MeshLike) -> tuple:

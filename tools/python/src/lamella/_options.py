@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import operator
-from typing import Any, Callable, Dict, Mapping, NoReturn, Sequence, Tuple, TypedDict, Union
+from typing import Any, Callable, Dict, Mapping, NoReturn, Optional, Sequence, Tuple, TypedDict, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -14,18 +14,10 @@ from . import _native
 from ._errors import InvalidArgumentError
 
 
-class SliceKeywords(TypedDict, total=False):
-    """Keyword options of `slice`, where they are described."""
+class RuleKeywords(TypedDict, total=False):
+    """Keyword options of `slice`, where they are described: those of what is done to the contours."""
 
-    layer_height: Union[None, float]
-    first_height: Union[None, float]
-    datum: str
-    heights: Union[None, npt.ArrayLike]
     side: str
-    unit: Union[None, str, float]
-    grid: Union[None, str, float]
-    normal: Union[None, npt.ArrayLike]
-    transform: Union[None, npt.ArrayLike]
     fill_rule: str
     fill_from: Sequence[Tuple[int, str]]
     close: float
@@ -41,6 +33,31 @@ class SliceKeywords(TypedDict, total=False):
     allow_empty: bool
     memory_limit: int
     threads: int
+
+
+class SectionKeywords(RuleKeywords, total=False):
+    """Those of `section`, which places the planes itself."""
+
+    unit: Union[None, str, float]
+    grid: Union[None, str, float]
+
+
+class LayerKeywords(RuleKeywords, total=False):
+    """Those of a prepared mesh, which has its place."""
+
+    layer_height: Optional[float]
+    first_height: Optional[float]
+    datum: str
+
+
+class SliceKeywords(LayerKeywords, total=False):
+    """All of them."""
+
+    heights: Optional[npt.ArrayLike]
+    unit: Union[None, str, float]
+    grid: Union[None, str, float]
+    normal: Optional[npt.ArrayLike]
+    transform: Optional[npt.ArrayLike]
 
 
 MM_PER_UNIT = {"mm": 1.0, "um": 1e-3, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._mesh import View
-    from ._options import SliceKeywords
+    from ._options import LayerKeywords
 
 
 class Prepared:
@@ -40,7 +40,7 @@ class Prepared:
         """Unit of the grid, mm."""
         return self._native.unit_mm
 
-    def slice(self, heights: Optional[npt.ArrayLike] = None, **options: Unpack[SliceKeywords]) -> Result:
+    def slice(self, heights: Optional[npt.ArrayLike] = None, **options: Unpack[LayerKeywords]) -> Result:
         """Cut it. The result is that of `lamella.slice` of the mesh.
 
         Parameters

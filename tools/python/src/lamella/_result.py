@@ -209,7 +209,7 @@ class Result:
             }
         )
 
-    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+    def save(self, path: Union[str, bytes, os.PathLike[Any]]) -> None:
         """Write the result to a file, which appears whole or not at all.
 
         Parameters

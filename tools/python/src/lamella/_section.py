@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._layer import Layer
-    from ._options import SliceKeywords
+    from ._options import SectionKeywords
     from ._result import Result
 
 
-def section(mesh: MeshLike, origin: npt.ArrayLike, normal: npt.ArrayLike, **options: Unpack[SliceKeywords]) -> Layer:
+def section(mesh: MeshLike, origin: npt.ArrayLike, normal: npt.ArrayLike, **options: Unpack[SectionKeywords]) -> Layer:
     """Cut a mesh by one plane.
 
     Parameters
@@ -52,7 +52,7 @@ def section_multiplane(
     origin: npt.ArrayLike,
     normal: npt.ArrayLike,
     heights: npt.ArrayLike,
-    **options: Unpack[SliceKeywords],
+    **options: Unpack[SectionKeywords],
 ) -> Result:
     """Cut a mesh by parallel planes of any direction.
 

@@ -207,6 +207,25 @@ def test_a_bad_coordinate_is_named_by_row(cube, wrong):
     assert raised.value.triangle == first
 
 
+def test_a_bad_coordinate_beside_a_bad_index_is_named(cube):
+    vertices, faces = cube
+    vertices[1, 0] = np.nan
+    faces[0] = 0, 1, 99
+    for call in (lamella.slice, lamella.weld, lamella.check):
+        with pytest.raises(ValueError, match=r"faces\[0\]|vertices\[1\]") as raised:
+            call(vertices, faces)
+        assert raised.value.triangle == 0
+
+
+@pytest.mark.parametrize("dtype", ["i4", "i8", "f4", "f8"])
+def test_no_call_reads_beyond_the_vertices(cube, dtype):
+    vertices, faces = cube[0].astype(dtype), cube[1].astype("u4")
+    faces[3, 2] = 2**32 - 1
+    for call in (lamella.slice, lamella.weld, lamella.check, lamella.prepare):
+        with pytest.raises(lamella.InvalidArgumentError, match=r"faces\[3\]"):
+            call(vertices, faces)
+
+
 def test_a_mesh_without_triangles_is_an_error_unless_allowed(cube):
     none = cube[0], np.empty((0, 3), dtype=int)
     with pytest.raises(lamella.EmptyMeshError):

@@ -73,11 +73,15 @@ def result_html(result: Result) -> str:
 
 def plot_layer(layer: Layer, ax: Any, style: Dict[str, Any]) -> Any:
     """Solid areas as one compound path, so that holes stay empty."""
-    import matplotlib.pyplot as plt
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
-    axes = plt.gca() if ax is None else ax
+    if ax is None:
+        import matplotlib.pyplot as plt
+
+        axes = plt.gca()
+    else:
+        axes = ax
     closed = [path for role, path in layer._paths() if role in (Role.OUTER, Role.HOLE)]
     if closed:
         rings = [Path(np.vstack((path, path[:1])), closed=True) for path in closed]

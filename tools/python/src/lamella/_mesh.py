@@ -70,9 +70,10 @@ class View:
         if isinstance(error, InvalidArgumentError):
             return type(error)(f"{row}: there are {len(mesh.vertices)} vertices", triangle=triangle, path=mesh.path)
         if isinstance(error, CoordinateError):
-            corners = mesh.vertices[face].astype(np.float64)
+            known = face[(face >= 0) & (face < len(mesh.vertices))]
+            corners = mesh.vertices[known].astype(np.float64)
             worst = int(np.argmax(np.where(np.isfinite(corners), np.abs(corners), np.inf).max(axis=1)))
-            vertex = int(face[worst])
+            vertex = int(known[worst])
             text = f"vertices[{vertex}] = {corners[worst].tolist()}: not finite, or beyond 1e9 mm"
             return type(error)(text, triangle=triangle, vertex=vertex, path=mesh.path)
         return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, Optional, Union
 
 import numpy.typing as npt
 
@@ -54,7 +54,7 @@ class Prepared:
         -------
         Result
         """
-        keywords = {"heights": heights, **options}
+        keywords: Dict[str, Any] = {"heights": heights, **options}
         native = slice_options(keywords, prepared=True)
         return finish(self._view.run(_native.slice_prepared, native, self._native), self._view, keywords)
 

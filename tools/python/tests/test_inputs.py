@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import lamella
+from lamella._mesh import as_view
 
 
 def hash_of(*mesh, **options):
@@ -44,6 +45,22 @@ def test_strided_rows_are_read_where_they_lie(torus, dtype):
     assert hash_of(np.asfortranarray(vertices), np.asfortranarray(faces)) == expected
     assert hash_of(vertices[::-1][::-1], faces) == expected
     assert hash_of(vertices[::-1], len(vertices) - 1 - faces) == expected
+
+
+@pytest.mark.parametrize("coordinates", ["f4", "f8", "i4", "i8"])
+@pytest.mark.parametrize("indices", ["i4", "u4", "i8", "u8"])
+def test_what_the_engine_can_read_is_not_copied(cube, coordinates, indices):
+    vertices, faces = padded(cube[0].astype(coordinates), 1, 1), padded(cube[1].astype(indices), 0, 2)
+    triangles = np.repeat(cube[0][cube[1]].astype(coordinates), 2, axis=0)[::2]
+    led = np.insert(cube[1].astype(indices), 0, 3, axis=1).ravel()
+
+    def read(*mesh):
+        return as_view(*mesh, unit=None)._meshes[0]
+
+    assert np.shares_memory(read(vertices, faces).vertices, vertices)
+    assert np.shares_memory(read(vertices, faces).faces, faces)
+    assert np.shares_memory(read(triangles, None).vertices, triangles)
+    assert np.shares_memory(read(types.SimpleNamespace(points=vertices, faces=led), None).faces, led)
 
 
 def test_unaligned_numbers_are_read(cube):

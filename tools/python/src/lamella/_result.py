@@ -57,7 +57,8 @@ class Result:
                     |      `--------.
         points    [ x y, x y, x y | x y, x y, ... ]   per contour, solid on the left; the first is not repeated
 
-    ``len()``, iteration and indexing give `Layer` objects, which are made when they are asked for.
+    ``len()``, iteration and indexing give `Layer` objects, which are made when they are asked for. A result keeps its mesh,
+    for the certificate and the report.
 
     Attributes
     ----------

@@ -128,7 +128,7 @@ if [[ "${1:-}" == --all ]]; then
 fi
 
 stage "packages"
-install_missing "${build_packages[@]}" "${test_packages[@]}"
+install_missing "${build_packages[@]}" "${test_packages[@]}" "${python_packages[@]}"
 if $all; then
     install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}"
     check_format

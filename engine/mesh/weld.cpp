@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <numeric>
@@ -47,18 +49,29 @@ bool finish_corner(std::size_t i, Corner<Number>& corner) {
     return usable;
 }
 
+/// Of corner `i` alone: the triangle's other corners may name no vertex.
+template <class Stored, class Number>
+void read_place(const MeshView& mesh, std::size_t i, Place<Number>& place) {
+    const std::byte* at = mesh.indices != nullptr ? mesh.vertices + mesh.vertex_of(i / 3, i % 3) * mesh.stride
+                                                  : mesh.vertices + i / 3 * mesh.stride + i % 3 * 3 * sizeof(Stored);
+    Stored stored[3];
+    std::memcpy(stored, at, sizeof stored);
+    std::transform(stored, stored + 3, place.at, [](Stored coordinate) { return static_cast<Number>(coordinate); });
+}
+
 /// Reads a corner; false if a coordinate cannot be used.
 template <class Number>
 bool read_corner(const MeshView& mesh, std::size_t i, Corner<Number>& corner) {
-    if (mesh.coordinate_type == CoordinateType::i32 || mesh.coordinate_type == CoordinateType::i64) {
-        const RawTriangle raw = RawReader(mesh)(i / 3);
-        std::transform(raw.v + i % 3 * 3, raw.v + i % 3 * 3 + 3, corner.place.at,
-                       [](double coordinate) { return static_cast<Number>(coordinate); });
-        return finish_corner(i, corner);
+    switch (mesh.coordinate_type) {
+        case CoordinateType::i32:
+            read_place<std::int32_t>(mesh, i, corner.place);
+            break;
+        case CoordinateType::i64:
+            read_place<std::int64_t>(mesh, i, corner.place);
+            break;
+        default:
+            read_place<Number>(mesh, i, corner.place);
     }
-    const std::byte* at = mesh.indices != nullptr ? mesh.vertices + mesh.vertex_of(i / 3, i % 3) * mesh.stride
-                                                  : mesh.vertices + i / 3 * mesh.stride + i % 3 * 3 * sizeof(Number);
-    std::memcpy(corner.place.at, at, sizeof corner.place.at);
     return finish_corner(i, corner);
 }
 

@@ -154,6 +154,12 @@ TEST_CASE("meshes that cannot be welded are refused", "[input][weld]") {
     const std::vector<float> xyz(9);
     const std::vector<std::uint32_t> indices{0, 1, 3};
     CHECK(weld(MeshView::indexed(std::span(xyz), indices), {.tolerance_mm = 0}).error().code == ErrorCode::invalid_argument);
+    // No corner is read with the one before it: the vertex lies far outside the memory.
+    const std::vector<std::int32_t> integers(9);
+    const std::vector<std::uint32_t> far{0, 1, 0xfffffff0};
+    const MeshView of_integers = MeshView::indexed(reinterpret_cast<const std::byte*>(integers.data()), 3,
+                                                   3 * sizeof(std::int32_t), CoordinateType::i32, far);
+    CHECK(weld(of_integers, {.tolerance_mm = 0}).error().code == ErrorCode::invalid_argument);
 }
 
 }  // namespace

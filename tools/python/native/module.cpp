@@ -1,0 +1,180 @@
+// The module: errors, signals and options.
+#include "native.hpp"
+
+#include "lamella/version.hpp"
+
+namespace lamella::python {
+
+namespace {
+
+const char* name_of(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::invalid_argument:
+            return "invalid_argument";
+        case ErrorCode::unreadable_file:
+            return "unreadable_file";
+        case ErrorCode::malformed_mesh:
+            return "malformed_mesh";
+        case ErrorCode::empty_mesh:
+            return "empty_mesh";
+        case ErrorCode::bad_coordinate:
+            return "bad_coordinate";
+        case ErrorCode::bad_planes:
+            return "bad_planes";
+        case ErrorCode::result_too_large:
+            return "result_too_large";
+        case ErrorCode::out_of_memory:
+            return "out_of_memory";
+        case ErrorCode::cancelled:
+            return "cancelled";
+        case ErrorCode::unwritable_file:
+            return "unwritable_file";
+    }
+    return "invalid_argument";
+}
+
+py::object index_or_none(std::int64_t index) {
+    return index < 0 ? py::object(py::none()) : py::object(py::int_(index));
+}
+
+bool is_main_thread() {
+    const py::object main = py::module_::import("threading").attr("main_thread")().attr("ident");
+    return main.cast<unsigned long>() == PyThread_get_thread_ident();
+}
+
+void set_heights(SliceOptions& options, const py::array_t<double, py::array::c_style>& heights) {
+    options.plan.spacing = ExplicitPlanes{{heights.data(), heights.data() + heights.size()}};
+}
+
+void set_layers(SliceOptions& options, double height_mm, const py::object& first_height_mm, bool from_zero) {
+    UniformLayers layers{.layer_height_mm = height_mm, .datum = from_zero ? Datum::zero : Datum::mesh_min};
+    if (!first_height_mm.is_none()) {
+        layers.first_height_mm = first_height_mm.cast<double>();
+    }
+    options.plan.spacing = layers;
+}
+
+void set_fill_from(SliceOptions& options, const py::list& changes) {
+    options.region.fill_from.clear();
+    for (const py::handle change : changes) {
+        const auto [layer, rule] = change.cast<std::pair<std::uint64_t, int>>();
+        options.region.fill_from.push_back({layer, static_cast<FillRule>(rule)});
+    }
+}
+
+void set_threads(SliceOptions& options, std::int64_t threads) {
+    if (threads > 4096) {
+        raise({ErrorCode::invalid_argument, "threads must be at most 4096, and are " + std::to_string(threads)});
+    }
+    options.control.threads = static_cast<int>(threads);
+}
+
+/// Writes one number of a SliceOptions.
+template <class Get>
+auto number(Get get) {
+    return [get](SliceOptions& options, double value) { get(options) = value; };
+}
+
+template <class Get>
+auto flag(Get get) {
+    return [get](SliceOptions& options, bool value) { get(options) = value; };
+}
+
+/// The index of a choice, which _options.py has checked.
+template <class Get>
+auto choice(Get get) {
+    return [get](SliceOptions& options, int value) {
+        auto& place = get(options);
+        place = static_cast<std::remove_reference_t<decltype(place)>>(value);
+    };
+}
+
+py::array_t<double> from_normal(double x, double y, double z) {
+    const Transform turn = Transform::from_normal(x, y, z);
+    return py::array_t<double>({3, 4}, turn.m.data());
+}
+
+}  // namespace
+
+void raise(const Error& error) {
+    const py::object kinds = py::module_::import("lamella._errors").attr("BY_CODE");
+    const py::object kind = kinds[name_of(error.code)];
+    const py::object exception =
+        kind(py::reinterpret_steal<py::str>(
+                 PyUnicode_DecodeUTF8(error.message.data(), static_cast<py::ssize_t>(error.message.size()), "replace")),
+             py::arg("triangle") = index_or_none(error.triangle), py::arg("layer") = index_or_none(error.plane),
+             py::arg("byte_offset") = index_or_none(error.byte_offset));
+    PyErr_SetObject(kind.ptr(), exception.ptr());
+    throw py::error_already_set();
+}
+
+Interrupts::Interrupts() : thread_(std::this_thread::get_id()), main_thread_(is_main_thread()) {}
+
+StopCheck Interrupts::check() noexcept {
+    return {[](void* context) noexcept { return static_cast<Interrupts*>(context)->requested(); }, this};
+}
+
+bool Interrupts::requested() noexcept {
+    if (raised_.load(std::memory_order_relaxed)) {
+        return true;
+    }
+    if (!main_thread_ || std::this_thread::get_id() != thread_ || Clock::now() < next_look_) {
+        return false;
+    }
+    next_look_ = Clock::now() + interval;
+    return look();
+}
+
+bool Interrupts::look() noexcept {
+    if (main_thread_) {
+        const py::gil_scoped_acquire acquired;
+        if (PyErr_CheckSignals() != 0) {
+            raised_.store(true, std::memory_order_relaxed);
+        }
+    }
+    return raised_.load(std::memory_order_relaxed);
+}
+
+void define_options(py::module_& module) {
+    const auto set = [](auto& options, const char* name, auto setter) {
+        options.def_property(name, py::cpp_function(), py::cpp_function(setter, py::is_method(options)));
+    };
+    py::class_<SliceOptions> options(module, "Options");
+    options.def(py::init<>()).def("set_heights", &set_heights).def("set_layers", &set_layers);
+    set(options, "fill_from", &set_fill_from);
+    set(options, "threads", &set_threads);
+    set(options, "transform",
+        [](SliceOptions& o, const py::array_t<double>& matrix) { o.transform = transform_of(matrix); });
+    set(options, "memory_limit", [](SliceOptions& o, std::uint64_t bytes) { o.memory_limit_bytes = bytes; });
+    set(options, "side", choice([](SliceOptions & o) -> auto& { return o.plan.side; }));
+    set(options, "fill_rule", choice([](SliceOptions & o) -> auto& { return o.region.fill_rule; }));
+    set(options, "gap_sense", choice([](SliceOptions & o) -> auto& { return o.gap_sense; }));
+    set(options, "unit_mm", number([](SliceOptions & o) -> auto& { return o.unit_mm; }));
+    set(options, "close_mm", number([](SliceOptions & o) -> auto& { return o.region.close_mm; }));
+    set(options, "offset_mm", number([](SliceOptions & o) -> auto& { return o.region.offset_mm; }));
+    set(options, "miter_limit", number([](SliceOptions & o) -> auto& { return o.region.miter_limit; }));
+    set(options, "simplify_mm", number([](SliceOptions & o) -> auto& { return o.region.simplify_mm; }));
+    set(options, "mark_near_mm", number([](SliceOptions & o) -> auto& { return o.region.mark_near_mm; }));
+    set(options, "close_gaps_mm", number([](SliceOptions & o) -> auto& { return o.close_gaps_mm; }));
+    set(options, "largest_only", flag([](SliceOptions & o) -> auto& { return o.region.largest_only; }));
+    set(options, "drop_collinear", flag([](SliceOptions & o) -> auto& { return o.region.drop_collinear; }));
+    set(options, "origins", flag([](SliceOptions & o) -> auto& { return o.origins; }));
+    set(options, "allow_empty", flag([](SliceOptions & o) -> auto& { return o.allow_empty; }));
+    module.attr("UNIT_BY_BOX") = unit_by_box;
+    module.def("from_normal", &from_normal);
+}
+
+}  // namespace lamella::python
+
+PYBIND11_MODULE(_native, module) {
+    namespace python = lamella::python;
+    module.doc() = "The engine, as the modules of lamella use it.";
+    module.attr("version") = lamella::version;
+    python::define_options(module);
+    python::define_meshes(module);
+    python::define_results(module);
+    python::define_audits(module);
+    python::define_slicing(module);
+    python::define_stream(module);
+    python::define_check(module);
+}

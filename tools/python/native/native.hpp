@@ -1,0 +1,122 @@
+// What the files of the native module share: engine calls, meshes, options and results as Python holds them.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "lamella/control.hpp"
+#include "lamella/error.hpp"
+#include "lamella/mesh.hpp"
+#include "lamella/parts.hpp"
+#include "lamella/result.hpp"
+#include "lamella/slice.hpp"
+
+namespace lamella::python {
+
+namespace py = pybind11;
+
+/// Throws the exception of lamella._errors that fits, with the evidence.
+[[noreturn]] void raise(const Error& error);
+
+/// What a call of the engine asks for a stop. The interpreter's signals are looked at by the calling thread alone, if it is
+/// Python's main thread; an exception that a handler raises stays pending and ends the call.
+class Interrupts {
+public:
+    Interrupts();  ///< of the calling thread, which holds the interpreter
+    StopCheck check() noexcept;
+    /// Whether a handler has raised. Precondition: the calling thread has released the interpreter.
+    bool look() noexcept;
+
+private:
+    using Clock = std::chrono::steady_clock;
+    static constexpr std::chrono::milliseconds interval{50};
+
+    bool requested() noexcept;
+
+    std::thread::id thread_;
+    bool main_thread_;
+    Clock::time_point next_look_ = Clock::now() + interval;  // of the calling thread alone
+    std::atomic<bool> raised_ = false;
+};
+
+template <class T>
+T taken(Result<T>&& result) {
+    return std::move(result).value();
+}
+inline void taken(Status&&) {}
+
+/// The value of `work(control)`, a Result or Status, which runs without the interpreter. Raises its error.
+template <class Work>
+auto run(const Control& asked, Work&& work) {
+    Interrupts interrupts;
+    Control control = asked;
+    control.stop = interrupts.check();
+    auto outcome = [&] {
+        const py::gil_scoped_release released;
+        return work(std::as_const(control));
+    }();
+    if (!outcome) {
+        if (PyErr_Occurred() != nullptr) {
+            throw py::error_already_set();
+        }
+        raise(outcome.error());
+    }
+    return taken(std::move(outcome));
+}
+
+/// Meshes in arrays of Python, which it keeps alive.
+class View {
+public:
+    /// Of (vertices, faces or None, mm per unit, 3x4 transform or None). Arrays are as _mesh.py leaves them.
+    explicit View(const py::list& meshes);
+
+    const std::vector<Part>& parts() const noexcept { return parts_; }
+    const MeshView& mesh() const noexcept { return parts_.front().mesh; }
+    /// From the only mesh's coordinates to where it is sliced.
+    Transform to_planes(const Transform& asked) const noexcept {
+        return parts_.front().transform.is_identity() ? asked : asked * parts_.front().transform;
+    }
+
+private:
+    std::vector<py::object> arrays_;
+    std::vector<Part> parts_;
+};
+
+/// A result that arrays look into.
+struct HeldResult {
+    SliceResult result;
+    std::uint64_t first_layer = 0;  ///< of a chunk of layers: how many are before it
+};
+
+Transform transform_of(const py::array_t<double>& matrix);
+
+/// Of `count` rows at `data`, for reading alone. `owner` lives as long as the array.
+py::array view_of(const py::dtype& type, const void* data, std::size_t count, const py::handle& owner);
+const py::dtype& contour_type();
+const py::dtype& layer_type();
+
+/// The numbers of an Array as a numpy array that owns it.
+template <class Number, class Element>
+py::array own(Array<Element>&& elements, std::vector<py::ssize_t> shape) {
+    auto* const kept = new Array<Element>(std::move(elements));
+    const py::capsule owner(kept, [](void* array) { delete static_cast<Array<Element>*>(array); });
+    return py::array(py::dtype::of<Number>(), std::move(shape), reinterpret_cast<const Number*>(kept->data()), owner);
+}
+
+void define_options(py::module_& module);
+void define_meshes(py::module_& module);
+void define_slicing(py::module_& module);
+void define_stream(py::module_& module);
+void define_results(py::module_& module);
+void define_audits(py::module_& module);
+void define_check(py::module_& module);
+
+}  // namespace lamella::python

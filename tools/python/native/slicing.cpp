@@ -1,0 +1,111 @@
+// Slicing into results.
+#include <cmath>
+
+#include "lamella/assemble.hpp"
+#include "lamella/prepare.hpp"
+#include "native.hpp"
+
+namespace lamella::python {
+
+namespace {
+
+HeldResult slice_mesh(const View& view, SliceOptions options) {
+    options.transform = view.to_planes(options.transform);
+    return {run(options.control, [&](const Control& control) {
+        options.control = control;
+        return slice(view.mesh(), options);
+    })};
+}
+
+HeldResult slice_meshes(const View& view, SliceOptions options, bool united) {
+    return {run(options.control, [&](const Control& control) {
+        options.control = control;
+        return slice_parts(view.parts(), options, united ? PartRegions::united : PartRegions::separate);
+    })};
+}
+
+PreparedMesh prepare_mesh(const View& view, const SliceOptions& options) {
+    return run(options.control, [&](const Control& control) {
+        return prepare(view.mesh(),
+                       {.unit_mm = options.unit_mm, .transform = view.to_planes(options.transform), .control = control});
+    });
+}
+
+HeldResult slice_prepared(const View&, SliceOptions options, const PreparedMesh& mesh) {
+    return {run(options.control, [&](const Control& control) {
+        options.control = control;
+        return slice(mesh, options);
+    })};
+}
+
+/// On the grid of `unit_mm`.
+Point round_to_grid(const double* xy, double unit_mm, py::ssize_t segment) {
+    const auto round = [&](double mm) {
+        const double units = std::nearbyint(mm / unit_mm);
+        if (!(std::fabs(units) <= grid_limit)) {
+            raise({ErrorCode::bad_coordinate, "segments[" + std::to_string(segment) +
+                                                  "] has a coordinate that is not finite or beyond 2^30 grid units"});
+        }
+        return static_cast<std::int32_t>(units);
+    };
+    return {round(xy[0]), round(xy[1])};
+}
+
+EndKey key_of(Point point) {
+    return {static_cast<std::uint32_t>(point.x), static_cast<std::uint32_t>(point.y), 1};
+}
+
+/// Of rows (x, y, x, y) in mm and of pairs of keys, or none.
+std::vector<Segment> segments_of(const py::array_t<double>& rows, const py::object& keys, double unit_mm) {
+    std::vector<Segment> segments(static_cast<std::size_t>(rows.shape(0)));
+    const bool keyed = !keys.is_none();
+    const auto pairs = keyed ? py::reinterpret_borrow<py::array_t<std::int64_t>>(keys) : py::array_t<std::int64_t>();
+    for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+        Segment& segment = segments[static_cast<std::size_t>(i)];
+        segment.from = round_to_grid(rows.data(i, 0), unit_mm, i);
+        segment.to = round_to_grid(rows.data(i, 2), unit_mm, i);
+        segment.from_key = keyed ? EndKey{static_cast<std::uint64_t>(pairs.at(i, 0))} : key_of(segment.from);
+        segment.to_key = keyed ? EndKey{static_cast<std::uint64_t>(pairs.at(i, 1))} : key_of(segment.to);
+    }
+    return segments;
+}
+
+void count_roles(SliceResult& result) {
+    for (const Contour& contour : result.contours) {
+        result.summary.holes += contour.role == Role::hole ? 1 : 0;
+        result.summary.open_contours += contour.role == Role::open ? 1 : 0;
+        result.summary.flat_contours += contour.role == Role::flat ? 1 : 0;
+    }
+}
+
+HeldResult assemble_segments(const py::array_t<double, py::array::c_style>& rows, const py::object& keys, double unit_mm) {
+    const std::vector<Segment> segments = segments_of(rows, keys, unit_mm);
+    LayerContours made = run(Control{}, [&](const Control& control) { return assemble(segments, control); });
+    HeldResult held{SliceResult{}};
+    SliceResult& result = held.result;
+    result.contours = std::move(made.contours);
+    result.points = std::move(made.points);
+    result.unit_mm = unit_mm;
+    result.layers.resize_discarding(1);
+    result.layers[0] = {};
+    result.layers[0].contour_count = result.contours.size();
+    result.layers[0].segments = segments.size();
+    result.summary.segments = segments.size();
+    count_roles(result);
+    return held;
+}
+
+}  // namespace
+
+void define_slicing(py::module_& module) {
+    py::class_<PreparedMesh>(module, "Prepared")
+        .def_property_readonly("nbytes", &PreparedMesh::bytes)
+        .def_property_readonly("unit_mm", &PreparedMesh::unit_mm);
+    module.def("slice", &slice_mesh);
+    module.def("slice_parts", &slice_meshes);
+    module.def("prepare", &prepare_mesh);
+    module.def("slice_prepared", &slice_prepared);
+    module.def("assemble", &assemble_segments);
+}
+
+}  // namespace lamella::python

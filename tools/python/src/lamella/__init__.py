@@ -1,0 +1,109 @@
+"""Cut triangle meshes by thousands of parallel planes, straight to numpy arrays.
+
+>>> import lamella
+>>> import numpy as np
+>>> corners = np.array([[0, 0, 0], [30, 0, 0], [0, 30, 0], [0, 0, 40]], dtype=float)
+>>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+>>> s = lamella.slice(corners, faces, layer_height=10)
+>>> s
+<lamella.Result: 4 layers from z 5 to 35 mm, 4 contours, 12 points>
+>>> s.areas.round(3)
+array([344.531, 175.781,  63.281,   7.031])
+
+What to call
+------------
+slice
+    One mesh, all planes, everything in memory: a `Result`.
+prepare
+    The same mesh many times: at other heights, by other rules.
+stream
+    More layers than fit in memory: chunks of them, one after the other.
+slice_parts
+    Several meshes at the same planes.
+section, section_multiplane
+    Planes of any direction, by origin and normal.
+check, weld
+    What is wrong with a mesh and where; cracks joined.
+read
+    A mesh file as a `Mesh`: STL, OBJ, OFF, PLY, VTK, VTP, 3MF, gzip of any.
+assemble
+    Contours from segments of another program.
+
+Meshes
+------
+Wherever a mesh is asked for, any of these will do, and arrays are not copied:
+
+- vertices (n, 3) and faces (m, 3), as two arguments
+- triangles (m, 3, 3) or (m, 9), three corners each
+- the path of a mesh file
+- a `Mesh`, or a mesh of trimesh (``.vertices``, ``.faces``), meshio (``.points``, ``.cells``) or pyvista (``.points``,
+  ``.faces`` that lead each face with its number of corners)
+
+Coordinates are in mm unless `unit` says otherwise. Faces run counter-clockwise as seen from outside.
+"""
+
+from ._assemble import assemble
+from ._check import Check, Finding, check
+from ._errors import (
+    CancelledError,
+    CoordinateError,
+    EmptyMeshError,
+    Error,
+    InvalidArgumentError,
+    MalformedMeshError,
+    MeshTypeError,
+    MeshWarning,
+    OutOfMemoryError,
+    PlanesError,
+    ResultTooLargeError,
+    UnreadableFileError,
+    UnwritableFileError,
+)
+from ._kinds import NO_TRIANGLE, SEVERAL_PARTS, ContourFlag, Role
+from ._layer import Layer, Polygon
+from ._mesh import Mesh, read, weld
+from ._native import version as __version__
+from ._prepared import Prepared, prepare
+from ._result import Certificate, Result
+from ._section import section, section_multiplane
+from ._slice import slice, slice_parts
+from ._stream import stream
+
+__all__ = [
+    "NO_TRIANGLE",
+    "SEVERAL_PARTS",
+    "CancelledError",
+    "Certificate",
+    "Check",
+    "ContourFlag",
+    "CoordinateError",
+    "EmptyMeshError",
+    "Error",
+    "Finding",
+    "InvalidArgumentError",
+    "Layer",
+    "MalformedMeshError",
+    "Mesh",
+    "MeshTypeError",
+    "MeshWarning",
+    "OutOfMemoryError",
+    "PlanesError",
+    "Polygon",
+    "Prepared",
+    "Result",
+    "ResultTooLargeError",
+    "Role",
+    "UnreadableFileError",
+    "UnwritableFileError",
+    "__version__",
+    "assemble",
+    "check",
+    "prepare",
+    "read",
+    "section",
+    "section_multiplane",
+    "slice",
+    "slice_parts",
+    "stream",
+    "weld",
+]

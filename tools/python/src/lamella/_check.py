@@ -1,0 +1,123 @@
+"""check(): what is wrong with a mesh, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._mesh import MeshLike, as_view
+from ._options import number, slice_options, whole_number
+
+
+@dataclass(frozen=True)
+class Finding:
+    """All faults of one kind. The arrays have a row for each place that is kept."""
+
+    count: int
+    at_least: bool
+    """The search was cut short: there may be more."""
+    points: npt.NDArray[np.float64]
+    """(k, 3, 3), mm: a point, the ends of an edge or gap, or a face's corners; NaN in the rows beyond ``point_count``."""
+    point_count: npt.NDArray[np.int64]
+    triangles: npt.NDArray[np.int64]
+    """(k, 2): triangles that are part of it, or -1."""
+    parts: npt.NDArray[np.int64]
+    """Faces at an edge, edges of a loop, fans at a vertex; else 0."""
+    measure: npt.NDArray[np.float64]
+    """A loop's length or a gap's width in mm, a sliver's ratio, a shell's volume in mm³; else 0."""
+    closed: npt.NDArray[np.bool_]
+    """Of a loop."""
+
+
+def _rows(columns: Dict[str, np.ndarray]) -> npt.NDArray[np.void]:
+    """A structured array of columns."""
+    rows = np.empty(len(columns["first"]), [(name, column.dtype, column.shape[1:]) for name, column in columns.items()])
+    for name, column in columns.items():
+        rows[name] = column
+    return rows
+
+
+class Check:
+    """What `check` found.
+
+    Attributes
+    ----------
+    verdict : str
+        One line.
+    clean : bool
+        No fault was found but slivers, which slicing does not mind.
+    complete : bool
+        No search was cut short.
+    findings : dict of str to Finding
+        By kind: "boundary_edges", "crossing_faces", ...; all kinds are there.
+    shells : numpy.ndarray
+        A row for each set of connected triangles: ``triangles``, ``closed``, ``volume`` (mm³), ``orientation``, ``depth``,
+        ``parent``, ``triangle`` and ``first``, a triangle and vertex of it.
+    info : dict
+        Counts of triangles and edges, box, volume and area.
+    """
+
+    __slots__ = ("clean", "complete", "findings", "info", "shells", "verdict")
+
+    def __init__(self, found: Dict[str, Any]) -> None:
+        self.verdict: str = found["verdict"]
+        self.clean: bool = found["clean"]
+        self.complete: bool = found["complete"]
+        self.info: Dict[str, Any] = found["info"]
+        self.shells: npt.NDArray[np.void] = _rows(found["shells"])
+        self.findings: Dict[str, Finding] = {key: Finding(**fault) for key, fault in found["findings"].items()}
+
+    def __getitem__(self, fault: str) -> Finding:
+        """The finding of that kind."""
+        return self.findings[fault]
+
+    def __repr__(self) -> str:
+        return f"<lamella.Check: {self.verdict}>"
+
+
+def check(
+    mesh: MeshLike,
+    faces: Optional[npt.ArrayLike] = None,
+    *,
+    tolerance: float = 0.01,
+    sliver_ratio: float = 100,
+    most_places: int = 1000,
+    unit: Union[None, str, float] = None,
+    grid: Union[None, str, float] = None,
+    transform: Optional[npt.ArrayLike] = None,
+    threads: int = 0,
+) -> Check:
+    """Find every departure of a mesh from a closed, oriented surface without self-intersections.
+
+    Parameters
+    ----------
+    mesh, faces, unit, grid, transform, threads
+        As for `slice`.
+    tolerance : float
+        For T-junctions and cracks, mm.
+    sliver_ratio : float
+        Longest side over the height on it, from which on a triangle is a sliver.
+    most_places : int
+        Kept of each kind; all are counted.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> found = lamella.check(corners, faces[:3])
+    >>> found
+    <lamella.Check: not clean: 3 boundary edges, 1 boundary loop>
+    >>> found["boundary_edges"].points[0, :2]
+    array([[ 0.,  0.,  0.],
+           [ 0., 30.,  0.]])
+    """
+    view = as_view(mesh, faces, unit=unit)
+    limits = number("tolerance", tolerance), number("sliver_ratio", sliver_ratio), whole_number("most_places", most_places)
+    options = slice_options({"grid": grid, "transform": transform, "threads": threads})
+    return Check(view.run(_native.check, options, *limits))

@@ -1,0 +1,176 @@
+"""One layer of a result."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, List, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ._kinds import Role
+
+if TYPE_CHECKING:
+    import matplotlib.axes
+    import shapely.geometry
+
+    from ._result import Result
+
+
+class Polygon(NamedTuple):
+    """An outer contour and what is cut out of it."""
+
+    outer: npt.NDArray[np.float64]
+    """Points (n, 2) in mm, counter-clockwise; the first is not repeated."""
+    holes: List[npt.NDArray[np.float64]]
+    """The same of each hole, clockwise."""
+
+
+class Layer:
+    """One layer of a `Result`: a view, of which nothing is computed until it is asked for.
+
+    Attributes
+    ----------
+    result : Result
+    index : int
+        Of the layer in `result`.
+    """
+
+    __slots__ = ("index", "result")
+
+    def __init__(self, result: Result, index: int) -> None:
+        self.result = result
+        self.index = index
+
+    @property
+    def z(self) -> float:
+        """Height of the plane as it was asked for, mm."""
+        return float(self.result.layers["z"][self.index])
+
+    @property
+    def bottom(self) -> float:
+        """Lower end of what the layer stands for, mm."""
+        return float(self.result.layers["bottom"][self.index])
+
+    @property
+    def top(self) -> float:
+        """Upper end of what the layer stands for, mm."""
+        return float(self.result.layers["top"][self.index])
+
+    @property
+    def area(self) -> float:
+        """Solid area, mm²: outers minus holes. What open polylines enclose does not count."""
+        return float(self.result.areas[self.index])
+
+    @property
+    def perimeter(self) -> float:
+        """Length of all closed contours, mm."""
+        return float(self.result.perimeters[self.index])
+
+    @property
+    def contours(self) -> npt.NDArray[np.void]:
+        """Rows of `Result.contours`: each outer followed by its holes. ``first_point`` and ``parent`` count within the result."""
+        first, count = self._contour_range()
+        return self.result.contours[first : first + count]
+
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """Points (n, 2) of all contours, mm."""
+        return self.points_grid * self.result.grid
+
+    @property
+    def points_grid(self) -> npt.NDArray[np.int32]:
+        """Points (n, 2) of all contours, grid units: a view."""
+        contours = self.contours
+        if len(contours) == 0:
+            return self.result.points_grid[:0]
+        last = contours[-1]
+        return self.result.points_grid[contours["first_point"][0] : last["first_point"] + last["point_count"]]
+
+    @property
+    def to_3d(self) -> npt.NDArray[np.float64]:
+        """Affine map (4, 4) from (x, y, 0) in the layer to the mesh's own space, mm."""
+        lift = np.eye(4)
+        lift[2, 3] = self.z
+        return np.linalg.inv(self.result.frame) @ lift
+
+    def polygons(self) -> List[Polygon]:
+        """What is solid, as outers with their holes.
+
+        Returns
+        -------
+        list of Polygon
+
+        Examples
+        --------
+        >>> layer = lamella.slice(corners, faces, heights=[20])[0]
+        >>> layer.polygons()[0].outer.round(3)
+        array([[ 0.,  0.],
+               [15.,  0.],
+               [ 0., 15.]])
+        """
+        polygons: List[Polygon] = []
+        for role, points in self._paths():
+            if role == Role.OUTER:
+                polygons.append(Polygon(points, []))
+            elif role == Role.HOLE:
+                polygons[-1].holes.append(points)
+        return polygons
+
+    def polylines(self) -> List[npt.NDArray[np.float64]]:
+        """Open polylines, points (n, 2) in mm: the mesh lacks a face at both of their ends."""
+        return [points for role, points in self._paths() if role == Role.OPEN]
+
+    def to_shapely(self) -> shapely.geometry.MultiPolygon:
+        """What is solid, as a shapely MultiPolygon. Needs shapely.
+
+        Contours that cross make it invalid for shapely; slicing with ``fill_rule="non-zero"`` leaves none that do.
+        """
+        from shapely.geometry import MultiPolygon
+
+        return MultiPolygon([(polygon.outer, polygon.holes) for polygon in self.polygons()])
+
+    def plot(self, ax: Any = None, **style: Any) -> matplotlib.axes.Axes:
+        """Draw it with matplotlib: solid areas filled, open polylines as red lines.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to. Without it the current ones.
+        **style
+            For `matplotlib.patches.PathPatch`: ``facecolor``, ``linewidth``, ...
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        from ._draw import plot_layer
+
+        return plot_layer(self, ax, style)
+
+    def _contour_range(self) -> tuple:
+        row = self.result.layers[self.index]
+        return int(row["first_contour"]), int(row["contour_count"])
+
+    def _paths(self) -> List[tuple]:
+        """Role and points of each contour."""
+        contours = self.contours
+        if len(contours) == 0:
+            return []
+        points = self.points
+        ends = np.cumsum(contours["point_count"])[:-1]
+        return list(zip(contours["role"].tolist(), np.split(points, ends)))
+
+    def __len__(self) -> int:
+        return self._contour_range()[1]
+
+    def __repr__(self) -> str:
+        count = len(self)
+        return f"<lamella.Layer {self.index}: z {self.z:g} mm, {count} contour{'s' if count != 1 else ''}, {self.area:.6g} mm²>"
+
+    def _repr_html_(self) -> str:
+        from ._draw import layer_svg
+
+        return layer_svg(self)
+
+    def __reduce__(self) -> tuple:
+        return (Layer, (self.result, self.index))

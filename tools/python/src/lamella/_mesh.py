@@ -1,0 +1,335 @@
+"""Meshes: from files, and as views of whatever holds vertices and faces."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Callable, List, NamedTuple, NoReturn, Optional, Sequence, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._errors import CoordinateError, Error, InvalidArgumentError, MeshTypeError, MeshWarning, warn
+from ._options import affine, mm_per_unit, number, slice_options, whole_number
+
+MeshLike = Any
+"""Vertices, triangles, a path, a `Mesh`, or an object with ``.vertices`` and ``.faces`` or with ``.points``: see `slice`."""
+
+
+class Arrays(NamedTuple):
+    """A mesh as arrays that the engine can read where they lie."""
+
+    vertices: np.ndarray
+    """(n, 3), or (m, 9) triangles."""
+    faces: Optional[np.ndarray]
+    """(m, 3), or None for triangles."""
+    given_faces: Optional[np.ndarray]
+    """As they were given, for messages."""
+    unit: float
+    """mm that a coordinate has."""
+    path: Optional[str]
+
+
+class View:
+    """One or more meshes under the engine's eyes. It keeps their arrays alive."""
+
+    __slots__ = ("_meshes", "native")
+
+    def __init__(self, meshes: List[Arrays], transforms: Sequence[Optional[np.ndarray]]) -> None:
+        self._meshes = meshes
+        self.native = _native.View([(mesh.vertices, mesh.faces, mesh.unit, move) for mesh, move in zip(meshes, transforms)])
+
+    @property
+    def mesh_count(self) -> int:
+        return len(self._meshes)
+
+    @property
+    def triangle_count(self) -> int:
+        return sum(len(mesh.vertices if mesh.faces is None else mesh.faces) for mesh in self._meshes)
+
+    def run(self, call: Callable[..., Any], *arguments: Any) -> Any:
+        """``call(native view, *arguments)``. An error that blames a triangle names the row of what was given."""
+        try:
+            return call(self.native, *arguments)
+        except Error as error:
+            blame = self._blame(error)
+            if blame is None:
+                raise
+        raise blame from None
+
+    def _blame(self, error: Error) -> Optional[Error]:
+        if len(self._meshes) != 1:
+            return None
+        mesh = self._meshes[0]
+        error.path = mesh.path
+        triangle = error.triangle
+        if mesh.given_faces is None or triangle is None:
+            return None
+        face = mesh.given_faces[triangle]
+        row = f"faces[{triangle}] = {face.tolist()}"
+        if isinstance(error, InvalidArgumentError):
+            return type(error)(f"{row}: there are {len(mesh.vertices)} vertices", triangle=triangle, path=mesh.path)
+        if isinstance(error, CoordinateError):
+            known = face[(face >= 0) & (face < len(mesh.vertices))]
+            corners = mesh.vertices[known].astype(np.float64)
+            worst = int(np.argmax(np.where(np.isfinite(corners), np.abs(corners), np.inf).max(axis=1)))
+            vertex = int(known[worst])
+            text = f"vertices[{vertex}] = {corners[worst].tolist()}: not finite, or beyond 1e9 mm"
+            return type(error)(text, triangle=triangle, vertex=vertex, path=mesh.path)
+        return None
+
+
+class Mesh:
+    """A mesh that was read or welded, with its memory. `slice` and the others take it as it is.
+
+    Attributes
+    ----------
+    unit : float
+        mm that a coordinate has.
+    path : str or None
+        The file that it was read from.
+    info : dict
+        Of a file: ``format``, ``text``, ``compressed``, ``states_unit``, ``patient_frame`` ("LPS", "RAS" or ""),
+        ``bytes``. Of a welded mesh: ``joined`` vertices, ``largest_move`` and ``tolerance`` in mm.
+    """
+
+    def __init__(self, vertices: np.ndarray, faces: Optional[np.ndarray], unit: float, path: Optional[str], info: dict) -> None:
+        self._vertices = vertices
+        self._faces = faces
+        self.unit = unit
+        self.path = path
+        self.info = info
+
+    @property
+    def triangles(self) -> np.ndarray:
+        """Corners (m, 3, 3). A view of what an STL file holds, a copy for meshes of vertices and faces."""
+        return self._vertices.reshape(-1, 3, 3) if self._faces is None else self._vertices[self._faces]
+
+    @property
+    def vertices(self) -> np.ndarray:
+        """Vertices (n, 3): a view, but for STL files, of which it copies three for each triangle."""
+        return self._vertices.reshape(-1, 3) if self._faces is None else self._vertices
+
+    @property
+    def faces(self) -> np.ndarray:
+        """Rows of `vertices` (m, 3)."""
+        return np.arange(3 * len(self), dtype=np.int64).reshape(-1, 3) if self._faces is None else self._faces
+
+    def __len__(self) -> int:
+        return len(self._vertices if self._faces is None else self._faces)
+
+    def __repr__(self) -> str:
+        where = f" from {self.path!r}" if self.path is not None else ""
+        unit = f", unit {self.unit:g} mm" if self.unit != 1 else ""
+        return f"<lamella.Mesh: {len(self):,} triangles{where}{unit}>"
+
+    def __reduce__(self) -> tuple:
+        return (Mesh, (self._vertices, self._faces, self.unit, self.path, self.info))
+
+
+def read(path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] = "mm", threads: int = 0) -> Mesh:
+    """Read a mesh file: STL, OBJ, OFF, PLY, VTK, VTP or 3MF, or gzip of any. The content decides, not the name.
+
+    Parameters
+    ----------
+    path : path
+    unit : {"mm", "um", "cm", "m", "in", "ft"} or float
+        Unit of a file that states none.
+    threads : int
+        Use at most so many threads. 0: all.
+
+    Returns
+    -------
+    Mesh
+
+    Raises
+    ------
+    UnreadableFileError, MalformedMeshError, EmptyMeshError
+
+    Warns
+    -----
+    MeshWarning
+        What the reader noticed.
+    """
+    name = os.fsdecode(path)
+    try:
+        file = _native.read(os.fsencode(name), mm_per_unit(unit), slice_options({"threads": threads}))
+    except Error as error:
+        error.path = name
+        raise
+    for text in file["warnings"]:
+        warn(text, MeshWarning)
+    return Mesh(file["vertices"], file["faces"], file["unit"], name, file["info"])
+
+
+def weld(
+    mesh: MeshLike,
+    faces: Optional[npt.ArrayLike] = None,
+    *,
+    tolerance: float = 0.01,
+    unit: Union[None, str, float] = None,
+    threads: int = 0,
+) -> Mesh:
+    """Join vertices that should be one, so that a cracked mesh closes. Slicing never does this by itself.
+
+    Parameters
+    ----------
+    mesh, faces, unit, threads
+        As for `slice`.
+    tolerance : float
+        Vertices at most so many mm apart are joined.
+
+    Returns
+    -------
+    Mesh
+        The same triangles in the same order over fewer vertices.
+
+    Examples
+    --------
+    >>> cracked = corners[faces]
+    >>> cracked[0, 0] += 0.004
+    >>> lamella.weld(cracked).info["joined"]
+    1
+    """
+    view = as_view(mesh, faces, unit=unit)
+    options = slice_options({"threads": threads})
+    welded = view.run(_native.weld, number("tolerance", tolerance), options)
+    return Mesh(welded["vertices"], welded["faces"], welded["unit"], None, welded["info"])
+
+
+def as_view(mesh: MeshLike, faces: Optional[npt.ArrayLike], *, unit: Union[None, str, float]) -> View:
+    """A mesh in any form that users may have."""
+    return View([_arrays_of(mesh, faces, unit)], [None])
+
+
+def as_views(meshes: Sequence[Any], transforms: Optional[Sequence[Any]], *, unit: Union[None, str, float]) -> View:
+    """Several of them, each with a transform of its own."""
+    arrays = [_arrays_of(mesh, None, unit) for mesh in meshes]
+    moves = [None] * len(arrays) if transforms is None else list(transforms)
+    if len(moves) != len(arrays):
+        raise InvalidArgumentError(f"there are {len(arrays)} meshes and {len(moves)} transforms")
+    matrices = [None if move is None else affine(f"transforms[{i}]", move) for i, move in enumerate(moves)]
+    return View(arrays, matrices)
+
+
+def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None, str, float]) -> Arrays:
+    mm = mm_per_unit("mm" if unit is None else unit)
+    if isinstance(mesh, (str, bytes, os.PathLike)):
+        if faces is not None:
+            _refuse("faces are for arrays of vertices, not for files")
+        mesh = read(mesh, unit=mm)
+    if isinstance(mesh, Mesh) and faces is None:
+        keeps_unit = unit is None or mesh.info.get("states_unit", False)
+        return _checked(mesh._vertices, mesh._faces, mesh.unit if keeps_unit else mm)._replace(path=mesh.path)
+    vertices, its_faces = (mesh, faces) if faces is not None else _parts_of(mesh)
+    return _checked(vertices, its_faces, mm)
+
+
+def _parts_of(mesh: MeshLike) -> tuple:
+    """Vertices and faces, or triangles and None."""
+    if isinstance(mesh, tuple) and len(mesh) == 2:
+        return mesh
+    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
+        return mesh.vertices, mesh.faces
+    if hasattr(mesh, "points") and hasattr(mesh, "cells"):
+        led = isinstance(mesh.cells, np.ndarray)
+        return mesh.points, _faces_of_vtk(mesh.cells) if led else _faces_of_cells(mesh.cells)
+    if hasattr(mesh, "points") and hasattr(mesh, "faces"):
+        return mesh.points, _faces_of_vtk(mesh.faces)
+    if isinstance(mesh, (np.ndarray, list, tuple)) or hasattr(mesh, "__array__"):
+        return mesh, None
+    raise MeshTypeError(
+        f"{type(mesh).__name__} is no mesh: pass vertices and faces, triangles, a path, or an object that has .vertices "
+        "and .faces, or .points and .cells"
+    )
+
+
+def _faces_of_cells(cells: Any) -> np.ndarray:
+    """Of meshio: blocks of cells of one type, or a dict of them."""
+    blocks = cells.items() if isinstance(cells, dict) else [(block.type, block.data) for block in cells]
+    triangles = [np.asarray(data) for kind, data in blocks if kind == "triangle"]
+    others = sorted({kind for kind, _ in blocks if kind not in ("triangle", "line", "vertex")})
+    if others or not triangles:
+        _refuse(f"the cells must be triangles, and are {', '.join(others) or 'none'}")
+    return triangles[0] if len(triangles) == 1 else np.concatenate(triangles)
+
+
+def _faces_of_vtk(faces: Any) -> np.ndarray:
+    """Of VTK: each face led by its number of corners, [3, a, b, c, 3, ...]."""
+    flat = np.asarray(faces)
+    if flat.ndim == 2 and flat.shape[1] == 3:
+        return flat
+    if flat.ndim == 2 and flat.shape[1] == 4:
+        flat = flat.reshape(-1)
+    if flat.ndim != 1 or flat.dtype.kind not in "iu":
+        _refuse(f"faces must be a flat array of integers, each face led by its number of corners; they have shape {flat.shape}")
+    whole = len(flat) // 4 * 4
+    counts = flat[:whole:4]
+    wrong = np.flatnonzero(counts != 3)
+    if len(wrong) or whole != len(flat):
+        row = int(wrong[0]) if len(wrong) else whole // 4
+        _refuse(f"face {row} does not have 3 corners: triangulate the mesh first")
+    return flat.reshape(-1, 4)[:, 1:]
+
+
+def _checked(vertices: Any, faces: Any, unit: float) -> Arrays:
+    if faces is None:
+        return Arrays(_triangles(vertices), None, None, unit, None)
+    given = _array(faces, "faces")
+    return Arrays(_rows(_coordinates(vertices, "vertices"), "vertices", 3), _indices(given), given, unit, None)
+
+
+def _triangles(values: Any) -> np.ndarray:
+    array = _coordinates(values, "triangles")
+    if array.ndim == 3 and array.shape[1:] == (3, 3):
+        inner = array.strides[1:] == (3 * array.itemsize, array.itemsize)
+        array = (array if inner else np.ascontiguousarray(array)).view()
+        if array.strides[0] >= 9 * array.itemsize and not array.flags.c_contiguous:
+            return np.lib.stride_tricks.as_strided(array, (len(array), 9), (array.strides[0], array.itemsize), writeable=False)
+        return np.ascontiguousarray(array).reshape(-1, 9)
+    if array.ndim == 2 and array.shape[1] == 9:
+        return _rows(array, "triangles", 9)
+    if array.ndim == 2 and array.shape[1] == 3:
+        _refuse(f"vertices of shape {array.shape} need faces")
+    _refuse(f"triangles must have shape (m, 3, 3) or (m, 9), and have {array.shape}")
+
+
+def _coordinates(values: Any, name: str) -> np.ndarray:
+    """As the engine reads numbers: float32, float64, int32 or int64."""
+    array = _array(values, name)
+    kind, size = array.dtype.kind, array.itemsize
+    if kind not in "fiu":
+        _refuse(f"{name} must be numbers, and are of dtype {array.dtype}")
+    if not array.dtype.isnative or (kind, size) not in (("f", 4), ("f", 8), ("i", 4), ("i", 8)):
+        return array.astype(np.float32 if (kind, size) == ("f", 2) else np.int64 if size < 8 and kind in "iu" else np.float64)
+    return array
+
+
+def _indices(faces: np.ndarray) -> np.ndarray:
+    if faces.dtype.kind not in "iu":
+        _refuse(f"faces must be integers, and are of dtype {faces.dtype}")
+    if faces.dtype.itemsize < 4 or not faces.dtype.isnative:
+        faces = faces.astype(np.int32 if faces.dtype.itemsize < 4 else np.int64)
+    return _rows(faces, "faces", 3)
+
+
+def _array(values: Any, name: str) -> np.ndarray:
+    try:
+        return np.asarray(values)
+    except ValueError:
+        lengths = [np.size(row) for row in values]
+        odd = next((row for row, length in enumerate(lengths) if length != lengths[0]), 0)
+        _refuse(f"{name}[{odd}] has {lengths[odd]} numbers, the rows before it {lengths[0]}")
+
+
+def _rows(array: np.ndarray, name: str, width: int) -> np.ndarray:
+    """Rows of packed numbers, any distance apart; a copy where they are not."""
+    if array.ndim != 2 or array.shape[1] != width:
+        _refuse(f"{name} must have shape (n, {width}), and have {array.shape}")
+    if array.strides[1] == array.itemsize and array.strides[0] >= width * array.itemsize:
+        return array
+    return np.ascontiguousarray(array)
+
+
+def _refuse(message: str) -> NoReturn:
+    raise InvalidArgumentError(message)

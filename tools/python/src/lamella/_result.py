@@ -1,0 +1,291 @@
+"""All layers of a mesh, as arrays."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Union, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _native
+from ._errors import Error, InvalidArgumentError, MeshWarning, warn
+from ._kinds import Role
+from ._layer import Layer
+from ._options import slice_options
+
+if TYPE_CHECKING:
+    import pandas
+
+    from ._mesh import View
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Whether areas and volumes of a result are those of the mesh, by another computation than slicing."""
+
+    verdict: str
+    """"holds", "areas differ", "volumes differ", or why it does not apply: "open mesh", "contours not as walked"."""
+    mesh_volume: float
+    """Signed volume of the mesh, mm³."""
+    slab_volumes: npt.NDArray[np.float64]
+    """Volume between neighbouring planes, mm³; the first and last below and above all planes."""
+    worst_layer: int
+    """Where the areas of mesh and contours differ most, as a share of what rounding allows."""
+    worst_difference: float
+    """By so many mm²."""
+    worst_allowed: float
+    """Of so many mm²."""
+
+    @property
+    def holds(self) -> bool:
+        """The areas of all layers and the volumes between them are those of the mesh."""
+        return self.verdict == "holds"
+
+
+class Result:
+    """Layers, contours and points of a sliced mesh.
+
+    Three flat arrays, views of the engine's memory, which are read-only and live as long as any of them does::
+
+        layers    [ L0 | L1 | L2 | ... ]              one per plane, ascending
+                    |    `------.
+        contours  [ outer, hole | outer | ... ]       per layer, each outer followed by its holes
+                    |      `--------.
+        points    [ x y, x y, x y | x y, x y, ... ]   per contour, solid on the left; the first is not repeated
+
+    ``len()``, iteration and indexing give `Layer` objects, which are made when they are asked for. A result keeps its mesh,
+    for the certificate and the report.
+
+    Attributes
+    ----------
+    first_layer : int
+        Of a chunk of `stream`: the number of layers before it. Else 0.
+
+    Examples
+    --------
+    >>> s = lamella.slice(corners, faces, layer_height=10)
+    >>> s.points[:3].round(3)
+    array([[ 0.  ,  0.  ],
+           [26.25,  0.  ],
+           [ 0.  , 26.25]])
+    >>> s[-1].z
+    35.0
+    >>> [round(layer.area, 3) for layer in s if layer.z < 10]
+    [344.531]
+    """
+
+    def __init__(self, native: _native.Result, view: Optional[View], keywords: Dict[str, Any]) -> None:
+        self._native = native
+        self._view = view
+        self._keywords = keywords
+        self.first_layer: int = native.first_layer
+
+    @functools.cached_property
+    def layers(self) -> npt.NDArray[np.void]:
+        """One row per plane, ascending: a structured array.
+
+        ``bottom``, ``z``, ``top`` in mm, ``first_contour``, ``contour_count``, ``segments`` (triangles that the plane
+        crosses) and ``z_grid``, the height that was cut, in grid units.
+        """
+        return self._native.layers
+
+    @functools.cached_property
+    def contours(self) -> npt.NDArray[np.void]:
+        """One row per contour: a structured array.
+
+        ``first_point``, ``point_count``, ``role`` (`Role`), ``parent`` (row of the closed contour around it, or -1),
+        ``segments``, ``orientation`` by the facets, ``flags`` (`ContourFlag`), ``part``, and ``twice_area_low`` and
+        ``twice_area_high``, the exact area as a 128-bit integer of half square grid units; in mm² see `contour_areas`.
+        """
+        return self._native.contours
+
+    @functools.cached_property
+    def points_grid(self) -> npt.NDArray[np.int32]:
+        """Points (n, 2) of all contours, in grid units. Times `grid` they are mm."""
+        return self._native.points_grid
+
+    @functools.cached_property
+    def points(self) -> npt.NDArray[np.float64]:
+        """Points (n, 2) of all contours, mm. Converted once, when first asked for."""
+        return self._native.points()
+
+    @functools.cached_property
+    def origins(self) -> npt.NDArray[np.void]:
+        """Where each point and the contour edge that begins there come from; empty unless ``origins=True``.
+
+        ``triangle`` (`NO_TRIANGLE` if none), ``part``, and ``edge`` and ``end_edge``, the edges of that triangle on which
+        the contour edge begins and ends: edge e leads from corner e to corner (e + 1) % 3, and 3 is none.
+        """
+        return self._native.origins
+
+    @functools.cached_property
+    def closed_gaps(self) -> npt.NDArray[np.void]:
+        """Ends of open polylines that were joined: ``layer``, ``from_grid`` and ``to_grid``."""
+        return self._native.closed_gaps
+
+    @functools.cached_property
+    def layer_of(self) -> npt.NDArray[np.int64]:
+        """The layer of each of the `heights` that were given; empty for uniform layers."""
+        return self._native.layer_of
+
+    @functools.cached_property
+    def areas(self) -> npt.NDArray[np.float64]:
+        """Solid area of each layer, mm²: outers minus holes."""
+        return self._native.areas()
+
+    @functools.cached_property
+    def perimeters(self) -> npt.NDArray[np.float64]:
+        """Length of the closed contours of each layer, mm."""
+        return self._native.perimeters()
+
+    @functools.cached_property
+    def contour_areas(self) -> npt.NDArray[np.float64]:
+        """Area within each contour, mm²: negative for holes, 0 for flat and open ones."""
+        return self._native.contour_areas()
+
+    @functools.cached_property
+    def contour_lengths(self) -> npt.NDArray[np.float64]:
+        """Length of each contour, mm."""
+        return self._native.contour_lengths()
+
+    @property
+    def volume(self) -> float:
+        """Volume of the layers, mm³: the sum of area times thickness. That of the mesh: ``certificate.mesh_volume``."""
+        return float(self.areas @ (self.layers["top"] - self.layers["bottom"]))
+
+    @property
+    def grid(self) -> float:
+        """Unit of the grid, mm."""
+        return self._native.unit_mm
+
+    @functools.cached_property
+    def frame(self) -> npt.NDArray[np.float64]:
+        """Affine map (4, 4) from the mesh's coordinates to the space of layers and points."""
+        return self._native.frame
+
+    @functools.cached_property
+    def summary(self) -> Dict[str, Any]:
+        """Counts of triangles, segments and contours, the mesh's box, and times of the stages in ms."""
+        return self._native.summary
+
+    @property
+    def hash(self) -> str:
+        """Hash of layers, contours and points: 16 hexadecimal digits. Equal on every platform and number of threads."""
+        return f"{self._native.hash():016x}"
+
+    @functools.cached_property
+    def certificate(self) -> Certificate:
+        """Whether areas and volumes are those of the mesh. Takes about as long as slicing.
+
+        Needs the mesh, which must be as it was when it was sliced.
+        """
+        view = self._whole_mesh("certificate")
+        if view.mesh_count != 1:
+            raise InvalidArgumentError(f"the certificate is for one mesh, and there are {view.mesh_count}")
+        return Certificate(**view.run(self._native.certify))
+
+    def contours_frame(self) -> pandas.DataFrame:
+        """One row per contour as a pandas DataFrame: layer, z, role, area, length, points, parent, part, flags, segments."""
+        import pandas
+
+        contours, layers = self.contours, self.layers
+        layer = np.repeat(np.arange(len(layers)), layers["contour_count"])
+        return pandas.DataFrame(
+            {
+                "layer": layer + self.first_layer,
+                "z": layers["z"][layer],
+                "role": pandas.Categorical.from_codes(contours["role"], [role.name.lower() for role in Role]),
+                "area": self.contour_areas,
+                "length": self.contour_lengths,
+                "first_point": contours["first_point"],
+                "point_count": contours["point_count"],
+                "parent": contours["parent"],
+                "part": contours["part"],
+                "flags": contours["flags"],
+                "segments": contours["segments"],
+            }
+        )
+
+    def save(self, path: Union[str, bytes, os.PathLike[Any]]) -> None:
+        """Write the result to a file, which appears whole or not at all.
+
+        Parameters
+        ----------
+        path : path
+            Its end decides: ``.svg`` for a picture with a group per layer, which printers and viewers of layers read;
+            ``.json`` for the report: counts, ledger of triangles, certificate, places of open contours.
+        """
+        name = os.fsdecode(path)
+        end = os.path.splitext(name)[1].lower()
+        if end not in (".svg", ".json"):
+            raise InvalidArgumentError(f"{name}: results are saved as .svg or .json, not '{end}'", path=name)
+        try:
+            if end == ".svg":
+                self._native.write_svg(os.fsencode(name))
+            else:
+                self._native.write_report(self._whole_mesh("report").native, os.fsencode(name))
+        except Error as error:
+            error.path = name
+            raise
+
+    def _whole_mesh(self, what: str) -> View:
+        if self._view is None:
+            raise InvalidArgumentError(f"the {what} needs the whole mesh, which neither pickled results nor chunks of layers have")
+        return self._view
+
+    def __len__(self) -> int:
+        return self._native.layer_count
+
+    def __iter__(self) -> Iterator[Layer]:
+        return map(Layer, itertools.repeat(self), range(len(self)))
+
+    @overload
+    def __getitem__(self, index: int) -> Layer: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> List[Layer]: ...
+
+    def __getitem__(self, index: Union[int, slice]) -> Union[Layer, List[Layer]]:
+        chosen = range(len(self))[index]
+        return Layer(self, chosen) if isinstance(chosen, int) else [Layer(self, i) for i in chosen]
+
+    def __repr__(self) -> str:
+        z = self.layers["z"]
+        count = len(z)
+        where = f" from z {z[0]:g} to {z[-1]:g} mm" if count > 1 else f" at z {z[0]:g} mm" if count == 1 else ""
+        return (
+            f"<lamella.Result: {count:,} layer{'s' if count != 1 else ''}{where}, "
+            f"{len(self.contours):,} contours, {len(self.points_grid):,} points>"
+        )
+
+    def _repr_html_(self) -> str:
+        from ._draw import result_html
+
+        return result_html(self)
+
+    def __reduce__(self) -> tuple:
+        return (_restore, (self._native.state(), self._keywords, self.__dict__.get("certificate")))
+
+
+def _restore(state: tuple, keywords: Dict[str, Any], certificate: Optional[Certificate]) -> Result:
+    result = Result(_native.restore(slice_options(keywords), state), None, keywords)
+    if certificate is not None:
+        result.__dict__["certificate"] = certificate
+    return result
+
+
+def finish(native: _native.Result, view: Optional[View], keywords: Dict[str, Any]) -> Result:
+    """The result of a call, after warning of what is wrong with it."""
+    count = native.open_contours
+    if count > 0:
+        are = "1 contour is" if count == 1 else f"{count:,} contours are"
+        warn(f"{are} open, because the mesh has holes: lamella.check() says where", MeshWarning)
+    if view is not None and (coarse := native.coarse_grid(view.native)) is not None:
+        unit, diagonal, finest = coarse
+        help_ = f"grid='auto' takes {finest:g} mm" if finest < unit else "none finer reaches the mesh's coordinates"
+        warn(f"the grid of {unit:g} mm is coarse for a mesh of {diagonal:g} mm from corner to corner; {help_}", MeshWarning)
+    return Result(native, view, keywords)

@@ -1,0 +1,175 @@
+"""slice() and slice_parts()."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
+
+import numpy.typing as npt
+
+from . import _native
+from ._options import slice_options
+from ._mesh import MeshLike, as_view, as_views
+from ._result import Result, finish
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import SliceKeywords
+
+
+def slice(  # noqa: A001: the word of the field
+    mesh: MeshLike,
+    faces: Optional[npt.ArrayLike] = None,
+    *,
+    layer_height: Optional[float] = None,
+    first_height: Optional[float] = None,
+    datum: str = "mesh-min",
+    heights: Optional[npt.ArrayLike] = None,
+    side: str = "below",
+    unit: Union[None, str, float] = None,
+    grid: Union[None, str, float] = None,
+    normal: Optional[npt.ArrayLike] = None,
+    transform: Optional[npt.ArrayLike] = None,
+    fill_rule: str = "contours",
+    fill_from: Sequence[Tuple[int, str]] = (),
+    close: float = 0,
+    offset: float = 0,
+    miter_limit: float = 3,
+    largest_only: bool = False,
+    drop_collinear: bool = False,
+    simplify: float = 0,
+    mark_near: float = 0,
+    close_gaps: float = 0,
+    gap_sense: str = "kept",
+    origins: bool = False,
+    allow_empty: bool = False,
+    memory_limit: int = 0,
+    threads: int = 0,
+) -> Result:
+    """Cut a mesh by parallel planes into closed, oriented, nested contours.
+
+    Parameters
+    ----------
+    mesh : mesh
+        Vertices (n, 3) with `faces`, triangles (m, 3, 3) or (m, 9), the path of a file, a `Mesh`, or a mesh of trimesh,
+        meshio or pyvista. Arrays of float32, float64, int32 or int64 are read where they lie.
+    faces : array_like of int, shape (m, 3), optional
+        Three rows of the vertices for each triangle, counter-clockwise as seen from outside.
+    layer_height : float, optional
+        Height of uniform layers, mm. Without it and without `heights`: 0.2. The plane lies in the middle of its layer.
+    first_height : float, optional
+        Height of the first plane above the datum, mm, instead of half a layer.
+    datum : {"mesh-min", "zero"}
+        Where the heights of uniform layers count from: the mesh's lowest vertex, or z = 0.
+    heights : array_like of float, optional
+        Cut at these absolute heights in mm, in any order, instead of uniform layers. `Result.layer_of` names the layer of
+        each.
+    side : {"below", "above"}
+        Where a plane passes a vertex of exactly its height.
+    unit : {"mm", "um", "cm", "m", "in", "ft"} or float, optional
+        Unit of the mesh's coordinates, or how many mm it has; mm without it. A file that states its unit keeps that.
+    grid : float or "auto", optional
+        Unit of the integer grid, mm. Without it 2**-20, or more if the mesh needs it. "auto": the finest that the mesh
+        fits.
+    normal : array_like of float, shape (3,), optional
+        Cut perpendicular to this direction instead of z. Heights count along it.
+    transform : array_like of float, shape (4, 4) or (3, 4), optional
+        Affine map from the mesh (in mm) to the space of the planes, which are horizontal there.
+    fill_rule : {"contours", "even-odd", "non-zero", "positive", "outermost"}
+        What is solid where contours overlap. "contours": they stay as the mesh gives them.
+    fill_from : sequence of (int, str)
+        From this layer on, another fill rule.
+    close : float
+        Close gaps narrower than twice so many mm. Needs a fill rule.
+    offset : float
+        Grow what is solid by so many mm, or shrink it by a negative number. Needs a fill rule.
+    miter_limit : float
+        Cut off corners that `close` or `offset` would move farther than so many times their length.
+    largest_only : bool
+        Keep the largest contour of a layer only, with its holes. Needs a fill rule.
+    drop_collinear : bool
+        Drop points exactly within straight lines. Needs a fill rule.
+    simplify : float
+        Drop points within so many mm of the lines that are left.
+    mark_near : float
+        Set the flag `ContourFlag.NEAR` on contours that ``close=mark_near`` would change.
+    close_gaps : float
+        Join ends of open polylines at most so many mm apart.
+    gap_sense : {"kept", "any"}
+        Which ends are joined: those that keep the orientation of both polylines, or any.
+    origins : bool
+        Say which triangle each contour edge comes from: `Result.origins`.
+    allow_empty : bool
+        A mesh without triangles gives empty layers instead of an `EmptyMeshError`.
+    memory_limit : int
+        Results of more bytes are refused. 0: half of the machine's memory.
+    threads : int
+        Use at most so many threads. 0: all.
+
+    Returns
+    -------
+    Result
+        All layers, contours and points, as arrays. It does not depend on threads or on the order of triangles.
+
+    Raises
+    ------
+    Error
+        Of the kind that fits: `CoordinateError` names the vertex, `PlanesError` the layer, `InvalidArgumentError` what is
+        allowed.
+
+    Warns
+    -----
+    MeshWarning
+        Contours are open because the mesh has holes, or the mesh is too small for its grid.
+
+    Examples
+    --------
+    >>> box = lamella.slice(corners, faces, layer_height=10)
+    >>> box.layers["z"]
+    array([ 5., 15., 25., 35.])
+    >>> lamella.slice(corners, faces, heights=[20, 10]).areas.round(3)
+    array([253.125, 112.5  ])
+    """
+    keywords = dict(locals())
+    del keywords["mesh"], keywords["faces"]
+    view = as_view(mesh, faces, unit=keywords.pop("unit"))
+    return finish(view.run(_native.slice, slice_options(keywords)), view, keywords)
+
+
+def slice_parts(
+    meshes: Sequence[Any],
+    *,
+    united: bool = False,
+    transforms: Optional[Sequence[Optional[npt.ArrayLike]]] = None,
+    **options: Unpack[SliceKeywords],
+) -> Result:
+    """Cut several meshes by the same planes, as the parts of one print.
+
+    Parameters
+    ----------
+    meshes : sequence of mesh
+        Each as `slice` takes it; one of vertices and faces as a pair.
+    united : bool
+        False: rules of regions are done to each part by itself, and contours of parts may overlap. True: to all parts of a
+        layer together, by a fill rule that must be given.
+    transforms : sequence of array_like, shape (4, 4), optional
+        One for each part, or None for those that stay where they are.
+    **options
+        As for `slice`.
+
+    Returns
+    -------
+    Result
+        ``contours["part"]`` is the index of the part that a contour comes from.
+
+    Examples
+    --------
+    >>> lift = np.eye(4)
+    >>> lift[2, 3] = 40
+    >>> pair = lamella.slice_parts([(corners, faces), (corners, faces)], transforms=[None, lift], layer_height=20)
+    >>> pair.contours["part"]
+    array([0, 0, 1, 1], dtype=uint32)
+    """
+    keywords: dict = dict(options)
+    view = as_views(meshes, transforms, unit=keywords.pop("unit", None))
+    return finish(view.run(_native.slice_parts, slice_options(keywords), united), view, keywords)

@@ -1,0 +1,246 @@
+"""The other calls: prepared meshes, parts, streams, sections, checks, welding, files, segments."""
+
+import gc
+import gzip
+import os
+import struct
+import sys
+
+import numpy as np
+import pytest
+
+import lamella
+
+
+def write_stl(path, triangles):
+    normals = np.zeros((len(triangles), 1, 3))
+    rows = np.concatenate((normals, triangles), axis=1).astype("<f4").reshape(len(triangles), 12)
+    with open(path, "wb") as file:
+        file.write(b"\0" * 80 + struct.pack("<I", len(triangles)))
+        for row in rows:
+            file.write(row.tobytes() + b"\0\0")
+
+
+def test_a_prepared_mesh_gives_the_slices_of_the_mesh(torus):
+    prepared = lamella.prepare(*torus)
+    for options in ({"heights": [0, 2, -3]}, {"layer_height": 0.5}, {"layer_height": 1, "fill_rule": "non-zero", "offset": -1}):
+        assert prepared.slice(**options).hash == lamella.slice(*torus, **options).hash
+    assert prepared.slice([1.0]).certificate.holds
+    assert prepared.nbytes >= 48 * len(torus[1])
+    assert prepared.grid == 2.0**-20
+    assert "4,608 triangles" in repr(prepared)
+
+
+def test_a_prepared_mesh_keeps_its_frame(cube):
+    prepared = lamella.prepare(*cube, normal=[1, 0, 0], unit="cm")
+    assert prepared.slice([50]).frame == pytest.approx(lamella.slice(*cube, normal=[1, 0, 0], unit="cm", heights=[50]).frame)
+
+
+def test_parts_keep_their_numbers(cube):
+    move = np.eye(4)
+    move[:3, 3] = 5, 5, 0
+    separate = lamella.slice_parts([cube, cube], transforms=[None, move], heights=[5])
+    assert separate.contours["part"].tolist() == [0, 1]
+    assert separate.areas == pytest.approx([200])
+    united = lamella.slice_parts([cube, cube], transforms=[None, move], heights=[5], united=True, fill_rule="non-zero")
+    assert united.areas == pytest.approx([175])
+    assert united.contours["part"].tolist() == [lamella.SEVERAL_PARTS]
+    with pytest.raises(lamella.InvalidArgumentError, match="one mesh, and there are 2"):
+        separate.certificate
+    with pytest.raises(lamella.InvalidArgumentError, match="2 meshes and 1 transforms"):
+        lamella.slice_parts([cube, cube], transforms=[None])
+    with pytest.raises(lamella.InvalidArgumentError):
+        lamella.slice_parts([])
+
+
+def test_a_report_of_parts_has_no_ledger(cube, tmp_path):
+    lamella.slice_parts([cube, cube], heights=[5]).save(tmp_path / "parts.json")
+    assert "ledger" not in (tmp_path / "parts.json").read_text()
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 64, 1000])
+@pytest.mark.parametrize("options", [{}, {"fill_rule": "non-zero", "origins": True}])
+def test_chunks_of_a_stream_are_the_layers_of_the_slice(torus, chunk, options):
+    whole = lamella.slice(*torus, layer_height=0.1, **options)
+    first = 0
+    for layers in lamella.stream(*torus, chunk=chunk, layer_height=0.1, **options):
+        assert layers.first_layer == first
+        assert len(layers) == min(chunk, len(whole) - first)
+        for name in ("z", "bottom", "top", "contour_count", "segments", "z_grid"):
+            assert np.array_equal(layers.layers[name], whole.layers[name][first : first + len(layers)])
+        contours = slice(whole.layers["first_contour"][first], whole.layers["first_contour"][first] + len(layers.contours))
+        for name in ("role", "orientation", "flags", "point_count", "twice_area_low"):
+            assert np.array_equal(layers.contours[name], whole.contours[name][contours])
+        parents = whole.contours["parent"][contours]
+        assert np.array_equal(layers.contours["parent"], np.where(parents < 0, -1, parents - contours.start))
+        points = slice(whole.contours["first_point"][contours.start], None)
+        assert np.array_equal(layers.points_grid, whole.points_grid[points][: len(layers.points_grid)])
+        assert np.array_equal(layers.origins, whole.origins[points][: len(layers.origins)])
+        assert layers.areas == pytest.approx(whole.areas[first : first + len(layers)])
+        first += len(layers)
+    assert first == len(whole)
+
+
+def test_a_chunk_outlives_its_stream(torus):
+    chunks = list(lamella.stream(*torus, chunk=10, layer_height=0.5))
+    gc.collect()
+    assert np.concatenate([chunk.areas for chunk in chunks]) == pytest.approx(lamella.slice(*torus, layer_height=0.5).areas)
+
+
+def test_a_stream_that_is_left_early_lets_its_mesh_go(torus):
+    before = sys.getrefcount(torus[0])
+    for layers in lamella.stream(*torus, chunk=1, layer_height=0.001):
+        assert len(layers) == 1
+        break
+    lamella.stream(*torus, chunk=1, layer_height=0.001)
+    del layers
+    gc.collect()
+    after = sys.getrefcount(torus[0])
+    assert after == before
+
+
+def test_the_loop_over_a_stream_may_slice_itself(torus):
+    chunks = lamella.stream(*torus, chunk=20, layer_height=0.1)
+    assert [lamella.slice(*torus, heights=layers.layers["z"]).hash for layers in chunks] == [
+        lamella.slice(*torus, heights=layers.layers["z"]).hash for layers in lamella.stream(*torus, chunk=20, layer_height=0.1)
+    ]
+
+
+def test_errors_of_a_stream_are_raised(cube):
+    cube[0][5, 1] = np.nan
+    with pytest.raises(lamella.CoordinateError) as raised:
+        next(lamella.stream(*cube))
+    assert raised.value.vertex == 5
+    with pytest.raises(lamella.InvalidArgumentError, match="at least one layer"):
+        lamella.stream(*cube, chunk=0)
+
+
+def test_a_section_lies_in_its_plane(torus):
+    origin, normal = np.array([3.0, 1, -2]), np.array([1.0, 2, 3])
+    cut = lamella.section(torus, origin=origin, normal=normal)
+    flat = np.column_stack((cut.points, np.zeros(len(cut.points)), np.ones(len(cut.points))))
+    space = (cut.to_3d @ flat.T).T[:, :3]
+    assert np.abs((space - origin) @ normal / np.linalg.norm(normal)).max() < 1e-5
+    ring = np.hypot(space[:, 0], space[:, 2]) - 20
+    assert np.abs(np.hypot(ring, space[:, 1]) - 7).max() < 0.1
+
+
+def test_sections_count_from_the_origin(cube):
+    cuts = lamella.section_multiplane(cube, [5, 5, 5], [0, 0, -2], [4, -4, 9])
+    assert cuts.layers["z"].tolist() == [-4, 4, 9]
+    assert cuts.layer_of.tolist() == [1, 0, 2]
+    assert cuts.areas == pytest.approx([100, 100, 0])
+    assert cuts[1].to_3d[:3, 3] == pytest.approx([5, 5, 1])
+    with pytest.raises(lamella.InvalidArgumentError, match="transform is given by origin"):
+        lamella.section(cube, [0, 0, 0], [0, 0, 1], transform=np.eye(4))
+    with pytest.raises(lamella.InvalidArgumentError, match="origin must be three"):
+        lamella.section(cube, [0, 0], [0, 0, 1])
+
+
+def test_check_finds_faults_with_places(cube):
+    vertices, faces = cube
+    clean = lamella.check(vertices, faces)
+    assert clean.clean
+    assert clean.verdict == "closed and clean"
+    assert clean.info["volume"] == pytest.approx(1000)
+    assert clean.shells["volume"] == pytest.approx([1000])
+    assert all(finding.count == 0 for finding in clean.findings.values())
+    broken = lamella.check(vertices, faces[1:])
+    edges = broken["boundary_edges"]
+    assert not broken.clean
+    assert edges.count == len(edges.points) == 3
+    assert edges.points.shape == (3, 3, 3)
+    assert np.isnan(edges.points[:, 2]).all()
+    assert {tuple(point) for edge in edges.points for point in edge[:2]} == {tuple(vertices[i]) for i in faces[0]}
+    assert broken["boundary_loops"].closed.tolist() == [True]
+    assert broken["boundary_loops"].measure == pytest.approx([20 + np.sqrt(200)])
+    assert lamella.check(vertices, faces[1:], most_places=1)["boundary_edges"].points.shape == (1, 3, 3)
+
+
+def test_welding_closes_cracks(cube):
+    triangles = cube[0][cube[1]]
+    triangles[::2] += 0.001
+    assert not lamella.check(triangles).info["closed"]
+    welded = lamella.weld(triangles, tolerance=0.01)
+    assert lamella.check(welded).clean
+    assert welded.info["joined"] > 0
+    assert 0 < welded.info["largest_move"] <= 0.01
+    assert len(welded) == 12
+    assert welded.vertices.shape == (8, 3)
+    assert lamella.slice(welded, heights=[5]).certificate.holds
+    assert lamella.check(lamella.weld(triangles / 10, tolerance=0.01, unit="cm")).clean
+
+
+def test_files_are_read_with_views_of_their_bytes(torus, tmp_path):
+    triangles = torus[0][torus[1]]
+    write_stl(tmp_path / "torus.stl", triangles)
+    mesh = lamella.read(tmp_path / "torus.stl")
+    assert len(mesh) == len(triangles)
+    assert (mesh.triangles == triangles.astype("f4")).all()
+    assert mesh.triangles.strides[0] == 50
+    assert not mesh.triangles.flags.owndata
+    assert (mesh.vertices[mesh.faces] == mesh.triangles).all()
+    assert mesh.info["format"] == "STL"
+    assert mesh.path == str(tmp_path / "torus.stl")
+    (tmp_path / "torus.stl.gz").write_bytes(gzip.compress((tmp_path / "torus.stl").read_bytes()))
+    assert lamella.slice(tmp_path / "torus.stl.gz").hash == lamella.slice(mesh).hash == lamella.slice(mesh.triangles).hash
+    triangles = mesh.triangles
+    copy = triangles.copy()
+    del mesh
+    gc.collect()
+    assert (triangles == copy).all()
+
+
+def test_any_file_name_will_do(cube, tmp_path):
+    name = os.fsencode(tmp_path) + b"/gr\xfc\xdfe.stl"
+    write_stl(name, cube[0][cube[1]])
+    assert lamella.slice(name).hash == lamella.slice(os.fsdecode(name)).hash == lamella.slice(*cube).hash
+    lamella.slice(name).save(name + b".svg")
+    assert os.path.getsize(name + b".svg") > 1000
+
+
+def test_bad_files_are_named(tmp_path):
+    with pytest.raises(lamella.UnreadableFileError) as raised:
+        lamella.slice(tmp_path / "nothing.stl")
+    assert isinstance(raised.value, OSError)
+    assert raised.value.path == str(tmp_path / "nothing.stl")
+    (tmp_path / "bad.ply").write_bytes(b"ply\nformat ascii 1.0\nelement vertex 3\n")
+    with pytest.raises(lamella.MalformedMeshError, match="bad.ply") as raised:
+        lamella.read(tmp_path / "bad.ply")
+    assert raised.value.path == str(tmp_path / "bad.ply")
+
+
+def test_what_the_reader_notices_is_a_warning(cube, tmp_path):
+    write_stl(tmp_path / "cube.obj", cube[0][cube[1]])
+    with pytest.warns(lamella.MeshWarning, match="cube.obj") as caught:
+        lamella.slice(tmp_path / "cube.obj")
+    assert caught[0].filename == __file__
+
+
+def test_segments_become_contours():
+    outer = np.array([[0, 0], [9, 0], [9, 9], [0, 9]], dtype=float)
+    hole = np.array([[3, 3], [3, 6], [6, 6], [6, 3]], dtype=float)
+    rings = [np.stack((ring, np.roll(ring, -1, axis=0)), axis=1) for ring in (outer, hole)]
+    segments = np.random.default_rng(1).permutation(np.concatenate(rings))
+    layer = lamella.assemble(segments)
+    assert layer.area == pytest.approx(81 - 9)
+    assert layer.perimeter == pytest.approx(36 + 12)
+    (polygon,) = layer.polygons()
+    assert len(polygon.holes) == 1
+    assert lamella.assemble(segments.reshape(-1, 4).tolist()).area == pytest.approx(72)
+
+
+def test_keys_decide_which_ends_meet():
+    ring = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], dtype=float)
+    segments = np.stack((ring, np.roll(ring, -1, axis=0)), axis=1)
+    numbers = np.arange(4)
+    keys = np.column_stack((numbers, (numbers + 1) % 4))
+    assert lamella.assemble(segments, keys).area == 16
+    keys[3, 1] = 99
+    cut = lamella.assemble(segments, keys)
+    assert (cut.area, len(cut.polylines())) == (0, 1)
+    with pytest.raises(lamella.InvalidArgumentError, match=r"keys must be integers of shape \(4, 2\)"):
+        lamella.assemble(segments, keys[:3])
+    segments[2, 1, 0] = np.nan
+    with pytest.raises(lamella.CoordinateError, match=r"segments\[2\]"):
+        lamella.assemble(segments)

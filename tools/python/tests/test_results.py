@@ -1,0 +1,253 @@
+"""Results: arrays, layers, and how long they live."""
+
+import gc
+import importlib
+import json
+import pickle
+import sys
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+import lamella
+
+
+@pytest.fixture
+def s(box_with_cavity):
+    return lamella.slice(*box_with_cavity, layer_height=1)
+
+
+def test_arrays_hold_layers_contours_and_points(s):
+    assert len(s) == 10
+    assert s.layers["z"] == pytest.approx(np.arange(10) + 0.5)
+    assert s.layers["bottom"] == pytest.approx(np.arange(10))
+    assert s.layers["top"] == pytest.approx(np.arange(10) + 1)
+    assert s.layers["contour_count"].tolist() == [1, 1, 1, 2, 2, 2, 2, 1, 1, 1]
+    assert (s.layers["first_contour"][1:] == np.cumsum(s.layers["contour_count"])[:-1]).all()
+    assert (s.contours["first_point"][1:] == np.cumsum(s.contours["point_count"])[:-1]).all()
+    assert s.contours["role"].tolist() == [0, 0, 0, 0, 1, 0, 1, 0, 1, 0, 1, 0, 0, 0]
+    assert s.contours["parent"][4] == 3
+    assert s.points_grid.dtype == np.int32
+    assert s.points.dtype == np.float64
+    assert (s.points == s.points_grid * s.grid).all()
+    assert s.points.min() == 0
+    assert s.points.max() == 10
+
+
+def test_rows_are_signed_so_that_sums_stay_whole(s):
+    assert (s.contours["first_point"] + 1).dtype == np.int64
+    assert (s.layers["first_contour"][0] + 1).dtype == np.int64
+
+
+def test_measures_are_those_of_the_mesh(s):
+    assert s.areas == pytest.approx([100] * 3 + [84] * 4 + [100] * 3)
+    assert s.perimeters == pytest.approx([40] * 3 + [56] * 4 + [40] * 3)
+    assert s.contour_areas[3:5] == pytest.approx([100, -16])
+    assert s.contour_lengths[3:5] == pytest.approx([40, 16])
+    assert s.volume == pytest.approx(1000 - 64)
+    exact = s.contours["twice_area_high"] * 2.0**64 + s.contours["twice_area_low"]
+    assert exact[3] / 2 * s.grid**2 == s.contour_areas[3]
+
+
+def test_arrays_are_views_without_a_copy_and_read_only(s):
+    for array in (s.layers, s.contours, s.points_grid):
+        assert not array.flags.owndata
+        assert not array.flags.writeable
+        assert array.base is s._native
+    assert not s.points.flags.writeable
+    assert s.points is s.points
+
+
+def test_views_outlive_their_result(box_with_cavity):
+    s = lamella.slice(*box_with_cavity, layer_height=0.01)
+    views = [s.layers, s.contours, s.points_grid, s.points, s.contours["role"], s[500].contours]
+    copies = [view.copy() for view in views]
+    del s
+    gc.collect()
+    rubbish = [np.full(views[2].shape, -1, dtype=np.int32) for _ in range(8)]
+    for view, copy in zip(views, copies):
+        assert (view == copy).all()
+    del rubbish
+
+
+def test_a_result_and_its_mesh_go_when_nothing_holds_them(box_with_cavity):
+    vertices, faces = box_with_cavity
+    before = sys.getrefcount(vertices), sys.getrefcount(faces)
+    s = lamella.slice(vertices, faces)
+    points = s.points_grid
+    native = sys.getrefcount(s._native)
+    held = sys.getrefcount(vertices)
+    del points
+    s.__dict__.pop("points_grid")
+    without_view = sys.getrefcount(s._native)
+    del s
+    gc.collect()
+    after = sys.getrefcount(vertices), sys.getrefcount(faces)
+    assert held > before[0]
+    assert without_view == native - 1
+    assert after == before
+
+
+def test_layers_by_index_slice_and_iteration(s):
+    assert s[0].z == 0.5
+    assert s[-1].z == 9.5
+    assert [layer.z for layer in s] == s.layers["z"].tolist()
+    assert [layer.index for layer in s[2:8:3]] == [2, 5]
+    assert [layer.index for layer in s[::-5]] == [9, 4]
+    with pytest.raises(IndexError):
+        s[10]
+    with pytest.raises(TypeError):
+        s["z"]
+
+
+def test_a_layer_tells_of_itself(s):
+    layer = s[4]
+    assert (layer.bottom, layer.z, layer.top) == (4, 4.5, 5)
+    assert layer.area == pytest.approx(84)
+    assert layer.perimeter == pytest.approx(56)
+    assert len(layer) == 2
+    assert layer.contours["role"].tolist() == [lamella.Role.OUTER, lamella.Role.HOLE]
+    assert len(layer.points) == layer.contours["point_count"].sum()
+    (polygon,) = layer.polygons()
+    assert (polygon.outer.min(), polygon.outer.max()) == (0, 10)
+    assert len(polygon.holes) == 1
+    assert layer.polylines() == []
+    assert repr(layer) == "<lamella.Layer 4: z 4.5 mm, 2 contours, 84 mm²>"
+
+
+def signed_area(ring):
+    x, y = ring.T
+    return (x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+def test_polygons_are_oriented_and_nested(s):
+    (polygon,) = s[5].polygons()
+    assert signed_area(polygon.outer) == pytest.approx(100)
+    assert signed_area(polygon.holes[0]) == pytest.approx(-16)
+
+
+def test_an_empty_layer_has_nothing(cube):
+    layer = lamella.slice(*cube, heights=[20])[0]
+    assert (layer.area, layer.perimeter, len(layer)) == (0, 0, 0)
+    assert layer.points.shape == (0, 2)
+    assert layer.points_grid.shape == (0, 2)
+    assert layer.polygons() == []
+    assert layer._repr_html_().startswith("<svg")
+
+
+def test_open_polylines_warn_and_are_told_apart(cube):
+    vertices, faces = cube
+    with pytest.warns(lamella.MeshWarning, match="1 contour is open") as caught:
+        s = lamella.slice(vertices, np.delete(faces, 4, axis=0), heights=[5])
+    assert caught[0].filename == __file__
+    assert s.areas == [0]
+    (line,) = s[0].polylines()
+    assert len(line) == s.contours["point_count"][0]
+    assert s[0].polygons() == []
+    assert s.perimeters == [0]
+    assert s.contour_lengths[0] > 30
+
+
+def test_a_mesh_too_small_for_its_grid_warns(cube):
+    with pytest.warns(lamella.MeshWarning, match="coarse for a mesh of .* grid='auto' takes"):
+        lamella.slice(cube[0] / 1000, cube[1], layer_height=0.001)
+
+
+def test_shapely_gets_the_polygons(s):
+    pytest.importorskip("shapely")
+    shape = s[5].to_shapely()
+    assert shape.is_valid
+    assert shape.area == pytest.approx(84)
+    assert len(shape.geoms[0].interiors) == 1
+
+
+def test_matplotlib_draws_a_layer(s):
+    matplotlib = pytest.importorskip("matplotlib")
+    importlib.import_module("matplotlib.figure")
+    axes = s[5].plot(matplotlib.figure.Figure().subplots(), facecolor="gray")
+    assert len(axes.patches) == 1
+    assert axes.get_xlim()[0] < 0.5
+    assert axes.get_xlim()[1] > 9.5
+
+
+def test_pandas_gets_a_row_per_contour(s):
+    pandas = pytest.importorskip("pandas")
+    frame = s.contours_frame()
+    assert isinstance(frame, pandas.DataFrame)
+    assert len(frame) == len(s.contours)
+    assert frame.groupby("layer")["area"].sum().to_numpy() == pytest.approx(s.areas)
+    assert set(frame["role"]) == {"outer", "hole"}
+    assert frame["z"].tolist() == s.layers["z"][frame["layer"]].tolist()
+
+
+def test_the_certificate_holds_for_a_closed_mesh_and_not_for_another(s, cube):
+    assert s.certificate.holds
+    assert s.certificate.mesh_volume == pytest.approx(1000 - 64)
+    assert s.certificate.slab_volumes.sum() == pytest.approx(1000 - 64)
+    vertices, faces = cube
+    with pytest.warns(lamella.MeshWarning):
+        opened = lamella.slice(vertices, faces[1:-1])
+    assert opened.certificate.verdict == "open mesh"
+    changed = lamella.slice(vertices, faces)
+    vertices *= 0.5
+    assert not changed.certificate.holds
+
+
+def test_results_are_saved(s, tmp_path):
+    s.save(tmp_path / "box.svg")
+    names = [element.get("id", "") for element in ElementTree.parse(tmp_path / "box.svg").iter()]
+    assert [name for name in names if name.startswith("layer")] == [f"layer{i}" for i in range(10)]
+    s.save(str(tmp_path / "box.JSON"))
+    report = json.loads((tmp_path / "box.JSON").read_text())
+    assert report["output_hash"] == s.hash
+    assert report["volume"]["verdict"] == "holds"
+    with pytest.raises(lamella.InvalidArgumentError, match="saved as .svg or .json, not '.stl'"):
+        s.save(tmp_path / "box.stl")
+    with pytest.raises(OSError, match="cannot write") as raised:
+        s.save(tmp_path / "no_folder" / "box.svg")
+    assert isinstance(raised.value, lamella.UnwritableFileError)
+    assert raised.value.path == str(tmp_path / "no_folder" / "box.svg")
+
+
+@pytest.mark.parametrize("protocol", [2, 5])
+def test_pickled_results_are_the_same(torus, protocol, tmp_path):
+    s = lamella.slice(*torus, heights=[3, 1, 3], fill_rule="non-zero", origins=True, simplify=0.01)
+    assert s.certificate.verdict == "contours not as walked"
+    same = pickle.loads(pickle.dumps(s, protocol))
+    assert same.hash == s.hash
+    for name in ("layers", "contours", "points", "origins", "closed_gaps", "layer_of", "areas", "frame"):
+        assert np.array_equal(getattr(same, name), getattr(s, name)), name
+    assert same.summary == s.summary
+    assert same.certificate.verdict == "contours not as walked"
+    same.save(tmp_path / "same.svg")
+    s.save(tmp_path / "s.svg")
+    assert (tmp_path / "same.svg").read_bytes() == (tmp_path / "s.svg").read_bytes()
+    assert pickle.loads(pickle.dumps(s[1])).z == 3
+    with pytest.raises(lamella.InvalidArgumentError, match="needs the whole mesh"):
+        same.save(tmp_path / "same.json")
+
+
+def test_pickled_errors_keep_their_evidence(cube):
+    cube[1][3, 0] = 99
+    with pytest.raises(lamella.InvalidArgumentError) as raised:
+        lamella.slice(*cube)
+    same = pickle.loads(pickle.dumps(raised.value))
+    assert (type(same), str(same), same.triangle, same.code) == (
+        lamella.InvalidArgumentError,
+        str(raised.value),
+        3,
+        "invalid_argument",
+    )
+
+
+def test_notebooks_get_a_picture(s):
+    text = s._repr_html_()
+    root = ElementTree.fromstring(text)
+    assert root.find(".//{http://www.w3.org/2000/svg}path").get("d").startswith("M")
+    assert "layers" in text
+    assert len(text) < 5000
+
+
+def test_the_representation_counts(s):
+    assert repr(s) == f"<lamella.Result: 10 layers from z 0.5 to 9.5 mm, 14 contours, {len(s.points)} points>"

@@ -2,10 +2,10 @@
 //
 //     lamella_slice_arrays VERTICES FACES THREADS
 //
-// VERTICES holds three float32 a vertex, FACES three uint32 a triangle. For each line `LAYER_MM CALLS` of standard input the
-// program slices so often, after one call that only warms, and prints the median in ms as a line of JSON: `kept` with
-// workspace and result reused, `fresh` with neither. The two take turns. Between two lines it waits, so that what is compared
-// takes turns too.
+// VERTICES holds three float32 a vertex, FACES three uint32 a triangle. For each line `LAYER_MM CALLS HOW` of standard input
+// the program slices so often, after one call that only warms, and prints a line of JSON with the time of each call in ms.
+// HOW is `kept`, workspace and result reused, or `fresh`, neither. Between two lines it waits, so that programs can take
+// turns.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -14,6 +14,7 @@
 #include <iostream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -37,17 +38,37 @@ std::vector<T> numbers_of(const std::string& path) {
     return numbers;
 }
 
-nlohmann::json sliced(const MeshView& mesh, const SliceOptions& options, int calls, Workspace& workspace, SliceResult& result) {
-    const auto kept = [&] {
-        if (const Status done = slice(mesh, options, workspace, result); !done) {
-            throw std::runtime_error(done.error().message);
-        }
-    };
-    nlohmann::json report = medians_of({{"kept", kept}, {"fresh", [&] { checked(slice(mesh, options)); }}}, calls);
-    report["layers"] = result.layers.size();
-    report["points"] = result.points.size();
-    report["hash"] = hash_result(result);
-    return report;
+void require(const Status& done) {
+    if (!done) {
+        throw std::runtime_error(done.error().message);
+    }
+}
+
+/// The time of each call, and what tells that the result is another's.
+nlohmann::json report_of(const SliceResult& result, std::vector<double> times) {
+    times.erase(times.begin());
+    return {{"ms", times}, {"layers", result.layers.size()}, {"hash", hash_result(result)}};
+}
+
+nlohmann::json slice_kept(const MeshView& mesh, const SliceOptions& options, int calls) {
+    Workspace workspace;
+    SliceResult result;
+    std::vector<double> times;
+    for (int call = 0; call <= calls; ++call) {
+        times.push_back(ms_of([&] { require(slice(mesh, options, workspace, result)); }));
+    }
+    return report_of(result, std::move(times));
+}
+
+/// Freeing the result is not timed.
+nlohmann::json slice_fresh(const MeshView& mesh, const SliceOptions& options, int calls) {
+    SliceResult result;
+    std::vector<double> times;
+    for (int call = 0; call <= calls; ++call) {
+        result = SliceResult{};
+        times.push_back(ms_of([&] { result = checked(slice(mesh, options)); }));
+    }
+    return report_of(result, std::move(times));
 }
 
 void run(const std::string& vertices, const std::string& faces, int threads) {
@@ -56,13 +77,12 @@ void run(const std::string& vertices, const std::string& faces, int threads) {
     const MeshView mesh = MeshView::indexed(xyz, indices);
     SliceOptions options;
     options.control.threads = threads;
-    Workspace workspace;
-    SliceResult result;
     double layer_mm = 0;
     int calls = 0;
-    while (std::cin >> layer_mm >> calls) {
+    std::string how;
+    while (std::cin >> layer_mm >> calls >> how) {
         options.plan = {UniformLayers{.layer_height_mm = layer_mm}};
-        std::cout << sliced(mesh, options, calls, workspace, result) << std::endl;
+        std::cout << (how == "kept" ? slice_kept(mesh, options, calls) : slice_fresh(mesh, options, calls)) << std::endl;
     }
 }
 

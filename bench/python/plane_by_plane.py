@@ -1,7 +1,7 @@
 """The usual way to cut a mesh in numpy: plane by plane, all triangles tested against each.
 
-For each plane: sign tests of all triangles, interpolation on the edges of those that cross it, endpoints merged by the edge on
-which they lie, and segments followed from endpoint to endpoint. Everything but the following is vectorised; that is a loop over
+For each plane: sign tests of all triangles, interpolation on the edges of those that cross it, endpoints merged by the edge
+on which they lie, and segments followed from endpoint to endpoint. Everything is vectorised but following. That is a loop over
 a list, which is faster than numpy for some hundred segments in a plane.
 """
 

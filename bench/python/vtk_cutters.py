@@ -2,12 +2,16 @@
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkPoints, vtkVersion
+from vtkmodules.vtkCommonCore import vtkPoints, vtkSMPTools, vtkVersion
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPlane, vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkCleanPolyData, vtkCutter, vtkPlaneCutter, vtkStripper
 
 VERSION = vtkVersion.GetVTKVersion()
 LONGEST_POLYLINE = 100000  # VTK accepts no longer ones
+
+
+def use_threads(count):
+    vtkSMPTools.Initialize(count)
 
 
 def poly_data(vertices, faces):
@@ -51,6 +55,7 @@ class Cutter:
         self._cutter.SetNumberOfContours(len(heights))
         for i, height in enumerate(heights):
             self._cutter.SetValue(i, height)
+        self._cutter.Modified()  # else the same heights would not be cut again
         self._stripper.Update()
         return self._stripper.GetOutput()
 
@@ -78,6 +83,7 @@ class PlaneCutter:
     def cut(self, heights):
         (height,) = heights
         self._plane.SetOrigin(0, 0, height)
+        self._cutter.Modified()
         self._cutter.Update()
         pieces = self._cutter.GetOutputDataObject(0)
         self._append.RemoveAllInputs()

@@ -20,8 +20,8 @@ timed. The bar is met by at most 1.05 times the time in C++ plus 200 us.
 """, """## Many layers of a small mesh
 """, """## Other ways to cut the femur, layers of 0.32 mm
 
-Times are from mesh to contours. numpy starts at arrays, VTK at a mesh of its own. An answer of VTK counts as another one if a
-polyline is open, or if the number of contours or the area is not lamella's.
+Times are from mesh to contours. numpy starts at arrays, VTK at a mesh of its own; `prepared` is `lamella.prepare(mesh)`. An answer
+of VTK counts as another one if a polyline is open, or if the number of contours or the area is not lamella's.
 """)
 
 

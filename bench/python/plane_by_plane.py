@@ -60,6 +60,17 @@ class Mesh:
         return start + share[:, None] * (self.vertices[high, :2] - start)
 
 
+class MeshByDistances(Mesh):
+    """The same by signed distances, as where planes have any direction, with corners gathered by triangle: as first written."""
+
+    name = "distances of all corners at every plane"
+
+    def crossing(self, height):
+        distances = self.vertices @ np.array([0.0, 0.0, 1.0]) - height
+        above = (distances > 0)[self.faces].sum(axis=1)
+        return np.flatnonzero((above > 0) & (above < 3))
+
+
 class MeshWithBounds(Mesh):
     """The same with the lowest and the highest corner of each triangle, which are computed once for all planes."""
 

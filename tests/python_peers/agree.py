@@ -31,6 +31,7 @@ CUT_Z = "{urn:lamella}cut-z"
 # By which points may lie elsewhere, mm: the SVG has 6 decimals, VTK computes in float32.
 APART = {"numpy": 1e-6, "vtk": 2e-5, "package": 1e-6}
 FEWEST_LAYERS = 10
+NUMPY_FORMS = [plane_by_plane.Mesh, plane_by_plane.MeshByDistances, plane_by_plane.MeshWithBounds]
 
 
 def run(*command):
@@ -51,13 +52,13 @@ def measured(contours):
 
 
 def by_numpy(mesh, heights, _):
-    """What both forms give, which must be the same bytes."""
-    signs, bounds = plane_by_plane.Mesh(*mesh), plane_by_plane.MeshWithBounds(*mesh)
+    """What all forms give, which must be the same bytes."""
+    forms = [form(*mesh) for form in NUMPY_FORMS]
     for height in heights:
-        contours = signs.contours(height)
-        same = bounds.contours(height)
-        if len(contours) != len(same) or not all(map(np.array_equal, contours, same)):
-            sys.exit(f"z {height}: the two forms of the numpy method differ")
+        contours, *others = (form.contours(height) for form in forms)
+        for same in others:
+            if len(contours) != len(same) or not all(map(np.array_equal, contours, same)):
+                sys.exit(f"z {height}: two forms of the numpy method differ")
         yield "numpy", measured(contours)
 
 

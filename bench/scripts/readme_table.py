@@ -8,6 +8,12 @@ def mark(text, value, bar):
     return (text, True) if bar is None else (f"{text} ({'met' if value <= bar else 'not met'})", value <= bar)
 
 
+def mark_least(text, value, bar):
+    """The same for a bar that the value must reach."""
+    met = bar is None or value >= bar
+    return (text if bar is None else f"{text} ({'met' if met else 'not met'})"), met
+
+
 def replace_table(readme, name, table):
     """Puts `table` between the markers `<!-- name: begin -->` and `<!-- name: end -->` of the file `readme`."""
     text = readme.read_text()

@@ -18,6 +18,7 @@
 #include "lamella/parts.hpp"
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
+#include "spares.hpp"
 
 namespace lamella::python {
 
@@ -92,8 +93,14 @@ private:
 
 /// A result that arrays look into.
 struct HeldResult {
+    HeldResult(SliceResult sliced = SliceResult{}, std::uint64_t first = 0) noexcept
+        : result(std::move(sliced)), first_layer(first) {}
+    HeldResult(HeldResult&&) noexcept = default;
+    HeldResult& operator=(HeldResult&&) noexcept = default;
+    ~HeldResult() { Spares::all().give(std::move(result)); }
+
     SliceResult result;
-    std::uint64_t first_layer = 0;  ///< of a chunk of layers: how many are before it
+    std::uint64_t first_layer;  ///< of a chunk of layers: how many are before it
 };
 
 Transform transform_of(const py::array_t<double>& matrix);

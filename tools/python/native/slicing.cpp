@@ -1,4 +1,5 @@
 // Slicing into results.
+#include <algorithm>
 #include <cmath>
 
 #include "lamella/assemble.hpp"
@@ -9,12 +10,38 @@ namespace lamella::python {
 
 namespace {
 
+/// Results live as long as arrays look into them: what a small one has of a large one's memory would be wasted.
+template <class T>
+void give_back_waste(Array<T>& array) {
+    constexpr std::size_t little = std::size_t{1} << 20;
+    if ((array.capacity() / 2 - std::min(array.size(), array.capacity() / 2)) * sizeof(T) > little) {
+        Array<T> whole;
+        whole.resize_discarding(array.size());
+        std::copy(array.begin(), array.end(), whole.begin());
+        array = std::move(whole);
+    }
+}
+
+/// Of a MeshView or PreparedMesh.
+template <class Mesh>
+HeldResult slice_with_spares(const Mesh& mesh, SliceOptions& options) {
+    HeldResult held(Spares::all().take_result());
+    Workspace workspace = Spares::all().take_workspace();
+    run(options.control, [&](const Control& control) {
+        options.control = control;
+        return slice(mesh, options, workspace, held.result);
+    });
+    Spares::all().give(std::move(workspace));
+    give_back_waste(held.result.layers);
+    give_back_waste(held.result.contours);
+    give_back_waste(held.result.points);
+    give_back_waste(held.result.origins);
+    return held;
+}
+
 HeldResult slice_mesh(const View& view, SliceOptions options) {
     options.transform = view.to_planes(options.transform);
-    return {run(options.control, [&](const Control& control) {
-        options.control = control;
-        return slice(view.mesh(), options);
-    })};
+    return slice_with_spares(view.mesh(), options);
 }
 
 HeldResult slice_meshes(const View& view, SliceOptions options, bool united) {
@@ -32,10 +59,7 @@ PreparedMesh prepare_mesh(const View& view, const SliceOptions& options) {
 }
 
 HeldResult slice_prepared(const View&, SliceOptions options, const PreparedMesh& mesh) {
-    return {run(options.control, [&](const Control& control) {
-        options.control = control;
-        return slice(mesh, options);
-    })};
+    return slice_with_spares(mesh, options);
 }
 
 /// On the grid of `unit_mm`.

@@ -3,6 +3,7 @@
 import gc
 import importlib
 import json
+import os
 import pickle
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -251,3 +252,31 @@ def test_notebooks_get_a_picture(s):
 
 def test_the_representation_counts(s):
     assert repr(s) == f"<lamella.Result: 10 layers from z 0.5 to 9.5 mm, 14 contours, {len(s.points)} points>"
+
+
+def test_results_made_in_the_memory_of_earlier_ones_are_their_own(torus, cube):
+    def values(result):
+        return [array.tolist() for array in (result.layers, result.contours, result.points_grid)]
+
+    calls = [(torus, 0.05), (cube, 1), (torus, 0.5), (cube, 0.1)]
+    kept = [lamella.slice(*mesh, layer_height=height) for mesh, height in calls]  # none is over: all take fresh memory
+    expected = [values(result) for result in kept]
+    for _ in range(3):
+        for (mesh, height), values_of_call in zip(calls, expected):
+            assert values(lamella.slice(*mesh, layer_height=height)) == values_of_call
+    assert [values(result) for result in kept] == expected
+
+
+def test_a_small_result_does_not_keep_the_memory_of_a_large_one(torus, cube):
+    def resident_bytes():
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    small = []
+    before = resident_bytes()
+    for _ in range(20):
+        large = lamella.slice(*torus, layer_height=0.005, threads=1)
+        assert large.points_grid.nbytes > 5_000_000
+        del large
+        small.append(lamella.slice(*cube, layer_height=1, threads=1))
+    assert resident_bytes() - before < 60_000_000

@@ -224,7 +224,7 @@ def ways_to_cut(lamella, mesh, result, layer_mm, heights, threads):
     require(prepared.slice(layer_height=layer_mm).hash == result.hash, "the prepared mesh gives another result")
     ways = {"`prepared.slice(layer_height=...)`": (lambda: prepared.slice(layer_height=layer_mm, threads=threads), None, ""),
             "`prepared.slice([z])`, a plane a call": (each_of(heights, lambda z: prepared.slice([z], threads=threads)), None, "")}
-    numpy_bars = {plane_by_plane.MeshByDistances: None, plane_by_plane.Mesh: TIMES_NUMPY, plane_by_plane.MeshWithBounds: None}
+    numpy_bars = {plane_by_plane.MeshByDistances: TIMES_NUMPY, plane_by_plane.Mesh: None, plane_by_plane.MeshWithBounds: None}
     for method, bar in numpy_bars.items():
         made = method(*mesh)
         check_numpy(made, result, heights)

@@ -1,4 +1,4 @@
-// The module: errors, signals and options.
+// The module: errors, signals, progress and options.
 #include "native.hpp"
 
 #include "lamella/version.hpp"
@@ -108,31 +108,73 @@ void raise(const Error& error) {
     throw py::error_already_set();
 }
 
-Interrupts::Interrupts() : thread_(std::this_thread::get_id()), main_thread_(is_main_thread()) {}
-
-StopCheck Interrupts::check() noexcept {
-    return {[](void* context) noexcept { return static_cast<Interrupts*>(context)->requested(); }, this};
+Progress progress_of(const py::object& callable) {
+    return {[](void*, double) noexcept {}, callable.ptr()};
 }
 
-bool Interrupts::requested() noexcept {
+Caller::Caller(const Progress& progress)
+    : thread_(std::this_thread::get_id()),
+      main_thread_(is_main_thread()),
+      report_(static_cast<PyObject*>(progress.context)) {}
+
+StopCheck Caller::check() noexcept {
+    return {[](void* context) noexcept { return static_cast<Caller*>(context)->requested(); }, this};
+}
+
+Progress Caller::progress() noexcept {
+    if (report_ == nullptr) {
+        return {};
+    }
+    return {[](void* context, double fraction) noexcept {
+                static_cast<Caller*>(context)->reached_.store(fraction, std::memory_order_relaxed);
+            },
+            this};
+}
+
+bool Caller::requested() noexcept {
     if (raised_.load(std::memory_order_relaxed)) {
         return true;
     }
-    if (!main_thread_ || std::this_thread::get_id() != thread_ || Clock::now() < next_look_) {
+    if (std::this_thread::get_id() != thread_ || Clock::now() < next_look_) {
         return false;
     }
-    next_look_ = Clock::now() + interval;
-    return look();
+    const bool raised = look();
+    next_look_ = Clock::now() + interval;  // after a slow report the engine gets its turn
+    return raised;
 }
 
-bool Interrupts::look() noexcept {
-    if (main_thread_) {
+bool Caller::look() noexcept {
+    if (main_thread_ || report_ != nullptr) {
         const py::gil_scoped_acquire acquired;
-        if (PyErr_CheckSignals() != 0) {
+        if ((main_thread_ && PyErr_CheckSignals() != 0) || !report()) {
             raised_.store(true, std::memory_order_relaxed);
         }
     }
     return raised_.load(std::memory_order_relaxed);
+}
+
+/// False if the callable raises.
+bool Caller::report() noexcept {
+    const double reached = reached_.load(std::memory_order_relaxed);
+    if (report_ == nullptr || reached <= reported_) {
+        return true;
+    }
+    reported_ = reached;
+    PyObject* const fraction = PyFloat_FromDouble(reached);
+    PyObject* const answer = fraction != nullptr ? PyObject_CallFunctionObjArgs(report_, fraction, nullptr) : nullptr;
+    Py_XDECREF(fraction);
+    Py_XDECREF(answer);
+    return answer != nullptr;
+}
+
+void Caller::finish() {
+    if (raised_.load(std::memory_order_relaxed)) {  // as the last stop was looked for
+        throw py::error_already_set();
+    }
+    reached_.store(1, std::memory_order_relaxed);
+    if (!report()) {
+        throw py::error_already_set();
+    }
 }
 
 void define_options(py::module_& module) {
@@ -143,6 +185,9 @@ void define_options(py::module_& module) {
     options.def(py::init<>()).def("set_heights", &set_heights).def("set_layers", &set_layers);
     set(options, "fill_from", &set_fill_from);
     set(options, "threads", &set_threads);
+    options.def(
+        "set_progress", [](SliceOptions& o, const py::object& callable) { o.control.progress = progress_of(callable); },
+        py::keep_alive<1, 2>());
     set(options, "transform",
         [](SliceOptions& o, const py::array_t<double>& matrix) { o.transform = transform_of(matrix); });
     set(options, "memory_limit", [](SliceOptions& o, std::uint64_t bytes) { o.memory_limit_bytes = bytes; });

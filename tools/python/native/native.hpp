@@ -27,26 +27,38 @@ namespace py = pybind11;
 /// Throws the exception of lamella._errors that fits, with the evidence.
 [[noreturn]] void raise(const Error& error);
 
-/// What a call of the engine asks for a stop. The interpreter's signals are looked at by the calling thread alone, if it is
-/// Python's main thread; an exception that a handler raises stays pending and ends the call.
-class Interrupts {
+/// The thread that calls the engine: looks at the interpreter's signals if it is Python's main thread, and reports progress.
+/// An exception that a handler or the report raises stays pending and ends the call.
+class Caller {
 public:
-    Interrupts();  ///< of the calling thread, which holds the interpreter
+    /// Of the calling thread, which holds the interpreter. `progress` says which callable is told the progress, if any: see
+    /// progress_of(). It outlives this.
+    explicit Caller(const Progress& progress);
     StopCheck check() noexcept;
-    /// Whether a handler has raised. Precondition: the calling thread has released the interpreter.
+    Progress progress() noexcept;
+    /// Whether Python has raised. Precondition: the calling thread has released the interpreter.
     bool look() noexcept;
+    /// The call has succeeded. The thread holds the interpreter again.
+    void finish();
 
 private:
     using Clock = std::chrono::steady_clock;
     static constexpr std::chrono::milliseconds interval{50};
 
     bool requested() noexcept;
+    bool report() noexcept;
 
     std::thread::id thread_;
     bool main_thread_;
+    PyObject* report_;                // borrowed, or null
+    std::atomic<double> reached_{0};  // by the engine, on any thread
+    double reported_ = 0;
     Clock::time_point next_look_ = Clock::now() + interval;  // of the calling thread alone
     std::atomic<bool> raised_ = false;
 };
+
+/// Names a Python callable where the engine takes a sink: Caller puts one in its place.
+Progress progress_of(const py::object& callable);
 
 template <class T>
 T taken(Result<T>&& result) {
@@ -57,9 +69,10 @@ inline void taken(Status&&) {}
 /// The value of `work(control)`, a Result or Status, which runs without the interpreter. Raises its error.
 template <class Work>
 auto run(const Control& asked, Work&& work) {
-    Interrupts interrupts;
+    Caller caller(asked.progress);
     Control control = asked;
-    control.stop = interrupts.check();
+    control.stop = caller.check();
+    control.progress = caller.progress();
     auto outcome = [&] {
         const py::gil_scoped_release released;
         return work(std::as_const(control));
@@ -70,6 +83,7 @@ auto run(const Control& asked, Work&& work) {
         }
         raise(outcome.error());
     }
+    caller.finish();
     return taken(std::move(outcome));
 }
 

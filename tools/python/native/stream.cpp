@@ -109,6 +109,12 @@ public:
         options_.transform = meshes.to_planes(options_.transform);
         options_.control.stop = {[](void* context) noexcept { return static_cast<Slicing*>(context)->closing_.load(); },
                                  this};
+        if (options_.control.progress.context != nullptr) {
+            report_ = py::reinterpret_borrow<py::object>(static_cast<PyObject*>(options_.control.progress.context));
+            options_.control.progress = {
+                [](void* context, double fraction) noexcept { static_cast<Slicing*>(context)->reached_.store(fraction); },
+                this};
+        }
         chunk_.emplace(options_, 0);
         worker_ = std::thread([this, mesh = meshes.mesh()] { work(mesh); });
     }
@@ -126,7 +132,7 @@ public:
 
     /// The next chunk, or None.
     py::object next() {
-        Interrupts interrupts;
+        Caller caller({});
         std::optional<HeldResult> taken;
         bool interrupted = false;
         {
@@ -135,7 +141,7 @@ public:
             while (!ready_ && !finished_ && !interrupted) {
                 changed_.wait_for(lock, std::chrono::milliseconds(50));
                 lock.unlock();
-                interrupted = interrupts.look();
+                interrupted = caller.look();
                 lock.lock();
             }
             taken = std::exchange(ready_, std::nullopt);
@@ -144,16 +150,26 @@ public:
         if (interrupted) {
             throw py::error_already_set();
         }
+        if (!taken && error_) {
+            raise(*error_);
+        }
+        report(!taken);
         if (!taken) {
-            if (error_) {
-                raise(*error_);
-            }
             return py::none();
         }
         return py::cast(std::move(*taken));
     }
 
 private:
+    /// Before the last chunk has been taken the stream is not done, however far the engine is.
+    void report(bool last) {
+        const double reached = last ? 1 : std::min(reached_.load(), 0.999);
+        if (report_ && reached > reported_) {
+            reported_ = reached;
+            report_(reached);
+        }
+    }
+
     void work(const MeshView& mesh) noexcept {
         const auto take = [this](const LayerView& layer) noexcept { add(layer); };
         const Result<SliceTotals> totals = slice_to(LayerSink::to(take, SinkOrder::ascending), mesh, options_);
@@ -195,6 +211,9 @@ private:
     py::object mesh_;
     SliceOptions options_;
     std::uint64_t chunk_layers_;
+    py::object report_;  // null: none is wanted
+    std::atomic<double> reached_{0};
+    double reported_ = 0;
     std::atomic<bool> closing_ = false;
     std::optional<Chunk> chunk_;  // the worker's
     std::optional<Error> error_;  // the worker's, until it has finished

@@ -1,9 +1,14 @@
 """Meshes that the tests share."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import lamella
+
+sys.path.append(str(Path(__file__).parent))  # for what child processes import
 
 CORNERS = np.array([[x, y, z] for z in (0, 10) for y in (0, 10) for x in (0, 10)], dtype=float)
 FACES = np.array(

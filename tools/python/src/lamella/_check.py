@@ -11,6 +11,7 @@ import numpy.typing as npt
 from . import _native
 from ._mesh import MeshLike, as_view
 from ._options import number, slice_options, whole_number
+from ._progress import ProgressLike
 
 
 @dataclass(frozen=True)
@@ -90,12 +91,13 @@ def check(
     grid: Union[None, str, float] = None,
     transform: Optional[npt.ArrayLike] = None,
     threads: int = 0,
+    progress: ProgressLike = None,
 ) -> Check:
     """Find every departure of a mesh from a closed, oriented surface without self-intersections.
 
     Parameters
     ----------
-    mesh, faces, unit, grid, transform, threads
+    mesh, faces, unit, grid, transform, threads, progress
         As for `slice`.
     tolerance : float
         For T-junctions and cracks, mm.
@@ -119,5 +121,5 @@ def check(
     """
     view = as_view(mesh, faces, unit=unit)
     limits = number("tolerance", tolerance), number("sliver_ratio", sliver_ratio), whole_number("most_places", most_places)
-    options = slice_options({"grid": grid, "transform": transform, "threads": threads})
+    options = slice_options({"grid": grid, "transform": transform, "threads": threads, "progress": progress})
     return Check(view.run(_native.check, options, *limits))

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from . import _native
 from ._errors import CoordinateError, Error, InvalidArgumentError, MeshTypeError, MeshWarning, warn
 from ._options import affine, mm_per_unit, number, slice_options, whole_number
+from ._progress import ProgressLike
 
 MeshLike = Any
 """Vertices, triangles, a path, a `Mesh`, or an object with ``.vertices`` and ``.faces`` or with ``.points``: see `slice`."""
@@ -127,7 +128,7 @@ class Mesh:
         return (Mesh, (self._vertices, self._faces, self.unit, self.path, self.info))
 
 
-def read(path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] = "mm", threads: int = 0) -> Mesh:
+def read(path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] = "mm", threads: int = 0, progress: ProgressLike = None) -> Mesh:
     """Read a mesh file: STL, OBJ, OFF, PLY, VTK, VTP or 3MF, or gzip of any. The content decides, not the name.
 
     Parameters
@@ -135,8 +136,8 @@ def read(path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] =
     path : path
     unit : {"mm", "um", "cm", "m", "in", "ft"} or float
         Unit of a file that states none.
-    threads : int
-        Use at most so many threads. 0: all.
+    threads, progress
+        As for `slice`.
 
     Returns
     -------
@@ -153,7 +154,7 @@ def read(path: Union[str, bytes, os.PathLike[Any]], *, unit: Union[str, float] =
     """
     name = os.fsdecode(path)
     try:
-        file = _native.read(os.fsencode(name), mm_per_unit(unit), slice_options({"threads": threads}))
+        file = _native.read(os.fsencode(name), mm_per_unit(unit), slice_options({"threads": threads, "progress": progress}))
     except Error as error:
         error.path = name
         raise
@@ -169,12 +170,13 @@ def weld(
     tolerance: float = 0.01,
     unit: Union[None, str, float] = None,
     threads: int = 0,
+    progress: ProgressLike = None,
 ) -> Mesh:
     """Join vertices that should be one, so that a cracked mesh closes. Slicing never does this by itself.
 
     Parameters
     ----------
-    mesh, faces, unit, threads
+    mesh, faces, unit, threads, progress
         As for `slice`.
     tolerance : float
         Vertices at most so many mm apart are joined.
@@ -192,7 +194,7 @@ def weld(
     1
     """
     view = as_view(mesh, faces, unit=unit)
-    options = slice_options({"threads": threads})
+    options = slice_options({"threads": threads, "progress": progress})
     welded = view.run(_native.weld, number("tolerance", tolerance), options)
     return Mesh(welded["vertices"], welded["faces"], welded["unit"], None, welded["info"])
 

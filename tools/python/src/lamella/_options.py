@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._errors import InvalidArgumentError
+from ._progress import ProgressLike, set_progress
 
 
 class RuleKeywords(TypedDict, total=False):
@@ -33,6 +34,7 @@ class RuleKeywords(TypedDict, total=False):
     allow_empty: bool
     memory_limit: int
     threads: int
+    progress: ProgressLike
 
 
 class SectionKeywords(RuleKeywords, total=False):
@@ -224,11 +226,12 @@ def slice_options(keywords: Mapping[str, Any], *, prepared: bool = False) -> _na
         if name in _ATTRIBUTES:
             attribute, convert = _ATTRIBUTES[name]
             setattr(options, attribute, convert(name, value))
-        elif name not in _PLANES:
+        elif name not in _PLANES and name != "progress":
             _refuse_unknown(name)
     if "normal" in given and "transform" in given:
         refuse("normal and transform exclude each other")
     _set_planes(options, given)
+    set_progress(options, given.get("progress"))
     return options
 
 
@@ -248,6 +251,6 @@ def _set_planes(options: _native.Options, given: Mapping[str, Any]) -> None:
 
 
 def _refuse_unknown(name: str) -> NoReturn:
-    known = [*_PLANES, *_ATTRIBUTES, "unit"]
+    known = [*_PLANES, *_ATTRIBUTES, "progress", "unit"]
     near = difflib.get_close_matches(name, known, n=1)
     refuse(f"there is no option {name!r}; " + (f"is it {near[0]!r}?" if near else f"allowed: {', '.join(sorted(known))}"))

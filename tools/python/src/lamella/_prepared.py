@@ -9,6 +9,7 @@ import numpy.typing as npt
 from . import _native
 from ._mesh import MeshLike, as_view
 from ._options import slice_options
+from ._progress import ProgressLike
 from ._result import Result, finish
 
 if TYPE_CHECKING:
@@ -71,12 +72,13 @@ def prepare(
     normal: Optional[npt.ArrayLike] = None,
     transform: Optional[npt.ArrayLike] = None,
     threads: int = 0,
+    progress: ProgressLike = None,
 ) -> Prepared:
     """Prepare a mesh for many slices: one plane then reads little more than the triangles that it cuts.
 
     Parameters
     ----------
-    mesh, faces, unit, grid, normal, transform, threads
+    mesh, faces, unit, grid, normal, transform, threads, progress
         As for `slice`.
 
     Returns
@@ -90,5 +92,5 @@ def prepare(
     [253.125, 28.125]
     """
     view = as_view(mesh, faces, unit=unit)
-    options = slice_options({"grid": grid, "normal": normal, "transform": transform, "threads": threads})
+    options = slice_options({"grid": grid, "normal": normal, "transform": transform, "threads": threads, "progress": progress})
     return Prepared(view.run(_native.prepare, options), view)

@@ -288,4 +288,4 @@ def finish(native: _native.Result, view: Optional[View], keywords: Dict[str, Any
         unit, diagonal, finest = coarse
         help_ = f"grid='auto' takes {finest:g} mm" if finest < unit else "none finer reaches the mesh's coordinates"
         warn(f"the grid of {unit:g} mm is coarse for a mesh of {diagonal:g} mm from corner to corner; {help_}", MeshWarning)
-    return Result(native, view, keywords)
+    return Result(native, view, {name: value for name, value in keywords.items() if name != "progress"})

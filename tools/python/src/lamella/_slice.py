@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
 import numpy.typing as npt
 
 from . import _native
-from ._options import slice_options
 from ._mesh import MeshLike, as_view, as_views
+from ._options import slice_options
+from ._progress import ProgressLike
 from ._result import Result, finish
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ def slice(  # noqa: A001: the word of the field
     allow_empty: bool = False,
     memory_limit: int = 0,
     threads: int = 0,
+    progress: ProgressLike = None,
 ) -> Result:
     """Cut a mesh by parallel planes into closed, oriented, nested contours.
 
@@ -105,6 +107,9 @@ def slice(  # noqa: A001: the word of the field
         Results of more bytes are refused. 0: half of the machine's memory.
     threads : int
         Use at most so many threads. 0: all.
+    progress : bool or callable, optional
+        True shows a bar, by tqdm if it is installed. A callable is told the fraction that is done, on the calling thread and
+        at most 20 times a second; the last one is 1. An exception that it raises ends the call.
 
     Returns
     -------

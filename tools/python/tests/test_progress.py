@@ -1,0 +1,108 @@
+"""Progress: what is told, when, and what an exception of the callable does."""
+
+import pickle
+import threading
+
+import numpy as np
+import pytest
+
+import lamella
+
+
+class Heard(list):
+    """The fractions that were told, all by one thread."""
+
+    def __init__(self):
+        super().__init__()
+        self.threads = set()
+
+    def __call__(self, fraction):
+        self.append(fraction)
+        self.threads.add(threading.get_ident())
+
+
+@pytest.fixture
+def large(torus):
+    """Fine enough for calls of half a second."""
+    vertices, faces = torus
+    copies = 40
+    moved = np.vstack([vertices + [60 * i, 0, 0] for i in range(copies)])
+    return moved, np.vstack([faces + i * len(vertices) for i in range(copies)])
+
+
+CALLS = {
+    "slice": lambda mesh, progress: lamella.slice(*mesh, layer_height=0.01, fill_rule="non-zero", close=0.05, progress=progress),
+    "slice_parts": lambda mesh, progress: lamella.slice_parts([mesh], layer_height=0.01, progress=progress),
+    "prepare": lambda mesh, progress: lamella.prepare(*mesh, progress=progress),
+    "prepared": lambda mesh, progress: lamella.prepare(*mesh).slice(layer_height=0.01, progress=progress),
+    "check": lambda mesh, progress: lamella.check(*mesh, progress=progress),
+    "weld": lambda mesh, progress: lamella.weld(*mesh, progress=progress),
+    "section": lambda mesh, progress: lamella.section(mesh, [0, 0, 0.1], [0, 1, 1], progress=progress),
+    "stream": lambda mesh, progress: list(lamella.stream(*mesh, layer_height=0.05, progress=progress)),
+}
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_fractions_rise_to_one_and_are_told_by_the_calling_thread(call, large):
+    heard = Heard()
+    CALLS[call](large, heard)
+    assert heard == sorted(set(heard))
+    assert heard[-1] == 1
+    assert 0 < heard[0]
+    assert heard.threads == {threading.get_ident()}
+
+
+def test_a_long_call_tells_its_progress_meanwhile(large):
+    heard = Heard()
+    lamella.slice(*large, layer_height=0.005, fill_rule="non-zero", close=0.05, threads=1, progress=heard)
+    assert len(heard) > 3
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_an_exception_of_the_callable_ends_the_call(call, large):
+    class Enough(Exception):
+        pass
+
+    def enough(fraction):
+        raise Enough(fraction)
+
+    with pytest.raises(Enough):
+        CALLS[call](large, enough)
+    assert lamella.slice(*large, heights=[0.1]).areas[0] > 0
+
+
+def test_reading_tells_its_progress(tmp_path, cube):
+    heard = Heard()
+    path = tmp_path / "cube.off"
+    vertices, faces = cube
+    rows = [" ".join(map(str, vertex)) for vertex in vertices] + [f"3 {a} {b} {c}" for a, b, c in faces]
+    path.write_text("\n".join(["OFF", f"{len(vertices)} {len(faces)} 0", *rows]) + "\n")
+    lamella.read(path, progress=heard)
+    assert heard[-1] == 1
+
+
+def test_true_shows_a_bar(cube, capsys):
+    lamella.slice(*cube, layer_height=1, progress=True)
+    told = capsys.readouterr().err
+    try:
+        import tqdm  # noqa: F401
+    except ImportError:
+        assert told == ""  # no terminal
+    else:
+        assert "100%" in told
+
+
+def test_false_and_none_tell_nothing(cube, capsys):
+    lamella.slice(*cube, layer_height=1, progress=False)
+    lamella.slice(*cube, layer_height=1, progress=None)
+    assert capsys.readouterr().err == ""
+
+
+def test_other_values_are_refused(cube):
+    with pytest.raises(lamella.InvalidArgumentError, match="progress must be True or a callable that takes a fraction, not 7"):
+        lamella.slice(*cube, progress=7)
+
+
+def test_results_do_not_keep_the_callable(cube):
+    result = lamella.slice(*cube, layer_height=1, progress=lambda fraction: None)  # which cannot be pickled
+    assert pickle.loads(pickle.dumps(result)).hash == result.hash

@@ -215,6 +215,7 @@ PYBIND11_MODULE(_native, module) {
     namespace python = lamella::python;
     module.doc() = "The engine, as the modules of lamella use it.";
     module.attr("version") = lamella::version;
+    python::watch_forks();
     python::define_options(module);
     python::define_meshes(module);
     python::define_results(module);

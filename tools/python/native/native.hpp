@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "forked.hpp"
 #include "lamella/control.hpp"
 #include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
@@ -73,6 +74,7 @@ auto run(const Control& asked, Work&& work) {
     Control control = asked;
     control.stop = caller.check();
     control.progress = caller.progress();
+    control.executor = executor_here();
     auto outcome = [&] {
         const py::gil_scoped_release released;
         return work(std::as_const(control));

@@ -109,6 +109,7 @@ public:
         options_.transform = meshes.to_planes(options_.transform);
         options_.control.stop = {[](void* context) noexcept { return static_cast<Slicing*>(context)->closing_.load(); },
                                  this};
+        options_.control.executor = executor_here();
         if (options_.control.progress.context != nullptr) {
             report_ = py::reinterpret_borrow<py::object>(static_cast<PyObject*>(options_.control.progress.context));
             options_.control.progress = {

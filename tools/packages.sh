@@ -11,7 +11,7 @@ test_packages=(libxml2-utils libcgal-dev python3)
 # tools/python: the package needs numpy, the others are for its tests.
 python_packages=(
     python3-dev pybind11-dev python3-numpy python3-setuptools python3-wheel python3-pip python3-venv
-    python3-pytest python3-hypothesis python3-pandas python3-shapely python3-matplotlib
+    python3-pytest python3-hypothesis python3-pandas python3-shapely python3-matplotlib python3-tqdm mypy
 )
 check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libc++-14-dev libc++abi-14-dev doxygen abigail-tools)
 picture_packages=(librsvg2-bin)

@@ -49,3 +49,24 @@ def test_the_page_on_python_is_true(folder, capsys):
     assert len(names["outline"]) == names["longest"]["point_count"]
     assert (folder / "liver.svg").exists()
     assert (folder / "liver.json").exists()
+
+
+def test_the_gallery_shows_what_draws_its_pictures(torus, tmp_path):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    page = (ROOT / "tools/docs/gallery.md").read_text()
+    path = ROOT / "tools/python/examples/gallery.py"
+    program = path.read_text()
+    names = {"__name__": "gallery"}
+    exec(compile(program, str(path), "exec"), names)
+    shown = re.findall(r"^```py\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
+    assert len(shown) == len(names["PICTURES"])
+    assert all(block in program for block in shown)
+    vertices, faces = torus
+    rows = [" ".join(map(str, vertex)) for vertex in vertices] + [f"3 {a} {b} {c}" for a, b, c in faces]
+    (tmp_path / "torus.off").write_text("\n".join(["OFF", f"{len(vertices)} {len(faces)} 0", *rows]) + "\n")
+    names["main"](tmp_path / "torus.off", tmp_path)
+    for draw in names["PICTURES"]:
+        assert f"python_{draw.__name__}.png" in page
+        assert (ROOT / f"tools/pictures/python_{draw.__name__}.png").exists()
+        assert (tmp_path / f"python_{draw.__name__}.png").stat().st_size > 1000

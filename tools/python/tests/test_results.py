@@ -280,3 +280,8 @@ def test_a_small_result_does_not_keep_the_memory_of_a_large_one(torus, cube):
         del large
         small.append(lamella.slice(*cube, layer_height=1, threads=1))
     assert resident_bytes() - before < 60_000_000
+
+
+def test_a_prepared_mesh_says_why_it_is_not_pickled(cube):
+    with pytest.raises(TypeError, match="pickle the mesh, and prepare it where it is sliced"):
+        pickle.dumps(lamella.prepare(*cube))

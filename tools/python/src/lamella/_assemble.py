@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Any, Optional
 
 import numpy as np
 import numpy.typing as npt
@@ -50,7 +50,7 @@ def assemble(segments: npt.ArrayLike, keys: Optional[npt.ArrayLike] = None, *, g
     return Result(_native.assemble(np.ascontiguousarray(rows), ends, unit), None, {})[0]
 
 
-def _checked_keys(keys: npt.ArrayLike, count: int) -> np.ndarray:
+def _checked_keys(keys: npt.ArrayLike, count: int) -> npt.NDArray[Any]:
     ends = np.asarray(keys)
     if ends.dtype.kind not in "iu" or ends.shape != (count, 2):
         raise InvalidArgumentError(

@@ -34,7 +34,7 @@ class Finding:
     """Of a loop."""
 
 
-def _rows(columns: Dict[str, np.ndarray]) -> npt.NDArray[np.void]:
+def _rows(columns: Dict[str, npt.NDArray[Any]]) -> npt.NDArray[np.void]:
     """A structured array of columns."""
     rows = np.empty(len(columns["first"]), [(name, column.dtype, column.shape[1:]) for name, column in columns.items()])
     for name, column in columns.items():
@@ -58,7 +58,7 @@ class Check:
     shells : numpy.ndarray
         A row for each set of connected triangles: ``triangles``, ``closed``, ``volume`` (mm³), ``orientation``, ``depth``,
         ``parent``, ``triangle`` and ``first``, a triangle and vertex of it.
-    info : dict
+    info : Dict[str, Any]
         Counts of triangles and edges, box, volume and area.
     """
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from typing import TYPE_CHECKING, Any, Dict, List
+from typing import TYPE_CHECKING, Any, Dict, List, Tuple
 
 import numpy as np
 
@@ -44,7 +44,7 @@ def layer_svg(layer: Layer) -> str:
     )
 
 
-def _largest(layer: Layer) -> List[tuple]:
+def _largest(layer: Layer) -> List[Tuple[Any, ...]]:
     """Role and points of the contours with most points, in their order."""
     paths = layer._paths()
     if len(paths) <= MOST_CONTOURS:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, List, NamedTuple
+from typing import TYPE_CHECKING, Any, List, NamedTuple, Tuple
 
 import numpy as np
 import numpy.typing as npt
@@ -147,11 +147,11 @@ class Layer:
 
         return plot_layer(self, ax, style)
 
-    def _contour_range(self) -> tuple:
+    def _contour_range(self) -> Tuple[int, int]:
         row = self.result.layers[self.index]
         return int(row["first_contour"]), int(row["contour_count"])
 
-    def _paths(self) -> List[tuple]:
+    def _paths(self) -> List[Tuple[Any, ...]]:
         """Role and points of each contour."""
         contours = self.contours
         if len(contours) == 0:
@@ -172,5 +172,5 @@ class Layer:
 
         return layer_svg(self)
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> Tuple[Any, ...]:
         return (Layer, (self.result, self.index))

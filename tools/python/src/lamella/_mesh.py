@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, List, NamedTuple, NoReturn, Optional, Sequence, Union
+from typing import Any, Callable, Dict, List, NamedTuple, NoReturn, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -20,11 +20,11 @@ MeshLike = Any
 class Arrays(NamedTuple):
     """A mesh as arrays that the engine can read where they lie."""
 
-    vertices: np.ndarray
+    vertices: npt.NDArray[Any]
     """(n, 3), or (m, 9) triangles."""
-    faces: Optional[np.ndarray]
+    faces: Optional[npt.NDArray[Any]]
     """(m, 3), or None for triangles."""
-    given_faces: Optional[np.ndarray]
+    given_faces: Optional[npt.NDArray[Any]]
     """As they were given, for messages."""
     unit: float
     """mm that a coordinate has."""
@@ -36,7 +36,7 @@ class View:
 
     __slots__ = ("_meshes", "native")
 
-    def __init__(self, meshes: List[Arrays], transforms: Sequence[Optional[np.ndarray]]) -> None:
+    def __init__(self, meshes: List[Arrays], transforms: Sequence[Optional[npt.NDArray[Any]]]) -> None:
         self._meshes = meshes
         self.native = _native.View([(mesh.vertices, mesh.faces, mesh.unit, move) for mesh, move in zip(meshes, transforms)])
 
@@ -89,12 +89,12 @@ class Mesh:
         mm that a coordinate has.
     path : str or None
         The file that it was read from.
-    info : dict
+    info : Dict[str, Any]
         Of a file: ``format``, ``text``, ``compressed``, ``states_unit``, ``patient_frame`` ("LPS", "RAS" or ""),
         ``bytes``. Of a welded mesh: ``joined`` vertices, ``largest_move`` and ``tolerance`` in mm.
     """
 
-    def __init__(self, vertices: np.ndarray, faces: Optional[np.ndarray], unit: float, path: Optional[str], info: dict) -> None:
+    def __init__(self, vertices: npt.NDArray[Any], faces: Optional[npt.NDArray[Any]], unit: float, path: Optional[str], info: Dict[str, Any]) -> None:
         self._vertices = vertices
         self._faces = faces
         self.unit = unit
@@ -102,17 +102,18 @@ class Mesh:
         self.info = info
 
     @property
-    def triangles(self) -> np.ndarray:
+    def triangles(self) -> npt.NDArray[Any]:
         """Corners (m, 3, 3). A view of what an STL file holds, a copy for meshes of vertices and faces."""
-        return self._vertices.reshape(-1, 3, 3) if self._faces is None else self._vertices[self._faces]
+        corners: npt.NDArray[Any] = self._vertices if self._faces is None else self._vertices[self._faces]
+        return corners.reshape(-1, 3, 3)
 
     @property
-    def vertices(self) -> np.ndarray:
+    def vertices(self) -> npt.NDArray[Any]:
         """Vertices (n, 3): a view, but for STL files, of which it copies three for each triangle."""
         return self._vertices.reshape(-1, 3) if self._faces is None else self._vertices
 
     @property
-    def faces(self) -> np.ndarray:
+    def faces(self) -> npt.NDArray[Any]:
         """Rows of `vertices` (m, 3)."""
         return np.arange(3 * len(self), dtype=np.int64).reshape(-1, 3) if self._faces is None else self._faces
 
@@ -124,7 +125,7 @@ class Mesh:
         unit = f", unit {self.unit:g} mm" if self.unit != 1 else ""
         return f"<lamella.Mesh: {len(self):,} triangles{where}{unit}>"
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> Tuple[Any, ...]:
         return (Mesh, (self._vertices, self._faces, self.unit, self.path, self.info))
 
 
@@ -227,7 +228,7 @@ def _arrays_of(mesh: MeshLike, faces: Optional[npt.ArrayLike], unit: Union[None,
     return _checked(vertices, its_faces, mm)
 
 
-def _parts_of(mesh: MeshLike) -> tuple:
+def _parts_of(mesh: MeshLike) -> Tuple[Any, ...]:
     """Vertices and faces, or triangles and None."""
     if isinstance(mesh, tuple) and len(mesh) == 2:
         return mesh
@@ -246,7 +247,7 @@ def _parts_of(mesh: MeshLike) -> tuple:
     )
 
 
-def _faces_of_cells(cells: Any) -> np.ndarray:
+def _faces_of_cells(cells: Any) -> npt.NDArray[Any]:
     """Of meshio: blocks of cells of one type, or a dict of them."""
     blocks = cells.items() if isinstance(cells, dict) else [(block.type, block.data) for block in cells]
     triangles = [np.asarray(data) for kind, data in blocks if kind == "triangle"]
@@ -256,7 +257,7 @@ def _faces_of_cells(cells: Any) -> np.ndarray:
     return triangles[0] if len(triangles) == 1 else np.concatenate(triangles)
 
 
-def _faces_of_vtk(faces: Any) -> np.ndarray:
+def _faces_of_vtk(faces: Any) -> npt.NDArray[Any]:
     """Of VTK: each face led by its number of corners, [3, a, b, c, 3, ...]."""
     flat = np.asarray(faces)
     if flat.ndim == 2 and flat.shape[1] == 3:
@@ -281,7 +282,7 @@ def _checked(vertices: Any, faces: Any, unit: float) -> Arrays:
     return Arrays(_rows(_coordinates(vertices, "vertices"), "vertices", 3), _indices(given), given, unit, None)
 
 
-def _triangles(values: Any) -> np.ndarray:
+def _triangles(values: Any) -> npt.NDArray[Any]:
     array = _coordinates(values, "triangles")
     if array.ndim == 3 and array.shape[1:] == (3, 3):
         inner = array.strides[1:] == (3 * array.itemsize, array.itemsize)
@@ -296,7 +297,7 @@ def _triangles(values: Any) -> np.ndarray:
     _refuse(f"triangles must have shape (m, 3, 3) or (m, 9), and have {array.shape}")
 
 
-def _coordinates(values: Any, name: str) -> np.ndarray:
+def _coordinates(values: Any, name: str) -> npt.NDArray[Any]:
     """As the engine reads numbers: float32, float64, int32 or int64."""
     array = _array(values, name)
     kind, size = array.dtype.kind, array.itemsize
@@ -307,7 +308,7 @@ def _coordinates(values: Any, name: str) -> np.ndarray:
     return array
 
 
-def _indices(faces: np.ndarray) -> np.ndarray:
+def _indices(faces: npt.NDArray[Any]) -> npt.NDArray[Any]:
     if faces.dtype.kind not in "iu":
         _refuse(f"faces must be integers, and are of dtype {faces.dtype}")
     if faces.dtype.itemsize < 4 or not faces.dtype.isnative:
@@ -315,7 +316,7 @@ def _indices(faces: np.ndarray) -> np.ndarray:
     return _rows(faces, "faces", 3)
 
 
-def _array(values: Any, name: str) -> np.ndarray:
+def _array(values: Any, name: str) -> npt.NDArray[Any]:
     try:
         return np.asarray(values)
     except ValueError:
@@ -324,7 +325,7 @@ def _array(values: Any, name: str) -> np.ndarray:
         _refuse(f"{name}[{odd}] has {lengths[odd]} numbers, the rows before it {lengths[0]}")
 
 
-def _rows(array: np.ndarray, name: str, width: int) -> np.ndarray:
+def _rows(array: npt.NDArray[Any], name: str, width: int) -> npt.NDArray[Any]:
     """Rows of packed numbers, any distance apart; a copy where they are not."""
     if array.ndim != 2 or array.shape[1] != width:
         _refuse(f"{name} must have shape (n, {width}), and have {array.shape}")

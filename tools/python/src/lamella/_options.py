@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import operator
-from typing import Any, Callable, Dict, Mapping, NoReturn, Optional, Sequence, Tuple, TypedDict, Union
+from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple, TypedDict, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -173,7 +173,7 @@ def _grid(value: Any) -> float:
     return unit
 
 
-def _fill_from(value: Any) -> list:
+def _fill_from(value: Any) -> List[Any]:
     try:
         pairs = [(whole_number("a layer of fill_from", layer), rule) for layer, rule in value]
     except (TypeError, ValueError) as error:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, NoReturn, Optional, Union
 
 import numpy.typing as npt
 
@@ -58,6 +58,9 @@ class Prepared:
         keywords: Dict[str, Any] = {"heights": heights, **options}
         native = slice_options(keywords, prepared=True)
         return finish(self._view.run(_native.slice_prepared, native, self._native), self._view, keywords)
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a prepared mesh is not pickled: pickle the mesh, and prepare it where it is sliced")
 
     def __repr__(self) -> str:
         return f"<lamella.Prepared: {self._view.triangle_count:,} triangles, {self.nbytes:,} bytes>"

@@ -6,7 +6,7 @@ import functools
 import itertools
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Union, overload
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Tuple, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -267,11 +267,11 @@ class Result:
 
         return result_html(self)
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> Tuple[Any, ...]:
         return (_restore, (self._native.state(), self._keywords, self.__dict__.get("certificate")))
 
 
-def _restore(state: tuple, keywords: Dict[str, Any], certificate: Optional[Certificate]) -> Result:
+def _restore(state: Tuple[Any, ...], keywords: Dict[str, Any], certificate: Optional[Certificate]) -> Result:
     result = Result(_native.restore(slice_options(keywords), state), None, keywords)
     if certificate is not None:
         result.__dict__["certificate"] = certificate

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Optional, Sequence, Tuple, Union
 
 import numpy.typing as npt
 
@@ -175,6 +175,6 @@ def slice_parts(
     >>> pair.contours["part"]
     array([0, 0, 1, 1], dtype=uint32)
     """
-    keywords: dict = dict(options)
+    keywords: Dict[str, Any] = dict(options)
     view = as_views(meshes, transforms, unit=keywords.pop("unit", None))
     return finish(view.run(_native.slice_parts, slice_options(keywords), united), view, keywords)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Iterator, Optional
+from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional
 
 import numpy.typing as npt
 
@@ -51,7 +51,7 @@ def stream(
     16 16 1247.6
     32 8 47.8
     """
-    keywords: dict = dict(options)
+    keywords: Dict[str, Any] = dict(options)
     view = as_view(mesh, faces, unit=keywords.pop("unit", None))
     if whole_number("chunk", chunk) == 0:
         raise InvalidArgumentError("a chunk must have at least one layer")
@@ -59,7 +59,7 @@ def stream(
     return _chunks(chunks, view, keywords)
 
 
-def _chunks(chunks: _native.Stream, view: View, keywords: dict) -> Iterator[Result]:
+def _chunks(chunks: _native.Stream, view: View, keywords: Dict[str, Any]) -> Iterator[Result]:
     try:
         while (layers := view.run(lambda _: chunks.next())) is not None:
             yield finish(layers, None, keywords)

@@ -1,0 +1,68 @@
+"""The package's types, and what they say of programs that use it."""
+
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+pytest.importorskip("mypy")
+
+SOURCE = pathlib.Path(__file__).resolve().parents[1] / "src"
+
+RIGHT = """
+import numpy as np
+import numpy.typing as npt
+import lamella
+
+result: lamella.Result = lamella.slice("liver.stl", layer_height=0.1, fill_rule="non-zero", progress=True)
+areas: npt.NDArray[np.float64] = result.areas
+first: float = result[0].z
+layers: list[lamella.Layer] = result[2:5]
+mesh: lamella.Mesh = lamella.read("liver.stl")
+again: lamella.Result = lamella.prepare(mesh).slice([1.0, 2.0], threads=2)
+for chunk in lamella.stream(mesh.vertices, mesh.faces, layer_height=0.01, chunk=64):
+    total: float = chunk.volume
+cut: lamella.Layer = lamella.section(mesh, origin=[0, 0, 1], normal=[0, 1, 1], close_gaps=0.1)
+edges: int = lamella.check(mesh)["boundary_edges"].count
+"""
+
+# Each with what mypy must say of it.
+WRONG = [
+    ('lamella.slice("liver.stl", layer_hight=0.1)', 'Unexpected keyword argument "layer_hight"'),
+    ('lamella.slice("liver.stl", layer_height="thin")', 'Argument "layer_height"'),
+    ('lamella.section("liver.stl", origin=[0, 0, 0], normal=[0, 0, 1], layer_height=1)', '"layer_height"'),
+    ('lamella.slice("liver.stl").area', '"Result" has no attribute "area"'),
+    ('x: str = lamella.slice("liver.stl")[0].z', "Incompatible types in assignment"),
+]
+
+
+def mypy(folder, *arguments):
+    command = [sys.executable, "-m", "mypy", "--strict", "--ignore-missing-imports", "--enable-incomplete-feature=Unpack"]
+    run = subprocess.run(
+        [*command, "--cache-dir", str(folder / "cache"), *arguments], cwd=SOURCE, capture_output=True, text=True, check=False
+    )
+    return run.returncode, run.stdout + run.stderr
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("types")
+
+
+def test_types_of_package_and_programs(folder):
+    right = folder / "right.py"
+    right.write_text(RIGHT)
+    code, said = mypy(folder, "-p", "lamella")
+    assert code == 0, said
+    code, said = mypy(folder, str(right))
+    assert code == 0, said
+
+
+def test_wrong_programs_are_found(folder):
+    wrong = folder / "wrong.py"
+    wrong.write_text("import lamella\n" + "\n".join(line for line, _ in WRONG) + "\n")
+    code, said = mypy(folder, str(wrong))
+    assert code == 1
+    for row, (line, words) in enumerate(WRONG, start=2):
+        assert any(f"wrong.py:{row}:" in told and words in told for told in said.splitlines()), (line, said)

@@ -45,8 +45,10 @@ build() { quietly "$1/build.log" cmake --build "$1" --parallel "$jobs" "${@:2}";
 # summary LOG: the end of ctest's output, which lists skipped tests too.
 summary() { sed -n '/tests passed/,$p' "$1"; }
 
-# Runs all tests but those labelled "long" and "paper".
-run_tests() { ctest --test-dir "$1" --label-exclude 'long|paper' --parallel "$jobs" --output-on-failure "${@:2}"; }
+# Runs all tests but those labelled "long" and "paper" and, without --all, "thorough".
+run_tests() {
+    ctest --test-dir "$1" --label-exclude "long|paper$($all || echo '|thorough')" --parallel "$jobs" --output-on-failure "${@:2}"
+}
 
 # Runs the ctest tests of that name, or else the cases of lamella_tests whose names contain the word.
 run_named() {

@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 # From below to above. A file may include its own library and those below it.
-LIBRARIES = ["base", "slicing", "mesh", "audit", "c", "io", "tools"]
+LIBRARIES = ["base", "slicing", "mesh", "audit", "c", "io", "medical", "tools"]
 
 # Folders of engine/slicing, from below to above; those in one line must not include each other. What is above calls what is
 # below: slice.cpp begins the sweeps of bands, a sweep builds layers with contours, contours are repaired, filled and nested,
@@ -44,7 +44,7 @@ PUBLIC = {
     "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "parts": "slicing", "planes": "slicing", "prepare": "slicing", "region": "slicing",
     "host_output": "slicing", "islands": "slicing", "sink": "slicing", "slabs": "slicing",
     "result": "slicing", "slice": "slicing",
-    "lamella": "audit", "lamella.h": "c", "io": "io",
+    "lamella": "audit", "lamella.h": "c", "io": "io", "medical": "medical",
 }  # fmt: skip
 
 # What a host that includes the core's headers is not to be burdened with.
@@ -56,7 +56,9 @@ OTHERS = {
     r"(oneapi/)?tbb/": "base/parallel.cpp",
     r"(polyclipping/)?clipper|CGAL/|boost/(geometry|polygon)": None,
     r"mimalloc": "tools/",
-    r"(expat|zlib|zip|fast_float|nlohmann)\b": "io/",
+    r"(expat|zip|fast_float)\b": "io/",
+    r"(zlib|nlohmann)\b": ("io/", "medical/", "tools/lamella/batch/"),
+    r"(dcmtk|hdf5|nifti1|png|openssl)\b": "medical/",
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
@@ -103,11 +105,15 @@ def complaint_about(path, included):
     return None
 
 
+def told(place):
+    return place if isinstance(place, str) else ", ".join(place)
+
+
 def complaints_about_others(path, included):
     """What is wrong with `path` including a header from elsewhere."""
     for name, place in OTHERS.items():
         if re.match(name, included) and (place is None or not path.startswith(place)):
-            yield f"nothing includes <{included}>" if place is None else f"only {place} includes <{included}>"
+            yield f"nothing includes <{included}>" if place is None else f"only {told(place)} includes <{included}>"
 
 
 def complaints(root):
@@ -121,7 +127,7 @@ def complaints(root):
     known = {path for _, path in sources}
     for file, path in sources:
         text = file.read_text(encoding="utf-8")
-        core_header = path.startswith("lamella/") and library_of(path) != "io"
+        core_header = path.startswith("lamella/") and library_of(path) not in ("io", "medical")
         for match in INCLUDE.finditer(text):
             included = match.group(2)
             found = list(complaints_about_others(path, included))
@@ -156,6 +162,9 @@ PLANTED = [
     ("engine/slicing/grid/bounds.cpp", '#include "gird/blocks.hpp"', "no file of"),
     ("engine/slicing/sweep/band_sweep.cpp", "#include <tbb/parallel_for.h>", "only base/parallel.cpp"),
     ("engine/mesh/weld.cpp", "#include <expat.h>", "only io/"),
+    ("engine/io/write/svg.cpp", '#include "lamella/medical/mask.hpp"', "io must not include medical"),
+    ("engine/io/write/svg.cpp", "#include <hdf5.h>", "only medical/"),
+    ("tools/lamella/console.cpp", "#include <nlohmann/json.hpp>", "only io/, medical/"),
     ("engine/slicing/regions/fill.cpp", "#include <polyclipping/clipper.hpp>", "nothing includes <polyclipping/clipper.hpp>"),
     ("tools/lamella/console.cpp", "#include <clipper.hpp>", "nothing includes <clipper.hpp>"),
     ("include/lamella/slice.hpp", '#include "lamella/io/svg.hpp"', "slicing must not include io"),

@@ -1,0 +1,51 @@
+// Records: what an output was made of, so that anyone can check it years later.
+//
+//     lamella::Record record;
+//     const lamella::Result<lamella::FileSeal> seal = lamella::seal_file("liver.nii.gz");
+//     if (seal) {
+//         record.output = *seal;
+//         const lamella::Status written = lamella::write_record(record, "liver.nii.gz.lamella.json");
+//     }
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lamella/control.hpp"
+#include "lamella/error.hpp"
+
+namespace lamella {
+
+/// A file by its content.
+struct FileSeal {
+    std::string path;  ///< as it was named
+    std::uint64_t bytes = 0;
+    std::string sha256;  ///< 64 hexadecimal digits
+    friend bool operator==(const FileSeal&, const FileSeal&) = default;
+};
+
+/// What stands beside an output NAME as NAME.lamella.json. It holds no time.
+struct Record {
+    std::string version;               ///< of the library
+    std::vector<FileSeal> inputs;      ///< meshes in the order of labels, then the image
+    FileSeal output;                   ///< named as it lies beside the record
+    std::vector<std::string> options;  ///< the words of the command that decide the output
+    std::string patient_frame;         ///< "LPS", "RAS" or ""
+    std::vector<double> grid_mm;       ///< of each mesh
+    std::string fill_rule;
+    std::vector<std::string> result_hashes;  ///< hash_result() of each mesh: 16 hexadecimal digits
+    friend bool operator==(const Record&, const Record&) = default;
+};
+
+/// O(bytes). Errors: unreadable_file, cancelled, out_of_memory.
+Result<FileSeal> seal_file(const std::filesystem::path& path, const Control& control = {}) noexcept;
+
+/// Errors: unwritable_file, out_of_memory.
+Status write_record(const Record& record, const std::filesystem::path& path) noexcept;
+
+/// Errors: unreadable_file, malformed_mesh (not a record; with the place), out_of_memory.
+Result<Record> read_record(const std::filesystem::path& path) noexcept;
+
+}  // namespace lamella

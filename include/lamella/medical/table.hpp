@@ -1,0 +1,47 @@
+// Tables: what each layer measures, for a spreadsheet or a program.
+//
+//     const lamella::TablePart organ{.result = &result, .name = "liver"};
+//     const lamella::Status written = lamella::write_layer_table({&organ, 1}, "liver.csv");
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lamella/control.hpp"
+#include "lamella/error.hpp"
+#include "lamella/mesh.hpp"
+#include "lamella/result.hpp"
+
+namespace lamella {
+
+/// What is known of a whole mesh.
+struct MeshFacts {
+    std::uint64_t triangles = 0;
+    double volume_mm3 = 0;
+    double surface_mm2 = 0;
+    std::string certificate;  ///< "certified", or why not
+    std::vector<std::string> warnings;
+};
+
+/// The facts of a mesh and its result. `to_mm`: from the mesh's coordinates to mm. O(n + q). Errors: those of inspect() and
+/// certify_volume().
+Result<MeshFacts> measure_facts(const MeshView& mesh, const Transform& to_mm, const SliceResult& result,
+                                const Control& control = {}) noexcept;
+
+/// A mesh of a table.
+struct TablePart {
+    const SliceResult* result = nullptr;
+    std::string name;
+    const MeshFacts* facts = nullptr;  ///< where they are known
+    std::uint64_t first_layer = 0;     ///< of a slicing of which this is a range
+};
+
+/// Writes a row a layer: by the end of the name .csv or .jsonl. Where there are facts, .jsonl begins with a line a mesh, and
+/// beside NAME.csv stands NAME.meshes.csv. Errors: invalid_argument, unwritable_file, cancelled, out_of_memory.
+Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path,
+                         const Control& control = {}) noexcept;
+
+}  // namespace lamella

@@ -181,7 +181,8 @@ void declare_region(CLI::App& command, SliceArguments& arguments) {
         ->type_name("N");
     command.add_flag("--drop-collinear", rules.drop_collinear, "Drop points that lie within straight lines");
     command
-        .add_option("--simplify", rules.simplify_mm, "Drop points that lie within MM of the lines left, last of all (off)")
+        .add_option("--simplify,--tolerance", rules.simplify_mm,
+                    "Drop points that lie within MM of the lines left, last of all (off)")
         ->type_name("MM");
     command.add_flag("--largest-only", rules.largest_only, "Keep the largest contour of a layer only, with its holes");
     command
@@ -193,11 +194,14 @@ void declare_region(CLI::App& command, SliceArguments& arguments) {
 }  // namespace
 
 void declare(CLI::App& command, SliceArguments& arguments) {
-    declare_mesh(command, arguments);
-    command.add_option("-o,--output", arguments.output, "Layered SVG to write; - for standard output")
-        ->type_name("OUT.svg|-")
+    command.add_option("mesh", arguments.meshes, mesh_help("Mesh files, or - for standard input"))
+        ->required()
+        ->type_name("MESH|-")
         ->check(given_path);
+    declare_reading(command, arguments);
+    declare_outputs(command, arguments.outputs);
     declare_planes(command, arguments);
+    declare_image(command, arguments.image);
     command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart before slicing (off)")->type_name("MM");
     CLI::Option* const gaps =
         command.add_option("--close-gaps", arguments.close_gaps_mm, "Join ends of open polylines at most MM apart (off)");
@@ -224,6 +228,12 @@ void declare(CLI::App& command, SliceArguments& arguments) {
         ->type_name("FILE|-")
         ->check(given_path);
     declare_progress(command, arguments);
+    for (const char* image : {"--like", "--spacing"}) {
+        for (const char* other :
+             {"--layer-height", "--planes", "--random-heights", "--first-height", "--datum", "--normal", "--transform"}) {
+            command.get_option(image)->excludes(command.get_option(other));
+        }
+    }
 }
 
 void declare_progress(CLI::App& command, MeshArguments& arguments) {

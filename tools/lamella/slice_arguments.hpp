@@ -1,6 +1,7 @@
 // The flags of `lamella slice`, and what they ask of the engine.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -11,12 +12,15 @@
 
 #include "lamella/slice.hpp"
 #include "mesh_input.hpp"
+#include "outputs/image_arguments.hpp"
 #include "standard_streams.hpp"
 
 namespace lamella::cli {
 
 struct SliceArguments : MeshArguments {
-    std::string output;
+    std::vector<std::string> meshes;  ///< `mesh` is the one that is worked on
+    OutputArguments outputs;
+    ImageArguments image;
     std::string report;
     std::optional<double> layer_height_mm;
     std::string planes;
@@ -35,7 +39,9 @@ struct SliceArguments : MeshArguments {
     int band_planes = 0;
     ContourForm form = ContourForm::swept;
 
-    bool output_to_stdout() const noexcept { return is_standard(output); }
+    bool output_to_stdout() const noexcept {
+        return std::any_of(outputs.outputs.begin(), outputs.outputs.end(), is_standard);
+    }
     bool report_to_stdout() const noexcept { return is_standard(report); }
 };
 

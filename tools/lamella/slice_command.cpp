@@ -1,4 +1,9 @@
 // lamella slice: read, slice, write, report.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,7 +17,9 @@
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "mesh_input.hpp"
+#include "numbers.hpp"
 #include "output_path.hpp"
+#include "outputs/write_outputs.hpp"
 #include "scale_words.hpp"
 #include "slice_arguments.hpp"
 #include "slice_summary.hpp"
@@ -21,41 +28,193 @@ namespace lamella::cli {
 
 namespace {
 
+/// The options that decide what comes out, as typed: for records.
+std::vector<std::string> words_of(const CLI::App& command) {
+    static constexpr std::array<std::string_view, 9> without_effect = {
+        "mesh", "--output", "--to", "--threads", "--progress", "--report", "--map", "--band", "--memory"};
+    std::vector<std::string> words;
+    for (const CLI::Option* option : command.get_options()) {
+        const std::string name = option->get_name();
+        if (option->count() == 0 || std::find(without_effect.begin(), without_effect.end(), name) != without_effect.end()) {
+            continue;
+        }
+        if (option->get_items_expected_max() == 0) {
+            words.push_back(name);
+            continue;
+        }
+        for (const std::string& value : option->results()) {
+            words.insert(words.end(), {name, value});
+        }
+    }
+    return words;
+}
+
 class SliceCommand {
 public:
-    SliceCommand(const SliceArguments& arguments, Interrupt& interrupt)
-        : arguments_(arguments), interrupt_(interrupt), bar_(arguments.progress) {}
+    SliceCommand(const CLI::App& command, const SliceArguments& arguments, Interrupt& interrupt)
+        : command_(command),
+          arguments_(arguments),
+          interrupt_(interrupt),
+          bar_(arguments.progress),
+          job_{.outputs = {},
+               .arguments = arguments_.outputs,
+               .parts = {},
+               .image = {},
+               .inputs = {},
+               .options = {},
+               .all_layers = {}} {}
 
     void run() {
-        require_outputs();
-        interrupt_.tidy({arguments_.output, arguments_.report});
-        SliceOptions options = options_of(arguments_);
-        const MeshFile mesh = read();
-        const SliceResult result = slice_mesh(mesh, options);
-        if (result.summary.segments == 0) {
-            note(why_nothing_is_cut(result.summary));
+        plan_outputs();
+        std::vector<MeshFile> files;
+        std::vector<PatientFrame> frames;
+        if (arguments_.image.spacing.empty()) {
+            if (!arguments_.image.like.empty()) {
+                use_image(read_image_of(arguments_.image));
+            }
+        } else {
+            read_all(files);
+            use_image(image_around(files));
         }
-        if (result.summary.emptied_layers > 0 && result.contours.empty()) {
-            note(why_nothing_is_left(result));
+        for (std::size_t i = 0; i < arguments_.meshes.size(); ++i) {
+            arguments_.mesh = arguments_.meshes[i];
+            const MeshFile mesh = files.empty() ? read() : std::move(files[i]);
+            slice_part(mesh);
+            if (arguments_.meshes.size() == 1) {
+                write();
+                report(job_.parts.front().result, mesh);
+                return;
+            }
+            end_run();
+            words_ += summary(job_.parts.back().result, {.mesh_name = arguments_.mesh, .file = &mesh}, run_);
         }
-        note_doubts_of_scale(result, mesh);
-        write(result);
-        report(result, mesh);
+        write();
+        print_words(words_ + wrote(run_), arguments_.output_to_stdout());
     }
 
 private:
     /// What can be known of the outputs before any work is done.
-    void require_outputs() const {
-        if (!arguments_.output.empty()) {
-            require_writable(arguments_.output);
-            require_different(arguments_.output, arguments_.mesh, "--output", "the mesh");
-            require_extension(arguments_.output, "--output", ".svg");
+    void plan_outputs() {
+        const OutputArguments& wanted = arguments_.outputs;
+        if (!wanted.outputs.empty() || !wanted.to.empty()) {
+            job_.outputs = planned_outputs(wanted.outputs, wanted.to);
         }
-        if (!arguments_.report.empty()) {
-            require_writable(arguments_.report);
-            require_different(arguments_.report, arguments_.mesh, "--report", "the mesh");
-            require_different_output(arguments_.report, arguments_.output, "--report", "--output");
+        const bool dicom = !arguments_.image.like.empty() && std::filesystem::is_directory(arguments_.image.like);
+        require_possible(job_.outputs, wanted, arguments_.meshes.size(), arguments_.image.given(), dicom,
+                         arguments_.image.subslices);
+        std::vector<std::filesystem::path> files;
+        for (const PlannedOutput& output : job_.outputs) {
+            for (const std::string& file : output.files(arguments_.meshes.size() > 1)) {
+                files.emplace_back(file);
+                for (const std::string& mesh : arguments_.meshes) {
+                    require_different(file, mesh, "--output", "the mesh");
+                }
+            }
         }
+        require_report(files);
+        files.emplace_back(arguments_.report);
+        interrupt_.tidy(files);
+    }
+
+    void require_report(const std::vector<std::filesystem::path>& outputs) const {
+        if (arguments_.report.empty()) {
+            return;
+        }
+        if (arguments_.meshes.size() > 1) {
+            throw Failure(bad_usage, "--report: one mesh a report, not " + std::to_string(arguments_.meshes.size()));
+        }
+        require_writable(arguments_.report);
+        require_different(arguments_.report, arguments_.meshes.front(), "--report", "the mesh");
+        for (const std::filesystem::path& output : outputs) {
+            require_different_output(arguments_.report, output.string(), "--report", "--output");
+        }
+    }
+
+    void use_image(ImageGeometry image) {
+        for (const std::string& warning : image.warnings) {
+            note(warning);
+        }
+        job_.image = std::move(image);
+        job_.subslices = arguments_.image.subslices;
+    }
+
+    void read_all(std::vector<MeshFile>& files) {
+        for (const std::string& mesh : arguments_.meshes) {
+            arguments_.mesh = mesh;
+            files.push_back(read());
+        }
+    }
+
+    /// --spacing: voxels around all meshes.
+    ImageGeometry image_around(const std::vector<MeshFile>& files) {
+        const std::vector<double> spacing = parse_triple(arguments_.image.spacing, "--spacing");
+        std::array<double, 3> least{};
+        std::array<double, 3> most{};
+        for (std::size_t i = 0; i < files.size(); ++i) {
+            SliceOptions options = options_of(arguments_);
+            options.plan.spacing = ExplicitPlanes{{0}};
+            options.transform =
+                ImageGeometry{}.slicing_frame(patient_frame_of(files[i], arguments_.image, arguments_.meshes[i]));
+            const SliceSummary box = found(slice(files[i], options)).summary;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                least[axis] = i == 0 ? box.min_mm[axis] : std::min(least[axis], box.min_mm[axis]);
+                most[axis] = i == 0 ? box.max_mm[axis] : std::max(most[axis], box.max_mm[axis]);
+            }
+        }
+        return found(geometry_around(least, most, {spacing[0], spacing[1], spacing[2]}));
+    }
+
+    void slice_part(const MeshFile& mesh) {
+        SliceOptions options = options_of(arguments_);
+        SlicedPart part;
+        part.name = mesh_name_of(arguments_.mesh);
+        part.frame = mesh.patient_frame == PatientFrame::unstated ? arguments_.image.frame : mesh.patient_frame;
+        if (job_.image) {
+            part.frame = patient_frame_of(mesh, arguments_.image, arguments_.name());
+            options.plan.spacing = ExplicitPlanes{job_.image->slice_heights_mm(job_.subslices)};
+            options.transform = job_.image->slicing_frame(part.frame);
+        }
+        part.result = slice_mesh(mesh, options);
+        part.welded = std::move(welded_);
+        welded_.reset();
+        if (part.result.summary.segments == 0) {
+            note(why_nothing_is_cut(part.result.summary));
+        }
+        if (part.result.summary.emptied_layers > 0 && part.result.contours.empty()) {
+            note(why_nothing_is_left(part.result));
+        }
+        note_doubts_of_scale(part.result, mesh);
+        if (wants_records()) {
+            add_input(arguments_.mesh, mesh.file_bytes);
+            part.sha256 = job_.inputs.back().sha256;
+        }
+        if (wants_facts()) {
+            part.facts = facts_of(mesh, part);
+        }
+        job_.parts.push_back(std::move(part));
+    }
+
+    bool wants_records() const {
+        return std::any_of(job_.outputs.begin(), job_.outputs.end(),
+                           [](const PlannedOutput& output) { return output.has_record(); });
+    }
+
+    bool wants_facts() const {
+        return std::any_of(job_.outputs.begin(), job_.outputs.end(), [](const PlannedOutput& output) {
+            return output.format == OutputFormat::csv || output.format == OutputFormat::json_lines;
+        });
+    }
+
+    void add_input(const std::string& path, std::uint64_t bytes) {
+        job_.inputs.push_back(is_standard(path) ? FileSeal{path, bytes, ""} : found(seal_file(path)));
+    }
+
+    MeshFacts facts_of(const MeshFile& mesh, const SlicedPart& part) {
+        const Stage stage(bar_, "measuring");
+        MeshFacts facts = found(part.welded ? measure_facts(part.welded->view(), Transform{}, part.result, control_of(stage))
+                                            : measure_facts(mesh.view(), mesh.to_mm(), part.result, control_of(stage)));
+        facts.warnings = run_.warnings;
+        return facts;
     }
 
     static std::string why_nothing_is_cut(const SliceSummary& found) {
@@ -132,18 +291,20 @@ private:
         return failure.status() == bad_input ? Failure(bad_input, arguments_.name() + ": " + error.message) : failure;
     }
 
-    void write(const SliceResult& result) {
-        if (arguments_.output.empty()) {
+    void write() {
+        if (job_.outputs.empty()) {
             return;
         }
+        if (wants_records() && !arguments_.image.like.empty() && !std::filesystem::is_directory(arguments_.image.like)) {
+            add_input(arguments_.image.like, 0);
+        }
+        job_.options = words_of(command_);
         const Stage stage(bar_, "writing");
         const Stopwatch watch;
-        const Status status =
-            write_svg(result, output_path(arguments_.output), {.welded = welded(), .control = control_of(stage)});
-        if (!status) {
-            throw failure_of(status.error());
+        write_outputs(job_, control_of(stage), [this](const std::string& warning) { note(warning); });
+        for (const PlannedOutput& output : job_.outputs) {
+            run_.outputs.push_back(output.path);
         }
-        run_.output = arguments_.output;
         run_.write_ms = watch.ms();
     }
 
@@ -166,13 +327,14 @@ private:
     }
 
     void report(const SliceResult& result, const MeshFile& mesh) {
-        ReportParts parts{.mesh_name = arguments_.mesh, .file = &mesh, .welded = welded()};
+        const WeldedMesh* const welded = job_.parts.front().welded ? &*job_.parts.front().welded : nullptr;
+        ReportParts parts{.mesh_name = arguments_.mesh, .file = &mesh, .welded = welded};
         if (arguments_.report.empty()) {
             end_run();
             print_words(summary(result, parts, run_), arguments_.output_to_stdout());
             return;
         }
-        const MeshView sliced = welded_ ? welded_->view() : mesh.view();
+        const MeshView sliced = welded != nullptr ? welded->view() : mesh.view();
         const auto ledger =
             timed("ledger", run_.ledger_ms, [&](const Control& c) { return make_ledger(sliced, result, c); });
         const auto volume =
@@ -203,8 +365,6 @@ private:
         return {.threads = arguments_.threads, .stop = interrupt_.defer(), .progress = stage.progress()};
     }
 
-    const WeldedMesh* welded() const noexcept { return welded_ ? &*welded_ : nullptr; }
-
     void write_report(const std::string& json) const {
         if (arguments_.report_to_stdout()) {
             print(json);
@@ -220,9 +380,12 @@ private:
         return arguments_.report_to_stdout() ? std::string() : "report    " + arguments_.report + "\n";
     }
 
-    const SliceArguments& arguments_;
+    const CLI::App& command_;
+    SliceArguments arguments_;
     Interrupt& interrupt_;
     ProgressBar bar_;
+    OutputJob job_;
+    std::string words_;  ///< the summaries of several meshes
     std::optional<WeldedMesh> welded_;
     ToolRun run_;
     Stopwatch total_;
@@ -234,7 +397,7 @@ void add_slice_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("slice", "Slice a mesh into closed, oriented, nested contours");
     const auto arguments = std::make_shared<SliceArguments>();
     declare(*command, *arguments);
-    command->callback([arguments, &interrupt] { SliceCommand(*arguments, interrupt).run(); });
+    command->callback([command, arguments, &interrupt] { SliceCommand(*command, *arguments, interrupt).run(); });
 }
 
 }  // namespace lamella::cli

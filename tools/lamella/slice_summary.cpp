@@ -213,7 +213,12 @@ std::string size_after(const std::string& output) {
 }  // namespace
 
 std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh) {
-    const auto output = run.output.empty() ? decltype(ReportMember::value)(nullptr) : std::string_view(run.output);
+    decltype(ReportMember::value) output = nullptr;
+    if (run.outputs.size() == 1) {
+        output = std::string_view(run.outputs.front());
+    } else if (!run.outputs.empty()) {
+        output = std::span<const std::string>(run.outputs);
+    }
     return {{ReportPlace::after_mesh, "output", output},
             {ReportPlace::in_times, "read", mesh.read_ms},
             {ReportPlace::in_times, "parse", mesh.parse_ms},
@@ -228,12 +233,17 @@ std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh) {
 }
 
 std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run) {
-    std::string text = mesh_line(result.summary, parts) + planes_line(result) + mending(result, parts) + "segments  " +
-                       grouped(result.summary.segments) + "\ncontours  " + contour_counts(result) + "\n" + findings(parts) +
-                       times(result.summary, *parts.file, run) + "memory    " + file_size_text(run.peak_rss_bytes) +
-                       " at the peak\n";
-    if (!run.output.empty()) {
-        text += "wrote     " + output_name(run.output) + size_after(run.output) + "\n";
+    const std::string text = mesh_line(result.summary, parts) + planes_line(result) + mending(result, parts) + "segments  " +
+                             grouped(result.summary.segments) + "\ncontours  " + contour_counts(result) + "\n" +
+                             findings(parts) + times(result.summary, *parts.file, run) + "memory    " +
+                             file_size_text(run.peak_rss_bytes) + " at the peak\n";
+    return text + wrote(run);
+}
+
+std::string wrote(const ToolRun& run) {
+    std::string text;
+    for (const std::string& output : run.outputs) {
+        text += "wrote     " + output_name(output) + size_after(output) + "\n";
     }
     return text;
 }

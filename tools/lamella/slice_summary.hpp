@@ -13,7 +13,7 @@ namespace lamella::cli {
 
 /// What the tool itself did, and what that took.
 struct ToolRun {
-    std::string output;  ///< the SVG file, if one was written
+    std::vector<std::string> outputs;  ///< the files that were written, or -
     double weld_ms = 0;
     double write_ms = 0;
     double ledger_ms = 0;
@@ -30,5 +30,8 @@ std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh);
 
 /// Some lines, each a keyword and what there is to say, with a final newline.
 std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run);
+
+/// A line an output.
+std::string wrote(const ToolRun& run);
 
 }  // namespace lamella::cli

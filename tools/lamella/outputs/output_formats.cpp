@@ -1,0 +1,142 @@
+#include "outputs/output_formats.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "failure.hpp"
+#include "standard_streams.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+struct NamedFormat {
+    std::string_view name;  ///< for --to
+    std::string_view end;   ///< of a file's name
+    OutputFormat format;
+};
+
+/// Longer ends before those that they end in.
+constexpr std::array<NamedFormat, 10> formats = {{
+    {"svg", ".svg", OutputFormat::svg},
+    {"nii.gz", ".nii.gz", OutputFormat::nifti_gz},
+    {"nii", ".nii", OutputFormat::nifti},
+    {"seg.nrrd", ".seg.nrrd", OutputFormat::segmentation},
+    {"nrrd", ".nrrd", OutputFormat::nrrd},
+    {"rtstruct", ".dcm", OutputFormat::structure_set},
+    {"h5", ".h5", OutputFormat::archive},
+    {"csv", ".csv", OutputFormat::csv},
+    {"jsonl", ".jsonl", OutputFormat::json_lines},
+    {"png", ".png", OutputFormat::png},
+}};
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
+const NamedFormat* format_by_end(const std::string& path) {
+    const std::string name = lower(path);
+    const auto* const found =
+        std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& format) { return name.ends_with(format.end); });
+    return found == formats.end() ? nullptr : found;
+}
+
+PlannedOutput by_name(const std::string& path) {
+    if (const NamedFormat* format = format_by_end(path)) {
+        return {path, format->format};
+    }
+    const std::string own = lower(std::filesystem::path(path).extension().string());
+    std::error_code unknown;
+    if (own.empty() || is_standard(path) || std::filesystem::is_other(path, unknown)) {
+        return {path, OutputFormat::svg};
+    }
+    throw Failure(bad_usage, "--output: '" + path + "': no format that is written ends in " + own + "; there is .svg, " +
+                                 ".nii, .nii.gz, .nrrd, .seg.nrrd, .dcm, .h5, .csv, .jsonl, .png");
+}
+
+std::vector<const NamedFormat*> parse_formats(const std::string& to) {
+    std::vector<const NamedFormat*> found;
+    for (std::size_t begin = 0; begin <= to.size();) {
+        const std::size_t end = std::min(to.find(',', begin), to.size());
+        const std::string name = lower(to.substr(begin, end - begin));
+        const auto* const format =
+            std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& known) { return known.name == name; });
+        if (format == formats.end()) {
+            throw Failure(bad_usage, "--to: '" + name + "' is not one of " + output_format_names());
+        }
+        if (std::find(found.begin(), found.end(), format) != found.end()) {
+            throw Failure(bad_usage, "--to: '" + name + "' stands there twice");
+        }
+        found.push_back(format);
+        begin = end + 1;
+    }
+    return found;
+}
+
+}  // namespace
+
+bool PlannedOutput::is_mask() const noexcept {
+    return format == OutputFormat::nifti || format == OutputFormat::nifti_gz || format == OutputFormat::nrrd ||
+           format == OutputFormat::segmentation;
+}
+
+bool PlannedOutput::in_patient() const noexcept {
+    return is_mask() || format == OutputFormat::structure_set;
+}
+
+bool PlannedOutput::one_mesh() const noexcept {
+    return format == OutputFormat::svg || format == OutputFormat::archive;
+}
+
+std::vector<std::string> PlannedOutput::files(bool several_meshes) const {
+    std::vector<std::string> all = {path};
+    if (format == OutputFormat::csv) {
+        all.push_back(without_format_end(path) + ".meshes.csv");
+    }
+    if (is_mask() && several_meshes) {
+        all.push_back(without_format_end(path) + ".labels.csv");
+    }
+    if (has_record()) {
+        all.push_back(record_path());
+    }
+    return all;
+}
+
+std::string output_format_names() {
+    std::string names;
+    for (const NamedFormat& format : formats) {
+        names += (names.empty() ? "" : ", ") + std::string(format.name);
+    }
+    return names;
+}
+
+std::string without_format_end(const std::string& path) {
+    const NamedFormat* const format = format_by_end(path);
+    return format == nullptr ? path : path.substr(0, path.size() - format->end.size());
+}
+
+std::vector<PlannedOutput> planned_outputs(const std::vector<std::string>& outputs, const std::string& to) {
+    std::vector<PlannedOutput> planned;
+    if (to.empty()) {
+        for (const std::string& path : outputs) {
+            planned.push_back(by_name(path));
+        }
+        return planned;
+    }
+    if (outputs.size() != 1 || is_standard(outputs.front())) {
+        throw Failure(bad_usage, "--to: needs one --output, a file, whose name the formats share");
+    }
+    for (const NamedFormat* format : parse_formats(to)) {
+        planned.push_back({without_format_end(outputs.front()) + std::string(format->end), format->format});
+    }
+    return planned;
+}
+
+}  // namespace lamella::cli

@@ -1,0 +1,52 @@
+// Results become files: masks, structure sets, archives, tables, pictures, SVG, and a record beside each.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lamella/control.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "lamella/medical.hpp"
+#include "lamella/mesh/weld.hpp"
+#include "outputs/image_arguments.hpp"
+#include "outputs/output_formats.hpp"
+
+namespace lamella::cli {
+
+/// A mesh that was sliced.
+struct SlicedPart {
+    std::string name;  ///< of its label, ROI or row
+    SliceResult result;
+    std::optional<MeshFacts> facts;
+    PatientFrame frame = PatientFrame::unstated;
+    std::optional<WeldedMesh> welded;
+    std::string sha256;  ///< of the mesh's file; empty for standard input
+};
+
+/// All that is written at the end of a command.
+struct OutputJob {
+    std::vector<PlannedOutput> outputs;
+    const OutputArguments& arguments;
+    std::vector<SlicedPart> parts;
+    std::optional<ImageGeometry> image;
+    int subslices = 1;
+    std::vector<FileSeal> inputs;             ///< for the records
+    std::vector<std::string> options;         ///< for the records
+    std::uint64_t first_layer = 0;            ///< of a range of layers
+    std::optional<std::uint64_t> all_layers;  ///< of the slicing of which it is a range
+};
+
+/// What can be refused before any mesh is read. Throws Failure (bad_usage, bad_output).
+void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
+                      bool image_given, bool dicom_image, int subslices);
+
+/// Writes all outputs; `note` takes warnings. Throws Failure.
+void write_outputs(const OutputJob& job, const Control& control, const std::function<void(const std::string&)>& note);
+
+/// The name of a mesh's file without folder and ends: "liver" of "a/liver.stl.gz".
+std::string mesh_name_of(const std::string& path);
+
+}  // namespace lamella::cli

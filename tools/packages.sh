@@ -4,7 +4,7 @@ build_packages=(
     cmake ninja-build g++
     libtbb-dev libmimalloc-dev catch2 libcli11-dev nlohmann-json3-dev libfast-float-dev
     zlib1g-dev libexpat1-dev libzip-dev pkg-config
-    libdcmtk-dev libnifti-dev libhdf5-dev libpng-dev libssl-dev
+    libssl-dev
 )
 # bench/: the second is only compared with.
 bench_packages=(libbenchmark-dev libpolyclipping-dev)
@@ -15,12 +15,7 @@ python_packages=(
     python3-pytest python3-hypothesis python3-pandas python3-shapely python3-matplotlib python3-tqdm mypy
 )
 # tests/readers: programs that read what lamella::medical writes. A test whose program is missing is skipped.
-reader_packages=(
-    python3-nibabel python3-pydicom python3-h5py python3-pandas python3-pil python3-vtk9
-    dicom3tools teem-apps plastimatch
-)
-# tests/cluster and lamella.dask, by hand.
-cluster_packages=(slurm-wlm munge snakemake python3-distributed)
+reader_packages=(python3-nibabel python3-pandas teem-apps)
 check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libc++-14-dev libc++abi-14-dev doxygen abigail-tools)
 picture_packages=(librsvg2-bin)
 

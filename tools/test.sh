@@ -132,7 +132,7 @@ fi
 stage "packages"
 install_missing "${build_packages[@]}" "${test_packages[@]}" "${python_packages[@]}"
 if $all; then
-    install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}"
+    install_missing "${check_packages[@]}" "${picture_packages[@]}" "${bench_packages[@]}" "${reader_packages[@]}"
     check_format
 fi
 

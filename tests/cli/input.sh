@@ -7,7 +7,7 @@ test_usage() {
     expect_failure 2 "'shred' is not a command" shred ball.stl
     expect_failure 2 "mesh" slice
     expect_failure 2 "--wings" "${slice[@]}" --wings
-    expect_failure 2 "extra" "${slice[@]}" extra
+    expect_failure 3 "extra: cannot be opened" "${slice[@]}" extra
     local height
     for height in 0 -0.1 nan inf; do
         expect_failure 2 "--layer-height" "${slice[@]}" --layer-height "$height"

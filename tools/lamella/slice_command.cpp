@@ -31,7 +31,7 @@ namespace {
 /// The options that decide what comes out, as typed: for records.
 std::vector<std::string> words_of(const CLI::App& command) {
     static constexpr std::array<std::string_view, 9> without_effect = {
-        "mesh", "--output", "--to", "--threads", "--progress", "--report", "--map", "--band", "--memory"};
+        "mesh", "--output", "--to", "--threads", "--progress", "--report", "--map", "--band", "--form"};
     std::vector<std::string> words;
     for (const CLI::Option* option : command.get_options()) {
         const std::string name = option->get_name();
@@ -56,13 +56,14 @@ public:
           arguments_(arguments),
           interrupt_(interrupt),
           bar_(arguments.progress),
-          job_{.outputs = {},
-               .arguments = arguments_.outputs,
-               .parts = {},
-               .image = {},
-               .inputs = {},
-               .options = {},
-               .all_layers = {}} {}
+          job_{
+              .outputs = {},
+              .arguments = arguments_.outputs,
+              .parts = {},
+              .image = {},
+              .inputs = {},
+              .options = {},
+          } {}
 
     void run() {
         plan_outputs();
@@ -96,11 +97,16 @@ private:
     /// What can be known of the outputs before any work is done.
     void plan_outputs() {
         const OutputArguments& wanted = arguments_.outputs;
+        for (const std::string& output : wanted.outputs) {
+            require_writable(output);
+            for (const std::string& mesh : arguments_.meshes) {
+                require_different(output, mesh, "--output", "the mesh");
+            }
+        }
         if (!wanted.outputs.empty() || !wanted.to.empty()) {
             job_.outputs = planned_outputs(wanted.outputs, wanted.to);
         }
-        const bool dicom = !arguments_.image.like.empty() && std::filesystem::is_directory(arguments_.image.like);
-        require_possible(job_.outputs, wanted, arguments_.meshes.size(), arguments_.image.given(), dicom,
+        require_possible(job_.outputs, wanted, arguments_.meshes.size(), arguments_.image.given(),
                          arguments_.image.subslices);
         std::vector<std::filesystem::path> files;
         for (const PlannedOutput& output : job_.outputs) {
@@ -186,7 +192,6 @@ private:
         note_doubts_of_scale(part.result, mesh);
         if (wants_records()) {
             add_input(arguments_.mesh, mesh.file_bytes);
-            part.sha256 = job_.inputs.back().sha256;
         }
         if (wants_facts()) {
             part.facts = facts_of(mesh, part);
@@ -295,7 +300,7 @@ private:
         if (job_.outputs.empty()) {
             return;
         }
-        if (wants_records() && !arguments_.image.like.empty() && !std::filesystem::is_directory(arguments_.image.like)) {
+        if (wants_records() && !arguments_.image.like.empty()) {
             add_input(arguments_.image.like, 0);
         }
         job_.options = words_of(command_);

@@ -1,9 +1,10 @@
 // Label masks: which voxels of an image lie inside which mesh.
 //
+//     const lamella::Result<lamella::ImageGeometry> image = lamella::read_image_geometry("ct.nii.gz");
 //     const lamella::MaskPart organ{.result = &result, .name = "liver"};  // sliced at the image's slices, in its frame
-//     const lamella::Result<lamella::MaskSummary> written = lamella::write_mask({&organ, 1}, image, "liver.nii.gz");
-//     if (written) {
-//         std::printf("%llu voxels\n", static_cast<unsigned long long>(written->voxels[0]));
+//     if (image) {
+//         const lamella::Result<lamella::MaskSummary> written = lamella::write_mask({&organ, 1}, *image, "liver.nii.gz");
+//         std::printf("%s\n", written ? "written" : written.error().message.c_str());
 //     }
 #pragma once
 
@@ -36,12 +37,16 @@ struct MaskSummary {
     std::vector<std::uint64_t> voxels;    ///< of each label; by coverage, those that are not 0
     std::uint64_t overlapped_voxels = 0;  ///< voxels in several parts: they have the later label
     std::uint64_t open_slices = 0;        ///< slices with open polylines, which enclose nothing
-    std::vector<double> cut_off_share;    ///< of each part: the share of its area in the slices that lies outside the image
+    std::vector<double> cut_off_share;    ///< of each part: the share of its area in the slices that lies beside the image
 };
 
 /// Writes a mask of the size of `image`. A voxel is in where the winding number around its centre is not 0; centres on a
-/// left or bottom edge are inside. The end of the name decides the format: .nii, .nii.gz, .nrrd or .seg.nrrd. Errors:
-/// invalid_argument, unwritable_file, cancelled, out_of_memory.
+/// left or bottom edge are inside. Centres are rounded to the grid of the result, so that the answer is exact. The end of
+/// the name decides the format: .nii, .nii.gz, .nrrd or .seg.nrrd (with 3D Slicer's keys). Labels are bytes up to 255 parts,
+/// else two bytes; shares are bytes of which 255 stand for 1. Beside a mask of several parts stands NAME.labels.csv.
+///
+/// v voxels, q points: O(v + q) and memory for some slices. The bytes do not depend on threads. Errors: invalid_argument
+/// (not cut at the image's slices; a side over 32,767 for NIfTI; too large), unwritable_file, cancelled, out_of_memory.
 Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeometry& image,
                                const std::filesystem::path& path, const MaskOptions& options = {}) noexcept;
 

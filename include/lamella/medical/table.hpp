@@ -2,6 +2,7 @@
 //
 //     const lamella::TablePart organ{.result = &result, .name = "liver"};
 //     const lamella::Status written = lamella::write_layer_table({&organ, 1}, "liver.csv");
+//     std::printf("%s\n", written ? "written" : written.error().message.c_str());
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,6 @@ struct TablePart {
     const SliceResult* result = nullptr;
     std::string name;
     const MeshFacts* facts = nullptr;  ///< where they are known
-    std::uint64_t first_layer = 0;     ///< of a slicing of which this is a range
 };
 
 /// Writes a row a layer: by the end of the name .csv or .jsonl. Where there are facts, .jsonl begins with a line a mesh, and

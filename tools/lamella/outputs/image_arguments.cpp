@@ -10,9 +10,9 @@ namespace lamella::cli {
 
 void declare_outputs(CLI::App& command, OutputArguments& arguments) {
     command
-        .add_option("-o,--output", arguments.outputs,
-                    "File to write, by the end of its name: " + output_format_names() +
-                        " (rtstruct: .dcm); repeatable; - for SVG on standard output")
+        .add_option(
+            "-o,--output", arguments.outputs,
+            "File to write, by the end of its name: " + output_format_names() + "; repeatable; - for SVG on standard output")
         ->type_name("FILE|-")
         ->take_all()
         ->allow_extra_args(false)
@@ -21,26 +21,12 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
         ->type_name("FORMAT,...")
         ->check(given);
     command.add_flag("--coverage", arguments.coverage, "Masks hold the share of each voxel's area that is inside");
-    command
-        .add_option_function<std::string>(
-            "--holes",
-            [&arguments](const std::string& text) {
-                if (text != "keyhole" && text != "xor") {
-                    throw CLI::ValidationError("--holes", "'" + text + "' is not one of keyhole|xor");
-                }
-                arguments.holes = text == "xor" ? HoleForm::exclusive_or : HoleForm::keyhole;
-            },
-            "Holes in structure sets: joined to their contour, or CLOSEDPLANAR_XOR (keyhole)")
-        ->type_name("keyhole|xor");
-    command.add_flag("--without-ct", arguments.without_ct, "Write a structure set although --like is no DICOM series");
     command.add_flag("--strict", arguments.strict, "Fail where a slice has open polylines, which enclose nothing");
-    command.add_option("--picture-layer", arguments.picture_layer, "PNG of this layer, counted from 0 (a contact sheet)")
-        ->type_name("N");
 }
 
 void declare_image(CLI::App& command, ImageArguments& arguments) {
-    CLI::Option* const like = command.add_option(
-        "--like", arguments.like, "Cut at the slices of this image: NIfTI, NRRD, or a folder with a DICOM series");
+    CLI::Option* const like =
+        command.add_option("--like", arguments.like, "Cut at the slices of this image: NIfTI-1 or NRRD");
     CLI::Option* const spacing =
         command.add_option("--spacing", arguments.spacing,
                            "Cut for voxels of this size in mm around the mesh, along left, posterior, superior");

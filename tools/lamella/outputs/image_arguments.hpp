@@ -1,8 +1,6 @@
 // The flags of results that medicine reads, which slice and convert share.
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +8,6 @@
 
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/medical/geometry.hpp"
-#include "lamella/medical/structure_set.hpp"
 
 namespace lamella::cli {
 
@@ -18,10 +15,7 @@ struct OutputArguments {
     std::vector<std::string> outputs;  ///< paths, or -
     std::string to;                    ///< formats
     bool coverage = false;
-    HoleForm holes = HoleForm::keyhole;
-    bool without_ct = false;
     bool strict = false;
-    std::optional<std::uint64_t> picture_layer;  ///< a PNG of this layer, instead of a contact sheet
 };
 
 /// The image that sets the planes.

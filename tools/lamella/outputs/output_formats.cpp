@@ -22,17 +22,14 @@ struct NamedFormat {
 };
 
 /// Longer ends before those that they end in.
-constexpr std::array<NamedFormat, 10> formats = {{
+constexpr std::array<NamedFormat, 7> formats = {{
     {"svg", ".svg", OutputFormat::svg},
     {"nii.gz", ".nii.gz", OutputFormat::nifti_gz},
     {"nii", ".nii", OutputFormat::nifti},
     {"seg.nrrd", ".seg.nrrd", OutputFormat::segmentation},
     {"nrrd", ".nrrd", OutputFormat::nrrd},
-    {"rtstruct", ".dcm", OutputFormat::structure_set},
-    {"h5", ".h5", OutputFormat::archive},
     {"csv", ".csv", OutputFormat::csv},
     {"jsonl", ".jsonl", OutputFormat::json_lines},
-    {"png", ".png", OutputFormat::png},
 }};
 
 std::string lower(std::string text) {
@@ -57,8 +54,8 @@ PlannedOutput by_name(const std::string& path) {
     if (own.empty() || is_standard(path) || std::filesystem::is_other(path, unknown)) {
         return {path, OutputFormat::svg};
     }
-    throw Failure(bad_usage, "--output: '" + path + "': no format that is written ends in " + own + "; there is .svg, " +
-                                 ".nii, .nii.gz, .nrrd, .seg.nrrd, .dcm, .h5, .csv, .jsonl, .png");
+    throw Failure(bad_usage, "--output: '" + path + "': no format that is written ends in " + own +
+                                 "; there is .svg, .nii, .nii.gz, .nrrd, .seg.nrrd, .csv, .jsonl");
 }
 
 std::vector<const NamedFormat*> parse_formats(const std::string& to) {
@@ -85,14 +82,6 @@ std::vector<const NamedFormat*> parse_formats(const std::string& to) {
 bool PlannedOutput::is_mask() const noexcept {
     return format == OutputFormat::nifti || format == OutputFormat::nifti_gz || format == OutputFormat::nrrd ||
            format == OutputFormat::segmentation;
-}
-
-bool PlannedOutput::in_patient() const noexcept {
-    return is_mask() || format == OutputFormat::structure_set;
-}
-
-bool PlannedOutput::one_mesh() const noexcept {
-    return format == OutputFormat::svg || format == OutputFormat::archive;
 }
 
 std::vector<std::string> PlannedOutput::files(bool several_meshes) const {

@@ -7,28 +7,16 @@
 
 namespace lamella::cli {
 
-enum class OutputFormat : std::uint8_t {
-    svg,
-    nifti,
-    nifti_gz,
-    nrrd,
-    segmentation,
-    structure_set,
-    archive,
-    csv,
-    json_lines,
-    png
-};
+enum class OutputFormat : std::uint8_t { svg, nifti, nifti_gz, nrrd, segmentation, csv, json_lines };
 
 struct PlannedOutput {
     std::string path;  ///< or - for standard output
     OutputFormat format = OutputFormat::svg;
 
-    /// Voxels or contours in the patient: it needs the geometry of an image, and the patient frame of the mesh.
-    bool in_patient() const noexcept;
+    /// Voxels in the patient: it needs the geometry of an image, and the patient frame of the mesh.
     bool is_mask() const noexcept;
     /// Whether it takes one mesh only.
-    bool one_mesh() const noexcept;
+    bool one_mesh() const noexcept { return format == OutputFormat::svg; }
     /// Whether a record is written beside it: beside all but SVG.
     bool has_record() const noexcept { return format != OutputFormat::svg; }
     std::string record_path() const { return path + ".lamella.json"; }

@@ -1,9 +1,7 @@
 #include "outputs/write_outputs.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <utility>
 
@@ -32,30 +30,6 @@ void done_or_thrown(const Status& status) {
     if (!status) {
         throw failure_of(status.error());
     }
-}
-
-/// Colours that are told apart on black and on white, for labels 1, 2, ...
-constexpr std::array<std::array<std::uint8_t, 3>, 8> label_colours = {{{230, 75, 53},
-                                                                       {0, 114, 178},
-                                                                       {0, 158, 115},
-                                                                       {230, 159, 0},
-                                                                       {204, 121, 167},
-                                                                       {86, 180, 233},
-                                                                       {213, 94, 0},
-                                                                       {117, 112, 179}}};
-
-std::optional<std::int64_t> source_date_epoch() {
-    const char* const text = std::getenv("SOURCE_DATE_EPOCH");
-    std::int64_t seconds = 0;
-    if (text == nullptr) {
-        return std::nullopt;
-    }
-    const std::string_view digits(text);
-    const auto [stop, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), seconds);
-    if (problem != std::errc() || stop != digits.data() + digits.size() || seconds < 0) {
-        throw Failure(bad_usage, "SOURCE_DATE_EPOCH: '" + std::string(text) + "' is not a number of seconds");
-    }
-    return seconds;
 }
 
 std::string percent(double share) {
@@ -87,62 +61,27 @@ void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Cont
         if (summary.cut_off_share[i] > 0) {
             note(output.path + ": the image cuts off " + percent(summary.cut_off_share[i]) + " of the area of " + name);
         }
+        const SliceResult& result = job.parts[i].result;
+        const std::vector<double> heights = job.image->slice_heights_mm();
+        const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+        const double half = job.image->spacing_mm[2] / 2;
+        const double beyond =
+            std::max({0.0, *low - half - result.summary.min_mm[2], result.summary.max_mm[2] - *high - half});
+        if (beyond > 0) {
+            note(output.path + ": " + name + " reaches " + rounded(beyond, 3) + " mm beyond the image's slices");
+        }
         if (summary.voxels[i] == 0) {
             note(output.path + ": no voxel lies in " + name);
         }
     }
 }
 
-void write_structure_set_of(const OutputJob& job, const PlannedOutput& output, const Control& control, const Note& note) {
-    std::vector<Roi> rois;
-    for (const SlicedPart& part : job.parts) {
-        rois.push_back({&part.result, part.name, label_colours[rois.size() % label_colours.size()]});
-    }
-    const StructureSetSummary summary = done_or_thrown(write_structure_set(rois, *job.image, output.path,
-                                                                           {.holes = job.arguments.holes,
-                                                                            .without_ct = job.arguments.without_ct,
-                                                                            .seconds_since_1970 = source_date_epoch(),
-                                                                            .control = control}));
-    note_open_slices(summary.open_slices, output, note);
-}
-
-void write_archive_of(const OutputJob& job, const PlannedOutput& output, const Control& control) {
-    const SlicedPart& part = job.parts.front();
-    const ArchiveInfo info{.name = part.name,
-                           .mesh_sha256 = part.sha256,
-                           .frame = part.frame,
-                           .geometry = job.image,
-                           .subslices = job.subslices,
-                           .first_layer = job.first_layer,
-                           .all_layers = job.all_layers};
-    done_or_thrown(write_archive(part.result, info, output.path, control));
-}
-
 void write_table_of(const OutputJob& job, const PlannedOutput& output, const Control& control) {
     std::vector<TablePart> parts;
     for (const SlicedPart& part : job.parts) {
-        parts.push_back({&part.result, part.name, part.facts ? &*part.facts : nullptr, job.first_layer});
+        parts.push_back({&part.result, part.name, part.facts ? &*part.facts : nullptr});
     }
     done_or_thrown(write_layer_table(parts, output.path, control));
-}
-
-void write_picture_of(const OutputJob& job, const PlannedOutput& output, const Control& control) {
-    std::vector<PicturePart> parts;
-    for (const SlicedPart& part : job.parts) {
-        parts.push_back({&part.result, part.name});
-    }
-    const PictureOptions options{.first_layer = job.first_layer, .control = control};
-    const std::optional<std::uint64_t> layer = job.arguments.picture_layer;
-    if (layer) {
-        const std::uint64_t end = job.first_layer + job.parts.front().result.layers.size();
-        if (*layer < job.first_layer || *layer >= end) {
-            throw Failure(bad_usage, "--picture-layer: there are layers " + std::to_string(job.first_layer) + " to " +
-                                         std::to_string(end) + ", the last left out");
-        }
-        done_or_thrown(write_layer_picture(parts, *layer - job.first_layer, output.path, options));
-        return;
-    }
-    done_or_thrown(write_contact_sheet(parts, output.path, options));
 }
 
 void write_one(const OutputJob& job, const PlannedOutput& output, const Control& control, const Note& note) {
@@ -158,15 +97,9 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Control&
         case OutputFormat::nrrd:
         case OutputFormat::segmentation:
             return write_mask_of(job, output, control, note);
-        case OutputFormat::structure_set:
-            return write_structure_set_of(job, output, control, note);
-        case OutputFormat::archive:
-            return write_archive_of(job, output, control);
         case OutputFormat::csv:
         case OutputFormat::json_lines:
             return write_table_of(job, output, control);
-        case OutputFormat::png:
-            return write_picture_of(job, output, control);
     }
 }
 
@@ -207,19 +140,15 @@ void require_closed(const OutputJob& job) {
 }  // namespace
 
 void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
-                      bool image_given, bool dicom_image, int subslices) {
+                      bool image_given, int subslices) {
     bool mask = false;
-    bool structures = false;
-    bool picture = false;
     for (const PlannedOutput& output : outputs) {
         require_writable(output.path);
         mask = mask || output.is_mask();
-        structures = structures || output.format == OutputFormat::structure_set;
-        picture = picture || output.format == OutputFormat::png;
         if (output.one_mesh() && meshes > 1) {
             throw Failure(bad_usage, "--output: '" + output.path + "' takes one mesh, not " + std::to_string(meshes));
         }
-        if (output.in_patient() && !image_given) {
+        if (output.is_mask() && !image_given) {
             throw Failure(bad_usage, "--output: '" + output.path + "' needs --like IMAGE or --spacing X,Y,Z");
         }
         for (const PlannedOutput& other : outputs) {
@@ -228,20 +157,11 @@ void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArg
             }
         }
     }
-    if (structures && !dicom_image && !arguments.without_ct) {
-        throw Failure(bad_usage, "a structure set needs the CT that it belongs to: --like FOLDER, or --without-ct");
-    }
-    if (structures && subslices > 1) {
-        throw Failure(bad_usage, "--subslices: a structure set has one plane a slice");
-    }
     if ((arguments.coverage || subslices > 1) && mask && meshes > 1) {
         throw Failure(bad_usage, "--coverage and --subslices: one mesh a mask, not " + std::to_string(meshes));
     }
     if ((arguments.coverage || subslices > 1) && !mask) {
         throw Failure(bad_usage, "--coverage and --subslices: no output is a mask");
-    }
-    if (arguments.picture_layer && !picture) {
-        throw Failure(bad_usage, "--picture-layer: no output is a PNG");
     }
 }
 

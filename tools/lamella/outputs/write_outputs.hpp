@@ -1,4 +1,4 @@
-// Results become files: masks, structure sets, archives, tables, pictures, SVG, and a record beside each.
+// Results become files: masks, tables, SVG, and a record beside each but SVG.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,6 @@ struct SlicedPart {
     std::optional<MeshFacts> facts;
     PatientFrame frame = PatientFrame::unstated;
     std::optional<WeldedMesh> welded;
-    std::string sha256;  ///< of the mesh's file; empty for standard input
 };
 
 /// All that is written at the end of a command.
@@ -33,15 +32,13 @@ struct OutputJob {
     std::vector<SlicedPart> parts;
     std::optional<ImageGeometry> image;
     int subslices = 1;
-    std::vector<FileSeal> inputs;             ///< for the records
-    std::vector<std::string> options;         ///< for the records
-    std::uint64_t first_layer = 0;            ///< of a range of layers
-    std::optional<std::uint64_t> all_layers;  ///< of the slicing of which it is a range
+    std::vector<FileSeal> inputs;      ///< for the records
+    std::vector<std::string> options;  ///< for the records
 };
 
 /// What can be refused before any mesh is read. Throws Failure (bad_usage, bad_output).
 void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
-                      bool image_given, bool dicom_image, int subslices);
+                      bool image_given, int subslices);
 
 /// Writes all outputs; `note` takes warnings. Throws Failure.
 void write_outputs(const OutputJob& job, const Control& control, const std::function<void(const std::string&)>& note);

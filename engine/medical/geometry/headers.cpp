@@ -1,0 +1,84 @@
+#include "medical/geometry/headers.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <system_error>
+
+#include <zlib.h>
+
+#include "base/guard.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t most_header_bytes = std::size_t{1} << 20;
+constexpr double largest_cosine = 1e-4;  ///< of axes that count as perpendicular
+
+constexpr std::array<const char*, 3> axis_names = {"i", "j", "k"};
+
+Error unreadable(const std::string& name, int error_number) {
+    return {.code = ErrorCode::unreadable_file,
+            .message = "cannot read '" + name + "': " + std::generic_category().message(error_number)};
+}
+
+}  // namespace
+
+HeaderBytes::HeaderBytes(const std::filesystem::path& path) : name_(path.string()) {
+    std::error_code unknown;
+    if (std::filesystem::is_directory(path, unknown)) {
+        throw Refused{unreadable(name_, EISDIR)};
+    }
+    errno = 0;
+    const gzFile file = ::gzopen(path.c_str(), "rb");
+    if (file == nullptr) {
+        throw Refused{unreadable(name_, errno != 0 ? errno : ENOMEM)};
+    }
+    std::string bytes(most_header_bytes, '\0');
+    const int count = ::gzread(file, bytes.data(), static_cast<unsigned>(bytes.size()));
+    ::gzclose(file);
+    if (count < 0) {
+        throw Refused{refused("damaged gzip data within the header")};
+    }
+    bytes.resize(static_cast<std::size_t>(count));
+    bytes_ = std::move(bytes);
+}
+
+Error HeaderBytes::refused(const std::string& what) const {
+    return {.code = ErrorCode::malformed_mesh, .message = name_ + ": " + what};
+}
+
+ImageGeometry upright(const HeaderBytes& header, const std::array<std::uint64_t, 3>& size,
+                      const std::array<Direction, 3>& steps, const Direction& origin) {
+    ImageGeometry image;
+    image.size = size;
+    image.origin_mm = origin;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double step = length(steps[axis]);
+        if (!std::isfinite(step) || step <= 0 || !std::isfinite(origin[axis])) {
+            throw Refused{header.refused("the distance of voxels along " + std::string(axis_names[axis]) +
+                                         ", or the origin, is no finite length")};
+        }
+        if (size[axis] == 0 || size[axis] > largest_image_side) {
+            throw Refused{header.refused(std::to_string(size[axis]) + " voxels along " + axis_names[axis])};
+        }
+        image.spacing_mm[axis] = step;
+        image.axes[axis] = scaled(steps[axis], 1 / step);
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t next = (axis + 1) % 3;
+        if (std::abs(dot(image.axes[axis], image.axes[next])) > largest_cosine) {
+            throw Refused{header.refused("sheared: the axes " + std::string(axis_names[axis]) + " and " + axis_names[next] +
+                                         " are not perpendicular")};
+        }
+    }
+    // What rounding in the header left of a right angle is taken away.
+    const Direction normal = cross(image.axes[0], image.axes[1]);
+    const Direction upright_k = scaled(normal, (dot(normal, image.axes[2]) < 0 ? -1 : 1) / length(normal));
+    image.axes[1] = scaled(cross(normal, image.axes[0]), 1 / length(normal));
+    image.axes[2] = upright_k;
+    return image;
+}
+
+}  // namespace lamella

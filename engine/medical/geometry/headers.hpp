@@ -1,0 +1,41 @@
+// The headers of image files.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "lamella/medical/geometry.hpp"
+#include "medical/geometry/directions.hpp"
+
+namespace lamella {
+
+/// The first bytes of a file, or of what gzip holds.
+class HeaderBytes {
+public:
+    /// Throws Refused (unreadable_file) and std::bad_alloc.
+    explicit HeaderBytes(const std::filesystem::path& path);
+
+    std::string_view bytes() const noexcept { return bytes_; }
+    bool begins_with(std::string_view text) const noexcept { return bytes().starts_with(text); }
+    const std::string& name() const noexcept { return name_; }
+
+    /// malformed_mesh: "NAME: WHAT".
+    Error refused(const std::string& what) const;
+
+private:
+    std::string name_;
+    std::string bytes_;
+};
+
+/// Both refuse by Refused or by their result what is no such image.
+Result<ImageGeometry> read_nifti(const HeaderBytes& header);
+Result<ImageGeometry> read_nrrd(const HeaderBytes& header);
+
+/// The geometry of voxels that lie `steps` apart from `origin`, in LPS and mm. Throws Refused where the steps are no finite
+/// lengths, or not perpendicular.
+ImageGeometry upright(const HeaderBytes& header, const std::array<std::uint64_t, 3>& size,
+                      const std::array<Direction, 3>& steps, const Direction& origin);
+
+}  // namespace lamella

@@ -1,0 +1,142 @@
+// NRRD headers: https://teem.sourceforge.net/nrrd/format.html. Lines of "field: value" up to an empty one.
+#include <algorithm>
+#include <charconv>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fast_float/fast_float.h>
+
+#include "base/guard.hpp"
+#include "medical/geometry/headers.hpp"
+
+namespace lamella {
+
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+    const std::size_t begin = text.find_first_not_of(" \t\r");
+    return begin == std::string_view::npos ? std::string_view()
+                                           : text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+}
+
+/// The fields by name. Throws Refused where a line is neither a field, nor a key, nor a comment.
+std::map<std::string, std::string, std::less<>> fields_of(const HeaderBytes& header) {
+    std::map<std::string, std::string, std::less<>> fields;
+    std::string_view rest = header.bytes();
+    rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1);
+    for (std::size_t line_number = 2; !rest.empty(); ++line_number) {
+        const std::size_t end = std::min(rest.find('\n'), rest.size());
+        const std::string_view line = trimmed(rest.substr(0, end));
+        rest.remove_prefix(std::min(end + 1, rest.size()));
+        if (line.empty()) {
+            return fields;
+        }
+        if (line.front() == '#' || line.find(":=") != std::string_view::npos) {
+            continue;
+        }
+        const std::size_t colon = line.find(": ");
+        if (colon == std::string_view::npos) {
+            throw Refused{header.refused("line " + std::to_string(line_number) + " of the NRRD header is no field")};
+        }
+        fields.emplace(trimmed(line.substr(0, colon)), trimmed(line.substr(colon + 2)));
+    }
+    return fields;
+}
+
+std::vector<std::string_view> words(std::string_view text) {
+    std::vector<std::string_view> found;
+    for (;;) {
+        const std::size_t begin = text.find_first_not_of(" \t");
+        if (begin == std::string_view::npos) {
+            return found;
+        }
+        const bool vector = text[begin] == '(';
+        const std::size_t stop = vector ? text.find(')', begin) : text.find_first_of(" \t", begin);
+        const std::size_t end = stop == std::string_view::npos ? text.size() : stop + (vector ? 1 : 0);
+        found.push_back(text.substr(begin, end - begin));
+        text.remove_prefix(end);
+    }
+}
+
+std::optional<Direction> vector_of(std::string_view text) {
+    if (text.size() < 2 || text.front() != '(' || text.back() != ')') {
+        return std::nullopt;
+    }
+    text = text.substr(1, text.size() - 2);
+    Direction found{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t comma = text.find(',');
+        if ((comma == std::string_view::npos) != (i == 2)) {
+            return std::nullopt;
+        }
+        const std::string_view number = trimmed(text.substr(0, comma));
+        const auto [stop, problem] = fast_float::from_chars(number.data(), number.data() + number.size(), found[i]);
+        if (problem != std::errc() || stop != number.data() + number.size()) {
+            return std::nullopt;
+        }
+        text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
+    }
+    return found;
+}
+
+/// What turns the first two coordinates of the space into left and posterior, if it is known.
+std::optional<std::array<double, 2>> to_lps(std::string_view space) {
+    if (space == "left-posterior-superior" || space == "LPS") {
+        return std::array<double, 2>{1, 1};
+    }
+    if (space == "right-anterior-superior" || space == "RAS") {
+        return std::array<double, 2>{-1, -1};
+    }
+    if (space == "left-anterior-superior" || space == "LAS") {
+        return std::array<double, 2>{1, -1};
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+Result<ImageGeometry> read_nrrd(const HeaderBytes& header) {
+    const auto fields = fields_of(header);
+    const auto field = [&](std::string_view name) {
+        const auto found = fields.find(name);
+        return found == fields.end() ? std::string_view() : std::string_view(found->second);
+    };
+    const std::optional<std::array<double, 2>> sign = to_lps(field("space"));
+    if (!sign) {
+        return header.refused("its space is " +
+                              (field("space").empty() ? "not stated" : "'" + std::string(field("space")) + "'") +
+                              "; there is left-posterior-superior, right-anterior-superior, left-anterior-superior");
+    }
+    const std::vector<std::string_view> sizes = words(field("sizes"));
+    const std::vector<std::string_view> directions = words(field("space directions"));
+    const std::optional<Direction> origin = vector_of(field("space origin"));
+    if (sizes.size() != directions.size() || !origin) {
+        return header.refused("its sizes, space directions and space origin do not say where the voxels lie");
+    }
+    const auto in_lps = [&](const Direction& at) { return Direction{(*sign)[0] * at[0], (*sign)[1] * at[1], at[2]}; };
+    std::array<std::uint64_t, 3> size{};
+    std::array<Direction, 3> steps{};
+    std::size_t axes = 0;
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+        const std::optional<Direction> step = vector_of(directions[i]);
+        if (!step && directions[i] == "none") {
+            continue;  // a list, as of the parts of a colour
+        }
+        std::uint64_t count = 0;
+        const auto [stop, problem] = std::from_chars(sizes[i].data(), sizes[i].data() + sizes[i].size(), count);
+        if (!step || axes == 3 || problem != std::errc() || stop != sizes[i].data() + sizes[i].size()) {
+            return header.refused("its sizes or space directions are not those of an image of three dimensions");
+        }
+        size[axes] = count;
+        steps[axes++] = in_lps(*step);
+    }
+    if (axes != 3) {
+        return header.refused("an image of " + std::to_string(axes) + " dimensions, not of 3");
+    }
+    return upright(header, size, steps, in_lps(*origin));
+}
+
+}  // namespace lamella

@@ -1,0 +1,256 @@
+#include "medical/mask/mask_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include <zlib.h>
+
+#include "base/guard.hpp"
+#include "medical/geometry/directions.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::uint64_t largest_nifti_side = 32767;
+constexpr std::uint64_t largest_mask_bytes = std::uint64_t{1} << 38;
+
+Refused refused(const std::filesystem::path& path, const std::string& what) {
+    return {{ErrorCode::invalid_argument, "'" + path.string() + "': " + what}};
+}
+
+std::string text_of(double value) {
+    std::array<char, 32> text{};
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+    return {text.data(), end};
+}
+
+std::string vector_text(const Direction& at) {
+    return "(" + text_of(at[0]) + "," + text_of(at[1]) + "," + text_of(at[2]) + ")";
+}
+
+/// NIfTI's numbers are written little-endian.
+template <class T>
+void put(std::string& header, std::size_t at, T value) {
+    std::array<char, sizeof(T)> raw;
+    std::memcpy(raw.data(), &value, sizeof value);
+    if constexpr (std::endian::native == std::endian::big) {
+        std::reverse(raw.begin(), raw.end());
+    }
+    std::copy(raw.begin(), raw.end(), header.begin() + static_cast<std::ptrdiff_t>(at));
+}
+
+/// The quaternion (b, c, d) of the rotation whose columns are `axes`, right-handed.
+std::array<double, 3> quaternion(const std::array<Direction, 3>& axes) {
+    const auto r = [&](std::size_t row, std::size_t column) { return axes[column][row]; };
+    const double trace = r(0, 0) + r(1, 1) + r(2, 2) + 1;
+    if (trace > 0.5) {
+        const double a = 0.5 * std::sqrt(trace);
+        return {0.25 * (r(2, 1) - r(1, 2)) / a, 0.25 * (r(0, 2) - r(2, 0)) / a, 0.25 * (r(1, 0) - r(0, 1)) / a};
+    }
+    const std::array<double, 3> squares = {1 + r(0, 0) - r(1, 1) - r(2, 2), 1 + r(1, 1) - r(0, 0) - r(2, 2),
+                                           1 + r(2, 2) - r(0, 0) - r(1, 1)};
+    const auto i = static_cast<std::size_t>(std::max_element(squares.begin(), squares.end()) - squares.begin());
+    const std::size_t j = (i + 1) % 3;
+    const std::size_t k = (i + 2) % 3;
+    std::array<double, 3> vector{};
+    vector[i] = 0.5 * std::sqrt(squares[i]);
+    vector[j] = 0.25 * (r(i, j) + r(j, i)) / vector[i];
+    vector[k] = 0.25 * (r(i, k) + r(k, i)) / vector[i];
+    const double a = 0.25 * (r(k, j) - r(j, k)) / vector[i];
+    return a < 0 ? std::array<double, 3>{-vector[0], -vector[1], -vector[2]} : vector;
+}
+
+std::string nifti_header(const MaskLayout& layout, const ImageGeometry& image) {
+    std::string header(352, '\0');
+    put<std::int32_t>(header, 0, 348);
+    header[38] = 'r';
+    const std::array<std::int16_t, 8> dim = {3,
+                                             static_cast<std::int16_t>(image.size[0]),
+                                             static_cast<std::int16_t>(image.size[1]),
+                                             static_cast<std::int16_t>(image.size[2]),
+                                             1,
+                                             1,
+                                             1,
+                                             1};
+    for (std::size_t i = 0; i < dim.size(); ++i) {
+        put(header, 40 + 2 * i, dim[i]);
+    }
+    put<std::int16_t>(header, 70, layout.voxel_bytes == 1 ? 2 : 512);  // uint8, uint16
+    put<std::int16_t>(header, 72, static_cast<std::int16_t>(8 * layout.voxel_bytes));
+    std::array<Direction, 3> axes = image.axes;  // in RAS
+    for (Direction& axis : axes) {
+        axis = {-axis[0], -axis[1], axis[2]};
+    }
+    const bool left_handed = dot(cross(axes[0], axes[1]), axes[2]) < 0;
+    put(header, 76, left_handed ? -1.0F : 1.0F);
+    for (std::size_t i = 0; i < 3; ++i) {
+        put(header, 80 + 4 * i, static_cast<float>(image.spacing_mm[i]));
+    }
+    put(header, 108, 352.0F);
+    put(header, 112, layout.shares ? 1.0F / 255.0F : 1.0F);
+    header[123] = 2;  // mm
+    put(header, 124, layout.shares ? 1.0F : static_cast<float>(layout.names.size()));
+    std::memcpy(header.data() + 148, "lamella", 7);
+    put<std::int16_t>(header, 252, 1);
+    put<std::int16_t>(header, 254, 1);
+    const std::array<double, 3> origin = {-image.origin_mm[0], -image.origin_mm[1], image.origin_mm[2]};
+    const std::array<double, 3> turn = quaternion({axes[0], axes[1], left_handed ? scaled(axes[2], -1) : axes[2]});
+    for (std::size_t i = 0; i < 3; ++i) {
+        put(header, 256 + 4 * i, static_cast<float>(turn[i]));
+        put(header, 268 + 4 * i, static_cast<float>(origin[i]));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            put(header, 280 + 16 * i + 4 * axis, static_cast<float>(axes[axis][i] * image.spacing_mm[axis]));
+        }
+        put(header, 292 + 16 * i, static_cast<float>(origin[i]));
+    }
+    std::memcpy(header.data() + 344, "n+1", 3);
+    return header;
+}
+
+/// One line of text: what would end a line becomes a space.
+std::string line_of(std::string text) {
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+    return text;
+}
+
+std::string segments_of(const MaskLayout& layout, const ImageGeometry& image) {
+    static constexpr std::array<const char*, 6> colours = {"0.9 0.3 0.2", "0 0.45 0.7",    "0 0.62 0.45",
+                                                           "0.9 0.62 0",  "0.8 0.47 0.65", "0.34 0.7 0.91"};
+    std::string text =
+        "Segmentation_ContainedRepresentationNames:=Binary labelmap|\n"
+        "Segmentation_MasterRepresentation:=Binary labelmap\nSegmentation_ReferenceImageExtentOffset:=0 0 0\n";
+    std::string extent;
+    for (const std::uint64_t side : image.size) {
+        extent += (extent.empty() ? "0 " : " 0 ") + std::to_string(side - 1);
+    }
+    for (std::size_t i = 0; i < layout.names.size(); ++i) {
+        const std::string segment = "Segment" + std::to_string(i) + "_";
+        text += segment + "ID:=Segment_" + std::to_string(i + 1) + "\n" + segment + "Name:=" + line_of(layout.names[i]) +
+                "\n" + segment + "NameAutoGenerated:=0\n" + segment + "LabelValue:=" + std::to_string(i + 1) + "\n" +
+                segment + "Layer:=0\n" + segment + "Color:=" + colours[i % colours.size()] + "\n" + segment +
+                "ColorAutoGenerated:=1\n" + segment + "Extent:=" + extent + "\n";
+    }
+    return text;
+}
+
+std::string nrrd_header(const MaskLayout& layout, const ImageGeometry& image) {
+    std::string sizes;
+    std::string directions;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        sizes += " " + std::to_string(image.size[axis]);
+        directions += " " + vector_text(scaled(image.axes[axis], image.spacing_mm[axis]));
+    }
+    std::string text =
+        "NRRD0004\n# Written by lamella.\ntype: " +
+        std::string(layout.voxel_bytes == 1 ? "unsigned char" : "unsigned short") +
+        "\ndimension: 3\nspace: left-posterior-superior\nsizes:" + sizes + "\nspace directions:" + directions +
+        "\nkinds: domain domain domain\n" + (layout.voxel_bytes == 1 ? "" : "endian: little\n") +
+        "encoding: " + (layout.compressed ? "gzip" : "raw") + "\nspace origin: " + vector_text(image.origin_mm) + "\n";
+    if (layout.shares) {
+        text += "lamella_share:=255 stands for 1\n";
+    }
+    return text + (layout.form == MaskForm::segmentation ? segments_of(layout, image) : "") + "\n";
+}
+
+void require_sizes(const std::filesystem::path& path, const MaskLayout& layout, const ImageGeometry& image) {
+    std::uint64_t bytes = layout.voxel_bytes;
+    for (const std::uint64_t side : image.size) {
+        if (layout.form == MaskForm::nifti && side > largest_nifti_side) {
+            throw refused(path,
+                          std::to_string(side) + " voxels along a side, and NIfTI-1 holds at most 32,767; NRRD holds more");
+        }
+        if (side == 0 || side > largest_image_side || bytes > largest_mask_bytes / side) {
+            throw refused(path, "a mask of " + std::to_string(image.size[0]) + " x " + std::to_string(image.size[1]) +
+                                    " x " + std::to_string(image.size[2]) + " voxels is larger than 2^38 bytes, or empty");
+        }
+        bytes *= side;
+    }
+}
+
+}  // namespace
+
+MaskLayout layout_of(const std::filesystem::path& path, std::span<const MaskPart> parts, bool shares) {
+    std::string name = path.filename().string();
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    MaskLayout layout;
+    layout.shares = shares;
+    if (name.ends_with(".nii.gz") || name.ends_with(".nii")) {
+        layout.compressed = name.ends_with(".gz");
+    } else if (name.ends_with(".nrrd")) {
+        layout.compressed = true;
+        layout.form = name.ends_with(".seg.nrrd") ? MaskForm::segmentation : MaskForm::nrrd;
+    } else {
+        throw refused(path, "a mask's name ends in .nii, .nii.gz, .nrrd or .seg.nrrd");
+    }
+    constexpr std::size_t most_labels = 65535;
+    if (parts.empty() || parts.size() > (shares ? 1 : most_labels)) {
+        throw refused(path, std::to_string(parts.size()) + " meshes in a mask that holds 1 to " +
+                                std::to_string(shares ? 1 : most_labels));
+    }
+    layout.voxel_bytes = parts.size() > 255 ? 2 : 1;
+    for (const MaskPart& part : parts) {
+        layout.names.push_back(part.name);
+    }
+    return layout;
+}
+
+std::string mask_header(const MaskLayout& layout, const ImageGeometry& image) {
+    return layout.form == MaskForm::nifti ? nifti_header(layout, image) : nrrd_header(layout, image);
+}
+
+void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layout, const ImageGeometry& image) {
+    require_sizes(path, layout, image);
+}
+
+GzipPiece gzip_piece(std::span<const unsigned char> data, bool last) {
+    GzipPiece piece;
+    piece.length = data.size();
+    piece.crc = ::crc32_z(0, data.data(), data.size());
+    z_stream stream{};
+    constexpr int raw_window = -15;
+    // Runs are what a mask consists of: matches at a distance cost ten times as much for a few per cent.
+    if (::deflateInit2(&stream, 6, Z_DEFLATED, raw_window, 8, Z_RLE) != Z_OK) {
+        throw std::bad_alloc();
+    }
+    try {
+        piece.bytes.resize(::deflateBound(&stream, static_cast<uLong>(data.size())) + 16);
+    } catch (...) {
+        ::deflateEnd(&stream);
+        throw;
+    }
+    stream.next_in = const_cast<unsigned char*>(data.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast): zlib's type
+    stream.avail_in = static_cast<uInt>(data.size());
+    stream.next_out = piece.bytes.data();
+    stream.avail_out = static_cast<uInt>(piece.bytes.size());
+    (void)::deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
+    piece.bytes.resize(piece.bytes.size() - stream.avail_out);
+    ::deflateEnd(&stream);
+    return piece;
+}
+
+GzipMember::GzipMember(OutputFile& file) : file_(file) {
+    file_.append(std::string_view("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10));
+}
+
+void GzipMember::append(const GzipPiece& piece) {
+    file_.append({reinterpret_cast<const char*>(piece.bytes.data()), piece.bytes.size()});
+    crc_ = ::crc32_combine(crc_, piece.crc, static_cast<z_off_t>(piece.length));
+    length_ += piece.length;
+}
+
+void GzipMember::end() {
+    std::string end(8, '\0');
+    put(end, 0, static_cast<std::uint32_t>(crc_));
+    put(end, 4, static_cast<std::uint32_t>(length_));
+    file_.append(end);
+}
+
+}  // namespace lamella

@@ -1,0 +1,56 @@
+// The file of a mask: a header, then slices of voxels, compressed in pieces or not.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "io/write/output_file.hpp"
+#include "lamella/medical/mask.hpp"
+
+namespace lamella {
+
+enum class MaskForm : std::uint8_t { nifti, nrrd, segmentation };
+
+struct MaskLayout {
+    MaskForm form = MaskForm::nifti;
+    bool compressed = false;
+    bool shares = false;  ///< bytes of which 255 stand for 1, not labels
+    std::size_t voxel_bytes = 1;
+    std::vector<std::string> names;  ///< of labels 1, 2, ...
+};
+
+/// By the end of the name. Throws Refused.
+MaskLayout layout_of(const std::filesystem::path& path, std::span<const MaskPart> parts, bool shares);
+
+/// Throws Refused where the format, or any, does not hold a mask of that size.
+void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layout, const ImageGeometry& image);
+
+/// Everything before the voxels.
+std::string mask_header(const MaskLayout& layout, const ImageGeometry& image);
+
+/// A piece of a gzip member, which can be made on any thread.
+struct GzipPiece {
+    std::vector<unsigned char> bytes;
+    unsigned long crc = 0;
+    std::uint64_t length = 0;
+};
+/// Throws std::bad_alloc. `last`: the piece ends the member.
+GzipPiece gzip_piece(std::span<const unsigned char> data, bool last);
+
+/// Appends pieces as one gzip member, without a time.
+class GzipMember {
+public:
+    explicit GzipMember(OutputFile& file);
+    void append(const GzipPiece& piece);
+    void end();
+
+private:
+    OutputFile& file_;
+    unsigned long crc_ = 0;
+    std::uint64_t length_ = 0;
+};
+
+}  // namespace lamella

@@ -1,0 +1,132 @@
+#include "lamella/medical/record.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <system_error>
+
+#include <openssl/evp.h>
+#include <nlohmann/json.hpp>
+
+#include "base/guard.hpp"
+#include "lamella/io/text_file.hpp"
+
+namespace lamella {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uintmax_t most_record_bytes = std::uintmax_t{64} << 20;
+
+Error unreadable(const std::filesystem::path& path, int error_number) {
+    return {.code = ErrorCode::unreadable_file,
+            .message = "cannot read '" + path.string() + "': " + std::generic_category().message(error_number)};
+}
+
+Json json_of(const FileSeal& seal) {
+    return {{"path", seal.path}, {"bytes", seal.bytes}, {"sha256", seal.sha256}};
+}
+
+FileSeal seal_of(const Json& json) {
+    return {json.at("path").get<std::string>(), json.at("bytes").get<std::uint64_t>(), json.at("sha256").get<std::string>()};
+}
+
+Record record_of(const Json& json) {
+    Record record;
+    record.version = json.at("lamella").get<std::string>();
+    for (const Json& input : json.at("inputs")) {
+        record.inputs.push_back(seal_of(input));
+    }
+    record.output = seal_of(json.at("output"));
+    record.options = json.at("options").get<std::vector<std::string>>();
+    record.patient_frame = json.at("patient_frame").get<std::string>();
+    record.grid_mm = json.at("grid_mm").get<std::vector<double>>();
+    record.fill_rule = json.at("fill_rule").get<std::string>();
+    record.result_hashes = json.at("result_hashes").get<std::vector<std::string>>();
+    return record;
+}
+
+}  // namespace
+
+Result<FileSeal> seal_file(const std::filesystem::path& path, const Control& control) noexcept {
+    return guarded(control, [&]() -> Result<FileSeal> {
+        const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+        if (!file) {
+            return unreadable(path, errno);
+        }
+        const std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> digest(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
+        if (!digest || EVP_DigestInit_ex(digest.get(), EVP_sha256(), nullptr) != 1) {
+            throw std::bad_alloc();
+        }
+        FileSeal seal{path.string(), 0, {}};
+        std::vector<unsigned char> piece(std::size_t{1} << 18);
+        while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
+            stop_if_asked(control);
+            EVP_DigestUpdate(digest.get(), piece.data(), count);
+            seal.bytes += count;
+        }
+        if (std::ferror(file.get()) != 0) {
+            return unreadable(path, errno);
+        }
+        std::array<unsigned char, EVP_MAX_MD_SIZE> sum{};
+        unsigned length = 0;
+        EVP_DigestFinal_ex(digest.get(), sum.data(), &length);
+        constexpr std::string_view digits = "0123456789abcdef";
+        for (unsigned i = 0; i < length; ++i) {
+            seal.sha256 += digits[sum[i] >> 4];
+            seal.sha256 += digits[sum[i] & 15];
+        }
+        return seal;
+    });
+}
+
+Status write_record(const Record& record, const std::filesystem::path& path) noexcept {
+    return guarded([&]() -> Status {
+        Json inputs = Json::array();
+        for (const FileSeal& input : record.inputs) {
+            inputs.push_back(json_of(input));
+        }
+        const Json json = {{"lamella", record.version},
+                           {"inputs", inputs},
+                           {"output", json_of(record.output)},
+                           {"options", record.options},
+                           {"patient_frame", record.patient_frame},
+                           {"grid_mm", record.grid_mm},
+                           {"fill_rule", record.fill_rule},
+                           {"result_hashes", record.result_hashes}};
+        return write_text_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    });
+}
+
+Result<Record> read_record(const std::filesystem::path& path) noexcept {
+    return guarded([&]() -> Result<Record> {
+        std::error_code problem;
+        const std::uintmax_t bytes = std::filesystem::file_size(path, problem);
+        if (problem) {
+            return unreadable(path, problem.value());
+        }
+        const auto not_a_record = [&](const std::string& why) {
+            return Error{.code = ErrorCode::malformed_mesh, .message = path.string() + ": no record of lamella: " + why};
+        };
+        if (bytes > most_record_bytes) {
+            return not_a_record("larger than 64 MiB");
+        }
+        std::ifstream file(path, std::ios::binary);
+        std::string text(static_cast<std::size_t>(bytes), '\0');
+        if (!file.read(text.data(), static_cast<std::streamsize>(bytes))) {
+            return unreadable(path, EIO);
+        }
+        try {
+            return record_of(Json::parse(text));
+        } catch (const nlohmann::json::parse_error& error) {
+            return not_a_record("not JSON at byte " + std::to_string(error.byte));
+        } catch (const nlohmann::json::exception&) {
+            return not_a_record("a member is missing or of another type");
+        }
+    });
+}
+
+}  // namespace lamella

@@ -1,0 +1,85 @@
+// Where contours cross the rows of voxel centres: exact, by integers.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lamella/grid.hpp"
+#include "medical/raster/centres.hpp"
+
+namespace lamella {
+
+/// A contour of `part` passes a row: from voxel `column` on, centres lie to its right. Ordered by part, then by column.
+class Crossing {
+public:
+    Crossing() = default;
+    Crossing(std::uint32_t part, std::size_t column, bool upward) noexcept
+        : key_(std::uint64_t{part} << 32 | static_cast<std::uint64_t>(column) << 1 | static_cast<std::uint64_t>(upward)) {}
+    std::uint32_t part() const noexcept { return static_cast<std::uint32_t>(key_ >> 32); }
+    std::size_t column() const noexcept { return static_cast<std::uint32_t>(key_) >> 1; }
+    int winding() const noexcept { return (key_ & 1) != 0 ? 1 : -1; }
+    friend auto operator<=>(const Crossing&, const Crossing&) = default;
+
+private:
+    std::uint64_t key_ = 0;
+};
+
+/// Most voxels along a side: a column fits 31 bits with room to spare.
+inline constexpr std::uint64_t largest_side = std::uint64_t{1} << 24;
+
+/// The crossings of a range of rows. An edge crosses the rows whose centres lie at its lower end or above, and below its
+/// upper end; it lies to the left of the centres at its place or to the right: so left and bottom edges are inside.
+class RowCrossings {
+public:
+    /// Forgets all; from here on about rows [begin, end).
+    void restart(std::size_t begin, std::size_t end);
+
+    /// A closed contour of any orientation. Preconditions: its points are within grid_limit.
+    void add(std::span<const Point> contour, const Centres& columns, const Centres& rows, std::uint32_t part);
+
+    /// After the last add(): brings the crossings in the order of rows.
+    void sort();
+
+    /// Those of the i-th row of the range, sorted.
+    std::span<const Crossing> of_row(std::size_t i) const noexcept {
+        return std::span(sorted_).subspan(first_[i], first_[i + 1] - first_[i]);
+    }
+
+private:
+    struct Found {
+        Crossing crossing;
+        std::uint32_t row = 0;
+    };
+    void add_edge(Point low, Point high, std::size_t first_row, std::size_t end_row, bool upward, const Centres& columns,
+                  const Centres& rows, std::uint32_t part);
+
+    std::size_t begin_ = 0;
+    std::size_t end_ = 0;
+    std::vector<Found> found_;
+    std::vector<std::size_t> first_;  ///< of each row, in sorted_
+    std::vector<Crossing> sorted_;
+};
+
+/// Calls span(begin, end) for the voxels of a row whose winding number is not 0. `crossings`: of one part, sorted.
+template <class Span>
+void for_each_span(std::span<const Crossing> crossings, std::size_t width, Span&& span) {
+    int winding = 0;
+    std::size_t begin = 0;
+    for (const Crossing& crossing : crossings) {
+        if (winding == 0) {
+            begin = crossing.column();
+        }
+        winding += crossing.winding();
+        if (winding == 0 && crossing.column() > begin) {
+            span(begin, crossing.column());
+        }
+    }
+    if (winding != 0) {
+        span(begin, width);
+    }
+}
+
+}  // namespace lamella

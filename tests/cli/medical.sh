@@ -1,0 +1,48 @@
+# Results that medicine reads. Sourced by cli.sh.
+
+test_masks() {
+    sphere a.stl 2000
+    sphere b.stl 500
+    expect 0 slice a.stl b.stl --spacing 1,1.5,2 --frame ras -o m.nii.gz -o m.nii -o m.seg.nrrd --threads 1
+    expect_files a.stl b.stl m.labels.csv m.nii m.nii.gz m.nii.gz.lamella.json m.nii.lamella.json m.seg.nrrd m.seg.nrrd.lamella.json
+    grep -q "voxels lie in several meshes" .stderr || fail "overlap is not warned of"
+    zcat m.nii.gz | cmp - m.nii || fail "the compressed mask differs"
+    cp m.nii.gz one.nii.gz
+    expect 0 slice a.stl b.stl --spacing 1,1.5,2 --frame ras -o m --to nii.gz --threads 3
+    cmp m.nii.gz one.nii.gz || fail "bytes depend on threads"
+    expect_json m.nii.gz.lamella.json RAS patient_frame
+    expect_json m.nii.gz.lamella.json "$(sha256sum m.nii.gz | cut -d' ' -f1)" output sha256
+    expect_json m.nii.gz.lamella.json "$(sha256sum b.stl | cut -d' ' -f1)" inputs 1 sha256
+    # The image that was written gives the same slices again.
+    expect 0 slice a.stl b.stl --like m.nii.gz --frame ras -o like.nii
+    cmp like.nii m.nii || fail "--like differs from --spacing"
+    rm -f ./*.json ./*.nii* ./*.nrrd ./*.csv
+    expect_failure 2 "states no patient frame" slice a.stl --spacing 1,1,1 -o m.nii
+    expect_failure 2 "needs --like IMAGE or --spacing" slice a.stl -o m.nii
+    expect_failure 2 "excludes" slice a.stl --spacing 1,1,1 --layer-height 1 --frame ras -o m.nii
+    expect_failure 2 "above 0" slice a.stl --spacing 0,1,1 --frame ras -o m.nii
+    expect_failure 2 "takes one mesh" slice a.stl b.stl --spacing 1,1,1 --frame ras -o m.svg
+    expect_failure 2 "one mesh a mask" slice a.stl b.stl --spacing 1,1,1 --frame ras --coverage -o m.nii
+    expect_failure 2 "no output is a mask" slice a.stl --coverage -o m.csv
+    expect_failure 2 "larger than 2^38 bytes" slice a.stl --spacing 0.0001,0.0001,1 --frame ras -o m.nrrd
+    expect_failure 2 "NIfTI-1 holds at most 32,767" slice a.stl --spacing 0.0005,4,4 --frame ras -o m.nii
+    expect_failure 3 "neither a NIfTI-1 nor an NRRD" slice a.stl --like b.stl --frame ras -o m.nii
+    expect_failure 3 "No such file" slice a.stl --like none.nii --frame ras -o m.nii
+    expect_failure 2 "'dcm' is not one of svg" slice a.stl -o m --to dcm
+    expect_failure 2 "stands there twice" slice a.stl -o m --to csv,csv
+    printf 'solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 9\nvertex 0 9 9\nendloop\nendfacet\nendsolid\n' > open.stl
+    expect_failure 3 "--strict" slice open.stl --spacing 1,1,1 --frame ras --strict -o m.nii
+    expect_files a.stl b.stl open.stl
+}
+
+test_tables() {
+    sphere a.stl 2000
+    expect 0 slice a.stl --layer-height 5 -o a.csv -o a.jsonl
+    expect_files a.csv a.csv.lamella.json a.jsonl a.jsonl.lamella.json a.meshes.csv a.stl
+    [[ $(wc -l < a.csv) == 5 && $(wc -l < a.jsonl) == 5 ]] || fail "not a line a layer"
+    grep -q "^a,0,2.5," a.csv || fail "no first layer"
+    grep -q ",certified,$" a.meshes.csv || fail "not certified"
+    head -1 a.jsonl > first.json
+    expect_json first.json mesh kind
+    expect_json first.json certified certificate
+}

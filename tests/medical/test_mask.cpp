@@ -1,0 +1,198 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/shapes.hpp"
+#include "lamella/lamella.hpp"
+#include "lamella/medical.hpp"
+#include "temp_folder.hpp"
+
+using namespace lamella;
+using namespace shapes;
+
+namespace {
+
+constexpr std::size_t nifti_header_bytes = 352;
+
+SliceResult cut(const Soup& soup, const ImageGeometry& image, int subslices = 1) {
+    SliceOptions options;
+    options.plan.spacing = ExplicitPlanes{image.slice_heights_mm(subslices)};
+    options.transform = image.slicing_frame(PatientFrame::lps);
+    Result<SliceResult> result = slice(MeshView::soup(floats(soup)), options);
+    REQUIRE(result.ok());
+    return std::move(result).value();
+}
+
+/// The voxels of a mask of one byte each.
+std::string voxels_of(const std::vector<MaskPart>& parts, const ImageGeometry& image, const MaskOptions& options = {}) {
+    const TempFolder folder;
+    const Result<MaskSummary> written = write_mask(parts, image, folder / "mask.nii", options);
+    INFO((written ? "" : written.error().message));
+    REQUIRE(written.ok());
+    const std::string bytes = bytes_of(folder / "mask.nii");
+    REQUIRE(bytes.size() == nifti_header_bytes + image.size[0] * image.size[1] * image.size[2]);
+    return bytes.substr(nifti_header_bytes);
+}
+
+/// The winding number of a layer's contours around a point of the grid, by the definition: an edge counts if its lower end
+/// is at the point's height or below, its upper end above, and the point lies to its right or on it.
+int winding(const SliceResult& result, const Layer& layer, std::int64_t x, std::int64_t y) {
+    int sum = 0;
+    for (const Contour& contour : result.contours_of(layer)) {
+        const auto points = result.points_of(contour);
+        for (std::size_t i = 0; contour.role != Role::open && i < points.size(); ++i) {
+            const Point a = points[i];
+            const Point b = points[(i + 1) % points.size()];
+            if ((a.y <= y) == (b.y <= y)) {
+                continue;
+            }
+            const bool up = a.y < b.y;
+            const Point low = up ? a : b;
+            const Point high = up ? b : a;
+            const std::int64_t side =
+                (std::int64_t{high.x} - low.x) * (y - low.y) - (x - low.x) * (std::int64_t{high.y} - low.y);
+            if (side <= 0) {
+                sum += up ? 1 : -1;
+            }
+        }
+    }
+    return sum;
+}
+
+std::string expected_voxels(const SliceResult& result, const ImageGeometry& image) {
+    std::string voxels;
+    for (std::size_t k = 0; k < image.size[2]; ++k) {
+        const Layer& layer = result.layers[result.layer_of[k]];
+        for (std::size_t j = 0; j < image.size[1]; ++j) {
+            for (std::size_t i = 0; i < image.size[0]; ++i) {
+                const auto x = std::llround(static_cast<double>(i) * image.spacing_mm[0] / result.unit_mm);
+                const auto y = std::llround(static_cast<double>(j) * image.spacing_mm[1] / result.unit_mm);
+                voxels += winding(result, layer, x, y) != 0 ? '\1' : '\0';
+            }
+        }
+    }
+    return voxels;
+}
+
+ImageGeometry image_of(std::array<std::uint64_t, 3> size, std::array<double, 3> spacing, std::array<double, 3> origin) {
+    ImageGeometry image;
+    image.size = size;
+    image.spacing_mm = spacing;
+    image.origin_mm = origin;
+    return image;
+}
+
+}  // namespace
+
+TEST_CASE("mask: centres on left and bottom edges are inside, on right and top edges outside", "[medical]") {
+    const ImageGeometry image = image_of({8, 8, 3}, {1, 1, 1}, {0, 0, 0});
+    const SliceResult result = cut(box({2, 3, -1}, {5, 7, 1.5}), image);
+    const std::string voxels = voxels_of({{&result, "box"}}, image);
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t j = 0; j < 8; ++j) {
+            for (std::size_t i = 0; i < 8; ++i) {
+                const bool inside = k < 2 && i >= 2 && i < 5 && j >= 3 && j < 7;
+                CHECK((voxels[(k * 8 + j) * 8 + i] != 0) == inside);
+            }
+        }
+    }
+}
+
+TEST_CASE("mask: equals a test of every centre", "[medical]") {
+    const ImageGeometry image = image_of({37, 29, 11}, {0.7, 0.9, 1.3}, {-12, -11, -6});
+    std::vector<Soup> soups = {octasphere({0, 0, 0}, 9, 3),
+                               joined({octasphere({0, 0, 0}, 9, 3), flipped(octasphere({1, 1, 0}, 5, 3))}),
+                               joined({octasphere({-3, 0, 0}, 6, 2), octasphere({3, 1, 0}, 7, 2)})};
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        soups.push_back(moved(scaled(random_tetrahedra(seed, 12, 40), {0.5, 0.5, 0.4}), {-10, -10, -7}));
+    }
+    std::uint64_t in = 0;
+    for (const Soup& soup : soups) {
+        const SliceResult result = cut(soup, image);
+        const std::string expected = expected_voxels(result, image);
+        CHECK(voxels_of({{&result, "a"}}, image) == expected);
+        in += static_cast<std::uint64_t>(std::count(expected.begin(), expected.end(), '\1'));
+    }
+    CHECK(in > 1000);
+}
+
+TEST_CASE("mask: bytes do not depend on threads", "[medical][threads]") {
+    const ImageGeometry image = image_of({200, 180, 60}, {0.1, 0.1, 0.3}, {-10, -9, -9});
+    const SliceResult a = cut(octasphere({0, 0, 0}, 9, 4), image);
+    const SliceResult b = cut(octasphere({2, 0, 0}, 6, 4), image);
+    const TempFolder folder;
+    for (const char* name : {"mask.nii.gz", "mask.nii", "mask.nrrd", "mask.seg.nrrd"}) {
+        std::string first;
+        for (const int threads : {1, 2, 7}) {
+            const std::vector<MaskPart> parts = {{&a, "a"}, {&b, "b, \"c\""}};
+            const Result<MaskSummary> written = write_mask(parts, image, folder / name, {.control = {.threads = threads}});
+            REQUIRE(written.ok());
+            CHECK(written->overlapped_voxels > 0);
+            CHECK(written->voxels[0] > written->voxels[1]);
+            const std::string bytes = bytes_of(folder / name);
+            CHECK((first.empty() || bytes == first));
+            first = bytes;
+        }
+    }
+    CHECK(bytes_of(folder / "mask.labels.csv").find("2,\"b, \"\"c\"\"\",") != std::string::npos);
+}
+
+TEST_CASE("mask: shares sum to the volume, and say what the image cuts off", "[medical]") {
+    const ImageGeometry image = image_of({25, 25, 25}, {1, 1, 1}, {-12, -12, -12});
+    const SliceResult result = cut(octasphere({0, 0, 0}, 9, 4), image, 4);
+    const std::string voxels = voxels_of({{&result, "ball"}}, image, {.coverage = true, .subslices = 4});
+    double sum = 0;
+    double areas = 0;
+    for (const char voxel : voxels) {
+        sum += static_cast<unsigned char>(voxel) / 255.0;
+    }
+    for (const Layer& layer : result.layers) {
+        areas += result.area_mm2(layer) / 4;
+    }
+    CHECK(sum == Approx(areas).epsilon(0.001));
+    const ImageGeometry half = image_of({13, 25, 25}, {1, 1, 1}, {-12.5, -12, -12});
+    const SliceResult cut_off = cut(octasphere({0, 0, 0}, 9, 4), half);
+    const TempFolder folder;
+    const MaskPart part{&cut_off, "ball"};
+    const Result<MaskSummary> written = write_mask({&part, 1}, half, folder / "half.nii");
+    REQUIRE(written.ok());
+    CHECK(written->cut_off_share[0] == Approx(0.5).margin(0.001));
+}
+
+TEST_CASE("mask: more than 255 meshes take two bytes", "[medical]") {
+    const ImageGeometry image = image_of({3, 2, 1}, {1, 1, 1}, {0, 0, 0});
+    const SliceResult nothing = cut(box({50, 50, -1}, {51, 51, 1}), image);
+    const SliceResult all = cut(box({-1, -1, -1}, {9, 9, 1}), image);
+    std::vector<MaskPart> parts(299, {&nothing, "none"});
+    parts.push_back({&all, "all"});
+    const TempFolder folder;
+    REQUIRE(write_mask(parts, image, folder / "many.nii").ok());
+    std::string expected;
+    for (int voxel = 0; voxel < 6; ++voxel) {
+        expected += "\x2c\x01";  // 300
+    }
+    CHECK(bytes_of(folder / "many.nii").substr(nifti_header_bytes) == expected);
+}
+
+TEST_CASE("mask: what cannot be written is refused, and leaves nothing", "[medical]") {
+    const ImageGeometry image = image_of({4, 4, 4}, {1, 1, 1}, {0, 0, 0});
+    const SliceResult result = cut(box({0, 0, 0}, {3, 3, 3}), image);
+    const MaskPart part{&result, "a"};
+    const TempFolder folder;
+    const auto refusal = [&](ImageGeometry other, const char* name) {
+        const Result<MaskSummary> written = write_mask({&part, 1}, other, folder / name);
+        REQUIRE_FALSE(written.ok());
+        CHECK(written.error().code == ErrorCode::invalid_argument);
+        return written.error().message;
+    };
+    CHECK(refusal(image, "a.png").find("ends in .nii") != std::string::npos);
+    CHECK(refusal(image_of({4, 4, 5}, {1, 1, 1}, {0, 0, 0}), "a.nii").find("was not cut") != std::string::npos);
+    CHECK(refusal(image_of({40000, 4, 4}, {1, 1, 1}, {0, 0, 0}), "a.nii").find("32,767") != std::string::npos);
+    CHECK(refusal(image_of({10000, 10000, 10000}, {1, 1, 1}, {0, 0, 0}), "a.nrrd").find("2^38") != std::string::npos);
+    CHECK(folder.names().empty());
+}

@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+"""Masks as nibabel and Teem read them: masks.py LAMELLA. Ends with 77 where nibabel is missing."""
+
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+
+try:
+    import nibabel
+    import numpy
+except ImportError:
+    print("not tested: python3-nibabel is missing")
+    sys.exit(77)
+
+
+def box(low, high):
+    """A binary STL of a box."""
+    corner = [[(low, high)[i >> axis & 1][axis] for axis in range(3)] for i in range(8)]
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    triangles = [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
+    data = b"".join(struct.pack("<12fH", 0, 0, 0, *[x for v in t for x in corner[v]], 0) for t in triangles)
+    return bytes(80) + struct.pack("<I", len(triangles)) + data
+
+
+def marker_of(path):
+    """Where the voxels of label 1 lie in RAS: the least and the largest corner, by nibabel."""
+    image = nibabel.load(path)
+    assert numpy.allclose(image.get_qform(), image.get_sform(), atol=1e-5), path
+    inside = numpy.argwhere(numpy.asarray(image.dataobj) == 1)
+    places = nibabel.affines.apply_affine(image.affine, inside)
+    half = numpy.abs(image.affine[:3, :3]).sum(axis=1) / 2
+    return places.min(axis=0) - half, places.max(axis=0) + half
+
+
+def main():
+    lamella = sys.argv[1]
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+
+        def run(*words):
+            subprocess.run([lamella, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+
+        (folder / "box.stl").write_bytes(box((10, 20, 30), (14, 26, 38)))
+        for frame, sign in (("ras", 1), ("lps", -1)):
+            run("slice", "box.stl", "--spacing", "1,2,4", "--frame", frame, "-o", "m.nii.gz")
+            low, high = marker_of(folder / "m.nii.gz")
+            expected = numpy.sort([[sign * 10, sign * 20, 30], [sign * 14, sign * 26, 38]], axis=0)
+            assert numpy.all(numpy.abs(low - expected[0]) <= [0.5, 1, 2]), (frame, low)
+            assert numpy.all(numpy.abs(high - expected[1]) <= [0.5, 1, 2]), (frame, high)
+        # An image of another program, turned and left-handed: the marker stays at its place.
+        turn = numpy.array([[0, -2.0, 0, 30], [1.5, 0, 0, 5], [0, 0, -1, 60], [0, 0, 0, 1]])
+        nibabel.save(nibabel.Nifti1Image(numpy.zeros((30, 20, 40), numpy.uint8), turn), folder / "like.nii.gz")
+        for end in ("nii.gz", "nii"):
+            run("slice", "box.stl", "--like", "like.nii.gz", "--frame", "ras", "-o", f"t.{end}")
+            assert numpy.allclose(nibabel.load(folder / f"t.{end}").affine, turn, atol=1e-4)
+            low, high = marker_of(folder / f"t.{end}")
+            assert numpy.all(numpy.abs(low - [10, 20, 30]) <= [1.01, 0.76, 0.51]), low
+            assert numpy.all(numpy.abs(high - [14, 26, 38]) <= [1.01, 0.76, 0.51]), high
+        run("slice", "box.stl", "--like", "like.nii.gz", "--frame", "ras", "--subslices", "4", "-o", "share.nii.gz")
+        volume = nibabel.load(folder / "share.nii.gz").get_fdata().sum() * 3
+        assert abs(volume - 4 * 6 * 8) < 4 * 6 * 8 * 0.01, volume
+        if unu := shutil.which("teem-unu"):
+            run("slice", "box.stl", "--like", "like.nii.gz", "--frame", "ras", "-o", "t.nrrd")
+            subprocess.run([unu, "save", "-f", "nrrd", "-e", "raw", "-i", "t.nrrd", "-o", "raw.nrrd"], cwd=folder, check=True)
+            voxels = (folder / "raw.nrrd").read_bytes()[-30 * 20 * 40 :]
+            same = numpy.asarray(nibabel.load(folder / "t.nii").dataobj).ravel(order="F").tobytes()
+            assert voxels == same, "Teem reads other voxels than nibabel"
+    print("passed")
+
+
+main()

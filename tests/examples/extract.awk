@@ -3,7 +3,7 @@
 # The functions are listed at the end, with the place of each.
 BEGIN {
     print "#include <cstdint>\n#include <cstdio>\n#include <cstdlib>\n#include <thread>\n#include <vector>\n"
-    print "#include \"examples/examples.hpp\"\n#include \"lamella/io.hpp\"\n#include \"lamella/lamella.hpp\"\n"
+    print "#include \"examples/examples.hpp\"\n#include \"lamella/io.hpp\"\n#include \"lamella/lamella.hpp\"\n#include \"lamella/medical.hpp\"\n"
 }
 FNR == 1 { end_file(); file = FILENAME; examples = 0; is_header = file ~ /[.]hpp$/; past_head = 0 }
 

@@ -198,7 +198,7 @@ private:
         return complaint;
     }
 
-    bool keeps_contours() const noexcept { return result_.region.rule_of(index_) == FillRule::contours; }
+    bool keeps_contours() const noexcept { return result_.region.rule_of(result_.first_layer + index_) == FillRule::contours; }
 
     /// Any of several equally small ones will do.
     bool is_parent(std::size_t c, std::span<const std::size_t> around) const {
@@ -351,7 +351,7 @@ Complaint check_layer(const SliceResult& result, std::size_t index) {
         segments += contour.segments;
     }
     // A fill rule drops some and cuts others in two.
-    if (segments != layer.segments && result.region.rule_of(index) == FillRule::contours) {
+    if (segments != layer.segments && result.region.rule_of(result.first_layer + index) == FillRule::contours) {
         return place(index) + "contours do not use every segment once";
     }
     return result.part_regions == PartRegions::united ? check_united(result, index) : check_parts(result, index);

@@ -127,7 +127,7 @@ private:
 
     std::string complaint_at(std::size_t layer, const Contour& contour, std::uint32_t i) const {
         const PointOrigin& origin = result_.origins_of(contour)[i];
-        const bool is_plain = result_.region.rule_of(layer) == FillRule::contours;
+        const bool is_plain = result_.region.rule_of(result_.first_layer + layer) == FillRule::contours;
         if (origin.triangle == no_triangle) {
             const bool as_walked = is_plain && (contour.flags & gap_closed) == 0 && result_.region.simplify_mm == 0;
             return as_walked ? "no origin, though nothing was made, joined or simplified here" : "";

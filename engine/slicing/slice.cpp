@@ -100,7 +100,8 @@ private:
         return options_.memory_limit_bytes != 0 ? options_.memory_limit_bytes : kept_.usual_limit;
     }
     LayerRules rules() const noexcept {
-        return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm, options_.gap_sense};
+        return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm, options_.gap_sense,
+                kept_.planes.first_kept()};
     }
     /// Milliseconds since the stage before ended.
     double end_stage() noexcept {
@@ -158,7 +159,10 @@ Status Slicing::choose_grid_and_planes() {
 Status Slicing::build_planes(const Bounds& own) {
     const Bounds& bounds = frame_ != nullptr ? frame_->bounds : own;
     const CoordinateType number = frame_ != nullptr ? frame_->number : placed_number(mesh_, options_.transform);
-    return kept_.planes.build(options_.plan, bounds, result_.unit_mm, number, memory_limit());
+    if (Status status = kept_.planes.build(options_.plan, bounds, result_.unit_mm, number, memory_limit()); !status) {
+        return status;
+    }
+    return kept_.planes.keep(options_.layers);
 }
 
 Status Slicing::count_triangles() {
@@ -286,6 +290,8 @@ Status Slicing::finish_result() {
     const Vector<PlaneIndex>& listed = kept_.planes.plane_of_listed();
     result_.layer_of.resize_discarding(listed.size());
     std::copy(listed.begin(), listed.end(), result_.layer_of.begin());
+    result_.first_layer = kept_.planes.first_kept();
+    result_.all_layers = kept_.planes.planned();
     summarise();
     Status status = output_.finish(sweep_input());
     result_.summary.ms.contours += end_stage();

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -41,6 +42,13 @@ struct UniformLayers {
 /// A layer reaches from the middle between its plane and the one below to the middle between it and the one above.
 struct ExplicitPlanes {
     std::vector<double> heights_mm;
+};
+
+/// Layers [first, end) of a plan, counted from 0.
+struct LayerRange {
+    std::uint64_t first = 0;
+    std::uint64_t end = std::numeric_limits<std::uint64_t>::max();  ///< one past the last; may lie beyond the plan's end
+    friend constexpr bool operator==(const LayerRange&, const LayerRange&) = default;
 };
 
 struct LayerPlan {

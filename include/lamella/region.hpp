@@ -71,7 +71,7 @@ std::string_view name_of(FillRule rule) noexcept;
 
 /// From this layer on another rule.
 struct FillFrom {
-    std::uint64_t first_layer = 0;  ///< index into SliceResult::layers
+    std::uint64_t first_layer = 0;  ///< among those of the plan
     FillRule rule = FillRule::contours;
 };
 

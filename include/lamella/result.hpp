@@ -182,9 +182,12 @@ struct SliceResult {
     Array<Layer> layers;
     Array<Contour> contours;
     Array<Point> points;
-    Array<PointOrigin> origins;    ///< of each of `points`; empty unless SliceOptions::origins
-    Array<ClosedGap> closed_gaps;  ///< by layer, then by `from` and `to`
-    /// The layer of each of ExplicitPlanes::heights_mm: an index into `layers`. Empty for other plans.
+    Array<PointOrigin> origins;     ///< of each of `points`; empty unless SliceOptions::origins
+    Array<ClosedGap> closed_gaps;   ///< by layer, then by `from` and `to`
+    std::uint64_t first_layer = 0;  ///< of `layers[0]` among those of the plan: see SliceOptions::layers
+    std::uint64_t all_layers = 0;   ///< of the plan
+    /// The layer of each of ExplicitPlanes::heights_mm, an index into `layers` where these are all layers of the plan. Empty
+    /// for other plans.
     Array<std::uint64_t> layer_of;
     std::uint32_t part_count = 1;  ///< meshes
     PartRegions part_regions = PartRegions::separate;

@@ -42,6 +42,9 @@ enum class UnitFit : std::uint8_t {
 
 struct SliceOptions {
     LayerPlan plan{};
+    /// Cut these layers of the plan only: they have the bytes that they have in the whole, grid and planes being chosen for
+    /// the whole mesh. SliceResult::first_layer says where they lie.
+    LayerRange layers{};
     double unit_mm = 0;  ///< grid unit; 0 chooses the default, unit_by_box the finest (see grid.hpp)
     UnitFit unit_fit = UnitFit::as_asked;
     /// A mesh without triangles, or of which none is left on the grid, is no error: given heights give empty layers, other
@@ -94,7 +97,8 @@ private:
 /// more there are is known only once they are walked. A closed contour that has an area has three points or more, so that
 /// such a result is at most three times as large as that; one of open polylines of a single segment each, eight times. What
 /// the host's memory does not hold then is out_of_memory. Errors: invalid_argument, empty_mesh (unless
-/// SliceOptions::allow_empty), bad_coordinate (with the triangle), bad_planes (with the plane), result_too_large,
+/// SliceOptions::allow_empty), bad_coordinate (with the triangle), bad_planes (with the plane, or for
+/// SliceOptions::layers that the plan does not have), result_too_large,
 /// out_of_memory, cancelled.
 Result<SliceResult> slice(const MeshView& mesh, const SliceOptions& options = {}) noexcept;
 

@@ -181,6 +181,8 @@ private:
             options.transform = job_.image->slicing_frame(part.frame);
         }
         part.result = slice_mesh(mesh, options);
+        part.first_layer = part.result.first_layer;
+        part.all_layers = part.result.all_layers;
         part.welded = std::move(welded_);
         welded_.reset();
         if (part.result.summary.segments == 0) {

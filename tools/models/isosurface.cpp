@@ -82,7 +82,7 @@ private:
 
 // Whether the spacing gives more than one step in each direction and a number of nodes that can be visited.
 bool sensible(const Field& field, const Spacing& spacing) {
-    constexpr double most_nodes = 2e10;
+    constexpr double most_nodes = 4e11;
     constexpr double most_plane_nodes = 2e7;
     const double plane_nodes = 4 * field.half_x() * field.half_y() / (spacing.dx * spacing.dx);
     return spacing.dx < 2 * std::min(field.half_x(), field.half_y()) && spacing.dz < 1 && plane_nodes < most_plane_nodes &&

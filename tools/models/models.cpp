@@ -38,7 +38,10 @@ Status check(const Recipe& recipe) {
     };
     const auto length_ok = [](double mm) { return mm >= 1e-3 && mm <= 1e6; };
     if (recipe.triangles < fewest_triangles || recipe.triangles > most_triangles) {
-        return out_of_range("triangles", "between 100 and 100000000");
+        return out_of_range("triangles", "between 100 and 1000000000");
+    }
+    if (recipe.order == Order::random && recipe.triangles > most_shuffled) {
+        return out_of_range("triangles", "between 100 and 100000000 where their order is random");
     }
     if (!length_ok(recipe.height_mm) || (recipe.width_mm && !length_ok(*recipe.width_mm))) {
         return out_of_range(length_ok(recipe.height_mm) ? "width" : "height", "between 0.001 and 1000000 mm");

@@ -36,7 +36,8 @@ enum class Order : std::uint8_t {
 };
 
 inline constexpr std::uint64_t fewest_triangles = 100;
-inline constexpr std::uint64_t most_triangles = 100'000'000;
+inline constexpr std::uint64_t most_triangles = 1'000'000'000;
+inline constexpr std::uint64_t most_shuffled = 100'000'000;  ///< of Order::random, which holds them all
 
 struct Recipe {
     Shape shape = Shape::bone;

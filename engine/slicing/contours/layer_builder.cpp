@@ -107,7 +107,8 @@ void LayerBuilder::finish(BandOutput& out) {
     sort_by_start();
     const std::uint64_t before = timed ? ticks() : 0;
     const std::uint64_t filled_before = fill_ticks;
-    nest(rules.region == nullptr ? FillRule::contours : rules.region->rule_of(out.first_layer + out.layer_contours.size()));
+    const std::uint64_t layer = rules.first_layer + out.first_layer + out.layer_contours.size();
+    nest(rules.region == nullptr ? FillRule::contours : rules.region->rule_of(layer));
     nesting_ticks += timed ? ticks() - before - (fill_ticks - filled_before) : 0;
     order_.put_holes_after_outers(items_);
     append(out);

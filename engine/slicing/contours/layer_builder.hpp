@@ -33,6 +33,7 @@ struct LayerRules {
     double unit_mm = default_unit_mm;
     double close_gaps = 0;  ///< grid units
     GapSense gap_sense = GapSense::kept;
+    std::uint64_t first_layer = 0;  ///< of the plan's layers, which the rules count; see SliceOptions::layers
 };
 
 /// A contour that is not walked.

@@ -77,7 +77,9 @@ public:
     }
 
     SliceTotals totals(SliceResult& result) const {
-        return {layers_, contours_, points_, closed_gaps_, result.unit_mm, std::move(result.layer_of), result.summary};
+        return {layers_,        contours_,          points_,           closed_gaps_,
+                result.unit_mm, result.first_layer, result.all_layers, std::move(result.layer_of),
+                result.summary};
     }
 
 private:

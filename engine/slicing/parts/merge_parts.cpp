@@ -128,6 +128,8 @@ void merge_parts(std::span<const SliceResult> parts, const Parallel& parallel, S
     merge_gaps(parts, merged);
     merged.layer_of.resize_discarding(parts[0].layer_of.size());
     std::copy(parts[0].layer_of.begin(), parts[0].layer_of.end(), merged.layer_of.begin());
+    merged.first_layer = parts[0].first_layer;
+    merged.all_layers = parts[0].all_layers;
     merged.part_count = static_cast<std::uint32_t>(parts.size());
     merged.close_gaps_mm = parts[0].close_gaps_mm;
     merged.gap_sense = parts[0].gap_sense;

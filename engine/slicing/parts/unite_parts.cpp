@@ -55,7 +55,7 @@ private:
         if (worker == nullptr) {
             worker = std::make_unique<Worker>(control_.memory);
             worker->builder.follow(control_.stop);
-            worker->builder.rules = {&united_.region, apart_.unit_mm, 0};
+            worker->builder.rules = {&united_.region, apart_.unit_mm, 0, GapSense::kept, apart_.first_layer};
         }
         auto output = std::make_unique<BandOutput>(control_.memory);
         output->with_origins = !apart_.origins.empty();
@@ -111,6 +111,8 @@ void unite_parts(const SliceResult& apart, const Control& control, const Paralle
     std::copy(apart.closed_gaps.begin(), apart.closed_gaps.end(), united.closed_gaps.begin());
     united.layer_of.resize_discarding(apart.layer_of.size());
     std::copy(apart.layer_of.begin(), apart.layer_of.end(), united.layer_of.begin());
+    united.first_layer = apart.first_layer;
+    united.all_layers = apart.all_layers;
     united.part_count = apart.part_count;
     united.part_regions = PartRegions::united;
     united.close_gaps_mm = apart.close_gaps_mm;

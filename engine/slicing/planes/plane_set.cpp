@@ -50,9 +50,16 @@ Status PlaneSet::build(const LayerPlan& plan, const Bounds& bounds, double unit_
     unit_mm_ = unit_mm;
     number_ = number;
     count_ = 0;
+    first_kept_ = 0;
     inverse_step_ = 0;
     heights_mm_.clear();
     plane_of_listed_.clear();
+    const Status status = build_spacing(plan, bounds, memory_limit);
+    planned_ = count_;
+    return status;
+}
+
+Status PlaneSet::build_spacing(const LayerPlan& plan, const Bounds& bounds, std::uint64_t memory_limit) {
     if (const auto* uniform = std::get_if<UniformLayers>(&plan.spacing)) {
         return build_uniform(*uniform, bounds, memory_limit);
     }
@@ -62,8 +69,33 @@ Status PlaneSet::build(const LayerPlan& plan, const Bounds& bounds, double unit_
     return build_random(std::get<RandomLayers>(plan.spacing), bounds, memory_limit);
 }
 
+Status PlaneSet::keep(const LayerRange& range) {
+    if (range == LayerRange{} || count_ == 0) {
+        return {};
+    }
+    if (range.first >= std::min<std::uint64_t>(range.end, count_)) {
+        return Error{ErrorCode::bad_planes, "layers " + std::to_string(range.first) + ":" + std::to_string(range.end) +
+                                                " are none of the " + counted(count_, "layer") + " of the plan"};
+    }
+    const auto first = static_cast<PlaneIndex>(range.first);
+    const auto end = static_cast<PlaneIndex>(std::min<std::uint64_t>(range.end, count_));
+    std::copy(padded_.data() + 1 + first, padded_.data() + 1 + end, padded_.data() + 1);
+    first_kept_ += first;
+    count_ = end - first;
+    padded_[count_ + 1] = above_all;
+    first_step_ += static_cast<double>(first);
+    if (uniform()) {
+        first_z_ = padded_[1];
+        last_guess_ = static_cast<double>(count_ - 1);
+    }
+    make_table();
+    return {};
+}
+
 void PlaneSet::build(const Array<Layer>& layers) {
     count_ = static_cast<PlaneIndex>(layers.size());
+    planned_ = count_;
+    first_kept_ = 0;
     inverse_step_ = 0;
     padded_.resize_discarding(layers.size() + 2);
     padded_[0] = below_all;
@@ -355,22 +387,24 @@ double PlaneSet::bottom_mm(PlaneIndex i) const noexcept {
     if (layer_height_mm_ > 0) {
         return height_mm(i) - layer_height_mm_ / 2;
     }
-    const double here = height_mm(i);
-    if (i > 0) {
-        return (height_mm(i - 1) + here) / 2;
+    const std::size_t at = first_kept_ + std::size_t{i};
+    const double here = heights_mm_[at];
+    if (at > 0) {
+        return (heights_mm_[at - 1] + here) / 2;
     }
-    return count_ > 1 ? here - (height_mm(1) - here) / 2 : here;
+    return planned_ > 1 ? here - (heights_mm_[1] - here) / 2 : here;
 }
 
 double PlaneSet::top_mm(PlaneIndex i) const noexcept {
     if (layer_height_mm_ > 0) {
         return height_mm(i) + layer_height_mm_ / 2;
     }
-    const double here = height_mm(i);
-    if (i + 1 < count_) {
-        return (here + height_mm(i + 1)) / 2;
+    const std::size_t at = first_kept_ + std::size_t{i};
+    const double here = heights_mm_[at];
+    if (at + 1 < planned_) {
+        return (here + heights_mm_[at + 1]) / 2;
     }
-    return i > 0 ? here + (here - height_mm(i - 1)) / 2 : here;
+    return at > 0 ? here + (here - heights_mm_[at - 1]) / 2 : here;
 }
 
 }  // namespace lamella

@@ -57,7 +57,8 @@ public:
     double planes_per_unit() const noexcept { return inverse_step_; }
     /// The height asked for, before rounding.
     double height_mm(PlaneIndex i) const noexcept {
-        return heights_mm_.empty() ? first_mm_ + (first_step_ + static_cast<double>(i)) * step_mm_ : heights_mm_[i];
+        return heights_mm_.empty() ? first_mm_ + (first_step_ + static_cast<double>(i)) * step_mm_
+                                   : heights_mm_[first_kept_ + i];
     }
     /// Bottom and top of the slab that plane i stands for.
     double bottom_mm(PlaneIndex i) const noexcept;
@@ -78,6 +79,12 @@ public:
     /// invalid_argument, bad_planes, result_too_large (k layers alone exceed the limit).
     Status build(const LayerPlan& plan, const Bounds& bounds, double unit_mm, CoordinateType number,
                  std::uint64_t memory_limit);
+    /// Drops all planes but those of `range`, which keep their heights, bottoms and tops. O(k). Errors: bad_planes (there
+    /// are planes, but none of these).
+    Status keep(const LayerRange& range);
+    /// Of the planes that there were: which is now plane 0, and how many there were.
+    PlaneIndex first_kept() const noexcept { return first_kept_; }
+    PlaneIndex planned() const noexcept { return planned_; }
     /// The planes of a result, with their heights on the grid only. Precondition: they ascend. O(k).
     void build(const Array<Layer>& layers);
 
@@ -85,6 +92,7 @@ public:
     void trim();
 
 private:
+    Status build_spacing(const LayerPlan& plan, const Bounds& bounds, std::uint64_t memory_limit);
     Status build_uniform(const UniformLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
     Status build_explicit(const ExplicitPlanes& plan);
     Status build_random(const RandomLayers& plan, const Bounds& bounds, std::uint64_t memory_limit);
@@ -120,6 +128,8 @@ private:
     double unit_mm_ = default_unit_mm;
     CoordinateType number_ = CoordinateType::f32;
     PlaneIndex count_ = 0;
+    PlaneIndex first_kept_ = 0;
+    PlaneIndex planned_ = 0;
     Array<std::int32_t> padded_;  // [lowest, plane 0, ..., plane k-1, highest]
     // uniform: plane i is at first_mm_ + (first_step_ + i) * step_mm_
     double first_mm_ = 0;
@@ -128,7 +138,7 @@ private:
     double first_z_ = 0;       // of plane 0, grid units
     double inverse_step_ = 0;  // planes per grid unit; 0 when not uniform
     double last_guess_ = 0;
-    Vector<double> heights_mm_;           // when not uniform
+    Vector<double> heights_mm_;           // when not uniform, of all planned
     Vector<PlaneIndex> plane_of_listed_;  // when heights are listed
     Vector<PlaneIndex> listed_order_;     // scratch: which of the listed heights is lowest, and so on
     HeightTable table_;

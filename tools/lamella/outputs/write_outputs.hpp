@@ -23,6 +23,8 @@ struct SlicedPart {
     std::optional<MeshFacts> facts;
     PatientFrame frame = PatientFrame::unstated;
     std::optional<WeldedMesh> welded;
+    std::uint64_t first_layer = 0;  ///< of the result among the layers of the plan: see --layers
+    std::uint64_t all_layers = 0;   ///< of the plan
 };
 
 /// All that is written at the end of a command.

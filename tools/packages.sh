@@ -16,6 +16,8 @@ python_packages=(
 )
 # tests/readers: programs that read what lamella::medical writes. A test whose program is missing is skipped.
 reader_packages=(python3-nibabel python3-pandas teem-apps)
+# tests/cluster: the engines that tools/cluster and the Python package hand meshes to.
+cluster_packages=(slurm-wlm munge snakemake python3-distributed python3-pandas)
 check_packages=(clang clang-format clang-tidy libclang-rt-14-dev libc++-14-dev libc++abi-14-dev doxygen abigail-tools)
 picture_packages=(librsvg2-bin)
 

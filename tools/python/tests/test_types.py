@@ -11,9 +11,11 @@ pytest.importorskip("mypy")
 SOURCE = pathlib.Path(__file__).resolve().parents[1] / "src"
 
 RIGHT = """
+import distributed
 import numpy as np
 import numpy.typing as npt
 import lamella
+import lamella.dask
 
 result: lamella.Result = lamella.slice("liver.stl", layer_height=0.1, fill_rule="non-zero", progress=True)
 areas: npt.NDArray[np.float64] = result.areas
@@ -25,6 +27,9 @@ for chunk in lamella.stream(mesh.vertices, mesh.faces, layer_height=0.01, chunk=
     total: float = chunk.volume
 cut: lamella.Layer = lamella.section(mesh, origin=[0, 0, 1], normal=[0, 1, 1], close_gaps=0.1)
 edges: int = lamella.check(mesh)["boundary_edges"].count
+
+def table(client: distributed.Client) -> list[dict[str, object]]:
+    return lamella.dask.slice_many(client, ["liver.stl"], "{stem}.svg", retries=1, layer_height=0.1).rows()
 """
 
 # Each with what mypy must say of it.

@@ -1,0 +1,88 @@
+"""The client of dask.sh, and what kills a worker.
+
+    dask_many.py SCHEDULER_FILE PID...
+
+The workers are named 0, 1, ... in the order of their process ids.
+"""
+
+import os
+import pathlib
+import signal
+import sys
+import time
+
+import distributed
+
+import lamella.dask
+
+# Each takes 600 of the 1000 that a worker has: one at a time, though the worker has two threads.
+NEED = 600
+
+
+def begin(client):
+    paths = sorted(map(str, pathlib.Path("meshes").iterdir()))
+    return lamella.dask.slice_many(
+        client, paths, "alone/{stem}.nii.gz", spacing=(0.5, 0.5, 0.1), frame="lps", memory=NEED
+    )
+
+
+def children_of(pid):
+    """Numbers of processes."""
+    found = []
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            words = stat.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(words[1]) == pid:
+            found.append(int(stat.parent.name))
+    return found
+
+
+def kill_one_that_slices(client, pids, many):
+    """Of those that have a mesh after the first ones are done. Returns the keys that it had."""
+    while True:
+        assert not all(future.done() for future in many.futures), "all was over before a worker could be killed"
+        keys = {worker: keys for worker, keys in client.processing().items() if keys}
+        names = {address: info["name"] for address, info in client.scheduler_info()["workers"].items()}
+        for address, at_work in keys.items():
+            name = int(names[address])
+            if any(future.done() for future in many.futures) and children_of(pids[name]):
+                child = children_of(pids[name])[0]
+                os.kill(pids[name], signal.SIGKILL)
+                return name, set(at_work), child
+        time.sleep(0.02)
+
+
+def most_at_once(client, pids, many):
+    """Tools of one worker at the same time, as long as any is at work."""
+    most = 0
+    while not all(future.done() for future in many.futures):
+        most = max([most] + [len(children_of(pid)) for pid in pids])
+        time.sleep(0.02)
+    return most
+
+
+def main(scheduler_file, *pids):
+    pids = [int(pid) for pid in pids]
+    client = distributed.Client(scheduler_file=scheduler_file)
+    client.wait_for_workers(len(pids))
+    many = begin(client)
+    name, lost, child = kill_one_that_slices(client, pids, many)
+    most = most_at_once(client, pids, many)
+    rows = many.rows()
+    assert most == 1, f"{most} meshes at once on a worker that has memory for one"
+    assert len(client.scheduler_info()["workers"]) == len(pids) - 1
+    assert not pathlib.Path(f"/proc/{child}").exists(), "the tool outlived its worker"
+    failed = {row["mesh"]: row["reason"] for row in rows if row["reason"]}
+    assert list(failed) == ["meshes/damaged.stl"], failed
+    assert all(row["certificate"] == "holds" and row["hash"] for row in rows if not row["reason"])
+    # The table does not depend on who did what.
+    many = begin(client)
+    assert many.rows() == rows
+    assert many.frame()["mesh"].tolist() == [row["mesh"] for row in rows]
+    print(f"{len(rows)} meshes; worker {name} was killed with {len(lost)} of them; {failed}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

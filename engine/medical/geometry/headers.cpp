@@ -46,10 +46,14 @@ HeaderBytes::HeaderBytes(const std::filesystem::path& path) : name_(path.string(
 }
 
 Error HeaderBytes::refused(const std::string& what) const {
-    return {.code = ErrorCode::malformed_mesh, .message = name_ + ": " + what};
+    return malformed_image(name_, what);
 }
 
-ImageGeometry upright(const HeaderBytes& header, const std::array<std::uint64_t, 3>& size,
+Error malformed_image(const std::string& name, const std::string& what) {
+    return {.code = ErrorCode::malformed_mesh, .message = name + ": " + what};
+}
+
+ImageGeometry upright(const std::string& name, const std::array<std::uint64_t, 3>& size,
                       const std::array<Direction, 3>& steps, const Direction& origin) {
     ImageGeometry image;
     image.size = size;
@@ -57,11 +61,11 @@ ImageGeometry upright(const HeaderBytes& header, const std::array<std::uint64_t,
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double step = length(steps[axis]);
         if (!std::isfinite(step) || step <= 0 || !std::isfinite(origin[axis])) {
-            throw Refused{header.refused("the distance of voxels along " + std::string(axis_names[axis]) +
-                                         ", or the origin, is no finite length")};
+            throw Refused{malformed_image(name, "the distance of voxels along " + std::string(axis_names[axis]) +
+                                                    ", or the origin, is no finite length")};
         }
         if (size[axis] == 0 || size[axis] > largest_image_side) {
-            throw Refused{header.refused(std::to_string(size[axis]) + " voxels along " + axis_names[axis])};
+            throw Refused{malformed_image(name, std::to_string(size[axis]) + " voxels along " + axis_names[axis])};
         }
         image.spacing_mm[axis] = step;
         image.axes[axis] = scaled(steps[axis], 1 / step);
@@ -69,8 +73,8 @@ ImageGeometry upright(const HeaderBytes& header, const std::array<std::uint64_t,
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::size_t next = (axis + 1) % 3;
         if (std::abs(dot(image.axes[axis], image.axes[next])) > largest_cosine) {
-            throw Refused{header.refused("sheared: the axes " + std::string(axis_names[axis]) + " and " + axis_names[next] +
-                                         " are not perpendicular")};
+            throw Refused{malformed_image(name, "sheared: the axes " + std::string(axis_names[axis]) + " and " +
+                                                    axis_names[next] + " are not perpendicular")};
         }
     }
     // What rounding in the header left of a right angle is taken away.

@@ -29,13 +29,16 @@ private:
     std::string bytes_;
 };
 
+/// malformed_mesh: "NAME: WHAT".
+Error malformed_image(const std::string& name, const std::string& what);
+
 /// Both refuse by Refused or by their result what is no such image.
 Result<ImageGeometry> read_nifti(const HeaderBytes& header);
 Result<ImageGeometry> read_nrrd(const HeaderBytes& header);
 
 /// The geometry of voxels that lie `steps` apart from `origin`, in LPS and mm. Throws Refused where the steps are no finite
 /// lengths, or not perpendicular.
-ImageGeometry upright(const HeaderBytes& header, const std::array<std::uint64_t, 3>& size,
+ImageGeometry upright(const std::string& name, const std::array<std::uint64_t, 3>& size,
                       const std::array<Direction, 3>& steps, const Direction& origin);
 
 }  // namespace lamella

@@ -1,8 +1,10 @@
 #include "lamella/medical/geometry.hpp"
 
 #include <cmath>
+#include <system_error>
 
 #include "base/guard.hpp"
+#include "medical/dicom/series.hpp"
 #include "medical/geometry/directions.hpp"
 #include "medical/geometry/headers.hpp"
 
@@ -22,11 +24,14 @@ Transform ImageGeometry::slicing_frame(PatientFrame frame) const noexcept {
 }
 
 std::vector<double> ImageGeometry::slice_heights_mm(int subslices) const {
-    const double step = dot(axes[2], cross(axes[0], axes[1])) < 0 ? -spacing_mm[2] : spacing_mm[2];
+    const double hand = dot(axes[2], cross(axes[0], axes[1])) < 0 ? -1 : 1;
+    const auto centre = [&](std::uint64_t slice) {
+        return slice < uneven_slices_mm.size() ? uneven_slices_mm[slice] : static_cast<double>(slice) * spacing_mm[2];
+    };
     std::vector<double> heights;
     for (std::uint64_t slice = 0; slice < size[2]; ++slice) {
         for (int part = 0; part < subslices; ++part) {
-            heights.push_back((static_cast<double>(slice) + (part + 0.5) / subslices - 0.5) * step);
+            heights.push_back(hand * (centre(slice) + ((part + 0.5) / subslices - 0.5) * spacing_mm[2]));
         }
     }
     return heights;
@@ -56,7 +61,14 @@ Result<ImageGeometry> geometry_around(const std::array<double, 3>& min_mm, const
 
 Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path) noexcept {
     return guarded([&]() -> Result<ImageGeometry> {
+        std::error_code unknown;
+        if (std::filesystem::is_directory(path, unknown)) {
+            return read_dicom_folder(path);
+        }
         const HeaderBytes header(path);
+        if (header.bytes().size() > 132 && header.bytes().substr(128, 4) == "DICM") {
+            return header.refused("one DICOM file; name the folder that holds its series");
+        }
         return header.begins_with("NRRD") ? read_nrrd(header) : read_nifti(header);
     });
 }

@@ -133,7 +133,7 @@ Result<ImageGeometry> read_nifti(const HeaderBytes& file) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         steps[axis] = {-affine[0][axis] * mm, -affine[1][axis] * mm, affine[2][axis] * mm};
     }
-    ImageGeometry image = upright(file, size, steps, {-affine[0][3] * mm, -affine[1][3] * mm, affine[2][3] * mm});
+    ImageGeometry image = upright(file.name(), size, steps, {-affine[0][3] * mm, -affine[1][3] * mm, affine[2][3] * mm});
     constexpr double unnoticed = 1e-3;  // voxels
     if (by_sform && by_qform && !(disagreement(affine, qform(header), size) <= unnoticed)) {
         image.warnings.push_back(file.name() + ": its sform and its qform disagree; the sform holds");

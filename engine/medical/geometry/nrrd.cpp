@@ -136,7 +136,7 @@ Result<ImageGeometry> read_nrrd(const HeaderBytes& header) {
     if (axes != 3) {
         return header.refused("an image of " + std::to_string(axes) + " dimensions, not of 3");
     }
-    return upright(header, size, steps, in_lps(*origin));
+    return upright(header.name(), size, steps, in_lps(*origin));
 }
 
 }  // namespace lamella

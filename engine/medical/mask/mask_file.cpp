@@ -215,6 +215,9 @@ std::string mask_header(const MaskLayout& layout, const ImageGeometry& image) {
 }
 
 void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layout, const ImageGeometry& image) {
+    if (!image.uneven_slices_mm.empty()) {
+        throw refused(path, "the slices of the image are not evenly spaced, and a mask holds even ones only");
+    }
     require_sizes(path, layout, image);
 }
 

@@ -7,11 +7,12 @@
 #include <memory>
 #include <system_error>
 
-#include <openssl/evp.h>
 #include <nlohmann/json.hpp>
 
 #include "base/guard.hpp"
 #include "lamella/io/text_file.hpp"
+#include "medical/dicom/series.hpp"
+#include "medical/provenance/sha256.hpp"
 
 namespace lamella {
 
@@ -49,36 +50,45 @@ Record record_of(const Json& json) {
     return record;
 }
 
+/// Its bytes. Throws Refused (unreadable_file).
+std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Control& control) {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+    if (!file) {
+        throw Refused{unreadable(path, errno)};
+    }
+    std::uint64_t bytes = 0;
+    std::vector<unsigned char> piece(std::size_t{1} << 18);
+    while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
+        stop_if_asked(control);
+        hash.add(piece.data(), count);
+        bytes += count;
+    }
+    if (std::ferror(file.get()) != 0) {
+        throw Refused{unreadable(path, errno)};
+    }
+    return bytes;
+}
+
 }  // namespace
 
 Result<FileSeal> seal_file(const std::filesystem::path& path, const Control& control) noexcept {
     return guarded(control, [&]() -> Result<FileSeal> {
-        const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-        if (!file) {
-            return unreadable(path, errno);
-        }
-        const std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> digest(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
-        if (!digest || EVP_DigestInit_ex(digest.get(), EVP_sha256(), nullptr) != 1) {
-            throw std::bad_alloc();
-        }
         FileSeal seal{path.string(), 0, {}};
-        std::vector<unsigned char> piece(std::size_t{1} << 18);
-        while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
-            stop_if_asked(control);
-            EVP_DigestUpdate(digest.get(), piece.data(), count);
-            seal.bytes += count;
+        Sha256 hash;
+        std::error_code unknown;
+        if (!std::filesystem::is_directory(path, unknown)) {
+            seal.bytes = add_file(path, hash, control);
+            seal.sha256 = hexadecimal(hash.digest());
+            return seal;
         }
-        if (std::ferror(file.get()) != 0) {
-            return unreadable(path, errno);
+        const ImageGeometry image = read_dicom_folder(path);
+        for (const DicomSeries::Instance& slice : image.series->slices) {
+            Sha256 own;
+            seal.bytes += add_file(slice.file, own, control);
+            const std::array<unsigned char, 32> digest = own.digest();
+            hash.add(digest.data(), digest.size());
         }
-        std::array<unsigned char, EVP_MAX_MD_SIZE> sum{};
-        unsigned length = 0;
-        EVP_DigestFinal_ex(digest.get(), sum.data(), &length);
-        constexpr std::string_view digits = "0123456789abcdef";
-        for (unsigned i = 0; i < length; ++i) {
-            seal.sha256 += digits[sum[i] >> 4];
-            seal.sha256 += digits[sum[i] & 15];
-        }
+        seal.sha256 = hexadecimal(hash.digest());
         return seal;
     });
 }

@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,31 @@
 
 namespace lamella {
 
+/// What a structure set must state of the images that it was drawn on. Texts are as in the files, unchecked.
+struct DicomSeries {
+    struct Instance {
+        std::string file;
+        std::string sop_class_uid;
+        std::string sop_instance_uid;
+    };
+    std::vector<Instance> slices;  ///< in the order of k
+    std::string study_uid;
+    std::string series_uid;
+    std::string frame_of_reference_uid;
+    std::string position_reference_indicator;
+    std::string specific_character_set;
+    std::string patient_name;
+    std::string patient_id;
+    std::string patient_birth_date;
+    std::string patient_sex;
+    std::string study_date;
+    std::string study_time;
+    std::string study_id;
+    std::string study_description;
+    std::string accession_number;
+    std::string referring_physician_name;
+};
+
 /// An upright grid of voxels. Directions and places are in the patient's frame LPS, in mm.
 struct ImageGeometry {
     std::array<std::uint64_t, 3> size{};  ///< voxels along i, j, k
@@ -28,6 +54,10 @@ struct ImageGeometry {
     std::array<double, 3> origin_mm{};  ///< centre of voxel (0, 0, 0)
     /// Unit directions of i, j, k: perpendicular, of either hand.
     std::array<std::array<double, 3>, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    /// Of slices that are not evenly spaced, DICOM's: how far each lies from slice 0 along k, ascending. Else empty; where
+    /// there are some, spacing_mm[2] is their mean. Masks refuse them.
+    std::vector<double> uneven_slices_mm;
+    std::optional<DicomSeries> series;  ///< where a folder with DICOM files was read
     std::vector<std::string> warnings;  ///< one line each, naming the file
 
     /// From a mesh in `frame`, in mm, to the frame of slicing: x along i, y along j, z along i x j, zero at the centre of
@@ -36,14 +66,16 @@ struct ImageGeometry {
     Transform slicing_frame(PatientFrame frame) const noexcept;
 
     /// The heights of slices 0, 1, ... in that frame; descending where i, j, k are left-handed. Of `subslices` planes a
-    /// slice, plane n lies at (n + 0.5) / subslices - 0.5 of the spacing from the slice's centre. SliceResult::layer_of
-    /// tells the layer of each height.
+    /// slice, plane n lies at (n + 0.5) / subslices - 0.5 of the (mean) spacing from the slice's centre.
+    /// SliceResult::layer_of tells the layer of each height.
     std::vector<double> slice_heights_mm(int subslices = 1) const;
 };
 
-/// Reads where the voxels of `path` lie: NIfTI-1 (.nii, .nii.gz, .hdr) or NRRD (.nrrd, .nhdr). The content decides the
-/// format. Voxels are not read. Of NIfTI the sform holds before the qform; RAS+ becomes LPS. Errors: unreadable_file,
-/// malformed_mesh (not an image, or one that is refused, such as a sheared one), out_of_memory.
+/// Reads where the voxels of `path` lie: NIfTI-1 (.nii, .nii.gz, .hdr), NRRD (.nrrd, .nhdr), or a folder with one series of
+/// DICOM files. The content decides the format. Voxels are not read. Of NIfTI the sform holds before the qform; RAS+ becomes
+/// LPS. Slices of a series are sorted along their normal, row direction x column direction; files of the folder that are no
+/// DICOM images are passed over. Errors: unreadable_file, malformed_mesh (not an image, or one that is refused: sheared
+/// or with a tilted gantry, several series, several frames in a file, two slices at one place), out_of_memory.
 Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path) noexcept;
 
 /// Voxels of `spacing_mm` along L, P and S that cover a box in LPS; their centres lie on multiples of the spacing. Errors:

@@ -39,7 +39,9 @@ struct Record {
     friend bool operator==(const Record&, const Record&) = default;
 };
 
-/// O(bytes). Errors: unreadable_file, cancelled, out_of_memory.
+/// Of a folder, its one DICOM series: the bytes of all slices, and SHA-256 over the digests of their files, 32 bytes each,
+/// in the order of slices. O(bytes). Errors: unreadable_file, malformed_mesh (a folder that read_image_geometry() refuses),
+/// cancelled, out_of_memory.
 Result<FileSeal> seal_file(const std::filesystem::path& path, const Control& control = {}) noexcept;
 
 /// Errors: unwritable_file, out_of_memory.

@@ -26,7 +26,7 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
 
 void declare_image(CLI::App& command, ImageArguments& arguments) {
     CLI::Option* const like =
-        command.add_option("--like", arguments.like, "Cut at the slices of this image: NIfTI-1 or NRRD");
+        command.add_option("--like", arguments.like, "Cut at the slices of this image: NIfTI-1, NRRD, or a folder with a DICOM series");
     CLI::Option* const spacing =
         command.add_option("--spacing", arguments.spacing,
                            "Cut for voxels of this size in mm around the mesh, along left, posterior, superior");

@@ -1,0 +1,263 @@
+#include "medical/dicom/series.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "base/guard.hpp"
+#include "lamella/grid.hpp"
+#include "medical/dicom/header.hpp"
+#include "medical/geometry/directions.hpp"
+#include "medical/geometry/headers.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr double same_direction = 1e-4;  ///< as the difference of two unit vectors
+constexpr double same_place_mm = 1e-4;
+constexpr double even_share = 0.01;  ///< of the mean distance: so far slices may lie from even places
+// Headers state places with few decimals.
+constexpr double shift_mm = 0.02;      ///< a slice may lie so far aside of the others, and
+constexpr double shift_per_mm = 1e-4;  ///< so much farther for each mm above the first
+
+/// The plane of a slice.
+struct Slice {
+    const DicomHeader* header = nullptr;
+    std::array<std::uint64_t, 2> size{};  ///< voxels along i, j
+    std::array<double, 2> spacing_mm{};
+    Direction along_i{};  ///< unit vectors
+    Direction along_j{};
+    Direction position{};
+    double height = 0;  ///< along the normal
+};
+
+std::string text_of(double value) {
+    std::array<char, 32> text{};
+    (void)std::snprintf(text.data(), text.size(), "%.6g", value);
+    return text.data();
+}
+
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    std::error_code problem;
+    std::filesystem::directory_iterator entry(folder, problem);
+    for (; !problem && entry != std::filesystem::directory_iterator(); entry.increment(problem)) {
+        std::error_code unknown;
+        if (entry->is_regular_file(unknown)) {
+            files.push_back(entry->path());
+        }
+    }
+    if (problem) {
+        throw Refused{{ErrorCode::unreadable_file, "cannot read '" + folder.string() + "': " + problem.message()}};
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+using SeriesByUid = std::map<std::string, std::vector<DicomHeader>>;
+
+/// The images in a folder.
+SeriesByUid images_in(const std::filesystem::path& folder) {
+    SeriesByUid series;
+    bool any = false;
+    for (const std::filesystem::path& file : files_in(folder)) {
+        std::optional<DicomHeader> header = read_dicom_header(file);
+        any = any || header;
+        if (header && header->has(dicom::rows)) {
+            series[header->required_text(dicom::series_instance_uid, "SeriesInstanceUID")].push_back(*std::move(header));
+        }
+    }
+    if (series.empty()) {
+        throw Refused{malformed_image(
+            folder.string(), any ? "a folder with DICOM files, none of which is an image" : "a folder without DICOM files")};
+    }
+    return series;
+}
+
+void require_one(const std::filesystem::path& folder, const SeriesByUid& series) {
+    if (series.size() == 1) {
+        return;
+    }
+    constexpr std::size_t most_listed = 20;
+    std::string list;
+    std::size_t listed = 0;
+    for (const auto& [uid, images] : series) {
+        if (++listed > most_listed) {
+            break;
+        }
+        const std::string description = one_line(images.front().text(dicom::series_description));
+        list.append(listed == 1 ? " " : "; ").append(one_line(uid));
+        list.append(description.empty() ? "" : " '" + description + "'");
+        list.append(" (").append(std::to_string(images.size())).append(images.size() == 1 ? " slice)" : " slices)");
+    }
+    throw Refused{malformed_image(folder.string(), std::to_string(series.size()) +
+                                                       " DICOM series in the folder, and one is taken:" + list +
+                                                       (series.size() > most_listed ? "; ..." : ""))};
+}
+
+Direction unit_vector(const DicomHeader& header, const std::vector<double>& numbers, std::size_t at) {
+    const Direction along = {numbers[at], numbers[at + 1], numbers[at + 2]};
+    if (std::abs(length(along) - 1) > 1e-3) {
+        throw Refused{header.refused("ImageOrientationPatient holds no unit vectors")};
+    }
+    return scaled(along, 1 / length(along));
+}
+
+std::uint64_t side(const DicomHeader& header, dicom::Tag tag, const char* keyword) {
+    const double count = header.required_numbers(tag, keyword, 1)[0];
+    if (!(count >= 1 && count <= 65535)) {
+        throw Refused{header.refused(std::string(keyword) + " is " + text_of(count))};
+    }
+    return static_cast<std::uint64_t>(count);
+}
+
+Slice slice_of(const DicomHeader& header) {
+    const std::string frames = header.text(dicom::number_of_frames);
+    if (!frames.empty() && frames != "1") {
+        throw Refused{header.refused("a DICOM file of several frames (" + one_line(frames) +
+                                     "), which is not read; convert it to a file a slice, or to NIfTI")};
+    }
+    Slice slice;
+    slice.header = &header;
+    slice.size = {side(header, dicom::columns, "Columns"), side(header, dicom::rows, "Rows")};
+    const std::vector<double> at = header.required_numbers(dicom::image_position_patient, "ImagePositionPatient", 3);
+    slice.position = {at[0], at[1], at[2]};
+    if (!(length(slice.position) <= largest_coordinate_mm)) {
+        throw Refused{
+            header.refused("ImagePositionPatient lies farther than " + text_of(largest_coordinate_mm) + " mm away")};
+    }
+    const std::vector<double> along =
+        header.required_numbers(dicom::image_orientation_patient, "ImageOrientationPatient", 6);
+    slice.along_i = unit_vector(header, along, 0);
+    slice.along_j = unit_vector(header, along, 3);
+    // The first is the distance of rows.
+    const std::vector<double> spacing = header.required_numbers(dicom::pixel_spacing, "PixelSpacing", 2);
+    slice.spacing_mm = {spacing[1], spacing[0]};
+    if (!(spacing[0] > 0 && spacing[1] > 0)) {
+        throw Refused{header.refused("PixelSpacing is not above 0")};
+    }
+    return slice;
+}
+
+double largest_difference(const Direction& a, const Direction& b) {
+    return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
+}
+
+void require_alike(const Slice& slice, const Slice& first) {
+    const char* what = nullptr;
+    if (slice.size != first.size) {
+        what = "Rows and Columns";
+    } else if (slice.spacing_mm != first.spacing_mm) {
+        what = "PixelSpacing";
+    } else if (largest_difference(slice.along_i, first.along_i) > same_direction ||
+               largest_difference(slice.along_j, first.along_j) > same_direction) {
+        what = "ImageOrientationPatient";
+    } else if (slice.header->text(dicom::frame_of_reference_uid) != first.header->text(dicom::frame_of_reference_uid)) {
+        what = "FrameOfReferenceUID";
+    }
+    if (what != nullptr) {
+        throw Refused{slice.header->refused(std::string("other ") + what + " than " + first.header->file() +
+                                            ", which is of the same series")};
+    }
+}
+
+/// All slices, sorted along the normal.
+std::vector<Slice> sorted_slices(const std::vector<DicomHeader>& images) {
+    std::vector<Slice> slices;
+    for (const DicomHeader& image : images) {
+        slices.push_back(slice_of(image));
+        require_alike(slices.back(), slices.front());
+    }
+    const Direction normal = cross(slices.front().along_i, slices.front().along_j);
+    for (Slice& slice : slices) {
+        slice.height = dot(normal, slice.position);
+    }
+    std::stable_sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) { return a.height < b.height; });
+    return slices;
+}
+
+void require_stacked(const std::vector<Slice>& slices) {
+    const Slice& first = slices.front();
+    for (std::size_t i = 1; i < slices.size(); ++i) {
+        const Slice& slice = slices[i];
+        if (slice.height - slices[i - 1].height < same_place_mm) {
+            throw Refused{slice.header->refused("lies at the same place as " + slices[i - 1].header->file())};
+        }
+        Direction step{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            step[axis] = slice.position[axis] - first.position[axis];
+        }
+        const double aside = std::max(std::abs(dot(step, first.along_i)), std::abs(dot(step, first.along_j)));
+        if (aside > shift_mm + shift_per_mm * (slice.height - first.height)) {
+            throw Refused{slice.header->refused("sheared, as by a tilted gantry: the slice lies " + text_of(aside) +
+                                                " mm aside of " + first.header->file())};
+        }
+    }
+}
+
+/// The mean distance of slices; of a single one, its thickness.
+double mean_distance(const std::vector<Slice>& slices) {
+    if (slices.size() > 1) {
+        return (slices.back().height - slices.front().height) / static_cast<double>(slices.size() - 1);
+    }
+    return slices.front().header->required_numbers(dicom::slice_thickness, "SliceThickness", 1)[0];
+}
+
+DicomSeries series_of(const std::vector<Slice>& slices) {
+    const DicomHeader& header = *slices.front().header;
+    DicomSeries series;
+    for (const Slice& slice : slices) {
+        series.slices.push_back(
+            {slice.header->file(), slice.header->text(dicom::sop_class_uid), slice.header->text(dicom::sop_instance_uid)});
+    }
+    series.study_uid = header.text(dicom::study_instance_uid);
+    series.series_uid = header.text(dicom::series_instance_uid);
+    series.frame_of_reference_uid = header.text(dicom::frame_of_reference_uid);
+    series.position_reference_indicator = header.text(dicom::position_reference_indicator);
+    series.specific_character_set = header.text(dicom::specific_character_set);
+    series.patient_name = header.text(dicom::patient_name);
+    series.patient_id = header.text(dicom::patient_id);
+    series.patient_birth_date = header.text(dicom::patient_birth_date);
+    series.patient_sex = header.text(dicom::patient_sex);
+    series.study_date = header.text(dicom::study_date);
+    series.study_time = header.text(dicom::study_time);
+    series.study_id = header.text(dicom::study_id);
+    series.study_description = header.text(dicom::study_description);
+    series.accession_number = header.text(dicom::accession_number);
+    series.referring_physician_name = header.text(dicom::referring_physician_name);
+    return series;
+}
+
+}  // namespace
+
+ImageGeometry read_dicom_folder(const std::filesystem::path& folder) {
+    const SeriesByUid all = images_in(folder);
+    require_one(folder, all);
+    const std::vector<Slice> slices = sorted_slices(all.begin()->second);
+    require_stacked(slices);
+    const Slice& first = slices.front();
+    const double distance = mean_distance(slices);
+    const Direction normal = cross(first.along_i, first.along_j);
+    ImageGeometry image = upright(first.header->file(), {first.size[0], first.size[1], slices.size()},
+                                  {scaled(first.along_i, first.spacing_mm[0]), scaled(first.along_j, first.spacing_mm[1]),
+                                   scaled(normal, distance / length(normal))},
+                                  first.position);
+    bool even = true;
+    for (std::size_t i = 0; i < slices.size(); ++i) {
+        image.uneven_slices_mm.push_back(slices[i].height - first.height);
+        even = even && std::abs(image.uneven_slices_mm.back() - static_cast<double>(i) * distance) <= even_share * distance;
+    }
+    if (even) {
+        image.uneven_slices_mm.clear();
+    }
+    image.series = series_of(slices);
+    return image;
+}
+
+}  // namespace lamella

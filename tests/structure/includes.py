@@ -57,7 +57,8 @@ OTHERS = {
     r"(polyclipping/)?clipper|CGAL/|boost/(geometry|polygon)": None,
     r"mimalloc": "tools/",
     r"(expat|zip)\b": "io/",
-    r"(zlib|fast_float|nlohmann)\b": ("io/", "medical/"),
+    r"(zlib|fast_float)\b": ("io/", "medical/"),
+    r"nlohmann\b": ("io/", "medical/", "tools/lamella/batch/"),
     r"openssl\b": "medical/",
 }
 

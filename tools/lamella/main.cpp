@@ -1,4 +1,5 @@
-// The command line tool. Exit status: 0 done, 2 usage, 3 input that cannot be used, 4 output that cannot be written.
+// The command line tool. Exit status: 0 done, 2 usage, 3 input that cannot be used, 4 output that cannot be written, 5
+// some items of a batch failed.
 #include <exception>
 #include <new>
 #include <string>
@@ -51,6 +52,7 @@ int run(int count, char** words) {
     add_info_command(app, interrupt);
     add_check_command(app, interrupt);
     add_make_command(app, interrupt);
+    add_batch_command(app, interrupt);
     try {
         app.parse(reversed_words(count, words));
         return done;

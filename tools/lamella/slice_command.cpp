@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "batch/workers/worker_side.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "failure.hpp"
@@ -30,7 +31,8 @@ namespace {
 
 /// The options that decide what comes out, as typed: for records.
 std::vector<std::string> words_of(const CLI::App& command) {
-    static constexpr std::array<std::string_view, 9> without_effect = {
+    static constexpr std::array<std::string_view, 10> without_effect = {
+        "",  // hidden options have no name
         "mesh", "--output", "--to", "--threads", "--progress", "--report", "--map", "--band", "--form"};
     std::vector<std::string> words;
     for (const CLI::Option* option : command.get_options()) {
@@ -91,6 +93,13 @@ public:
         }
         write();
         print_words(words_ + wrote(run_), arguments_.output_to_stdout());
+    }
+
+    /// For a batch.
+    batch::SliceFacts facts() const {
+        const SliceResult& result = job_.parts.front().result;
+        return {result.summary.triangles, result.layers.size(), result.contours.size(), result.summary.open_contours,
+                run_.warnings};
     }
 
 private:
@@ -403,8 +412,15 @@ private:
 void add_slice_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("slice", "Slice a mesh into closed, oriented, nested contours");
     const auto arguments = std::make_shared<SliceArguments>();
+    const auto worker = std::make_shared<batch::WorkerSide>();
     declare(*command, *arguments);
-    command->callback([command, arguments, &interrupt] { SliceCommand(*command, *arguments, interrupt).run(); });
+    worker->declare(*command);
+    command->callback([command, arguments, worker, &interrupt] {
+        worker->begin();
+        SliceCommand slicing(*command, *arguments, interrupt);
+        slicing.run();
+        worker->tell(slicing.facts());
+    });
 }
 
 }  // namespace lamella::cli

@@ -1,0 +1,317 @@
+# Many meshes by one command. Sourced by cli.sh.
+
+# meshes: in/ with three spheres, a torus in a folder, and a file that is no mesh.
+meshes() {
+    local i
+    mkdir -p in/sub
+    for i in 1 2 3; do sphere in/s$i.stl ${i}000; done
+    expect 0 make torus --triangles 2000 -o in/sub/t.stl
+    echo "no mesh" > in/bad.stl
+}
+
+# result FILE MESH KEY...: a value of the line of MESH.
+result() {
+    local file=$1 mesh=$2
+    shift 2
+    grep -F "{\"mesh\":\"$mesh\"" "$file" > .line || fail "$file: no line of $mesh"
+    json_value .line "$@"
+    rm .line
+}
+
+expect_result() {
+    local want=$1 got
+    shift
+    got=$(result out/results.jsonl "$@") || exit 1
+    [[ "$got" == "$want" ]] || fail "$*: '$got', not '$want'"
+}
+
+# expect_summary TEXT: the line that counts.
+expect_summary() { grep -qF "meshes    $1" .stdout || fail "not '$1'"; }
+
+test_batch() {
+    meshes
+    expect 5 batch in -o 'out/{dir}/{stem}.csv' --to csv,svg --layer-height 1
+    expect_summary "5: 4 done, 0 unchanged, 1 failed"
+    grep -q "^failed    in/bad.stl: is no STL" .stdout || fail "the failed one is not named"
+    grep -q "^retry " .stdout || fail "how to retry is not said"
+    [[ $(tail -1 .stderr) == "lamella: 1 of 5 meshes failed" ]] || fail "the last line does not count"
+    expect_result done in/sub/t.stl status
+    expect_result failed in/bad.stl status
+    expect_result 2000 in/s2.stl triangles
+    expect_result 20 in/s2.stl layers
+    expect_result out/sub/t.csv in/sub/t.stl outputs 0 path
+    expect_result "$(stat -c %s out/sub/t.svg)" in/sub/t.stl outputs 3 bytes
+    [[ ! -e out/bad.csv ]] || fail "a bad mesh has an output"
+    # What one process writes is what slice writes.
+    mkdir alone
+    expect 0 slice in/s2.stl --layer-height 1 -o alone/s2.svg
+    cmp alone/s2.svg out/s2.svg || fail "the batch writes other bytes"
+    # The order is that of names; the number of processes is seen nowhere.
+    cut -d'"' -f4 out/results.jsonl | sort -c || fail "results are not in order"
+    mv out one
+    expect 5 batch in -o 'out/{dir}/{stem}.csv' --to csv,svg --layer-height 1 --jobs 1 --threads 2
+    diff -r one out || fail "the tree depends on --jobs"
+    expect 0 batch 'in/s?.stl' in/sub/t.stl -o 'glob/{parent}-{name}.svg' --layer-height 1
+    [[ -s glob/in-s3.stl.svg && -s glob/sub-t.stl.svg && -s glob/results.jsonl ]] || fail "names of a glob"
+    expect 0 batch in/s1.stl --layer-height 1 -o '{stem}.svg' --report 'reports/{stem}.json' --results log
+    [[ -s s1.svg && -s reports/s1.json && -s log/results.jsonl ]] || fail "--report or --results"
+}
+
+test_batch_resume() {
+    meshes
+    rm in/bad.stl
+    local -a command=(batch in -o 'out/{dir}/{stem}.csv' --layer-height 1)
+    expect 0 "${command[@]}"
+    cp -r out whole
+    expect 0 "${command[@]}"
+    expect_summary "4: 0 done, 4 unchanged, 0 failed"
+    diff -r whole out || fail "nothing to do changes the tree"
+    rm out/s2.csv
+    : > out/s3.csv
+    expect 0 "${command[@]}"
+    expect_summary "4: 2 done, 2 unchanged, 0 failed"
+    diff -r whole out || fail "lost outputs"
+    # A line that is missing, and one that was torn.
+    sed -i 1d out/results.jsonl
+    truncate -s -9 out/results.jsonl
+    expect 0 "${command[@]}"
+    expect_summary "4: 2 done, 2 unchanged, 0 failed"
+    diff -r whole out || fail "lost lines"
+    # Files aside of processes that are no more; others' stay.
+    touch out/.s1.csv.999999999-1.part out/.results.jsonl.999999999-12.part out/sub/.t.csv.lamella.json.999999999-3.part
+    touch out/.s9.csv.999999999-1.part out/.s1.csv.part out/.s1.csv.1a-1.part
+    expect 0 "${command[@]}"
+    [[ $(find out -name '.*' -printf '%f ' | tr ' ' '\n' | sort | xargs) == ".s1.csv.1a-1.part .s1.csv.part .s9.csv.999999999-1.part" ]] ||
+        fail "leftovers: $(find out -name '.*')"
+    find out -name '.*' -delete
+    expect 0 "${command[@]}" --force
+    expect_summary "4: 4 done, 0 unchanged, 0 failed"
+    diff -r whole out || fail "--force writes other bytes"
+    # A later batch of other meshes keeps these lines.
+    sphere other.stl
+    expect 0 batch other.stl -o 'out/{stem}.csv' --layer-height 1
+    expect_summary "1: 1 done"
+    [[ $(wc -l < out/results.jsonl) == 5 ]] || fail "lines of the earlier batch are gone"
+    expect 0 "${command[@]}"
+    expect_summary "4: 0 done, 4 unchanged"
+}
+
+test_batch_changes() {
+    meshes
+    rm in/bad.stl
+    expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 1
+    expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 2
+    expect_summary "4: 4 done"
+    touch in/s1.stl
+    expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 2
+    expect_summary "4: 1 done, 3 unchanged"
+    expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 2 --hash
+    expect_summary "4: 4 done"
+    touch in/s1.stl
+    expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 2 --hash
+    expect_summary "4: 0 done, 4 unchanged"
+    local time
+    time=$(stat -c %y in/s1.stl)
+    printf '\x01' | dd of=in/s1.stl bs=1 seek=90 conv=notrunc status=none
+    touch -d "$time" in/s1.stl
+    expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 2 --hash
+    expect_summary "4: 1 done, 3 unchanged"
+    expect_result "$(sha256sum in/s1.stl | cut -d' ' -f1)" in/s1.stl inputs 0 sha256
+    # A file that an option names is an input, too.
+    printf '1 0 0 0 0 1 0 0 0 0 1 0\n' > same.txt
+    expect 0 batch in/s1.stl -o 'out/{stem}.csv' --transform same.txt
+    expect 0 batch in/s1.stl -o 'out/{stem}.csv' --transform same.txt
+    expect_summary "1: 0 done, 1 unchanged"
+    printf '1 0 0 0 0 1 0 0 0 0 1 5\n' > same.txt
+    expect 0 batch in/s1.stl -o 'out/{stem}.csv' --transform same.txt
+    expect_summary "1: 1 done"
+    # A mesh that was good and is not any more is told; what it was stays.
+    echo bad > in/s2.stl
+    expect 5 batch in/s2.stl -o 'out/{stem}.csv' --layer-height 2
+    [[ -s out/s2.csv ]] || fail "the earlier output is gone"
+    expect_result failed in/s2.stl status
+}
+
+test_batch_manifest() {
+    meshes
+    printf '\xef\xbb\xbfpath,layer-height,fill_rule,drop-collinear\r\n"in/s1.stl",5,,\r\nin/s2.stl,,"non-zero",yes\r\n\r\nin/sub/t.stl,,,no\r\n' > list.csv
+    expect 0 batch list.csv -o 'out/{stem}.csv' --layer-height 2
+    expect_result --layer-height=5 in/s1.stl options 0
+    expect_result --layer-height=2 in/s2.stl options 0
+    expect_result --fill-rule=non-zero in/s2.stl options 1
+    expect_result --drop-collinear in/s2.stl options 2
+    expect_result 4 in/s1.stl layers
+    cat > list.jsonl << 'END'
+{"path": "in/s1.stl", "spacing": [4, 4, 5.5], "frame": "ras", "output": ["m/{stem}.nii.gz", "m/{stem}.csv"]}
+
+{"path": "in/s1.stl", "planes": "1,2,3", "output": "m/cut.svg", "threads": 1, "like": null, "coverage": false}
+END
+    expect 0 batch list.jsonl --results out
+    [[ -s m/s1.nii.gz && -s m/s1.csv && -s m/cut.svg ]] || fail "outputs of a manifest"
+    grep -q -- '"options":\["--spacing=4,4,5.5","--frame=ras"\]' out/results.jsonl || fail "options of a manifest"
+    expect_failure 2 "needs --like" batch list.csv -o 'mask/{stem}.nii.gz'
+    local line
+    while IFS='|' read -r line text; do
+        printf 'path,layer-height,strict\nin/s1.stl,1,\n%b\n' "$line" > bad.csv
+        expect_failure "${text%%:*}" "bad.csv${text#*:}" batch bad.csv -o 'none/{stem}.csv'
+    done << 'END'
+in/s2.stl,1|3::3: 2 cells where the first line names 3 columns
+in/s2.stl,x,|2::3: Could not convert
+in/s2.stl,-1,|2::3: --layer-height
+in/s2.stl,1,maybe|3::3: --strict: 'maybe' is neither true nor false
+,1,|3::3: no path of a mesh
+"in/s2.stl,1,|3::3: a quote is not closed
+"in"x,1,|3::3: text follows a closing quote
+in/s1.stl,3,|2::3: 'in/s1.stl' and 'in/s1.stl' both write 'none/s1.csv'
+END
+    while IFS='|' read -r line text; do
+        printf '{"path":"in/s1.stl"}\n%s\n' "$line" > bad.jsonl
+        expect_failure "${text%%:*}" "bad.jsonl${text#*:}" batch bad.jsonl -o 'none/{stem}.csv'
+    done << 'END'
+{"path":"in/s2.stl","colour":1}|3::2: 'colour' is neither path nor an option
+{"path":"in/s2.stl","jobs":1}|3::2: 'jobs' is neither path nor an option
+{"path":"in/s2.stl"|3::2: not a JSON object
+["in/s2.stl"]|3::2: not a JSON object
+{"layer-height":1}|3::2: no path of a mesh
+{"path":["a","b"]}|3::2: 'path' is a list
+{"path":"in/s2.stl","spacing":{}}|3::2: 'spacing' is neither text
+{"path":"in/s2.stl","spacing":[]}|3::2: 'spacing' is a list of nothing
+{"path":"in/s2.stl","like":"x.nii","layer-height":1}|2::2: --layer-height excludes --like
+END
+    printf 'path,colour\nin/s1.stl,red\n' > bad.csv
+    expect_failure 3 "bad.csv:1: 'colour' is neither path nor an option" batch bad.csv -o 'none/{stem}.csv'
+    printf 'path,layer_height,layer-height\n' > bad.csv
+    expect_failure 3 "bad.csv:1: two columns are 'layer-height'" batch bad.csv -o 'none/{stem}.csv'
+    printf 'file\nin/s1.stl\n' > bad.csv
+    expect_failure 3 "bad.csv:1: 'file' is neither" batch bad.csv -o 'none/{stem}.csv'
+    printf 'strict\nyes\n' > bad.csv
+    expect_failure 3 "bad.csv:1: no column is named path" batch bad.csv -o 'none/{stem}.csv'
+    printf 'path\n' > bad.csv
+    expect_failure 3 "bad.csv: no meshes" batch bad.csv -o 'none/{stem}.csv'
+    expect_failure 3 "cannot read 'none.csv'" batch none.csv -o 'none/{stem}.csv'
+    [[ ! -e none ]] || fail "work was done"
+}
+
+test_batch_bad_input() {
+    meshes
+    mkdir empty
+    expect_failure 2 "both write 'o/x.csv'" batch in/s1.stl in/s2.stl -o o/x.csv
+    expect_failure 2 "{parent} or {dir}" batch in/s1.stl in/s1.stl -o 'o/{stem}.csv'
+    expect_failure 2 "'{sten}' is not one of {stem}, {name}, {parent}, {dir}" batch in -o 'o/{sten}.csv'
+    expect_failure 2 "is not closed" batch in -o 'o/{stem.csv'
+    expect_failure 2 "none is given" batch in --results o
+    expect_failure 2 "--results: names the folder" batch in
+    printf 'path\nin/a.csv\n' > list.csv
+    expect_failure 2 "'in/a.csv' is a mesh of the batch itself" batch list.csv -o 'in/{stem}.csv'
+    expect_failure 2 "no format that is written ends in .xyz" batch in -o 'o/{stem}.xyz'
+    expect_failure 2 "'-' is one mesh" batch - -o 'o/{stem}.csv'
+    expect_failure 2 "'-': a batch writes files" batch in/s1.stl -o -
+    expect_failure 2 "needs --like IMAGE or --spacing" batch in -o 'o/{stem}.nii'
+    expect_failure 2 "above 0" batch in -o 'o/{stem}.nii' --spacing 1,0,1 --frame lps
+    expect_failure 3 "neither a NIfTI-1 nor an NRRD" batch in -o 'o/{stem}.nii' --like in/s1.stl --frame lps
+    expect_failure 3 "No such file" batch in -o 'o/{stem}.nii' --like none.nii --frame lps
+    expect_failure 2 "--layer-height" batch in -o 'o/{stem}.csv' --layer-height 0
+    expect_failure 2 "excludes" batch in -o 'o/{stem}.nii' --spacing 1,1,1 --layer-height 1
+    expect_failure 2 "--memory: '4X' is not" batch in -o 'o/{stem}.csv' --memory 4X
+    expect_failure 2 "--memory: '0' is not" batch in -o 'o/{stem}.csv' --memory 0
+    expect_failure 2 "--shard: '2/2' is not" batch in -o 'o/{stem}.csv' --shard 2/2
+    expect_failure 2 "--shard: '1' is not" batch in -o 'o/{stem}.csv' --shard 1
+    expect_failure 2 "--jobs" batch in -o 'o/{stem}.csv' --jobs -1
+    expect_failure 2 "nonsense" batch in -o 'o/{stem}.csv' --nonsense
+    expect_failure 3 "in which no file is named as a mesh" batch empty -o 'o/{stem}.csv'
+    expect_failure 3 "none*.stl: no file has such a name" batch 'none*.stl' -o 'o/{stem}.csv'
+    expect_failure 3 "no results.I-of-N.jsonl" batch --merge empty
+    expect_failure 2 "is not named results.I-of-N.jsonl" batch --merge in/s1.stl
+    [[ ! -e o ]] || fail "work was done"
+    expect_failure 4 "cannot write 'in/bad.stl/results.jsonl'" batch in/s1.stl -o 'in/bad.stl/{stem}.csv'
+    if ((EUID != 0)); then
+        mkdir locked
+        chmod 0 locked
+        expect_failure 3 "locked: cannot be listed: Permission denied" batch locked -o 'o/{stem}.csv'
+        rmdir locked
+    fi
+    mkdir foreign
+    printf 'one\ntwo\n' > foreign/results.jsonl
+    expect_failure 3 "foreign/results.jsonl:1: no line of lamella batch" batch in/s1.stl -o 'foreign/{stem}.csv'
+    [[ $(cat foreign/results.jsonl) == $'one\ntwo' ]] || fail "a foreign file was changed"
+    # What only some meshes fail of is theirs alone: one that is not there, masks of 10^12 voxels, a mesh without frame.
+    expect 5 batch in/none.stl in/s1.stl -o 'out/{stem}.csv'
+    expect_summary "2: 1 done, 0 unchanged, 1 failed"
+    grep -q "^failed    in/none.stl: .*No such file" .stdout || fail "no reason"
+    expect 5 batch in/s1.stl -o 'out/{stem}.nrrd' --spacing 0.0001,0.0001,1 --frame lps
+    grep -q "^failed    in/s1.stl: .*larger than 2^38 bytes" .stdout || fail "no reason"
+    expect 5 batch in/s1.stl -o 'out/{stem}.nrrd' --spacing 1,1,1
+    grep -q "^failed    in/s1.stl: states no patient frame" .stdout || fail "no reason"
+    [[ ! -e out/s1.nrrd ]] || fail "a failed mask was written"
+}
+
+test_batch_shards() {
+    meshes
+    local -a command=(batch in -o 'out/{dir}/{stem}.csv' --layer-height 1)
+    expect 5 "${command[@]}"
+    mv out whole
+    local i
+    for i in 0 1 2; do
+        "$lamella" "${command[@]}" --shard $i/3 > .stdout 2> .stderr
+        [[ -e out/results.$i-of-3.jsonl ]] || fail "shard $i has no results"
+    done
+    mv out/results.1-of-3.jsonl aside
+    expect_failure 3 "'out/results.1-of-3.jsonl' is missing: shard 1/3 has not ended" batch --merge out
+    mv aside out/results.1-of-3.jsonl
+    expect 5 batch --merge out
+    expect_summary "5: 4 done, 1 failed"
+    expect 5 batch --merge out/results.2-of-3.jsonl out/results.0-of-3.jsonl out/results.1-of-3.jsonl
+    expect_failure 2 "is given twice" batch --merge out out/results.0-of-3.jsonl
+    cp out/results.0-of-3.jsonl out/results.0-of-2.jsonl
+    expect_failure 3 "are of different batches" batch --merge out
+    rm out/results.0-of-2.jsonl
+    # Other shards know what is done.
+    expect 0 "${command[@]}" --shard 1/2
+    expect_summary "2: 0 done, 2 unchanged"
+    rm out/results.*-of-*
+    diff -r whole out || fail "shards make another tree"
+}
+
+# What becomes of a process ends its mesh, and not the batch.
+test_batch_processes() {
+    meshes
+    rm in/bad.stl
+    expect 0 make sphere --triangles 1000 --height 150 -o slow.stl
+    echo '{"path":"slow.stl","spacing":[0.1,0.1,0.1],"subslices":100,"frame":"lps","output":"out/slow.nii.gz"}' > slow.jsonl
+    expect 5 batch in slow.jsonl -o 'out/{stem}.csv' --timeout 2 --retries 0
+    expect_summary "5: 4 done, 0 unchanged, 1 failed"
+    expect_result "took longer than 2 s" slow.stl reason
+    # A mesh whose process is killed is tried again.
+    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' --retries 1 > .stdout 2> .stderr &
+    local batch=$! worker
+    for _ in 1 2; do
+        until worker=$(pgrep -P "$batch"); do sleep 0.05; done
+        kill -9 "$worker"
+        while kill -0 "$worker" 2> /dev/null; do sleep 0.05; done
+    done
+    wait "$batch"
+    [[ $? == 5 ]] || fail "a killed process: not status 5"
+    expect_result "ended by signal 9 (Killed)" slow.stl reason
+    # Two batches do not write one results.jsonl.
+    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
+    batch=$!
+    until compgen -G 'out/.slow*' > /dev/null; do sleep 0.05; done
+    worker=$(pgrep -P "$batch")
+    expect_failure 4 "another lamella batch is at work" batch in/s1.stl -o 'out/{stem}.csv'
+    # Processes die with their batch; the next one removes what they left.
+    kill -9 "$batch"
+    wait "$batch" 2> /dev/null
+    for _ in $(seq 100); do kill -0 "$worker" 2> /dev/null || break; sleep 0.05; done
+    ! kill -0 "$worker" 2> /dev/null || fail "a process outlives its batch"
+    compgen -G 'out/.slow*' > /dev/null || fail "nothing is left to be removed"
+    expect 5 batch slow.jsonl -o 'out/{stem}.csv' --timeout 0.1 --retries 0
+    ! compgen -G 'out/.*.part' > /dev/null || fail "a file aside is left"
+    # SIGTERM ends processes and batch, and leaves nothing half-written.
+    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
+    batch=$!
+    until compgen -G 'out/.slow*' > /dev/null; do sleep 0.05; done
+    kill -TERM "$batch"
+    wait "$batch"
+    [[ $? == 143 && $(cat .stderr) == "lamella: interrupted" ]] || fail "SIGTERM: not status 143 with one line"
+    ! compgen -G 'out/.*.part' > /dev/null || fail "a file aside is left by SIGTERM"
+}

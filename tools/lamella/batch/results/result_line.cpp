@@ -1,0 +1,115 @@
+#include "batch/results/result_line.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace lamella::cli::batch {
+
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+std::string dumped(const OrderedJson& json) {
+    return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+}
+
+OrderedJson json_of(const InputFact& input) {
+    OrderedJson json = {{"path", input.path}, {"bytes", input.bytes}};
+    if (input.sha256.empty()) {
+        json["modified_ns"] = input.modified_ns;
+    } else {
+        json["sha256"] = input.sha256;
+    }
+    return json;
+}
+
+InputFact input_of(const OrderedJson& json) {
+    return {json.at("path").get<std::string>(), json.at("bytes").get<std::uint64_t>(),
+            json.value("modified_ns", std::int64_t{0}), json.value("sha256", std::string())};
+}
+
+OrderedJson json_of(const OutputFact& output, bool done) {
+    OrderedJson json = {{"path", output.path}};
+    if (done) {
+        json["bytes"] = output.bytes;
+    }
+    return json;
+}
+
+void add_facts(OrderedJson& json, const SliceFacts& facts) {
+    json["triangles"] = facts.triangles;
+    json["layers"] = facts.layers;
+    json["contours"] = facts.contours;
+    json["open_contours"] = facts.open_contours;
+    json["warnings"] = facts.warnings;
+}
+
+SliceFacts facts_of(const OrderedJson& json) {
+    return {json.at("triangles").get<std::uint64_t>(), json.at("layers").get<std::uint64_t>(),
+            json.at("contours").get<std::uint64_t>(), json.at("open_contours").get<std::uint64_t>(),
+            json.at("warnings").get<std::vector<std::string>>()};
+}
+
+ResultLine result_of(const OrderedJson& json) {
+    ResultLine result;
+    result.mesh = json.at("mesh").get<std::string>();
+    const bool done = json.at("status").get<std::string>() == "done";
+    result.failure = done ? std::string() : json.at("reason").get<std::string>();
+    result.options = json.at("options").get<std::vector<std::string>>();
+    for (const OrderedJson& input : json.at("inputs")) {
+        result.inputs.push_back(input_of(input));
+    }
+    for (const OrderedJson& output : json.at("outputs")) {
+        result.outputs.push_back({output.at("path").get<std::string>(), output.value("bytes", std::uint64_t{0})});
+    }
+    if (json.contains("triangles")) {
+        result.facts = facts_of(json);
+    }
+    return result;
+}
+
+}  // namespace
+
+std::string line_of(const ResultLine& result) {
+    OrderedJson json = {{"mesh", result.mesh}, {"status", result.done() ? "done" : "failed"}};
+    if (!result.done()) {
+        json["reason"] = result.failure;
+    }
+    json["options"] = result.options;
+    json["inputs"] = OrderedJson::array();
+    for (const InputFact& input : result.inputs) {
+        json["inputs"].push_back(json_of(input));
+    }
+    json["outputs"] = OrderedJson::array();
+    for (const OutputFact& output : result.outputs) {
+        json["outputs"].push_back(json_of(output, result.done()));
+    }
+    if (result.facts) {
+        add_facts(json, *result.facts);
+    }
+    return dumped(json);
+}
+
+std::optional<ResultLine> parse_line(std::string_view text) {
+    try {
+        ResultLine result = result_of(OrderedJson::parse(text));
+        return result.outputs.empty() ? std::nullopt : std::optional(std::move(result));
+    } catch (const nlohmann::json::exception&) {
+        return std::nullopt;
+    }
+}
+
+std::string text_of(const SliceFacts& facts) {
+    OrderedJson json = OrderedJson::object();
+    add_facts(json, facts);
+    return dumped(json);
+}
+
+std::optional<SliceFacts> parse_facts(std::string_view text) {
+    try {
+        return facts_of(OrderedJson::parse(text));
+    } catch (const nlohmann::json::exception&) {
+        return std::nullopt;
+    }
+}
+
+}  // namespace lamella::cli::batch

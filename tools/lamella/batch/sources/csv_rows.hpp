@@ -1,0 +1,19 @@
+// CSV as RFC 4180 has it: commas, quoted cells that may hold commas, quotes ("") and line ends; LF or CRLF.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lamella::cli::batch {
+
+struct CsvRow {
+    std::vector<std::string> cells;
+    std::size_t line = 0;  ///< where the row begins, from 1
+};
+
+/// The rows of `text`, but for empty lines. Throws Failure naming `name` and the line of a cell whose quotes do not match.
+std::vector<CsvRow> csv_rows(std::string_view text, const std::string& name);
+
+}  // namespace lamella::cli::batch

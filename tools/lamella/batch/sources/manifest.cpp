@@ -1,0 +1,217 @@
+#include "batch/sources/manifest.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "batch/sources/csv_rows.hpp"
+#include "console.hpp"
+#include "failure.hpp"
+
+namespace lamella::cli::batch {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t most_manifest_bytes = std::size_t{1} << 30;
+
+std::string text_of_file(const std::string& path) {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+    std::string text;
+    std::vector<char> piece(std::size_t{1} << 16);
+    std::size_t count = 0;
+    while (file && (count = std::fread(piece.data(), 1, piece.size(), file.get())) > 0) {
+        text.append(piece.data(), count);
+        if (text.size() > most_manifest_bytes) {
+            throw Failure(bad_input, path + ": larger than 1 GiB, too large for a manifest");
+        }
+    }
+    if (!file || std::ferror(file.get()) != 0) {
+        throw Failure(bad_input, "cannot read '" + path + "': " + std::generic_category().message(errno));
+    }
+    return text;
+}
+
+/// Rows of one manifest, whatever its format.
+class ManifestReader {
+public:
+    ManifestReader(std::string path, const SliceWords& words) : path_(std::move(path)), words_(words) {}
+
+    std::vector<ManifestRow> rows() {
+        const std::string text = text_of_file(path_);
+        path_.ends_with(".csv") ? read_csv(text) : read_lines(text);
+        if (rows_.empty()) {
+            throw Failure(bad_input, path_ + ": no meshes");
+        }
+        return std::move(rows_);
+    }
+
+private:
+    Failure at(std::size_t line, const std::string& what) const {
+        return {bad_input, path_ + ":" + std::to_string(line) + ": " + what};
+    }
+
+    /// "" for the mesh itself, else the name of an option.
+    std::string column(const std::string& text, std::size_t line) const {
+        if (text == "path" || text == "mesh") {
+            return {};
+        }
+        std::string name = words_.name_of(text);
+        if (name.empty()) {
+            throw at(line, "'" + text + "' is neither path nor an option of lamella slice");
+        }
+        return name;
+    }
+
+    void begin_row(std::size_t line) {
+        rows_.push_back({.path = {}, .values = {}, .place = path_ + ":" + std::to_string(line)});
+    }
+
+    void end_row(std::size_t line) const {
+        if (rows_.back().path.empty()) {
+            throw at(line, "no path of a mesh");
+        }
+    }
+
+    void set(const std::string& name, std::vector<std::string> values, std::size_t line) {
+        ManifestRow& row = rows_.back();
+        if (name.empty()) {
+            row.path = values.front();
+            return;
+        }
+        if (!words_.is_flag(name)) {
+            row.values[name] = std::move(values);
+            return;
+        }
+        const std::string& value = values.front();
+        if (value == "true" || value == "1" || value == "yes") {
+            row.values[name] = {"true"};
+        } else if (value == "false" || value == "0" || value == "no") {
+            row.values[name] = {};
+        } else {
+            throw at(line, name + ": '" + value + "' is neither true nor false");
+        }
+    }
+
+    void read_csv(const std::string& text) {
+        std::vector<std::string> columns;
+        const std::vector<CsvRow> table = csv_rows(text, path_);
+        for (const CsvRow& row : table) {
+            if (&row == &table.front()) {
+                columns = columns_of(row);
+                continue;
+            }
+            if (row.cells.size() != columns.size()) {
+                throw at(row.line, counted(row.cells.size(), "cell") + " where the first line names " +
+                                       counted(columns.size(), "column"));
+            }
+            begin_row(row.line);
+            for (std::size_t i = 0; i < columns.size(); ++i) {
+                if (!row.cells[i].empty()) {
+                    set(columns[i], {row.cells[i]}, row.line);
+                }
+            }
+            end_row(row.line);
+        }
+    }
+
+    std::vector<std::string> columns_of(const CsvRow& row) const {
+        std::vector<std::string> columns;
+        for (const std::string& cell : row.cells) {
+            std::string name = column(cell, row.line);
+            if (std::find(columns.begin(), columns.end(), name) != columns.end()) {
+                throw at(row.line, "two columns are '" + cell + "'");
+            }
+            columns.push_back(std::move(name));
+        }
+        if (std::find(columns.begin(), columns.end(), "") == columns.end()) {
+            throw at(row.line, "no column is named path");
+        }
+        return columns;
+    }
+
+    void read_lines(const std::string& text) {
+        std::size_t line = 0;
+        for (std::size_t begin = 0; begin < text.size();) {
+            const std::size_t end = std::min(text.find('\n', begin), text.size());
+            const std::string row = text.substr(begin, end - begin);
+            begin = end + 1;
+            ++line;
+            if (row.find_first_not_of(" \t\r") != std::string::npos) {
+                begin_row(line);
+                read_object(row, line);
+                end_row(line);
+            }
+        }
+    }
+
+    void read_object(const std::string& text, std::size_t line) {
+        const Json object = Json::parse(text, nullptr, false);
+        if (!object.is_object()) {
+            throw at(line, "not a JSON object");
+        }
+        for (const auto& [key, value] : object.items()) {
+            const std::string name = column(key, line);
+            if (!value.is_null()) {
+                set(name, values_of(name, key, value, line), line);
+            }
+        }
+    }
+
+    /// A list is repeated where the option may be, else joined by commas.
+    std::vector<std::string> values_of(const std::string& name, const std::string& key, const Json& value,
+                                       std::size_t line) const {
+        if (!value.is_array()) {
+            return {scalar(key, value, line)};
+        }
+        std::vector<std::string> values;
+        std::string joined;
+        for (const Json& each : value) {
+            values.push_back(scalar(key, each, line));
+            joined += (joined.empty() ? "" : ",") + values.back();
+        }
+        if (values.empty() || name.empty()) {
+            throw at(line, "'" + key + "' is a list" + (values.empty() ? " of nothing" : ""));
+        }
+        return words_.is_repeatable(name) ? values : std::vector<std::string>{joined};
+    }
+
+    std::string scalar(const std::string& key, const Json& value, std::size_t line) const {
+        if (value.is_string()) {
+            return value.get<std::string>();
+        }
+        if (value.is_boolean()) {
+            return value.get<bool>() ? "true" : "false";
+        }
+        if (value.is_number_float()) {
+            return exact_text(value.get<double>());
+        }
+        if (value.is_number()) {
+            return value.dump();
+        }
+        throw at(line, "'" + key + "' is neither text, a number nor true or false");
+    }
+
+    std::string path_;
+    const SliceWords& words_;
+    std::vector<ManifestRow> rows_;
+};
+
+}  // namespace
+
+bool is_named_as_manifest(const std::string& path) {
+    return path.ends_with(".csv") || path.ends_with(".jsonl");
+}
+
+std::vector<ManifestRow> read_manifest(const std::string& path, const SliceWords& words) {
+    return ManifestReader(path, words).rows();
+}
+
+}  // namespace lamella::cli::batch

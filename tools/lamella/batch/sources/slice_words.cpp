@@ -1,0 +1,95 @@
+#include "batch/sources/slice_words.hpp"
+
+#include <algorithm>
+
+#include "failure.hpp"
+#include "outputs/output_formats.hpp"
+#include "slice_arguments.hpp"
+
+namespace lamella::cli::batch {
+
+namespace {
+
+/// Not for items: the batch has its own, or gives them to its processes.
+bool is_for_batch(const std::string& name) {
+    static const std::vector<std::string> kept = {"mesh", "--help", "--progress", "--memory"};
+    return std::find(kept.begin(), kept.end(), name) != kept.end();
+}
+
+bool takes_no_value(const CLI::Option& option) {
+    return option.get_items_expected_max() == 0;
+}
+
+}  // namespace
+
+const std::vector<std::string>& words_without_effect() {
+    static const std::vector<std::string> words = {"--output", "--to", "--threads", "--report", "--map", "--band", "--form"};
+    return words;
+}
+
+SliceWords::SliceWords() {
+    SliceArguments arguments;
+    declare(prototype_, arguments);  // Nothing is ever parsed by it: what it refers to may go.
+}
+
+const CLI::Option* SliceWords::option(const std::string& name) const {
+    return prototype_.get_option_no_throw(name);
+}
+
+std::string SliceWords::name_of(const std::string& text) const {
+    std::string name = text.substr(std::min(text.find_first_not_of('-'), text.size()));
+    std::replace(name.begin(), name.end(), '_', '-');
+    const CLI::Option* const found = name.empty() ? nullptr : option((name.size() == 1 ? "-" : "--") + name);
+    return found == nullptr || is_for_batch(found->get_name()) ? std::string() : found->get_name();
+}
+
+bool SliceWords::is_flag(const std::string& name) const {
+    return takes_no_value(*option(name));
+}
+
+bool SliceWords::is_repeatable(const std::string& name) const {
+    return option(name)->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+}
+
+OptionValues SliceWords::typed(const CLI::App& command) const {
+    OptionValues values;
+    for (const CLI::Option* given : command.get_options()) {
+        const std::string name = given->get_name();
+        if (given->count() > 0 && option(name) != nullptr && !is_for_batch(name)) {
+            values[name] = takes_no_value(*given) ? std::vector<std::string>{"true"} : given->results();
+        }
+    }
+    return values;
+}
+
+std::vector<std::string> SliceWords::words(const OptionValues& values, const std::vector<std::string>& left_out) const {
+    std::vector<std::string> words;
+    for (const CLI::Option* known : prototype_.get_options()) {
+        const std::string name = known->get_name();
+        const auto found = values.find(name);
+        if (found == values.end() || std::find(left_out.begin(), left_out.end(), name) != left_out.end()) {
+            continue;
+        }
+        for (const std::string& value : found->second) {
+            words.push_back(takes_no_value(*known) ? name : name + "=" + value);
+        }
+    }
+    return words;
+}
+
+void SliceWords::require_accepted(const OptionValues& values) const {
+    CLI::App app;
+    SliceArguments arguments;
+    declare(app, arguments);
+    std::vector<std::string> typed = words(values, {});
+    typed.emplace_back("mesh");
+    std::reverse(typed.begin(), typed.end());
+    try {
+        app.parse(typed);
+    } catch (const CLI::ParseError& error) {
+        throw Failure(bad_usage, error.what());
+    }
+    (void)options_of(arguments);
+}
+
+}  // namespace lamella::cli::batch

@@ -46,3 +46,22 @@ test_tables() {
     expect_json first.json mesh kind
     expect_json first.json certified certificate
 }
+
+test_pictures() {
+    sphere a.stl 2000
+    sphere b.stl 500
+    "$lamella" slice a.stl --layer-height 1 -o a.png > .stdout 2> .stderr || { grep -q "without PNG" .stderr && skip "no libpng"; }
+    expect 0 slice a.stl b.stl --layer-height 1 -o a.png --threads 1
+    expect_files a.png a.png.lamella.json a.stl b.stl
+    cp a.png one.png
+    expect 0 slice a.stl b.stl --layer-height 1 -o a --to png --threads 3
+    cmp a.png one.png || fail "bytes depend on threads"
+    expect 0 slice a.stl --layer-height 1 -o a.png --picture-layer 19
+    cmp -s a.png one.png && fail "--picture-layer shows the sheet"
+    rm -f ./*.png ./*.json
+    expect_failure 2 "has no layer 20: it has 20, counted from 0" slice a.stl --layer-height 1 -o a.png --picture-layer 20
+    expect_failure 2 "no output is a PNG" slice a.stl -o a.csv --picture-layer 1
+    expect_failure 2 "--picture-layer" slice a.stl -o a.png --picture-layer -1
+    expect_failure 4 "cannot" slice a.stl -o none/a.png
+    expect_files a.stl b.stl
+}

@@ -60,6 +60,7 @@ OTHERS = {
     r"(zlib|fast_float)\b": ("io/", "medical/"),
     r"nlohmann\b": ("io/", "medical/", "tools/lamella/batch/"),
     r"openssl\b": "medical/",
+    r"png\.h\b": "medical/",
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)

@@ -21,12 +21,16 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
         ->type_name("FORMAT,...")
         ->check(given);
     command.add_flag("--coverage", arguments.coverage, "Masks hold the share of each voxel's area that is inside");
+    command
+        .add_option("--picture-layer", arguments.picture_layer, "PNG shows this layer, counted from 0, not a contact sheet")
+        ->type_name("N")
+        ->check(CLI::NonNegativeNumber);
     command.add_flag("--strict", arguments.strict, "Fail where a slice has open polylines, which enclose nothing");
 }
 
 void declare_image(CLI::App& command, ImageArguments& arguments) {
-    CLI::Option* const like =
-        command.add_option("--like", arguments.like, "Cut at the slices of this image: NIfTI-1, NRRD, or a folder with a DICOM series");
+    CLI::Option* const like = command.add_option(
+        "--like", arguments.like, "Cut at the slices of this image: NIfTI-1, NRRD, or a folder with a DICOM series");
     CLI::Option* const spacing =
         command.add_option("--spacing", arguments.spacing,
                            "Cut for voxels of this size in mm around the mesh, along left, posterior, superior");

@@ -1,6 +1,8 @@
 // The flags of results that medicine reads, which slice and convert share.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,7 @@ struct OutputArguments {
     std::string to;                    ///< formats
     bool coverage = false;
     bool strict = false;
+    std::optional<std::uint64_t> picture_layer;  ///< instead of a contact sheet
 };
 
 /// The image that sets the planes.

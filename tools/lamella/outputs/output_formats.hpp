@@ -7,7 +7,7 @@
 
 namespace lamella::cli {
 
-enum class OutputFormat : std::uint8_t { svg, nifti, nifti_gz, nrrd, segmentation, csv, json_lines };
+enum class OutputFormat : std::uint8_t { svg, nifti, nifti_gz, nrrd, segmentation, csv, json_lines, png };
 
 struct PlannedOutput {
     std::string path;  ///< or - for standard output

@@ -10,6 +10,7 @@
 #include "lamella/io/svg.hpp"
 #include "lamella/version.hpp"
 #include "output_path.hpp"
+#include "outputs/write_picture_output.hpp"
 #include "standard_streams.hpp"
 
 namespace lamella::cli {
@@ -100,6 +101,8 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Control&
         case OutputFormat::csv:
         case OutputFormat::json_lines:
             return write_table_of(job, output, control);
+        case OutputFormat::png:
+            return write_picture_output(job, output, control);
     }
 }
 
@@ -141,6 +144,7 @@ void require_closed(const OutputJob& job) {
 
 void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
                       bool image_given, int subslices) {
+    require_picture_possible(outputs, arguments);
     bool mask = false;
     for (const PlannedOutput& output : outputs) {
         require_writable(output.path);

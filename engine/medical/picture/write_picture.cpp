@@ -1,0 +1,261 @@
+#include "lamella/medical/picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <optional>
+
+#include "base/guard.hpp"
+#include "base/parallel.hpp"
+#include "medical/picture/canvas.hpp"
+#include "medical/picture/layer_drawing.hpp"
+#include "medical/picture/page.hpp"
+#include "medical/picture/png_file.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr int most_cells = 4096;
+
+Refused refused(const std::string& what) {
+    return {{ErrorCode::invalid_argument, what}};
+}
+
+void require_drawable(std::span<const PicturePart> parts, const PictureOptions& options) {
+    for (const int side : {options.width, options.height}) {
+        if (side < least_picture_side || side > largest_picture_side) {
+            throw refused("a picture of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
+                          " pixels: a side has " + std::to_string(least_picture_side) + " to " +
+                          std::to_string(largest_picture_side));
+        }
+    }
+    if (std::int64_t{options.width} * options.height > most_picture_pixels) {
+        throw refused("a picture of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
+                      " pixels is larger than 2^26");
+    }
+    if (parts.empty() || std::any_of(parts.begin(), parts.end(), [](const PicturePart& part) { return !part.result; })) {
+        throw refused("a picture shows one mesh or more, each with its result");
+    }
+    if (options.layers < 1 || options.layers > most_cells) {
+        throw refused("a contact sheet shows 1 to " + std::to_string(most_cells) + " layers");
+    }
+}
+
+/// Of a cell: what is drawn, and at which height.
+struct Cell {
+    double height_mm = 0;
+    std::vector<DrawnLayer> layers;
+};
+
+/// The layer whose slab holds the height, of two the one that is nearer; null where none does.
+const Layer* layer_at(const SliceResult& result, double height_mm) noexcept {
+    const auto above = std::lower_bound(result.layers.begin(), result.layers.end(), height_mm,
+                                        [](const Layer& layer, double height) { return layer.plane_mm < height; });
+    const Layer* nearest = nullptr;
+    for (const std::ptrdiff_t step : {0, -1}) {
+        if ((step == 0 && above == result.layers.end()) || (step < 0 && above == result.layers.begin())) {
+            continue;
+        }
+        const Layer& layer = *(above + step);
+        const bool holds = layer.plane_mm == height_mm || (layer.bottom_mm <= height_mm && height_mm <= layer.top_mm);
+        if (holds &&
+            (nearest == nullptr || std::abs(layer.plane_mm - height_mm) < std::abs(nearest->plane_mm - height_mm))) {
+            nearest = &layer;
+        }
+    }
+    return nearest;
+}
+
+Cell cell_at(std::span<const PicturePart> parts, double height_mm) {
+    Cell cell{height_mm, {}};
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        cell.layers.push_back({parts[i].result, layer_at(*parts[i].result, height_mm), colour_of_part(i)});
+    }
+    return cell;
+}
+
+/// The heights of all parts' planes, ascending.
+std::vector<double> all_heights(std::span<const PicturePart> parts) {
+    std::vector<double> heights;
+    for (const PicturePart& part : parts) {
+        const auto middle = static_cast<std::ptrdiff_t>(heights.size());
+        for (const Layer& layer : part.result->layers) {
+            heights.push_back(layer.plane_mm);
+        }
+        std::inplace_merge(heights.begin(), heights.begin() + middle, heights.end());
+        heights.erase(std::unique(heights.begin(), heights.end()), heights.end());
+    }
+    return heights;
+}
+
+/// Each from the middle of one of `count` equal shares.
+std::vector<Cell> evenly_spaced(std::span<const PicturePart> parts, std::size_t count) {
+    const std::vector<double> heights = all_heights(parts);
+    const std::size_t cells = std::min(count, heights.size());
+    std::vector<Cell> all;
+    for (std::size_t i = 0; i < cells; ++i) {
+        all.push_back(cell_at(parts, heights[(2 * i + 1) * heights.size() / (2 * cells)]));
+    }
+    return all;
+}
+
+/// Around the meshes, and around all that is drawn, which rules may have moved beyond them.
+BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells) {
+    std::optional<BoxMm> box;
+    const auto widen = [&](PointMm at) {
+        if (!box) {
+            box = BoxMm{at, at};
+        }
+        box->widen(at);
+    };
+    for (const PicturePart& part : parts) {
+        const SliceSummary& summary = part.result->summary;
+        if (summary.min_mm[0] < summary.max_mm[0] && summary.min_mm[1] < summary.max_mm[1]) {
+            widen({summary.min_mm[0], summary.min_mm[1]});
+            widen({summary.max_mm[0], summary.max_mm[1]});
+        }
+    }
+    for (const Cell& cell : cells) {
+        for (const DrawnLayer& drawn : cell.layers) {
+            for (const Contour& contour :
+                 drawn.layer ? drawn.result->contours_of(*drawn.layer) : std::span<const Contour>{}) {
+                for (const Point& point : drawn.result->points_of(contour)) {
+                    widen(drawn.result->to_mm(point));
+                }
+            }
+        }
+    }
+    if (!box) {
+        return {{0, 0}, {1, 1}};
+    }
+    // A line still has a width to be drawn in.
+    const double least = std::max({1e-3 * std::max(box->width(), box->height()), 1e-9});
+    for (double PointMm::*axis : {&PointMm::x, &PointMm::y}) {
+        if (box->max.*axis - box->min.*axis < least) {
+            box->min.*axis -= least / 2;
+            box->max.*axis += least / 2;
+        }
+    }
+    return *box;
+}
+
+/// As many decimals as tell the heights exactly; where more than three would be needed, three.
+int decimals_of(const std::vector<Cell>& cells) noexcept {
+    int decimals = 0;
+    double factor = 1;
+    const auto told = [&](const Cell& cell) {
+        return std::abs(std::round(cell.height_mm * factor) - cell.height_mm * factor) < 1e-4 * factor;
+    };
+    for (; decimals < 3 && !std::all_of(cells.begin(), cells.end(), told); ++decimals) {
+        factor *= 10;
+    }
+    return decimals;
+}
+
+/// Of all, drawn or not.
+std::uint64_t layers_with_open_polylines(std::span<const PicturePart> parts) {
+    std::uint64_t count = 0;
+    for (const PicturePart& part : parts) {
+        for (const Layer& layer : part.result->layers) {
+            const std::span<const Contour> contours = part.result->contours_of(layer);
+            count += std::any_of(contours.begin(), contours.end(),
+                                 [](const Contour& contour) { return contour.role == Role::open; })
+                         ? 1
+                         : 0;
+        }
+    }
+    return count;
+}
+
+/// Rows of one cell, so few that a sheet of them takes some MB.
+struct Strip {
+    std::size_t cell = 0;
+    int begin = 0;
+    int end = 0;
+};
+
+std::vector<Strip> strips_of(const Page& page, std::size_t cells) {
+    constexpr int most_pixels = 1 << 18;
+    std::vector<Strip> strips;
+    for (std::size_t i = 0; i < cells; ++i) {
+        const Rectangle area = page.area(i);
+        const int rows = std::max(1, most_pixels / area.width);
+        for (int begin = 0; begin < area.height; begin += rows) {
+            strips.push_back({i, begin, std::min(area.height, begin + rows)});
+        }
+    }
+    return strips;
+}
+
+void draw_cells(Canvas& canvas, const Page& page, const BoxMm& box, const std::vector<Cell>& cells,
+                const PictureOptions& options, const Parallel& parallel) {
+    const std::vector<Strip> strips = strips_of(page, cells.size());
+    std::vector<LayerBrush> brushes(parallel.workers_for(strips.size()));
+    parallel.run(strips.size(), [&](std::size_t i, int worker) {
+        const Strip& strip = strips[i];
+        const View view(box, page.pixels_per_mm(), page.area(strip.cell), options);
+        brushes[static_cast<std::size_t>(worker)].draw(canvas, view, cells[strip.cell].layers, colours::cell,
+                                                       1.5 * page.unit(), strip.begin, strip.end);
+    });
+}
+
+Status draw(std::span<const PicturePart> parts, const std::vector<Cell>& cells, const std::filesystem::path& path,
+            const PictureOptions& options) {
+    const int decimals = decimals_of(cells);
+    std::vector<std::string> labels;
+    int label_width = 0;
+    for (const Cell& cell : cells) {
+        labels.push_back(decimal_text(cell.height_mm, decimals) + " mm");
+        label_width = std::max(label_width, text_width(labels.back(), 1));
+    }
+    const BoxMm box = box_of(parts, cells);
+    const Page page(box, std::max<std::size_t>(1, cells.size()), label_width, options);
+    Parallel parallel(options.control);
+    parallel.follow(options.control.stop);
+    parallel.begin_stage(0.8);
+    Canvas canvas(page.width(), page.height(), colours::page);
+    std::vector<std::string> names;
+    for (const PicturePart& part : parts) {
+        names.push_back(part.name);
+    }
+    page.draw_heading(canvas, names, layers_with_open_polylines(parts));
+    for (std::size_t i = 0; i < std::max<std::size_t>(1, cells.size()); ++i) {
+        canvas.fill(page.cell(i), colours::cell);
+        page.draw_label(canvas, i, cells.empty() ? "no layers" : labels[i]);
+    }
+    draw_cells(canvas, page, box, cells, options, parallel);
+    parallel.stop_if_asked();
+    const Status written = write_png(canvas, path);
+    if (written) {
+        parallel.finish();
+    }
+    return written;
+}
+
+}  // namespace
+
+Status write_layer_picture(std::span<const PicturePart> parts, std::uint64_t layer, const std::filesystem::path& path,
+                           const PictureOptions& options) noexcept {
+    return guarded(options.control, [&]() -> Status {
+        require_png(path);
+        require_drawable(parts, options);
+        const SliceResult& first = *parts.front().result;
+        if (layer < first.first_layer || layer - first.first_layer >= first.layers.size()) {
+            throw refused("'" + parts.front().name + "' has no layer " + std::to_string(layer) + ": it has " +
+                          std::to_string(first.layers.size()) + ", counted from " + std::to_string(first.first_layer));
+        }
+        return draw(parts, {cell_at(parts, first.layers[layer - first.first_layer].plane_mm)}, path, options);
+    });
+}
+
+Status write_contact_sheet(std::span<const PicturePart> parts, const std::filesystem::path& path,
+                           const PictureOptions& options) noexcept {
+    return guarded(options.control, [&]() -> Status {
+        require_png(path);
+        require_drawable(parts, options);
+        return draw(parts, evenly_spaced(parts, static_cast<std::size_t>(options.layers)), path, options);
+    });
+}
+
+}  // namespace lamella

@@ -20,22 +20,23 @@ struct FormatCost {
     double memory_bytes;      ///< a triangle
 };
 
-/// The first row that fits holds. Layers of 0.05 mm of a bone of 100 mm: coarser ones take less.
-constexpr std::array<FormatCost, 11> costs = {{
-    {".stl", "", 50, 130},
-    {".obj", "", 40, 180},
-    {".off", "", 36, 180},
-    {".ply", "format ascii", 40, 180},
-    {".ply", "", 19, 160},
-    {".vtk", "ASCII", 40, 180},
-    {".vtk", "", 22, 180},
-    {".vtp", "ascii", 50, 220},
-    {".vtp", "", 20, 200},
-    {".3mf", "", 10, 260},
+/// The first row that fits holds. Rows are the largest of what was measured, so that packed STL counts as text.
+constexpr std::array<FormatCost, 13> costs = {{
+    {".stl.gz", "", 17, 320},
+    {".ply.gz", "", 9, 140},
+    {".gz", "", 9, 200},
+    {".stl", "", 50, 145},
+    {".obj", "", 36, 130},
+    {".off", "", 36, 130},
+    {".ply", "format ascii", 36, 125},
+    {".ply", "", 19, 135},
+    {".vtk", "ASCII", 36, 125},
+    {".vtk", "", 22, 140},
+    {".vtp", "", 22, 150},
+    {".3mf", "", 14, 155},
     {"", "", 20, 200},
 }};
-constexpr FormatCost text_stl = {".stl", "", 180, 320};
-constexpr double text_gzip_ratio = 4;
+constexpr FormatCost text_stl = {".stl", "", 150, 190};
 
 /// Of a file, and of nothing that could keep the batch waiting.
 std::string first_bytes(const std::string& path) {
@@ -61,12 +62,11 @@ bool is_binary_stl(const std::string& begin, std::uint64_t file_bytes) {
     return file_bytes >= header + std::uint64_t{50} * triangles && !(begin.starts_with("solid") && triangles == 0);
 }
 
-FormatCost cost_of(const std::string& name, const std::string& begin, std::uint64_t file_bytes, bool packed) {
+FormatCost cost_of(const std::string& name, const std::string& begin, std::uint64_t file_bytes) {
     const FormatCost cost = *std::find_if(costs.begin(), costs.end(), [&](const FormatCost& row) {
         return name.ends_with(row.end) && begin.find(row.marker) != std::string::npos;
     });
-    const bool text = cost.end == ".stl" && !packed && !is_binary_stl(begin, file_bytes);
-    return text ? text_stl : cost;
+    return cost.end == ".stl" && !is_binary_stl(begin, file_bytes) ? text_stl : cost;
 }
 
 }  // namespace
@@ -75,14 +75,9 @@ MeshEstimate estimate_mesh(const std::string& path, std::uint64_t file_bytes) {
     std::string name = path;
     std::transform(name.begin(), name.end(), name.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    const bool packed = name.ends_with(".gz");
-    if (packed) {
-        name.resize(name.size() - 3);
-    }
-    const FormatCost cost = cost_of(name, first_bytes(path), file_bytes, packed);
-    const double unpacked = static_cast<double>(file_bytes) * (packed ? text_gzip_ratio : 1);
-    const double triangles = unpacked / cost.file_bytes;
-    return {triangles, process_bytes + triangles * cost.memory_bytes + (packed ? unpacked : 0)};
+    const FormatCost cost = cost_of(name, first_bytes(path), file_bytes);
+    const double triangles = static_cast<double>(file_bytes) / cost.file_bytes;
+    return {triangles, process_bytes + triangles * cost.memory_bytes};
 }
 
 }  // namespace lamella::cli::batch

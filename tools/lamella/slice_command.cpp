@@ -19,6 +19,7 @@
 #include "lamella/lamella.hpp"
 #include "mesh_input.hpp"
 #include "numbers.hpp"
+#include "option_words.hpp"
 #include "output_path.hpp"
 #include "outputs/write_outputs.hpp"
 #include "scale_words.hpp"
@@ -28,28 +29,6 @@
 namespace lamella::cli {
 
 namespace {
-
-/// The options that decide what comes out, as typed: for records.
-std::vector<std::string> words_of(const CLI::App& command) {
-    static constexpr std::array<std::string_view, 10> without_effect = {
-        "",  // hidden options have no name
-        "mesh", "--output", "--to", "--threads", "--progress", "--report", "--map", "--band", "--form"};
-    std::vector<std::string> words;
-    for (const CLI::Option* option : command.get_options()) {
-        const std::string name = option->get_name();
-        if (option->count() == 0 || std::find(without_effect.begin(), without_effect.end(), name) != without_effect.end()) {
-            continue;
-        }
-        if (option->get_items_expected_max() == 0) {
-            words.push_back(name);
-            continue;
-        }
-        for (const std::string& value : option->results()) {
-            words.insert(words.end(), {name, value});
-        }
-    }
-    return words;
-}
 
 class SliceCommand {
 public:
@@ -314,7 +293,7 @@ private:
         if (wants_records() && !arguments_.image.like.empty()) {
             add_input(arguments_.image.like, 0);
         }
-        job_.options = words_of(command_);
+        job_.options = option_words(command_);
         const Stage stage(bar_, "writing");
         const Stopwatch watch;
         write_outputs(job_, control_of(stage), [this](const std::string& warning) { note(warning); });

@@ -15,11 +15,12 @@ sed -n '/^```bash$/,/^```$/p' "$readme" | sed '/^```/d' > examples
 [[ $(grep -c lamella examples) -ge 4 ]] || { echo "README shows fewer than four commands"; exit 1; }
 PATH=$(dirname "$tool"):$PATH bash -eu examples > output
 
-for made in archive/liver.svg archive/liver.json archive/femur.svg archive/femur.json checks.json faults.ply gyroid.stl; do
+for made in masks/bone{1..12}.{nii.gz,csv,png} masks/results.jsonl checks.json faults.ply gyroid.stl; do
     [[ -s "$made" ]] || { echo "no $made was written"; exit 1; }
 done
-[[ $(grep -c '^contours ' output) == 4 && $(grep -c '(1 thread,' output) == 1 ]] || {
+grep -q "12: 12 done, 0 unchanged, 0 failed" output || { cat output; echo "expected twelve meshes done"; exit 1; }
+[[ $(grep -c '^contours ' output) == 2 && $(grep -c '(1 thread,' output) == 1 ]] || {
     cat output
-    echo "expected four slices, one of them on 1 thread"
+    echo "expected two slices, one of them on 1 thread"
     exit 1
 }

@@ -1,25 +1,19 @@
 #!/usr/bin/env bash
-# A Dask scheduler with four worker processes, one of which is killed while it slices: the outputs are those of one machine.
+# A Dask scheduler with four worker processes, one of which is killed while it slices: files and table are those of one machine.
 # PYTHONPATH holds the package.
 source "$(dirname "${BASH_SOURCE[0]}")/support.sh"
 
 step "one machine"
 make_meshes
-mkdir alone
-for mesh in meshes/m*.stl; do
-    name="$(basename "$mesh" .stl)"
-    lamella slice "$mesh" --spacing 0.5,0.5,0.1 --frame lps -o "alone/$name.nii.gz" > /dev/null
-done
+on_one_machine
 
 step "four workers"
-# An output's name is in its record.
-mv alone one_machine
 start scheduler dask scheduler --host 127.0.0.1 --port 0 --no-dashboard --scheduler-file scheduler.json
 workers=()
 for i in 0 1 2 3; do
     start "worker_$i" dask worker --scheduler-file scheduler.json --host 127.0.0.1 --name "$i" --nthreads 2 --no-nanny --no-dashboard \
-        --memory-limit 0 --resources MEMORY=1000
+        --memory-limit 0 --resources MEMORY=1e9
     workers+=("${started[0]}")
 done
 /usr/bin/python3 "$root/tests/cluster/dask_many.py" scheduler.json "${workers[@]}"
-same one_machine alone
+same one_machine masks

@@ -66,8 +66,22 @@ make_meshes() {
     head -c 1000 meshes/m0.stl > meshes/damaged.stl
 }
 
+# What is asked of every engine.
+batch_options=(--output='masks/{stem}.nii.gz' --output='masks/{stem}.csv' --spacing=0.5,0.5,0.1 --frame=lps)
+
+# Makes the folder one_machine. It was called masks when it was made, because files name each other.
+on_one_machine() {
+    local status=0
+    lamella batch meshes "${batch_options[@]}" > one_machine.txt || status=$?
+    ((status == 5)) || fail "one machine: status $status, not 5 for the damaged mesh"
+    mv masks one_machine
+}
+
 # same FOLDER FOLDER: every file of both.
 same() {
     diff -r "$1" "$2" || fail "$1 and $2 differ"
     echo "$(find "$1" -type f | wc -l) files, all the same"
 }
+
+# files_in FOLDER COUNT: whether so many masks are there.
+files_in() { (($(find "$1" -name '*.nii.gz' 2> /dev/null | wc -l) >= $2)); }

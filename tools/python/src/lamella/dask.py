@@ -1,22 +1,25 @@
-"""Many meshes on the workers of a Dask scheduler, one process of the command line tool for each.
+"""Many meshes on the workers of a Dask scheduler, each done by the command line tool as a shard of one batch.
 
     client = distributed.Client("scheduler:8786")
     many = lamella.dask.slice_many(client, paths, "masks/{stem}.nii.gz", spacing=(1, 1, 2), frame="lps")
     many.frame()                                   # waits; a pandas DataFrame, a row for each mesh
 
-Workers need this package, the program ``lamella`` and the files at the paths that the client names. The tool writes the
-outputs, so that they are the bytes that one machine writes, and a mesh that ends its process does not end the worker.
+Workers need this package, the program ``lamella`` and the files at the paths that the client names. ``lamella batch`` writes
+the outputs and what came of each mesh, so that they are the bytes that one machine writes; a mesh that ends its process does
+not end the worker; and what was done before is not done again.
 """
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import shutil
 import subprocess
+import tempfile
 import uuid
 from concurrent.futures import CancelledError
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Union
 
 from ._errors import Error, InvalidArgumentError
 
@@ -30,13 +33,14 @@ PathLike = Union[str, "os.PathLike[str]"]
 MemoryLike = Union[None, str, int, Callable[[str], int]]
 Row = Dict[str, Any]
 
-MESH_ENDS = (".stl", ".obj", ".off", ".ply", ".vtk", ".vtp", ".3mf")
-DECIDED_BY_MESH = (2, 3)
-"""Exit statuses of the tool that another try would not change: usage, and input that cannot be used."""
+COLUMNS = ("mesh", "status", "reason", "triangles", "layers", "contours", "open_contours", "warnings", "outputs")
+SOME_FAILED = 5
+REFUSED = (2, 3)
+"""Exit statuses of a batch that another try would not change: what was asked for is wrong."""
 
 
 class LostItemError(Error):
-    """The tool was killed, found no room for its output, took too long, or is missing on the worker: another try may do."""
+    """The batch of a mesh was killed, could not write, or has no program on the worker: another try may do."""
 
     code = "lost_item"
 
@@ -51,11 +55,14 @@ class Many:
     futures : list of distributed.Future
         In the same order. The result of each is its row, as in `rows`. It raises `LostItemError` if every try was lost, and
         ``distributed.KilledWorker`` if its workers were.
+    joined : distributed.Future
+        The path of results.jsonl, in which the rows of all meshes are joined when the last one has ended.
     """
 
-    def __init__(self, paths: List[str], futures: List[distributed.Future]) -> None:
+    def __init__(self, paths: List[str], futures: List[distributed.Future], joined: distributed.Future) -> None:
         self.paths = paths
         self.futures = futures
+        self.joined = joined
 
     def __len__(self) -> int:
         return len(self.futures)
@@ -69,22 +76,31 @@ class Many:
         return f"<lamella.dask.Many: {ended:,} of {len(self):,} meshes>"
 
     def rows(self) -> List[Row]:
-        """Waits for all meshes. A row for each, in their order; none of them depends on which worker did it, or how often.
+        """Waits for all meshes. A row for each, in their order: its line of results.jsonl.
 
-        ``mesh`` is its path and ``reason`` is empty, or why there is no result; then what the tool's report says: the number of
-        ``triangles``, ``layers``, ``contours`` and ``open`` ones, ``volume_mm3``, ``certificate``, ``hash`` and ``warnings``.
+        ``mesh`` is its path, ``status`` "done" or "failed" with the ``reason``. Rows do not depend on which worker did them, or
+        how often.
+
+        Raises
+        ------
+        InvalidArgumentError
+            What was asked for is wrong, for one mesh as for all.
         """
-        return [_row_of(path, future) for path, future in zip(self.paths, self.futures)]
+        rows = [_row_of(path, future) for path, future in zip(self.paths, self.futures)]
+        if all("outputs" in row for row in rows):  # else a part is missing, and its row says why
+            joined: Any = self.joined
+            joined.result()
+        return rows
 
     def frame(self) -> pandas.DataFrame:
         """The same as a pandas DataFrame."""
         import pandas
 
-        return pandas.DataFrame(self.rows(), columns=list(_row("", {}, "")))
+        return pandas.DataFrame([{name: row.get(name) for name in COLUMNS} for row in self.rows()], columns=list(COLUMNS))
 
     def cancel(self) -> None:
         """Takes back what has not begun."""
-        futures: List[Any] = self.futures
+        futures: List[Any] = [self.joined, *self.futures]
         for future in futures:
             future.cancel()
 
@@ -92,7 +108,7 @@ class Many:
 def slice_many(
     client: distributed.Client,
     paths: Sequence[PathLike],
-    output: str,
+    output: Union[str, Sequence[str]],
     *,
     memory: MemoryLike = "auto",
     retries: int = 2,
@@ -110,79 +126,64 @@ def slice_many(
         The scheduler. It gives meshes of lost workers to others.
     paths : sequence of path
         One mesh each, as the workers reach it.
-    output : str
-        What to write, ``{stem}`` being a mesh's name without its ends: ``"masks/{stem}.nii.gz"``. Folders are made.
+    output : str or sequence of str
+        What to write, ``{stem}`` being a mesh's name without its ends: ``"masks/{stem}.nii.gz"``. Folders are made. The
+        folder before the first ``{`` gets results.jsonl.
     memory : "auto", int, callable or None
         Bytes that a mesh takes of the resource MEMORY of its worker (``dask worker --resources MEMORY=8e9``), so that no
         worker has more at once than fit; or a function of the path. "auto": estimated from the file's size, if workers have
         that resource. None: nothing is asked for.
     retries : int
-        How often a mesh is tried again whose process was killed, ran out of time or could not write. Those of lost
-        workers are tried again whatever it is, as often as the scheduler's ``allowed-failures`` says.
+        How often a mesh is tried again whose process was killed or ran out of time, and a worker's batch that was killed
+        or could not write. Those of lost workers are tried again whatever it is, as often as the scheduler's
+        ``allowed-failures`` says.
     timeout : float, optional
         Seconds after which a try is ended.
     threads : int
-        Of the tool, for each mesh.
+        For each mesh.
     tool : str
         The program on the workers.
     folder : path, optional
         What relative paths are relative to, on every worker; the client's own current folder without it.
     **options
-        Those of ``lamella slice`` by their names: ``layer_height=0.5``, ``to="nii.gz,csv"``, ``spacing=(1, 1, 2)``,
-        ``strict=True``.
+        Those of ``lamella batch`` by their names: ``layer_height=0.5``, ``to="nii.gz,csv"``, ``spacing=(1, 1, 2)``,
+        ``strict=True``, ``force=True``.
 
     Returns
     -------
     Many
-        Its futures have been submitted.
+        Its futures have been submitted. Meshes that are done already, as results.jsonl and the outputs say, are not done
+        again.
 
     Raises
     ------
     InvalidArgumentError
-        Two meshes have one output, no worker has the memory asked for, or a value cannot be said to the tool.
+        No worker has the memory asked for, or a value cannot be said to the tool.
     """
     names = [os.fspath(path) for path in paths]
-    outputs = _outputs(names, output)
-    words = [*_words(options), f"--threads={threads}"]
     where = os.path.abspath(os.fspath(folder) if folder is not None else os.getcwd())
+    outputs = [output] if isinstance(output, str) else list(output)
+    words = [*(f"--output={each}" for each in outputs), *_words(options), f"--jobs={threads}", f"--retries={retries}"]
+    words += [f"--timeout={timeout}"] if timeout is not None else []
+    batch = _Batch(tool, where, str(options.get("results") or _folder_of(outputs)), words, len(names))
     scheduler: Any = client
     needs = _needs(names, where, memory, scheduler.scheduler_info()["workers"])
-    call = uuid.uuid4().hex
+    call = f"lamella-slice-{uuid.uuid4().hex}"
+    # A task of its own, and not an argument of each: were it lost with its worker, it would be made again.
+    listed = scheduler.submit(list, names, key=f"{call}-paths")
     futures = [
         scheduler.submit(
-            _slice_one,
-            name,
-            outputs[i],
-            words,
-            tool,
-            where,
-            timeout,
-            key=f"lamella-slice-{call}-{i}",
+            batch.slice_one,
+            listed,
+            i,
+            needs[i],
+            key=f"{call}-{i}",
             retries=retries,
             resources={"MEMORY": needs[i]} if needs[i] else None,
         )
-        for i, name in enumerate(names)
+        for i in range(len(names))
     ]
-    return Many(names, futures)
-
-
-def _stem(path: str) -> str:
-    name = os.path.basename(path)
-    if name.lower().endswith(".gz"):
-        name = name[:-3]
-    return name[:-4] if name.lower().endswith(MESH_ENDS) else name
-
-
-def _outputs(paths: Sequence[str], pattern: str) -> List[str]:
-    if "{stem}" not in pattern and len(paths) > 1:
-        raise InvalidArgumentError(f"output must contain {{stem}}, so that each mesh has its own: {pattern!r}")
-    outputs = [pattern.replace("{stem}", _stem(path)) for path in paths]
-    of: Dict[str, str] = {}
-    for path, output in zip(paths, outputs):
-        if output in of:
-            raise InvalidArgumentError(f"{of[output]} and {path} have one output: {output}")
-        of[output] = path
-    return outputs
+    return Many(names, futures, scheduler.submit(batch.join, futures, key=f"{call}-join", retries=retries))
 
 
 def _words(options: Mapping[str, Any]) -> List[str]:
@@ -228,58 +229,72 @@ def _needs(paths: Sequence[str], folder: str, memory: MemoryLike, workers: Mappi
     return needs
 
 
-def _row(path: str, report: Mapping[str, Any], reason: str) -> Row:
-    return {
-        "mesh": path,
-        "reason": reason,
-        "triangles": report.get("triangles"),
-        "layers": report.get("planes"),
-        "contours": report.get("contours"),
-        "open": report.get("open_contours"),
-        "volume_mm3": report.get("volume", {}).get("mesh_mm3"),
-        "certificate": report.get("volume", {}).get("verdict"),
-        "hash": report.get("output_hash"),
-        "warnings": report.get("warnings"),
-    }
+def _folder_of(outputs: Sequence[str]) -> str:
+    return os.path.dirname(outputs[0].split("{")[0]) or "." if outputs else "."
 
 
 def _row_of(path: str, future: Any) -> Row:
     try:
         row: Row = future.result()
+    except InvalidArgumentError:
+        raise
     except CancelledError:
-        return _row(path, {}, "cancelled")
+        return {"mesh": path, "status": "failed", "reason": "cancelled"}
     except Exception as error:  # whatever ends one mesh must not hide the rows of the others
         killed = type(error).__name__ == "KilledWorker"
-        return _row(path, {}, "every worker that it was given to was lost" if killed else str(error))
+        reason = "every worker that it was given to was lost" if killed else str(error)
+        return {"mesh": path, "status": "failed", "reason": reason}
     return row
 
 
-def _slice_one(path: str, output: str, words: List[str], tool: str, folder: str, timeout: Optional[float]) -> Row:
-    """Runs on the worker, in the client's folder: records beside outputs name their inputs as the client does."""
-    program = shutil.which(tool)
-    if program is None:
-        raise LostItemError(f"the worker has no program {tool!r}")
-    try:
-        os.makedirs(os.path.dirname(os.path.join(folder, output)), exist_ok=True)
-        status, said, complaint = _run([program, "slice", path, "-o", output, *words, "--report", "-"], folder, timeout)
-    except subprocess.TimeoutExpired:
-        raise LostItemError(f"not done after {timeout} s") from None
-    except OSError as error:
-        raise LostItemError(str(error)) from None
-    if status in DECIDED_BY_MESH:
-        return _row(path, {}, complaint)
-    if status != 0:
-        raise LostItemError(complaint if status > 0 else f"killed by signal {-status}")
-    return _row(path, json.loads(said), "")
+class _Batch:
+    """What workers run: one shard for each mesh, in the client's folder, since records name inputs as the client does."""
 
+    def __init__(self, tool: str, folder: str, results: str, words: List[str], shards: int) -> None:
+        self.tool = tool
+        self.folder = folder
+        self.results = results
+        self.words = words
+        self.shards = shards
 
-def _run(command: List[str], folder: str, timeout: Optional[float]) -> Tuple[int, bytes, str]:
-    """Exit status, standard output, and the last line of what was said on stderr. The tool ends with its worker: if that is
-    killed, its memory counts for the next one at once."""
-    setpriv = shutil.which("setpriv")
-    guard = [setpriv, "--pdeathsig", "TERM"] if setpriv is not None else []
-    run = subprocess.run(
-        [*guard, *command], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, timeout=timeout, check=False
-    )
-    lines = run.stderr.decode(errors="replace").strip().splitlines() or [f"exit status {run.returncode}"]
-    return run.returncode, run.stdout, lines[-1].removeprefix("lamella: ")
+    def part(self, shard: int) -> str:
+        return os.path.join(self.folder, self.results, f"results.{shard}-of-{self.shards}.jsonl")
+
+    def slice_one(self, paths: Sequence[str], shard: int, memory: int) -> Row:
+        """The row of the mesh, done or failed. Raises LostItemError where another try may do."""
+        granted = [f"--memory={memory}"] if memory else []
+        with tempfile.TemporaryDirectory() as scratch:
+            manifest = os.path.join(scratch, "meshes.csv")
+            with open(manifest, "w", newline="", errors="surrogateescape") as file:
+                csv.writer(file, quoting=csv.QUOTE_ALL).writerows([["path"], *([path] for path in paths)])
+            self.run([manifest, *self.words, *granted, f"--shard={shard}/{self.shards}"])
+        with open(self.part(shard), errors="replace") as file:
+            row: Row = json.loads(file.readline())
+        return row
+
+    def join(self, rows: Sequence[Row]) -> str:
+        """Joins the results of all shards, as one machine writes them. All of them have ended: parts that are missing were
+        joined by an earlier try, which was lost before it said so."""
+        parts = [self.part(shard) for shard in range(len(rows))]
+        present = [part for part in parts if os.path.exists(part)]
+        if parts and len(present) == len(parts):
+            self.run(["--merge", *parts])
+        for part in present:
+            os.remove(part)
+        return os.path.join(self.folder, self.results, "results.jsonl")
+
+    def run(self, words: List[str]) -> None:
+        program = shutil.which(self.tool)
+        if program is None:
+            raise LostItemError(f"the worker has no program {self.tool!r}")
+        # The batch ends with its worker: if that is killed, the memory that it takes counts for others at once.
+        setpriv = shutil.which("setpriv")
+        guard = [setpriv, "--pdeathsig", "TERM"] if setpriv is not None else []
+        command = [*guard, program, "batch", *words]
+        ended = subprocess.run(command, cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, check=False)
+        lines = ended.stderr.decode(errors="replace").strip().splitlines() or [f"exit status {ended.returncode}"]
+        complaint = lines[-1].removeprefix("lamella: ")
+        if ended.returncode in REFUSED:
+            raise InvalidArgumentError(complaint)
+        if ended.returncode not in (0, SOME_FAILED):
+            raise LostItemError(complaint if ended.returncode > 0 else f"the batch was killed by signal {-ended.returncode}")

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# An array job of four shards on a real Slurm, of which one is requeued while it slices, and one runs out of time: the files are
+# those of one machine.
+source "$(dirname "${BASH_SOURCE[0]}")/support.sh"
+source "$root/tests/cluster/slurm_engine.sh"
+
+# ended_after_requeue JOB: whether it has run before, and has ended now.
+ended_after_requeue() { [[ "$(state_of "$1")" == COMPLETED || "$(state_of "$1")" == FAILED ]] && scontrol show job "$1" | grep -q 'Restarts=[1-9]'; }
+
+step "one machine"
+make_meshes
+on_one_machine
+
+step "Slurm"
+start_slurm
+script="$root/tools/cluster/slurm_array.sh"
+job=$(sbatch --parsable --array=0-3 --cpus-per-task=1 --mem=800 "$script" 4 meshes "${batch_options[@]}")
+merge=$(sbatch --parsable --dependency="afterany:$job" --output=merge.txt --wrap 'lamella batch --merge masks')
+wait_for 120 "the first mask" files_in masks 1
+
+step "a task is requeued while it slices"
+lost=""
+find_lost() {
+    local task
+    for task in 0 1 2 3; do
+        if [[ "$(state_of "${job}_$task")" == RUNNING ]]; then
+            lost="${job}_$task"
+            return 0
+        fi
+    done
+    return 1
+}
+wait_for 60 "a running task" find_lost
+requeue "$lost"
+wait_for 300 "the end of $lost" ended_after_requeue "$lost"
+wait_for 300 "the end of the merge" eval '[[ "$(state_of "$merge")" == FAILED ]]'
+grep -q "^failed .*damaged.stl" merge.txt || fail "the merge does not name the damaged mesh"
+rm masks/results.*-of-4.jsonl
+same one_machine masks
+
+step "a task runs out of time"
+rm -r masks
+job=$(sbatch --parsable --array=0 --cpus-per-task=1 --mem=800 "$script" 1 meshes "${batch_options[@]}")
+wait_for 120 "the first line" test -s masks/results.0-of-1.jsonl
+# As Slurm sends it before the time is over, of which it counts minutes.
+scancel --batch --signal=USR1 "${job}_0"
+wait_for 60 "the task to be pending" eval '[[ "$(state_of "${job}_0")" == PENDING ]]'
+scontrol update "JobId=${job}_0" StartTime=now
+wait_for 300 "the end of the task" ended_after_requeue "${job}_0"
+grep -q " [1-9][0-9]* unchanged" "lamella-${job}_0.txt" || fail "the task began anew"
+lamella batch --merge masks > /dev/null || (($? == 5)) || fail "the merge"
+rm masks/results.0-of-1.jsonl
+same one_machine masks
+
+step "words that are wrong"
+for words in "" "4x meshes" "1 meshes"; do
+    # shellcheck disable=SC2086
+    job=$(sbatch --parsable --array=1 --output=wrong.txt --mem=800 --cpus-per-task=1 "$script" $words)
+    wait_for 60 "a refusal" eval '[[ "$(state_of "$job")" == FAILED ]]'
+done
+[[ "$(grep -c "slurm_array.sh: .*(the head of the script" wrong.txt)" == 3 ]] || fail "wrong words are not refused"
+stop_slurm

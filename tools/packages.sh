@@ -4,7 +4,7 @@ build_packages=(
     cmake ninja-build g++
     libtbb-dev libmimalloc-dev catch2 libcli11-dev nlohmann-json3-dev libfast-float-dev
     zlib1g-dev libexpat1-dev libzip-dev pkg-config
-    libssl-dev libpng-dev
+    libssl-dev libpng-dev libhdf5-dev
 )
 # bench/: the second is only compared with.
 bench_packages=(libbenchmark-dev libpolyclipping-dev)

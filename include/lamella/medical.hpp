@@ -1,4 +1,4 @@
-// lamella::medical: label masks, tables, pictures and records of slices.
+// lamella::medical: label masks, tables, pictures, archives and records of slices.
 //
 //     const lamella::Result<lamella::ImageGeometry> image = lamella::read_image_geometry("ct.nii.gz");
 //     const lamella::MaskPart organ{.result = &result, .name = "liver"};  // sliced at the image's slices, in its frame
@@ -9,6 +9,7 @@
 // This is no medical device: whoever uses it for patients validates what comes of it.
 #pragma once
 
+#include "lamella/medical/archive.hpp"
 #include "lamella/medical/geometry.hpp"
 #include "lamella/medical/mask.hpp"
 #include "lamella/medical/picture.hpp"

@@ -61,6 +61,7 @@ OTHERS = {
     r"nlohmann\b": ("io/", "medical/", "tools/lamella/batch/"),
     r"openssl\b": "medical/",
     r"png\.h\b": "medical/",
+    r"(hdf5|H5FDdevelop)\.h": "medical/hdf5/",
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)

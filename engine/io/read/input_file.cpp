@@ -120,12 +120,21 @@ Status InputFile::read(std::span<std::byte> into, const Parallel& parallel) cons
     if (failed == failures.end()) {
         return {};
     }
-    if (*failed == file_ended) {
+    return unread(*failed, static_cast<std::uint64_t>(failed - failures.begin()) * read_piece_bytes);
+}
+
+Error InputFile::unread(int failure, std::uint64_t offset) const {
+    if (failure == file_ended) {
         return error(ErrorCode::unreadable_file, "shrank while it was read");
     }
-    const auto offset = (failed - failures.begin()) * static_cast<std::int64_t>(read_piece_bytes);
     return error(ErrorCode::unreadable_file,
-                 "cannot be read near byte " + std::to_string(offset) + ": " + system_message(*failed), offset);
+                 "cannot be read near byte " + std::to_string(offset) + ": " + system_message(failure),
+                 static_cast<std::int64_t>(offset));
+}
+
+Status InputFile::read_at(std::uint64_t offset, std::span<std::byte> into) const {
+    const int failure = read_fully(descriptor_, into, offset);
+    return failure == 0 ? Status() : unread(failure, offset);
 }
 
 Result<Array<std::byte>> InputFile::map(std::size_t count) const {

@@ -36,6 +36,10 @@ public:
     /// Fills `into` from byte 0 on. Precondition: into.size() <= size().
     Status read(std::span<std::byte> into, const Parallel& parallel) const;
 
+    /// Fills `into` from byte `offset` on, on the calling thread. From several threads at once. Precondition: it lies within
+    /// the size.
+    Status read_at(std::uint64_t offset, std::span<std::byte> into) const;
+
     /// The first `count` bytes mapped privately; the array unmaps them in the end. Precondition: 0 < count <= size().
     Result<Array<std::byte>> map(std::size_t count) const;
 
@@ -45,6 +49,7 @@ public:
     Error error(ErrorCode code, const std::string& what, std::int64_t byte_offset = -1) const;
 
 private:
+    Error unread(int failure, std::uint64_t offset) const;
     InputFile(int descriptor, std::string name) : descriptor_(descriptor), name_(std::move(name)) {}
 
     int descriptor_;

@@ -1,21 +1,10 @@
 // The layout that is hashed is documented with hash_result(). It is made of values, not of memory, so padding and byte
 // order play no part.
-#include "lamella/result.hpp"
+#include "slicing/result/hash.hpp"
 
 namespace lamella {
 
 namespace {
-
-/// FNV-1a with a whole 64-bit word where the original takes a byte: one multiplication a point.
-class WordHash {
-public:
-    void add(std::uint64_t word) noexcept { state_ = (state_ ^ word) * 0x100000001b3U; }
-    void add_signed(std::int64_t word) noexcept { add(static_cast<std::uint64_t>(word)); }
-    std::uint64_t value() const noexcept { return state_; }
-
-private:
-    std::uint64_t state_ = 0xcbf29ce484222325U;
-};
 
 std::uint64_t kind_word(const Contour& contour) noexcept {
     const auto orientation = static_cast<std::uint8_t>(contour.orientation);
@@ -41,16 +30,19 @@ void add_contour(WordHash& hash, const SliceResult& result, const Layer& layer, 
 
 }  // namespace
 
-std::uint64_t hash_result(const SliceResult& result) noexcept {
-    WordHash hash;
-    hash.add(result.layers.size());
+void ResultHash::add_layers(const SliceResult& result) noexcept {
     for (const Layer& layer : result.layers) {
-        hash.add_signed(layer.plane.z());
-        hash.add(layer.contour_count);
+        words_.add_signed(layer.plane.z());
+        words_.add(layer.contour_count);
         for (const Contour& contour : result.contours_of(layer)) {
-            add_contour(hash, result, layer, contour);
+            add_contour(words_, result, layer, contour);
         }
     }
+}
+
+std::uint64_t hash_result(const SliceResult& result) noexcept {
+    ResultHash hash(result.layers.size());
+    hash.add_layers(result);
     return hash.value();
 }
 

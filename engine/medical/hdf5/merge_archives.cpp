@@ -1,0 +1,184 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "base/guard.hpp"
+#include "base/words.hpp"
+#include "lamella/medical/archive.hpp"
+#include "medical/hdf5/load.hpp"
+#include "medical/hdf5/merged_columns.hpp"
+#include "medical/hdf5/write_columns.hpp"
+#include "slicing/result/hash.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr double read_share = 0.5;  ///< of the progress
+
+[[noreturn]] void refuse(const std::string& what) {
+    throw Refused{{ErrorCode::invalid_argument, what}};
+}
+
+std::string quoted(const ArchivePart& part) {
+    return "'" + printable(part.path.string()) + "'";
+}
+
+/// "layer 7" or "layers 7 to 9".
+std::string layers_between(std::uint64_t first, std::uint64_t end) {
+    return end - first == 1 ? "layer " + std::to_string(first)
+                            : "layers " + std::to_string(first) + " to " + std::to_string(end - 1);
+}
+
+/// Parts of one slicing, by their layers.
+class Parts {
+public:
+    explicit Parts(std::span<const std::filesystem::path> paths) {
+        if (paths.empty()) {
+            refuse("no archives to join");
+        }
+        for (const std::filesystem::path& path : paths) {
+            add(path);
+        }
+        std::stable_sort(parts_.begin(), parts_.end(), [](const ArchivePart& a, const ArchivePart& b) {
+            return std::pair(a.first_layer, a.end()) < std::pair(b.first_layer, b.end());
+        });
+        require_whole();
+    }
+
+    const std::vector<ArchivePart>& all() const noexcept { return parts_; }
+    std::uint64_t layers() const noexcept { return all_layers_; }
+
+    /// Reads and checks all rows; the hash of the whole. The head of the first part goes to `head`.
+    std::uint64_t read(const Parallel& parallel, const Memory* memory, ReadTree& head) const {
+        ResultHash hash(all_layers_);
+        parallel.begin_stage(read_share, 2 * parts_.size());
+        for (const ArchivePart& part : parts_) {
+            LoadedArchive loaded = load_archive(part.path, parallel, memory);
+            hash.add_layers(loaded.tree.result);
+            if (&part == &parts_.front()) {
+                drop_rows(loaded.tree.result);
+                head = std::move(loaded.tree);
+            } else {
+                require_same(head, loaded.tree, part);
+            }
+        }
+        return hash.value();
+    }
+
+private:
+    void add(const std::filesystem::path& path) {
+        const Result<InputFile> file = InputFile::open(path);
+        if (!file) {
+            throw Refused{file.error()};
+        }
+        ReadTree tree = read_tree(*file, nullptr);
+        ArchivePart part{path, std::move(tree.columns), tree.result.first_layer, 0};
+        part.layers = part.rows(ColumnId::plane);
+        std::vector<Fact> facts = facts_of(tree.result, tree.info);
+        if (parts_.empty()) {
+            facts_ = std::move(facts);
+            all_layers_ = tree.result.all_layers;
+        } else {
+            require_same_facts(facts, part);
+        }
+        if (part.first_layer > all_layers_ || part.layers > all_layers_ - part.first_layer) {
+            throw Refused{file->error(ErrorCode::malformed_mesh, "/all_layers: fewer layers than the file has")};
+        }
+        parts_.push_back(std::move(part));
+    }
+
+    [[noreturn]] void refuse_other(const ArchivePart& part, const std::string& what) const {
+        refuse(quoted(part) + " and " + quoted(parts_.front()) + " are not of one slicing: they differ in " + what);
+    }
+
+    void require_same_facts(const std::vector<Fact>& facts, const ArchivePart& part) const {
+        const auto [own, other] = std::mismatch(facts.begin(), facts.end(), facts_.begin(), facts_.end());
+        if (own != facts.end() || other != facts_.end()) {
+            const Fact& fact = own != facts.end() ? *own : *other;
+            refuse_other(part, (fact.group == "/" ? "" : fact.group) + "/" + fact.name);
+        }
+    }
+
+    /// Heights and rules that stand in columns.
+    void require_same(const ReadTree& head, const ReadTree& tree, const ArchivePart& part) const {
+        const auto* const heights = std::get_if<ExplicitPlanes>(&tree.result.plan.spacing);
+        if (heights != nullptr && heights->heights_mm != std::get<ExplicitPlanes>(head.result.plan.spacing).heights_mm) {
+            refuse_other(part, column_of(ColumnId::heights_mm).path);
+        }
+        if (!std::ranges::equal(head.result.layer_of, tree.result.layer_of)) {
+            refuse_other(part, column_of(ColumnId::layer_of_height).path);
+        }
+        if (!std::ranges::equal(
+                head.result.region.fill_from, tree.result.region.fill_from,
+                [](const FillFrom& a, const FillFrom& b) { return a.first_layer == b.first_layer && a.rule == b.rule; })) {
+            refuse_other(part, column_of(ColumnId::fill_from_layer).path);
+        }
+    }
+
+    void require_whole() const {
+        if (parts_.front().first_layer > 0) {
+            refuse(layers_between(0, parts_.front().first_layer) + " are missing before " + quoted(parts_.front()));
+        }
+        for (std::size_t i = 1; i < parts_.size(); ++i) {
+            const ArchivePart& before = parts_[i - 1];
+            const ArchivePart& part = parts_[i];
+            if (part.first_layer > before.end()) {
+                refuse(layers_between(before.end(), part.first_layer) + " lie in neither " + quoted(before) + " nor " +
+                       quoted(part));
+            }
+            if (part.first_layer < before.end()) {
+                refuse(quoted(before) + " and " + quoted(part) + " both hold " +
+                       layers_between(part.first_layer, std::min(part.end(), before.end())));
+            }
+        }
+        if (parts_.back().end() < all_layers_) {
+            refuse(layers_between(parts_.back().end(), all_layers_) + " are missing after " + quoted(parts_.back()));
+        }
+        require_origins();
+    }
+
+    void require_origins() const {
+        const auto with = std::find_if(parts_.begin(), parts_.end(),
+                                       [](const ArchivePart& part) { return part.rows(ColumnId::origin_triangle) > 0; });
+        const auto without = std::find_if(parts_.begin(), parts_.end(), [](const ArchivePart& part) {
+            return part.rows(ColumnId::origin_triangle) < part.rows(ColumnId::points);
+        });
+        if (with != parts_.end() && without != parts_.end()) {
+            refuse(quoted(*without) + " has no origins of its points, which " + quoted(*with) + " has");
+        }
+    }
+
+    static void drop_rows(SliceResult& result) {
+        result.layers = Array<Layer>();
+        result.contours = Array<Contour>();
+        result.points = Array<Point>();
+        result.origins = Array<PointOrigin>();
+        result.closed_gaps = Array<ClosedGap>();
+    }
+
+    std::vector<ArchivePart> parts_;
+    std::vector<Fact> facts_;
+    std::uint64_t all_layers_ = 0;
+};
+
+}  // namespace
+
+Result<MergedArchive> merge_archives(std::span<const std::filesystem::path> parts, const std::filesystem::path& path,
+                                     const Control& control) noexcept {
+    return guarded(control, [&]() -> Result<MergedArchive> {
+        Parallel parallel(control);
+        parallel.follow(control.stop);
+        const Parts all(parts);
+        ReadTree head{.result = SliceResult(), .info = {}, .columns = {}};
+        const std::uint64_t hash = all.read(parallel, control.memory, head);
+        const Status written =
+            write_columns(MergedColumns(all.all()), {facts_of(head.result, head.info), hash, 0}, path, parallel, read_share);
+        if (!written) {
+            return written.error();
+        }
+        return MergedArchive{all.layers(), hash, head.result.unit_mm, head.result.region.fill_rule, std::move(head.info)};
+    });
+}
+
+}  // namespace lamella

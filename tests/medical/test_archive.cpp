@@ -1,0 +1,354 @@
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/shapes.hpp"
+#include "lamella/lamella.hpp"
+#include "lamella/medical.hpp"
+#include "temp_folder.hpp"
+
+using namespace lamella;
+using namespace shapes;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A box with a cavity and an open sheet beside it: outers, holes and open polylines.
+Soup specimen() {
+    return joined({box({0, 0, 0}, {9, 8, 7}), flipped(box({2, 2, 1}, {4, 5, 6})), octasphere({20, 4, 3}, 3.3, 2),
+                   triangle({30, 0, 0}, {35, 1, 0}, {31, 2, 6.5})});
+}
+
+SliceResult cut(const Soup& soup, const SliceOptions& options) {
+    Result<SliceResult> result = slice(MeshView::soup(floats(soup)), options);
+    INFO((result ? "" : result.error().message));
+    REQUIRE(result.ok());
+    return std::move(result).value();
+}
+
+SliceOptions fine(double layer_height_mm = 0.25) {
+    SliceOptions options;
+    options.plan.spacing = UniformLayers{.layer_height_mm = layer_height_mm};
+    return options;
+}
+
+fs::path written(const TempFolder& folder, const std::string& name, const SliceResult& result, const ArchiveInfo& info = {},
+                 int threads = 0) {
+    const Status status = write_archive(result, info, folder / name, {.threads = threads});
+    INFO((status ? "" : status.error().message));
+    REQUIRE(status.ok());
+    return folder / name;
+}
+
+Archive read_back(const fs::path& path) {
+    Result<Archive> archive = read_archive(path);
+    INFO((archive ? "" : archive.error().message));
+    REQUIRE(archive.ok());
+    return std::move(archive).value();
+}
+
+ImageGeometry one_voxel() {
+    ImageGeometry image;
+    image.size = {1, 1, 1};
+    return image;
+}
+
+void require_equal(const SliceResult& a, const SliceResult& b) {
+    CHECK(hash_result(a) == hash_result(b));
+    REQUIRE(a.layers.size() == b.layers.size());
+    for (std::size_t i = 0; i < a.layers.size(); ++i) {
+        CHECK(a.layers[i].bottom_mm == b.layers[i].bottom_mm);
+        CHECK(a.layers[i].plane_mm == b.layers[i].plane_mm);
+        CHECK(a.layers[i].top_mm == b.layers[i].top_mm);
+        CHECK(a.layers[i].segments == b.layers[i].segments);
+    }
+    REQUIRE(a.contours.size() == b.contours.size());
+    for (std::size_t i = 0; i < a.contours.size(); ++i) {
+        CHECK(a.contours[i].twice_area == b.contours[i].twice_area);
+        CHECK(a.contours[i].parent == b.contours[i].parent);
+        CHECK(a.contours[i].flags == b.contours[i].flags);
+    }
+    CHECK(std::ranges::equal(a.points, b.points));
+    CHECK(std::ranges::equal(a.origins, b.origins));
+    CHECK(std::ranges::equal(a.layer_of, b.layer_of));
+    CHECK(a.closed_gaps.size() == b.closed_gaps.size());
+    CHECK(a.first_layer == b.first_layer);
+    CHECK(a.all_layers == b.all_layers);
+    CHECK(a.frame == b.frame);
+    CHECK(a.unit_mm == b.unit_mm);
+    CHECK(a.summary.segments == b.summary.segments);
+    CHECK(a.summary.holes == b.summary.holes);
+    CHECK(a.summary.open_contours == b.summary.open_contours);
+    CHECK(a.summary.emptied_layers == b.summary.emptied_layers);
+    CHECK(a.summary.triangles == b.summary.triangles);
+    CHECK(std::ranges::equal(a.summary.max_mm, b.summary.max_mm));
+}
+
+/// The message of reading what is no good archive.
+std::string complaint_of(const fs::path& path) {
+    const Result<Archive> archive = read_archive(path);
+    REQUIRE(!archive.ok());
+    CHECK(archive.error().message.find(path.filename().string()) != std::string::npos);
+    CHECK(archive.error().message.find('\n') == std::string::npos);
+    return archive.error().message;
+}
+
+std::string merge_complaint(const std::vector<fs::path>& parts, const fs::path& to) {
+    const Result<MergedArchive> merged = merge_archives(parts, to);
+    REQUIRE(!merged.ok());
+    CHECK(merged.error().code == ErrorCode::invalid_argument);
+    CHECK(!fs::exists(to));
+    return merged.error().message;
+}
+
+/// Ranges of the layers, each ending where the next begins.
+std::vector<fs::path> write_parts(const TempFolder& folder, const Soup& soup, SliceOptions options,
+                                  const std::vector<std::uint64_t>& ends, const ArchiveInfo& info = {}) {
+    std::vector<fs::path> paths;
+    std::uint64_t first = 0;
+    for (const std::uint64_t end : ends) {
+        options.layers = {first, end};
+        paths.push_back(written(folder, "part" + std::to_string(first) + ".h5", cut(soup, options), info));
+        first = end;
+    }
+    return paths;
+}
+
+}  // namespace
+
+TEST_CASE("an archive reads back as it was written") {
+    if (!has_archives()) {
+        SUCCEED("this build has no HDF5");
+        return;
+    }
+    const TempFolder folder;
+    SliceOptions options = fine();
+    options.origins = true;
+    options.close_gaps_mm = 50;
+    SECTION("uniform") {}
+    SECTION("given heights, twice one, and outside") {
+        options.plan = {ExplicitPlanes{{3, 1.5, 99, 1.5, -2, 6.25}}, PlaneSide::above};
+    }
+    SECTION("random") {
+        options.plan.spacing = RandomLayers{.min_height_mm = 0.1, .max_height_mm = 0.3, .seed = 5};
+    }
+    SECTION("regions") {
+        options.region.fill_rule = FillRule::non_zero;
+        options.region.fill_from = {{4, FillRule::even_odd}, {9, FillRule::outermost}};
+        options.region.offset_mm = -0.1;
+    }
+    SECTION("moved") {
+        options.transform = Transform::from_normal(1, 2, 3);
+        std::get<UniformLayers>(options.plan.spacing).first_height_mm = 0.07;
+    }
+    const SliceResult result = cut(specimen(), options);
+    ImageGeometry image;
+    image.size = {3, 4, 5};
+    image.origin_mm = {-1.5, 2, 7};
+    image.uneven_slices_mm = {0, 1, 3, 4, 9};
+    const ArchiveInfo info{.name = "left \xc3\xa4 lung",
+                           .mesh_sha256 = std::string(64, 'a'),
+                           .frame = PatientFrame::ras,
+                           .weld = ArchiveWeld{0.01, 7},
+                           .geometry = image,
+                           .subslices = 3};
+    const Archive again = read_back(written(folder, "a.h5", result, info));
+    require_equal(again.result, result);
+    CHECK(validate(again.result, MeshView::soup(floats(specimen()))).ok());
+    CHECK(again.info.name == info.name);
+    CHECK(again.info.mesh_sha256 == info.mesh_sha256);
+    CHECK(again.info.frame == PatientFrame::ras);
+    REQUIRE(again.info.weld.has_value());
+    CHECK(again.info.weld->joined == 7);
+    REQUIRE(again.info.geometry.has_value());
+    CHECK(again.info.geometry->size == image.size);
+    CHECK(again.info.geometry->origin_mm == image.origin_mm);
+    CHECK(again.info.geometry->axes == image.axes);
+    CHECK(again.info.geometry->uneven_slices_mm == image.uneven_slices_mm);
+    CHECK(again.info.subslices == 3);
+    // What was read writes the same bytes.
+    CHECK(bytes_of(written(folder, "b.h5", again.result, again.info)) == bytes_of(folder / "a.h5"));
+}
+
+TEST_CASE("equal results are equal archives, on any number of threads") {
+    if (!has_archives()) {
+        return;
+    }
+    const TempFolder folder;
+    // More rows than a block holds.
+    const Soup soup = octasphere({0, 0, 0}, 30, 5);
+    SliceOptions options = fine(0.02);
+    const SliceResult result = cut(soup, options);
+    REQUIRE(result.points.size() > (std::size_t{1} << 18));
+    const std::string bytes = bytes_of(written(folder, "a.h5", result, {.name = "a"}, 1));
+    CHECK(bytes_of(written(folder, "b.h5", result, {.name = "a"}, 3)) == bytes);
+    options.control.threads = 2;
+    CHECK(bytes_of(written(folder, "c.h5", cut(shuffled(soup, 3), options), {.name = "a"}, 2)) == bytes);
+    require_equal(read_back(folder / "c.h5").result, result);
+    CHECK(folder.names() == std::vector<std::string>{"a.h5", "b.h5", "c.h5"});
+}
+
+TEST_CASE("an archive of no layers and of no contours reads back") {
+    if (!has_archives()) {
+        return;
+    }
+    const TempFolder folder;
+    SliceOptions options;
+    options.plan.spacing = ExplicitPlanes{{50, 60}};
+    require_equal(read_back(written(folder, "a.h5", cut(specimen(), options))).result, cut(specimen(), options));
+    options.plan.spacing = UniformLayers{.layer_height_mm = 100};
+    require_equal(read_back(written(folder, "b.h5", cut(specimen(), options))).result, cut(specimen(), options));
+}
+
+TEST_CASE("no flipped byte of an archive goes unnoticed") {
+    if (!has_archives()) {
+        return;
+    }
+    const TempFolder folder;
+    SliceOptions options = fine(2);
+    options.origins = true;
+    const SliceResult result = cut(joined({box({0, 0, 0}, {9, 8, 7}), flipped(box({2, 2, 1}, {4, 5, 6}))}), options);
+    const std::string bytes = bytes_of(written(folder, "a.h5", result, {.name = "box", .geometry = one_voxel()}));
+    std::size_t harmless = 0;
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        std::string damaged = bytes;
+        damaged[i] = static_cast<char>(damaged[i] ^ (1 << (i % 8)));
+        const Result<Archive> read = read_archive(folder.write("d.h5", damaged));
+        if (read) {
+            ++harmless;
+            CHECK(hash_result(read->result) == hash_result(result));
+        } else {
+            CHECK(read.error().message.find("d.h5: ") != std::string::npos);
+            CHECK(read.error().message.find('\n') == std::string::npos);
+        }
+    }
+    INFO(harmless << " of " << bytes.size() << " bytes are of no effect");
+    CHECK(harmless == 0);
+}
+
+TEST_CASE("an archive that is cut off is refused, wherever it ends") {
+    if (!has_archives()) {
+        return;
+    }
+    const TempFolder folder;
+    const std::string bytes = bytes_of(written(folder, "a.h5", cut(specimen(), fine(2))));
+    for (std::size_t end = 0; end < bytes.size(); end += end < 1024 || end + 64 > bytes.size() ? 1 : 37) {
+        CHECK(!read_archive(folder.write("d.h5", bytes.substr(0, end))).ok());
+    }
+    CHECK(complaint_of(folder.write("d.h5", bytes.substr(0, 5))).find("no HDF5 file") != std::string::npos);
+    CHECK(complaint_of(folder.write("d.h5", bytes.substr(0, bytes.size() / 2))).find("cut off") != std::string::npos);
+}
+
+TEST_CASE("what is no archive is refused by name") {
+    if (!has_archives()) {
+        return;
+    }
+    const TempFolder folder;
+    CHECK(complaint_of(folder / "none.h5").find("cannot be opened") != std::string::npos);
+    CHECK(complaint_of(folder.write("empty.h5", "")).find("no HDF5 file") != std::string::npos);
+    CHECK(complaint_of(folder.write("text.h5", "solid of some words")).find("no HDF5 file") != std::string::npos);
+    CHECK(complaint_of(folder.path()).find("is a directory") != std::string::npos);
+    // A column's rows damaged: its name is said.
+    const std::string bytes = bytes_of(written(folder, "a.h5", cut(specimen(), fine(2))));
+    const Archive whole = read_back(folder / "a.h5");
+    const auto points = std::as_bytes(whole.result.points.span());
+    const std::size_t at = bytes.find(std::string_view(reinterpret_cast<const char*>(points.data()), points.size()));
+    REQUIRE(at != std::string::npos);
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ 1);
+    CHECK(complaint_of(folder.write("d.h5", damaged)).find("/points: damaged") != std::string::npos);
+}
+
+TEST_CASE("an archive that cannot be written leaves nothing") {
+    if (!has_archives()) {
+        return;
+    }
+    const TempFolder folder;
+    const SliceResult result = cut(specimen(), fine(2));
+    CHECK(write_archive(result, {}, folder / "none" / "a.h5").error().code == ErrorCode::unwritable_file);
+    CHECK(write_archive(result, {.name = std::string(5000, 'n')}, folder / "a.h5").error().code ==
+          ErrorCode::invalid_argument);
+    CHECK(write_archive(result, {}, folder / "a.h5", {.threads = -1}).error().code == ErrorCode::invalid_argument);
+    std::atomic<bool> stop = true;
+    CHECK(write_archive(result, {}, folder / "a.h5", {.stop = StopCheck::when(stop)}).error().code == ErrorCode::cancelled);
+    if (fs::exists("/dev/full")) {
+        CHECK(write_archive(result, {}, "/dev/full").error().message == "cannot write '/dev/full': No space left on device");
+    }
+    CHECK(folder.names().empty());
+    written(folder, "a.h5", result);
+    CHECK(read_archive(folder / "a.h5", {.stop = StopCheck::when(stop)}).error().code == ErrorCode::cancelled);
+    CHECK(merge_archives(std::vector{folder / "a.h5"}, folder / "b.h5", {.stop = StopCheck::when(stop)}).error().code ==
+          ErrorCode::cancelled);
+    CHECK(folder.names() == std::vector<std::string>{"a.h5"});
+}
+
+TEST_CASE("parts joined in any order are the bytes of the whole") {
+    if (!has_archives()) {
+        return;
+    }
+    const TempFolder folder;
+    SliceOptions options = fine(0.1);
+    options.origins = true;
+    options.close_gaps_mm = 50;
+    const ArchiveInfo info{.name = "whole"};
+    SECTION("uniform") {}
+    SECTION("given heights") {
+        ExplicitPlanes planes;
+        for (int i = 0; i < 70; ++i) {
+            planes.heights_mm.push_back(7 - 0.1 * i);
+        }
+        options.plan.spacing = planes;
+    }
+    SECTION("regions") {
+        options.region.fill_rule = FillRule::positive;
+        options.region.fill_from = {{30, FillRule::even_odd}};
+    }
+    const std::string whole = bytes_of(written(folder, "whole.h5", cut(specimen(), options), info));
+    std::vector<fs::path> parts = write_parts(folder, specimen(), options, {1, 2, 25, 60, 1000}, info);
+    for (int round = 0; round < 3; ++round) {
+        const Result<MergedArchive> merged = merge_archives(parts, folder / "m.h5");
+        INFO((merged ? "" : merged.error().message));
+        REQUIRE(merged.ok());
+        CHECK(merged->hash == hash_result(cut(specimen(), options)));
+        CHECK(merged->info.name == "whole");
+        CHECK(bytes_of(folder / "m.h5") == whole);
+        std::rotate(parts.begin(), parts.begin() + 2, parts.end());
+    }
+    CHECK(merge_archives(std::vector{folder / "whole.h5"}, folder / "w.h5").ok());
+    CHECK(bytes_of(folder / "w.h5") == whole);
+}
+
+TEST_CASE("parts that do not make a whole are refused by their names") {
+    if (!has_archives()) {
+        return;
+    }
+    const TempFolder folder;
+    const std::vector<fs::path> parts = write_parts(folder, specimen(), fine(0.5), {4, 8, 1000});
+    const fs::path to = folder / "m.h5";
+    CHECK(merge_complaint({}, to) == "no archives to join");
+    CHECK(merge_complaint({parts[0], parts[2]}, to).find("layers 4 to 7 lie in neither") != std::string::npos);
+    CHECK(merge_complaint({parts[0], parts[2]}, to).find("part8.h5") != std::string::npos);
+    CHECK(merge_complaint({parts[1], parts[2]}, to).find("layers 0 to 3 are missing before") != std::string::npos);
+    CHECK(merge_complaint({parts[0], parts[1]}, to).find("are missing after") != std::string::npos);
+    CHECK(merge_complaint({parts[0], parts[1], parts[1], parts[2]}, to).find("both hold layers 4 to 7") !=
+          std::string::npos);
+    const auto other = [&](const std::string& name, const Soup& soup, SliceOptions options, const ArchiveInfo& info = {}) {
+        options.layers = {4, 8};
+        return merge_complaint({parts[0], written(folder, name, cut(soup, options), info), parts[2]}, to);
+    };
+    CHECK(other("a.h5", specimen(), fine(0.51)).find("/plan/layer_height_mm") != std::string::npos);
+    CHECK(other("b.h5", moved(specimen(), {1, 0, 0}), fine(0.5)).find("they differ in /mesh/min_mm") != std::string::npos);
+    CHECK(other("c.h5", specimen(), fine(0.5), {.mesh_sha256 = "1"}).find("they differ in /mesh/sha256") !=
+          std::string::npos);
+    SliceOptions coarse = fine(0.5);
+    coarse.unit_mm = default_unit_mm * 2;
+    CHECK(other("d.h5", specimen(), coarse).find("they differ in /unit_mm") != std::string::npos);
+    SliceOptions with_origins = fine(0.5);
+    with_origins.origins = true;
+    CHECK(other("e.h5", specimen(), with_origins).find("has no origins") != std::string::npos);
+}

@@ -96,6 +96,8 @@ void PlaneSet::build(const Array<Layer>& layers) {
     count_ = static_cast<PlaneIndex>(layers.size());
     planned_ = count_;
     first_kept_ = 0;
+    layer_height_mm_ = 0;
+    heights_mm_.clear();
     inverse_step_ = 0;
     padded_.resize_discarding(layers.size() + 2);
     padded_[0] = below_all;
@@ -384,7 +386,7 @@ PlaneIndex PlaneSet::by_table(std::int32_t z) const noexcept {
 }
 
 double PlaneSet::bottom_mm(PlaneIndex i) const noexcept {
-    if (layer_height_mm_ > 0) {
+    if (heights_mm_.empty()) {
         return height_mm(i) - layer_height_mm_ / 2;
     }
     const std::size_t at = first_kept_ + std::size_t{i};
@@ -396,7 +398,7 @@ double PlaneSet::bottom_mm(PlaneIndex i) const noexcept {
 }
 
 double PlaneSet::top_mm(PlaneIndex i) const noexcept {
-    if (layer_height_mm_ > 0) {
+    if (heights_mm_.empty()) {
         return height_mm(i) + layer_height_mm_ / 2;
     }
     const std::size_t at = first_kept_ + std::size_t{i};

@@ -23,7 +23,7 @@ test_masks() {
     expect_failure 2 "above 0" slice a.stl --spacing 0,1,1 --frame ras -o m.nii
     expect_failure 2 "takes one mesh" slice a.stl b.stl --spacing 1,1,1 --frame ras -o m.svg
     expect_failure 2 "one mesh a mask" slice a.stl b.stl --spacing 1,1,1 --frame ras --coverage -o m.nii
-    expect_failure 2 "no output is a mask" slice a.stl --coverage -o m.csv
+    expect_failure 2 "--coverage: no output is a mask" slice a.stl --coverage -o m.csv
     expect_failure 2 "larger than 2^38 bytes" slice a.stl --spacing 0.0001,0.0001,1 --frame ras -o m.nrrd
     expect_failure 2 "NIfTI-1 holds at most 32,767" slice a.stl --spacing 0.0005,4,4 --frame ras -o m.nii
     expect_failure 3 "neither a NIfTI-1 nor an NRRD" slice a.stl --like b.stl --frame ras -o m.nii

@@ -11,6 +11,7 @@ void add_slice_command(CLI::App& app, Interrupt& interrupt);
 void add_info_command(CLI::App& app, Interrupt& interrupt);
 void add_check_command(CLI::App& app, Interrupt& interrupt);
 void add_make_command(CLI::App& app, Interrupt& interrupt);
+void add_verify_command(CLI::App& app, Interrupt& interrupt);
 void add_batch_command(CLI::App& app, Interrupt& interrupt);
 
 }  // namespace lamella::cli

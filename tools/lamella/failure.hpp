@@ -13,7 +13,7 @@ enum ExitStatus : int {
     bad_usage = 2,
     bad_input = 3,
     bad_output = 4,
-    some_failed = 5,  ///< items of a batch
+    some_failed = 5,  ///< items of a batch, or outputs that differ from their records
 };
 
 class Failure : public std::runtime_error {

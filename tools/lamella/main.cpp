@@ -1,5 +1,5 @@
 // The command line tool. Exit status: 0 done, 2 usage, 3 input that cannot be used, 4 output that cannot be written, 5
-// some items of a batch failed.
+// some items of a batch failed, or outputs differ from their records.
 #include <exception>
 #include <new>
 #include <string>
@@ -52,6 +52,7 @@ int run(int count, char** words) {
     add_info_command(app, interrupt);
     add_check_command(app, interrupt);
     add_make_command(app, interrupt);
+    add_verify_command(app, interrupt);
     add_batch_command(app, interrupt);
     try {
         app.parse(reversed_words(count, words));

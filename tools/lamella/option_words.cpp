@@ -2,29 +2,90 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string_view>
+
+#include "console.hpp"
+#include "failure.hpp"
+#include "numbers.hpp"
+#include "slice_arguments.hpp"
 
 namespace lamella::cli {
 
-std::vector<std::string> option_words(const CLI::App& command) {
-    static constexpr std::array<std::string_view, 10> without_effect = {
+namespace {
+
+bool is_recorded(const std::string& name) {
+    static constexpr std::array<std::string_view, 11> without_effect = {
         "",  // hidden options have no name
-        "mesh", "--output", "--to", "--threads", "--progress", "--report", "--map", "--band", "--form"};
-    std::vector<std::string> words;
-    for (const CLI::Option* option : command.get_options()) {
+        "mesh", "--output", "--to", "--threads", "--progress", "--report", "--map", "--band", "--form", "--help"};
+    return std::find(without_effect.begin(), without_effect.end(), name) == without_effect.end();
+}
+
+bool is_flag(const CLI::Option& option) {
+    return option.get_items_expected_max() == 0;
+}
+
+bool concerns(const std::string& name, const PlannedOutput& output) {
+    return (name != "--coverage" || output.is_mask()) && (name != "--picture-layer" || output.format == OutputFormat::png);
+}
+
+}  // namespace
+
+bool RecordedOption::names_file() const {
+    return name == "--like" || name == "--transform" || (name == "--planes" && !parse_list(value.value_or("")));
+}
+
+std::vector<RecordedOption> recorded_options(const CLI::App& slice_command) {
+    std::vector<RecordedOption> options;
+    for (const CLI::Option* option : slice_command.get_options()) {
         const std::string name = option->get_name();
-        if (option->count() == 0 || std::find(without_effect.begin(), without_effect.end(), name) != without_effect.end()) {
+        if (option->count() == 0 || !is_recorded(name)) {
             continue;
         }
-        if (option->get_items_expected_max() == 0) {
-            words.push_back(name);
+        if (is_flag(*option)) {
+            options.push_back({name, std::nullopt});
             continue;
         }
         for (const std::string& value : option->results()) {
-            words.insert(words.end(), {name, value});
+            options.push_back({name, value});
+        }
+    }
+    return options;
+}
+
+std::vector<std::string> record_words(const std::vector<RecordedOption>& options, const PlannedOutput& output) {
+    std::vector<std::string> words;
+    for (const RecordedOption& option : options) {
+        if (concerns(option.name, output)) {
+            words.push_back(option.name);
+            if (option.value) {
+                words.push_back(*option.value);
+            }
         }
     }
     return words;
+}
+
+std::vector<RecordedOption> parse_record_words(const std::vector<std::string>& words) {
+    CLI::App slice_command;
+    SliceArguments arguments;
+    declare(slice_command, arguments);
+    std::vector<RecordedOption> options;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const std::string& name = words[i];
+        const CLI::Option* const option = name.starts_with("--") ? slice_command.get_option_no_throw(name) : nullptr;
+        if (option == nullptr || !is_recorded(name)) {
+            throw Failure(bad_input, "'" + name + "' is no option that a record holds");
+        }
+        if (is_flag(*option)) {
+            options.push_back({name, std::nullopt});
+        } else if (i + 1 < words.size()) {
+            options.push_back({name, words[++i]});
+        } else {
+            throw Failure(bad_input, "its option " + name + " has no value");
+        }
+    }
+    return options;
 }
 
 }  // namespace lamella::cli

@@ -1,14 +1,33 @@
-// The options of a command as a person typed them.
+// The options of a slicing as its record holds them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "outputs/output_formats.hpp"
+
 namespace lamella::cli {
 
-/// Those that decide what comes out, for records: no paths of outputs, no threads, nothing hidden.
-std::vector<std::string> option_words(const CLI::App& command);
+/// An option that decides what comes out, as typed; flags have no value.
+struct RecordedOption {
+    std::string name;  ///< "--layer-height"
+    std::optional<std::string> value;
+
+    /// Whether the value is a path of a file that decides the output, such as --like's.
+    bool names_file() const;
+};
+
+/// Those that were given to slice, in the order of `lamella slice --help`. Left out is what says only where results go or
+/// how they are made.
+std::vector<RecordedOption> recorded_options(const CLI::App& slice_command);
+
+/// A record's words: name, value, name, ... Those that the output does not depend on are left out.
+std::vector<std::string> record_words(const std::vector<RecordedOption>& options, const PlannedOutput& output);
+
+/// The reverse. Throws Failure (bad_input) unless all words are options that recorded_options() gives.
+std::vector<RecordedOption> parse_record_words(const std::vector<std::string>& words);
 
 }  // namespace lamella::cli

@@ -290,10 +290,12 @@ private:
         if (job_.outputs.empty()) {
             return;
         }
-        if (wants_records() && !arguments_.image.like.empty()) {
-            add_input(arguments_.image.like, 0);
+        job_.options = recorded_options(command_);
+        for (const RecordedOption& option : job_.options) {
+            if (wants_records() && option.names_file()) {
+                add_input(*option.value, 0);
+            }
         }
-        job_.options = option_words(command_);
         const Stage stage(bar_, "writing");
         const Stopwatch watch;
         write_outputs(job_, control_of(stage), [this](const std::string& warning) { note(warning); });

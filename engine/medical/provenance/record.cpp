@@ -47,6 +47,7 @@ Record record_of(const Json& json) {
     record.grid_mm = json.at("grid_mm").get<std::vector<double>>();
     record.fill_rule = json.at("fill_rule").get<std::string>();
     record.result_hashes = json.at("result_hashes").get<std::vector<std::string>>();
+    record.source_date_epoch = json.value("source_date_epoch", "");
     return record;
 }
 
@@ -99,14 +100,17 @@ Status write_record(const Record& record, const std::filesystem::path& path) noe
         for (const FileSeal& input : record.inputs) {
             inputs.push_back(json_of(input));
         }
-        const Json json = {{"lamella", record.version},
-                           {"inputs", inputs},
-                           {"output", json_of(record.output)},
-                           {"options", record.options},
-                           {"patient_frame", record.patient_frame},
-                           {"grid_mm", record.grid_mm},
-                           {"fill_rule", record.fill_rule},
-                           {"result_hashes", record.result_hashes}};
+        Json json = {{"lamella", record.version},
+                     {"inputs", inputs},
+                     {"output", json_of(record.output)},
+                     {"options", record.options},
+                     {"patient_frame", record.patient_frame},
+                     {"grid_mm", record.grid_mm},
+                     {"fill_rule", record.fill_rule},
+                     {"result_hashes", record.result_hashes}};
+        if (!record.source_date_epoch.empty()) {
+            json["source_date_epoch"] = record.source_date_epoch;
+        }
         return write_text_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     });
 }

@@ -29,13 +29,14 @@ struct FileSeal {
 /// What stands beside an output NAME as NAME.lamella.json. It holds no time.
 struct Record {
     std::string version;               ///< of the library
-    std::vector<FileSeal> inputs;      ///< meshes in the order of labels, then the image
+    std::vector<FileSeal> inputs;      ///< meshes in the order of labels, then the files that options name, in their order
     FileSeal output;                   ///< named as it lies beside the record
     std::vector<std::string> options;  ///< the words of the command that decide the output
     std::string patient_frame;         ///< "LPS", "RAS" or ""
     std::vector<double> grid_mm;       ///< of each mesh
     std::string fill_rule;
     std::vector<std::string> result_hashes;  ///< hash_result() of each mesh: 16 hexadecimal digits
+    std::string source_date_epoch;           ///< SOURCE_DATE_EPOCH of the environment, or ""
     friend bool operator==(const Record&, const Record&) = default;
 };
 

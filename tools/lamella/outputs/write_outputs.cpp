@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <utility>
 
@@ -121,7 +122,10 @@ void write_record_of(const OutputJob& job, const PlannedOutput& output, const Co
     record.inputs = job.inputs;
     record.output = done_or_thrown(seal_file(output.path, control));
     record.output.path = std::filesystem::path(output.path).filename().string();
-    record.options = job.options;
+    record.options = record_words(job.options, output);
+    if (const char* const epoch = std::getenv("SOURCE_DATE_EPOCH")) {
+        record.source_date_epoch = epoch;
+    }
     record.patient_frame = name_of(job.parts.front().frame);
     record.fill_rule = name_of(job.parts.front().result.region.fill_rule);
     for (const SlicedPart& part : job.parts) {
@@ -164,8 +168,8 @@ void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArg
     if ((arguments.coverage || subslices > 1) && mask && meshes > 1) {
         throw Failure(bad_usage, "--coverage and --subslices: one mesh a mask, not " + std::to_string(meshes));
     }
-    if ((arguments.coverage || subslices > 1) && !mask) {
-        throw Failure(bad_usage, "--coverage and --subslices: no output is a mask");
+    if (arguments.coverage && !mask) {
+        throw Failure(bad_usage, "--coverage: no output is a mask");
     }
 }
 

@@ -11,6 +11,7 @@
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/medical.hpp"
 #include "lamella/mesh/weld.hpp"
+#include "option_words.hpp"
 #include "outputs/image_arguments.hpp"
 #include "outputs/output_formats.hpp"
 
@@ -34,8 +35,8 @@ struct OutputJob {
     std::vector<SlicedPart> parts;
     std::optional<ImageGeometry> image;
     int subslices = 1;
-    std::vector<FileSeal> inputs;      ///< for the records
-    std::vector<std::string> options;  ///< for the records
+    std::vector<FileSeal> inputs;         ///< for the records
+    std::vector<RecordedOption> options;  ///< for the records
 };
 
 /// What can be refused before any mesh is read. Throws Failure (bad_usage, bad_output).

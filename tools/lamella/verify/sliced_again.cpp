@@ -1,0 +1,250 @@
+#include "verify/sliced_again.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include <stdlib.h>
+
+#include "batch/workers/worker_pool.hpp"
+#include "failure.hpp"
+#include "option_words.hpp"
+#include "standard_streams.hpp"
+
+namespace lamella::cli::verify {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t deepest = 64;  ///< how far up a path of a record may lead
+
+/// While it lives, the process works in another folder, and so do those that it starts.
+class WorkingFolder {
+public:
+    explicit WorkingFolder(const fs::path& path) : before_(fs::current_path()) { fs::current_path(path); }
+    ~WorkingFolder() {
+        std::error_code gone;
+        fs::current_path(before_, gone);
+    }
+    WorkingFolder(const WorkingFolder&) = delete;
+    WorkingFolder& operator=(const WorkingFolder&) = delete;
+
+private:
+    fs::path before_;
+};
+
+/// The inputs under their recorded names, as links.
+class Layout {
+public:
+    Layout(const TemporaryFolder& folder, const Record& record) : top_(folder / "in"), work_(top_) {
+        std::size_t ups = 0;
+        for (const FileSeal& input : record.inputs) {
+            const fs::path path = fs::path(input.path).lexically_normal();
+            ups = std::max(ups, static_cast<std::size_t>(std::count(path.begin(), path.end(), "..")));
+        }
+        if (ups > deepest) {
+            throw Failure(bad_input, "a path of its record leads up by " + std::to_string(ups) + " folders");
+        }
+        for (std::size_t i = 0; i < ups; ++i) {
+            work_ /= "folder";
+        }
+        fs::create_directories(work_);
+    }
+
+    const fs::path& working_folder() const noexcept { return work_; }
+
+    /// The word that names the input for a process in the working folder.
+    std::string add(const std::string& recorded, const fs::path& actual) {
+        fs::path name = fs::path(recorded).lexically_normal();
+        if (name.is_absolute()) {
+            if (name == actual.lexically_normal()) {
+                return recorded;
+            }
+            name = fs::path("elsewhere") / std::to_string(++elsewhere_) / name.filename();
+        } else if (is_standard(recorded)) {
+            name = "mesh";  // as slice names what comes from standard input
+        }
+        const fs::path link = work_ / name;
+        if (!(link.lexically_normal().string() + "/").starts_with(top_.lexically_normal().string() + "/") ||
+            !name.has_filename()) {
+            throw Failure(bad_input, "its record names the input '" + recorded + "'");
+        }
+        fs::create_directories(link.parent_path());
+        if (!fs::is_symlink(link)) {
+            fs::create_symlink(actual, link);
+        } else if (fs::read_symlink(link) != actual) {
+            throw Failure(bad_input, "its record names two inputs '" + recorded + "'");
+        }
+        return name.string().starts_with('-') ? "./" + name.string() : name.string();
+    }
+
+private:
+    fs::path top_;
+    fs::path work_;
+    int elsewhere_ = 0;
+};
+
+std::vector<std::string> words_for(const Record& record, const std::vector<fs::path>& inputs, const fs::path& output,
+                                   Layout& layout, int threads) {
+    std::vector<std::string> words = {"--output=" + output.string(), "--progress=never",
+                                      "--threads=" + std::to_string(threads)};
+    std::size_t input = record.result_hashes.size();  // behind the meshes
+    for (const RecordedOption& option : parse_record_words(record.options)) {
+        if (!option.value) {
+            words.push_back(option.name);
+            continue;
+        }
+        std::string value = *option.value;
+        if (option.names_file()) {
+            if (input >= inputs.size()) {
+                throw Failure(bad_input, "its record lacks the SHA-256 of " + option.name + " " + value);
+            }
+            value = layout.add(record.inputs[input].path, inputs[input]);
+            ++input;
+        }
+        words.push_back(option.name + "=" + value);
+    }
+    for (std::size_t i = 0; i < record.result_hashes.size(); ++i) {
+        words.push_back(layout.add(record.inputs[i].path, inputs[i]));
+    }
+    return words;
+}
+
+/// The environment variable while it lives; empty: not set.
+class DateOfBuild {
+public:
+    explicit DateOfBuild(const std::string& seconds) {
+        if (const char* const before = std::getenv(name)) {
+            before_ = before;
+        }
+        set(seconds);
+    }
+    ~DateOfBuild() { set(before_); }
+    DateOfBuild(const DateOfBuild&) = delete;
+    DateOfBuild& operator=(const DateOfBuild&) = delete;
+
+private:
+    static constexpr const char* name = "SOURCE_DATE_EPOCH";
+    static void set(const std::string& value) {
+        (void)(value.empty() ? ::unsetenv(name) : ::setenv(name, value.c_str(), 1));
+    }
+    std::string before_;
+};
+
+void run_slice(const std::vector<std::string>& words, const Control& control) {
+    constexpr std::chrono::milliseconds between_looks{100};
+    batch::WorkerPool pool(0);
+    pool.start(0, words);
+    while (pool.running() > 0) {
+        if (control.stop.stop_requested()) {
+            throw Failure(bad_input, "cancelled");
+        }
+        for (const batch::WorkerEnd& end : pool.wait(between_looks)) {
+            if (!end.failure.empty()) {
+                throw Failure(bad_input, end.failure);
+            }
+        }
+    }
+}
+
+bool same_bytes(const fs::path& a, const fs::path& b) {
+    std::ifstream first(a, std::ios::binary);
+    std::ifstream second(b, std::ios::binary);
+    if (!first || !second) {
+        return false;
+    }
+    std::vector<char> one(std::size_t{1} << 18);
+    std::vector<char> other(one.size());
+    do {
+        first.read(one.data(), static_cast<std::streamsize>(one.size()));
+        second.read(other.data(), static_cast<std::streamsize>(other.size()));
+        if (first.gcount() != second.gcount() || !std::equal(one.begin(), one.begin() + first.gcount(), other.begin())) {
+            return false;
+        }
+    } while (first && second);
+    return true;
+}
+
+void compare_records(const Record& record, const Record& again, std::vector<std::string>& found) {
+    for (std::size_t i = 0; i < record.result_hashes.size(); ++i) {
+        if (i >= again.result_hashes.size() || again.result_hashes[i] != record.result_hashes[i]) {
+            found.push_back("the hash of mesh " + std::to_string(i + 1) + " in its record is not that of its layers");
+        }
+    }
+    for (const auto& [what, same] : {std::pair{"patient frame", record.patient_frame == again.patient_frame},
+                                     {"grid", record.grid_mm == again.grid_mm},
+                                     {"fill rule", record.fill_rule == again.fill_rule}}) {
+        if (!same) {
+            found.push_back(std::string("the ") + what + " in its record is not that of its layers");
+        }
+    }
+}
+
+void compare_files(const fs::path& made, const fs::path& output, const std::string& recorded_name,
+                   std::vector<std::string>& found) {
+    for (const auto& entry : fs::directory_iterator(made)) {
+        const fs::path name = entry.path().filename();
+        if (name == recorded_name + ".lamella.json") {
+            continue;
+        }
+        const bool is_output = name == recorded_name;
+        const fs::path other = is_output ? output : output.parent_path() / name;
+        std::error_code unknown;
+        if (!fs::exists(other, unknown)) {
+            found.push_back("'" + name.string() + "' beside it is missing");
+        } else if (!same_bytes(entry.path(), other)) {
+            found.push_back(is_output ? "made again it has other bytes" : "'" + name.string() + "' beside it differs");
+        }
+    }
+}
+
+}  // namespace
+
+TemporaryFolder::TemporaryFolder() {
+    std::error_code unknown;
+    std::string name = (fs::temp_directory_path(unknown) / "lamella-verify-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) {
+        throw Failure(bad_output, "no temporary folder can be made: " + name);
+    }
+    path_ = fs::canonical(name);
+}
+
+TemporaryFolder::~TemporaryFolder() {
+    std::error_code left_behind;
+    fs::remove_all(path_, left_behind);
+}
+
+std::vector<std::string> differences_from_remade(const Record& record, const fs::path& output,
+                                                 const std::vector<fs::path>& inputs, const Control& control) {
+    try {
+        const TemporaryFolder folder;
+        const fs::path made = folder / "out";
+        fs::create_directory(made);
+        Layout layout(folder, record);
+        const std::vector<std::string> words = words_for(record, inputs, made / record.output.path, layout, control.threads);
+        {
+            const WorkingFolder work(layout.working_folder());
+            const DateOfBuild date(record.source_date_epoch);
+            run_slice(words, control);
+        }
+        const Result<Record> again = read_record((made / record.output.path).string() + ".lamella.json");
+        if (!again) {
+            throw failure_of(again.error());
+        }
+        std::vector<std::string> found;
+        compare_records(record, *again, found);
+        compare_files(made, output, record.output.path, found);
+        std::sort(found.begin(), found.end());
+        return found;
+    } catch (const fs::filesystem_error& error) {
+        throw Failure(bad_input, error.code().message());
+    }
+}
+
+}  // namespace lamella::cli::verify

@@ -51,6 +51,8 @@ test_batch() {
     mv out one
     expect 5 batch in -o 'out/{dir}/{stem}.csv' --to csv,svg --layer-height 1 --jobs 1 --threads 2
     diff -r one out || fail "the tree depends on --jobs"
+    expect 5 batch in -o 'out/{dir}/{stem}.csv' --to csv,svg --layer-height 1 --force --progress always
+    grep -q "of 5 meshes" .stderr || fail "no progress"
     expect 0 batch 'in/s?.stl' in/sub/t.stl -o 'glob/{parent}-{name}.svg' --layer-height 1
     [[ -s glob/in-s3.stl.svg && -s glob/sub-t.stl.svg && -s glob/results.jsonl ]] || fail "names of a glob"
     expect 0 batch in/s1.stl --layer-height 1 -o '{stem}.svg' --report 'reports/{stem}.json' --results log

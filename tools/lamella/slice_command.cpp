@@ -74,11 +74,14 @@ public:
         print_words(words_ + wrote(run_), arguments_.output_to_stdout());
     }
 
-    /// For a batch.
-    batch::SliceFacts facts() const {
+    /// For a batch: of one mesh.
+    std::optional<batch::SliceFacts> facts() const {
+        if (job_.parts.empty()) {
+            return std::nullopt;
+        }
         const SliceResult& result = job_.parts.front().result;
-        return {result.summary.triangles, result.layers.size(), result.contours.size(), result.summary.open_contours,
-                run_.warnings};
+        return batch::SliceFacts{result.summary.triangles, result.layers.size(), result.contours.size(),
+                                 result.summary.open_contours, run_.warnings};
     }
 
 private:
@@ -400,7 +403,9 @@ void add_slice_command(CLI::App& app, Interrupt& interrupt) {
         worker->begin();
         SliceCommand slicing(*command, *arguments, interrupt);
         slicing.run();
-        worker->tell(slicing.facts());
+        if (const auto facts = slicing.facts()) {
+            worker->tell(*facts);
+        }
     });
 }
 

@@ -20,7 +20,13 @@ namespace lamella::cli {
 
 namespace {
 
-using namespace batch;
+using batch::BatchArguments;
+using batch::BatchRun;
+using batch::Item;
+using batch::LedgerName;
+using batch::MergedResults;
+using batch::RunOptions;
+using batch::SliceWords;
 
 Failure failed_items(std::size_t failed, std::size_t items) {
     return {some_failed, grouped(failed) + " of " + counted(items, "mesh", "meshes") + " failed"};
@@ -41,8 +47,8 @@ void require_image(const ImageArguments& image) {
 }
 
 RunOptions run_options(const BatchArguments& arguments, const SliceWords& words) {
-    return {.jobs = arguments.jobs > 0 ? arguments.jobs : usable_threads(),
-            .memory_bytes = arguments.memory.empty() ? usable_memory() : parse_memory(arguments.memory),
+    return {.jobs = arguments.jobs > 0 ? arguments.jobs : batch::usable_threads(),
+            .memory_bytes = arguments.memory.empty() ? batch::usable_memory() : batch::parse_memory(arguments.memory),
             .timeout_s = arguments.timeout_s,
             .retries = arguments.retries,
             .force = arguments.force,
@@ -54,11 +60,12 @@ RunOptions run_options(const BatchArguments& arguments, const SliceWords& words)
 void run_batch(const CLI::App& command, const BatchArguments& arguments, Interrupt& interrupt) {
     const SliceWords words;
     const RunOptions options = run_options(arguments, words);
-    const LedgerName name = ledger_name_of(arguments);
+    const LedgerName name = batch::ledger_name_of(arguments);
     require_image(arguments.slice.image);
-    std::vector<Item> items = plan_items(list_sources(arguments.sources(), words), words.typed(command), words);
+    std::vector<Item> items =
+        batch::plan_items(batch::list_sources(arguments.sources(), words), words.typed(command), words);
     if (name.shards > 0) {
-        items = items_of_shard(std::move(items), name.shard, name.shards);
+        items = batch::items_of_shard(std::move(items), name.shard, name.shards);
     }
     const std::size_t count = items.size();
     BatchRun run(std::move(items), name, options, interrupt);
@@ -70,7 +77,7 @@ void run_batch(const CLI::App& command, const BatchArguments& arguments, Interru
 }
 
 void merge_results(const BatchArguments& arguments) {
-    const MergedResults merged = merge_shards(arguments.sources());
+    const MergedResults merged = batch::merge_shards(arguments.sources());
     std::string text = "meshes    " + grouped(merged.items) + ": " + grouped(merged.items - merged.failed) + " done, " +
                        grouped(merged.failed) + " failed\nresults   " + printable(merged.path) + "\n";
     for (const std::string& failure : merged.failures) {
@@ -90,7 +97,7 @@ void add_batch_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command =
         app.add_subcommand("batch", "Slice many meshes, each into files of its own, and go on where it was left");
     const auto arguments = std::make_shared<BatchArguments>();
-    declare_batch(*command, *arguments);
+    batch::declare_batch(*command, *arguments);
     command->callback([command, arguments, &interrupt] {
         if (arguments->merge) {
             merge_results(*arguments);

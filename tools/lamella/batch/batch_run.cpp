@@ -223,6 +223,7 @@ std::string BatchRun::summary() const {
     std::vector<std::pair<std::size_t, FailedItem>> ordered = failed_;
     std::sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<FailedItem> failed;
+    failed.reserve(ordered.size());
     for (auto& [item, what] : ordered) {
         failed.push_back(std::move(what));
     }

@@ -28,6 +28,10 @@ std::string word_of(const std::string& word, const MeshSource& mesh, const std::
     throw Failure(bad_usage, option + ": '{" + word + "}' is not one of {stem}, {name}, {parent}, {dir}");
 }
 
+Failure unclosed(const std::string& pattern, const std::string& option) {
+    return {bad_usage, option + ": '" + pattern + "': a { is not closed"};
+}
+
 }  // namespace
 
 std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, const std::string& option) {
@@ -37,7 +41,7 @@ std::string expand_pattern(const std::string& pattern, const MeshSource& mesh, c
         const std::size_t close = pattern.find('}', open);
         text += pattern.substr(at, open - at);
         if (open < pattern.size() && close == std::string::npos) {
-            throw Failure(bad_usage, option + ": '" + pattern + "': a { is not closed");
+            throw unclosed(pattern, option);
         }
         if (open < pattern.size()) {
             text += word_of(pattern.substr(open + 1, close - open - 1), mesh, option);

@@ -110,11 +110,12 @@ void Ledger::read_lines(const std::string& path, bool own) {
     const std::string text = text_of_results(path);
     const std::size_t whole = for_each_line(text, [&](std::string_view line) {
         std::optional<ResultLine> result = parse_line(line);
-        if (result) {
+        const bool is_result = result.has_value();
+        if (is_result) {
             std::string key = result->key();
             lines_.insert_or_assign(std::move(key), *std::move(result));
         }
-        return result.has_value();
+        return is_result;
     });
     if (!own) {
         return;

@@ -71,7 +71,10 @@ std::vector<std::string> SliceWords::words(const OptionValues& values, const std
             continue;
         }
         for (const std::string& value : found->second) {
-            words.push_back(takes_no_value(*known) ? name : name + "=" + value);
+            words.push_back(name);
+            if (!takes_no_value(*known)) {
+                words.back().append("=").append(value);
+            }
         }
     }
     return words;

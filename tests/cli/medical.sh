@@ -65,3 +65,58 @@ test_pictures() {
     expect_failure 4 "cannot" slice a.stl -o none/a.png
     expect_files a.stl b.stl
 }
+
+test_archives() {
+    sphere a.stl 2000
+    sphere b.stl 500
+    expect 0 slice a.stl --spacing 1,1.5,2 --frame ras -o a.h5 -o a.nii.gz -o a.csv --threads 1
+    expect_json a.h5.lamella.json "$(sha256sum a.h5 | cut -d' ' -f1)" output sha256
+    expect 0 slice a.stl --spacing 1,1.5,2 --frame ras -o again.h5 --threads 3
+    cmp again.h5 a.h5 || fail "bytes depend on threads"
+    expect 0 slice a.stl --layer-height 1 -o a.svg -o plain.h5
+    # An archive becomes the bytes that slice writes.
+    expect 0 convert a.h5 -o c.nii.gz -o c.csv
+    cmp c.nii.gz a.nii.gz && cmp c.csv a.csv || fail "convert writes other bytes"
+    expect_json c.nii.gz.lamella.json "$(sha256sum a.h5 | cut -d' ' -f1)" inputs 0 sha256
+    expect 0 convert plain.h5 -o c.svg
+    cmp c.svg a.svg || fail "convert writes another SVG"
+    expect 0 convert plain.h5 -o - --progress never
+    cmp .stdout a.svg || fail "convert writes another SVG on standard output"
+    expect 0 convert a.h5 --like a.nii.gz -o c.h5
+    cmp c.h5 a.h5 || fail "an archive of an archive differs"
+    expect 0 merge plain.h5 -o m.h5
+    cmp m.h5 plain.h5 || fail "the whole merged is not the whole"
+    expect_json m.h5.lamella.json "$(sha256sum plain.h5 | cut -d' ' -f1)" inputs 0 sha256
+    rm -f ./c.* ./m.*
+    expect 0 slice b.stl --like a.nii.gz --frame ras -o b.h5
+    expect 0 convert a.h5 b.h5 -o two.nii
+    expect 0 slice a.stl b.stl --like a.nii.gz --frame ras -o both.nii
+    cmp two.nii both.nii || fail "two archives make another mask than two meshes"
+    expect 0 slice b.stl --spacing 2,2,2 --subslices 3 --frame ras -o share.h5 -o share.nii
+    expect 0 convert share.h5 -o c.nii
+    cmp c.nii share.nii || fail "convert writes other shares"
+    cp a.h5 damaged.h5
+    printf 'x' | dd of=damaged.h5 bs=1 seek=15000 conv=notrunc status=none
+    head -c 15000 a.h5 > cut.h5
+    mkdir out && cd out
+    expect_failure 3 "damaged.h5: /" convert ../damaged.h5 -o m.csv
+    expect_failure 3 "cut.h5: 15000 bytes long" convert ../cut.h5 -o m.csv
+    expect_failure 3 "a.stl: no HDF5 file" convert ../a.stl -o m.csv
+    expect_failure 3 "none.h5: cannot be opened" convert ../none.h5 -o m.csv
+    expect_failure 3 "out: is a directory" convert ../out -o m.csv
+    expect_failure 3 "no image geometry" convert ../plain.h5 -o m.nii
+    expect_failure 3 "not cut at the slices of ../share.nii" convert ../a.h5 --like ../share.nii -o m.nii
+    expect_failure 3 "not cut for the same image as ../a.h5" convert ../a.h5 ../share.h5 -o m.nii
+    expect_failure 2 "is the archive itself" convert ../a.h5 -o ../a.h5
+    expect_failure 2 "takes one mesh, not 2" convert ../a.h5 ../b.h5 -o m.h5
+    expect_failure 2 "takes one mesh, not 2" slice ../a.stl ../b.stl -o m.h5
+    expect_failure 2 "--output is required" convert ../a.h5
+    expect_failure 2 "required" convert -o m.csv
+    expect_failure 3 "both hold layers" merge ../plain.h5 ../plain.h5 -o m.h5
+    expect_failure 3 "are not of one slicing" merge ../plain.h5 ../a.h5 -o m.h5
+    expect_failure 3 "no HDF5 file" merge ../a.stl -o m.h5
+    expect_failure 2 "ends in .nii" merge ../plain.h5 -o m.nii
+    expect_failure 2 "is one of the parts itself" merge ../plain.h5 -o ../plain.h5
+    expect_failure 4 "cannot write" merge ../plain.h5 -o none/m.h5
+    expect_files
+}

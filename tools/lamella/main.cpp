@@ -54,6 +54,8 @@ int run(int count, char** words) {
     add_make_command(app, interrupt);
     add_verify_command(app, interrupt);
     add_batch_command(app, interrupt);
+    add_convert_command(app, interrupt);
+    add_merge_command(app, interrupt);
     try {
         app.parse(reversed_words(count, words));
         return done;

@@ -61,6 +61,10 @@ void declare_reading(CLI::App& command, MeshArguments& arguments) {
                     "Unit of the integer grid (2^-20 mm, or more if the mesh needs it); auto: the finest that it fits")
         ->type_name("MM|auto")
         ->check(given);
+    declare_threads(command, arguments);
+}
+
+void declare_threads(CLI::App& command, MeshArguments& arguments) {
     command.add_option("--threads", arguments.threads, "Use at most N threads (0: all)")
         ->type_name("N")
         ->check(CLI::Range(0, most_threads));

@@ -32,6 +32,9 @@ void declare_mesh(CLI::App& command, MeshArguments& arguments);
 /// The same without the mesh.
 void declare_reading(CLI::App& command, MeshArguments& arguments);
 
+/// --threads alone.
+void declare_threads(CLI::App& command, MeshArguments& arguments);
+
 /// The help of an argument that is a mesh: "Mesh file, or - for standard input: ...".
 std::string mesh_help(const std::string& what);
 

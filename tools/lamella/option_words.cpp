@@ -15,9 +15,10 @@ namespace lamella::cli {
 namespace {
 
 bool is_recorded(const std::string& name) {
-    static constexpr std::array<std::string_view, 11> without_effect = {
-        "",  // hidden options have no name
-        "mesh", "--output", "--to", "--threads", "--progress", "--report", "--map", "--band", "--form", "--help"};
+    static constexpr std::array<std::string_view, 13> without_effect = {"",  // hidden options have no name
+                                                                        "mesh",  "archives",  "parts",      "--output",
+                                                                        "--to",  "--threads", "--progress", "--report",
+                                                                        "--map", "--band",    "--form",     "--help"};
     return std::find(without_effect.begin(), without_effect.end(), name) == without_effect.end();
 }
 

@@ -184,7 +184,7 @@ private:
         }
         note_doubts_of_scale(part.result, mesh);
         if (wants_records()) {
-            add_input(arguments_.mesh, mesh.file_bytes);
+            part.mesh_sha256 = add_input(arguments_.mesh, mesh.file_bytes).sha256;
         }
         if (wants_facts()) {
             part.facts = facts_of(mesh, part);
@@ -203,8 +203,8 @@ private:
         });
     }
 
-    void add_input(const std::string& path, std::uint64_t bytes) {
-        job_.inputs.push_back(is_standard(path) ? FileSeal{path, bytes, ""} : found(seal_file(path)));
+    const FileSeal& add_input(const std::string& path, std::uint64_t bytes) {
+        return job_.inputs.emplace_back(is_standard(path) ? FileSeal{path, bytes, ""} : found(seal_file(path)));
     }
 
     MeshFacts facts_of(const MeshFile& mesh, const SlicedPart& part) {

@@ -22,7 +22,7 @@ struct NamedFormat {
 };
 
 /// Longer ends before those that they end in.
-constexpr std::array<NamedFormat, 8> formats = {{
+constexpr std::array<NamedFormat, 9> formats = {{
     {"svg", ".svg", OutputFormat::svg},
     {"nii.gz", ".nii.gz", OutputFormat::nifti_gz},
     {"nii", ".nii", OutputFormat::nifti},
@@ -31,6 +31,7 @@ constexpr std::array<NamedFormat, 8> formats = {{
     {"csv", ".csv", OutputFormat::csv},
     {"jsonl", ".jsonl", OutputFormat::json_lines},
     {"png", ".png", OutputFormat::png},
+    {"h5", ".h5", OutputFormat::hdf5},
 }};
 
 std::string lower(std::string text) {
@@ -56,7 +57,7 @@ PlannedOutput by_name(const std::string& path) {
         return {path, OutputFormat::svg};
     }
     throw Failure(bad_usage, "--output: '" + path + "': no format that is written ends in " + own +
-                                 "; there is .svg, .nii, .nii.gz, .nrrd, .seg.nrrd, .csv, .jsonl, .png");
+                                 "; there is .svg, .nii, .nii.gz, .nrrd, .seg.nrrd, .csv, .jsonl, .png, .h5");
 }
 
 std::vector<const NamedFormat*> parse_formats(const std::string& to) {

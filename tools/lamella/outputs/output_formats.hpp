@@ -7,7 +7,7 @@
 
 namespace lamella::cli {
 
-enum class OutputFormat : std::uint8_t { svg, nifti, nifti_gz, nrrd, segmentation, csv, json_lines, png };
+enum class OutputFormat : std::uint8_t { svg, nifti, nifti_gz, nrrd, segmentation, csv, json_lines, png, hdf5 };
 
 struct PlannedOutput {
     std::string path;  ///< or - for standard output
@@ -16,7 +16,7 @@ struct PlannedOutput {
     /// Voxels in the patient: it needs the geometry of an image, and the patient frame of the mesh.
     bool is_mask() const noexcept;
     /// Whether it takes one mesh only.
-    bool one_mesh() const noexcept { return format == OutputFormat::svg; }
+    bool one_mesh() const noexcept { return format == OutputFormat::svg || format == OutputFormat::hdf5; }
     /// Whether a record is written beside it: beside all but SVG.
     bool has_record() const noexcept { return format != OutputFormat::svg; }
     std::string record_path() const { return path + ".lamella.json"; }

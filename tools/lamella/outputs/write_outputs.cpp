@@ -11,6 +11,7 @@
 #include "lamella/io/svg.hpp"
 #include "lamella/version.hpp"
 #include "output_path.hpp"
+#include "outputs/write_archive_output.hpp"
 #include "outputs/write_picture_output.hpp"
 #include "standard_streams.hpp"
 
@@ -104,6 +105,8 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Control&
             return write_table_of(job, output, control);
         case OutputFormat::png:
             return write_picture_output(job, output, control);
+        case OutputFormat::hdf5:
+            return write_archive_output(job, output, control);
     }
 }
 
@@ -149,6 +152,7 @@ void require_closed(const OutputJob& job) {
 void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
                       bool image_given, int subslices) {
     require_picture_possible(outputs, arguments);
+    require_archive_possible(outputs);
     bool mask = false;
     for (const PlannedOutput& output : outputs) {
         require_writable(output.path);

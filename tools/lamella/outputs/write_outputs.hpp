@@ -26,6 +26,7 @@ struct SlicedPart {
     std::optional<WeldedMesh> welded;
     std::uint64_t first_layer = 0;  ///< of the result among the layers of the plan: see --layers
     std::uint64_t all_layers = 0;   ///< of the plan
+    std::string mesh_sha256;        ///< of the mesh's file, where it is known
 };
 
 /// All that is written at the end of a command.

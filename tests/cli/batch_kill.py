@@ -67,7 +67,7 @@ class Rounds:
         rows = []
         for i in range(LARGE):
             run(lamella, "make", "bone", "--triangles", "200000", "--height", "60", "-o", str(self.folder / f"large{i}.stl"))
-            rows.append(f'{{"path":"large{i}.stl","spacing":[0.7,0.7,0.7],"frame":"lps","output":"out/masks/{{stem}}.nii.gz",'
+            rows.append(f'{{"path":"large{i}.stl","spacing":[0.4,0.4,0.4],"frame":"lps","output":"out/masks/{{stem}}.nii.gz",'
                         '"to":"nii.gz,seg.nrrd,csv"}\n')  # fmt: skip
         (self.folder / "large.jsonl").write_text("".join(rows))
 
@@ -95,6 +95,15 @@ class Rounds:
     def kill_batch(self):
         batch = self.start()
         self.pause()
+        batch.kill()
+        batch.wait()
+
+    def kill_while_writing(self):
+        """When a file that is being written aside is seen."""
+        batch = self.start()
+        until = time.monotonic() + self.random.uniform(0, self.seconds)
+        while batch.poll() is None and (time.monotonic() < until or not any(self.out.rglob(".*.part"))):
+            pass
         batch.kill()
         batch.wait()
 
@@ -128,7 +137,7 @@ class Rounds:
 
     def round(self, number):
         self.clear()
-        kinds = [self.kill_batch, self.terminate, self.kill_processes, self.full_disk]
+        kinds = [self.kill_while_writing, self.kill_batch, self.terminate, self.kill_processes, self.full_disk]
         first = kinds[number % len(kinds)]
         done = [first, *self.random.choices(kinds, k=self.random.randint(0, 2))]
         for disturb in done:

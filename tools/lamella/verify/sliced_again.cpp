@@ -92,6 +92,10 @@ private:
 
 std::vector<std::string> words_for(const Record& record, const std::vector<fs::path>& inputs, const fs::path& output,
                                    Layout& layout, int threads) {
+    if (!record.inputs.empty() && fs::path(record.inputs.front().path).extension() == ".h5") {
+        throw Failure(bad_input, "made of the archive '" + record.inputs.front().path +
+                                     "', not of a mesh: lamella convert or merge makes it again");
+    }
     std::vector<std::string> words = {"--output=" + output.string(), "--progress=never",
                                       "--threads=" + std::to_string(threads)};
     std::size_t input = record.result_hashes.size();  // behind the meshes

@@ -14,6 +14,7 @@ struct SliceInput {
     const MeshView& mesh;                     ///< of a prepared mesh its number of triangles only
     const SharedFrame* frame = nullptr;       ///< null: the mesh's own box chooses grid and planes
     const PreparedParts* prepared = nullptr;  ///< null: triangles are read from `mesh`
+    std::uint64_t first_index = 0;            ///< of the layers that a sink gets
 };
 
 /// Throws what slicing throws.

@@ -49,6 +49,7 @@ public:
           mesh_(input.mesh),
           prepared_(input.prepared),
           frame_(input.frame),
+          first_index_(input.first_index),
           options_(options),
           kept_(kept),
           result_(result),
@@ -94,7 +95,7 @@ private:
     void sweep_wide(std::size_t band, BandTarget& target);
     SweepInput sweep_input() noexcept {
         return {kept_.planes, kept_.buckets, kept_.bands.bands, parallel_, options_.control.stop,
-                progress_,    kept_.output,  options_.origins,  result_};
+                progress_,    kept_.output,  options_.origins,  result_,   first_index_};
     }
     std::uint64_t memory_limit() const noexcept {
         return options_.memory_limit_bytes != 0 ? options_.memory_limit_bytes : kept_.usual_limit;
@@ -117,6 +118,7 @@ private:
     const MeshView& mesh_;
     const detail::PreparedParts* prepared_;
     const SharedFrame* frame_;
+    std::uint64_t first_index_;
     const SliceOptions& options_;
     detail::WorkspaceParts& kept_;
     SliceResult& result_;

@@ -14,3 +14,4 @@
 #include "lamella/io/report.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/io/text_file.hpp"
+#include "lamella/slice_file.hpp"

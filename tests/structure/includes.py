@@ -44,7 +44,7 @@ PUBLIC = {
     "assemble": "slicing", "experiments": "slicing", "grid": "slicing", "mesh": "slicing", "parts": "slicing", "planes": "slicing", "prepare": "slicing", "region": "slicing",
     "host_output": "slicing", "islands": "slicing", "sink": "slicing", "slabs": "slicing",
     "result": "slicing", "slice": "slicing",
-    "lamella": "audit", "lamella.h": "c", "io": "io", "medical": "medical",
+    "slice_file": "io", "lamella": "audit", "lamella.h": "c", "io": "io", "medical": "medical",
 }  # fmt: skip
 
 # What a host that includes the core's headers is not to be burdened with.

@@ -1,5 +1,6 @@
 #include "numbers.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -113,6 +114,39 @@ double parse_grid(const std::string& text) {
     }
     require_positive(unit, "--grid");
     return *unit;
+}
+
+std::uint64_t parse_bytes(const std::string& text, const std::string& option) {
+    std::uint64_t bytes = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stop, problem] = std::from_chars(text.data(), end, bytes);
+    std::string_view suffix(stop, static_cast<std::size_t>(end - stop));
+    unsigned shift = 0;
+    if (!suffix.empty()) {
+        constexpr std::string_view letters = "KMGT";
+        const std::size_t letter = letters.find(suffix.front() == 'k' ? 'K' : suffix.front());
+        shift = letter == std::string_view::npos ? 64 : 10 * (static_cast<unsigned>(letter) + 1);
+        suffix.remove_prefix(1);
+    }
+    const bool rest = !(suffix.empty() || suffix == "B" || suffix == "iB");
+    if (problem != std::errc() || rest || shift == 64 || bytes == 0 || bytes > (std::uint64_t{1} << 62 >> shift)) {
+        throw Failure(bad_usage, option + ": '" + text + "' is not a number of bytes, such as 4000000000 or 4G");
+    }
+    return bytes << shift;
+}
+
+LayerRange parse_layers(const std::string& text, const std::string& option) {
+    const auto part = [](std::string_view digits, std::uint64_t& value) {
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        return digits.empty() || (end == digits.data() + digits.size() && error == std::errc());
+    };
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    LayerRange range;
+    if (colon == text.size() || !part(std::string_view(text).substr(0, colon), range.first) ||
+        !part(std::string_view(text).substr(colon + 1), range.end) || range.first >= range.end) {
+        throw Failure(bad_usage, option + ": '" + text + "' is not A:B with A < B, such as 0:100");
+    }
+    return range;
 }
 
 void require_positive(const std::optional<double>& value_mm, const std::string& option) {

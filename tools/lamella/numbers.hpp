@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "lamella/planes.hpp"
 
 namespace lamella::cli {
 
@@ -24,6 +27,13 @@ double parse_unit(const std::string& text, const std::string& option);
 
 /// The grid's unit in mm: a number of them, unit_by_box for "auto", 0 for "". Throws Failure naming --grid.
 double parse_grid(const std::string& text);
+
+/// A number of bytes, at least 1: "1500000", "200K", "512M", "2GB", "1TiB", all of powers of 1024. Throws Failure naming
+/// `option`.
+std::uint64_t parse_bytes(const std::string& text, const std::string& option);
+
+/// "A:B", "A:" or ":B": layers from A up to, but not with, B. Throws Failure naming `option`.
+LayerRange parse_layers(const std::string& text, const std::string& option);
 
 /// Throws Failure naming `option`.
 void require_positive(const std::optional<double>& value_mm, const std::string& option);

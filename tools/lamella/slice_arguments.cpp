@@ -224,6 +224,19 @@ void declare(CLI::App& command, SliceArguments& arguments) {
                                 "How contours are built (swept); the results are identical")
         ->group(experiments);
     command.add_flag("--map", arguments.map_file, "Map the mesh file into memory instead of reading it");
+    CLI::Option* const memory =
+        command.add_option("--memory", arguments.memory,
+                           "Slice a binary STL file larger than memory, in ranges of layers within so many bytes");
+    memory->type_name("BYTES[k|M|G]")->check(given);
+    for (const char* other : {"--weld", "--map", "--spacing"}) {
+        memory->excludes(command.get_option(other));
+    }
+    command
+        .add_option("--layers", arguments.layers,
+                    "Cut these layers of the plan only, counted from 0; B is one past the last")
+        ->type_name("A:B")
+        ->check(given);
+    command.add_flag("--hash", arguments.hash, "Print the hash of the result");
     command.add_option("--report", arguments.report, "JSON report to write; - for standard output")
         ->type_name("FILE|-")
         ->check(given_path);
@@ -271,6 +284,9 @@ SliceOptions options_of(const SliceArguments& arguments) {
         plan.spacing = uniform_layers(arguments);
     }
     plan.side = arguments.side;
+    if (!arguments.layers.empty()) {
+        options.layers = parse_layers(arguments.layers, "--layers");
+    }
     options.unit_mm = parse_grid(arguments.grid);
     options.transform = transform_of(arguments);
     for (const auto& [value, option] :

@@ -36,6 +36,9 @@ struct SliceArguments : MeshArguments {
     std::vector<std::string> fill_from;  ///< LAYER:RULE
     std::string normal;
     std::string transform;
+    std::string layers;  ///< A:B
+    std::string memory;  ///< bytes; empty: the mesh is held
+    bool hash = false;
     int band_planes = 0;
     ContourForm form = ContourForm::swept;
 

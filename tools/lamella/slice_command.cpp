@@ -22,6 +22,7 @@
 #include "option_words.hpp"
 #include "output_path.hpp"
 #include "outputs/write_outputs.hpp"
+#include "range_slicing.hpp"
 #include "scale_words.hpp"
 #include "slice_arguments.hpp"
 #include "slice_summary.hpp"
@@ -47,6 +48,7 @@ public:
           } {}
 
     void run() {
+        require_ranges_possible(arguments_);
         plan_outputs();
         std::vector<MeshFile> files;
         std::vector<PatientFrame> frames;
@@ -116,6 +118,9 @@ private:
     void require_report(const std::vector<std::filesystem::path>& outputs) const {
         if (arguments_.report.empty()) {
             return;
+        }
+        if (!arguments_.layers.empty()) {
+            throw Failure(bad_usage, "--report: not with --layers, as it judges the whole mesh");
         }
         if (arguments_.meshes.size() > 1) {
             throw Failure(bad_usage, "--report: one mesh a report, not " + std::to_string(arguments_.meshes.size()));
@@ -197,8 +202,11 @@ private:
                            [](const PlannedOutput& output) { return output.has_record(); });
     }
 
+    bool in_ranges() const noexcept { return !arguments_.memory.empty(); }
+
+    /// Facts are those of the whole mesh.
     bool wants_facts() const {
-        return std::any_of(job_.outputs.begin(), job_.outputs.end(), [](const PlannedOutput& output) {
+        return !in_ranges() && std::any_of(job_.outputs.begin(), job_.outputs.end(), [](const PlannedOutput& output) {
             return output.format == OutputFormat::csv || output.format == OutputFormat::json_lines;
         });
     }
@@ -213,20 +221,6 @@ private:
                                             : measure_facts(mesh.view(), mesh.to_mm(), part.result, control_of(stage)));
         facts.warnings = run_.warnings;
         return facts;
-    }
-
-    static std::string why_nothing_is_cut(const SliceSummary& found) {
-        return "no plane meets the mesh, which reaches from " + exact_text(found.min_mm[2]) + " to " +
-               exact_text(found.max_mm[2]) + " mm along the slicing direction";
-    }
-
-    static std::string why_nothing_is_left(const SliceResult& result) {
-        const double offset_mm = result.region.offset_mm;
-        const std::string what = offset_mm < 0 ? "an offset of " + exact_text(offset_mm) + " mm" : "the fill rule";
-        return what + " leaves nothing: " +
-               (result.summary.emptied_layers == 1
-                    ? "the one layer that the mesh crosses is empty"
-                    : "all " + counted(result.summary.emptied_layers, "layer") + " that the mesh crosses are empty");
     }
 
     void note_doubts_of_scale(const SliceResult& result, const MeshFile& mesh) {
@@ -245,7 +239,7 @@ private:
     }
 
     MeshFile read() {
-        MeshFile mesh = read_mesh_of(arguments_, bar_);
+        MeshFile mesh = in_ranges() ? describe_mesh_of(arguments_) : read_mesh_of(arguments_, bar_);
         for (const std::string& warning : mesh.warnings) {
             note(warning);
         }
@@ -259,9 +253,14 @@ private:
         const Stage stage(bar_, "slicing");
         options.control.stop = interrupt_.defer();
         options.control.progress = stage.progress();
-        Result<SliceResult> result = welded_ ? slice(*welded_, options) : slice(mesh, options);
+        Result<SliceResult> result = in_ranges() ? slice_in_ranges(arguments_, options, !job_.outputs.empty(), run_)
+                                     : welded_   ? slice(*welded_, options)
+                                                 : slice(mesh, options);
         if (!result) {
             throw slicing_failure(result.error());
+        }
+        if (arguments_.hash && !in_ranges()) {
+            run_.hash = hash_result(*result);
         }
         return std::move(result).value();
     }
@@ -286,7 +285,8 @@ private:
                                    " mm leaves nothing: " + error.message};
         }
         // Of an option the message says all; of a mesh it must say which.
-        return failure.status() == bad_input ? Failure(bad_input, arguments_.name() + ": " + error.message) : failure;
+        return failure.status() == bad_input && !in_ranges() ? Failure(bad_input, arguments_.name() + ": " + error.message)
+                                                             : failure;
     }
 
     void write() {

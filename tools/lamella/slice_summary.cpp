@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <system_error>
 #include <variant>
@@ -42,7 +43,9 @@ std::string mesh_line(const SliceSummary& counts, const ReportParts& parts) {
 }
 
 std::string planes_line(const SliceResult& result) {
-    return "planes    " + grouped(result.layers.size()) + ": " +
+    const bool all = result.layers.size() == result.all_layers;
+    return "planes    " + grouped(result.layers.size()) +
+           (all ? "" : " from " + std::to_string(result.first_layer) + " on, of " + grouped(result.all_layers)) + ": " +
            std::visit([](const auto& spacing) { return words(spacing); }, result.plan.spacing) +
            "\nrounding  as a vertex, then " +
            (result.plan.side == PlaneSide::below ? "down (side below)" : "up (side above)") + ", grid " +
@@ -155,10 +158,10 @@ std::string times(const SliceSummary& summary, const MeshFile& mesh, const ToolR
            counted(summary.bands, "band") + ")\n";
 }
 
-std::string contour_counts(const SliceResult& result) {
+std::string contour_counts(const SliceResult& result, const ToolRun& run) {
     const SliceSummary& summary = result.summary;
-    std::string text = grouped(result.contours.size()) + ", of them holes " + grouped(summary.holes) + ", open " +
-                       grouped(summary.open_contours);
+    std::string text = grouped(run.contours.value_or(result.contours.size())) + ", of them holes " + grouped(summary.holes) +
+                       ", open " + grouped(summary.open_contours);
     if (summary.flat_contours > 0) {
         text += ", without area " + grouped(summary.flat_contours);
     }
@@ -166,6 +169,15 @@ std::string contour_counts(const SliceResult& result) {
         text += ", turned against their facets " + grouped(summary.overruled_contours);
     }
     return text;
+}
+
+std::string hash_line(const ToolRun& run) {
+    if (!run.hash) {
+        return {};
+    }
+    char text[17];
+    (void)std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(*run.hash));
+    return "hash      " + std::string(text) + "\n";
 }
 
 std::string volume_line(const VolumeCertificate& volume) {
@@ -234,10 +246,24 @@ std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh) {
 
 std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run) {
     const std::string text = mesh_line(result.summary, parts) + planes_line(result) + mending(result, parts) + "segments  " +
-                             grouped(result.summary.segments) + "\ncontours  " + contour_counts(result) + "\n" +
-                             findings(parts) + times(result.summary, *parts.file, run) + "memory    " +
-                             file_size_text(run.peak_rss_bytes) + " at the peak\n";
+                             grouped(result.summary.segments) + "\ncontours  " + contour_counts(result, run) + "\n" +
+                             hash_line(run) + findings(parts) + times(result.summary, *parts.file, run) + "memory    " +
+                             file_size_text(run.peak_rss_bytes) + " at the peak\n" + run.ranges;
     return text + wrote(run);
+}
+
+std::string why_nothing_is_cut(const SliceSummary& found) {
+    return "no plane meets the mesh, which reaches from " + exact_text(found.min_mm[2]) + " to " +
+           exact_text(found.max_mm[2]) + " mm along the slicing direction";
+}
+
+std::string why_nothing_is_left(const SliceResult& result) {
+    const double offset_mm = result.region.offset_mm;
+    const std::string what = offset_mm < 0 ? "an offset of " + exact_text(offset_mm) + " mm" : "the fill rule";
+    return what + " leaves nothing: " +
+           (result.summary.emptied_layers == 1
+                ? "the one layer that the mesh crosses is empty"
+                : "all " + counted(result.summary.emptied_layers, "layer") + " that the mesh crosses are empty");
 }
 
 std::string wrote(const ToolRun& run) {

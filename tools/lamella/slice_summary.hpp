@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct ToolRun {
     double total_ms = 0;
     std::uint64_t peak_rss_bytes = 0;
     std::vector<std::string> warnings{};
+    std::optional<std::uint64_t> contours{};  ///< of a result that keeps its layers only
+    std::optional<std::uint64_t> hash{};
+    std::string ranges{};  ///< how a mesh larger than memory was sliced, a line
 };
 
 /// The members that the tool adds to the report. They refer to `run`.
@@ -30,6 +34,10 @@ std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh);
 
 /// Some lines, each a keyword and what there is to say, with a final newline.
 std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run);
+
+/// Warnings of results without contours: for want of crossings, and by the rules.
+std::string why_nothing_is_cut(const SliceSummary& found);
+std::string why_nothing_is_left(const SliceResult& result);
 
 /// A line an output.
 std::string wrote(const ToolRun& run);

@@ -215,6 +215,12 @@ Result<MeshFile> read(const std::filesystem::path& path, const ReadOptions& opti
 
 }  // namespace
 
+std::string_view format_of(const FileSource& source) {
+    const auto* const found = std::find_if(all_readers.begin(), all_readers.end(),
+                                           [&](const Reader& reader) { return reader.recognises(source); });
+    return found == all_readers.end() ? std::string_view() : found->name;
+}
+
 std::string_view name_of(MeshFormat format) noexcept {
     const auto found =
         std::find_if(all_readers.begin(), all_readers.end(), [=](const Reader& r) { return r.format == format; });

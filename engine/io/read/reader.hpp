@@ -95,6 +95,9 @@ struct Reader {
 // The readers, each in its file.
 bool looks_like_stl(const FileSource& source);
 Result<MeshFile> read_stl(FileSource& source);
+/// What slice_file() needs of a binary STL file: all that read_stl() gives but the bytes.
+bool is_binary_stl(const FileSource& source);
+Result<MeshFile> describe_binary_stl(const FileSource& source);
 bool looks_like_obj(const FileSource& source);
 bool may_be_obj(const FileSource& source);
 Result<MeshFile> read_obj(FileSource& source);
@@ -109,6 +112,9 @@ bool looks_like_vtp(const FileSource& source);
 Result<MeshFile> read_vtp(FileSource& source);
 bool looks_like_3mf(const FileSource& source);
 Result<MeshFile> read_3mf(FileSource& source);
+
+/// The name of the format that the content has, or "".
+std::string_view format_of(const FileSource& source);
 
 /// No control characters but white space: every binary mesh has some in its first 64 KiB.
 bool is_text(std::string_view sample) noexcept;

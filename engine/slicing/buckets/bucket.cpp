@@ -81,10 +81,6 @@ private:
     std::uint64_t degenerate_ = 0;
 };
 
-bool lies_between_planes(const TriangleBlock& block, double unit_mm, const PlaneSet& planes) {
-    return to_even_grid(block.high_mm, unit_mm) < planes.z(planes.first_above(to_even_grid(block.low_mm, unit_mm)));
-}
-
 /// The scatter of one part.
 template <class Reader>
 class PartScatter {

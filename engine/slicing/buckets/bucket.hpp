@@ -62,6 +62,11 @@ struct Reaching {
     PlaneIndex last;  ///< one past
 };
 
+/// Whether no plane comes between the lowest and the highest vertex of the block.
+inline bool lies_between_planes(const TriangleBlock& block, double unit_mm, const PlaneSet& planes) noexcept {
+    return to_even_grid(block.high_mm, unit_mm) < planes.z(planes.first_above(to_even_grid(block.low_mm, unit_mm)));
+}
+
 /// First read: degenerate triangles, the size of every list, and m, before anything of that size is allocated. Blocks that
 /// lie between two planes and have no degenerate triangle are not read. `blocks` comes from measure_bounds().
 void count_crossings(const MeshView& mesh, const Transform& transform, double unit_mm, const BlockTable& blocks,

@@ -13,13 +13,16 @@ namespace {
 /// Walks through the layers of an output.
 class LayerCursor {
 public:
-    LayerCursor(BandOutput& output, const StopCheck& stop) : output_(output) { pace_.follow(stop); }
+    LayerCursor(BandOutput& output, std::uint64_t first_index, const StopCheck& stop)
+        : output_(output), first_index_(first_index + output.first_layer) {
+        pace_.follow(stop);
+    }
 
     /// The next layer's contours, points and gaps, which then count from the layer's own first.
     LayerView next() {
         const std::size_t layer = layer_++;
         LayerView view;
-        view.index = output_.first_layer + layer;
+        view.index = first_index_ + layer;
         const std::span<Contour> contours =
             std::span<Contour>(output_.contours).subspan(first_contour_, output_.layer_contours[layer]);
         std::uint64_t points = 0;
@@ -52,6 +55,7 @@ private:
     }
 
     BandOutput& output_;
+    std::uint64_t first_index_;
     std::size_t layer_ = 0;
     std::size_t first_contour_ = 0;
     std::uint64_t first_point_ = 0;
@@ -71,10 +75,10 @@ void HandedOver::add(const HandedOver& other) noexcept {
 }
 
 void LayerHandout::hand_over(BandOutput& output, HandedOver& total) const {
-    LayerCursor cursor(output, stop_);
+    LayerCursor cursor(output, first_index_, stop_);
     for (std::size_t i = 0; i < output.layer_contours.size(); ++i) {
         LayerView view = cursor.next();
-        view.layer = describe_layer(planes_, buckets_, static_cast<PlaneIndex>(view.index));
+        view.layer = describe_layer(planes_, buckets_, static_cast<PlaneIndex>(output.first_layer + i));
         view.layer.contour_count = view.contours.size();
         view.unit_mm = unit_mm_;
         sink_.take(sink_.context, view);

@@ -25,7 +25,12 @@ struct HandedOver {
 class LayerHandout {
 public:
     LayerHandout(const LayerSink& sink, const SweepInput& input) noexcept
-        : sink_(sink), planes_(input.planes), buckets_(input.buckets), stop_(input.stop), unit_mm_(input.result.unit_mm) {}
+        : sink_(sink),
+          planes_(input.planes),
+          buckets_(input.buckets),
+          stop_(input.stop),
+          unit_mm_(input.result.unit_mm),
+          first_index_(input.first_index) {}
 
     /// Hands over all layers of `output` and empties it. Throws Stopped where the host wants the call to end.
     void hand_over(BandOutput& output, HandedOver& total) const;
@@ -36,6 +41,7 @@ private:
     const Buckets& buckets_;
     const StopCheck& stop_;
     double unit_mm_;
+    std::uint64_t first_index_;
 };
 
 }  // namespace lamella

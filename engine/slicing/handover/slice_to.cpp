@@ -4,6 +4,7 @@
 
 #include "base/guard.hpp"
 #include "lamella/prepare.hpp"
+#include "slicing/handover/hand_over.hpp"
 #include "slicing/handover/sink_bands.hpp"
 #include "slicing/part_slicer.hpp"
 #include "slicing/prepared_parts.hpp"
@@ -58,6 +59,8 @@ private:
     HandedOver handed_over_;
 };
 
+}  // namespace
+
 Result<SliceTotals> hand_over(const LayerSink& sink, const detail::SliceInput& input, const SliceOptions& options,
                               Workspace& workspace) noexcept {
     return guarded(options.control, [&]() -> Result<SliceTotals> {
@@ -72,8 +75,6 @@ Result<SliceTotals> hand_over(const LayerSink& sink, const detail::SliceInput& i
         return output.totals(result);
     });
 }
-
-}  // namespace
 
 Result<SliceTotals> slice_to(const LayerSink& sink, const MeshView& mesh, const SliceOptions& options,
                              Workspace& workspace) noexcept {

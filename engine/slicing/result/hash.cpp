@@ -16,27 +16,31 @@ std::uint64_t point_word(Point point) noexcept {
     return static_cast<std::uint32_t>(point.x) | std::uint64_t{static_cast<std::uint32_t>(point.y)} << 32;
 }
 
-void add_contour(WordHash& hash, const SliceResult& result, const Layer& layer, const Contour& contour) noexcept {
-    hash.add(kind_word(contour));
-    hash.add(contour.segments);
-    hash.add(contour.point_count);
-    hash.add_signed(contour.parent < 0 ? -1 : contour.parent - static_cast<std::int64_t>(layer.first_contour));
-    hash.add(contour.twice_area.low);
-    hash.add_signed(contour.twice_area.high);
-    for (const Point point : result.points_of(contour)) {
-        hash.add(point_word(point));
+}  // namespace
+
+void ResultHash::add_contour(const Layer& layer, const Contour& contour, const Point* points) noexcept {
+    add(kind_word(contour));
+    add(contour.segments);
+    add(contour.point_count);
+    add_signed(contour.parent < 0 ? -1 : contour.parent - static_cast<std::int64_t>(layer.first_contour));
+    add(contour.twice_area.low);
+    add_signed(contour.twice_area.high);
+    for (const Point point : std::span(points + contour.first_point, contour.point_count)) {
+        add(point_word(point));
     }
 }
 
-}  // namespace
+void ResultHash::add_layer(const Layer& layer, std::span<const Contour> contours, const Point* points) noexcept {
+    add_signed(layer.plane.z());
+    add(layer.contour_count);
+    for (const Contour& contour : contours) {
+        add_contour(layer, contour, points);
+    }
+}
 
 void ResultHash::add_layers(const SliceResult& result) noexcept {
     for (const Layer& layer : result.layers) {
-        words_.add_signed(layer.plane.z());
-        words_.add(layer.contour_count);
-        for (const Contour& contour : result.contours_of(layer)) {
-            add_contour(words_, result, layer, contour);
-        }
+        add_layer(layer, result.contours_of(layer), result.points.data());
     }
 }
 

@@ -36,8 +36,9 @@ struct SweepInput {
     const StopCheck& stop;
     ProgressMeter& progress;
     OutputScratch& scratch;
-    bool origins;         ///< SliceOptions::origins
-    SliceResult& result;  ///< unit, frame, plan and summary; arrays only where the slice is made for it
+    bool origins;                   ///< SliceOptions::origins
+    SliceResult& result;            ///< unit, frame, plan and summary; arrays only where the slice is made for it
+    std::uint64_t first_index = 0;  ///< of the first layer, for sinks
 };
 
 class SliceOutput {

@@ -22,8 +22,8 @@ bool parse_whole(std::string_view text, std::uint32_t& value) {
 
 void declare_batch(CLI::App& command, BatchArguments& arguments) {
     declare(command, arguments.slice);
-    if (CLI::Option* const of_slice = command.get_option_no_throw("--memory")) {
-        command.remove_option(of_slice);
+    for (const char* const of_slice : {"--memory", "--hash"}) {  // which mean something else for a batch
+        command.remove_option(command.get_option(of_slice));
     }
     command.get_option("mesh")
         ->description("Mesh files, folders, globs, manifests (.csv, .jsonl); with --merge, results of shards")
@@ -57,25 +57,6 @@ void declare_batch(CLI::App& command, BatchArguments& arguments) {
     command.add_flag("--hash", arguments.hash, "Tell whether a mesh has changed by its content, not by its time")
         ->group(own_group);
     command.add_flag("--merge", arguments.merge, "Join the results of all shards into results.jsonl")->group(own_group);
-}
-
-std::uint64_t parse_memory(const std::string& text) {
-    std::uint64_t bytes = 0;
-    const char* const end = text.data() + text.size();
-    const auto [stop, problem] = std::from_chars(text.data(), end, bytes);
-    std::string_view suffix(stop, static_cast<std::size_t>(end - stop));
-    unsigned shift = 0;
-    if (!suffix.empty()) {
-        constexpr std::string_view letters = "KMGT";
-        const std::size_t letter = letters.find(suffix.front());
-        shift = letter == std::string_view::npos ? 64 : 10 * (static_cast<unsigned>(letter) + 1);
-        suffix.remove_prefix(1);
-    }
-    const bool rest = !(suffix.empty() || suffix == "B" || suffix == "iB");
-    if (problem != std::errc() || rest || shift == 64 || bytes == 0 || bytes > (std::uint64_t{1} << 62 >> shift)) {
-        throw Failure(bad_usage, "--memory: '" + text + "' is not a number of bytes, such as 4000000000 or 4G");
-    }
-    return bytes << shift;
 }
 
 LedgerName ledger_name_of(const BatchArguments& arguments) {

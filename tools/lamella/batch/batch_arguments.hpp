@@ -29,9 +29,6 @@ struct BatchArguments {
 
 void declare_batch(CLI::App& command, BatchArguments& arguments);
 
-/// Bytes in "1000000", "500M" or "16G" (of 1024); throws Failure (bad_usage).
-std::uint64_t parse_memory(const std::string& text);
-
 /// Of "I/N"; none where it is empty. Throws Failure (bad_usage).
 LedgerName ledger_name_of(const BatchArguments& arguments);
 

@@ -48,7 +48,7 @@ void require_image(const ImageArguments& image) {
 
 RunOptions run_options(const BatchArguments& arguments, const SliceWords& words) {
     return {.jobs = arguments.jobs > 0 ? arguments.jobs : batch::usable_threads(),
-            .memory_bytes = arguments.memory.empty() ? batch::usable_memory() : batch::parse_memory(arguments.memory),
+            .memory_bytes = arguments.memory.empty() ? batch::usable_memory() : parse_bytes(arguments.memory, "--memory"),
             .timeout_s = arguments.timeout_s,
             .retries = arguments.retries,
             .force = arguments.force,

@@ -68,18 +68,14 @@ Result<std::uint64_t> check_binary(const FileSource& file) {
     return count;
 }
 
-Result<MeshFile> read_binary(FileSource& file) {
+/// All but the bytes.
+Result<MeshFile> describe_binary(const FileSource& file) {
     const Result<std::uint64_t> count = check_binary(file);
     if (!count) {
         return count.error();
     }
     const std::uint64_t needed = header_bytes + record_bytes * count.value();
-    Result<Array<std::byte>> bytes = file.take(needed);
-    if (!bytes) {
-        return bytes.error();
-    }
     MeshFile mesh;
-    mesh.bytes = std::move(bytes).value();
     mesh.first_offset = header_bytes + normal_bytes;
     mesh.stride = record_bytes;
     mesh.triangle_count = count.value();
@@ -88,6 +84,19 @@ Result<MeshFile> read_binary(FileSource& file) {
         mesh.warnings.push_back(file.name() + ": ignored " + counted(file.size() - needed, "byte") + " after the last of " +
                                 counted(count.value(), "triangle"));
     }
+    return mesh;
+}
+
+Result<MeshFile> read_binary(FileSource& file) {
+    Result<MeshFile> mesh = describe_binary(file);
+    if (!mesh) {
+        return mesh;
+    }
+    Result<Array<std::byte>> bytes = file.take(header_bytes + record_bytes * mesh->triangle_count);
+    if (!bytes) {
+        return bytes.error();
+    }
+    mesh->bytes = std::move(bytes).value();
     return mesh;
 }
 
@@ -220,6 +229,14 @@ bool looks_like_stl(const FileSource& source) {
 
 Result<MeshFile> read_stl(FileSource& source) {
     return is_text(source.sample()) || is_ascii_with_nuls(source) ? read_ascii(source) : read_binary(source);
+}
+
+bool is_binary_stl(const FileSource& source) {
+    return !is_text(source.sample()) && check_binary(source).ok();
+}
+
+Result<MeshFile> describe_binary_stl(const FileSource& source) {
+    return describe_binary(source);
 }
 
 }  // namespace lamella

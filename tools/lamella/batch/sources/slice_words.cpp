@@ -12,7 +12,7 @@ namespace {
 
 /// Not for items: the batch has its own, or gives them to its processes.
 bool is_for_batch(const std::string& name) {
-    static const std::vector<std::string> kept = {"mesh", "--help", "--progress", "--memory"};
+    static const std::vector<std::string> kept = {"mesh", "--help", "--progress", "--memory", "--hash"};
     return std::find(kept.begin(), kept.end(), name) != kept.end();
 }
 

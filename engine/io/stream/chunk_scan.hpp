@@ -1,0 +1,55 @@
+// The second pass over a file of triangles, as one thread works on it: which planes cut each triangle of a chunk.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "io/stream/plane_counts.hpp"
+#include "io/stream/triangle_store.hpp"
+#include "lamella/mesh.hpp"
+#include "slicing/grid/blocks.hpp"
+#include "slicing/planes/plane_set.hpp"
+
+namespace lamella {
+
+class SoupScan;
+
+/// Gives what count_crossings() gives for the whole mesh, chunk by chunk.
+class ChunkScan {
+public:
+    ChunkScan(const Transform& transform, double unit_mm, const PlaneSet& planes, std::size_t chunk_triangles);
+
+    /// Room for a chunk as it lies in the file.
+    std::span<std::byte> bytes() noexcept { return bytes_; }
+
+    /// The triangles of `chunk` that planes cut, until the next call. Adds to counts() and degenerate(). Throws Refused.
+    std::span<const StoredTriangle> scan(const MeshView& chunk);
+
+    PlaneCounts& counts() noexcept { return counts_; }
+    std::uint64_t degenerate() const noexcept { return degenerate_; }
+
+private:
+    void scan_blocks(const MeshView& chunk, const Transform& transform, const SoupScan& soup);
+    template <class Reader>
+    void scan_block(const Reader& read, const SoupScan& soup, const MeshView& chunk, std::size_t block);
+    template <class Reader>
+    void scan_each(const Reader& read, const MeshView& chunk, std::size_t begin, std::size_t end, bool may_be_degenerate);
+    template <class Reader>
+    std::uint64_t find_degenerate(const Reader& read, std::size_t begin);
+    void keep(const MeshView& chunk, std::size_t triangle, PlaneIndex first, PlaneIndex last);
+
+    Transform transform_;
+    double unit_mm_;
+    const PlaneSet& planes_;
+    Parallel one_;
+    BlockTable table_{nullptr};
+    std::vector<std::byte> bytes_;
+    std::vector<StoredTriangle> found_;
+    PlaneCounts counts_;
+    std::uint64_t degenerate_ = 0;
+};
+
+}  // namespace lamella

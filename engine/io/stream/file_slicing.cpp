@@ -1,0 +1,350 @@
+#include "io/stream/file_slicing.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "base/clock.hpp"
+#include "base/guard.hpp"
+#include "base/words.hpp"
+#include "slicing/grid/placed_reader.hpp"
+#include "slicing/handover/hand_over.hpp"
+#include "slicing/regions/rules.hpp"
+#include "slicing/workspace.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t most_bins = 256;
+constexpr double measured = 0.3;  ///< shares of the progress
+constexpr double scanned = 0.6;
+
+LayerSink in_order(LayerSink sink, bool ascending) noexcept {
+    sink.order = ascending ? SinkOrder::ascending : sink.order;
+    return sink;
+}
+
+}  // namespace
+
+FileSlicing::FileSlicing(TriangleFile& file, const LayerSink& sink, const FileSliceOptions& options)
+    : file_(file),
+      options_(options),
+      slicing_(options.slice),
+      relay_{sink, {}},
+      sink_(in_order(LayerSink::to(relay_, sink.order), options.hash)),
+      parallel_({.threads = options.slice.control.threads, .executor = options.slice.control.executor}),
+      progress_(options.slice.control.progress),
+      memory_limit_(options.slice.memory_limit_bytes != 0 ? options.slice.memory_limit_bytes : detail::usual_memory_limit()),
+      model_(options.memory_bytes != 0 ? options.memory_bytes : detail::usual_memory_limit(), parallel_.threads(),
+             file.triangles()),
+      planes_(nullptr),
+      store_(options.slice.control.memory) {
+    parallel_.follow(options.slice.control.stop);
+    slicing_.transform = slicing_.transform * Transform::scale(options.mm_per_unit);
+    slicing_.allow_empty = true;
+    slicing_.control.progress = {};
+}
+
+Result<FileSlice> FileSlicing::run() {
+    const auto start = Clock::now();
+    if (Status status = choose_grid_and_planes(); !status) {
+        return status.error();
+    }
+    store_.reserve(model_.most_kept());
+    scan_file();
+    if (Status status = handle_collapse(); !status) {
+        return status.error();
+    }
+    done_work_.totals.summary.ms.bucket += milliseconds_since(start);
+    cut_rest();
+    if (Status same = file_.unchanged(); !same) {
+        return same.error();
+    }
+    progress_.finish();
+    return finish();
+}
+
+Status FileSlicing::choose_grid_and_planes() {
+    if (Status status = check_rules(slicing_.region); !status) {
+        return status;
+    }
+    Result<FileBox> box =
+        measure_file(file_, slicing_.transform, slicing_.unit_mm, model_.chunk_triangles(), parallel_, progress_);
+    if (!box) {
+        return file_.named(box.error());
+    }
+    chunks_ = std::move(box->chunks);
+    frame_.bounds = box->bounds;
+    frame_.number = slicing_.transform.is_identity() || slicing_.transform.arithmetic == Arithmetic::as_mesh
+                        ? CoordinateType::f32
+                        : CoordinateType::f64;
+    const Result<ChosenUnit> unit =
+        choose_unit(frame_.bounds, slicing_.unit_mm, slicing_.unit_fit == UnitFit::coarser_if_needed);
+    if (!unit) {
+        return unit.error().code == ErrorCode::bad_coordinate ? file_.named(unit.error()) : unit.error();
+    }
+    frame_.unit = *unit;
+    if (Status status = check_reach(slicing_.region, unit->mm, frame_.bounds.farthest_in_plane()); !status) {
+        return status;
+    }
+    return build_planes();
+}
+
+Status FileSlicing::build_planes() {
+    if (Status status = planes_.build(slicing_.plan, frame_.bounds, frame_.unit.mm, frame_.number, memory_limit_); !status) {
+        return status;
+    }
+    if (Status status = planes_.keep(slicing_.layers); !status) {
+        return status;
+    }
+    counts_ = PlaneCounts(planes_.size());
+    model_.set_planes(planes_.planned());
+    if (options_.hash) {
+        relay_.hash.emplace(planes_.size());
+    }
+    return {};
+}
+
+// --- The second pass
+
+void FileSlicing::scan_file() {
+    const std::size_t chunk_triangles = model_.chunk_triangles();
+    const auto threads = static_cast<std::size_t>(parallel_.threads());
+    scans_.resize(threads);
+    for (std::size_t chunk = 0; chunk < chunks_.size();) {
+        const std::size_t room = store_.room() / chunk_triangles;
+        if (room < std::min(threads, chunks_.size() - chunk)) {
+            make_room(chunk);
+            continue;
+        }
+        const std::size_t end = std::min(chunks_.size(), chunk + std::min(room, 64 * threads));
+        parallel_.run(end - chunk, [&](std::size_t i, int worker) {
+            const FileChunk& own = chunks_[chunk + i];
+            if (!own.near && lies_between_planes({own.low_mm, own.high_mm, false}, frame_.unit.mm, planes_) &&
+                frame_.unit.doublings == 0) {
+                return;
+            }
+            auto& scan = scans_[static_cast<std::size_t>(worker)];
+            if (scan == nullptr) {
+                scan = std::make_unique<ChunkScan>(slicing_.transform, frame_.unit.mm, planes_, chunk_triangles);
+            }
+            const std::uint64_t first = (std::uint64_t{chunk} + i) * chunk_triangles;
+            const std::size_t count = std::min<std::uint64_t>(chunk_triangles, file_.triangles() - first);
+            store_.append(scan->scan(file_.read(first, count, scan->bytes())));
+        });
+        chunk = end;
+        progress_.reach(measured + (scanned - measured) * static_cast<double>(chunk) / static_cast<double>(chunks_.size()));
+    }
+    collect_counts();
+    for (const auto& scan : scans_) {
+        degenerate_ += scan != nullptr ? scan->degenerate() : 0;
+    }
+    scans_.clear();
+    chunks_ = {};
+}
+
+void FileSlicing::collect_counts() {
+    for (const auto& scan : scans_) {
+        if (scan != nullptr) {
+            counts_.take(scan->counts());
+        }
+    }
+}
+
+/// Triangles whose last plane is below `plane`, of those seen so far.
+std::uint64_t FileSlicing::ended_below(PlaneIndex plane) const noexcept {
+    std::uint64_t ended = 0;
+    for (PlaneIndex p = 0; p <= plane; ++p) {
+        ended += counts_.ended(p);
+    }
+    return ended;
+}
+
+/// Memory is full before `chunk` is read.
+void FileSlicing::make_room(std::size_t chunk) {
+    collect_counts();
+    if (!spill_) {
+        const PlaneIndex end = planes_.first_above(to_even_grid(chunks_[chunk].low_from_here_mm, frame_.unit.mm));
+        // What is kept began at or above `done_`, or reaches there, so all that ended below it is gone.
+        if (end > done_ && ended_below(end) - ended_below(done_) >= store_.size() / 4 && cut_done_layers(end)) {
+            return;
+        }
+    }
+    spill();
+}
+
+/// Whether these layers, or some of them, could be cut with what is kept.
+bool FileSlicing::cut_done_layers(PlaneIndex end) {
+    const PlaneIndex before = done_;
+    while (done_ < end) {
+        const std::optional<LayerSpan> span = model_.longest(counts_, done_, end, store_.size());
+        if (!span) {
+            break;
+        }
+        cut(*span);
+    }
+    store_.drop_below(done_);
+    return done_ > before && store_.room() >= store_.capacity() / 4;
+}
+
+void FileSlicing::spill() {
+    if (!spill_) {
+        const std::filesystem::path& folder = options_.temporary_folder;
+        const std::size_t bins =
+            std::clamp<std::size_t>(model_.spill_buffers() / (16 * sizeof(StoredTriangle)), 1, most_bins);
+        spill_.emplace(folder.empty() ? std::filesystem::temp_directory_path() : folder, counts_, bins,
+                       model_.spill_buffers());
+    }
+    spill_->write(store_.triangles(), done_, parallel_);
+    store_.clear();
+}
+
+// --- Cutting
+
+/// All triangles collapse on the grid: an error, or as if there were none, whose box chooses no planes.
+Status FileSlicing::handle_collapse() {
+    if (degenerate_ != file_.triangles()) {
+        return {};
+    }
+    if (!options_.slice.allow_empty) {
+        return file_.named(all_collapsed(file_.triangles(), frame_.unit.mm));
+    }
+    frame_.bounds = {};
+    return build_planes();
+}
+
+void FileSlicing::cut_rest() {
+    const PlaneIndex begin = done_;
+    const PlaneIndex end = planes_.size();
+    if (begin == end) {
+        if (begin == 0) {
+            cut({0, 0, parallel_.threads(), 0});  // for its checks, and the summary
+        }
+        return;
+    }
+    if (spill_) {
+        spill();
+    }
+    std::vector<LayerSpan> spans;
+    std::size_t most = 0;
+    for (PlaneIndex next = begin; next < end; next = spans.back().end) {
+        const std::optional<LayerSpan> span = model_.longest(counts_, next, end, store_.size());
+        if (!span && !spill_) {
+            spill();
+            return cut_rest();
+        }
+        if (!span) {
+            refuse_budget();
+        }
+        spans.push_back(*span);
+        most = std::max<std::size_t>(most, span->triangles);
+    }
+    if (spill_) {
+        store_.reserve(most);
+    }
+    for (const LayerSpan& span : spans) {
+        if (spill_) {
+            spill_->load(span.begin, span.end, begin, model_.chunk_triangles(), parallel_, store_);
+        }
+        cut(span);
+        if (spill_) {
+            store_.drop_below(span.end);
+        }
+        progress_.reach(scanned + (1 - scanned) * static_cast<double>(span.end - begin) / static_cast<double>(end - begin));
+    }
+}
+
+void FileSlicing::refuse_budget() const {
+    std::uint64_t active = 0;
+    std::uint64_t widest = 0;
+    PlaneIndex layer = 0;
+    for (PlaneIndex plane = 0; plane < planes_.size(); ++plane) {
+        active += counts_.starting(plane);
+        active -= counts_.ended(plane);
+        if (active > widest) {
+            widest = active;
+            layer = plane;
+        }
+    }
+    Error error;
+    error.code = ErrorCode::out_of_memory;
+    error.message = "a budget of " + std::to_string(model_.budget()) + " bytes is too small: layer " +
+                    std::to_string(planes_.first_kept() + layer) + " alone, which cuts " + counted(widest, "triangle") +
+                    ", needs " + std::to_string(model_.least_budget(widest));
+    throw Refused{file_.named(error)};
+}
+
+void FileSlicing::cut(const LayerSpan& span) {
+    SliceOptions options = slicing_;
+    options.control.threads = span.threads;
+    options.layers = {};
+    if (span.end > span.begin) {
+        options.layers = {std::uint64_t{planes_.first_kept()} + span.begin, std::uint64_t{planes_.first_kept()} + span.end};
+    }
+    if (span.triangles > most_cut_) {  // arrays that grow would be held twice
+        workspace_.reset();
+        most_cut_ = span.triangles;
+    }
+    const MeshView view = store_.view();
+    Result<SliceTotals> own = hand_over(
+        sink_, {.mesh = view, .frame = &frame_, .prepared = nullptr, .first_index = span.begin}, options, workspace_);
+    if (!own) {
+        throw Refused{own.error()};
+    }
+    done_ = span.end;
+    add(*own);
+}
+
+void FileSlicing::add(const SliceTotals& own) {
+    SliceTotals& all = done_work_.totals;
+    ++done_work_.ranges;
+    all.layers += own.layers;
+    all.contours += own.contours;
+    all.points += own.points;
+    all.closed_gaps += own.closed_gaps;
+    SliceSummary& sum = all.summary;
+    const SliceSummary& part = own.summary;
+    sum.segments += part.segments;
+    sum.holes += part.holes;
+    sum.open_contours += part.open_contours;
+    sum.flat_contours += part.flat_contours;
+    sum.overruled_contours += part.overruled_contours;
+    sum.near_contours += part.near_contours;
+    sum.emptied_layers += part.emptied_layers;
+    sum.bands += part.bands;
+    sum.ms.bucket += part.ms.bucket;
+    sum.ms.sweep += part.ms.sweep;
+    sum.ms.contours += part.ms.contours;
+    sum.ms.nesting += part.ms.nesting;
+    sum.ms.fill += part.ms.fill;
+}
+
+FileSlice FileSlicing::finish() {
+    SliceTotals& all = done_work_.totals;
+    all.unit_mm = frame_.unit.mm;
+    all.first_layer = planes_.first_kept();
+    all.all_layers = planes_.planned();
+    const auto& listed = planes_.plane_of_listed();
+    all.layer_of.resize_discarding(listed.size());
+    std::copy(listed.begin(), listed.end(), all.layer_of.begin());
+    SliceSummary& sum = all.summary;
+    sum.triangles = file_.triangles();
+    sum.degenerate = degenerate_;
+    for (PlaneIndex plane = 0; plane < planes_.size(); ++plane) {
+        sum.crossed += counts_.starting(plane);
+    }
+    sum.unit_doublings = frame_.unit.doublings;
+    sum.threads = parallel_.threads();
+    std::copy_n(frame_.bounds.min_mm, 3, sum.min_mm);
+    std::copy_n(frame_.bounds.max_mm, 3, sum.max_mm);
+    done_work_.mesh = std::move(file_.facts());
+    done_work_.spilled_bytes = spill_ ? spill_->bytes() : 0;
+    done_work_.memory_bytes = model_.budget();
+    if (relay_.hash) {
+        done_work_.hash = relay_.hash->value();
+    }
+    return std::move(done_work_);
+}
+
+}  // namespace lamella

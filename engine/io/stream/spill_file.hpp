@@ -1,0 +1,58 @@
+// Triangles that wait for their layers on disk.
+//
+//     file     run 0: | bin 0 | bin 1 | ... |   run 1: | bin 0 | bin 1 | ... |   ...
+//
+// A run is what memory held when it was full; a bin, a range of layers that the triangles begin in. Every run has the same
+// bins, so that a range of layers is a few large pieces of the file.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "io/stream/plane_counts.hpp"
+#include "io/stream/triangle_store.hpp"
+
+namespace lamella {
+
+class SpillFile {
+public:
+    /// A file in `folder` without a name. `bins` ranges of planes, which begin about equally many of the triangles counted.
+    /// `buffer_bytes`: what writing may hold. Throws Refused (unwritable_file).
+    SpillFile(const std::filesystem::path& folder, const PlaneCounts& counts, std::size_t bins, std::size_t buffer_bytes);
+    ~SpillFile();
+    SpillFile(const SpillFile&) = delete;
+    SpillFile& operator=(const SpillFile&) = delete;
+
+    /// Adds a run. A triangle that begins below plane `done` counts as one that begins there. Throws Refused, Stopped.
+    void write(std::span<const StoredTriangle> triangles, PlaneIndex done, const Parallel& parallel);
+
+    /// Appends to `store` all triangles that begin in planes [begin, end), by the same rule. `piece`: how many to read at
+    /// once. Throws Refused, Stopped.
+    void load(PlaneIndex begin, PlaneIndex end, PlaneIndex done, std::size_t piece, const Parallel& parallel,
+              TriangleStore& store) const;
+
+    std::uint64_t bytes() const noexcept { return triangles_ * sizeof(StoredTriangle); }
+
+private:
+    struct Run {
+        std::vector<std::uint64_t> bin_begin;  ///< in triangles of the file; one more than bins
+    };
+    class Writer;
+
+    std::size_t bins() const noexcept { return bin_planes_.size() - 1; }
+    Error failed(const char* what) const;
+
+    std::filesystem::path folder_;
+    int descriptor_ = -1;
+    std::size_t buffer_bytes_;
+    std::vector<PlaneIndex> bin_planes_;  ///< first plane of each bin, and one past the last
+    std::vector<std::uint16_t> bin_of_;   ///< by plane
+    std::vector<Run> runs_;
+    std::uint64_t triangles_ = 0;
+};
+
+}  // namespace lamella

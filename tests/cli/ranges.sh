@@ -1,0 +1,57 @@
+# Meshes larger than memory, and some layers of a plan. Sourced by cli.sh.
+
+hash_of() { sed -n 's/^hash *//p' .stdout; }
+
+test_ranges() {
+    expect 0 make bone --triangles 100000 -o z.stl
+    expect 0 make bone --triangles 100000 --order random -o random.stl
+    local want budget mesh
+    expect 0 slice z.stl --hash
+    want=$(hash_of)
+    [[ ${#want} == 16 ]] || fail "no hash"
+    for mesh in z.stl random.stl; do
+        for budget in 100M 2M 1500k 1600000; do
+            TMPDIR=$PWD expect 0 slice "$mesh" --hash --memory "$budget"
+            [[ $(hash_of) == "$want" ]] || fail "$mesh within $budget: another hash"
+            grep -q "^ranges .* of layers within" .stdout || fail "no line on ranges"
+        done
+    done
+    grep -q "temporary file" .stdout || fail "nothing was spilled"
+    expect_files random.stl z.stl
+    expect 0 slice z.stl -o whole.svg
+    expect 0 slice random.stl --memory 2M -o ranges.svg
+    cmp -s whole.svg ranges.svg || fail "another SVG"
+    expect 0 slice z.stl --memory 2M -o ranges.csv
+    expect_failure 2 "not a number of bytes" slice z.stl --memory 0 -o none.svg
+    expect_failure 2 "not a number of bytes" slice z.stl --memory 3X
+    expect_failure 2 "--report" slice z.stl --memory 2M --report none.json
+    expect_failure 2 "standard input" slice - --memory 2M
+    expect_failure 2 "--weld" slice z.stl --memory 2M --weld 1
+    expect 3 slice z.stl --memory 10k
+    grep -q "^lamella: z.stl: a budget of 10240 bytes is too small: layer .* needs " .stderr || fail "does not name the least budget"
+    gzip -k z.stl
+    expect_failure 2 "decompress it with gunzip" slice z.stl.gz --memory 2M
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n' > a.obj
+    expect_failure 2 "is a text OBJ file" slice a.obj --memory 2M
+}
+
+test_layers() {
+    sphere ball.stl 5000
+    expect 0 slice ball.stl --layer-height 1 --layers 5:9
+    grep -q "^planes    4 from 5 on, of 20: " .stdout || fail "no line on the layers"
+    expect 0 slice ball.stl --layer-height 1 --layers 5:9 --hash
+    local want
+    want=$(hash_of)
+    expect 0 slice ball.stl --layer-height 1 --layers 5:9 --hash --memory 1M
+    [[ $(hash_of) == "$want" ]] || fail "another hash within a budget"
+    expect 0 slice ball.stl --layer-height 1 --layers 18:
+    grep -q "^planes    2 from 18 on, of 20: " .stdout || fail "no line on the last layers"
+    expect 0 slice ball.stl --layer-height 1 --layers :3 -o some.svg
+    [[ $(grep -c '<g id="layer' some.svg) == 3 ]] || fail "not three layers"
+    expect_failure 2 "none of the 20 layers" slice ball.stl --layer-height 1 --layers 20:30
+    local bad
+    for bad in 5 5:5 7:3 a:b -1:4 1:2:3; do
+        expect_failure 2 "is not A:B" slice ball.stl "--layers=$bad"
+    done
+    expect_failure 2 "--layers" slice ball.stl --layers 1:3 --report report.json
+}

@@ -3,7 +3,7 @@
 
     bench/scripts/batch.py LAMELLA [--meshes 500] [--jobs 2] [--memory 1G] [--rounds 1] [--folder DIR] [--readme bench/README.md]
 
-Cuts 500 meshes of 10 thousand to 2 million triangles into masks and tables. Three of them are damaged, and one is larger than the
+Cuts 500 meshes of 10 thousand to 2 million triangles into masks of 1 mm. Three of them are damaged, and one is larger than the
 memory that the batch is given. Of 25 meshes each has 20 names (hard links), so that all files stay in the page cache. Each round runs
 every mesh by `lamella slice --threads 1`, one after the other, then the batch with one job, then with several; of the rounds the
 least times count. Prints a table; with --readme it also replaces the one between the markers there. The exit status is 1 if a
@@ -28,7 +28,6 @@ PROCESSOR_BAR = 1.10
 DISTINCT = 25
 LEAST, MOST = 10_000, 2_000_000
 DAMAGED = 3
-OPTIONS = ["--spacing", "1,1,1", "--frame", "lps", "--to", "nii.gz,csv"]
 
 
 def processor_seconds():
@@ -41,6 +40,10 @@ def timed(work):
     wall, processor = time.perf_counter(), processor_seconds()
     work()
     return time.perf_counter() - wall, processor_seconds() - processor
+
+
+def options(folder):
+    return ["--like", str(folder / "like.nii.gz"), "--frame", "lps"]
 
 
 def make_meshes(tool, folder, count, large):
@@ -58,20 +61,23 @@ def make_meshes(tool, folder, count, large):
         (meshes / f"damaged{i}.stl").write_bytes((folder / f"made{i}.stl").read_bytes()[: 84 + 50 * 1000 + 17])
     command = [tool, "make", "bone", "--triangles", str(large), "--height", "100", "-o", str(meshes / "large.stl")]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    command = [tool, "slice", str(folder / "made3.stl"), "--spacing", "1,1,1", "--frame", "lps", "-o", str(folder / "like.nii.gz")]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
 
-def slice_one_by_one(tool, folder):
+def slice_one_by_one(tool, folder, memory):
     out = folder / "single"
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir()
     for mesh in sorted((folder / "meshes").iterdir()):
-        command = [tool, "slice", str(mesh), "--threads", "1", *OPTIONS, "-o", str(out / f"{mesh.stem}.nii.gz")]
+        command = [tool, "slice", str(mesh), "--threads", "1", *options(folder), "-o", str(out / f"{mesh.stem}.nii.gz")]
+        command += ["--memory", memory] if mesh.stem == "large" else []
         subprocess.run(command, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 def slice_batch(tool, folder, jobs, memory):
     shutil.rmtree(folder / "out", ignore_errors=True)
-    command = [tool, "batch", str(folder / "meshes"), *OPTIONS, "-o", str(folder / "out" / "{stem}.nii.gz"),
+    command = [tool, "batch", str(folder / "meshes"), *options(folder), "-o", str(folder / "out" / "{stem}.nii.gz"),
                "--jobs", str(jobs), "--memory", memory, "--progress", "never"]  # fmt: skip
     subprocess.run(command, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
@@ -107,7 +113,7 @@ def main():
     with tempfile.TemporaryDirectory(dir=arguments.folder) as name:
         folder = pathlib.Path(name)
         make_meshes(tool, folder, arguments.meshes, arguments.large)
-        runs = {"single runs, one after the other": lambda: slice_one_by_one(tool, folder),
+        runs = {"single runs, one after the other": lambda: slice_one_by_one(tool, folder, arguments.memory),
                 "batch, 1 job": lambda: slice_batch(tool, folder, 1, arguments.memory),
                 f"batch, {arguments.jobs} jobs": lambda: slice_batch(tool, folder, arguments.jobs, arguments.memory)}  # fmt: skip
         least = {}

@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -101,13 +102,29 @@ std::string last_message(const std::string& text) {
     return last;
 }
 
+/// How many processes the system has killed for want of memory since it was started, its control groups' included.
+std::uint64_t kills_without_memory() {
+    std::ifstream file("/proc/vmstat");
+    std::string name;
+    std::uint64_t count = 0;
+    while (file >> name >> count) {
+        if (name == "oom_kill") {
+            return count;
+        }
+    }
+    return 0;
+}
+
 double seconds(const timeval& time) {
     return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
 }  // namespace
 
-WorkerPool::WorkerPool(double timeout_s) : timeout_s_(timeout_s), nothing_(::open("/dev/null", O_RDWR | O_CLOEXEC)) {
+WorkerPool::WorkerPool(double timeout_s)
+    : timeout_s_(timeout_s),
+      nothing_(::open("/dev/null", O_RDWR | O_CLOEXEC)),
+      kills_without_memory_(kills_without_memory()) {
     if (nothing_ < 0) {
         throw no_process(errno);
     }
@@ -199,7 +216,16 @@ void WorkerPool::end_late_ones() {
     }
 }
 
-WorkerEnd WorkerPool::reap(Worker& worker) const {
+std::string WorkerPool::reason_of_signal(int signal_number) {
+    const std::uint64_t kills = kills_without_memory();
+    if (signal_number == SIGKILL && kills > kills_without_memory_) {
+        kills_without_memory_ = kills;
+        return "was ended by the system, whose memory ran out";
+    }
+    return "ended by signal " + std::to_string(signal_number) + " (" + ::strsignal(signal_number) + ")";
+}
+
+WorkerEnd WorkerPool::reap(Worker& worker) {
     int status = 0;
     rusage used{};
     while (::wait4(worker.process, &status, 0, &used) < 0 && errno == EINTR) {
@@ -215,7 +241,7 @@ WorkerEnd WorkerPool::reap(Worker& worker) const {
         end.may_retry = true;
     } else if (WIFSIGNALED(status)) {
         const int signal_number = WTERMSIG(status);
-        end.failure = "ended by signal " + std::to_string(signal_number) + " (" + ::strsignal(signal_number) + ")";
+        end.failure = reason_of_signal(signal_number);
         end.may_retry = true;
         end.lacked_memory = signal_number == SIGKILL;
     } else if (WEXITSTATUS(status) != 0) {

@@ -61,10 +61,12 @@ private:
 
     void end_late_ones();
     static void drain(int descriptor, std::string& text, bool& ended);
-    WorkerEnd reap(Worker& worker) const;
+    WorkerEnd reap(Worker& worker);
+    std::string reason_of_signal(int signal_number);
 
     double timeout_s_;
-    int nothing_ = -1;  ///< /dev/null
+    int nothing_ = -1;                    ///< /dev/null
+    std::uint64_t kills_without_memory_;  ///< by the system, as far as they are told
     std::vector<Worker> workers_;
 };
 

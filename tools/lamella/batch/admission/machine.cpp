@@ -18,7 +18,7 @@ namespace lamella::cli::batch {
 
 namespace {
 
-constexpr std::uint64_t least_memory = std::uint64_t{256} << 20;
+constexpr std::uint64_t least_memory = std::uint64_t{32} << 20;
 constexpr auto unlimited = std::numeric_limits<std::uint64_t>::max();
 
 /// The first word of a file as a number; "max" is none.

@@ -1,4 +1,4 @@
-// lamella::medical: label masks, tables, pictures, archives and records of slices.
+// lamella::medical: label masks, structure sets, tables, pictures, archives and records of slices.
 //
 //     const lamella::Result<lamella::ImageGeometry> image = lamella::read_image_geometry("ct.nii.gz");
 //     const lamella::MaskPart organ{.result = &result, .name = "liver"};  // sliced at the image's slices, in its frame
@@ -14,4 +14,5 @@
 #include "lamella/medical/mask.hpp"
 #include "lamella/medical/picture.hpp"
 #include "lamella/medical/record.hpp"
+#include "lamella/medical/structure_set.hpp"
 #include "lamella/medical/table.hpp"

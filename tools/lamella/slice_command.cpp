@@ -22,6 +22,7 @@
 #include "option_words.hpp"
 #include "output_path.hpp"
 #include "outputs/write_outputs.hpp"
+#include "outputs/write_structure_output.hpp"
 #include "range_slicing.hpp"
 #include "scale_words.hpp"
 #include "slice_arguments.hpp"
@@ -136,6 +137,7 @@ private:
         for (const std::string& warning : image.warnings) {
             note(warning);
         }
+        require_image_serves(image, job_.outputs, arguments_.outputs);
         job_.image = std::move(image);
         job_.subslices = arguments_.image.subslices;
     }

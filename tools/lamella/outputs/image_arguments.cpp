@@ -8,6 +8,26 @@
 
 namespace lamella::cli {
 
+namespace {
+
+void declare_structures(CLI::App& command, OutputArguments& arguments) {
+    command
+        .add_option_function<std::string>(
+            "--holes",
+            [&arguments](const std::string& text) {
+                if (text != "keyhole" && text != "xor") {
+                    throw CLI::ValidationError("--holes", "'" + text + "' is not one of keyhole|xor");
+                }
+                arguments.holes = text == "xor" ? HoleForm::exclusive_or : HoleForm::keyhole;
+                arguments.holes_given = true;
+            },
+            "Holes in a structure set: joined to their contour, or contours that exclude one another (keyhole)")
+        ->type_name("keyhole|xor");
+    command.add_flag("--without-ct", arguments.without_ct, "Write a structure set that refers to no CT");
+}
+
+}  // namespace
+
 void declare_outputs(CLI::App& command, OutputArguments& arguments) {
     command
         .add_option(
@@ -25,6 +45,7 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
         .add_option("--picture-layer", arguments.picture_layer, "PNG shows this layer, counted from 0, not a contact sheet")
         ->type_name("N")
         ->check(CLI::NonNegativeNumber);
+    declare_structures(command, arguments);
     command.add_flag("--strict", arguments.strict, "Fail where a slice has open polylines, which enclose nothing");
 }
 

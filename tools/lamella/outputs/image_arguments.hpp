@@ -10,6 +10,7 @@
 
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/medical/geometry.hpp"
+#include "lamella/medical/structure_set.hpp"
 
 namespace lamella::cli {
 
@@ -18,6 +19,9 @@ struct OutputArguments {
     std::string to;                    ///< formats
     bool coverage = false;
     bool strict = false;
+    HoleForm holes = HoleForm::keyhole;  ///< of structure sets
+    bool holes_given = false;
+    bool without_ct = false;
     std::optional<std::uint64_t> picture_layer;  ///< instead of a contact sheet
 };
 

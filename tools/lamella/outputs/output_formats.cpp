@@ -22,12 +22,13 @@ struct NamedFormat {
 };
 
 /// Longer ends before those that they end in.
-constexpr std::array<NamedFormat, 9> formats = {{
+constexpr std::array<NamedFormat, 10> formats = {{
     {"svg", ".svg", OutputFormat::svg},
     {"nii.gz", ".nii.gz", OutputFormat::nifti_gz},
     {"nii", ".nii", OutputFormat::nifti},
     {"seg.nrrd", ".seg.nrrd", OutputFormat::segmentation},
     {"nrrd", ".nrrd", OutputFormat::nrrd},
+    {"rtstruct", ".dcm", OutputFormat::structure_set},
     {"csv", ".csv", OutputFormat::csv},
     {"jsonl", ".jsonl", OutputFormat::json_lines},
     {"png", ".png", OutputFormat::png},
@@ -57,7 +58,7 @@ PlannedOutput by_name(const std::string& path) {
         return {path, OutputFormat::svg};
     }
     throw Failure(bad_usage, "--output: '" + path + "': no format that is written ends in " + own +
-                                 "; there is .svg, .nii, .nii.gz, .nrrd, .seg.nrrd, .csv, .jsonl, .png, .h5");
+                                 "; there is .svg, .nii, .nii.gz, .nrrd, .seg.nrrd, .dcm, .csv, .jsonl, .png, .h5");
 }
 
 std::vector<const NamedFormat*> parse_formats(const std::string& to) {

@@ -7,7 +7,18 @@
 
 namespace lamella::cli {
 
-enum class OutputFormat : std::uint8_t { svg, nifti, nifti_gz, nrrd, segmentation, csv, json_lines, png, hdf5 };
+enum class OutputFormat : std::uint8_t {
+    svg,
+    nifti,
+    nifti_gz,
+    nrrd,
+    segmentation,
+    structure_set,
+    csv,
+    json_lines,
+    png,
+    hdf5
+};
 
 struct PlannedOutput {
     std::string path;  ///< or - for standard output

@@ -13,6 +13,7 @@
 #include "output_path.hpp"
 #include "outputs/write_archive_output.hpp"
 #include "outputs/write_picture_output.hpp"
+#include "outputs/write_structure_output.hpp"
 #include "standard_streams.hpp"
 
 namespace lamella::cli {
@@ -100,6 +101,8 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Control&
         case OutputFormat::nrrd:
         case OutputFormat::segmentation:
             return write_mask_of(job, output, control, note);
+        case OutputFormat::structure_set:
+            return write_structure_output(job, output, control, note);
         case OutputFormat::csv:
         case OutputFormat::json_lines:
             return write_table_of(job, output, control);
@@ -153,6 +156,7 @@ void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArg
                       bool image_given, int subslices) {
     require_picture_possible(outputs, arguments);
     require_archive_possible(outputs);
+    require_structures_possible(outputs, arguments, image_given, subslices);
     bool mask = false;
     for (const PlannedOutput& output : outputs) {
         require_writable(output.path);
@@ -180,6 +184,9 @@ void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArg
 void write_outputs(const OutputJob& job, const Control& control, const Note& note) {
     if (job.arguments.strict) {
         require_closed(job);
+    }
+    if (job.image) {
+        require_overlap(job);
     }
     for (const PlannedOutput& output : job.outputs) {
         write_one(job, output, control, note);

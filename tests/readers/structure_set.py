@@ -1,0 +1,268 @@
+#!/usr/bin/env python3
+"""DICOM as pydicom, plastimatch and dciodvfy read it: structure_set.py LAMELLA. Ends with 77 where pydicom is missing."""
+
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+
+try:
+    import nibabel
+    import numpy
+    import pydicom
+    from pydicom.uid import generate_uid
+except ImportError:
+    print("not tested: python3-pydicom or python3-nibabel is missing")
+    sys.exit(77)
+
+COLUMNS, ROWS = 40, 30
+SPACING = (1.5, 2.0)  # of columns, of rows
+
+
+def box(low, high, inward=False):
+    corner = [[(low, high)[i >> axis & 1][axis] for axis in range(3)] for i in range(8)]
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    turn = (0, 2, 1) if inward else (0, 1, 2)
+    return [[corner[t[i]] for i in turn] for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
+
+
+def stl(triangles):
+    data = b"".join(struct.pack("<12fH", 0, 0, 0, *[x for v in t for x in v], 0) for t in triangles)
+    return bytes(80) + struct.pack("<I", len(triangles)) + data
+
+
+# A hollow box, two holes side by side in another one, and a marker: no symmetry maps it to itself. In LPS, mm.
+BOXES = [((-20, -18, 12), (0, 4, 30), False), ((-15, -12, 14), (-6, -3, 28), True), ((4, -10, 12), (24, 14, 24), False),
+         ((6, -8, 13), (12, 6, 23), True), ((15, -2, 13), (21, 6, 22), True), ((27, 16, 12), (31, 19, 18), False)]  # fmt: skip
+HOLLOW = [triangle for low, high, inward in BOXES for triangle in box(low, high, inward)]
+
+
+def inside(at):
+    within = lambda low, high: all(l < x < h for l, x, h in zip(low, at, high))
+    solid = sum(within(low, high) for low, high, inward in BOXES if not inward)
+    return solid > 0 and not any(within(low, high) for low, high, inward in BOXES if inward)
+
+
+def area_at(z):
+    """Of the region at a height, for axial slices."""
+    total = 0
+    for low, high, inward in BOXES:
+        if low[2] < z < high[2]:
+            total += (-1 if inward else 1) * (high[0] - low[0]) * (high[1] - low[1])
+    return total
+
+
+def write_ct(folder, along_i, along_j, origin, heights, shift=(0, 0, 0), series="1.2.826.0.1.3680043.8.498.1", frames=None):
+    """A CT: slices at `heights` along the normal from `origin`, their files in the order of a shuffle."""
+    folder.mkdir(exist_ok=True)
+    normal = numpy.cross(along_i, along_j)
+    order = numpy.random.default_rng(3).permutation(len(heights))
+    for name, k in enumerate(order):
+        meta = pydicom.dataset.FileMetaDataset()
+        meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.2"
+        meta.MediaStorageSOPInstanceUID = f"{series}.{k + 1}"
+        meta.TransferSyntaxUID = pydicom.uid.ImplicitVRLittleEndian
+        data = pydicom.dataset.FileDataset(None, {}, file_meta=meta, preamble=bytes(128))
+        data.is_little_endian, data.is_implicit_VR = True, True
+        data.SOPClassUID, data.SOPInstanceUID = meta.MediaStorageSOPClassUID, meta.MediaStorageSOPInstanceUID
+        data.StudyDate, data.StudyTime, data.AccessionNumber, data.Modality = "20200102", "030405", "", "CT"
+        data.Manufacturer, data.ReferringPhysicianName = "nobody", ""
+        data.SeriesDescription = f"series {series[-1]}"
+        data.PatientName, data.PatientID, data.PatientBirthDate, data.PatientSex = "Doe^Jane", "17", "", "F"
+        data.SliceThickness, data.KVP, data.PatientPosition = "3", "120", "HFS"
+        data.StudyInstanceUID, data.SeriesInstanceUID = "1.2.826.0.1.3680043.8.498.7", series
+        data.StudyID, data.SeriesNumber, data.AcquisitionNumber, data.InstanceNumber = "1", "1", "1", str(k + 1)
+        data.ImageOrientationPatient = [f"{x:.10g}" for x in (*along_i, *along_j)]
+        place = numpy.array(origin) + heights[k] * normal + k * numpy.array(shift)
+        data.ImagePositionPatient = [f"{x:.10g}" for x in place]
+        data.FrameOfReferenceUID, data.PositionReferenceIndicator = "1.2.826.0.1.3680043.8.498.9", ""
+        data.SamplesPerPixel, data.PhotometricInterpretation = 1, "MONOCHROME2"
+        if frames:
+            data.NumberOfFrames = frames
+        data.Rows, data.Columns, data.PixelSpacing = ROWS, COLUMNS, [str(SPACING[1]), str(SPACING[0])]
+        data.BitsAllocated, data.BitsStored, data.HighBit, data.PixelRepresentation = 16, 16, 15, 1
+        data.RescaleIntercept, data.RescaleSlope = "0", "1"
+        data.PixelData = bytes(2 * ROWS * COLUMNS * (frames or 1))
+        data.save_as(folder / f"{name}.dcm", write_like_original=False)
+
+
+def contours_of(path):
+    """Of each ROI by name: its contours as (points, type, SOP instance), and the data set."""
+    data = pydicom.dcmread(path)
+    names = {roi.ROINumber: roi.ROIName for roi in data.StructureSetROISequence}
+    found = {}
+    for roi in data.ROIContourSequence:
+        found[names[roi.ReferencedROINumber]] = [
+            (
+                numpy.array(contour.ContourData, float).reshape(-1, 3),
+                contour.ContourGeometricType,
+                contour.ContourImageSequence[0].ReferencedSOPInstanceUID if "ContourImageSequence" in contour else None,
+            )
+            for contour in roi.ContourSequence
+        ]
+        for contour in roi.ContourSequence:
+            assert contour.NumberOfContourPoints * 3 == len(contour.ContourData)
+            assert all(len(str(x.original_string).strip()) <= 16 for x in contour.ContourData)
+    return data, found
+
+
+def area(points, along_i, along_j):
+    x, y = points @ along_i, points @ along_j
+    return (x * numpy.roll(y, -1) - numpy.roll(x, -1) * y).sum() / 2
+
+
+def even_odd(rings, at, along_i, along_j):
+    count = 0
+    for ring in rings:
+        x, y = ring @ along_i, ring @ along_j
+        u, v = numpy.roll(x, -1), numpy.roll(y, -1)
+        px, py = at @ along_i, at @ along_j
+        spans = (y <= py) != (v <= py)
+        with numpy.errstate(divide="ignore", invalid="ignore"):
+            count += int((spans & (x + (py - y) / (v - y) * (u - x) > px)).sum())
+    return count % 2 == 1
+
+
+class Test:
+    def __init__(self, lamella, folder):
+        self.lamella, self.folder = lamella, folder
+
+    def run(self, *words, status=0, says=""):
+        done = subprocess.run([self.lamella, *words], cwd=self.folder, capture_output=True, text=True)
+        assert done.returncode == status, (words, done.returncode, done.stderr)
+        assert says in done.stderr, (says, done.stderr)
+        if status:
+            assert done.stderr.count("\n") <= 2, done.stderr
+        return done.stderr
+
+    def conforms(self, name):
+        if program := shutil.which("dciodvfy"):
+            said = subprocess.run([program, name], cwd=self.folder, capture_output=True, text=True)
+            # Debian's does not know that value of PS3.3, C.8.8.6.
+            unknown = "Unrecognized enumerated value <CLOSEDPLANAR_XOR>"
+            lines = (said.stdout + said.stderr).splitlines()
+            errors = [line for line in lines if line.startswith("Error") and unknown not in line]
+            assert not errors, errors
+        if program := shutil.which("dcmdump"):
+            subprocess.run([program, "-q", name], cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
+
+    def slices(self, ct, along_i, along_j, heights, tilt_free=True):
+        """Structure sets on a CT: places, images, areas."""
+        normal = numpy.cross(along_i, along_j)
+        instances = {}
+        for path in (self.folder / ct).iterdir():
+            data = pydicom.dcmread(path, stop_before_pixels=True)
+            instances[data.SOPInstanceUID] = numpy.array(data.ImagePositionPatient, float) @ normal
+        areas = []
+        for holes in ("xor", "keyhole"):
+            self.run("slice", "body.stl", "--like", ct, "--frame", "lps", "--holes", holes, "-o", "a.dcm", "--threads", "1")
+            self.run("slice", "body.stl", "--like", ct, "--frame", "lps", "--holes", holes, "-o", "b.dcm", "--threads", "2")
+            assert (self.folder / "a.dcm").read_bytes() == (self.folder / "b.dcm").read_bytes(), "bytes depend on threads"
+            self.conforms("a.dcm")
+            data, rois = contours_of(self.folder / "a.dcm")
+            assert data.PatientName == "Doe^Jane" and data.StudyInstanceUID == "1.2.826.0.1.3680043.8.498.7"
+            (contours,) = rois.values()
+            rings = {}
+            for points, kind, instance in contours:
+                assert kind == ("CLOSEDPLANAR_XOR" if holes == "xor" else "CLOSED_PLANAR"), kind
+                assert numpy.abs(points @ normal - instances[instance]).max() < 1e-6, "a contour beside its slice"
+                rings.setdefault(instance, []).append(points)
+            areas.append({i: sum(area(ring, along_i, along_j) for ring in all) for i, all in rings.items()})
+            # Every voxel's centre is inside the mesh if and only if it is inside the contours.
+            origin = numpy.array(pydicom.dcmread(next((self.folder / ct).iterdir())).ImagePositionPatient, float)
+            for instance, height in instances.items():
+                base = origin + (height - origin @ normal) * normal
+                for row in range(0, ROWS, 3):
+                    for column in range(0, COLUMNS, 2):
+                        at = base + along_i * SPACING[0] * column + along_j * SPACING[1] * row
+                        assert even_odd(rings.get(instance, []), at, along_i, along_j) == inside(at), (holes, at)
+        assert areas[0].keys() == areas[1].keys()
+        assert all(abs(areas[0][i] - areas[1][i]) < 1e-4 for i in areas[0]), "keyholes have another area"
+        return {instances[i]: found for i, found in areas[0].items()}
+
+    def places_of_voxels(self, path):
+        """Centres of the voxels that are not 0, in LPS."""
+        image = nibabel.load(path)
+        centres = nibabel.affines.apply_affine(image.affine, numpy.argwhere(numpy.asarray(image.dataobj) != 0))
+        return centres * [-1, -1, 1]
+
+    def masks(self, ct):
+        self.run("slice", "body.stl", "--like", ct, "--frame", "lps", "-o", "m.nii.gz")
+        mine = self.places_of_voxels(self.folder / "m.nii.gz")
+        assert all(inside(at) for at in mine) and len(mine) > 500
+        if program := shutil.which("plastimatch"):
+            command = [program, "convert", "--input", "a.dcm", "--referenced-ct", ct]
+            command += ["--output-prefix", f"of-{ct}", "--prefix-format", "nii.gz"]
+            subprocess.run(command, cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
+            theirs = self.places_of_voxels(self.folder / f"of-{ct}" / "body.nii.gz")
+            assert all(inside(at) for at in theirs), "plastimatch has the contours elsewhere"
+            assert abs(len(theirs) - len(mine)) <= 0.05 * len(mine), (len(theirs), len(mine))
+
+    def refusals(self):
+        straight = (numpy.array([1.0, 0, 0]), numpy.array([0, 1.0, 0]), (-25, -25, 9))
+        even = [3 * k for k in range(9)]
+        write_ct(self.folder / "two", *straight, even)
+        for path in (self.folder / "two").iterdir():
+            path.rename(path.with_name("x" + path.name))
+        write_ct(self.folder / "two", *straight, even[:4], series="1.2.826.0.1.3680043.8.498.2")
+        write_ct(self.folder / "tilted", *straight, even, shift=(0, 0.4, 0))
+        write_ct(self.folder / "frames", *straight, even[:1], frames=5)
+        write_ct(self.folder / "uneven", *straight, [0, 3, 6, 7.5, 9, 14])
+        write_ct(self.folder / "far", straight[0], straight[1], (500, -25, 9), even)
+        (self.folder / "none").mkdir()
+        (self.folder / "none" / "empty.dcm").write_bytes(b"")
+        body = ("slice", "body.stl", "--frame", "lps", "-o", "r.dcm", "--like")
+        self.run(*body, "two", status=3, says="498.1 'series 1' (9 slices); 1.2.826.0.1.3680043.8.498.2 'series 2' (4 slices)")
+        self.run(*body, "tilted", status=3, says="tilted gantry")
+        self.run(*body, "frames", status=3, says="several frames (5)")
+        self.run(*body, "none", status=3, says="without DICOM")
+        self.run(*body, "far", status=3, says="lies outside of the image")
+        self.run("slice", "body.stl", "--frame", "lps", "-o", "r.nii", "--like", "far", status=3, says="lies outside of the image")
+        self.run("slice", "body.stl", "--frame", "lps", "-o", "r.nii", "--like", "uneven", status=3, says="not evenly spaced")
+        self.run("slice", "body.stl", "--frame", "lps", "--spacing", "1,1,2", "-o", "r.dcm", status=3, says="--without-ct")
+        self.run("slice", "body.stl", "-o", "r.dcm", status=2, says="needs --like")
+        self.run(*body, "uneven", "--subslices", "2", status=2, says="on the slices themselves")
+        self.run("slice", "body.stl", "-o", "r.csv", "--holes", "xor", status=2, says="no output is a structure set")
+        assert not list(self.folder.glob("r.*")), "something was written"
+        self.run("slice", "body.stl", "--frame", "lps", "--like", "uneven", "-o", "u.csv")
+        heights = [float(line.split(",")[2]) for line in (self.folder / "u.csv").read_text().splitlines()[1:]]
+        assert numpy.allclose(heights, [0, 3, 6, 7.5, 9, 14]), heights
+
+
+def main():
+    numpy.random.seed(1)
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        test = Test(sys.argv[1], folder)
+        (folder / "body.stl").write_bytes(stl(HOLLOW))
+        i, j, k = numpy.eye(3)
+        even = [2.87 * n for n in range(10)]
+        write_ct(folder / "axial", i, j, (-25.2, -25.3, 9.1), even)
+        for height, found in test.slices("axial", i, j, even).items():
+            assert abs(found - area_at(height)) < 1e-4, (height, found, area_at(height))
+        test.masks("axial")
+        write_ct(folder / "uneven", i, j, (-25.2, -25.3, 9.1), [0, 2.8, 5.8, 7.5, 9, 14.1])
+        test.slices("uneven", i, j, None)
+        write_ct(folder / "feet", i, -j, (-25.2, 25.3, 35.1), even)  # the normal leads to the feet
+        test.slices("feet", i, -j, even)
+        test.masks("feet")
+        write_ct(folder / "sagittal", j, -k, (32.3, -28.4, 40.2), [4.1 * n for n in range(13)])
+        test.slices("sagittal", j, -k, None)
+        test.masks("sagittal")
+        turn = numpy.linalg.qr(numpy.array([[1.0, 0.2, 0.1], [-0.1, 1, 0.3], [0.2, -0.4, 1]]))[0]
+        turn *= numpy.sign(numpy.diag(turn))
+        a, b = turn[:, 0], turn[:, 1]
+        write_ct(folder / "oblique", a, b, -25.3 * a - 25.4 * b + 3.3 * numpy.cross(a, b), [2.7 * n for n in range(14)])
+        test.slices("oblique", a, b, None)
+        test.masks("oblique")
+        test.refusals()
+        test.run("slice", "body.stl", "--frame", "lps", "--spacing", "1,1,2", "--without-ct", "-o", "w.dcm")
+        test.conforms("w.dcm")
+        data, _ = contours_of(folder / "w.dcm")
+        assert data.StructureSetDate == "" and data.StudyInstanceUID.startswith("2.25.")
+    print("passed")
+
+
+main()

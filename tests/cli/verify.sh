@@ -120,6 +120,7 @@ test_verify_nonsense() {
     replaced $record '"--frame"' '"--help"'; nonsense "is no option that a record holds"
     replaced $record '"ras"' '"ras","--like"'; nonsense "has no value"
     replaced $record '"ras"' '"no frame"'; nonsense "is not one of lps|ras"
+    replaced $record '"result_hashes": \[' '"result_hashes": ["0","0",'; nonsense "its record has 2 inputs and 4 hashes"
     # Inputs that lead elsewhere.
     replaced $record '"path": "in/a.stl"' '"path": "in/b.stl"'; verdict 5 "differs" --inputs out/m.csv; cp kept.json $record
     replaced $record '"path": "in/a.stl"' '"path": "-"'; nonsense "came from standard input"

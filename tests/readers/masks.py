@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""Masks as nibabel and Teem read them: masks.py LAMELLA. Ends with 77 where nibabel is missing."""
+"""Masks as nibabel, Teem and plastimatch read them: masks.py LAMELLA. Ends with 77 where nibabel is missing."""
 
 import pathlib
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
@@ -15,14 +14,7 @@ except ImportError:
     print("not tested: python3-nibabel is missing")
     sys.exit(77)
 
-
-def box(low, high):
-    """A binary STL of a box."""
-    corner = [[(low, high)[i >> axis & 1][axis] for axis in range(3)] for i in range(8)]
-    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    triangles = [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
-    data = b"".join(struct.pack("<12fH", 0, 0, 0, *[x for v in t for x in corner[v]], 0) for t in triangles)
-    return bytes(80) + struct.pack("<I", len(triangles)) + data
+from support import box_stl
 
 
 def marker_of(path):
@@ -35,15 +27,44 @@ def marker_of(path):
     return places.min(axis=0) - half, places.max(axis=0) + half
 
 
+def check_plastimatch(folder, run):
+    """plastimatch converts masks to its own images, which say where the marker lies in LPS: its corners, within a voxel."""
+    for end in ("nii.gz", "nrrd", "seg.nrrd"):
+        run("slice", "box.stl", "--like", "like.nii.gz", "--frame", "ras", "-o", f"p.{end}")
+        subprocess.run(["plastimatch", "convert", "--input", f"p.{end}", "--output-img", "p.mha"], cwd=folder, check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        low, high = marker_of_metaimage(folder / "p.mha")
+        expected = numpy.sort([[-10, -20, 30], [-14, -26, 38]], axis=0)
+        assert numpy.all(numpy.abs(low - expected[0]) <= [1.01, 0.76, 0.51]), (end, low)
+        assert numpy.all(numpy.abs(high - expected[1]) <= [1.01, 0.76, 0.51]), (end, high)
+
+
+def marker_of_metaimage(path):
+    """As marker_of(), in LPS, of an uncompressed MetaImage."""
+    keys, data, at = {}, path.read_bytes(), 0
+    while keys.get("ElementDataFile") != "LOCAL":
+        end = data.index(b"\n", at)
+        key, value = data[at:end].decode().split(" = ", 1)
+        keys[key], at = value.strip(), end + 1
+    size, spacing, offset, matrix = (numpy.array([float(x) for x in keys[key].split()])
+                                     for key in ("DimSize", "ElementSpacing", "Offset", "TransformMatrix"))
+    kind = {"MET_UCHAR": numpy.uint8, "MET_USHORT": numpy.uint16, "MET_SHORT": numpy.int16, "MET_FLOAT": numpy.float32}
+    voxels = numpy.frombuffer(data[at:], kind[keys["ElementType"]]).reshape(size.astype(int), order="F")
+    axes = matrix.reshape(3, 3).T * spacing  # a column each; MetaImage has a row each
+    places = numpy.argwhere(voxels == 1) @ axes.T + offset
+    half = numpy.abs(axes).sum(axis=1) / 2
+    return places.min(axis=0) - half, places.max(axis=0) + half
+
+
 def main():
-    lamella = sys.argv[1]
+    lamella = str(pathlib.Path(sys.argv[1]).resolve())
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
 
         def run(*words):
             subprocess.run([lamella, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
 
-        (folder / "box.stl").write_bytes(box((10, 20, 30), (14, 26, 38)))
+        (folder / "box.stl").write_bytes(box_stl((10, 20, 30), (14, 26, 38)))
         for frame, sign in (("ras", 1), ("lps", -1)):
             run("slice", "box.stl", "--spacing", "1,2,4", "--frame", frame, "-o", "m.nii.gz")
             low, high = marker_of(folder / "m.nii.gz")
@@ -68,6 +89,8 @@ def main():
             voxels = (folder / "raw.nrrd").read_bytes()[-30 * 20 * 40 :]
             same = numpy.asarray(nibabel.load(folder / "t.nii").dataobj).ravel(order="F").tobytes()
             assert voxels == same, "Teem reads other voxels than nibabel"
+        if shutil.which("plastimatch"):
+            check_plastimatch(folder, run)
     print("passed")
 
 

@@ -13,8 +13,7 @@ except ImportError:
     print("not tested: python3-pil or python3-numpy is missing")
     sys.exit(77)
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from support import box_stl  # noqa: E402
+from support import box_stl
 
 COLOURS = [(0x1F, 0x6F, 0xB4), (0xF2, 0x8E, 0x2B)]
 

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 
 #include "batch/workers/worker_pool.hpp"
+#include "console.hpp"
 #include "failure.hpp"
 #include "option_words.hpp"
 #include "standard_streams.hpp"
@@ -96,9 +97,14 @@ std::vector<std::string> words_for(const Record& record, const std::vector<fs::p
         throw Failure(bad_input, "made of the archive '" + record.inputs.front().path +
                                      "', not of a mesh: lamella convert or merge makes it again");
     }
+    const std::size_t meshes = record.result_hashes.size();
+    if (meshes == 0 || record.inputs.size() < meshes) {
+        throw Failure(bad_input, "its record has " + counted(record.inputs.size(), "input") + " and " +
+                                     counted(meshes, "hash", "hashes"));
+    }
     std::vector<std::string> words = {"--output=" + output.string(), "--progress=never",
                                       "--threads=" + std::to_string(threads)};
-    std::size_t input = record.result_hashes.size();  // behind the meshes
+    std::size_t input = meshes;  // what options name follows
     for (const RecordedOption& option : parse_record_words(record.options)) {
         if (!option.value) {
             words.push_back(option.name);
@@ -114,7 +120,7 @@ std::vector<std::string> words_for(const Record& record, const std::vector<fs::p
         }
         words.push_back(option.name + "=" + value);
     }
-    for (std::size_t i = 0; i < record.result_hashes.size(); ++i) {
+    for (std::size_t i = 0; i < meshes; ++i) {
         words.push_back(layout.add(record.inputs[i].path, inputs[i]));
     }
     return words;

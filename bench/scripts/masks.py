@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""Times label masks of 512 x 512 x 275 voxels of one mesh, its contours being there.
+
+    bench/scripts/masks.py BUILD MESH.stl [--readme bench/README.md] [--rounds 15]
+
+Runs BUILD/bench/lamella_masks with 1 and 2 threads and prints a table; with --readme it also replaces the one between the
+markers there. The bar holds for 2 threads that have a core each: where others use the machine, wall times say little, and
+`of processor time` is what 2 free cores would give if all work ran on both. The exit status is 1 if the raster alone does not
+meet its bar by either.
+"""
+
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+from readme_table import mark_least, replace_table
+
+BAR = 1.0  # G voxels/s of the raster, 2 threads
+VOXELS = 512 * 512 * 275
+WAYS = {"raster": "contours to voxels in memory", "nii": "`write_mask()`, .nii", "nrrd": "`write_mask()`, .nrrd (gzip)"}
+
+
+def report_of(program, mesh, threads, rounds):
+    with tempfile.TemporaryDirectory() as folder:
+        command = [program, mesh, str(threads), folder, str(rounds)]
+        return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("mesh")
+    parser.add_argument("--readme", type=pathlib.Path)
+    parser.add_argument("--rounds", type=int, default=15)
+    arguments = parser.parse_args()
+    reports = [report_of(arguments.build / "bench" / "lamella_masks", arguments.mesh, threads, arguments.rounds) for threads in (1, 2)]
+    lines = [f"{reports[0]['triangles']:,} triangles, {reports[0]['points']:,} points, 512 x 512 x 275 voxels:", "",
+             "| way | threads | wall time, median (least) | processor time | G voxels/s, median | of processor time |", "|" + "---|" * 6]
+    met = False
+    for way, words in WAYS.items():
+        for report in reports:
+            threads, times = report["threads"], report[way]
+            by_wall, by_work = times["voxels_per_s"] / 1e9, VOXELS * threads / times["processor_ms"] / 1e6
+            bar = BAR if way == "raster" and threads == 2 else None
+            text, good = mark_least(f"{by_work:.2f}", by_work, bar)
+            met = met or (bar is not None and (good or by_wall >= bar))
+            lines.append(f"| {words} | {threads} | {times['wall_ms']:.0f} ms ({times['least_wall_ms']:.0f}) | {times['processor_ms']:.0f} ms "
+                         f"| {by_wall:.2f} | {text} |")
+    table = "\n".join(lines) + "\n"
+    print(table, end="")
+    if arguments.readme:
+        replace_table(arguments.readme, "masks", table)
+    return 0 if met else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

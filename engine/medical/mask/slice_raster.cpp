@@ -1,0 +1,185 @@
+#include "medical/mask/slice_raster.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "medical/raster/clipped_area.hpp"
+
+namespace lamella {
+
+namespace {
+
+template <class Label>
+void fill_span(Label* begin, Label* end, std::uint32_t part, MaskCounts& counts) {
+    if (part > 0) {
+        for (const Label* voxel = begin; voxel != end; ++voxel) {
+            if (*voxel != 0) {
+                --counts.voxels[*voxel - 1U];
+                ++counts.overlapped;
+            }
+        }
+    }
+    std::fill(begin, end, static_cast<Label>(part + 1));
+    counts.voxels[part] += static_cast<std::uint64_t>(end - begin);
+}
+
+/// Calls use(part, crossings) for each part that crosses a row.
+template <class Use>
+void for_each_part(std::span<const Crossing> crossings, const Use& use) {
+    while (!crossings.empty()) {
+        const std::uint32_t part = crossings.front().part();
+        const auto end = std::find_if(crossings.begin(), crossings.end(),
+                                      [part](const Crossing& crossing) { return crossing.part() != part; });
+        const auto count = static_cast<std::size_t>(end - crossings.begin());
+        use(part, crossings.first(count));
+        crossings = crossings.subspan(count);
+    }
+}
+
+}  // namespace
+
+void MaskCounts::add(const MaskCounts& other) {
+    overlapped += other.overlapped;
+    open_slices += other.open_slices;
+    for (std::size_t i = 0; i < voxels.size(); ++i) {
+        voxels[i] += other.voxels[i];
+        area[i] += other.area[i];
+        inside[i] += other.inside[i];
+    }
+}
+
+SliceRaster::SliceRaster(std::span<const MaskPart> parts, const ImageGeometry& image, const MaskOptions& options,
+                         const MaskLayout& layout)
+    : parts_(parts), image_(image), options_(options), layout_(layout) {
+    for (const MaskPart& part : parts) {
+        columns_.emplace_back(image.size[0], image.spacing_mm[0], part.result->unit_mm);
+        rows_.emplace_back(image.size[1], image.spacing_mm[1], part.result->unit_mm);
+    }
+}
+
+void SliceRaster::draw(std::uint64_t slice, unsigned char* to, Scratch& scratch, MaskCounts& counts) const {
+    std::memset(to, 0, slice_bytes());
+    bool open = false;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+        for (int subslice = 0; subslice < options_.subslices; ++subslice) {
+            open = measure(i, layer(i, slice, subslice), counts) || open;
+        }
+    }
+    counts.open_slices += open ? 1 : 0;
+    if (layout_.shares) {
+        draw_shares(slice, to, scratch, counts);
+    } else if (layout_.voxel_bytes == 1) {
+        draw_spans(slice, to, scratch, counts);
+    } else {
+        draw_wide_labels(slice, to, scratch, counts);
+    }
+}
+
+const Layer& SliceRaster::layer(std::size_t part, std::uint64_t slice, int subslice) const {
+    const SliceResult& result = *parts_[part].result;
+    const std::uint64_t height =
+        slice * static_cast<std::uint64_t>(options_.subslices) + static_cast<std::uint64_t>(subslice);
+    return result.layers[result.layer_of[height]];
+}
+
+/// Adds the areas of a layer; whether it has open polylines.
+bool SliceRaster::measure(std::size_t part, const Layer& layer, MaskCounts& counts) const {
+    const SliceResult& result = *parts_[part].result;
+    bool open = false;
+    for (const Contour& contour : result.contours_of(layer)) {
+        open = open || contour.role == Role::open;
+        if (contour.role == Role::outer || contour.role == Role::hole) {
+            const double area = result.area_mm2(contour);
+            counts.area[part] += area;
+            counts.inside[part] += reaches_beyond(part, contour) ? area_inside(part, contour) : area;
+        }
+    }
+    return open;
+}
+
+/// Beyond the outer sides of the outermost voxels.
+bool SliceRaster::reaches_beyond(std::size_t part, const Contour& contour) const noexcept {
+    const SliceResult& result = *parts_[part].result;
+    Point min = result.points_of(contour).front();
+    Point max = min;
+    for (const Point& point : result.points_of(contour)) {
+        min = {std::min(min.x, point.x), std::min(min.y, point.y)};
+        max = {std::max(max.x, point.x), std::max(max.y, point.y)};
+    }
+    const double scale[2] = {result.unit_mm / image_.spacing_mm[0], result.unit_mm / image_.spacing_mm[1]};
+    return min.x * scale[0] < -0.5 || min.y * scale[1] < -0.5 ||
+           max.x * scale[0] > static_cast<double>(image_.size[0]) - 0.5 ||
+           max.y * scale[1] > static_cast<double>(image_.size[1]) - 0.5;
+}
+
+double SliceRaster::area_inside(std::size_t part, const Contour& contour) const {
+    const SliceResult& result = *parts_[part].result;
+    std::vector<PointMm> polygon;
+    for (const Point& point : result.points_of(contour)) {
+        polygon.push_back(result.to_mm(point));
+    }
+    const PointMm half{0.5 * image_.spacing_mm[0], 0.5 * image_.spacing_mm[1]};
+    return area_within(std::move(polygon), {-half.x, -half.y},
+                       {static_cast<double>(image_.size[0]) * image_.spacing_mm[0] - half.x,
+                        static_cast<double>(image_.size[1]) * image_.spacing_mm[1] - half.y});
+}
+
+template <class Label>
+void SliceRaster::draw_spans(std::uint64_t slice, Label* to, Scratch& scratch, MaskCounts& counts) const {
+    RowCrossings& crossings = scratch.crossings;
+    crossings.restart(0, image_.size[1]);
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+        const SliceResult& result = *parts_[i].result;
+        for (const Contour& contour : result.contours_of(layer(i, slice, 0))) {
+            if (contour.role != Role::open) {
+                crossings.add(result.points_of(contour), columns_[i], rows_[i], static_cast<std::uint32_t>(i));
+            }
+        }
+    }
+    crossings.sort();
+    for (std::size_t row = 0; row < image_.size[1]; ++row) {
+        Label* const voxels = to + row * image_.size[0];
+        for_each_part(crossings.of_row(row), [&](std::uint32_t part, std::span<const Crossing> of_part) {
+            for_each_span(of_part, image_.size[0], [&](std::size_t first, std::size_t last) {
+                fill_span(voxels + first, voxels + last, part, counts);
+            });
+        });
+    }
+}
+
+void SliceRaster::draw_wide_labels(std::uint64_t slice, unsigned char* to, Scratch& scratch, MaskCounts& counts) const {
+    scratch.wide.assign(image_.size[0] * image_.size[1], 0);
+    draw_spans(slice, scratch.wide.data(), scratch, counts);
+    for (const std::uint16_t label : scratch.wide) {
+        *to++ = static_cast<unsigned char>(label & 0xff);
+        *to++ = static_cast<unsigned char>(label >> 8);
+    }
+}
+
+void SliceRaster::draw_shares(std::uint64_t slice, unsigned char* to, Scratch& scratch, MaskCounts& counts) const {
+    const SliceResult& result = *parts_[0].result;
+    const std::size_t width = image_.size[0];
+    const double scale[2] = {result.unit_mm / image_.spacing_mm[0], result.unit_mm / image_.spacing_mm[1]};
+    scratch.shares.assign(width * image_.size[1], 0);
+    for (int subslice = 0; subslice < options_.subslices; ++subslice) {
+        scratch.sheet.restart(width, 0, image_.size[1]);
+        for (const Contour& contour : result.contours_of(layer(0, slice, subslice))) {
+            if (contour.role != Role::open) {
+                scratch.sheet.add(result.points_of(contour), scale);
+            }
+        }
+        for (std::size_t row = 0; row < image_.size[1]; ++row) {
+            scratch.sheet.take_row(row, std::span(scratch.shares).subspan(row * width, width));
+        }
+    }
+    for (std::size_t i = 0; i < scratch.shares.size(); ++i) {
+        if (scratch.shares[i] > 0) {
+            to[i] = static_cast<unsigned char>(std::lround(255 * scratch.shares[i] / options_.subslices));
+            counts.voxels[0] += to[i] != 0 ? 1 : 0;
+        }
+    }
+}
+
+}  // namespace lamella

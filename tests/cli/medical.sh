@@ -99,6 +99,22 @@ test_archives() {
     expect 0 slice b.stl --spacing 2,2,2 --subslices 3 --frame ras -o share.h5 -o share.nii
     expect 0 convert share.h5 -o c.nii
     cmp c.nii share.nii || fail "convert writes other shares"
+    # Ranges of layers join to the whole, for an image as for uniform layers.
+    for range in 0:4 4:9 9:; do
+        expect 0 slice a.stl --layer-height 1 --layers "$range" -o "plain${range%%:*}.h5"
+        expect 0 slice a.stl --spacing 1,1.5,2 --frame ras --layers "$range" -o "image${range%%:*}.h5"
+    done
+    expect 0 merge plain9.h5 plain0.h5 plain4.h5 -o m.h5
+    cmp m.h5 plain.h5 || fail "the joined parts are not the whole"
+    expect 0 merge image9.h5 image0.h5 image4.h5 -o m.h5
+    cmp m.h5 a.h5 || fail "the joined parts are not the whole, of an image"
+    expect 0 slice a.stl --layer-height 1 --layers 4:9 --memory 20M -o m.h5
+    cmp m.h5 plain4.h5 || fail "a budget of memory changes an archive"
+    expect_failure 3 "lie in neither 'plain0.h5' nor 'plain9.h5'" merge plain9.h5 plain0.h5 -o n.h5
+    expect_failure 3 "of 11; lamella merge joins such parts" convert image4.h5 -o n.nii
+    expect_failure 2 "" slice a.stl --like a.nii.gz --frame ras --layers 4:9 -o n.nii
+    expect 0 convert plain4.h5 -o n.csv -o n.svg -o n.png
+    rm -f ./n.*
     cp a.h5 damaged.h5
     printf 'x' | dd of=damaged.h5 bs=1 seek=15000 conv=notrunc status=none
     head -c 15000 a.h5 > cut.h5

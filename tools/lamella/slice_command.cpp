@@ -157,6 +157,7 @@ private:
         for (std::size_t i = 0; i < files.size(); ++i) {
             SliceOptions options = options_of(arguments_);
             options.plan.spacing = ExplicitPlanes{{0}};
+            options.layers = {};
             options.transform =
                 ImageGeometry{}.slicing_frame(patient_frame_of(files[i], arguments_.image, arguments_.meshes[i]));
             const SliceSummary box = found(slice(files[i], options)).summary;

@@ -274,6 +274,25 @@ test_batch_shards() {
     diff -r whole out || fail "shards make another tree"
 }
 
+# A mesh larger than all of the memory is cut in ranges, alone.
+test_batch_memory() {
+    meshes
+    rm in/bad.stl
+    sphere in/large.stl 1000000
+    local -a command=(batch in -o 'out/{stem}.svg' --to svg,csv --layer-height 0.5 --memory 64M)
+    expect 0 "${command[@]}"
+    expect_summary "5: 5 done"
+    expect_result 1000000 in/large.stl triangles
+    expect 0 slice in/large.stl --layer-height 0.5 -o large.svg
+    cmp large.svg out/large.svg || fail "a mesh larger than the memory has other bytes"
+    expect 0 "${command[@]}"
+    expect_summary "5: 0 done, 5 unchanged"
+    expect 5 batch in -o 'masks/{stem}.nrrd' --spacing 2,2,2 --frame lps --memory 64M
+    expect_summary "5: 4 done, 0 unchanged, 1 failed"
+    grep -q "^failed    in/large.stl: needs about .* MB of memory, more than --memory has, as --spacing needs the whole mesh" .stdout ||
+        fail "no reason"
+}
+
 # What becomes of a process ends its mesh, and not the batch.
 test_batch_processes() {
     meshes

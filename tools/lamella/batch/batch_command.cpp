@@ -53,7 +53,7 @@ RunOptions run_options(const BatchArguments& arguments, const SliceWords& words)
             .retries = arguments.retries,
             .force = arguments.force,
             .hash = arguments.hash,
-            .slice_has_memory = words.has_memory(),
+            .names_without_memory = words.names_without_memory(),
             .progress = arguments.slice.progress};
 }
 

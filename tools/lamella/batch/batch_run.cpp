@@ -128,7 +128,10 @@ bool BatchRun::is_unchanged(std::size_t i) {
 
 std::vector<std::string> BatchRun::words_of(const Item& item, const Admitted& admitted) const {
     std::vector<std::string> words = item.words;
-    words.insert(words.end(), item.plain.begin(), item.plain.end());
+    const bool in_ranges = admission_.is_too_large(admitted.item);
+    if (!in_ranges) {
+        words.insert(words.end(), item.plain.begin(), item.plain.end());
+    }
     for (const std::string& output : item.outputs) {
         words.push_back("--output=" + output);
     }
@@ -140,20 +143,35 @@ std::vector<std::string> BatchRun::words_of(const Item& item, const Admitted& ad
     }
     words.push_back("--threads=" + std::to_string(admitted.threads));
     words.emplace_back("--progress=never");
-    if (admission_.is_too_large(admitted.item)) {
+    if (in_ranges) {
         words.push_back("--memory=" + std::to_string(options_.memory_bytes));
     }
     words.insert(words.end(), {"--", item.mesh});
     return words;
 }
 
+/// Slice cuts a mesh larger than all of the memory in ranges, unless some option needs the whole mesh.
+std::string BatchRun::why_not_in_memory(std::size_t i) const {
+    if (!admission_.is_too_large(i)) {
+        return {};
+    }
+    const Item& item = items_[i];
+    for (const std::string& name : options_.names_without_memory) {
+        const auto is_given = [&](const std::string& word) { return word == name || word.starts_with(name + "="); };
+        if (std::any_of(item.words.begin(), item.words.end(), is_given) || (name == "--report" && !item.report.empty())) {
+            return "needs about " + file_size_text(static_cast<std::uint64_t>(admission_.need_of(i))) +
+                   " of memory, more than --memory has, as " + name + " needs the whole mesh";
+        }
+    }
+    return {};
+}
+
 void BatchRun::start(const Admitted& admitted) {
     const std::size_t i = admitted.item;
     const Item& item = items_[i];
-    if (admission_.is_too_large(i) && !options_.slice_has_memory) {
+    if (const std::string reason = why_not_in_memory(i); !reason.empty()) {
         admission_.ended(i, 0);
-        return fail(i, "needs about " + file_size_text(static_cast<std::uint64_t>(admission_.need_of(i))) +
-                           " of memory, more than --memory has");
+        return fail(i, reason);
     }
     for (const std::string& file : item.files) {
         make_folder_of(file);
@@ -188,7 +206,7 @@ void BatchRun::fail(std::size_t i, const std::string& reason) {
     remove_new_outputs(item, i);
     ResultLine line{item.mesh, reason, item.words, item.inputs, {}, std::nullopt};
     for (const std::string& file : item.files) {
-        line.outputs.push_back({file, 0});
+        line.outputs.push_back({file, std::nullopt});
     }
     progress_.tell(item.mesh + ": " + reason);
     ledger_.append(line);

@@ -25,7 +25,7 @@ struct RunOptions {
     int retries = 1;
     bool force = false;
     bool hash = false;
-    bool slice_has_memory = false;  ///< slice takes --memory, for meshes larger than all of it
+    std::vector<std::string> names_without_memory{};  ///< options that a mesh larger than all of it cannot have
     ProgressBar::When progress = ProgressBar::When::automatic;
 };
 
@@ -44,6 +44,7 @@ private:
     void clean(std::chrono::milliseconds patience) const;
     void choose_items();
     bool is_unchanged(std::size_t i);
+    std::string why_not_in_memory(std::size_t i) const;
     void start(const Admitted& admitted);
     std::vector<std::string> words_of(const Item& item, const Admitted& admitted) const;
     void take(const WorkerEnd& end);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
 #include <sys/stat.h>
@@ -65,7 +66,7 @@ std::vector<OutputFact> outputs_of(const Item& item) {
     for (const std::string& path : item.files) {
         std::error_code unknown;
         const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
-        outputs.push_back({path, unknown ? 0 : bytes});
+        outputs.push_back({path, unknown ? std::nullopt : std::optional<std::uint64_t>(bytes)});
     }
     return outputs;
 }
@@ -73,9 +74,8 @@ std::vector<OutputFact> outputs_of(const Item& item) {
 bool is_done(const Item& item, const ResultLine& line) {
     std::error_code unknown;
     return line.done() && line.mesh == item.mesh && line.options == item.words && line.inputs == item.inputs &&
-           line.outputs == outputs_of(item) && (item.report.empty() || std::filesystem::exists(item.report, unknown)) &&
-           std::all_of(item.files.begin(), item.files.end(),
-                       [&](const std::string& path) { return std::filesystem::exists(path, unknown); });
+           line.outputs == outputs_of(item) && line.outputs.front().bytes.has_value() &&
+           (item.report.empty() || std::filesystem::exists(item.report, unknown));
 }
 
 }  // namespace lamella::cli::batch

@@ -11,7 +11,8 @@ namespace lamella::cli::batch {
 /// cannot be read has no bytes and no time: the item then says why. Throws Failure where `stop` ends it.
 InputFact fact_of(const std::string& path, bool hash, const StopCheck& stop);
 
-/// Done: the line says so, of the same mesh, options and inputs, and every output is there in the size that it says.
+/// Done: the line says so, of the same mesh, options and inputs, and every output is there in the size that it says, or is
+/// not there if it says so (slice within --memory leaves out a table).
 bool is_done(const Item& item, const ResultLine& line);
 
 /// The outputs of an item with their sizes; an output that is not there has none.

@@ -27,12 +27,20 @@ InputFact input_of(const OrderedJson& json) {
             json.value("modified_ns", std::int64_t{0}), json.value("sha256", std::string())};
 }
 
-OrderedJson json_of(const OutputFact& output, bool done) {
+OrderedJson json_of(const OutputFact& output) {
     OrderedJson json = {{"path", output.path}};
-    if (done) {
-        json["bytes"] = output.bytes;
+    if (output.bytes) {
+        json["bytes"] = *output.bytes;
     }
     return json;
+}
+
+OutputFact output_of(const OrderedJson& json) {
+    OutputFact output{json.at("path").get<std::string>(), std::nullopt};
+    if (json.contains("bytes")) {
+        output.bytes = json.at("bytes").get<std::uint64_t>();
+    }
+    return output;
 }
 
 void add_facts(OrderedJson& json, const SliceFacts& facts) {
@@ -59,7 +67,7 @@ ResultLine result_of(const OrderedJson& json) {
         result.inputs.push_back(input_of(input));
     }
     for (const OrderedJson& output : json.at("outputs")) {
-        result.outputs.push_back({output.at("path").get<std::string>(), output.value("bytes", std::uint64_t{0})});
+        result.outputs.push_back(output_of(output));
     }
     if (json.contains("triangles")) {
         result.facts = facts_of(json);
@@ -81,7 +89,7 @@ std::string line_of(const ResultLine& result) {
     }
     json["outputs"] = OrderedJson::array();
     for (const OutputFact& output : result.outputs) {
-        json["outputs"].push_back(json_of(output, result.done()));
+        json["outputs"].push_back(json_of(output));
     }
     if (result.facts) {
         add_facts(json, *result.facts);

@@ -26,7 +26,7 @@ struct SliceFacts {
 
 struct OutputFact {
     std::string path;
-    std::uint64_t bytes = 0;
+    std::optional<std::uint64_t> bytes;  ///< none: it was not written
 
     bool operator==(const OutputFact&) const = default;
 };

@@ -51,6 +51,15 @@ bool SliceWords::is_repeatable(const std::string& name) const {
     return option(name)->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
 }
 
+std::vector<std::string> SliceWords::names_without_memory() const {
+    std::vector<std::string> names;
+    for (const CLI::Option* excluded : option("--memory")->get_excludes()) {
+        names.push_back(excluded->get_name());
+    }
+    names.emplace_back("--report");
+    return names;
+}
+
 OptionValues SliceWords::typed(const CLI::App& command) const {
     OptionValues values;
     for (const CLI::Option* given : command.get_options()) {

@@ -21,8 +21,8 @@ public:
     /// if there is none of that name.
     std::string name_of(const std::string& text) const;
     bool is_flag(const std::string& name) const;
-    /// Whether slice takes --memory, for meshes larger than that.
-    bool has_memory() const { return option("--memory") != nullptr; }
+    /// The options that slice does not take together with --memory, as they need the whole mesh.
+    std::vector<std::string> names_without_memory() const;
     bool is_repeatable(const std::string& name) const;
 
     /// What was typed for `command`, which has the options of slice and more.

@@ -70,7 +70,8 @@ SeriesByUid images_in(const std::filesystem::path& folder) {
         std::optional<DicomHeader> header = read_dicom_header(file);
         any = any || header;
         if (header && header->has(dicom::rows)) {
-            series[header->required_text(dicom::series_instance_uid, "SeriesInstanceUID")].push_back(*std::move(header));
+            const std::string uid = header->required_text(dicom::series_instance_uid, "SeriesInstanceUID");
+            series[uid].push_back(*std::move(header));
         }
     }
     if (series.empty()) {

@@ -1,0 +1,264 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "engine/shapes.hpp"
+#include "lamella/lamella.hpp"
+#include "lamella/medical.hpp"
+#include "medical/dicom/identity.hpp"
+#include "medical/dicom/keyhole.hpp"
+#include "medical/dicom/put_elements.hpp"
+#include "medical/dicom_file.hpp"
+#include "temp_folder.hpp"
+
+using namespace lamella;
+using namespace shapes;
+
+namespace {
+
+using Polygon = std::vector<Point>;
+
+/// From its smallest point, as contours are.
+Polygon from_start(Polygon polygon) {
+    std::rotate(polygon.begin(), std::min_element(polygon.begin(), polygon.end()), polygon.end());
+    return polygon;
+}
+
+Polygon rectangle(std::int32_t x, std::int32_t y, std::int32_t width, std::int32_t height, bool hole) {
+    Polygon polygon = {{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}};
+    if (hole) {
+        std::reverse(polygon.begin(), polygon.end());
+    }
+    return from_start(polygon);
+}
+
+Polygon diamond(std::int32_t x, std::int32_t y, std::int32_t radius) {
+    return from_start({{x - radius, y}, {x, y + radius}, {x + radius, y}, {x, y - radius}});
+}
+
+template <class P>
+double twice_area(std::span<const P> ring) {
+    double sum = 0;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const P& a = ring[i];
+        const P& b = ring[(i + 1) % ring.size()];
+        sum += static_cast<double>(a.x) * b.y - static_cast<double>(b.x) * a.y;
+    }
+    return sum;
+}
+
+double side(const RingPoint& a, const RingPoint& b, const RingPoint& c) {
+    const double twice = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    return std::abs(twice) < 1e-6 ? 0 : twice;
+}
+
+/// Whether two edges cross within both.
+bool cross_within(const RingPoint& a, const RingPoint& b, const RingPoint& c, const RingPoint& d) {
+    return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
+}
+
+std::vector<RingPoint> checked_ring(Keyhole& keyhole, const std::vector<Polygon>& polygons) {
+    const std::vector<std::span<const Point>> contours(polygons.begin(), polygons.end());
+    const std::span<const RingPoint> joined = keyhole.join(contours);
+    std::vector<RingPoint> ring(joined.begin(), joined.end());
+    double expected = 0;
+    for (const Polygon& polygon : polygons) {
+        expected += twice_area(std::span<const Point>(polygon));
+        for (const Point& point : polygon) {
+            const RingPoint there{static_cast<double>(point.x), static_cast<double>(point.y)};
+            REQUIRE(std::find(ring.begin(), ring.end(), there) != ring.end());
+        }
+    }
+    REQUIRE(twice_area(std::span<const RingPoint>(ring)) == Approx(expected).margin(1e-6));
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            REQUIRE_FALSE(cross_within(ring[i], ring[(i + 1) % ring.size()], ring[j], ring[(j + 1) % ring.size()]));
+        }
+    }
+    return ring;
+}
+
+/// Slices at 0, 2, 4 ... around the origin.
+ImageGeometry slices(std::uint64_t count) {
+    ImageGeometry image;
+    image.size = {100, 100, count};
+    image.spacing_mm = {1, 1, 2};
+    image.origin_mm = {-50, -50, -static_cast<double>(count)};
+    return image;
+}
+
+SliceResult cut(const MeshView& mesh, const ImageGeometry& image) {
+    SliceOptions options;
+    options.plan.spacing = ExplicitPlanes{image.slice_heights_mm()};
+    options.transform = image.slicing_frame(PatientFrame::lps);
+    Result<SliceResult> result = slice(mesh, options);
+    REQUIRE(result.ok());
+    return std::move(result).value();
+}
+
+}  // namespace
+
+TEST_CASE("keyhole: a ring has the region's area and crosses itself nowhere", "[medical]") {
+    Keyhole keyhole;
+    // Two holes at one height, one that hangs on a corner, one between.
+    (void)checked_ring(keyhole, {rectangle(0, 0, 100, 100, false), rectangle(20, 20, 10, 10, true),
+                                 rectangle(50, 20, 10, 10, true), rectangle(70, 30, 10, 10, true), diamond(40, 50, 5)});
+    // A bridge to a vertex that two contours share, and holes that touch.
+    (void)checked_ring(keyhole,
+                       {rectangle(0, 0, 100, 100, false), diamond(20, 50, 10), diamond(40, 50, 10), diamond(60, 50, 10)});
+    // A hole that touches the outer contour by its leftmost point.
+    (void)checked_ring(keyhole, {rectangle(0, 0, 100, 100, false), diamond(10, 50, 10)});
+    CHECK(checked_ring(keyhole, {rectangle(0, 0, 10, 10, false)}).size() == 4);
+}
+
+TEST_CASE("keyhole: random holes at equal heights, near and touching", "[medical]") {
+    std::mt19937 random(7);
+    Keyhole keyhole;
+    for (int round = 0; round < 200; ++round) {
+        const int cells = 2 + round % 6;
+        const int pitch = 12;
+        std::vector<Polygon> polygons = {rectangle(0, 0, cells * pitch, cells * pitch, false)};
+        for (int row = 0; row < cells; ++row) {
+            for (int column = 0; column < cells; ++column) {
+                const auto pick = [&](int count) {
+                    return static_cast<std::int32_t>(random() % static_cast<unsigned>(count));
+                };
+                if (pick(4) == 0) {
+                    continue;
+                }
+                const int x = column * pitch;
+                const int y = row * pitch;
+                // Diamonds of the whole cell touch their neighbours.
+                polygons.push_back(pick(2) == 0
+                                       ? diamond(x + 6, y + 6, 2 + pick(5))
+                                       : rectangle(x + 1 + pick(3), y + 1 + pick(3), 2 + pick(6), 2 + pick(6), true));
+            }
+        }
+        std::shuffle(polygons.begin() + 1, polygons.end(), random);
+        const std::vector<RingPoint> ring = checked_ring(keyhole, polygons);
+        CHECK(ring.size() >= 4 * polygons.size());
+    }
+}
+
+TEST_CASE("keyhole: numbers at the grid's limits, and thousands of holes", "[medical]") {
+    Keyhole keyhole;
+    const std::int32_t far = grid_limit - 2;
+    (void)checked_ring(keyhole, {from_start({{-far, -far}, {far, -far}, {far, far}, {-far + 1, far}}),
+                                 rectangle(far - 9, far - 7, 5, 3, true), rectangle(-far + 9, 3, 5, 3, true)});
+    std::vector<Polygon> polygons = {rectangle(0, 0, 4000, 4000, false)};
+    for (int i = 0; i < 10000; ++i) {
+        polygons.push_back(rectangle(40 * (i % 100) + 10, 40 * (i / 100) + 10 + i % 7, 12, 12, true));
+    }
+    const std::vector<std::span<const Point>> contours(polygons.begin(), polygons.end());
+    const std::span<const RingPoint> ring = keyhole.join(contours);
+    CHECK(ring.size() > 60000);
+    CHECK(twice_area(ring) == Approx(2.0 * (4000.0 * 4000 - 10000 * 144.0)));
+}
+
+TEST_CASE("structure set: decimals have at most 16 characters and no idle zeros", "[medical]") {
+    const auto text = [](double value, int decimals) {
+        std::string out;
+        put_decimal(out, value, decimals);
+        return out;
+    };
+    CHECK(text(1.5, 7) == "1.5");
+    CHECK(text(-0.00000001, 7) == "0");
+    CHECK(text(-123.45678912, 7) == "-123.4567891");
+    CHECK(text(100, 7) == "100");
+    CHECK(text(1000, 0) == "1000");
+    CHECK(text(-123456789.123456, 7) == "-123456789.12346");
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 20000; ++i) {
+        const double value = std::ldexp(static_cast<double>(static_cast<std::int64_t>(random())), -63 + i % 31);
+        const std::string number = text(value, i % 15);
+        REQUIRE(number.size() <= 16);
+        REQUIRE(std::abs(std::stod(number) - value) <= 0.5000001 * std::pow(10, -std::min(i % 15, 4)));
+    }
+}
+
+TEST_CASE("structure set: UIDs are those of their content", "[medical]") {
+    std::array<unsigned char, 32> content{};
+    const std::string uid = uid_of(content, "instance");
+    CHECK(uid.starts_with("2.25."));
+    CHECK(uid.size() <= 44);
+    CHECK(uid.size() >= 38);
+    CHECK(uid == uid_of(content, "instance"));
+    CHECK(uid != uid_of(content, "series"));
+    content[31] = 1;
+    CHECK(uid != uid_of(content, "instance"));
+}
+
+TEST_CASE("structure set: bytes depend on content, not on threads; dates are asked for", "[medical]") {
+    const ImageGeometry image = slices(20);
+    const std::vector<float> mesh = floats(box({-10, -12, -15}, {11, 9, 14}));
+    const SliceResult result = cut(MeshView::soup(mesh), image);
+    const TempFolder folder;
+    const auto written = [&](const std::string& name, StructureSetOptions options, int threads = 1) {
+        options.without_ct = true;
+        options.control.threads = threads;
+        const Roi roi{.result = &result, .name = name};
+        const Result<StructureSetSummary> done = write_structure_set({&roi, 1}, image, folder / "a.dcm", options);
+        INFO((done ? "" : done.error().message));
+        REQUIRE(done.ok());
+        CHECK(done->contours > 10);
+        CHECK(done->open_contours == 0);
+        return bytes_of(folder / "a.dcm");
+    };
+    const std::string one = written("liver", {});
+    CHECK(one == written("liver", {}, 3));
+    CHECK(one != written("Leber", {}));
+    CHECK(one.find("20260102") == std::string::npos);
+    StructureSetOptions dated;
+    dated.seconds_since_1970 = 1767323045;
+    const std::string with_date = written("liver", dated);
+    CHECK(with_date.find("20260102") != std::string::npos);
+    CHECK(with_date.find("030405") != std::string::npos);
+    // Names: UTF-8 is declared, backslashes and what is no text are not written.
+    const std::string named = written("L\xc3\xa4ppchen\\\x01\xff", {});
+    CHECK(named.find("ISO_IR 192") != std::string::npos);
+    CHECK(named.find("L\xc3\xa4ppchen___") != std::string::npos);
+    CHECK(written(std::string(500, 'x'), {}).find(std::string(65, 'x')) == std::string::npos);
+}
+
+TEST_CASE("structure set: what cannot be one is refused, and nothing is written", "[medical]") {
+    const ImageGeometry image = slices(20);
+    const std::vector<float> mesh = floats(box({-10, -12, -15}, {11, 9, 14}));
+    const SliceResult result = cut(MeshView::soup(mesh), image);
+    const TempFolder folder;
+    const auto refusal = [&](const SliceResult* of, const ImageGeometry& on, StructureSetOptions options) {
+        const Roi roi{.result = of, .name = "liver"};
+        const Result<StructureSetSummary> done = write_structure_set({&roi, 1}, on, folder / "a.dcm", options);
+        REQUIRE_FALSE(done.ok());
+        CHECK(done.error().code == ErrorCode::invalid_argument);
+        CHECK(folder.names().empty());
+        return done.error().message;
+    };
+    StructureSetOptions without_ct;
+    without_ct.without_ct = true;
+    CHECK(refusal(&result, image, {}).find("slices of a CT") != std::string::npos);
+    CHECK(refusal(&result, slices(21), without_ct).find("not cut at the slices") != std::string::npos);
+    CHECK(refusal(nullptr, image, without_ct).find("not cut at the slices") != std::string::npos);
+    ImageGeometry elsewhere = image;
+    elsewhere.origin_mm[2] = 500;
+    const SliceResult nothing = cut(MeshView::soup(mesh), elsewhere);
+    CHECK(refusal(&nothing, elsewhere, without_ct).find("no closed contour on any slice") != std::string::npos);
+    ImageGeometry ct = image;
+    ct.series.emplace();
+    CHECK(refusal(&result, ct, {}).find("other slices") != std::string::npos);
+    ct.series->slices.resize(20);
+    CHECK(refusal(&result, ct, {}).find("StudyInstanceUID") != std::string::npos);
+    ct.series->study_uid = ct.series->series_uid = "1.2";
+    ct.series->frame_of_reference_uid = "1.2\\3";
+    CHECK(refusal(&result, ct, {}).find("FrameOfReferenceUID") != std::string::npos);
+    StructureSetOptions late = without_ct;
+    late.seconds_since_1970 = std::int64_t{1} << 60;
+    CHECK(refusal(&result, image, late).find("beyond the year 9999") != std::string::npos);
+}

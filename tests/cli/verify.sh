@@ -90,6 +90,11 @@ test_verify_changes() {
     [[ $(ls -d "${TMPDIR:-/tmp}"/lamella-verify-* 2> /dev/null | wc -l) == 0 ]] || fail "temporary folders are left behind"
 }
 
+# expect_dicom ARGUMENT...: false where this build has no DICOM.
+expect_dicom() {
+    "$lamella" "$@" > .stdout 2> .stderr || { grep -q "without DICOM" .stderr && return 1; fail "lamella $*"; }
+}
+
 # Status 5, or 3 where it can no longer be made.
 expect_not_right() {
     local got=0
@@ -146,6 +151,11 @@ test_verify_options() {
     # Options for another of the outputs.
     expect 0 slice a.stl --spacing 1,1,1 --frame lps --coverage --picture-layer 3 --subslices 2 -o s.nii -o s.csv -o s.png
     verdict 0 "s.csv: as recorded, and so" --inputs s.nii s.csv s.png
+    if expect_dicom slice a.stl --spacing 1,1,1 --frame lps --without-ct --holes xor -o r.dcm -o r.csv; then
+        verdict 0 "equal when made again" --inputs r.dcm r.csv
+    fi
+    expect 0 slice a.stl --layer-height 1 --memory 100M --layers 2:9 -o g.csv
+    verdict 0 "equal when made again" --inputs g.csv
     expect 0 slice a.stl --like s.nii --frame lps -o l.nrrd
     verdict 0 "equal when made again" --inputs l.nrrd
     # Standard input, and a mesh whose name is like an option.

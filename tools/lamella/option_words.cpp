@@ -26,7 +26,11 @@ bool is_flag(const CLI::Option& option) {
     return option.get_items_expected_max() == 0;
 }
 
+/// Whether the option may stand beside this output alone, and says something of it.
 bool concerns(const std::string& name, const PlannedOutput& output) {
+    if (name == "--holes" || name == "--without-ct") {
+        return output.format == OutputFormat::structure_set;
+    }
     return (name != "--coverage" || output.is_mask()) && (name != "--picture-layer" || output.format == OutputFormat::png);
 }
 

@@ -1,7 +1,6 @@
 #include "medical/picture/font.hpp"
 
 #include <array>
-#include <cstddef>
 #include <string_view>
 
 namespace lamella {
@@ -104,7 +103,7 @@ constexpr std::array<std::uint64_t, 128> all_dots() {
     dots.fill(dots_of(box));
     dots[' '] = 0;
     for (const Drawing& drawing : drawings) {
-        dots[static_cast<std::size_t>(drawing.character)] = dots_of(drawing.rows);
+        dots[static_cast<unsigned char>(drawing.character)] = dots_of(drawing.rows);
     }
     return dots;
 }

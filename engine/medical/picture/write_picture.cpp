@@ -226,7 +226,7 @@ Status draw(std::span<const PicturePart> parts, const std::vector<Cell>& cells, 
     }
     draw_cells(canvas, page, box, cells, options, parallel);
     parallel.stop_if_asked();
-    const Status written = write_png(canvas, path);
+    Status written = write_png(canvas, path);
     if (written) {
         parallel.finish();
     }

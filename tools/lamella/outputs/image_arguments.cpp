@@ -44,7 +44,7 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
     command
         .add_option("--picture-layer", arguments.picture_layer, "PNG shows this layer, counted from 0, not a contact sheet")
         ->type_name("N")
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
     declare_structures(command, arguments);
     command.add_flag("--strict", arguments.strict, "Fail where a slice has open polylines, which enclose nothing");
 }

@@ -5,7 +5,9 @@ source "$(dirname "${BASH_SOURCE[0]}")/support.sh"
 source "$root/tests/cluster/slurm_engine.sh"
 
 # ended_after_requeue JOB: whether it has run before, and has ended now.
-ended_after_requeue() { [[ "$(state_of "$1")" == COMPLETED || "$(state_of "$1")" == FAILED ]] && scontrol show job "$1" | grep -q 'Restarts=[1-9]'; }
+ended_after_requeue() {
+    [[ "$(scontrol show job "$1")" == *JobState=@(COMPLETED|FAILED)*Restarts=[1-9]* ]]
+}
 
 step "one machine"
 make_meshes
@@ -31,8 +33,10 @@ find_lost() {
     return 1
 }
 wait_for 60 "a running task" find_lost
-requeue "$lost"
+scontrol requeue "$lost"
+start_again "$lost"
 wait_for 300 "the end of $lost" ended_after_requeue "$lost"
+grep -q "DUE TO JOB REQUEUE" "lamella-$lost.txt" || fail "$lost was requeued too late"
 wait_for 300 "the end of the merge" eval '[[ "$(state_of "$merge")" == FAILED ]]'
 grep -q "^failed .*damaged.stl" merge.txt || fail "the merge does not name the damaged mesh"
 rm masks/results.*-of-4.jsonl
@@ -44,8 +48,7 @@ job=$(sbatch --parsable --array=0 --cpus-per-task=1 --mem=800 "$script" 1 meshes
 wait_for 120 "the first line" test -s masks/results.0-of-1.jsonl
 # As Slurm sends it before the time is over, of which it counts minutes.
 scancel --batch --signal=USR1 "${job}_0"
-wait_for 60 "the task to be pending" eval '[[ "$(state_of "${job}_0")" == PENDING ]]'
-scontrol update "JobId=${job}_0" StartTime=now
+start_again "${job}_0"
 wait_for 300 "the end of the task" ended_after_requeue "${job}_0"
 grep -q " [1-9][0-9]* unchanged" "lamella-${job}_0.txt" || fail "the task began anew"
 lamella batch --merge masks > /dev/null || (($? == 5)) || fail "the merge"

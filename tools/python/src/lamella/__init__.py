@@ -28,6 +28,8 @@ read
     A mesh file as a `Mesh`: STL, OBJ, OFF, PLY, VTK, VTP, 3MF, gzip of any.
 assemble
     Contours from segments of another program.
+lamella.dask.slice_many
+    Many files on the workers of a Dask scheduler; a module to import by itself.
 
 Meshes
 ------

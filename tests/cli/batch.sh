@@ -209,6 +209,8 @@ test_batch_bad_input() {
     expect_failure 2 "'-' is one mesh" batch - -o 'o/{stem}.csv'
     expect_failure 2 "'-': a batch writes files" batch in/s1.stl -o -
     expect_failure 2 "needs --like IMAGE or --spacing" batch in -o 'o/{stem}.nii'
+    expect_failure 2 "no output is a mask" batch in -o 'o/{stem}.csv' --coverage
+    expect_failure 2 "--to: 'dcmx' is not one of" batch in -o 'o/{stem}.csv' --to csv,dcmx
     expect_failure 2 "above 0" batch in -o 'o/{stem}.nii' --spacing 1,0,1 --frame lps
     expect_failure 3 "neither a NIfTI-1 nor an NRRD" batch in -o 'o/{stem}.nii' --like in/s1.stl --frame lps
     expect_failure 3 "No such file" batch in -o 'o/{stem}.nii' --like none.nii --frame lps

@@ -152,14 +152,13 @@ void require_closed(const OutputJob& job) {
 
 }  // namespace
 
-void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
+void require_together(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
                       bool image_given, int subslices) {
     require_picture_possible(outputs, arguments);
     require_archive_possible(outputs);
     require_structures_possible(outputs, arguments, image_given, subslices);
     bool mask = false;
     for (const PlannedOutput& output : outputs) {
-        require_writable(output.path);
         mask = mask || output.is_mask();
         if (output.one_mesh() && meshes > 1) {
             throw Failure(bad_usage, "--output: '" + output.path + "' takes one mesh, not " + std::to_string(meshes));
@@ -178,6 +177,14 @@ void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArg
     }
     if (arguments.coverage && !mask) {
         throw Failure(bad_usage, "--coverage: no output is a mask");
+    }
+}
+
+void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
+                      bool image_given, int subslices) {
+    require_together(outputs, arguments, meshes, image_given, subslices);
+    for (const PlannedOutput& output : outputs) {
+        require_writable(output.path);
     }
 }
 

@@ -40,6 +40,10 @@ struct OutputJob {
     std::vector<RecordedOption> options;  ///< for the records
 };
 
+/// Whether options and formats go together, wherever the files may lie. Throws Failure (bad_usage).
+void require_together(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
+                      bool image_given, int subslices);
+
 /// What can be refused before any mesh is read. Throws Failure (bad_usage, bad_output).
 void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
                       bool image_given, int subslices);

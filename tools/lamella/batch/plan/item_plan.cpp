@@ -10,7 +10,6 @@
 
 #include "batch/plan/name_pattern.hpp"
 #include "failure.hpp"
-#include "outputs/image_arguments.hpp"
 #include "outputs/output_formats.hpp"
 
 namespace lamella::cli::batch {
@@ -120,7 +119,7 @@ private:
         if (!item.report.empty()) {
             item.report = expand_pattern(item.report, source, "--report");
         }
-        plan_files(item, values);
+        plan_files(item);
         item.option_files = files_named_by(values);
         item.words = words_.words(values, words_without_effect());
         item.plain = words_.words(plain_values(values), {});
@@ -141,14 +140,10 @@ private:
         return plain;
     }
 
-    static void plan_files(Item& item, const OptionValues& values) {
-        const bool image_given = values.contains("--like") || values.contains("--spacing");
+    static void plan_files(Item& item) {
         for (const PlannedOutput& output : planned_outputs(item.outputs, item.to)) {
             if (output.path == "-" || item.report == "-") {
                 throw Failure(bad_usage, "'-': a batch writes files");
-            }
-            if (output.is_mask() && !image_given) {
-                throw Failure(bad_usage, "--output: '" + output.path + "' needs --like IMAGE or --spacing X,Y,Z");
             }
             for (const std::string& file : output.files(false)) {
                 item.files.push_back(file);

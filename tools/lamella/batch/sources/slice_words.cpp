@@ -4,6 +4,7 @@
 
 #include "failure.hpp"
 #include "outputs/output_formats.hpp"
+#include "outputs/write_outputs.hpp"
 #include "slice_arguments.hpp"
 
 namespace lamella::cli::batch {
@@ -102,6 +103,11 @@ void SliceWords::require_accepted(const OptionValues& values) const {
         throw Failure(bad_usage, error.what());
     }
     (void)options_of(arguments);
+    const OutputArguments& outputs = arguments.outputs;
+    if (!outputs.outputs.empty()) {
+        require_together(planned_outputs(outputs.outputs, outputs.to), outputs, 1, arguments.image.given(),
+                         arguments.image.subslices);
+    }
 }
 
 }  // namespace lamella::cli::batch

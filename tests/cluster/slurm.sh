@@ -55,6 +55,25 @@ lamella batch --merge masks > /dev/null || (($? == 5)) || fail "the merge"
 rm masks/results.0-of-1.jsonl
 same one_machine masks
 
+# A build without HDF5 says so.
+if lamella slice meshes/m11.stl --layer-height 0.05 -o whole.h5 > whole.txt 2>&1; then
+    step "one giant mesh, of which one range of layers is requeued"
+    mkdir giant
+    # shellcheck disable=SC2016
+    job=$(sbatch --parsable --array=0-2 --mem=800 --output=giant.%a.txt --open-mode=append \
+        --wrap 'A=$((SLURM_ARRAY_TASK_ID * 1300)); lamella slice meshes/m11.stl --layer-height 0.05 --layers $A:$((A + 1300)) --memory 600M \
+            -o giant/part.$SLURM_ARRAY_TASK_ID.h5')
+    merge=$(sbatch --parsable --dependency="afterok:$job" --output=merge.txt --wrap 'lamella merge giant/part.*.h5 -o giant.h5')
+    wait_for 60 "the first range" eval '[[ "$(state_of "${job}_0")" != PENDING ]]'
+    scontrol requeue "${job}_0"
+    start_again "${job}_0"
+    wait_for 120 "the end of the merge" eval '[[ "$(state_of "$merge")" == COMPLETED ]]'
+    cmp whole.h5 giant.h5 || fail "the ranges joined are not the whole"
+    echo "$(grep -h ^planes giant.?.txt | sort -u | wc -l) ranges, joined to the same bytes"
+else
+    grep HDF5 whole.txt || fail "the mesh cannot be sliced to an archive"
+fi
+
 step "words that are wrong"
 for words in "" "4x meshes" "1 meshes"; do
     # shellcheck disable=SC2086

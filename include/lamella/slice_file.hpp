@@ -19,7 +19,7 @@
 // mesh in memory. The second keeps the triangles that planes cut, 44 bytes each:
 //
 //     kept triangles    what is cut, and when
-//     fit the budget    all layers, at the end of the pass
+//     fit the budget    all layers, at the end of the pass, in one range or a few
 //     do not fit        where no triangle to come reaches below some layer, as in files in the order of height, the layers
 //                       below it at once. Else they go to a temporary file, ordered by ranges of layers, and each range is
 //                       read back when its turn comes. That never costs more than reading the file again for each range,

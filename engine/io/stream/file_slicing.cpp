@@ -51,12 +51,14 @@ Result<FileSlice> FileSlicing::run() {
     if (Status status = choose_grid_and_planes(); !status) {
         return status.error();
     }
-    store_.reserve(model_.most_kept());
+    limit_ = model_.well_kept();
+    // Pages that are not touched take no memory; a host's own memory may know no such thing.
+    store_.reserve(slicing_.control.memory != nullptr ? limit_ : std::max(limit_, model_.most_kept()));
     scan_file();
     if (Status status = handle_collapse(); !status) {
         return status.error();
     }
-    done_work_.totals.summary.ms.bucket += milliseconds_since(start);
+    done_work_.totals.summary.ms.bucket += milliseconds_since(start) - cut_ms_;
     cut_rest();
     if (Status same = file_.unchanged(); !same) {
         return same.error();
@@ -113,7 +115,7 @@ void FileSlicing::scan_file() {
     const auto threads = static_cast<std::size_t>(parallel_.threads());
     scans_.resize(threads);
     for (std::size_t chunk = 0; chunk < chunks_.size();) {
-        const std::size_t room = store_.room() / chunk_triangles;
+        const std::size_t room = (limit_ - std::min(limit_, store_.size())) / chunk_triangles;
         if (room < std::min(threads, chunks_.size() - chunk)) {
             make_room(chunk);
             continue;
@@ -164,10 +166,15 @@ std::uint64_t FileSlicing::ended_below(PlaneIndex plane) const noexcept {
 /// Memory is full before `chunk` is read.
 void FileSlicing::make_room(std::size_t chunk) {
     collect_counts();
+    touched_ = std::max(touched_, store_.size());
     if (!spill_) {
         const PlaneIndex end = planes_.first_above(to_even_grid(chunks_[chunk].low_from_here_mm, frame_.unit.mm));
         // What is kept began at or above `done_`, or reaches there, so all that ended below it is gone.
         if (end > done_ && ended_below(end) - ended_below(done_) >= store_.size() / 4 && cut_done_layers(end)) {
+            return;
+        }
+        if (limit_ < store_.capacity()) {
+            limit_ = store_.capacity();
             return;
         }
     }
@@ -178,14 +185,14 @@ void FileSlicing::make_room(std::size_t chunk) {
 bool FileSlicing::cut_done_layers(PlaneIndex end) {
     const PlaneIndex before = done_;
     while (done_ < end) {
-        const std::optional<LayerSpan> span = model_.longest(counts_, done_, end, store_.size());
+        const std::optional<LayerSpan> span = model_.longest(counts_, done_, end, touched_);
         if (!span) {
             break;
         }
         cut(*span);
     }
     store_.drop_below(done_);
-    return done_ > before && store_.room() >= store_.capacity() / 4;
+    return done_ > before && store_.size() <= limit_ / 4 * 3;
 }
 
 void FileSlicing::spill() {
@@ -223,13 +230,15 @@ void FileSlicing::cut_rest() {
         }
         return;
     }
+    touched_ = std::max(touched_, store_.size());
     if (spill_) {
         spill();
+        touched_ = 0;  // room is made anew for the largest range
     }
     std::vector<LayerSpan> spans;
     std::size_t most = 0;
     for (PlaneIndex next = begin; next < end; next = spans.back().end) {
-        const std::optional<LayerSpan> span = model_.longest(counts_, next, end, store_.size());
+        const std::optional<LayerSpan> span = model_.longest(counts_, next, end, touched_);
         if (!span && !spill_) {
             spill();
             return cut_rest();
@@ -286,6 +295,7 @@ void FileSlicing::cut(const LayerSpan& span) {
         workspace_.reset();
         most_cut_ = span.triangles;
     }
+    const auto start = Clock::now();
     const MeshView view = store_.view();
     Result<SliceTotals> own = hand_over(
         sink_, {.mesh = view, .frame = &frame_, .prepared = nullptr, .first_index = span.begin}, options, workspace_);
@@ -293,6 +303,7 @@ void FileSlicing::cut(const LayerSpan& span) {
         throw Refused{own.error()};
     }
     done_ = span.end;
+    cut_ms_ += milliseconds_since(start);
     add(*own);
 }
 

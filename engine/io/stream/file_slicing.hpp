@@ -70,12 +70,15 @@ private:
     PlaneCounts counts_;
     std::vector<std::unique_ptr<ChunkScan>> scans_;  ///< by worker
     TriangleStore store_;
+    std::size_t limit_ = 0;    ///< of what is kept, before something must be done
+    std::size_t touched_ = 0;  ///< the most that was kept
     std::optional<SpillFile> spill_;
     PlaneIndex done_ = 0;  ///< layers below it are handed over
     std::uint64_t cut_triangles_ = 0;
     std::uint64_t degenerate_ = 0;
     Workspace workspace_;
     std::uint64_t most_cut_ = 0;  ///< triangles of a range, in `workspace_`
+    double cut_ms_ = 0;
     FileSlice done_work_;
 };
 

@@ -16,9 +16,9 @@ constexpr std::uint64_t a_chunk = sizeof(FileChunk) + sizeof(Bounds);
 constexpr std::uint64_t a_plane = 96;                         // the planes of the whole, twice, and their heights
 constexpr std::uint64_t a_plane_a_thread = 24;                // counts, of the pass and of the engine
 constexpr std::uint64_t a_kept = sizeof(StoredTriangle) + 1;  // with its part of a block
-constexpr std::uint64_t a_cut = 60;       // a record, and room to order those that reach beyond their band
-constexpr std::uint64_t an_active = 300;  // of the widest layer, a thread: slots, links, walks, points, contours
-constexpr std::uint64_t a_segment = 20;   // points and contours that are put aside
+constexpr std::uint64_t a_cut = 60;             // a record, and room to order those that reach beyond their band
+constexpr std::uint64_t an_active = 300;        // of the widest layer, a thread: slots, links, walks, points, contours
+constexpr std::uint64_t a_segment = 20;         // points and contours that are put aside
 constexpr std::uint64_t most_parcel = 3 << 19;  // a thread
 constexpr std::uint64_t most_aside = std::uint64_t{160} << 20;
 constexpr std::uint64_t a_thread = 256 << 10;  // bands, kernels, first growth of arrays
@@ -40,11 +40,13 @@ std::uint64_t MemoryModel::fixed_of(std::uint64_t budget) const noexcept {
            planes_ * (a_plane + a_plane_a_thread * (threads_ + 1));
 }
 
-std::size_t MemoryModel::most_kept() const noexcept {
+/// In `parts` of `of` of what the tables leave.
+std::size_t MemoryModel::kept_within(std::uint64_t parts, std::uint64_t of, bool cut_at_once) const noexcept {
     const std::uint64_t fixed = fixed_of(budget_);
     const std::uint64_t left = budget_ > fixed ? budget_ - fixed : 0;
     const std::uint64_t least = 4 * threads_ * chunk_triangles();  // with which the pass can go on
-    return static_cast<std::size_t>(std::min(file_triangles_ + least, std::max(least, left / 8 * 7 / (a_kept + a_cut))));
+    const std::uint64_t fit = left / of * parts / (a_kept + (cut_at_once ? a_cut : 0));
+    return static_cast<std::size_t>(std::min(file_triangles_ + least, std::max(least, fit)));
 }
 
 /// Of one call of the engine.

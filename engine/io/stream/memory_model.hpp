@@ -30,8 +30,10 @@ public:
     std::size_t chunk_triangles() const noexcept { return chunk_of(budget_); }
     /// From here on the tables of so many planes count.
     void set_planes(std::uint64_t planes) noexcept { planes_ = planes; }
-    /// Triangles that may be kept, so that as many can be cut at once and a part is left for the sweep.
-    std::size_t most_kept() const noexcept;
+    /// Triangles that may be kept so that as many can be cut at once and a part is left for the sweep.
+    std::size_t well_kept() const noexcept { return kept_within(7, 8, true); }
+    /// Triangles that may be kept so that a quarter of them or so can be cut at once.
+    std::size_t most_kept() const noexcept { return kept_within(3, 4, false); }
     /// What spilling may hold beside what is kept.
     std::size_t spill_buffers() const noexcept { return budget_ / 16; }
 
@@ -43,6 +45,7 @@ public:
     std::uint64_t least_budget(std::uint64_t widest) const noexcept;
 
 private:
+    std::size_t kept_within(std::uint64_t parts, std::uint64_t of, bool cut_at_once) const noexcept;
     std::size_t chunk_of(std::uint64_t budget) const noexcept;
     std::uint64_t fixed_of(std::uint64_t budget) const noexcept;
     std::uint64_t cutting(const LayerSpan& span, std::uint64_t segments, std::uint64_t widest) const noexcept;

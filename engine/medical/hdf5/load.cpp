@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "base/guard.hpp"
 #include "medical/hdf5/blocks.hpp"
 #include "slicing/result/band_output.hpp"
 
@@ -30,7 +31,7 @@ Kinds agreed_rows(const InputFile& file, const ReadTree& tree) {
         const Column& column = column_of(placed.id);
         std::uint64_t& known = of(rows, column.kind);
         if (known != unknown && known != placed.rows) {
-            refuse_place(file, column.path, "as long as no column beside it");
+            refuse_place(file, column.path, "not as long as the columns beside it");
         }
         known = placed.rows;
     }

@@ -196,3 +196,21 @@ TEST_CASE("mask: what cannot be written is refused, and leaves nothing", "[medic
     CHECK(refusal(image_of({10000, 10000, 10000}, {1, 1, 1}, {0, 0, 0}), "a.nrrd").find("2^38") != std::string::npos);
     CHECK(folder.names().empty());
 }
+
+TEST_CASE("mask: slices that were left out are refused", "[medical]") {
+    const ImageGeometry image = image_of({8, 8, 6}, {1, 1, 1}, {0, 0, 0});
+    SliceOptions options;
+    options.plan.spacing = ExplicitPlanes{image.slice_heights_mm()};
+    options.transform = image.slicing_frame(PatientFrame::lps);
+    for (const LayerRange& range : {LayerRange{0, 3}, LayerRange{2, 5}, LayerRange{3, 6}}) {
+        options.layers = range;
+        const Result<SliceResult> some = slice(MeshView::soup(floats(box({2, 3, -1}, {5, 7, 4.5}))), options);
+        REQUIRE(some.ok());
+        const MaskPart part{&*some, "some"};
+        const TempFolder folder;
+        const Result<MaskSummary> written = write_mask({&part, 1}, image, folder / "mask.nii");
+        REQUIRE(!written.ok());
+        CHECK(written.error().message == "'some' was not cut at the slices of the image");
+        CHECK(folder.names().empty());
+    }
+}

@@ -17,6 +17,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -28,17 +29,17 @@
 #include "lamella/medical.hpp"
 #include "medical/mask/slice_raster.hpp"
 
+namespace lamella::bench {
+
 namespace {
 
-using namespace lamella;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::array<std::uint64_t, 3> size = {512, 512, 275};
 constexpr double voxels = 512.0 * 512 * 275;
 
 [[noreturn]] void stop(const std::string& why) {
-    std::fprintf(stderr, "%s\n", why.c_str());
-    std::exit(1);
+    throw std::runtime_error(why);
 }
 
 template <class T>
@@ -71,11 +72,11 @@ struct Times {
     std::vector<double> processor_ms;
 
     void add(const std::function<void()>& call) {
-        const double before = ::processor_ms();
+        const double before = bench::processor_ms();
         const Clock::time_point begin = Clock::now();
         call();
         wall_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
-        processor_ms.push_back(::processor_ms() - before);
+        processor_ms.push_back(bench::processor_ms() - before);
     }
     static double median(std::vector<double> all) {
         std::sort(all.begin(), all.end());
@@ -94,6 +95,7 @@ struct Times {
 void draw_all(const SliceRaster& raster, int threads) {
     std::atomic<std::uint64_t> next = 0;
     std::vector<std::thread> workers;
+    workers.reserve(static_cast<std::size_t>(threads));
     for (int i = 0; i < threads; ++i) {
         workers.emplace_back([&] {
             SliceRaster::Scratch scratch;
@@ -112,15 +114,17 @@ void draw_all(const SliceRaster& raster, int threads) {
 void require_right(const std::filesystem::path& path, std::uint64_t expected) {
     std::ifstream file(path, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    const auto found = static_cast<std::uint64_t>(std::count(bytes.begin() + 352, bytes.end(), '\1'));
-    if (bytes.size() != 352 + static_cast<std::size_t>(voxels) || found != expected || found == 0) {
+    constexpr std::size_t header_bytes = 352;
+    if (bytes.size() != header_bytes + static_cast<std::size_t>(voxels)) {
+        stop("the mask has " + std::to_string(bytes.size()) + " bytes");
+    }
+    const auto found = static_cast<std::uint64_t>(std::count(bytes.begin() + header_bytes, bytes.end(), '\1'));
+    if (found != expected || found == 0) {
         stop("the mask holds " + std::to_string(found) + " voxels, its summary " + std::to_string(expected));
     }
 }
 
-}  // namespace
-
-int main(int count, char** words) {
+nlohmann::json run(int count, char** words) {
     if (count < 4) {
         stop("usage: lamella_masks MESH.stl THREADS FOLDER [ROUNDS]");
     }
@@ -141,7 +145,7 @@ int main(int count, char** words) {
     const auto write = [&](const char* name) {
         return value_of(write_mask({&part, 1}, image, folder / name, mask_options));
     };
-    require_right(folder / "mask.nii", (write("mask.nii"), write("mask.nii")).voxels[0]);
+    require_right(folder / "mask.nii", write("mask.nii").voxels[0]);
     Times in_memory;
     Times nii;
     Times nrrd;
@@ -150,11 +154,24 @@ int main(int count, char** words) {
         nii.add([&] { (void)write("mask.nii"); });
         nrrd.add([&] { (void)write("mask.nrrd"); });
     }
-    const nlohmann::json report = {{"triangles", mesh.view().triangle_count},
-                                   {"points", result.points.size()},
-                                   {"threads", threads},
-                                   {"raster", in_memory.json()},
-                                   {"nii", nii.json()},
-                                   {"nrrd", nrrd.json()}};
-    std::printf("%s\n", report.dump(2).c_str());
+    return {{"triangles", mesh.view().triangle_count},
+            {"points", result.points.size()},
+            {"threads", threads},
+            {"raster", in_memory.json()},
+            {"nii", nii.json()},
+            {"nrrd", nrrd.json()}};
+}
+
+}  // namespace
+
+}  // namespace lamella::bench
+
+int main(int count, char** words) {
+    try {
+        std::puts(lamella::bench::run(count, words).dump(2).c_str());
+        return EXIT_SUCCESS;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return EXIT_FAILURE;
+    }
 }

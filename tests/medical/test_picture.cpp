@@ -300,6 +300,7 @@ TEST_CASE("picture: what cannot be drawn is refused, and nothing is left behind"
 TEST_CASE("picture: names of any bytes and any number of parts", "[medical]") {
     const SliceResult result = cut_layers(box({0, 0, 0}, {10, 10, 4}));
     std::vector<PicturePart> parts;
+    parts.reserve(300);
     for (int i = 0; i < 300; ++i) {
         parts.push_back({&result, std::string(static_cast<std::size_t>(i * 40), static_cast<char>(i))});
     }

@@ -14,6 +14,7 @@
 #include "option_words.hpp"
 #include "output_path.hpp"
 #include "outputs/write_outputs.hpp"
+#include "outputs/write_structure_output.hpp"
 #include "slice_arguments.hpp"
 #include "slice_summary.hpp"
 
@@ -56,7 +57,7 @@ public:
         if (!arguments_.image.like.empty()) {
             use_image();
         }
-        require_mask_possible();
+        require_image_outputs_possible();
         job_.options = recorded_options(command_);
         {
             const Stage stage(bar_, "writing");
@@ -139,20 +140,23 @@ private:
             found(arguments_.image.like, [&](const Control& control) { return seal_file(arguments_.image.like, control); }));
     }
 
-    void require_mask_possible() const {
-        const auto mask = std::find_if(job_.outputs.begin(), job_.outputs.end(),
-                                       [](const PlannedOutput& output) { return output.is_mask(); });
-        if (mask == job_.outputs.end()) {
+    static bool needs_image(const PlannedOutput& output) {
+        return output.is_mask() || output.format == OutputFormat::structure_set;
+    }
+
+    void require_image_outputs_possible() const {
+        const auto first = std::find_if(job_.outputs.begin(), job_.outputs.end(), needs_image);
+        if (first == job_.outputs.end()) {
             return;
         }
         if (!job_.image) {
             throw Failure(bad_input, arguments_.archives.front() +
                                          ": no image geometry in it: it was sliced without --like and --spacing");
         }
-        if (job_.subslices > 1 && job_.parts.size() > 1) {
-            throw Failure(bad_usage, "--output: '" + mask->path +
-                                         "': several planes a slice, and then one mesh a mask, not " +
-                                         std::to_string(job_.parts.size()));
+        require_image_serves(*job_.image, job_.outputs, arguments_.outputs);
+        if (job_.subslices > 1 && (job_.parts.size() > 1 || !first->is_mask())) {
+            throw Failure(bad_usage, "--output: '" + first->path +
+                                         "': cut at several planes a slice, which only a mask of one mesh takes");
         }
         for (std::size_t i = 0; i < job_.parts.size(); ++i) {
             const SliceResult& result = job_.parts[i].result;

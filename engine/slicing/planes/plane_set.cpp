@@ -54,7 +54,7 @@ Status PlaneSet::build(const LayerPlan& plan, const Bounds& bounds, double unit_
     inverse_step_ = 0;
     heights_mm_.clear();
     plane_of_listed_.clear();
-    const Status status = build_spacing(plan, bounds, memory_limit);
+    Status status = build_spacing(plan, bounds, memory_limit);
     planned_ = count_;
     return status;
 }

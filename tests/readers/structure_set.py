@@ -160,6 +160,9 @@ class Test:
             self.run("slice", "body.stl", "--like", ct, "--frame", "lps", "--holes", holes, "-o", "a.dcm", "--threads", "1")
             self.run("slice", "body.stl", "--like", ct, "--frame", "lps", "--holes", holes, "-o", "b.dcm", "--threads", "2")
             assert (self.folder / "a.dcm").read_bytes() == (self.folder / "b.dcm").read_bytes(), "bytes depend on threads"
+            self.run("slice", "body.stl", "--like", ct, "--frame", "lps", "-o", "body.h5")
+            self.run("convert", "body.h5", "--like", ct, "--holes", holes, "-o", "b.dcm")
+            assert (self.folder / "a.dcm").read_bytes() == (self.folder / "b.dcm").read_bytes(), "convert differs"
             self.conforms("a.dcm")
             data, rois = contours_of(self.folder / "a.dcm")
             assert data.PatientName == "Doe^Jane" and data.StudyInstanceUID == "1.2.826.0.1.3680043.8.498.7"

@@ -56,7 +56,7 @@ results_folder() {
     dirname "${folder%%\{*}."
 }
 
-ended_meshes() { [[ ! -e "$results" ]] && echo 0 || wc -l < "$results"; }
+ended_meshes() { wc -l 2> /dev/null < "$results" || echo 0; }
 
 shards="${1:-}"
 [[ "$shards" =~ ^[1-9][0-9]*$ ]] || stop "'$shards' is no number of shards"

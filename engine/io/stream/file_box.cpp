@@ -95,10 +95,10 @@ private:
             }
         }
         double low = all.max_mm[2];
-        for (auto chunk = box_.chunks.rbegin(); chunk != box_.chunks.rend(); ++chunk) {
-            low = std::min(low, chunk->low_mm);
-            chunk->low_from_here_mm = low;
-        }
+        std::for_each(box_.chunks.rbegin(), box_.chunks.rend(), [&low](FileChunk& chunk) {
+            low = std::min(low, chunk.low_mm);
+            chunk.low_from_here_mm = low;
+        });
     }
 
     const TriangleFile& file_;

@@ -31,6 +31,7 @@ std::span<const RingPoint> Keyhole::join(std::span<const std::span<const Point>>
     for (std::uint32_t contour = 0; contour < contours.size() && !bridges_.empty(); ++contour) {
         find_ends(contour);
     }
+    sort_bridges();
     emit_ring();
     return ring_;
 }
@@ -118,8 +119,8 @@ void Keyhole::put(RingPoint point) {
     }
 }
 
-/// Walks the outer contour, and around each hole where its bridge ends: with a stack, for holes may hang on holes.
-void Keyhole::emit_ring() {
+/// In the order in which a walk around their contours meets them.
+void Keyhole::sort_bridges() {
     std::erase_if(bridges_, [](const Bridge& bridge) { return bridge.divisor == 0; });
     const auto distance = [&](const Bridge& bridge) {
         return std::abs(std::int64_t{point(bridge.hole, 0).y} - point(bridge.contour, bridge.vertex).y);
@@ -131,6 +132,10 @@ void Keyhole::emit_ring() {
     for (std::size_t i = bridges_.size(); i-- > 0;) {
         first_from_[bridges_[i].contour] = static_cast<std::uint32_t>(i);
     }
+}
+
+/// Walks the outer contour, and around each hole where its bridge ends: with a stack, for holes may hang on holes.
+void Keyhole::emit_ring() {
     struct Walk {
         std::uint32_t contour;
         std::size_t vertex;  ///< the next to be put

@@ -57,6 +57,7 @@ private:
     void start_bridges();
     void find_ends(std::uint32_t contour);
     void offer(Bridge& bridge, const Bridge& end) const;
+    void sort_bridges();
     void emit_ring();
     void put(RingPoint point);
     Point point(std::uint32_t contour, std::size_t vertex) const noexcept {

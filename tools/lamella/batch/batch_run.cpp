@@ -75,14 +75,16 @@ void BatchRun::run() {
     clean(std::chrono::milliseconds(2000));
     choose_items();
     while (true) {
-        while (const std::optional<Admitted> admitted = admission_.next()) {
-            start(*admitted);
-        }
+        start_what_fits();
         if (pool_.running() == 0) {
             break;
         }
         const std::vector<WorkerEnd> ended = pool_.wait(wake_up);
         stop_if_asked();
+        for (const WorkerEnd& end : ended) {
+            admission_.ended(end.item, end.peak_bytes);
+        }
+        start_what_fits();  // before the disk is waited for
         for (const WorkerEnd& end : ended) {
             take(end);
         }
@@ -93,6 +95,12 @@ void BatchRun::run() {
     clean(std::chrono::milliseconds(0));
     ledger_.finish(items_);
     interrupt_.end_deferring();
+}
+
+void BatchRun::start_what_fits() {
+    while (const std::optional<Admitted> admitted = admission_.next()) {
+        start(*admitted);
+    }
 }
 
 void BatchRun::choose_items() {
@@ -186,7 +194,6 @@ void BatchRun::start(const Admitted& admitted) {
 
 void BatchRun::take(const WorkerEnd& end) {
     const Item& item = items_[end.item];
-    admission_.ended(end.item, end.peak_bytes);
     if (!end.failure.empty()) {
         if (end.may_retry && attempts_[end.item] <= options_.retries) {
             remove_new_outputs(item, end.item);

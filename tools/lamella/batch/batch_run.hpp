@@ -45,6 +45,7 @@ private:
     void choose_items();
     bool is_unchanged(std::size_t i);
     std::string why_not_in_memory(std::size_t i) const;
+    void start_what_fits();
     void start(const Admitted& admitted);
     std::vector<std::string> words_of(const Item& item, const Admitted& admitted) const;
     void take(const WorkerEnd& end);

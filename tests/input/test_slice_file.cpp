@@ -98,7 +98,7 @@ void require_same_at_all_budgets(const std::filesystem::path& path, const SliceO
     REQUIRE(whole);
     const std::uint64_t need = need_of(*mesh, *whole);
     for (const int threads : {1, 3}) {
-        for (const std::uint64_t part : {1, 2, 10, 50}) {
+        for (const std::uint64_t part : {1U, 2U, 10U, 50U}) {
             FileSliceOptions options;
             options.slice = slicing;
             options.slice.control.threads = threads;

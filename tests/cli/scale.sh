@@ -82,7 +82,7 @@ test_scale() {
     expect_json speck.json 1 contours
 
     # An extension that nothing writes.
-    expect_failure 2 "no format that is written ends in .png; there is .svg, .nii" slice large.obj -o out.png
+    expect_failure 2 "no format that is written ends in .pdf; there is .svg, .nii" slice large.obj -o out.pdf
     expect_failure 2 "no format that is written ends in .stl; there is .ply" check large.obj --marks out.stl
     expect_failure 2 "no format that is written ends in .svg; there is .stl" make sphere --triangles 100 -o out.svg
     expect_files away.obj away.stl beyond.obj coarse.json fine.json here.obj large.obj move.txt plate.obj small.obj speck.json speck.obj

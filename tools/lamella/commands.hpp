@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "interrupt.hpp"
+#include "terminal/interrupt.hpp"
 
 namespace lamella::cli {
 

@@ -7,15 +7,15 @@
 #include <string>
 
 #include "commands.hpp"
-#include "console.hpp"
-#include "failure.hpp"
+#include "files/mesh_input.hpp"
+#include "files/mesh_list.hpp"
+#include "files/scale_words.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/mesh/inspect.hpp"
-#include "mesh_input.hpp"
-#include "mesh_list.hpp"
-#include "numbers.hpp"
-#include "scale_words.hpp"
-#include "slice_arguments.hpp"
+#include "slice/slice_arguments.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
+#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 

@@ -11,10 +11,10 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
-#include "console.hpp"
-#include "failure.hpp"
-#include "interrupt.hpp"
 #include "lamella/version.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
+#include "terminal/interrupt.hpp"
 
 namespace lamella::cli {
 

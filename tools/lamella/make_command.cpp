@@ -4,12 +4,12 @@
 #include <string>
 
 #include "commands.hpp"
-#include "console.hpp"
-#include "failure.hpp"
-#include "mesh_input.hpp"
+#include "files/mesh_input.hpp"
+#include "files/output_path.hpp"
+#include "files/standard_streams.hpp"
 #include "models/models.hpp"
-#include "output_path.hpp"
-#include "standard_streams.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 

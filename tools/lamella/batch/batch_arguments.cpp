@@ -4,7 +4,7 @@
 #include <system_error>
 
 #include "batch/plan/name_pattern.hpp"
-#include "failure.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 

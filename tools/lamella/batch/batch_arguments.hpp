@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "batch/results/ledger.hpp"
-#include "slice_arguments.hpp"
+#include "slice/slice_arguments.hpp"
 
 namespace lamella::cli::batch {
 

@@ -11,10 +11,10 @@
 #include "batch/results/merge.hpp"
 #include "batch/sources/mesh_sources.hpp"
 #include "commands.hpp"
-#include "console.hpp"
-#include "failure.hpp"
-#include "numbers.hpp"
 #include "outputs/image_arguments.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
+#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 

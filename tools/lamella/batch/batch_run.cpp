@@ -9,7 +9,7 @@
 
 #include "batch/results/item_state.hpp"
 #include "batch/results/leftovers.hpp"
-#include "failure.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 

@@ -14,7 +14,7 @@
 #include "batch/progress/batch_summary.hpp"
 #include "batch/results/ledger.hpp"
 #include "batch/workers/worker_pool.hpp"
-#include "interrupt.hpp"
+#include "terminal/interrupt.hpp"
 
 namespace lamella::cli::batch {
 

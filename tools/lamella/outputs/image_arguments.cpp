@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "failure.hpp"
-#include "mesh_input.hpp"
+#include "files/mesh_input.hpp"
 #include "outputs/output_formats.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "failure.hpp"
-#include "standard_streams.hpp"
+#include "files/standard_streams.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 

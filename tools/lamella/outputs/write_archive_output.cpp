@@ -1,6 +1,6 @@
 #include "outputs/write_archive_output.hpp"
 
-#include "failure.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 

@@ -6,15 +6,15 @@
 #include <filesystem>
 #include <utility>
 
-#include "console.hpp"
-#include "failure.hpp"
+#include "files/output_path.hpp"
+#include "files/standard_streams.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/version.hpp"
-#include "output_path.hpp"
 #include "outputs/write_archive_output.hpp"
 #include "outputs/write_picture_output.hpp"
 #include "outputs/write_structure_output.hpp"
-#include "standard_streams.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 

@@ -11,9 +11,9 @@
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/medical.hpp"
 #include "lamella/mesh/weld.hpp"
-#include "option_words.hpp"
 #include "outputs/image_arguments.hpp"
 #include "outputs/output_formats.hpp"
+#include "outputs/recorded_options.hpp"
 
 namespace lamella::cli {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "failure.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "console.hpp"
-#include "failure.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 

@@ -12,10 +12,10 @@
 #include <stdlib.h>
 
 #include "batch/workers/worker_pool.hpp"
-#include "console.hpp"
-#include "failure.hpp"
-#include "option_words.hpp"
-#include "standard_streams.hpp"
+#include "files/standard_streams.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
+#include "verify/record_words.hpp"
 
 namespace lamella::cli::verify {
 

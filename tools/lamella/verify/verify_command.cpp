@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "console.hpp"
-#include "failure.hpp"
+#include "files/mesh_input.hpp"
+#include "files/standard_streams.hpp"
 #include "lamella/medical/record.hpp"
 #include "lamella/version.hpp"
-#include "mesh_input.hpp"
-#include "standard_streams.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
 #include "verify/sliced_again.hpp"
 
 namespace lamella::cli {

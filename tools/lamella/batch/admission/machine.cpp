@@ -12,7 +12,7 @@
 
 #include <sched.h>
 
-#include "numbers.hpp"
+#include "terminal/numbers.hpp"
 
 namespace lamella::cli::batch {
 

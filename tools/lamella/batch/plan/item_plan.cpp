@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "batch/plan/name_pattern.hpp"
-#include "failure.hpp"
 #include "outputs/output_formats.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "failure.hpp"
 #include "outputs/write_outputs.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 

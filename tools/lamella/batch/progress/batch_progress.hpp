@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-#include "console.hpp"
+#include "terminal/console.hpp"
 
 namespace lamella::cli::batch {
 

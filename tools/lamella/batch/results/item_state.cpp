@@ -7,8 +7,8 @@
 
 #include <sys/stat.h>
 
-#include "failure.hpp"
 #include "lamella/medical/record.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 

@@ -14,7 +14,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include "failure.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 

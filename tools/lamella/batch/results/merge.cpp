@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "batch/results/ledger.hpp"
-#include "failure.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "worker/slice_facts_json.hpp"
+
 namespace lamella::cli::batch {
 
 namespace {
@@ -41,20 +43,6 @@ OutputFact output_of(const OrderedJson& json) {
         output.bytes = json.at("bytes").get<std::uint64_t>();
     }
     return output;
-}
-
-void add_facts(OrderedJson& json, const SliceFacts& facts) {
-    json["triangles"] = facts.triangles;
-    json["layers"] = facts.layers;
-    json["contours"] = facts.contours;
-    json["open_contours"] = facts.open_contours;
-    json["warnings"] = facts.warnings;
-}
-
-SliceFacts facts_of(const OrderedJson& json) {
-    return {json.at("triangles").get<std::uint64_t>(), json.at("layers").get<std::uint64_t>(),
-            json.at("contours").get<std::uint64_t>(), json.at("open_contours").get<std::uint64_t>(),
-            json.at("warnings").get<std::vector<std::string>>()};
 }
 
 ResultLine result_of(const OrderedJson& json) {
@@ -101,20 +89,6 @@ std::optional<ResultLine> parse_line(std::string_view text) {
     try {
         ResultLine result = result_of(OrderedJson::parse(text));
         return result.outputs.empty() ? std::nullopt : std::optional(std::move(result));
-    } catch (const nlohmann::json::exception&) {
-        return std::nullopt;
-    }
-}
-
-std::string text_of(const SliceFacts& facts) {
-    OrderedJson json = OrderedJson::object();
-    add_facts(json, facts);
-    return dumped(json);
-}
-
-std::optional<SliceFacts> parse_facts(std::string_view text) {
-    try {
-        return facts_of(OrderedJson::parse(text));
     } catch (const nlohmann::json::exception&) {
         return std::nullopt;
     }

@@ -10,19 +10,9 @@
 #include <vector>
 
 #include "batch/plan/item.hpp"
+#include "worker/slice_facts.hpp"
 
 namespace lamella::cli::batch {
-
-/// What slice says of a mesh that it has cut.
-struct SliceFacts {
-    std::uint64_t triangles = 0;
-    std::uint64_t layers = 0;
-    std::uint64_t contours = 0;
-    std::uint64_t open_contours = 0;
-    std::vector<std::string> warnings;
-
-    bool operator==(const SliceFacts&) const = default;
-};
 
 struct OutputFact {
     std::string path;
@@ -48,9 +38,5 @@ std::string line_of(const ResultLine& result);
 
 /// None where the text is no such line, as one that was torn by a crash.
 std::optional<ResultLine> parse_line(std::string_view text);
-
-/// The facts as slice passes them to the batch, and back; with a final newline.
-std::string text_of(const SliceFacts& facts);
-std::optional<SliceFacts> parse_facts(std::string_view text);
 
 }  // namespace lamella::cli::batch

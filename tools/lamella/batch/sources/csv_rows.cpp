@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "failure.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/sources/csv_rows.hpp"
-#include "console.hpp"
-#include "failure.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 

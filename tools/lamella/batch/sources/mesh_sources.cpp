@@ -10,9 +10,9 @@
 #include <glob.h>
 
 #include "batch/sources/manifest.hpp"
-#include "failure.hpp"
+#include "files/standard_streams.hpp"
 #include "lamella/io/mesh_file.hpp"
-#include "standard_streams.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "failure.hpp"
 #include "outputs/output_formats.hpp"
 #include "outputs/write_outputs.hpp"
-#include "slice_arguments.hpp"
+#include "slice/slice_arguments.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 

@@ -17,9 +17,9 @@
 
 #include <csignal>
 
-#include "batch/workers/worker_side.hpp"
-#include "console.hpp"
-#include "failure.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
+#include "worker/worker_side.hpp"
 
 namespace lamella::cli::batch {
 

@@ -1,0 +1,207 @@
+// lamella convert: what an archive holds, as any other output of lamella slice.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "files/mesh_input.hpp"
+#include "files/output_path.hpp"
+#include "outputs/recorded_options.hpp"
+#include "outputs/write_outputs.hpp"
+#include "outputs/write_structure_output.hpp"
+#include "slice/slice_arguments.hpp"
+#include "slice/slice_summary.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+struct ConvertArguments : MeshArguments {
+    std::vector<std::string> archives;  ///< `mesh` is the one that is worked on
+    OutputArguments outputs;
+    ImageArguments image;  ///< of which only --like can be given
+};
+
+bool same_voxels(const ImageGeometry& a, const ImageGeometry& b) {
+    return a.size == b.size && a.spacing_mm == b.spacing_mm && a.origin_mm == b.origin_mm && a.axes == b.axes &&
+           a.uneven_slices_mm == b.uneven_slices_mm;
+}
+
+class ConvertCommand {
+public:
+    ConvertCommand(const CLI::App& command, const ConvertArguments& arguments, Interrupt& interrupt)
+        : command_(command),
+          arguments_(arguments),
+          interrupt_(interrupt),
+          bar_(arguments.progress),
+          job_{
+              .outputs = {},
+              .arguments = arguments.outputs,
+              .parts = {},
+              .image = {},
+              .inputs = {},
+              .options = {},
+          } {}
+
+    void run() {
+        plan_outputs();
+        for (const std::string& archive : arguments_.archives) {
+            read(archive);
+        }
+        if (!arguments_.image.like.empty()) {
+            use_image();
+        }
+        require_image_outputs_possible();
+        job_.options = recorded_options(command_);
+        {
+            const Stage stage(bar_, "writing");
+            write_outputs(job_, control_of(stage), [this](const std::string& warning) { note(warning); });
+        }
+        ToolRun run;
+        for (const PlannedOutput& output : job_.outputs) {
+            run.outputs.push_back(output.path);
+        }
+        const bool to_stdout =
+            std::any_of(arguments_.outputs.outputs.begin(), arguments_.outputs.outputs.end(), is_standard);
+        print_words(wrote(run), to_stdout);
+    }
+
+private:
+    /// What a call on a file gives.
+    template <class Call>
+    auto found(const std::string& what, const Call& call) {
+        const Stage stage(bar_, "reading " + printable(what));
+        auto result = call(control_of(stage));
+        if (!result) {
+            throw failure_of(result.error());
+        }
+        return std::move(result).value();
+    }
+
+    void plan_outputs() {
+        const OutputArguments& wanted = arguments_.outputs;
+        job_.outputs = planned_outputs(wanted.outputs, wanted.to);
+        // Whether there is an image, and how many planes a slice has, the archives say.
+        require_possible(job_.outputs, wanted, arguments_.archives.size(), true, 1);
+        std::vector<std::filesystem::path> files;
+        for (const PlannedOutput& output : job_.outputs) {
+            for (const std::string& file : output.files(arguments_.archives.size() > 1)) {
+                files.emplace_back(file);
+                for (const std::string& archive : arguments_.archives) {
+                    require_different(file, archive, "--output", "the archive");
+                }
+            }
+        }
+        interrupt_.tidy(files);
+    }
+
+    void read(const std::string& path) {
+        Archive archive = found(path, [&](const Control& control) { return read_archive(path, control); });
+        SlicedPart part;
+        part.name = archive.info.name;
+        part.result = std::move(archive.result);
+        part.frame = archive.info.frame;
+        part.first_layer = part.result.first_layer;
+        part.all_layers = part.result.all_layers;
+        part.mesh_sha256 = archive.info.mesh_sha256;
+        if (archive.info.weld) {
+            part.welded.emplace();
+            part.welded->tolerance_mm = archive.info.weld->tolerance_mm;
+            part.welded->joined = archive.info.weld->joined;
+        }
+        if (!job_.parts.empty() && (archive.info.geometry.has_value() != job_.image.has_value() ||
+                                    (job_.image && !same_voxels(*job_.image, *archive.info.geometry)) ||
+                                    archive.info.subslices != job_.subslices)) {
+            throw Failure(bad_input, path + ": not cut for the same image as " + arguments_.archives.front());
+        }
+        job_.image = std::move(archive.info.geometry);
+        job_.subslices = archive.info.subslices;
+        job_.parts.push_back(std::move(part));
+        job_.inputs.push_back(found(path, [&](const Control& control) { return seal_file(path, control); }));
+    }
+
+    /// --like: an image that says more than its geometry, which archives hold.
+    void use_image() {
+        ImageGeometry image = read_image_of(arguments_.image);
+        for (const std::string& warning : image.warnings) {
+            note(warning);
+        }
+        if (!job_.image || !same_voxels(image, *job_.image)) {
+            throw Failure(bad_input, arguments_.archives.front() + ": not cut at the slices of " + arguments_.image.like);
+        }
+        job_.image = std::move(image);
+        job_.inputs.push_back(
+            found(arguments_.image.like, [&](const Control& control) { return seal_file(arguments_.image.like, control); }));
+    }
+
+    static bool needs_image(const PlannedOutput& output) {
+        return output.is_mask() || output.format == OutputFormat::structure_set;
+    }
+
+    void require_image_outputs_possible() const {
+        const auto first = std::find_if(job_.outputs.begin(), job_.outputs.end(), needs_image);
+        if (first == job_.outputs.end()) {
+            return;
+        }
+        if (!job_.image) {
+            throw Failure(bad_input, arguments_.archives.front() +
+                                         ": no image geometry in it: it was sliced without --like and --spacing");
+        }
+        require_image_serves(*job_.image, job_.outputs, arguments_.outputs);
+        if (job_.subslices > 1 && (job_.parts.size() > 1 || !first->is_mask())) {
+            throw Failure(bad_usage, "--output: '" + first->path +
+                                         "': cut at several planes a slice, which only a mask of one mesh takes");
+        }
+        for (std::size_t i = 0; i < job_.parts.size(); ++i) {
+            const SliceResult& result = job_.parts[i].result;
+            if (result.layers.size() < result.all_layers) {
+                throw Failure(bad_input, arguments_.archives[i] + ": " + counted(result.layers.size(), "layer") + " of " +
+                                             grouped(result.all_layers) + "; lamella merge joins such parts");
+            }
+        }
+    }
+
+    void note(const std::string& warning) {
+        bar_.wipe();
+        warn(warning);
+    }
+
+    Control control_of(const Stage& stage) {
+        return {.threads = arguments_.threads, .stop = interrupt_.defer(), .progress = stage.progress()};
+    }
+
+    const CLI::App& command_;
+    const ConvertArguments& arguments_;
+    Interrupt& interrupt_;
+    ProgressBar bar_;
+    OutputJob job_;
+};
+
+}  // namespace
+
+void add_convert_command(CLI::App& app, Interrupt& interrupt) {
+    CLI::App* const command = app.add_subcommand("convert", "Write archives (.h5) as any other output");
+    const auto arguments = std::make_shared<ConvertArguments>();
+    command->add_option("archives", arguments->archives, "Archives of lamella slice; several for a mask or a table")
+        ->required()
+        ->type_name("IN.h5")
+        ->check(given_path);
+    declare_outputs(*command, arguments->outputs);
+    command->get_option("--output")->required();
+    command
+        ->add_option("--like", arguments->image.like,
+                     "The image at whose slices the archives were cut, for outputs that need more of it")
+        ->type_name("IMAGE")
+        ->check(given_path);
+    declare_threads(*command, *arguments);
+    declare_progress(*command, *arguments);
+    command->callback([command, arguments, &interrupt] { ConvertCommand(*command, *arguments, interrupt).run(); });
+}
+
+}  // namespace lamella::cli

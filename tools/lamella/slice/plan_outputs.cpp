@@ -1,0 +1,75 @@
+#include "slice/plan_outputs.hpp"
+
+#include <cstddef>
+#include <string>
+
+#include "files/output_path.hpp"
+#include "outputs/write_outputs.hpp"
+#include "terminal/failure.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+void require_no_mesh(const std::string& file, const SliceArguments& arguments) {
+    for (const std::string& mesh : arguments.meshes) {
+        require_different(file, mesh, "--output", "the mesh");
+    }
+}
+
+void require_report_possible(const SliceArguments& arguments, const std::vector<std::filesystem::path>& outputs) {
+    if (arguments.report.empty()) {
+        return;
+    }
+    if (!arguments.layers.empty()) {
+        throw Failure(bad_usage, "--report: not with --layers, as it judges the whole mesh");
+    }
+    if (arguments.meshes.size() > 1) {
+        throw Failure(bad_usage, "--report: one mesh a report, not " + std::to_string(arguments.meshes.size()));
+    }
+    require_writable(arguments.report);
+    require_different(arguments.report, arguments.meshes.front(), "--report", "the mesh");
+    for (const std::filesystem::path& output : outputs) {
+        require_different_output(arguments.report, output.string(), "--report", "--output");
+    }
+}
+
+std::vector<std::filesystem::path> files_of(const SliceArguments& arguments, const std::vector<PlannedOutput>& outputs) {
+    std::vector<std::filesystem::path> files;
+    for (const PlannedOutput& output : outputs) {
+        for (const std::string& file : output.files(arguments.meshes.size() > 1)) {
+            files.emplace_back(file);
+        }
+    }
+    return files;
+}
+
+}  // namespace
+
+std::vector<PlannedOutput> planned_outputs_of(const SliceArguments& arguments) {
+    const OutputArguments& wanted = arguments.outputs;
+    for (const std::string& output : wanted.outputs) {
+        require_writable(output);
+        require_no_mesh(output, arguments);
+    }
+    std::vector<PlannedOutput> outputs;
+    if (!wanted.outputs.empty() || !wanted.to.empty()) {
+        outputs = planned_outputs(wanted.outputs, wanted.to);
+    }
+    require_possible(outputs, wanted, arguments.meshes.size(), arguments.image.given(), arguments.image.subslices);
+    const std::vector<std::filesystem::path> files = files_of(arguments, outputs);
+    for (const std::filesystem::path& file : files) {
+        require_no_mesh(file.string(), arguments);
+    }
+    require_report_possible(arguments, files);
+    return outputs;
+}
+
+std::vector<std::filesystem::path> files_to_write(const SliceArguments& arguments,
+                                                  const std::vector<PlannedOutput>& outputs) {
+    std::vector<std::filesystem::path> files = files_of(arguments, outputs);
+    files.emplace_back(arguments.report);
+    return files;
+}
+
+}  // namespace lamella::cli

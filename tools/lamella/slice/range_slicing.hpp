@@ -1,0 +1,24 @@
+// lamella slice --memory: a mesh larger than memory, and what it makes of the other options.
+#pragma once
+
+#include "lamella/slice_file.hpp"
+#include "outputs/output_formats.hpp"
+#include "slice/slice_arguments.hpp"
+#include "slice/slice_summary.hpp"
+#include "terminal/console.hpp"
+#include "terminal/interrupt.hpp"
+
+namespace lamella::cli {
+
+/// Throws Failure (bad_usage) where --memory cannot be had together with the report or with standard input.
+void require_ranges_possible(const SliceArguments& arguments);
+
+/// The mesh as far as its file's beginning says. Throws Failure.
+MeshFile describe_mesh_of(const SliceArguments& arguments);
+
+/// Slices within --memory. Where `collect` is false, the result has layers and closed gaps only. Fills in `run`. Errors:
+/// those of slice_file().
+Result<SliceResult> slice_in_ranges(const SliceArguments& arguments, const SliceOptions& options, bool collect,
+                                    ToolRun& run);
+
+}  // namespace lamella::cli

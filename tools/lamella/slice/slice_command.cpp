@@ -1,0 +1,356 @@
+// lamella slice: read, slice, write, report.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "files/mesh_input.hpp"
+#include "files/output_path.hpp"
+#include "files/scale_words.hpp"
+#include "lamella/io.hpp"
+#include "lamella/lamella.hpp"
+#include "outputs/recorded_options.hpp"
+#include "outputs/write_outputs.hpp"
+#include "outputs/write_structure_output.hpp"
+#include "slice/image_around.hpp"
+#include "slice/plan_outputs.hpp"
+#include "slice/range_slicing.hpp"
+#include "slice/slice_arguments.hpp"
+#include "slice/slice_summary.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
+#include "terminal/numbers.hpp"
+#include "worker/worker_side.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+class SliceCommand {
+public:
+    SliceCommand(const CLI::App& command, const SliceArguments& arguments, Interrupt& interrupt)
+        : command_(command),
+          arguments_(arguments),
+          interrupt_(interrupt),
+          bar_(arguments.progress),
+          job_{
+              .outputs = {},
+              .arguments = arguments_.outputs,
+              .parts = {},
+              .image = {},
+              .inputs = {},
+              .options = {},
+          } {}
+
+    void run() {
+        require_ranges_possible(arguments_);
+        plan_outputs();
+        std::vector<MeshFile> files;
+        if (arguments_.image.spacing.empty()) {
+            if (!arguments_.image.like.empty()) {
+                use_image(read_image_of(arguments_.image));
+            }
+        } else {
+            read_all(files);
+            use_image(image_around(files, arguments_));
+        }
+        for (std::size_t i = 0; i < arguments_.meshes.size(); ++i) {
+            arguments_.mesh = arguments_.meshes[i];
+            const MeshFile mesh = files.empty() ? read() : std::move(files[i]);
+            slice_part(mesh);
+            if (arguments_.meshes.size() == 1) {
+                write();
+                report(job_.parts.front().result, mesh);
+                return;
+            }
+            end_run();
+            words_ += summary(job_.parts.back().result, {.mesh_name = arguments_.mesh, .file = &mesh}, run_);
+        }
+        write();
+        print_words(words_ + wrote(run_), arguments_.output_to_stdout());
+    }
+
+    /// For a batch: of one mesh.
+    std::optional<SliceFacts> facts() const {
+        if (job_.parts.empty()) {
+            return std::nullopt;
+        }
+        const SliceResult& result = job_.parts.front().result;
+        return SliceFacts{result.summary.triangles, result.layers.size(), result.contours.size(),
+                          result.summary.open_contours, run_.warnings};
+    }
+
+private:
+    void plan_outputs() {
+        job_.outputs = planned_outputs_of(arguments_);
+        interrupt_.tidy(files_to_write(arguments_, job_.outputs));
+    }
+
+    void use_image(ImageGeometry image) {
+        for (const std::string& warning : image.warnings) {
+            note(warning);
+        }
+        require_image_serves(image, job_.outputs, arguments_.outputs);
+        job_.image = std::move(image);
+        job_.subslices = arguments_.image.subslices;
+    }
+
+    void read_all(std::vector<MeshFile>& files) {
+        for (const std::string& mesh : arguments_.meshes) {
+            arguments_.mesh = mesh;
+            files.push_back(read());
+        }
+    }
+
+    void slice_part(const MeshFile& mesh) {
+        SliceOptions options = options_of(arguments_);
+        SlicedPart part;
+        part.name = mesh_name_of(arguments_.mesh);
+        part.frame = mesh.patient_frame == PatientFrame::unstated ? arguments_.image.frame : mesh.patient_frame;
+        if (job_.image) {
+            part.frame = patient_frame_of(mesh, arguments_.image, arguments_.name());
+            options.plan.spacing = ExplicitPlanes{job_.image->slice_heights_mm(job_.subslices)};
+            options.transform = job_.image->slicing_frame(part.frame);
+        }
+        part.result = slice_mesh(mesh, options);
+        part.first_layer = part.result.first_layer;
+        part.all_layers = part.result.all_layers;
+        part.welded = std::move(welded_);
+        welded_.reset();
+        if (part.result.summary.segments == 0) {
+            note(why_nothing_is_cut(part.result.summary));
+        }
+        if (part.result.summary.emptied_layers > 0 && part.result.contours.empty()) {
+            note(why_nothing_is_left(part.result));
+        }
+        note_doubts_of_scale(part.result, mesh);
+        if (wants_records()) {
+            part.mesh_sha256 = add_input(arguments_.mesh, mesh.file_bytes).sha256;
+        }
+        if (wants_facts()) {
+            part.facts = facts_of(mesh, part);
+        }
+        job_.parts.push_back(std::move(part));
+    }
+
+    bool wants_records() const {
+        return std::any_of(job_.outputs.begin(), job_.outputs.end(),
+                           [](const PlannedOutput& output) { return output.has_record(); });
+    }
+
+    bool in_ranges() const noexcept { return !arguments_.memory.empty(); }
+
+    /// Facts are those of the whole mesh.
+    bool wants_facts() const {
+        return !in_ranges() && std::any_of(job_.outputs.begin(), job_.outputs.end(), [](const PlannedOutput& output) {
+            return output.format == OutputFormat::csv || output.format == OutputFormat::json_lines;
+        });
+    }
+
+    const FileSeal& add_input(const std::string& path, std::uint64_t bytes) {
+        return job_.inputs.emplace_back(is_standard(path) ? FileSeal{path, bytes, ""} : found(seal_file(path)));
+    }
+
+    MeshFacts facts_of(const MeshFile& mesh, const SlicedPart& part) {
+        const Stage stage(bar_, "measuring");
+        MeshFacts facts = found(part.welded ? measure_facts(part.welded->view(), Transform{}, part.result, control_of(stage))
+                                            : measure_facts(mesh.view(), mesh.to_mm(), part.result, control_of(stage)));
+        facts.warnings = run_.warnings;
+        return facts;
+    }
+
+    void note_doubts_of_scale(const SliceResult& result, const MeshFile& mesh) {
+        const bool moved = !arguments_.transform.empty() || !arguments_.normal.empty();
+        const MeasuredMesh measured{result.summary.min_mm, result.summary.max_mm, result.unit_mm,
+                                    least_plane_distance(result.plan), moved};
+        for (const std::string& doubt : doubts_of_scale(arguments_, mesh, measured)) {
+            note(doubt);
+        }
+    }
+
+    void note(const std::string& warning) {
+        bar_.wipe();
+        warn(warning);
+        run_.warnings.push_back(warning);
+    }
+
+    MeshFile read() {
+        MeshFile mesh = in_ranges() ? describe_mesh_of(arguments_) : read_mesh_of(arguments_, bar_);
+        for (const std::string& warning : mesh.warnings) {
+            note(warning);
+        }
+        return mesh;
+    }
+
+    SliceResult slice_mesh(const MeshFile& mesh, SliceOptions& options) {
+        if (arguments_.weld_mm) {
+            weld_vertices(mesh);
+        }
+        const Stage stage(bar_, "slicing");
+        options.control.stop = interrupt_.defer();
+        options.control.progress = stage.progress();
+        Result<SliceResult> result = in_ranges() ? slice_in_ranges(arguments_, options, !job_.outputs.empty(), run_)
+                                     : welded_   ? slice(*welded_, options)
+                                                 : slice(mesh, options);
+        if (!result) {
+            throw slicing_failure(result.error());
+        }
+        if (arguments_.hash && !in_ranges()) {
+            run_.hash = hash_result(*result);
+        }
+        return std::move(result).value();
+    }
+
+    void weld_vertices(const MeshFile& mesh) {
+        const Stage stage(bar_, "welding");
+        const Stopwatch watch;
+        Result<WeldedMesh> welded = weld(mesh, {.tolerance_mm = *arguments_.weld_mm, .control = control_of(stage)});
+        run_.weld_ms = watch.ms();
+        if (!welded) {
+            interrupt_.die_if_interrupted();
+            throw Failure(failure_of(welded.error()).status(), arguments_.name() + ": " + welded.error().message);
+        }
+        welded_ = std::move(welded).value();
+    }
+
+    Failure slicing_failure(const Error& error) const {
+        interrupt_.die_if_interrupted();
+        const Failure failure = failure_of(error);
+        if (error.code == ErrorCode::empty_mesh && welded_ && welded_->joined > 0) {
+            return {bad_input, arguments_.name() + ": welding at " + exact_text(*arguments_.weld_mm) +
+                                   " mm leaves nothing: " + error.message};
+        }
+        // Of an option the message says all; of a mesh it must say which.
+        return failure.status() == bad_input && !in_ranges() ? Failure(bad_input, arguments_.name() + ": " + error.message)
+                                                             : failure;
+    }
+
+    void write() {
+        if (job_.outputs.empty()) {
+            return;
+        }
+        job_.options = recorded_options(command_);
+        for (const RecordedOption& option : job_.options) {
+            if (wants_records() && option.names_file()) {
+                add_input(*option.value, 0);
+            }
+        }
+        const Stage stage(bar_, "writing");
+        const Stopwatch watch;
+        write_outputs(job_, control_of(stage), [this](const std::string& warning) { note(warning); });
+        for (const PlannedOutput& output : job_.outputs) {
+            run_.outputs.push_back(output.path);
+        }
+        run_.write_ms = watch.ms();
+    }
+
+    template <class T>
+    static T found(Result<T> result) {
+        if (!result) {
+            throw failure_of(result.error());
+        }
+        return std::move(result).value();
+    }
+
+    /// What a stage of the report finds.
+    template <class Call>
+    auto timed(std::string_view what, double& ms, const Call& call) {
+        const Stage stage(bar_, what);
+        const Stopwatch watch;
+        auto answer = found(call(control_of(stage)));
+        ms = watch.ms();
+        return answer;
+    }
+
+    void report(const SliceResult& result, const MeshFile& mesh) {
+        const WeldedMesh* const welded = job_.parts.front().welded ? &*job_.parts.front().welded : nullptr;
+        ReportParts parts{.mesh_name = arguments_.mesh, .file = &mesh, .welded = welded};
+        if (arguments_.report.empty()) {
+            end_run();
+            print_words(summary(result, parts, run_), arguments_.output_to_stdout());
+            return;
+        }
+        const MeshView sliced = welded != nullptr ? welded->view() : mesh.view();
+        const auto ledger =
+            timed("ledger", run_.ledger_ms, [&](const Control& c) { return make_ledger(sliced, result, c); });
+        const auto volume =
+            timed("certificate", run_.certificate_ms, [&](const Control& c) { return certify_volume(sliced, result, c); });
+        const auto crossings =
+            timed("crossings", run_.crossings_ms, [&](const Control& c) { return find_crossings(result, c); });
+        interrupt_.end_deferring();  // what follows does not look for stop requests
+        end_run();
+        const std::vector<ReportMember> members = members_of(run_, mesh);
+        parts.ledger = &ledger;
+        parts.volume = &volume;
+        parts.crossings = &crossings;
+        parts.members = members;
+        const Stopwatch watch;
+        write_report(found(make_report_json(result, parts)));
+        run_.report_ms = watch.ms();
+        end_run();
+        print_words(summary(result, parts, run_) + report_line(),
+                    arguments_.output_to_stdout() || arguments_.report_to_stdout());
+    }
+
+    void end_run() {
+        run_.total_ms = total_.ms();
+        run_.peak_rss_bytes = peak_rss_bytes();
+    }
+
+    Control control_of(const Stage& stage) {
+        return {.threads = arguments_.threads, .stop = interrupt_.defer(), .progress = stage.progress()};
+    }
+
+    void write_report(const std::string& json) const {
+        if (arguments_.report_to_stdout()) {
+            print(json);
+            return;
+        }
+        const Status status = write_text_file(arguments_.report, json);
+        if (!status) {
+            throw failure_of(status.error());
+        }
+    }
+
+    std::string report_line() const {
+        return arguments_.report_to_stdout() ? std::string() : "report    " + arguments_.report + "\n";
+    }
+
+    const CLI::App& command_;
+    SliceArguments arguments_;
+    Interrupt& interrupt_;
+    ProgressBar bar_;
+    OutputJob job_;
+    std::string words_;  ///< the summaries of several meshes
+    std::optional<WeldedMesh> welded_;
+    ToolRun run_;
+    Stopwatch total_;
+};
+
+}  // namespace
+
+void add_slice_command(CLI::App& app, Interrupt& interrupt) {
+    CLI::App* const command = app.add_subcommand("slice", "Slice a mesh into closed, oriented, nested contours");
+    const auto arguments = std::make_shared<SliceArguments>();
+    const auto worker = std::make_shared<WorkerSide>();
+    declare(*command, *arguments);
+    worker->declare(*command);
+    command->callback([command, arguments, worker, &interrupt] {
+        worker->begin();
+        SliceCommand slicing(*command, *arguments, interrupt);
+        slicing.run();
+        if (const auto facts = slicing.facts()) {
+            worker->tell(*facts);
+        }
+    });
+}
+
+}  // namespace lamella::cli

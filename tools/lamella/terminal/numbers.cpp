@@ -1,0 +1,179 @@
+#include "terminal/numbers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "lamella/grid.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+constexpr std::string_view blanks = " \t\r\v\f";
+
+std::string_view trimmed(std::string_view text) {
+    const std::size_t first = text.find_first_not_of(blanks);
+    return first == std::string_view::npos ? std::string_view{}
+                                           : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+/// For messages: shortened, and fit to print, as what is no number may be of a binary file.
+std::string quoted(std::string_view word) {
+    constexpr std::size_t longest = 40;
+    return "'" + printable(word.substr(0, longest)) + (word.size() > longest ? "...'" : "'");
+}
+
+void read_line(std::string_view line, std::size_t number, const std::filesystem::path& path, NumberFile& into) {
+    constexpr std::string_view separators = " \t\r\v\f,;";
+    line = line.substr(0, line.find('#'));
+    for (std::size_t begin = line.find_first_not_of(separators); begin != std::string_view::npos;) {
+        const std::size_t end = std::min(line.find_first_of(separators, begin), line.size());
+        const std::string_view word = line.substr(begin, end - begin);
+        const std::optional<double> value = parse_number(word);
+        if (!value) {
+            throw Failure(bad_input,
+                          path.string() + ":" + std::to_string(number) + ": " + quoted(word) + " is not a number");
+        }
+        into.values.push_back(*value);
+        into.lines.push_back(number);
+        begin = line.find_first_not_of(separators, end);
+    }
+}
+
+}  // namespace
+
+std::optional<double> parse_number(std::string_view text) noexcept {
+    if (text.size() > 1 && text[0] == '+' && text[1] != '-') {
+        text.remove_prefix(1);
+    }
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+        return std::nullopt;
+    }
+    return value;
+}
+
+double parse_unit(const std::string& text, const std::string& option) {
+    constexpr std::array<std::pair<std::string_view, double>, 6> units = {
+        {{"mm", 1}, {"um", 0.001}, {"cm", 10}, {"m", 1000}, {"in", 25.4}, {"ft", 304.8}}};
+    for (const auto& [name, mm] : units) {
+        if (text == name) {
+            return mm;
+        }
+    }
+    const std::optional<double> mm = parse_number(text);
+    if (!mm || *mm <= 0) {
+        throw Failure(bad_usage, option + ": '" + text + "' is neither mm, um, cm, m, in, ft nor a positive number of mm");
+    }
+    return *mm;
+}
+
+std::optional<std::vector<double>> parse_list(std::string_view text) {
+    std::vector<double> values;
+    while (true) {
+        const std::size_t comma = text.find(',');
+        const std::optional<double> value = parse_number(trimmed(text.substr(0, comma)));
+        if (!value) {
+            return std::nullopt;
+        }
+        values.push_back(*value);
+        if (comma == std::string_view::npos) {
+            return values;
+        }
+        text.remove_prefix(comma + 1);
+    }
+}
+
+std::vector<double> parse_triple(std::string_view text, const std::string& option) {
+    std::optional<std::vector<double>> values = parse_list(text);
+    if (!values || values->size() != 3) {
+        throw Failure(bad_usage, option + ": '" + std::string(text) + "' is not three numbers X,Y,Z");
+    }
+    return *std::move(values);
+}
+
+double parse_grid(const std::string& text) {
+    if (text.empty()) {
+        return 0;
+    }
+    if (text == "auto") {
+        return unit_by_box;
+    }
+    const std::optional<double> unit = parse_number(text);
+    if (!unit) {
+        throw Failure(bad_usage, "--grid: '" + text + "' is neither a number of mm nor auto");
+    }
+    require_positive(unit, "--grid");
+    return *unit;
+}
+
+std::uint64_t parse_bytes(const std::string& text, const std::string& option) {
+    std::uint64_t bytes = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stop, problem] = std::from_chars(text.data(), end, bytes);
+    std::string_view suffix(stop, static_cast<std::size_t>(end - stop));
+    unsigned shift = 0;
+    if (!suffix.empty()) {
+        constexpr std::string_view letters = "KMGT";
+        const std::size_t letter = letters.find(suffix.front() == 'k' ? 'K' : suffix.front());
+        shift = letter == std::string_view::npos ? 64 : 10 * (static_cast<unsigned>(letter) + 1);
+        suffix.remove_prefix(1);
+    }
+    const bool rest = !(suffix.empty() || suffix == "B" || suffix == "iB");
+    if (problem != std::errc() || rest || shift == 64 || bytes == 0 || bytes > (std::uint64_t{1} << 62 >> shift)) {
+        throw Failure(bad_usage, option + ": '" + text + "' is not a number of bytes, such as 4000000000 or 4G");
+    }
+    return bytes << shift;
+}
+
+LayerRange parse_layers(const std::string& text, const std::string& option) {
+    const auto part = [](std::string_view digits, std::uint64_t& value) {
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        return digits.empty() || (end == digits.data() + digits.size() && error == std::errc());
+    };
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    LayerRange range;
+    if (colon == text.size() || !part(std::string_view(text).substr(0, colon), range.first) ||
+        !part(std::string_view(text).substr(colon + 1), range.end) || range.first >= range.end) {
+        throw Failure(bad_usage, option + ": '" + text + "' is not A:B with A < B, such as 0:100");
+    }
+    return range;
+}
+
+void require_positive(const std::optional<double>& value_mm, const std::string& option) {
+    if (value_mm && !(*value_mm > 0 && std::isfinite(*value_mm))) {
+        throw Failure(bad_usage, option + ": not a positive number of mm");
+    }
+}
+
+NumberFile read_numbers(const std::filesystem::path& path) {
+    std::error_code not_there;
+    if (std::filesystem::is_directory(path, not_there)) {
+        throw Failure(bad_input, "cannot read '" + path.string() + "': Is a directory");
+    }
+    errno = 0;
+    std::ifstream file(path);
+    if (!file) {
+        throw Failure(bad_input, "cannot read '" + path.string() + "': " + std::generic_category().message(errno));
+    }
+    NumberFile numbers;
+    std::string line;
+    for (std::size_t number = 1; std::getline(file, line); ++number) {
+        read_line(line, number, path, numbers);
+    }
+    if (file.bad()) {
+        throw Failure(bad_input, "cannot read '" + path.string() + "': " + std::generic_category().message(errno));
+    }
+    return numbers;
+}
+
+}  // namespace lamella::cli

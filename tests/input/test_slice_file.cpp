@@ -24,6 +24,18 @@ using lamella::MeshFile;
 using lamella::SliceOptions;
 using lamella::SliceResult;
 
+#ifdef LAMELLA_TESTS_SANITIZED
+constexpr int thread_counts[] = {3};
+constexpr std::uint64_t parts_of_need[] = {2, 50};
+constexpr double budget_heights_mm[] = {1.0};
+constexpr std::uint64_t budget_triangles = 150'000;
+#else
+constexpr int thread_counts[] = {1, 3};
+constexpr std::uint64_t parts_of_need[] = {1, 2, 10, 50};
+constexpr double budget_heights_mm[] = {0.05, 1.0};
+constexpr std::uint64_t budget_triangles = 400'000;
+#endif
+
 std::string stl_of(const std::vector<float>& soup) {
     std::vector<lamella::input_test::Facet> facets(soup.size() / 9);
     std::memcpy(facets.data(), soup.data(), soup.size() * sizeof(float));
@@ -97,8 +109,8 @@ void require_same_at_all_budgets(const std::filesystem::path& path, const SliceO
     INFO((whole ? std::string() : whole.error().message));
     REQUIRE(whole);
     const std::uint64_t need = need_of(*mesh, *whole);
-    for (const int threads : {1, 3}) {
-        for (const std::uint64_t part : {1U, 2U, 10U, 50U}) {
+    for (const int threads : thread_counts) {
+        for (const std::uint64_t part : parts_of_need) {
             FileSliceOptions options;
             options.slice = slicing;
             options.slice.control.threads = threads;
@@ -189,10 +201,10 @@ TEST_CASE("all kinds of planes and rules give the same layers in ranges", "[slic
 TEST_CASE("open, degenerate, flat and tall facets give the same layers in ranges", "[slice_file]") {
     const TempFolder folder;
     shapes::Soup soup = shapes::joined({shapes::octasphere({0, 0, 10}, 10, 5), shapes::box({20, 0, 0}, {30, 10, 40}),
-                                        shapes::box({20, 20, 5}, {30, 30, 10}), shapes::random_soup(3, 4000, 40),
-                                        shapes::random_tetrahedra(5, 2000, 20)});
-    for (int i = 0; i < 500; ++i) {  // points and needles
-        const double at = i / 20.0;
+                                        shapes::box({20, 20, 5}, {30, 30, 10}), shapes::random_soup(3, 400, 40),
+                                        shapes::random_tetrahedra(5, 200, 20)});
+    for (int i = 0; i < 100; ++i) {  // points and needles
+        const double at = i / 4.0;
         soup = shapes::joined({std::move(soup), shapes::triangle({at, at, at}, {at, at, at}, {at, at + 1, 30})});
     }
     soup.resize(soup.size() - 9 * 7);  // open
@@ -215,8 +227,8 @@ TEST_CASE("the engine holds no more than the budget", "[slice_file]") {
     const auto shape = GENERATE(lamella::models::Shape::bone, lamella::models::Shape::gyroid, lamella::models::Shape::sphere,
                                 lamella::models::Shape::prism);
     const auto order = GENERATE(lamella::models::Order::z, lamella::models::Order::random);
-    const auto path = made(folder, shape, order, shape == lamella::models::Shape::prism ? 10'000 : 400'000);
-    for (const double height : {0.05, 1.0}) {
+    const auto path = made(folder, shape, order, shape == lamella::models::Shape::prism ? 10'000 : budget_triangles);
+    for (const double height : budget_heights_mm) {
         for (const int budget : {3'000'000, 10'000'000}) {
             for (const auto& [threads, order_of_sink] :
                  {std::pair{1, lamella::SinkOrder::any}, std::pair{2, lamella::SinkOrder::any},

@@ -23,6 +23,11 @@ constexpr std::uint64_t most_parcel = 3 << 19;  // a thread
 constexpr std::uint64_t most_aside = std::uint64_t{160} << 20;
 constexpr std::uint64_t a_thread = 256 << 10;  // bands, kernels, first growth of arrays
 
+/// How much bands put aside depends on the threads' pace: ranges are planned for a little less.
+constexpr std::uint64_t planned_share(std::uint64_t budget) noexcept {
+    return budget - budget / 24;
+}
+
 }  // namespace
 
 MemoryModel::MemoryModel(std::uint64_t budget, int threads, std::uint64_t triangles)
@@ -79,7 +84,7 @@ std::optional<LayerSpan> MemoryModel::longest(const PlaneCounts& counts, PlaneIn
             segments += active;
             widest = std::max(widest, active);
             const std::uint64_t held = a_kept * std::max(kept, longer.triangles);
-            if (fixed + held + cutting(longer, segments, widest) > budget_) {
+            if (fixed + held + cutting(longer, segments, widest) > planned_share(budget_)) {
                 break;
             }
             span = longer;
@@ -94,7 +99,7 @@ std::optional<LayerSpan> MemoryModel::longest(const PlaneCounts& counts, PlaneIn
 std::uint64_t MemoryModel::least_budget(std::uint64_t widest) const noexcept {
     const std::uint64_t needed = a_kept * widest + cutting({0, 1, 1, widest}, widest, widest);
     std::uint64_t budget = needed;
-    while (budget < needed + fixed_of(budget)) {
+    while (planned_share(budget) < needed + fixed_of(budget)) {
         budget += budget / 32 + 4096;
     }
     return budget;

@@ -198,7 +198,9 @@ private:
         return complaint;
     }
 
-    bool keeps_contours() const noexcept { return result_.region.rule_of(result_.first_layer + index_) == FillRule::contours; }
+    bool keeps_contours() const noexcept {
+        return result_.region.rule_of(result_.first_layer + index_) == FillRule::contours;
+    }
 
     /// Any of several equally small ones will do.
     bool is_parent(std::size_t c, std::span<const std::size_t> around) const {

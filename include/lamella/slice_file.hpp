@@ -15,7 +15,8 @@
 //         std::printf("%llu layers, %g mm3\n", static_cast<unsigned long long>(sliced->totals.layers), areas.mm3);
 //     }
 //
-// The file is read twice, in pieces. The first pass finds the box, which chooses grid and planes as it does for the whole
+// The file is binary STL, or binary PLY of triangles, whose vertices stay in memory: 12 bytes each of floats, 24 of doubles.
+// It is read twice, in pieces. The first pass finds the box, which chooses grid and planes as it does for the whole
 // mesh in memory. The second keeps the triangles that planes cut, 44 bytes each:
 //
 //     kept triangles    what is cut, and when
@@ -64,15 +65,16 @@ struct FileSlice {
 /// What the beginning of `path` says: all of FileSlice::mesh, before anything is cut. Errors: as of slice_file().
 Result<MeshFile> describe_file(const std::filesystem::path& path, const FileSliceOptions& options = {}) noexcept;
 
-/// Slices the binary STL file `path` and hands each layer to `sink`. O(n + k + m) as slice(), with two reads of the file,
-/// and where triangles are spilled 88 bytes more of reading and writing for each that planes cut.
+/// Slices the binary STL or PLY file `path` and hands each layer to `sink`. O(n + k + m) as slice(), with two reads of the
+/// file, and where triangles are spilled 88 bytes more of reading and writing for each that planes cut.
 ///
-/// Memory: at most `options.memory_bytes`, of which the tables take 24 bytes a layer and, in budgets of a megabyte and less,
-/// a few bytes for each hundred triangles of the file. In ascending order one layer is held at a time, and as much as the
-/// budget allows is put aside. Errors: those of slice_to() and of read_mesh(); invalid_argument for files of other formats,
-/// for text and for gzip, which have to be converted first, and for `origins`; out_of_memory where the budget is below the
-/// least that serves, which is named: that of the layer with the most triangles; unwritable_file (the temporary file).
-/// After an error the sink has got some layers and gets no more.
+/// Memory: at most `options.memory_bytes`, of which the vertices of PLY take 12 or 24 bytes each, the tables 24 bytes a
+/// layer and, in budgets of a megabyte and less, a few bytes for each hundred triangles of the file. In ascending order one
+/// layer is held at a time, and as much as the budget allows is put aside. Errors: those of slice_to() and of read_mesh();
+/// invalid_argument for files of other formats, for PLY that holds polygons or strips, for text and for gzip, which have to
+/// be converted first, and for `origins`; out_of_memory where the budget is below the least that serves, which is named:
+/// that of the layer with the most triangles, or first of the vertices; unwritable_file (the temporary file). After an error
+/// the sink has got some layers and gets no more.
 Result<FileSlice> slice_file(const std::filesystem::path& path, const LayerSink& sink,
                              const FileSliceOptions& options = {}) noexcept;
 

@@ -1,6 +1,37 @@
 # Meshes larger than memory, and some layers of a plan. Sourced by cli.sh.
 
+# A binary STL file as binary PLY, with a vertex of its own for each that differs.
+ply_of_stl() {
+    python3 - "$1" << 'END'
+import struct, sys
+data = open(sys.argv[1], "rb").read()
+known, faces = {}, []
+for at in range(84 + 12, len(data), 50):
+    corners = [known.setdefault(data[at + i : at + i + 12], len(known)) for i in (0, 12, 24)]
+    faces.append(struct.pack("<B3i", 3, *corners))
+header = "ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(known)
+header += "".join("property float %s\n" % axis for axis in "xyz")
+header += "element face %d\nproperty list uchar int vertex_indices\nend_header\n" % len(faces)
+sys.stdout.buffer.write(header.encode() + b"".join(known) + b"".join(faces))
+END
+}
+
 hash_of() { sed -n 's/^hash *//p' .stdout; }
+
+# PLY gives the same hash.
+ply_ranges() {
+    local want=$1 order
+    for order in z random; do
+        ply_of_stl "$order.stl" > "$order.ply"
+        TMPDIR=$PWD expect 0 slice "$order.ply" --hash --memory 3500k
+        [[ $(hash_of) == "$want" ]] || fail "$order.ply: another hash"
+        grep -q "^ranges .* of layers within" .stdout || fail "no line on ranges"
+    done
+    expect 3 slice z.ply --memory 10k
+    grep -q "^lamella: z.ply: a budget of 10240 bytes is too small: its .* stay in memory" .stderr || fail "does not name the vertices"
+    head -c 700000 z.ply > short.ply
+    expect_failure 3 "byte 700000: property 'vertex_indices' of 'face' 7710: " slice short.ply --memory 1M
+}
 
 test_ranges() {
     expect 0 make bone --triangles 100000 -o z.stl
@@ -29,6 +60,9 @@ test_ranges() {
     expect_failure 2 "--weld" slice z.stl --memory 2M --weld 1
     expect 3 slice z.stl --memory 10k
     grep -q "^lamella: z.stl: a budget of 10240 bytes is too small: layer .* needs " .stderr || fail "does not name the least budget"
+    if command -v python3 > /dev/null; then
+        ply_ranges "$want"
+    fi
     gzip -k z.stl
     expect_failure 2 "decompress it with gunzip" slice z.stl.gz --memory 2M
     printf 'v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n' > a.obj

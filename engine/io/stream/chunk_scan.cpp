@@ -5,19 +5,19 @@
 #include <cstring>
 
 #include "base/guard.hpp"
-#include "io/stream/triangle_file.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/buckets/soup_scan.hpp"
 #include "slicing/grid/bounds.hpp"
 
 namespace lamella {
 
-ChunkScan::ChunkScan(const Transform& transform, double unit_mm, const PlaneSet& planes, std::size_t chunk_triangles)
+ChunkScan::ChunkScan(const Transform& transform, double unit_mm, const PlaneSet& planes, std::size_t chunk_triangles,
+                     std::size_t buffer_bytes)
     : transform_(transform),
       unit_mm_(unit_mm),
       planes_(planes),
       one_({.threads = 1}),
-      bytes_(chunk_triangles * TriangleFile::stride),
+      bytes_(chunk_triangles * buffer_bytes),
       counts_(planes.size()) {
     found_.reserve(chunk_triangles);
 }
@@ -93,7 +93,11 @@ std::uint64_t ChunkScan::find_degenerate(const Reader& read, std::size_t begin) 
 
 void ChunkScan::keep(const MeshView& chunk, std::size_t triangle, PlaneIndex first, PlaneIndex last) {
     StoredTriangle& stored = found_.emplace_back();
-    std::memcpy(stored.corners, chunk.vertices + triangle * chunk.stride, sizeof stored.corners);
+    if (chunk.indices != nullptr) {
+        std::memcpy(stored.corners, chunk.indices + triangle * chunk.index_stride, 3 * sizeof(std::uint32_t));
+    } else {
+        std::memcpy(stored.corners, chunk.vertices + triangle * chunk.stride, sizeof stored.corners);
+    }
     stored.first = first;
     stored.last = last;
     counts_.add(first, last);

@@ -20,7 +20,9 @@ class SoupScan;
 /// Gives what count_crossings() gives for the whole mesh, chunk by chunk.
 class ChunkScan {
 public:
-    ChunkScan(const Transform& transform, double unit_mm, const PlaneSet& planes, std::size_t chunk_triangles);
+    /// `buffer_bytes` a triangle.
+    ChunkScan(const Transform& transform, double unit_mm, const PlaneSet& planes, std::size_t chunk_triangles,
+              std::size_t buffer_bytes);
 
     /// Room for a chunk as it lies in the file.
     std::span<std::byte> bytes() noexcept { return bytes_; }

@@ -1,11 +1,15 @@
 #include "io/stream/file_box.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
+
+#include "base/guard.hpp"
 
 namespace lamella {
 
@@ -15,8 +19,7 @@ constexpr double share_of_progress = 0.3;
 
 /// What a thread needs to measure chunks.
 struct Measurer {
-    explicit Measurer(std::size_t chunk_triangles)
-        : bytes(chunk_triangles * TriangleFile::stride), one({.threads = 1}), table(nullptr) {}
+    explicit Measurer(std::size_t buffer_bytes) : bytes(buffer_bytes), one({.threads = 1}), table(nullptr) {}
 
     std::vector<std::byte> bytes;
     Parallel one;
@@ -48,7 +51,11 @@ public:
     Result<FileBox> run(const Parallel& parallel, ProgressMeter& progress) {
         bounds_.resize(box_.chunks.size());
         parallel.run(box_.chunks.size(), [&](std::size_t chunk, int worker) {
-            measure(chunk, worker);
+            try {
+                measure(chunk, worker);
+            } catch (Refused& refused) {
+                note(chunk, std::move(refused.error));
+            }
             progress.reach(share_of_progress * static_cast<double>(chunk) / static_cast<double>(box_.chunks.size()));
         });
         if (failure_) {
@@ -61,15 +68,18 @@ public:
 private:
     void measure(std::size_t chunk, int worker) {
         auto& measurer = measurers_[static_cast<std::size_t>(worker)];
+        if (chunk > failed_chunk_.load(std::memory_order_relaxed)) {
+            return;
+        }
         if (measurer == nullptr) {
-            measurer = std::make_unique<Measurer>(chunk_);
+            measurer = std::make_unique<Measurer>(chunk_ * file_.buffer_bytes());
         }
         const std::uint64_t first = std::uint64_t{chunk} * chunk_;
         const std::size_t count = std::min<std::uint64_t>(chunk_, file_.triangles() - first);
         const MeshView view = file_.read(first, count, measurer->bytes);
         const Result<Bounds> bounds = measure_bounds(view, transform_, asked_mm_, measurer->one, measurer->table);
         if (!bounds) {
-            note(at_file_position(bounds.error(), first));
+            note(chunk, file_.named(at_file_position(bounds.error(), first)));
             return;
         }
         const auto& blocks = measurer->table.blocks;
@@ -78,10 +88,11 @@ private:
                               std::any_of(blocks.begin(), blocks.end(), [](const TriangleBlock& b) { return b.near; })};
     }
 
-    /// The failure of the first triangle stands, whichever thread comes first.
-    void note(Error error) {
+    /// The failure of the first chunk stands, whichever thread comes first.
+    void note(std::size_t chunk, Error error) {
         const std::lock_guard lock(mutex_);
-        if (!failure_ || error.triangle < failure_->triangle) {
+        if (chunk < failed_chunk_) {
+            failed_chunk_ = chunk;
             failure_ = std::move(error);
         }
     }
@@ -109,6 +120,7 @@ private:
     std::vector<Bounds> bounds_;
     std::vector<std::unique_ptr<Measurer>> measurers_;
     std::mutex mutex_;
+    std::atomic<std::size_t> failed_chunk_ = std::numeric_limits<std::size_t>::max();
     std::optional<Error> failure_;
 };
 

@@ -26,8 +26,8 @@ struct FileBox {
     std::vector<FileChunk> chunks;
 };
 
-/// Reads all of `file`, in chunks of `chunk_triangles`. `asked_mm`: the grid unit asked for, or 0. Errors: bad_coordinate
-/// (with the triangle). Throws Refused, Stopped, std::bad_alloc.
+/// Reads all of `file`, in chunks of `chunk_triangles`. `asked_mm`: the grid unit asked for, or 0. Errors name the
+/// file: bad_coordinate (with the triangle), and those of TriangleFile::read(). Throws Stopped, std::bad_alloc.
 Result<FileBox> measure_file(const TriangleFile& file, const Transform& transform, double asked_mm,
                              std::size_t chunk_triangles, const Parallel& parallel, ProgressMeter& progress);
 

@@ -36,8 +36,7 @@ FileSlicing::FileSlicing(TriangleFile& file, const LayerSink& sink, const FileSl
       parallel_({.threads = options.slice.control.threads, .executor = options.slice.control.executor}),
       progress_(options.slice.control.progress),
       memory_limit_(options.slice.memory_limit_bytes != 0 ? options.slice.memory_limit_bytes : detail::usual_memory_limit()),
-      model_(options.memory_bytes != 0 ? options.memory_bytes : detail::usual_memory_limit(), parallel_.threads(),
-             file.triangles()),
+      model_(options.memory_bytes != 0 ? options.memory_bytes : detail::usual_memory_limit(), parallel_.threads(), file),
       planes_(nullptr),
       store_(options.slice.control.memory) {
     parallel_.follow(options.slice.control.stop);
@@ -48,6 +47,9 @@ FileSlicing::FileSlicing(TriangleFile& file, const LayerSink& sink, const FileSl
 
 Result<FileSlice> FileSlicing::run() {
     const auto start = Clock::now();
+    if (Status status = load_vertices(); !status) {
+        return status.error();
+    }
     if (Status status = choose_grid_and_planes(); !status) {
         return status.error();
     }
@@ -67,6 +69,17 @@ Result<FileSlice> FileSlicing::run() {
     return finish();
 }
 
+Status FileSlicing::load_vertices() {
+    if (model_.holds_resident()) {
+        file_.load(slicing_.control.memory, parallel_);
+        return {};
+    }
+    return file_.named(
+        {ErrorCode::out_of_memory, "a budget of " + std::to_string(model_.budget()) + " bytes is too small: its " +
+                                       counted(file_.facts().vertex_count, "vertex", "vertices") +
+                                       " stay in memory, which takes at least " + std::to_string(model_.least_budget(1))});
+}
+
 Status FileSlicing::choose_grid_and_planes() {
     if (Status status = check_rules(slicing_.region); !status) {
         return status;
@@ -74,13 +87,12 @@ Status FileSlicing::choose_grid_and_planes() {
     Result<FileBox> box =
         measure_file(file_, slicing_.transform, slicing_.unit_mm, model_.chunk_triangles(), parallel_, progress_);
     if (!box) {
-        return file_.named(box.error());
+        return box.error();
     }
     chunks_ = std::move(box->chunks);
     frame_.bounds = box->bounds;
-    frame_.number = slicing_.transform.is_identity() || slicing_.transform.arithmetic == Arithmetic::as_mesh
-                        ? CoordinateType::f32
-                        : CoordinateType::f64;
+    const bool as_mesh = slicing_.transform.is_identity() || slicing_.transform.arithmetic == Arithmetic::as_mesh;
+    frame_.number = as_mesh ? file_.facts().coordinate_type : CoordinateType::f64;
     const Result<ChosenUnit> unit =
         choose_unit(frame_.bounds, slicing_.unit_mm, slicing_.unit_fit == UnitFit::coarser_if_needed);
     if (!unit) {
@@ -129,7 +141,8 @@ void FileSlicing::scan_file() {
             }
             auto& scan = scans_[static_cast<std::size_t>(worker)];
             if (scan == nullptr) {
-                scan = std::make_unique<ChunkScan>(slicing_.transform, frame_.unit.mm, planes_, chunk_triangles);
+                scan = std::make_unique<ChunkScan>(slicing_.transform, frame_.unit.mm, planes_, chunk_triangles,
+                                                   file_.buffer_bytes());
             }
             const std::uint64_t first = (std::uint64_t{chunk} + i) * chunk_triangles;
             const std::size_t count = std::min<std::uint64_t>(chunk_triangles, file_.triangles() - first);
@@ -280,7 +293,8 @@ void FileSlicing::refuse_budget() const {
     error.code = ErrorCode::out_of_memory;
     error.message = "a budget of " + std::to_string(model_.budget()) + " bytes is too small: layer " +
                     std::to_string(planes_.first_kept() + layer) + " alone, which cuts " + counted(widest, "triangle") +
-                    ", needs " + std::to_string(model_.least_budget(widest));
+                    (file_.resident_bytes() > 0 ? ", with the vertices of all needs " : ", needs ") +
+                    std::to_string(model_.least_budget(widest));
     throw Refused{file_.named(error)};
 }
 
@@ -296,7 +310,7 @@ void FileSlicing::cut(const LayerSpan& span) {
         most_cut_ = span.triangles;
     }
     const auto start = Clock::now();
-    const MeshView view = store_.view();
+    const MeshView view = store_.view(file_.vertices());
     Result<SliceTotals> own = hand_over(
         sink_, {.mesh = view, .frame = &frame_, .prepared = nullptr, .first_index = span.begin}, options, workspace_);
     if (!own) {

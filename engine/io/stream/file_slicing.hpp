@@ -26,6 +26,7 @@ public:
     Result<FileSlice> run();
 
 private:
+    Status load_vertices();
     Status choose_grid_and_planes();
     Status build_planes();
     void scan_file();

@@ -11,12 +11,13 @@ namespace lamella {
 namespace {
 
 // Bytes that are held,
-constexpr std::uint64_t a_chunk_triangle = TriangleFile::stride + sizeof(StoredTriangle) + 2;  // a thread
+constexpr std::uint64_t a_chunk_triangle = sizeof(StoredTriangle) + 2;  // a thread, and a buffer
 constexpr std::uint64_t a_chunk = sizeof(FileChunk) + sizeof(Bounds);
 constexpr std::uint64_t a_plane = 96;                         // the planes of the whole, twice, and their heights
 constexpr std::uint64_t a_plane_a_thread = 24;                // counts, of the pass and of the engine
 constexpr std::uint64_t a_kept = sizeof(StoredTriangle) + 1;  // with its part of a block
 constexpr std::uint64_t a_cut = 60;             // a record, and room to order those that reach beyond their band
+constexpr std::uint64_t a_vertex = 17;          // on the grid, of no more vertices than triangles that are cut
 constexpr std::uint64_t an_active = 300;        // of the widest layer, a thread: slots, links, walks, points, contours
 constexpr std::uint64_t a_segment = 20;         // points and contours that are put aside
 constexpr std::uint64_t most_parcel = 3 << 19;  // a thread
@@ -30,27 +31,33 @@ constexpr std::uint64_t planned_share(std::uint64_t budget) noexcept {
 
 }  // namespace
 
-MemoryModel::MemoryModel(std::uint64_t budget, int threads, std::uint64_t triangles)
-    : budget_(budget), threads_(static_cast<std::uint64_t>(threads)), file_triangles_(triangles) {}
+MemoryModel::MemoryModel(std::uint64_t budget, int threads, const TriangleFile& file)
+    : budget_(budget),
+      threads_(static_cast<std::uint64_t>(threads)),
+      file_triangles_(file.triangles()),
+      resident_(file.resident_bytes()),
+      free_(budget_ - std::min(budget_, resident_)),
+      chunk_triangle_(a_chunk_triangle + file.buffer_bytes()),
+      a_cut_(a_cut + (resident_ > 0 ? a_vertex : 0)) {}
 
 std::size_t MemoryModel::chunk_of(std::uint64_t budget) const noexcept {
     constexpr std::uint64_t most = 8192;
-    const std::uint64_t share = budget / (16 * threads_ * a_chunk_triangle) / block_triangles * block_triangles;
+    const std::uint64_t share = budget / (16 * threads_ * chunk_triangle_) / block_triangles * block_triangles;
     return static_cast<std::size_t>(std::clamp<std::uint64_t>(share, block_triangles, most));
 }
 
 std::uint64_t MemoryModel::fixed_of(std::uint64_t budget) const noexcept {
     const std::uint64_t chunk = chunk_of(budget);
-    return threads_ * (a_chunk_triangle * chunk + a_thread) + (file_triangles_ / chunk + 1) * a_chunk +
+    return threads_ * (chunk_triangle_ * chunk + a_thread) + (file_triangles_ / chunk + 1) * a_chunk +
            planes_ * (a_plane + a_plane_a_thread * (threads_ + 1));
 }
 
 /// In `parts` of `of` of what the tables leave.
 std::size_t MemoryModel::kept_within(std::uint64_t parts, std::uint64_t of, bool cut_at_once) const noexcept {
-    const std::uint64_t fixed = fixed_of(budget_);
-    const std::uint64_t left = budget_ > fixed ? budget_ - fixed : 0;
+    const std::uint64_t fixed = fixed_of(free_);
+    const std::uint64_t left = free_ > fixed ? free_ - fixed : 0;
     const std::uint64_t least = 4 * threads_ * chunk_triangles();  // with which the pass can go on
-    const std::uint64_t fit = left / of * parts / (a_kept + (cut_at_once ? a_cut : 0));
+    const std::uint64_t fit = left / of * parts / (a_kept + (cut_at_once ? a_cut_ : 0));
     return static_cast<std::size_t>(std::min(file_triangles_ + least, std::max(least, fit)));
 }
 
@@ -59,7 +66,7 @@ std::uint64_t MemoryModel::cutting(const LayerSpan& span, std::uint64_t segments
     const auto threads = static_cast<std::uint64_t>(span.threads);
     const std::uint64_t parcels = threads * std::min(most_parcel, a_segment * segments);
     const std::uint64_t aside = threads > 1 ? std::min(most_aside, a_segment * segments) : 0;
-    return a_cut * span.triangles + an_active * widest * threads + parcels + aside;
+    return a_cut_ * span.triangles + an_active * widest * threads + parcels + aside;
 }
 
 std::optional<LayerSpan> MemoryModel::longest(const PlaneCounts& counts, PlaneIndex begin, PlaneIndex end,
@@ -69,7 +76,7 @@ std::optional<LayerSpan> MemoryModel::longest(const PlaneCounts& counts, PlaneIn
         reaching += counts.starting(plane);
         reaching -= counts.ended(plane);
     }
-    const std::uint64_t fixed = fixed_of(budget_);
+    const std::uint64_t fixed = fixed_of(free_);
     for (int threads = static_cast<int>(threads_); threads >= 1; threads /= 2) {
         LayerSpan span{begin, begin, threads, reaching - counts.ended(begin)};
         std::uint64_t active = reaching;
@@ -84,7 +91,7 @@ std::optional<LayerSpan> MemoryModel::longest(const PlaneCounts& counts, PlaneIn
             segments += active;
             widest = std::max(widest, active);
             const std::uint64_t held = a_kept * std::max(kept, longer.triangles);
-            if (fixed + held + cutting(longer, segments, widest) > planned_share(budget_)) {
+            if (fixed + held + cutting(longer, segments, widest) > planned_share(free_)) {
                 break;
             }
             span = longer;
@@ -102,7 +109,7 @@ std::uint64_t MemoryModel::least_budget(std::uint64_t widest) const noexcept {
     while (planned_share(budget) < needed + fixed_of(budget)) {
         budget += budget / 32 + 4096;
     }
-    return budget;
+    return budget + resident_;
 }
 
 }  // namespace lamella

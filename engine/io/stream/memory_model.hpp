@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "io/stream/plane_counts.hpp"
+#include "io/stream/triangle_file.hpp"
 #include "slicing/planes/plane_set.hpp"
 
 namespace lamella {
@@ -19,15 +20,16 @@ struct LayerSpan {
     std::uint64_t triangles = 0;  ///< that planes of the range cut
 };
 
-/// Measured: see tests/engine/test_slice_file.cpp, which holds the engine's memory against it.
+/// Measured: see tests/input/test_slice_file.cpp and test_slice_ply.cpp, which holds the engine's memory against it.
 class MemoryModel {
 public:
-    /// `triangles` in the file, `planes` of the plan.
-    MemoryModel(std::uint64_t budget, int threads, std::uint64_t triangles);
+    MemoryModel(std::uint64_t budget, int threads, const TriangleFile& file);
 
     std::uint64_t budget() const noexcept { return budget_; }
+    /// Whether what stays in memory leaves anything of it.
+    bool holds_resident() const noexcept { return free_ > 0; }
     /// Triangles that are read at once.
-    std::size_t chunk_triangles() const noexcept { return chunk_of(budget_); }
+    std::size_t chunk_triangles() const noexcept { return chunk_of(free_); }
     /// From here on the tables of so many planes count.
     void set_planes(std::uint64_t planes) noexcept { planes_ = planes; }
     /// Triangles that may be kept so that as many can be cut at once and a part is left for the sweep.
@@ -35,7 +37,7 @@ public:
     /// Triangles that may be kept so that a quarter of them or so can be cut at once.
     std::size_t most_kept() const noexcept { return kept_within(3, 4, false); }
     /// What spilling may hold beside what is kept.
-    std::size_t spill_buffers() const noexcept { return budget_ / 16; }
+    std::size_t spill_buffers() const noexcept { return free_ / 16; }
 
     /// The longest range from plane `begin` up to at most `end` that fits while `kept` triangles are held, or, where that is
     /// 0, those of the range alone; on as many threads as fit. Nothing if not even one layer does.
@@ -53,6 +55,10 @@ private:
     std::uint64_t budget_;
     std::uint64_t threads_;
     std::uint64_t file_triangles_;
+    std::uint64_t resident_;        ///< bytes of vertices
+    std::uint64_t free_;            ///< what they leave of the budget
+    std::uint64_t chunk_triangle_;  ///< bytes that are held for each triangle that is read at once
+    std::uint64_t a_cut_;           ///< and for each that is cut
     std::uint64_t planes_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <memory>
 #include <utility>
 
 #include "base/clock.hpp"
@@ -21,12 +22,13 @@ Result<FileSlice> run(const std::filesystem::path& path, const LayerSink& sink, 
     }
     const Clock::time_point start = Clock::now();
     Parallel one({.threads = 1});
-    Result<TriangleFile> file = TriangleFile::open(path, options.name, options.mm_per_unit, one);
-    if (!file) {
-        return file.error();
+    const Result<std::unique_ptr<TriangleFile>> opened = TriangleFile::open(path, options.name, options.mm_per_unit, one);
+    if (!opened) {
+        return opened.error();
     }
-    file->facts().read_ms = milliseconds_since(start);
-    return FileSlicing(*file, sink, options).run();
+    TriangleFile& file = **opened;
+    file.facts().read_ms = milliseconds_since(start);
+    return FileSlicing(file, sink, options).run();
 }
 
 /// `array` with room for `count` more, half as many again as it has at least.
@@ -120,11 +122,11 @@ Result<CollectedFileSlice> collect(const std::filesystem::path& path, const File
 Result<MeshFile> describe_file(const std::filesystem::path& path, const FileSliceOptions& options) noexcept {
     return guarded(options.slice.control, [&]() -> Result<MeshFile> {
         const Parallel one({.threads = 1});
-        Result<TriangleFile> file = TriangleFile::open(path, options.name, options.mm_per_unit, one);
+        const Result<std::unique_ptr<TriangleFile>> file = TriangleFile::open(path, options.name, options.mm_per_unit, one);
         if (!file) {
             return file.error();
         }
-        return std::move(file->facts());
+        return std::move((*file)->facts());
     });
 }
 

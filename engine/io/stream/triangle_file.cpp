@@ -5,6 +5,7 @@
 #include "base/guard.hpp"
 #include "io/read/gzip.hpp"
 #include "io/read/reader.hpp"
+#include "io/stream/ply_faces.hpp"
 
 namespace lamella {
 
@@ -12,37 +13,39 @@ namespace {
 
 /// Why a file cannot be read in pieces, and what to do.
 Error not_in_pieces(const FileSource& source) {
-    const std::string advice = ": only binary STL can be sliced within a budget of memory; ";
+    const std::string advice = ": " + std::string(formats_in_pieces);
     if (source.sample().starts_with(gzip_magic)) {
         return source.error(ErrorCode::invalid_argument, "is compressed by gzip" + advice + "decompress it with gunzip");
     }
     const std::string_view format = format_of(source);
     if (format.empty()) {
         return source.error(ErrorCode::malformed_mesh,
-                            "is no binary STL file" + advice + "nothing else is known of this one", 0);
+                            "is no binary STL or PLY file" + advice + "nothing else is known of this one", 0);
     }
     const std::string kind = is_text(source.sample()) ? "a text " : "a binary ";
     return source.error(ErrorCode::invalid_argument,
-                        "is " + kind + std::string(format) + " file" + advice + "convert it to that");
+                        "is " + kind + std::string(format) + " file" + advice + "convert it to one of them");
 }
 
-}  // namespace
+class StlTriangles final : public TriangleFile {
+public:
+    StlTriangles(InputFile file, MeshFile facts) : TriangleFile(std::move(file)) { facts_ = std::move(facts); }
 
-Result<TriangleFile> TriangleFile::open(const std::filesystem::path& path, std::string_view name, double mm_per_unit,
-                                        const Parallel& parallel) {
-    Result<InputFile> opened = InputFile::open(path, name);
-    if (!opened) {
-        return opened.error();
+    std::size_t buffer_bytes() const noexcept override { return stride; }
+
+    MeshView read(std::uint64_t first, std::size_t count, std::span<std::byte> buffer) const override {
+        // The last triangle's attribute is not read, but coordinates of 36 bytes are.
+        const std::span<std::byte> into = buffer.first((count - 1) * stride + 9 * sizeof(float));
+        read_bytes(facts_.first_offset + first * stride, into);
+        return MeshView::strided_soup(into.data(), count, stride, CoordinateType::f32);
     }
-    InputFile file = std::move(opened).value();
-    const ReadOptions options;
-    FileSource source(file, options, parallel);
-    if (source.size() == 0) {
-        return source.error(ErrorCode::empty_mesh, "is empty");
-    }
-    if (Status got = source.read_sample(); !got) {
-        return got.error();
-    }
+
+private:
+    static constexpr std::size_t stride = 50;
+};
+
+Result<std::unique_ptr<TriangleFile>> open_stl(InputFile& file, const FileSource& source,
+                                               const std::filesystem::path& path) {
     const bool gzip = source.sample().starts_with(gzip_magic);
     if (!gzip && !is_binary_stl(source) && format_of(source).empty() && is_named_as_mesh(path)) {
         const Result<MeshFile> described = describe_binary_stl(source);  // truncated, or too short to have a header
@@ -55,18 +58,40 @@ Result<TriangleFile> TriangleFile::open(const std::filesystem::path& path, std::
     if (!facts) {
         return facts.error();
     }
-    facts->mm_per_unit = mm_per_unit;
-    facts->file_bytes = file.size();
-    return TriangleFile(std::move(file), std::move(facts).value());
+    return {std::make_unique<StlTriangles>(std::move(file), std::move(facts).value())};
 }
 
-MeshView TriangleFile::read(std::uint64_t first, std::size_t count, std::span<std::byte> buffer) const {
-    // The last triangle's attribute is not read, but coordinates of 36 bytes are.
-    const std::span<std::byte> into = buffer.first((count - 1) * stride + 9 * sizeof(float));
-    if (Status got = file_.read_at(facts_.first_offset + first * stride, into); !got) {
+}  // namespace
+
+Result<std::unique_ptr<TriangleFile>> TriangleFile::open(const std::filesystem::path& path, std::string_view name,
+                                                         double mm_per_unit, const Parallel& parallel) {
+    Result<InputFile> opened = InputFile::open(path, name);
+    if (!opened) {
+        return opened.error();
+    }
+    const ReadOptions options;
+    FileSource source(*opened, options, parallel);
+    if (source.size() == 0) {
+        return source.error(ErrorCode::empty_mesh, "is empty");
+    }
+    if (Status got = source.read_sample(); !got) {
+        return got.error();
+    }
+    const bool is_ply = looks_like_ply(source) && !is_binary_stl(source);
+    Result<std::unique_ptr<TriangleFile>> file =
+        is_ply ? PlyFaces::open(*opened, source.sample(), parallel) : open_stl(*opened, source, path);
+    if (file) {
+        MeshFile& facts = (*file)->facts();
+        facts.mm_per_unit = mm_per_unit;
+        facts.file_bytes = (*file)->file_.size();
+    }
+    return file;
+}
+
+void TriangleFile::read_bytes(std::uint64_t offset, std::span<std::byte> into) const {
+    if (Status got = file_.read_at(offset, into); !got) {
         throw Refused{got.error()};
     }
-    return MeshView::strided_soup(into.data(), count, stride, CoordinateType::f32);
 }
 
 Error TriangleFile::named(Error error) const {

@@ -1,9 +1,10 @@
-// A binary STL file, of which any piece can be read.
+// A file of triangles, of which any piece can be read: binary STL, or binary PLY whose vertices stay in memory.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,15 +17,25 @@ namespace lamella {
 
 class TriangleFile {
 public:
-    /// Bytes of a triangle in the file.
-    static constexpr std::size_t stride = 50;
-
     /// Errors: those of read_mesh(), and invalid_argument for what cannot be read in pieces.
-    static Result<TriangleFile> open(const std::filesystem::path& path, std::string_view name, double mm_per_unit,
-                                     const Parallel& parallel);
+    static Result<std::unique_ptr<TriangleFile>> open(const std::filesystem::path& path, std::string_view name,
+                                                      double mm_per_unit, const Parallel& parallel);
+    virtual ~TriangleFile() = default;
+    TriangleFile(const TriangleFile&) = delete;
+    TriangleFile& operator=(const TriangleFile&) = delete;
 
-    /// Triangles [first, first + count) in `buffer`, which has room for them. Throws Refused.
-    MeshView read(std::uint64_t first, std::size_t count, std::span<std::byte> buffer) const;
+    /// What load() reads to stay in memory: the vertices of indexed triangles.
+    virtual std::uint64_t resident_bytes() const noexcept { return 0; }
+    /// To be called before read(). Throws Refused, Stopped, std::bad_alloc.
+    virtual void load(const Memory*, const Parallel&) {}
+    /// The vertices that triangles name by their indices; without `vertices` where triangles are coordinates.
+    virtual MeshView vertices() const noexcept { return {}; }
+
+    /// Bytes a triangle that read() needs.
+    virtual std::size_t buffer_bytes() const noexcept = 0;
+    /// Triangles [first, first + count) in `buffer`, aligned as by operator new. From several threads. Throws Refused, with
+    /// the first triangle that is wrong.
+    virtual MeshView read(std::uint64_t first, std::size_t count, std::span<std::byte> buffer) const = 0;
 
     std::uint64_t triangles() const noexcept { return facts_.triangle_count; }
     /// What read_mesh() would say, without bytes.
@@ -34,11 +45,17 @@ public:
     /// `error` with the file's name.
     Error named(Error error) const;
 
-private:
-    TriangleFile(InputFile file, MeshFile facts) : file_(std::move(file)), facts_(std::move(facts)) {}
+protected:
+    explicit TriangleFile(InputFile file) : file_(std::move(file)) {}
+
+    /// Fills `into` from byte `offset` on. Throws Refused.
+    void read_bytes(std::uint64_t offset, std::span<std::byte> into) const;
 
     InputFile file_;
     MeshFile facts_;
 };
+
+/// What a refusal says, and what to do.
+inline constexpr std::string_view formats_in_pieces = "only binary STL and PLY can be sliced within a budget of memory; ";
 
 }  // namespace lamella

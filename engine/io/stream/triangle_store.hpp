@@ -13,9 +13,9 @@
 
 namespace lamella {
 
-/// Coordinates as in the file, and the planes that cut it: from `first` up to, but not with, `last`.
+/// As in the file, and the planes that cut it: from `first` up to, but not with, `last`.
 struct StoredTriangle {
-    float corners[9];
+    std::byte corners[9 * sizeof(float)];  ///< coordinates, or three indices of 32 bits
     PlaneIndex first;
     PlaneIndex last;
 };
@@ -56,9 +56,14 @@ public:
     std::size_t capacity() const noexcept { return triangles_.size(); }
     std::span<const StoredTriangle> triangles() const noexcept { return triangles_.span().first(size()); }
 
-    MeshView view() const noexcept {
-        return MeshView::strided_soup(reinterpret_cast<const std::byte*>(triangles_.data()), size(), sizeof(StoredTriangle),
-                                      CoordinateType::f32);
+    /// `vertices`: those that indices name, or none where triangles hold coordinates.
+    MeshView view(const MeshView& vertices) const noexcept {
+        const auto* const first = reinterpret_cast<const std::byte*>(triangles_.data());
+        if (vertices.vertices == nullptr) {
+            return MeshView::strided_soup(first, size(), sizeof(StoredTriangle), CoordinateType::f32);
+        }
+        return MeshView::indexed(vertices.vertices, vertices.vertex_count, vertices.stride, vertices.coordinate_type, first,
+                                 size(), sizeof(StoredTriangle), IndexType::u32);
     }
 
 private:

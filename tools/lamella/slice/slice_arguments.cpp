@@ -226,7 +226,7 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     command.add_flag("--map", arguments.map_file, "Map the mesh file into memory instead of reading it");
     CLI::Option* const memory =
         command.add_option("--memory", arguments.memory,
-                           "Slice a binary STL file larger than memory, in ranges of layers within so many bytes");
+                           "Slice a binary STL or PLY file larger than memory, in ranges of layers within so many bytes");
     memory->type_name("BYTES[k|M|G]")->check(given);
     for (const char* other : {"--weld", "--map", "--spacing"}) {
         memory->excludes(command.get_option(other));

@@ -5,6 +5,7 @@
 #include "base/words.hpp"
 #include "io/read/ply/ply_binary.hpp"
 #include "io/read/ply/ply_body.hpp"
+#include "io/read/ply/ply_words.hpp"
 #include "io/read/reader.hpp"
 #include "io/text/text.hpp"
 
@@ -12,25 +13,11 @@ namespace lamella {
 
 namespace {
 
-Error error_of(const FileSource& file, std::string_view contents, const PlyHeader& header, const PlyProblem& problem) {
-    if (problem.code != ErrorCode::malformed_mesh) {
-        return file.error(problem.code, problem.what);
-    }
-    if (header.encoding == PlyEncoding::ascii || problem.offset < header.body || header.body == 0) {
-        return file.error_in_text(contents, problem.offset, problem.what);
-    }
-    return file.error(ErrorCode::malformed_mesh, "byte " + std::to_string(problem.offset) + ": " + problem.what,
-                      static_cast<std::int64_t>(problem.offset));
-}
-
 /// What is not read is said.
 std::vector<std::string> warnings_of(const FileSource& file, std::string_view contents, const PlyHeader& header,
                                      const PlyMesh& body) {
     std::vector<std::string> warnings;
-    if (header.skipped.count > 0) {
-        warnings.push_back(file.name() + ": ignored " + counted(header.skipped.count, "line") +
-                           " of the header without a keyword" + first_word_words(header.skipped, contents));
-    }
+    warn_of_skipped_lines(file, contents, header, warnings);
     if (body.long_rows.count > 0) {
         warnings.push_back(file.name() + ": ignored what follows the declared properties in " +
                            counted(body.long_rows.count, "line") + first_line_words(body.long_rows, contents));
@@ -42,10 +29,7 @@ std::vector<std::string> warnings_of(const FileSource& file, std::string_view co
     const char* rest = contents.data() + body.end;
     const char* const end = contents.data() + contents.size();
     rest = header.encoding == PlyEncoding::ascii ? skip_space(rest, end) : rest;
-    if (rest != end) {
-        warnings.push_back(file.name() + ": ignored " + counted(static_cast<std::uint64_t>(end - rest), "byte") +
-                           " after the last element");
-    }
+    warn_of_rest(file, static_cast<std::uint64_t>(end - rest), warnings);
     return warnings;
 }
 
@@ -81,7 +65,7 @@ Result<MeshFile> read_ply(FileSource& source) {
     PlyHeader header;
     PlyProblem problem;
     if (!parse_ply_header(contents, header, problem)) {
-        return error_of(source, contents, header, problem);
+        return ply_error(source, contents, header, problem);
     }
     if (header.element_of(PlyRole::faces) == nullptr && header.element_of(PlyRole::strips) == nullptr) {
         return source.error(ErrorCode::empty_mesh, "holds no faces");
@@ -92,7 +76,7 @@ Result<MeshFile> read_ply(FileSource& source) {
     PlyMesh body(source.memory());
     const PlyInput input{contents, header, source.memory_limit(), source.parallel()};
     if (!read_ply_body(input, body, problem)) {
-        return error_of(source, contents, header, problem);
+        return ply_error(source, contents, header, problem);
     }
     if (body.indices.empty()) {
         return source.error(ErrorCode::empty_mesh, "holds no triangles");

@@ -25,18 +25,6 @@ bool is_swapped(const PlyHeader& header) {
     return header.encoding == PlyEncoding::big_endian;
 }
 
-/// Of a property in rows whose lists before it are empty.
-std::size_t offset_in_row(const PlyElement& element, PlyUse use) {
-    std::size_t offset = 0;
-    for (const PlyProperty& property : element.properties) {
-        if (property.use == use) {
-            break;
-        }
-        offset += size_of(property.is_list ? property.count_type : property.type);
-    }
-    return offset;
-}
-
 std::size_t fixed_row_bytes(const PlyElement& element) {
     return element.least_row_bytes(PlyEncoding::little_endian);
 }
@@ -138,6 +126,17 @@ bool copy_rows(const PlyProperty& list, bool swapped, const char* lists, std::si
 
 }  // namespace
 
+std::size_t offset_in_row(const PlyElement& element, PlyUse use) {
+    std::size_t offset = 0;
+    for (const PlyProperty& property : element.properties) {
+        if (property.use == use) {
+            break;
+        }
+        offset += size_of(property.is_list ? property.count_type : property.type);
+    }
+    return offset;
+}
+
 std::optional<std::size_t> vertices_in_place(const PlyElement& vertices, std::size_t offset) {
     const CoordinateType number = number_for(vertices);
     const PlyType type = number == CoordinateType::f64 ? PlyType::float64 : PlyType::float32;
@@ -167,34 +166,53 @@ void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char
     assert(!vertices.has_lists());
     const std::size_t row_bytes = fixed_row_bytes(vertices);
     input.parallel.run_ranges(vertices.count, grain, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto use = static_cast<PlyUse>(axis);
-            const char* const from = rows + begin * row_bytes + offset_in_row(vertices, use);
-            std::byte* const to = const_cast<std::byte*>(mesh.coordinates.data()) + begin * mesh.stride;
-            if (mesh.coordinate_type == CoordinateType::f64) {
-                copy_axis<double>(vertices.used(use), is_swapped(input.header), from, row_bytes, end - begin,
-                                  to + axis * sizeof(double));
-            } else {
-                copy_axis<float>(vertices.used(use), is_swapped(input.header), from, row_bytes, end - begin,
-                                 to + axis * sizeof(float));
-            }
-        }
+        copy_vertex_rows(vertices, is_swapped(input.header), rows + begin * row_bytes, end - begin, mesh.coordinate_type,
+                         const_cast<std::byte*>(mesh.coordinates.data()) + begin * mesh.stride);
     });
+}
+
+void copy_vertex_rows(const PlyElement& vertices, bool swapped, const char* rows, std::size_t count, CoordinateType number,
+                      std::byte* to) {
+    const std::size_t row_bytes = fixed_row_bytes(vertices);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto use = static_cast<PlyUse>(axis);
+        const char* const from = rows + offset_in_row(vertices, use);
+        if (number == CoordinateType::f64) {
+            copy_axis<double>(vertices.used(use), swapped, from, row_bytes, count, to + axis * sizeof(double));
+        } else {
+            copy_axis<float>(vertices.used(use), swapped, from, row_bytes, count, to + axis * sizeof(float));
+        }
+    }
+}
+
+std::optional<std::size_t> triangle_row_bytes(const PlyElement& faces) {
+    const auto lists = std::count_if(faces.properties.begin(), faces.properties.end(),
+                                     [](const PlyProperty& property) { return property.is_list; });
+    const PlyProperty& list = faces.used(PlyUse::indices);
+    if (lists != 1 || list.type >= PlyType::float32) {
+        return std::nullopt;
+    }
+    return fixed_row_bytes(faces) + 3 * size_of(list.type);
+}
+
+bool copy_triangle_rows(const PlyElement& faces, bool swapped, const char* rows, std::size_t count,
+                        std::uint64_t vertex_count, std::uint32_t* to) {
+    assert(vertex_count <= most_ply_vertices);
+    return copy_rows(faces.used(PlyUse::indices), swapped, rows + offset_in_row(faces, PlyUse::indices),
+                     *triangle_row_bytes(faces), count, vertex_count, to);
 }
 
 std::optional<std::uint64_t> copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows,
                                                 std::uint64_t vertex_count, Array<std::uint32_t>& indices) {
-    const auto lists = std::count_if(faces.properties.begin(), faces.properties.end(),
-                                     [](const PlyProperty& property) { return property.is_list; });
+    const std::optional<std::size_t> row_bytes = triangle_row_bytes(faces);
     const PlyProperty& list = faces.used(PlyUse::indices);
     const auto left = static_cast<std::uint64_t>(input.file.data() + input.file.size() - rows);
-    const std::size_t stride = fixed_row_bytes(faces) + 3 * size_of(list.type);
     constexpr std::size_t triangle_bytes = 3 * sizeof(std::uint32_t);
-    constexpr std::uint64_t most_vertices = std::uint64_t{1} << 31;  // beyond, what is negative could be a vertex
-    if (lists != 1 || list.type >= PlyType::float32 || faces.count > left / stride || vertex_count > most_vertices ||
+    if (!row_bytes || faces.count > left / *row_bytes || vertex_count > most_ply_vertices ||
         faces.count > input.memory_limit / triangle_bytes) {
         return std::nullopt;
     }
+    const std::size_t stride = *row_bytes;
     indices.resize_discarding(3 * faces.count);
     const char* const first_count = rows + offset_in_row(faces, PlyUse::indices);
     std::atomic<bool> good{true};

@@ -207,7 +207,8 @@ void visit_image(Visitor& visitor, Info& info) {
     visitor.numbers("origin_mm", image.origin_mm);
     visitor.numbers("spacing_mm", image.spacing_mm);
     if constexpr (Visitor::reads) {
-        visitor.require(std::ranges::all_of(image.spacing_mm, [](double spacing) { return spacing > 0; }), "spacing_mm");
+        const auto& sides = image.spacing_mm;
+        visitor.require(std::all_of(sides.begin(), sides.end(), [](double side) { return side > 0; }), "spacing_mm");
     }
     visitor.whole("subslices", info.subslices, 1, 1000);
     std::uint64_t uneven = image.uneven_slices_mm.size();

@@ -106,11 +106,15 @@ private:
         if (heights != nullptr && heights->heights_mm != std::get<ExplicitPlanes>(head.result.plan.spacing).heights_mm) {
             refuse_other(part, column_of(ColumnId::heights_mm).path);
         }
-        if (!std::ranges::equal(head.result.layer_of, tree.result.layer_of)) {
+        const auto& layers = head.result.layer_of;
+        const auto& own = tree.result.layer_of;
+        if (!std::equal(layers.begin(), layers.end(), own.begin(), own.end())) {
             refuse_other(part, column_of(ColumnId::layer_of_height).path);
         }
-        if (!std::ranges::equal(
-                head.result.region.fill_from, tree.result.region.fill_from,
+        const auto& rules = head.result.region.fill_from;
+        const auto& own_rules = tree.result.region.fill_from;
+        if (!std::equal(
+                rules.begin(), rules.end(), own_rules.begin(), own_rules.end(),
                 [](const FillFrom& a, const FillFrom& b) { return a.first_layer == b.first_layer && a.rule == b.rule; })) {
             refuse_other(part, column_of(ColumnId::fill_from_layer).path);
         }

@@ -4,24 +4,9 @@
 #include <string_view>
 
 #include "io/write/output_file.hpp"
+#include "medical/tables/csv_text.hpp"
 
 namespace lamella {
-
-namespace {
-
-/// Quoted for CSV where it has to be.
-std::string quoted_name(const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) {
-        return text;
-    }
-    std::string all = "\"";
-    for (const char c : text) {
-        all += c == '"' ? "\"\"" : std::string(1, c);
-    }
-    return all + "\"";
-}
-
-}  // namespace
 
 Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& summary, const std::filesystem::path& path) {
     std::string name = path.string();
@@ -37,8 +22,7 @@ Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& sum
     }
     file->append("label,name,voxels\n");
     for (std::size_t i = 0; i < parts.size(); ++i) {
-        file->append(std::to_string(i + 1) + "," + quoted_name(parts[i].name) + "," + std::to_string(summary.voxels[i]) +
-                     "\n");
+        file->append(std::to_string(i + 1) + "," + csv_text(parts[i].name) + "," + std::to_string(summary.voxels[i]) + "\n");
     }
     return file->commit();
 }

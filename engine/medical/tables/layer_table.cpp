@@ -13,6 +13,7 @@
 #include "io/write/output_file.hpp"
 #include "lamella/audit/volume.hpp"
 #include "lamella/mesh/inspect.hpp"
+#include "medical/tables/csv_text.hpp"
 
 namespace lamella {
 
@@ -130,17 +131,6 @@ std::vector<Cell> cells_of(const TablePart& part, std::uint64_t index) {
             {"min_y_mm", from_box(1)},
             {"max_x_mm", from_box(2)},
             {"max_y_mm", from_box(3)}};
-}
-
-std::string csv_text(const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) {
-        return text;
-    }
-    std::string all = "\"";
-    for (const char c : text) {
-        all += c == '"' ? "\"\"" : std::string(1, c);
-    }
-    return all + "\"";
 }
 
 /// A JSON string; bytes that are not ASCII stay as they are.

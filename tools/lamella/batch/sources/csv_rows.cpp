@@ -40,8 +40,9 @@ private:
     }
 
     std::string plain_cell() {
-        const std::size_t end = std::min(text_.find_first_of(",\r\n", at_), text_.size());
-        return std::string(text_.substr(std::exchange(at_, end), end - at_));
+        const std::size_t begin = at_;
+        at_ = std::min(text_.find_first_of(",\r\n", begin), text_.size());
+        return std::string(text_.substr(begin, at_ - begin));
     }
 
     std::string quoted_cell() {

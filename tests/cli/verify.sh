@@ -103,6 +103,53 @@ expect_not_right() {
     [[ $got == 5 || $got == 3 ]] || fail "lamella verify $*: exit status $got"
 }
 
+# What convert and merge make is made again from the archives.
+test_verify_archives() {
+    organs
+    "$lamella" slice in/a.stl --spacing 1,1.5,2 --frame ras -o a.h5 > .stdout 2> .stderr ||
+        { grep -q "no HDF5" .stderr && skip "no HDF5"; fail "no archive"; }
+    expect 0 slice in/b.stl --like out/m.nii.gz --frame ras -o b.h5
+    expect 0 convert a.h5 b.h5 --like out/m.nii.gz -o two.nii.gz -o two.csv
+    expect_json two.csv.lamella.json convert command
+    local range
+    for range in 0:4 4:9 9:; do
+        expect 0 slice in/a.stl --spacing 1,1.5,2 --frame ras --layers "$range" -o "part${range%%:*}.h5"
+    done
+    expect 0 merge part9.h5 part0.h5 part4.h5 -o whole.h5
+    expect_json whole.h5.lamella.json merge command
+    expect 0 convert whole.h5 -o w.h5 -o w.png -o w.nrrd --coverage --picture-layer 3
+    verdict 0 "equal when made again" --inputs two.nii.gz two.csv whole.h5 w.h5 w.png w.nrrd
+    [[ $(grep -c "equal when made again" .stdout) == 6 ]] || fail "not all are made again"
+    # Archives elsewhere, in the order of the record.
+    mkdir moved
+    mv part?.h5 moved/
+    verdict 3 "cannot read" --inputs whole.h5
+    verdict 0 "equal when made again" --mesh moved/part9.h5 --mesh moved/part0.h5 --mesh moved/part4.h5 whole.h5
+    verdict 3 "made of 3 archives, and --mesh gives 1" --mesh moved/part9.h5 whole.h5
+    mv moved/part?.h5 .
+    # Another byte of the output, of an archive, of a table beside it; a hash that is not that of the layers.
+    printf 'X' | dd of=two.csv bs=1 seek=100 conv=notrunc 2> /dev/null
+    verdict 5 "made again it has other bytes" --inputs two.csv
+    printf 'X' >> two.labels.csv
+    verdict 5 "'two.labels.csv' beside it differs" --inputs two.nii.gz
+    cp part4.h5 kept.h5
+    printf 'X' >> part4.h5
+    verdict 5 "part4.h5': has" --inputs whole.h5
+    cp kept.h5 part4.h5
+    cp whole.h5.lamella.json kept.json
+    sed -i 's|"result_hashes": \[|&"0123456789abcdef",|' whole.h5.lamella.json
+    verdict 5 "the hash of mesh 1" --inputs whole.h5
+    replaced whole.h5.lamella.json '"merge"' '"convert"'
+    expect_not_right --inputs whole.h5
+    cp kept.json whole.h5.lamella.json
+    replaced whole.h5.lamella.json '"merge"' '"batch"'
+    verdict 3 "its record names the command 'batch'" --inputs whole.h5
+    replaced whole.h5.lamella.json '"options": \[\]' '"options": ["--frame","ras"]'
+    replaced whole.h5.lamella.json '"batch"' '"merge"'
+    verdict 3 "--frame" --inputs whole.h5
+    [[ $(ls temporary | wc -l) == 0 ]] || fail "temporary folders are left behind"
+}
+
 test_verify_nonsense() {
     organs
     local record=out/m.csv.lamella.json

@@ -155,6 +155,7 @@ TEST_CASE("record: what is written is read back, and what is none is refused", "
     const TempFolder folder;
     Record record;
     record.version = "1";
+    record.command = "slice";
     record.source_date_epoch = "1700000000";
     record.output = *seal_file(folder.write("abc", "abc"));
     CHECK(record.output.sha256 == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");

@@ -38,6 +38,7 @@ FileSeal seal_of(const Json& json) {
 Record record_of(const Json& json) {
     Record record;
     record.version = json.at("lamella").get<std::string>();
+    record.command = json.at("command").get<std::string>();
     for (const Json& input : json.at("inputs")) {
         record.inputs.push_back(seal_of(input));
     }
@@ -100,14 +101,10 @@ Status write_record(const Record& record, const std::filesystem::path& path) noe
         for (const FileSeal& input : record.inputs) {
             inputs.push_back(json_of(input));
         }
-        Json json = {{"lamella", record.version},
-                     {"inputs", inputs},
-                     {"output", json_of(record.output)},
-                     {"options", record.options},
-                     {"patient_frame", record.patient_frame},
-                     {"grid_mm", record.grid_mm},
-                     {"fill_rule", record.fill_rule},
-                     {"result_hashes", record.result_hashes}};
+        Json json = {
+            {"lamella", record.version},        {"command", record.command},     {"inputs", inputs},
+            {"output", json_of(record.output)}, {"options", record.options},     {"patient_frame", record.patient_frame},
+            {"grid_mm", record.grid_mm},        {"fill_rule", record.fill_rule}, {"result_hashes", record.result_hashes}};
         if (!record.source_date_epoch.empty()) {
             json["source_date_epoch"] = record.source_date_epoch;
         }

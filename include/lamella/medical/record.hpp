@@ -28,9 +28,10 @@ struct FileSeal {
 
 /// What stands beside an output NAME as NAME.lamella.json. It holds no time.
 struct Record {
-    std::string version;               ///< of the library
-    std::vector<FileSeal> inputs;      ///< meshes in the order of labels, then the files that options name, in their order
-    FileSeal output;                   ///< named as it lies beside the record
+    std::string version;           ///< of the library
+    std::string command;           ///< of the tool that made the output: "slice", "convert" or "merge"
+    std::vector<FileSeal> inputs;  ///< meshes, archives or parts in the order of labels, then the files that options name
+    FileSeal output;               ///< named as it lies beside the record
     std::vector<std::string> options;  ///< the words of the command that decide the output
     std::string patient_frame;         ///< "LPS", "RAS" or ""
     std::vector<double> grid_mm;       ///< of each mesh

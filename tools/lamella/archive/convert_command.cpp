@@ -17,6 +17,7 @@
 #include "slice/slice_summary.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
+#include "worker/worker_side.hpp"
 
 namespace lamella::cli {
 
@@ -45,6 +46,7 @@ public:
               .arguments = arguments.outputs,
               .parts = {},
               .image = {},
+              .command = command.get_name(),
               .inputs = {},
               .options = {},
           } {}
@@ -188,6 +190,7 @@ private:
 void add_convert_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("convert", "Write archives (.h5) as any other output");
     const auto arguments = std::make_shared<ConvertArguments>();
+    const auto worker = std::make_shared<WorkerSide>();
     command->add_option("archives", arguments->archives, "Archives of lamella slice; several for a mask or a table")
         ->required()
         ->type_name("IN.h5")
@@ -201,7 +204,11 @@ void add_convert_command(CLI::App& app, Interrupt& interrupt) {
         ->check(given_path);
     declare_threads(*command, *arguments);
     declare_progress(*command, *arguments);
-    command->callback([command, arguments, &interrupt] { ConvertCommand(*command, *arguments, interrupt).run(); });
+    worker->declare(*command);
+    command->callback([command, arguments, worker, &interrupt] {
+        worker->begin();
+        ConvertCommand(*command, *arguments, interrupt).run();
+    });
 }
 
 }  // namespace lamella::cli

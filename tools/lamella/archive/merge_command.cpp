@@ -15,6 +15,7 @@
 #include "slice/slice_summary.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
+#include "worker/worker_side.hpp"
 
 namespace lamella::cli {
 
@@ -75,6 +76,7 @@ private:
         }
         Record record;
         record.version = version;
+        record.command = "merge";
         for (const std::string& part : arguments_.parts) {
             record.inputs.push_back(sealed(part));
         }
@@ -115,6 +117,7 @@ private:
 void add_merge_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("merge", "Join archives (.h5) of ranges of layers");
     const auto arguments = std::make_shared<MergeArguments>();
+    const auto worker = std::make_shared<WorkerSide>();
     command->add_option("parts", arguments->parts, "Archives that lamella slice --layers A:B wrote, in any order")
         ->required()
         ->type_name("PART.h5")
@@ -125,7 +128,11 @@ void add_merge_command(CLI::App& app, Interrupt& interrupt) {
         ->check(given_path);
     declare_threads(*command, *arguments);
     declare_progress(*command, *arguments);
-    command->callback([arguments, &interrupt] { MergeCommand(*arguments, interrupt).run(); });
+    worker->declare(*command);
+    command->callback([arguments, worker, &interrupt] {
+        worker->begin();
+        MergeCommand(*arguments, interrupt).run();
+    });
 }
 
 }  // namespace lamella::cli

@@ -189,7 +189,7 @@ void BatchRun::start(const Admitted& admitted) {
     }
     output_inodes_[i] = inodes_of(item.files);
     ++attempts_[i];
-    pool_.start(i, words_of(item, admitted));
+    pool_.start(i, "slice", words_of(item, admitted));
 }
 
 void BatchRun::take(const WorkerEnd& end) {

@@ -125,6 +125,7 @@ void write_record_of(const OutputJob& job, const PlannedOutput& output, const Co
     }
     Record record;
     record.version = version;
+    record.command = job.command;
     record.inputs = job.inputs;
     record.output = done_or_thrown(seal_file(output.path, control));
     record.output.path = std::filesystem::path(output.path).filename().string();

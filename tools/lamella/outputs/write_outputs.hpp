@@ -36,8 +36,9 @@ struct OutputJob {
     std::vector<SlicedPart> parts;
     std::optional<ImageGeometry> image;
     int subslices = 1;
-    std::vector<FileSeal> inputs;         ///< for the records
-    std::vector<RecordedOption> options;  ///< for the records
+    std::string command;  ///< for the records, as what follows
+    std::vector<FileSeal> inputs;
+    std::vector<RecordedOption> options;
 };
 
 /// Whether options and formats go together, wherever the files may lie. Throws Failure (bad_usage).

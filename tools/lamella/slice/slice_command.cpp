@@ -46,6 +46,7 @@ public:
               .arguments = arguments_.outputs,
               .parts = {},
               .image = {},
+              .command = command.get_name(),
               .inputs = {},
               .options = {},
           } {}

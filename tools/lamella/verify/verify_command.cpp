@@ -16,7 +16,7 @@
 #include "lamella/version.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
-#include "verify/sliced_again.hpp"
+#include "verify/made_again.hpp"
 
 namespace lamella::cli {
 
@@ -115,6 +115,10 @@ private:
         return {some_failed, "differs: " + joined(found) + other_version(*record)};
     }
 
+    static std::string made_of(const Record& record, std::size_t parts) {
+        return record.command == "slice" ? counted(parts, "mesh", "meshes") : counted(parts, "archive");
+    }
+
     static std::string other_version(const Record& record) {
         return record.version == version ? "" : " (it was made by lamella " + record.version + ", this is " + version + ")";
     }
@@ -130,14 +134,14 @@ private:
 
     /// The meshes given in place of those in the record; else each where its path leads from here or from the record.
     std::vector<fs::path> inputs_of(const Record& record, const fs::path& record_path) const {
-        const std::size_t meshes = record.result_hashes.size();
-        if (!arguments_.meshes.empty() && arguments_.meshes.size() != meshes) {
-            throw Failure(bad_input, "it was made of " + counted(meshes, "mesh", "meshes") + ", and --mesh gives " +
+        const std::size_t parts = verify::count_of_parts(record);
+        if (!arguments_.meshes.empty() && arguments_.meshes.size() != parts) {
+            throw Failure(bad_input, "it was made of " + made_of(record, parts) + ", and --mesh gives " +
                                          std::to_string(arguments_.meshes.size()));
         }
         std::vector<fs::path> inputs;
         for (std::size_t i = 0; i < record.inputs.size(); ++i) {
-            if (i < meshes && !arguments_.meshes.empty()) {
+            if (i < parts && !arguments_.meshes.empty()) {
                 inputs.push_back(fs::absolute(arguments_.meshes[i]));
                 continue;
             }
@@ -243,7 +247,9 @@ void add_verify_command(CLI::App& app, Interrupt& interrupt) {
         ->check(given_path);
     CLI::Option* const inputs = command->add_flag("--inputs", arguments->inputs,
                                                   "Check also the inputs that the records name, and make each output again");
-    command->add_option("--mesh", arguments->meshes, "The same with this mesh in place of the record's; once for each label")
+    command
+        ->add_option("--mesh", arguments->meshes,
+                     "The same with this mesh, or archive, in place of the record's; once for each")
         ->type_name("MESH")
         ->take_all()
         ->allow_extra_args(false)

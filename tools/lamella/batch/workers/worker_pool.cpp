@@ -135,8 +135,8 @@ WorkerPool::~WorkerPool() {
     ::close(nothing_);
 }
 
-void WorkerPool::start(std::size_t item, const std::vector<std::string>& words) {
-    std::vector<std::string> all = {"lamella", "slice", worker_word(facts_descriptor)};
+void WorkerPool::start(std::size_t item, const std::string& command, const std::vector<std::string>& words) {
+    std::vector<std::string> all = {"lamella", command, worker_word(facts_descriptor)};
     all.insert(all.end(), words.begin(), words.end());
     std::vector<char*> pointers;
     pointers.reserve(all.size() + 1);

@@ -36,8 +36,8 @@ public:
     WorkerPool(const WorkerPool&) = delete;
     WorkerPool& operator=(const WorkerPool&) = delete;
 
-    /// Starts `lamella slice WORDS...`. Throws Failure (bad_input) when the system refuses another process.
-    void start(std::size_t item, const std::vector<std::string>& words);
+    /// Starts `lamella COMMAND WORDS...`. Throws Failure (bad_input) when the system refuses another process.
+    void start(std::size_t item, const std::string& command, const std::vector<std::string>& words);
 
     /// Waits so long for a process to end, and ends those that take too long.
     std::vector<WorkerEnd> wait(std::chrono::milliseconds longest);

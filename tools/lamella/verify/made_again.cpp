@@ -1,4 +1,4 @@
-#include "verify/sliced_again.hpp"
+#include "verify/made_again.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -12,9 +12,9 @@
 #include <stdlib.h>
 
 #include "batch/workers/worker_pool.hpp"
-#include "files/standard_streams.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
+#include "verify/input_layout.hpp"
 #include "verify/record_words.hpp"
 
 namespace lamella::cli::verify {
@@ -22,8 +22,6 @@ namespace lamella::cli::verify {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr std::size_t deepest = 64;  ///< how far up a path of a record may lead
 
 /// While it lives, the process works in another folder, and so do those that it starts.
 class WorkingFolder {
@@ -40,71 +38,24 @@ private:
     fs::path before_;
 };
 
-/// The inputs under their recorded names, as links.
-class Layout {
-public:
-    Layout(const TemporaryFolder& folder, const Record& record) : top_(folder / "in"), work_(top_) {
-        std::size_t ups = 0;
-        for (const FileSeal& input : record.inputs) {
-            const fs::path path = fs::path(input.path).lexically_normal();
-            ups = std::max(ups, static_cast<std::size_t>(std::count(path.begin(), path.end(), "..")));
-        }
-        if (ups > deepest) {
-            throw Failure(bad_input, "a path of its record leads up by " + std::to_string(ups) + " folders");
-        }
-        for (std::size_t i = 0; i < ups; ++i) {
-            work_ /= "folder";
-        }
-        fs::create_directories(work_);
+/// Refuses what no command of the tool records.
+void require_makeable(const Record& record) {
+    if (record.command != "slice" && record.command != "convert" && record.command != "merge") {
+        throw Failure(bad_input, "its record names the command '" + record.command + "'");
     }
-
-    const fs::path& working_folder() const noexcept { return work_; }
-
-    /// The word that names the input for a process in the working folder.
-    std::string add(const std::string& recorded, const fs::path& actual) {
-        fs::path name = fs::path(recorded).lexically_normal();
-        if (name.is_absolute()) {
-            if (name == actual.lexically_normal()) {
-                return recorded;
-            }
-            name = fs::path("elsewhere") / std::to_string(++elsewhere_) / name.filename();
-        } else if (is_standard(recorded)) {
-            name = "mesh";  // as slice names what comes from standard input
-        }
-        const fs::path link = work_ / name;
-        if (!(link.lexically_normal().string() + "/").starts_with(top_.lexically_normal().string() + "/") ||
-            !name.has_filename()) {
-            throw Failure(bad_input, "its record names the input '" + recorded + "'");
-        }
-        fs::create_directories(link.parent_path());
-        if (!fs::is_symlink(link)) {
-            fs::create_symlink(actual, link);
-        } else if (fs::read_symlink(link) != actual) {
-            throw Failure(bad_input, "its record names two inputs '" + recorded + "'");
-        }
-        return name.string().starts_with('-') ? "./" + name.string() : name.string();
+    const std::size_t hashes = record.result_hashes.size();
+    if (hashes == 0 || record.inputs.size() < hashes) {
+        throw Failure(bad_input, "its record has " + counted(record.inputs.size(), "input") + " and " +
+                                     counted(hashes, "hash", "hashes"));
     }
-
-private:
-    fs::path top_;
-    fs::path work_;
-    int elsewhere_ = 0;
-};
+}
 
 std::vector<std::string> words_for(const Record& record, const std::vector<fs::path>& inputs, const fs::path& output,
-                                   Layout& layout, int threads) {
-    if (!record.inputs.empty() && fs::path(record.inputs.front().path).extension() == ".h5") {
-        throw Failure(bad_input, "made of the archive '" + record.inputs.front().path +
-                                     "', not of a mesh: lamella convert or merge makes it again");
-    }
-    const std::size_t meshes = record.result_hashes.size();
-    if (meshes == 0 || record.inputs.size() < meshes) {
-        throw Failure(bad_input, "its record has " + counted(record.inputs.size(), "input") + " and " +
-                                     counted(meshes, "hash", "hashes"));
-    }
+                                   InputLayout& layout, int threads) {
     std::vector<std::string> words = {"--output=" + output.string(), "--progress=never",
                                       "--threads=" + std::to_string(threads)};
-    std::size_t input = meshes;  // what options name follows
+    const std::size_t parts = count_of_parts(record);
+    std::size_t input = parts;  // what options name follows
     for (const RecordedOption& option : parse_record_words(record.options)) {
         if (!option.value) {
             words.push_back(option.name);
@@ -120,7 +71,7 @@ std::vector<std::string> words_for(const Record& record, const std::vector<fs::p
         }
         words.push_back(option.name + "=" + value);
     }
-    for (std::size_t i = 0; i < meshes; ++i) {
+    for (std::size_t i = 0; i < parts; ++i) {
         words.push_back(layout.add(record.inputs[i].path, inputs[i]));
     }
     return words;
@@ -147,10 +98,10 @@ private:
     std::string before_;
 };
 
-void run_slice(const std::vector<std::string>& words, const Control& control) {
+void run(const std::string& command, const std::vector<std::string>& words, const Control& control) {
     constexpr std::chrono::milliseconds between_looks{100};
     batch::WorkerPool pool(0);
-    pool.start(0, words);
+    pool.start(0, command, words);
     while (pool.running() > 0) {
         if (control.stop.stop_requested()) {
             throw Failure(bad_input, "cancelled");
@@ -230,18 +181,23 @@ TemporaryFolder::~TemporaryFolder() {
     fs::remove_all(path_, left_behind);
 }
 
+std::size_t count_of_parts(const Record& record) noexcept {
+    return record.command == "merge" ? record.inputs.size() : record.result_hashes.size();
+}
+
 std::vector<std::string> differences_from_remade(const Record& record, const fs::path& output,
                                                  const std::vector<fs::path>& inputs, const Control& control) {
+    require_makeable(record);
     try {
         const TemporaryFolder folder;
         const fs::path made = folder / "out";
         fs::create_directory(made);
-        Layout layout(folder, record);
+        InputLayout layout(folder / "in", record);
         const std::vector<std::string> words = words_for(record, inputs, made / record.output.path, layout, control.threads);
         {
             const WorkingFolder work(layout.working_folder());
             const DateOfBuild date(record.source_date_epoch);
-            run_slice(words, control);
+            run(record.command, words, control);
         }
         const Result<Record> again = read_record((made / record.output.path).string() + ".lamella.json");
         if (!again) {

@@ -1,6 +1,7 @@
 // An output made once more, by this program itself, from the inputs and options of its record.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -23,6 +24,9 @@ public:
 private:
     std::filesystem::path path_;
 };
+
+/// How many of the record's inputs the output was made of: meshes, archives or parts. What options name follows them.
+std::size_t count_of_parts(const Record& record) noexcept;
 
 /// How the output differs from one made again, if it does: one line a finding. `output`: where it lies, with what lies
 /// beside it, such as a table of labels. `inputs`: where each input of the record lies now, as absolute paths. They are laid

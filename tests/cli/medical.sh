@@ -28,11 +28,55 @@ test_masks() {
     expect_failure 2 "NIfTI-1 holds at most 32,767" slice a.stl --spacing 0.0005,4,4 --frame ras -o m.nii
     expect_failure 3 "neither a NIfTI-1 nor an NRRD" slice a.stl --like b.stl --frame ras -o m.nii
     expect_failure 3 "No such file" slice a.stl --like none.nii --frame ras -o m.nii
+    expect_failure 2 "at most 1e6" slice a.stl --spacing 1e300,1,1 --frame ras -o m.nii
+    expect_failure 2 "--subslices: needs --like IMAGE or --spacing" slice a.stl --layer-height 1 --subslices 2 -o m.csv
     expect_failure 2 "'dcm' is not one of svg" slice a.stl -o m --to dcm
     expect_failure 2 "stands there twice" slice a.stl -o m --to csv,csv
     printf 'solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 9\nvertex 0 9 9\nendloop\nendfacet\nendsolid\n' > open.stl
     expect_failure 3 "--strict" slice open.stl --spacing 1,1,1 --frame ras --strict -o m.nii
     expect_files a.stl b.stl open.stl
+}
+
+# No output replaces an input, or another output, by whatever name.
+test_outputs_apart() {
+    sphere a.stl 2000
+    expect 0 slice a.stl --spacing 2,2,2 --frame ras -o image.nii
+    printf '1\n2\n' > planes.csv
+    printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n' > matrix.svg
+    ln -s . here
+    ln image.nii twin.nii
+    rm image.nii.lamella.json
+    local name
+    for name in image.nii ./image.nii here/image.nii "$PWD/image.nii" twin.nii; do
+        expect_failure 2 "'$name' is the file of --like itself" slice a.stl --like image.nii --frame ras -o "$name"
+    done
+    expect_failure 2 "is the file of --like itself" slice a.stl --like image.nii --frame ras --report image.nii
+    expect_failure 2 "is the file of --planes itself" slice a.stl --planes planes.csv -o planes.csv
+    mv planes.csv p.meshes.csv
+    expect_failure 2 "is the file of --planes itself" slice a.stl --planes p.meshes.csv -o p.csv
+    expect_failure 2 "is the file of --transform itself" slice a.stl --transform matrix.svg -o here/matrix.svg
+    expect_failure 2 "is another output itself" slice a.stl -o x.svg -o ./x.svg
+    expect_failure 2 "is another output itself" slice a.stl -o x.csv -o x.meshes.csv
+    expect_failure 2 "is --output itself" slice a.stl -o x.svg --report here/x.svg
+    expect_files a.stl here image.nii matrix.svg p.meshes.csv twin.nii
+}
+
+# A mesh beside the image is one line; one that reaches out of its slices is warned of.
+test_beside_the_image() {
+    sphere a.stl 2000
+    expect 0 slice a.stl --spacing 2,2,2 --frame ras -o image.nii
+    printf '1 0 0 500\n0 1 0 500\n0 0 1 500\n' > far.txt
+    printf 'solid\nfacet normal 0 0 1\nouter loop\nvertex 500 500 500\nvertex 509 500 509\nvertex 500 509 509\nendloop\nendfacet\nendsolid\n' > far.stl
+    local name
+    for name in m.nii m.csv m.png; do
+        expect_failure 3 "far: lies outside of the image" slice far.stl --like image.nii --frame ras -o $name
+    done
+    expect 0 make sphere --triangles 2000 --height 40 -o tall.stl
+    for name in m.nii m.dcm; do
+        "$lamella" slice tall.stl --like image.nii --frame ras -o $name $([[ $name == *.dcm ]] && echo --without-ct) > .stdout 2> .stderr ||
+            fail "no $name"
+        grep -q "warning: $name: tall reaches 19.000 mm beyond the image's slices" .stderr || fail "$name: no warning"
+    done
 }
 
 test_tables() {

@@ -37,6 +37,12 @@ std::vector<double> ImageGeometry::slice_heights_mm(int subslices) const {
     return heights;
 }
 
+namespace {
+
+constexpr double largest_voxel_mm = 1e6;  ///< coordinates end at 1e9
+
+}  // namespace
+
 Result<ImageGeometry> geometry_around(const std::array<double, 3>& min_mm, const std::array<double, 3>& max_mm,
                                       const std::array<double, 3>& spacing_mm) noexcept {
     return guarded([&]() -> Result<ImageGeometry> {
@@ -44,8 +50,8 @@ Result<ImageGeometry> geometry_around(const std::array<double, 3>& min_mm, const
         image.spacing_mm = spacing_mm;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const double spacing = spacing_mm[axis];
-            if (!std::isfinite(spacing) || spacing <= 0) {
-                return Error{ErrorCode::invalid_argument, "a voxel's size must be a finite number of mm above 0"};
+            if (!(spacing > 0 && spacing <= largest_voxel_mm)) {
+                return Error{ErrorCode::invalid_argument, "a voxel's size must be a number of mm above 0, and at most 1e6"};
             }
             const double first = std::floor(min_mm[axis] / spacing);
             const double count = std::ceil(max_mm[axis] / spacing) - first + 1;

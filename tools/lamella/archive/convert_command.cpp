@@ -60,6 +60,7 @@ public:
             use_image();
         }
         require_image_outputs_possible();
+        require_overlaps();
         job_.options = recorded_options(command_);
         {
             const Stage stage(bar_, "writing");
@@ -91,16 +92,18 @@ private:
         job_.outputs = planned_outputs(wanted.outputs, wanted.to);
         // Whether there is an image, and how many planes a slice has, the archives say.
         require_possible(job_.outputs, wanted, arguments_.archives.size(), true, 1);
-        std::vector<std::filesystem::path> files;
         for (const PlannedOutput& output : job_.outputs) {
             for (const std::string& file : output.files(arguments_.archives.size() > 1)) {
-                files.emplace_back(file);
+                files_.emplace_back(file);
                 for (const std::string& archive : arguments_.archives) {
                     require_different(file, archive, "--output", "the archive");
                 }
+                if (!arguments_.image.like.empty()) {
+                    require_different(file, arguments_.image.like, "--output", "the file of --like");
+                }
             }
         }
-        interrupt_.tidy(files);
+        interrupt_.tidy(files_);
     }
 
     void read(const std::string& path) {
@@ -137,6 +140,7 @@ private:
         if (!job_.image || !same_voxels(image, *job_.image)) {
             throw Failure(bad_input, arguments_.archives.front() + ": not cut at the slices of " + arguments_.image.like);
         }
+        require_series_kept(image, files_);
         job_.image = std::move(image);
         job_.inputs.push_back(
             found(arguments_.image.like, [&](const Control& control) { return seal_file(arguments_.image.like, control); }));
@@ -169,6 +173,14 @@ private:
         }
     }
 
+    void require_overlaps() const {
+        for (const SlicedPart& part : job_.parts) {
+            if (job_.image) {
+                require_overlap(*job_.image, part.name, part.result.summary);
+            }
+        }
+    }
+
     void note(const std::string& warning) {
         bar_.wipe();
         warn(warning);
@@ -183,6 +195,7 @@ private:
     Interrupt& interrupt_;
     ProgressBar bar_;
     OutputJob job_;
+    std::vector<std::filesystem::path> files_;  ///< that the outputs come to be
 };
 
 }  // namespace

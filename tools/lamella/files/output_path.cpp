@@ -64,10 +64,18 @@ void require_extension(const std::string& path, const std::string& option, const
     }
 }
 
+std::string place_of(const std::string& path) {
+    std::error_code unknown;
+    const std::filesystem::path whole = std::filesystem::absolute(path, unknown);
+    const std::filesystem::path place = std::filesystem::weakly_canonical(whole, unknown);
+    return (unknown ? std::filesystem::path(path).lexically_normal() : place).string();
+}
+
 void require_different(const std::string& path, const std::string& other, const std::string& name,
                        const std::string& other_name) {
     std::error_code unknown;
-    if (!is_standard(path) && !is_standard(other) && (path == other || std::filesystem::equivalent(path, other, unknown))) {
+    if (!is_standard(path) && !is_standard(other) &&
+        (place_of(path) == place_of(other) || std::filesystem::equivalent(path, other, unknown))) {
         throw Failure(bad_usage, name + ": '" + path + "' is " + other_name + " itself");
     }
 }

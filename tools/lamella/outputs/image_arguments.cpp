@@ -1,8 +1,10 @@
 #include "outputs/image_arguments.hpp"
 
+#include <system_error>
 #include <utility>
 
 #include "files/mesh_input.hpp"
+#include "files/output_path.hpp"
 #include "outputs/output_formats.hpp"
 #include "terminal/failure.hpp"
 
@@ -79,6 +81,21 @@ ImageGeometry read_image_of(const ImageArguments& arguments) {
         throw failure_of(image.error());
     }
     return std::move(image).value();
+}
+
+void require_series_kept(const ImageGeometry& image, const std::vector<std::filesystem::path>& outputs) {
+    if (!image.series) {
+        return;
+    }
+    for (const std::filesystem::path& output : outputs) {
+        std::error_code unknown;
+        if (!std::filesystem::exists(output, unknown)) {
+            continue;
+        }
+        for (const DicomSeries::Instance& slice : image.series->slices) {
+            require_different(output.string(), slice.file, "--output", "a slice of --like");
+        }
+    }
 }
 
 PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& arguments, const std::string& name) {

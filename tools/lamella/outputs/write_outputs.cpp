@@ -47,6 +47,17 @@ void note_open_slices(std::uint64_t slices, const PlannedOutput& output, const N
     }
 }
 
+void note_beyond_slices(const OutputJob& job, const SlicedPart& part, const PlannedOutput& output, const Note& note) {
+    const SliceSummary& mesh = part.result.summary;
+    const std::vector<double> heights = job.image->slice_heights_mm();
+    const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+    const double half = job.image->spacing_mm[2] / 2;
+    const double beyond = std::max({0.0, *low - half - mesh.min_mm[2], mesh.max_mm[2] - *high - half});
+    if (beyond > 0) {
+        note(output.path + ": " + part.name + " reaches " + rounded(beyond, 3) + " mm beyond the image's slices");
+    }
+}
+
 void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Control& control, const Note& note) {
     std::vector<MaskPart> parts;
     for (const SlicedPart& part : job.parts) {
@@ -65,15 +76,7 @@ void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Cont
         if (summary.cut_off_share[i] > 0) {
             note(output.path + ": the image cuts off " + percent(summary.cut_off_share[i]) + " of the area of " + name);
         }
-        const SliceResult& result = job.parts[i].result;
-        const std::vector<double> heights = job.image->slice_heights_mm();
-        const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
-        const double half = job.image->spacing_mm[2] / 2;
-        const double beyond =
-            std::max({0.0, *low - half - result.summary.min_mm[2], result.summary.max_mm[2] - *high - half});
-        if (beyond > 0) {
-            note(output.path + ": " + name + " reaches " + rounded(beyond, 3) + " mm beyond the image's slices");
-        }
+        note_beyond_slices(job, job.parts[i], output, note);
         if (summary.voxels[i] == 0) {
             note(output.path + ": no voxel lies in " + name);
         }
@@ -102,7 +105,11 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Control&
         case OutputFormat::segmentation:
             return write_mask_of(job, output, control, note);
         case OutputFormat::structure_set:
-            return write_structure_output(job, output, control, note);
+            write_structure_output(job, output, control, note);
+            for (const SlicedPart& part : job.parts) {
+                note_beyond_slices(job, part, output, note);
+            }
+            return;
         case OutputFormat::csv:
         case OutputFormat::json_lines:
             return write_table_of(job, output, control);
@@ -151,6 +158,17 @@ void require_closed(const OutputJob& job) {
     }
 }
 
+void require_no_file_shared(const PlannedOutput& output, const PlannedOutput& other, bool several_meshes) {
+    if (output.is_mask() && other.is_mask()) {  // of one name they share a table of labels, which is the same
+        return require_different_output(output.path, other.path, "--output", "another output");
+    }
+    for (const std::string& file : output.files(several_meshes)) {
+        for (const std::string& others : other.files(several_meshes)) {
+            require_different_output(file, others, "--output", "another output");
+        }
+    }
+}
+
 }  // namespace
 
 void require_together(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
@@ -169,12 +187,15 @@ void require_together(const std::vector<PlannedOutput>& outputs, const OutputArg
         }
         for (const PlannedOutput& other : outputs) {
             if (&other < &output) {
-                require_different_output(output.path, other.path, "--output", "another output");
+                require_no_file_shared(output, other, meshes > 1);
             }
         }
     }
     if ((arguments.coverage || subslices > 1) && mask && meshes > 1) {
         throw Failure(bad_usage, "--coverage and --subslices: one mesh a mask, not " + std::to_string(meshes));
+    }
+    if (subslices > 1 && !image_given) {
+        throw Failure(bad_usage, "--subslices: needs --like IMAGE or --spacing X,Y,Z");
     }
     if (arguments.coverage && !mask) {
         throw Failure(bad_usage, "--coverage: no output is a mask");
@@ -192,9 +213,6 @@ void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArg
 void write_outputs(const OutputJob& job, const Control& control, const Note& note) {
     if (job.arguments.strict) {
         require_closed(job);
-    }
-    if (job.image) {
-        require_overlap(job);
     }
     for (const PlannedOutput& output : job.outputs) {
         write_one(job, output, control, note);

@@ -86,18 +86,14 @@ void require_image_serves(const ImageGeometry& image, const std::vector<PlannedO
     }
 }
 
-void require_overlap(const OutputJob& job) {
-    const auto box = box_of(*job.image);
+void require_overlap(const ImageGeometry& image, const std::string& name, const SliceSummary& mesh) {
+    const auto box = box_of(image);
     static constexpr std::array<const char*, 3> names = {"its rows", "its columns", "its slices' normal"};
-    for (const SlicedPart& part : job.parts) {
-        const SliceSummary& mesh = part.result.summary;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            if (mesh.max_mm[axis] < box[0][axis] || mesh.min_mm[axis] > box[1][axis]) {
-                throw Failure(bad_input, part.name + ": lies outside of the image: along " + names[axis] +
-                                             " the mesh reaches from " + range_text(mesh.min_mm[axis], mesh.max_mm[axis]) +
-                                             ", the image from " + range_text(box[0][axis], box[1][axis]) +
-                                             "; is the patient frame right?");
-            }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (mesh.max_mm[axis] < box[0][axis] || mesh.min_mm[axis] > box[1][axis]) {
+            throw Failure(bad_input, name + ": lies outside of the image: along " + names[axis] + " the mesh reaches from " +
+                                         range_text(mesh.min_mm[axis], mesh.max_mm[axis]) + ", the image from " +
+                                         range_text(box[0][axis], box[1][axis]) + "; is the patient frame right?");
         }
     }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "outputs/write_outputs.hpp"
 
@@ -19,7 +20,7 @@ void require_structures_possible(const std::vector<PlannedOutput>& outputs, cons
 void require_image_serves(const ImageGeometry& image, const std::vector<PlannedOutput>& outputs,
                           const OutputArguments& arguments);
 
-/// Throws Failure (bad_input) where a mesh lies outside of the image.
-void require_overlap(const OutputJob& job);
+/// Throws Failure (bad_input) where the mesh lies outside of the image.
+void require_overlap(const ImageGeometry& image, const std::string& name, const SliceSummary& mesh);
 
 }  // namespace lamella::cli

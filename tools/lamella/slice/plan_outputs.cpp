@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include "files/output_path.hpp"
 #include "outputs/write_outputs.hpp"
@@ -11,9 +12,17 @@ namespace lamella::cli {
 
 namespace {
 
-void require_no_mesh(const std::string& file, const SliceArguments& arguments) {
+/// No mesh, and no file that another option names.
+void require_no_input(const std::string& file, const SliceArguments& arguments, const std::string& option) {
     for (const std::string& mesh : arguments.meshes) {
-        require_different(file, mesh, "--output", "the mesh");
+        require_different(file, mesh, option, "the mesh");
+    }
+    for (const auto& [name, path] : {std::pair{"--like", &arguments.image.like},
+                                     {"--transform", &arguments.transform},
+                                     {"--planes", &arguments.planes}}) {
+        if (!path->empty()) {
+            require_different(file, *path, option, std::string("the file of ") + name);
+        }
     }
 }
 
@@ -28,7 +37,7 @@ void require_report_possible(const SliceArguments& arguments, const std::vector<
         throw Failure(bad_usage, "--report: one mesh a report, not " + std::to_string(arguments.meshes.size()));
     }
     require_writable(arguments.report);
-    require_different(arguments.report, arguments.meshes.front(), "--report", "the mesh");
+    require_no_input(arguments.report, arguments, "--report");
     for (const std::filesystem::path& output : outputs) {
         require_different_output(arguments.report, output.string(), "--report", "--output");
     }
@@ -50,7 +59,7 @@ std::vector<PlannedOutput> planned_outputs_of(const SliceArguments& arguments) {
     const OutputArguments& wanted = arguments.outputs;
     for (const std::string& output : wanted.outputs) {
         require_writable(output);
-        require_no_mesh(output, arguments);
+        require_no_input(output, arguments, "--output");
     }
     std::vector<PlannedOutput> outputs;
     if (!wanted.outputs.empty() || !wanted.to.empty()) {
@@ -59,7 +68,7 @@ std::vector<PlannedOutput> planned_outputs_of(const SliceArguments& arguments) {
     require_possible(outputs, wanted, arguments.meshes.size(), arguments.image.given(), arguments.image.subslices);
     const std::vector<std::filesystem::path> files = files_of(arguments, outputs);
     for (const std::filesystem::path& file : files) {
-        require_no_mesh(file.string(), arguments);
+        require_no_input(file.string(), arguments, "--output");
     }
     require_report_possible(arguments, files);
     return outputs;

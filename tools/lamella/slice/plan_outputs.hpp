@@ -9,8 +9,8 @@
 
 namespace lamella::cli {
 
-/// Throws Failure (bad_usage, bad_output) where an output or the report could not be written, or would overwrite a mesh or
-/// another output.
+/// Throws Failure (bad_usage, bad_output) where an output or the report could not be written, or would overwrite a mesh,
+/// the file of another option or another output.
 std::vector<PlannedOutput> planned_outputs_of(const SliceArguments& arguments);
 
 /// All files that come of them, with the report.

@@ -100,6 +100,7 @@ private:
             note(warning);
         }
         require_image_serves(image, job_.outputs, arguments_.outputs);
+        require_series_kept(image, files_to_write(arguments_, job_.outputs));
         job_.image = std::move(image);
         job_.subslices = arguments_.image.subslices;
     }
@@ -126,6 +127,9 @@ private:
         part.all_layers = part.result.all_layers;
         part.welded = std::move(welded_);
         welded_.reset();
+        if (job_.image) {
+            require_overlap(*job_.image, part.name, part.result.summary);
+        }
         if (part.result.summary.segments == 0) {
             note(why_nothing_is_cut(part.result.summary));
         }

@@ -175,6 +175,9 @@ END
 {"path":"in/s2.stl"|3::2: not a JSON object
 ["in/s2.stl"]|3::2: not a JSON object
 {"layer-height":1}|3::2: no path of a mesh
+{"path":"in/s2.stl","mesh":"in/s1.stl"}|3::2: two members are 'path'
+{"path":"in/s2.stl","layer-height":1,"layer_height":2}|3::2: two members are 'layer_height'
+{"path":"-"}|3::2: '-' is no path
 {"path":["a","b"]}|3::2: 'path' is a list
 {"path":"in/s2.stl","spacing":{}}|3::2: 'spacing' is neither text
 {"path":"in/s2.stl","spacing":[]}|3::2: 'spacing' is a list of nothing
@@ -205,6 +208,18 @@ test_batch_bad_input() {
     expect_failure 2 "--results: names the folder" batch in
     printf 'path\nin/a.csv\n' > list.csv
     expect_failure 2 "'in/a.csv' is a mesh of the batch itself" batch list.csv -o 'in/{stem}.csv'
+    # No output replaces what the batch reads or keeps, by whatever name.
+    expect 0 slice in/s1.stl --spacing 2,2,2 --frame lps -o like.nii
+    ln -s . here
+    expect_failure 2 "'like.nii' is a file that an option of the batch names" batch in/s1.stl --like like.nii --frame lps -o here/like.nii
+    printf '1\n2\n' > heights.csv
+    printf 'path,planes,output\nin/s1.stl,,heights.csv\nin/s2.stl,heights.csv,o/b.csv\n' > list.csv
+    expect_failure 2 "'heights.csv' is a file that an option of the batch names" batch list.csv --results o
+    printf 'path,output\nin/s1.stl,o/a.csv\nin/s2.stl,here/o/a.csv\n' > list.csv
+    expect_failure 2 "both write 'here/o/a.csv'" batch list.csv --results o
+    printf 'path\nin/s1.stl\n' > list.csv
+    expect_failure 2 "'list.csv' is a file of the batch itself" batch list.csv -o here/list.csv --results o
+    expect_failure 2 "'o/results.jsonl' is a file of the batch itself" batch in/s1.stl -o o/results.jsonl
     expect_failure 2 "no format that is written ends in .xyz" batch in -o 'o/{stem}.xyz'
     expect_failure 2 "'-' is one mesh" batch - -o 'o/{stem}.csv'
     expect_failure 2 "'-': a batch writes files" batch in/s1.stl -o -
@@ -220,6 +235,8 @@ test_batch_bad_input() {
     expect_failure 2 "--memory: '0' is not" batch in -o 'o/{stem}.csv' --memory 0
     expect_failure 2 "--shard: '2/2' is not" batch in -o 'o/{stem}.csv' --shard 2/2
     expect_failure 2 "--shard: '1' is not" batch in -o 'o/{stem}.csv' --shard 1
+    expect_failure 2 "--timeout: 'nan' is not a number of seconds" batch in -o 'o/{stem}.csv' --timeout nan
+    expect_failure 2 "--timeout: '-1' is not a number of seconds" batch in -o 'o/{stem}.csv' --timeout=-1
     expect_failure 2 "--jobs" batch in -o 'o/{stem}.csv' --jobs -1
     expect_failure 2 "nonsense" batch in -o 'o/{stem}.csv' --nonsense
     expect_failure 3 "in which no file is named as a mesh" batch empty -o 'o/{stem}.csv'

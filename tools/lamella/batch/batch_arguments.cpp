@@ -1,10 +1,12 @@
 #include "batch/batch_arguments.hpp"
 
 #include <charconv>
+#include <optional>
 #include <system_error>
 
 #include "batch/plan/name_pattern.hpp"
 #include "terminal/failure.hpp"
+#include "terminal/numbers.hpp"
 
 namespace lamella::cli::batch {
 
@@ -12,6 +14,12 @@ namespace {
 
 constexpr const char* own_group = "Batch";
 constexpr std::uint32_t most_shards = 100'000;
+
+/// Of nothing that is no number CLI11 says that it is out of a range.
+std::string seconds(const std::string& text) {
+    const std::optional<double> value = parse_number(text);
+    return value && *value >= 0 && *value <= 1e9 ? "" : "'" + text + "' is not a number of seconds";
+}
 
 bool parse_whole(std::string_view text, std::uint32_t& value) {
     const auto [stop, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -39,7 +47,7 @@ void declare_batch(CLI::App& command, BatchArguments& arguments) {
         ->group(own_group);
     command.add_option("--timeout", arguments.timeout_s, "End a mesh that takes longer (0: never)")
         ->type_name("S")
-        ->check(CLI::Range(0.0, 1e9))
+        ->check(seconds)
         ->group(own_group);
     command.add_option("--retries", arguments.retries, "Try again after a crash, want of memory or a timeout (1)")
         ->type_name("N")

@@ -9,6 +9,7 @@
 #include "batch/batch_run.hpp"
 #include "batch/plan/item_plan.hpp"
 #include "batch/results/merge.hpp"
+#include "batch/sources/manifest.hpp"
 #include "batch/sources/mesh_sources.hpp"
 #include "commands.hpp"
 #include "outputs/image_arguments.hpp"
@@ -62,8 +63,14 @@ void run_batch(const CLI::App& command, const BatchArguments& arguments, Interru
     const RunOptions options = run_options(arguments, words);
     const LedgerName name = batch::ledger_name_of(arguments);
     require_image(arguments.slice.image);
+    std::vector<std::string> own_files = {name.path(), name.path_of_whole()};
+    for (const std::string& source : arguments.sources()) {
+        if (batch::is_named_as_manifest(source)) {
+            own_files.push_back(source);
+        }
+    }
     std::vector<Item> items =
-        batch::plan_items(batch::list_sources(arguments.sources(), words), words.typed(command), words);
+        batch::plan_items(batch::list_sources(arguments.sources(), words), words.typed(command), words, own_files);
     if (name.shards > 0) {
         items = batch::items_of_shard(std::move(items), name.shard, name.shards);
     }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "batch/plan/name_pattern.hpp"
+#include "files/output_path.hpp"
 #include "outputs/output_formats.hpp"
 #include "terminal/failure.hpp"
 
@@ -76,11 +77,11 @@ public:
     }
 
     /// In all of the batch no file is written twice, and none is an input.
-    void require_distinct() const {
+    void require_distinct(const std::vector<std::string>& own_files) const {
         std::unordered_map<std::string, const Item*> writers;
         for (const Item& item : items) {
             for (const std::string& file : files_of(item)) {
-                const auto [at, added] = writers.emplace(file, &item);
+                const auto [at, added] = writers.emplace(place_of(file), &item);
                 if (!added) {
                     throw Failure(bad_usage, in_place(item) + "'" + at->second->mesh + "' and '" + item.mesh +
                                                  "' both write '" + file +
@@ -88,10 +89,18 @@ public:
                 }
             }
         }
+        const auto require_unwritten = [&writers](const std::string& file, const std::string& what) {
+            if (const auto written = writers.find(place_of(file)); written != writers.end()) {
+                throw Failure(bad_usage, in_place(*written->second) + "--output: '" + file + "' is " + what);
+            }
+        };
+        for (const std::string& file : own_files) {
+            require_unwritten(file, "a file of the batch itself");
+        }
         for (const Item& item : items) {
-            const auto written = writers.find(std::filesystem::path(item.mesh).lexically_normal().string());
-            if (written != writers.end()) {
-                throw Failure(bad_usage, in_place(item) + "--output: '" + item.mesh + "' is a mesh of the batch itself");
+            require_unwritten(item.mesh, "a mesh of the batch itself");
+            for (const std::string& file : item.option_files) {
+                require_unwritten(file, "a file that an option of the batch names");
             }
         }
     }
@@ -157,12 +166,13 @@ private:
 
 }  // namespace
 
-std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const OptionValues& common, const SliceWords& words) {
+std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const OptionValues& common, const SliceWords& words,
+                             const std::vector<std::string>& own_files) {
     ItemPlan plan(common, words);
     for (const MeshSource& source : sources) {
         plan.add(source);
     }
-    plan.require_distinct();
+    plan.require_distinct(own_files);
     return std::move(plan.items);
 }
 

@@ -11,8 +11,9 @@
 namespace lamella::cli::batch {
 
 /// Throws Failure: options that slice would refuse, an unknown word in a name, two items with one output, an output that is
-/// a mesh of the batch.
-std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const OptionValues& common, const SliceWords& words);
+/// a mesh of the batch, a file that options name, or one of `own_files`: results and manifests.
+std::vector<Item> plan_items(const std::vector<MeshSource>& sources, const OptionValues& common, const SliceWords& words,
+                             const std::vector<std::string>& own_files);
 
 /// Those of shard `index` of `count`: every count-th.
 std::vector<Item> items_of_shard(std::vector<Item> items, std::uint32_t index, std::uint32_t count);

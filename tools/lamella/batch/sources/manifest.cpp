@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/sources/csv_rows.hpp"
+#include "files/standard_streams.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
 
@@ -77,6 +78,9 @@ private:
     void end_row(std::size_t line) const {
         if (rows_.back().path.empty()) {
             throw at(line, "no path of a mesh");
+        }
+        if (is_standard(rows_.back().path)) {
+            throw at(line, "'-' is no path: a batch takes files");
         }
     }
 
@@ -157,8 +161,13 @@ private:
         if (!object.is_object()) {
             throw at(line, "not a JSON object");
         }
+        std::vector<std::string> names;
         for (const auto& [key, value] : object.items()) {
             const std::string name = column(key, line);
+            if (std::find(names.begin(), names.end(), name) != names.end()) {
+                throw at(line, "two members are '" + key + "'");
+            }
+            names.push_back(name);
             if (!value.is_null()) {
                 set(name, values_of(name, key, value, line), line);
             }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# An array job of four shards on a real Slurm, of which one is requeued while it slices, and one runs out of time: the files are
-# those of one machine.
+# An array job of four shards on a real Slurm, of which one is requeued while it slices; tasks that run out of time, by its signal and
+# by Slurm's own limit: the files are those of one machine.
 source "$(dirname "${BASH_SOURCE[0]}")/support.sh"
 source "$root/tests/cluster/slurm_engine.sh"
 
@@ -54,6 +54,20 @@ grep -q " [1-9][0-9]* unchanged" "lamella-${job}_0.txt" || fail "the task began 
 lamella batch --merge masks > /dev/null || (($? == 5)) || fail "the merge"
 rm masks/results.0-of-1.jsonl
 same one_machine masks
+
+step "a task meets its time limit, twice"
+lamella make sphere --triangles 1000 --height 150 -o slow.stl > /dev/null
+echo '{"path":"slow.stl","spacing":[0.1,0.1,0.1],"subslices":100}' > slow.jsonl
+# Slurm looks every half minute, and sends the signal half a minute early: at least 25 s after the start, when the first mesh is done.
+job=$(sbatch --parsable --array=0 --cpus-per-task=1 --mem=800 --time=1 --signal=B:USR1@5 "$script" 1 meshes/m0.stl slow.jsonl \
+    --output='limit/{stem}.nii.gz' --spacing=0.5,0.5,0.1 --frame=lps)
+wait_for 30 "the first mask" files_in limit 1
+start_again "${job}_0" 120
+wait_for 120 "the end of the task" ended_after_requeue "${job}_0"
+[[ "$(scontrol show job "${job}_0")" == *Restarts=1[[:space:]]* ]] || fail "a task that gets nowhere is requeued"
+[[ "$(wc -l < limit/results.0-of-1.jsonl)" == 1 ]] || fail "not one mesh is done"
+cmp limit/m0.nii.gz one_machine/m0.nii.gz || fail "the first mask"
+find limit -name '.*.part' | grep . && fail "a file aside is left by the time limit"
 
 # A build without HDF5 says so.
 if lamella slice meshes/m11.stl --layer-height 0.05 -o whole.h5 > whole.txt 2>&1; then

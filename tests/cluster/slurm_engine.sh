@@ -67,10 +67,10 @@ start_slurm() {
 # state_of JOB: PENDING, RUNNING, COMPLETED, ...
 state_of() { scontrol --oneliner show job "$1" | sed -n 's/.* JobState=\([A-Z_]*\).*/\1/p' | head -n 1; }
 
-# start_again JOB: Slurm lets a requeued job wait for two minutes, so that no part of it is left that would refuse its return. Here
+# start_again JOB [SECONDS]: waits so long for it to be requeued. Slurm lets a requeued job wait for two minutes, so that no part of it is left that would refuse its return. Here
 # some seconds do.
 start_again() {
-    wait_for 60 "$1 to be pending" eval "[[ \$(state_of $1) == PENDING ]]"
+    wait_for "${2:-60}" "$1 to be pending" eval "[[ \$(state_of $1) == PENDING ]]"
     sleep 3
     scontrol update "JobId=$1" StartTime=now
 }

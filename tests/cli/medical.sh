@@ -37,6 +37,24 @@ test_masks() {
     expect_files a.stl b.stl open.stl
 }
 
+test_structure_sets() {
+    sphere a.stl 2000
+    expect_dicom slice a.stl --spacing 2,2,2 --frame lps --without-ct -o a.dcm || skip "no DICOM"
+    expect_failure 2 "no output is a structure set" slice a.stl --spacing 2,2,2 --frame lps --without-ct -o a.csv
+    expect_failure 3 "--without-ct" slice a.stl --spacing 2,2,2 --frame lps -o b.dcm
+    local date
+    for date in x -5 253402300800 99999999999999999999; do
+        SOURCE_DATE_EPOCH=$date expect_failure 2 "SOURCE_DATE_EPOCH: '$date' is not" slice a.stl --spacing 2,2,2 --frame lps --without-ct -o b.dcm
+    done
+    SOURCE_DATE_EPOCH=253402300799 expect 0 slice a.stl --spacing 2,2,2 --frame lps --without-ct -o b.dcm
+    grep -q 99991231 b.dcm || fail "the date is not in the structure set"
+    # Of a mesh that encloses nothing there is no ROI.
+    printf 'solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 9\nvertex 0 9 9\nendloop\nendfacet\nendsolid\n' > open.stl
+    expect_failure 3 "'open' has no closed contour on any slice" slice open.stl --spacing 1,1,1 --frame ras --without-ct -o c.dcm
+    expect_failure 3 "--strict: " slice open.stl --spacing 1,1,1 --frame ras --without-ct --strict -o c.dcm
+    [[ ! -e c.dcm ]] || fail "a structure set of nothing"
+}
+
 # No output replaces an input, or another output, by whatever name.
 test_outputs_apart() {
     sphere a.stl 2000

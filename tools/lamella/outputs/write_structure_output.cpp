@@ -14,6 +14,8 @@ namespace lamella::cli {
 
 namespace {
 
+constexpr std::int64_t end_of_9999 = 253'402'300'799;  ///< DICOM writes four digits
+
 bool is_structure_set(const PlannedOutput& output) {
     return output.format == OutputFormat::structure_set;
 }
@@ -26,8 +28,9 @@ std::optional<std::int64_t> source_date() {
     const std::string_view all(text);
     std::int64_t seconds = 0;
     const auto [stop, problem] = std::from_chars(all.data(), all.data() + all.size(), seconds);
-    if (problem != std::errc() || stop != all.data() + all.size() || seconds < 0) {
-        throw Failure(bad_usage, "SOURCE_DATE_EPOCH: '" + std::string(all) + "' is not a number of seconds since 1970");
+    if (problem != std::errc() || stop != all.data() + all.size() || seconds < 0 || seconds > end_of_9999) {
+        throw Failure(bad_usage, "SOURCE_DATE_EPOCH: '" + std::string(all) +
+                                     "' is not a number of seconds since 1970, before the year 10000");
     }
     return seconds;
 }
@@ -115,8 +118,9 @@ void write_structure_output(const OutputJob& job, const PlannedOutput& output, c
     options.seconds_since_1970 = source_date();
     options.control = control;
     const Result<StructureSetSummary> written = write_structure_set(rois, *job.image, output.path, options);
-    if (!written) {
-        throw failure_of(written.error());
+    if (!written) {  // what options can be wrong in was seen before
+        const Failure failure = failure_of(written.error());
+        throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), failure.what());
     }
     if (written->open_contours > 0) {
         note(output.path + ": " + counted(written->open_contours, "open polyline") + " in " +

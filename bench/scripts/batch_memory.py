@@ -11,9 +11,11 @@ import argparse
 import gzip
 import pathlib
 import shutil
+import struct
 import subprocess
 import tempfile
 import zipfile
+import zlib
 
 import numpy as np
 
@@ -34,6 +36,34 @@ def soup_of(path):
 
 def lines_of(array, form):
     return "".join((form + "\n") % tuple(row) for row in array.tolist())
+
+
+def vtp_array(values):
+    """Raw, and as VTK packs it: blocks of 32 KiB, each by zlib, and a table of their lengths."""
+    data = values.tobytes()
+    blocks = [zlib.compress(data[at : at + 32768]) for at in range(0, len(data), 32768)]
+    table = struct.pack(f"<3I{len(blocks)}I", len(blocks), 32768, len(data) % 32768, *map(len, blocks))
+    return struct.pack("<I", len(data)) + data, table + b"".join(blocks)
+
+
+def write_vtp(vertices, faces, points, folder):
+    """XML polydata: text, raw and packed, with 64-bit indices as VTK writes them."""
+    ends = np.arange(3, 3 * len(faces) + 1, 3, dtype="<i8")
+    arrays = [("Float32", "points", 3, vertices.astype("<f4")), ("Int64", "connectivity", 1, faces.astype("<i8")),
+              ("Int64", "offsets", 1, ends)]  # fmt: skip
+    packed = [vtp_array(values) for *_, values in arrays]
+    texts = [points, lines_of(faces, "%d %d %d"), " ".join(map(str, ends.tolist()))]
+    for name, compressor, form in (("text.vtp", "", None), ("raw.vtp", "", 0), ("zlib.vtp", ' compressor="vtkZLibDataCompressor"', 1)):
+        at, elements = 0, []
+        for i, (kind, title, width, _) in enumerate(arrays):
+            head = f'<DataArray type="{kind}" Name="{title}" NumberOfComponents="{width}" format='
+            elements.append(head + (f'"ascii">\n{texts[i]}</DataArray>' if form is None else f'"appended" offset="{at}"/>'))
+            at += 0 if form is None else len(packed[i][form])
+        appended = b"" if form is None else b'<AppendedData encoding="raw">_' + b"".join(p[form] for p in packed) + b"</AppendedData>"
+        (folder / name).write_bytes(
+            f'<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt32"{compressor}>'
+            f'<PolyData><Piece NumberOfPoints="{len(vertices)}" NumberOfPolys="{len(faces)}"><Points>{elements[0]}</Points>'
+            f"<Polys>{elements[1]}{elements[2]}</Polys></Piece></PolyData>".encode() + appended + b"</VTKFile>\n")  # fmt: skip
 
 
 def write_formats(stl, folder):
@@ -72,7 +102,9 @@ def write_formats(stl, folder):
                          + lines_of(faces, '<triangle v1="%d" v2="%d" v3="%d"/>')
                          + '</triangles></mesh></object></resources><build><item objectid="1"/></build></model>')  # fmt: skip
     shutil.copy(stl, folder / "binary.stl")
-    for name in ("binary.stl", "text.stl", "binary.ply"):
+    write_vtp(vertices, faces, points, folder)
+    for name in ("binary.stl", "text.stl", "text.obj", "text.off", "text.ply", "binary.ply", "text.vtk", "binary.vtk", "text.vtp",
+                 "raw.vtp"):  # fmt: skip
         with open(folder / name, "rb") as plain, gzip.open(folder / (name + ".gz"), "wb", compresslevel=6) as packed_file:
             shutil.copyfileobj(plain, packed_file)
 

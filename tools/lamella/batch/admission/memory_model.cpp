@@ -20,10 +20,15 @@ struct FormatCost {
     double memory_bytes;      ///< a triangle
 };
 
-/// The first row that fits holds. Rows are the largest of what was measured, so that packed STL counts as text.
-constexpr std::array<FormatCost, 13> costs = {{
+/// The first row that fits holds. Rows are the largest of what was measured, so that packed STL counts as text. XML
+/// polydata without compression may have 32-bit indices, which take fewer bytes of file than the 64-bit ones measured.
+constexpr std::array<FormatCost, 18> costs = {{
     {".stl.gz", "", 17, 320},
     {".ply.gz", "", 9, 140},
+    {".obj.gz", "", 11, 140},
+    {".off.gz", "", 11, 140},
+    {".vtk.gz", "", 10, 145},
+    {".vtp.gz", "", 11, 170},
     {".gz", "", 9, 200},
     {".stl", "", 50, 145},
     {".obj", "", 36, 130},
@@ -32,6 +37,7 @@ constexpr std::array<FormatCost, 13> costs = {{
     {".ply", "", 19, 135},
     {".vtk", "ASCII", 36, 125},
     {".vtk", "", 22, 140},
+    {".vtp", "compressor=", 10, 125},
     {".vtp", "", 22, 150},
     {".3mf", "", 14, 155},
     {"", "", 20, 200},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lamella/slice.hpp"
+#include "slicing/buckets/listed_triangles.hpp"
 #include "slicing/planes/shared_frame.hpp"
 #include "slicing/result/slice_output.hpp"
 
@@ -9,12 +10,13 @@ namespace lamella::detail {
 
 struct PreparedParts;
 
-/// What is sliced: a mesh as it lies, or a prepared one.
+/// What is sliced: a mesh as it lies, a prepared one, or triangles in lists.
 struct SliceInput {
-    const MeshView& mesh;                     ///< of a prepared mesh its number of triangles only
+    const MeshView& mesh;                     ///< of a prepared mesh and of lists the number of triangles only
     const SharedFrame* frame = nullptr;       ///< null: the mesh's own box chooses grid and planes
     const PreparedParts* prepared = nullptr;  ///< null: triangles are read from `mesh`
     std::uint64_t first_index = 0;            ///< of the layers that a sink gets
+    const ListedTriangles* listed = nullptr;  ///< null: there are none; else there is a frame
 };
 
 /// Throws what slicing throws.

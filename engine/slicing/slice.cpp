@@ -198,6 +198,7 @@ Status Slicing::sweep_bands() {
     if (Status status = output_.take_bands(sweep_input(), [this](BandTarget& target) { sweep_all_into(target); }); !status) {
         return status;
     }
+    source_.give_back();
     kept_.bands.forget_many_seeds();  // before the result's contours are added to what is held
     split_time(end_stage());
     return {};

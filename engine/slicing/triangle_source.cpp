@@ -13,12 +13,18 @@ TriangleSource::TriangleSource(const detail::SliceInput& input, const SliceOptio
                                detail::WorkspaceParts& kept) noexcept
     : mesh_(input.mesh),
       prepared_(input.prepared),
+      listed_(input.listed),
+      frame_(input.frame),
       options_(options),
       parallel_(parallel),
       kept_(kept),
       places_vertices_(input.prepared == nullptr && VertexTable::pays_for(input.mesh)) {}
 
 Result<Bounds> TriangleSource::measure(double asked_mm) {
+    if (listed_ != nullptr) {
+        kept_.blocks.blocks.set_size(0);
+        return frame_->bounds;
+    }
     if (prepared_ != nullptr || (options_.allow_empty && mesh_.triangle_count == 0)) {
         kept_.blocks.blocks.set_size(0);
         return prepared_ != nullptr ? prepared_->frame.bounds : Bounds{};
@@ -29,7 +35,9 @@ Result<Bounds> TriangleSource::measure(double asked_mm) {
 
 void TriangleSource::count(double unit_mm) {
     const PlaneSet& planes = kept_.planes;
-    if (prepared_ != nullptr) {
+    if (listed_ != nullptr) {
+        count_crossings(*listed_, kept_.buckets);
+    } else if (prepared_ != nullptr) {
         count_crossings(prepared_->triangles, planes, parallel_, kept_.buckets);
     } else if (places_vertices_) {
         count_crossings(mesh_, options_.transform, unit_mm, kept_.vertices, planes, parallel_, kept_.buckets);
@@ -50,6 +58,9 @@ std::size_t TriangleSource::scatter_records(double unit_mm) {
     const PlaneSet& planes = kept_.planes;
     const auto& band_end = kept_.bands.band_end;
     const std::span<Reaching> reaching = kept_.bands.reaching.span();
+    if (listed_ != nullptr) {
+        return scatter_triangles(*listed_, band_end, parallel_, kept_.buckets, reaching);
+    }
     if (prepared_ != nullptr) {
         return scatter_triangles(prepared_->triangles, planes, band_end, parallel_, kept_.buckets, reaching,
                                  options_.origins);
@@ -58,6 +69,12 @@ std::size_t TriangleSource::scatter_records(double unit_mm) {
         return scatter_triangles(mesh_, kept_.vertices, planes, band_end, parallel_, kept_.buckets, reaching);
     }
     return scatter_triangles(mesh_, options_.transform, unit_mm, planes, band_end, parallel_, kept_.buckets, reaching);
+}
+
+void TriangleSource::give_back() noexcept {
+    if (listed_ != nullptr) {
+        lamella::give_back(*listed_, kept_.buckets);
+    }
 }
 
 }  // namespace lamella

@@ -2,6 +2,7 @@
 //
 //     prepared mesh    buckets/prepared_triangles   triangles on the grid already
 //     shared vertices  buckets/indexed_triangles    each vertex is placed once
+//     lists            buckets/listed_triangles     records in their lists already
 //     other meshes     buckets/bucket               corner by corner, blocks between planes skipped
 #pragma once
 
@@ -29,12 +30,16 @@ public:
     void count(double unit_mm);
     /// The lists, and where origins are asked for the lowest corners. Returns how many triangles reach beyond their band.
     std::size_t scatter(double unit_mm);
+    /// All bands are swept: what was lent goes back.
+    void give_back() noexcept;
 
 private:
     std::size_t scatter_records(double unit_mm);
 
     const MeshView& mesh_;
     const detail::PreparedParts* prepared_;
+    const ListedTriangles* listed_;
+    const SharedFrame* frame_;
     const SliceOptions& options_;
     const Parallel& parallel_;
     detail::WorkspaceParts& kept_;

@@ -17,10 +17,11 @@
 //
 // The file is binary STL, or binary PLY of triangles, whose vertices stay in memory: 12 bytes each of floats, 24 of doubles.
 // It is read twice, in pieces. The first pass finds the box, which chooses grid and planes as it does for the whole
-// mesh in memory. The second keeps the triangles that planes cut, 44 bytes each:
+// mesh in memory. The second keeps the triangles that planes cut, 48 bytes each, as the sweep needs them:
 //
 //     kept triangles    what is cut, and when
-//     fit the budget    all layers, at the end of the pass, in one range or a few
+//     fit the budget    all layers, at the end of the pass, in one range or a few, from where the triangles lie: they are
+//                       sorted by their first planes in place
 //     do not fit        where no triangle to come reaches below some layer, as in files in the order of height, the layers
 //                       below it at once. Else they go to a temporary file, ordered by ranges of layers, and each range is
 //                       read back when its turn comes. That never costs more than reading the file again for each range,
@@ -66,7 +67,7 @@ struct FileSlice {
 Result<MeshFile> describe_file(const std::filesystem::path& path, const FileSliceOptions& options = {}) noexcept;
 
 /// Slices the binary STL or PLY file `path` and hands each layer to `sink`. O(n + k + m) as slice(), with two reads of the
-/// file, and where triangles are spilled 88 bytes more of reading and writing for each that planes cut.
+/// file, and where triangles are spilled 96 bytes more of reading and writing for each that planes cut.
 ///
 /// Memory: at most `options.memory_bytes`, of which the vertices of PLY take 12 or 24 bytes each, the tables 24 bytes a
 /// layer and, in budgets of a megabyte and less, a few bytes for each hundred triangles of the file. In ascending order one

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 
 #include "base/guard.hpp"
 #include "slicing/buckets/bucket.hpp"
@@ -18,66 +17,56 @@ ChunkScan::ChunkScan(const Transform& transform, double unit_mm, const PlaneSet&
       planes_(planes),
       one_({.threads = 1}),
       bytes_(chunk_triangles * buffer_bytes),
-      counts_(planes.size()) {
-    found_.reserve(chunk_triangles);
-}
+      found_(chunk_triangles),
+      counts_(planes.size()) {}
 
-std::span<const StoredTriangle> ChunkScan::scan(const MeshView& chunk) {
-    found_.clear();
+std::span<const CrossedTriangle> ChunkScan::scan(const MeshView& chunk) {
+    found_count_ = 0;
     const Result<Bounds> bounds = measure_bounds(chunk, transform_, unit_mm_, one_, table_);
     if (!bounds) {  // the file has changed since it was measured
         throw Refused{bounds.error()};
     }
     const SoupScan soup(chunk, transform_, unit_mm_, planes_);
     scan_blocks(chunk, transform_, soup);
-    return found_;
+    for (const CrossedTriangle& triangle : std::span(found_).first(found_count_)) {
+        counts_.add(triangle.first, triangle.last);
+    }
+    return std::span(found_).first(found_count_);
 }
 
 void ChunkScan::scan_blocks(const MeshView& chunk, const Transform& transform, const SoupScan& soup) {
     with_reader(chunk, transform, unit_mm_, [&](const auto& read) {
         for (std::size_t block = 0; block < table_.blocks.size(); ++block) {
-            scan_block(read, soup, chunk, block);
+            scan_block(read, soup, block, chunk.triangle_count);
         }
     });
 }
 
 template <class Reader>
-void ChunkScan::scan_block(const Reader& read, const SoupScan& soup, const MeshView& chunk, std::size_t block) {
+void ChunkScan::scan_block(const Reader& read, const SoupScan& soup, std::size_t block, std::size_t triangles) {
     const std::size_t begin = block * block_triangles;
-    const std::size_t end = std::min(begin + block_triangles, chunk.triangle_count);
+    const std::size_t end = std::min(begin + block_triangles, triangles);
     const bool may_be_degenerate = table_.may_be_degenerate(block, unit_mm_);
     if (!may_be_degenerate && lies_between_planes(table_.blocks[block], unit_mm_, planes_)) {
         return;
     }
     if (!soup.usable() || end - begin < block_triangles) {
-        scan_each(read, chunk, begin, end, may_be_degenerate);
+        scan_each(read, begin, end, may_be_degenerate);
         return;
     }
-    SoupScan::Ranges ranges;
-    std::uint64_t cut = soup.ranges(begin, ranges);
-    if (may_be_degenerate) {
-        cut &= ~find_degenerate(read, begin);
-    }
-    for (; cut != 0; cut &= cut - 1) {
-        const auto t = static_cast<std::size_t>(std::countr_zero(cut));
-        keep(chunk, begin + t, ranges.first[t], ranges.last[t]);
-    }
+    const std::uint64_t wanted = may_be_degenerate ? ~find_degenerate(read, begin) : ~std::uint64_t{0};
+    found_count_ += soup.append(begin, wanted, found_.data() + found_count_);
 }
 
 template <class Reader>
-void ChunkScan::scan_each(const Reader& read, const MeshView& chunk, std::size_t begin, std::size_t end,
-                          bool may_be_degenerate) {
+void ChunkScan::scan_each(const Reader& read, std::size_t begin, std::size_t end, bool may_be_degenerate) {
     for (std::size_t t = begin; t < end; ++t) {
         const GridTriangle v = read(t);
         if (may_be_degenerate && is_degenerate(v)) {
             ++degenerate_;
             continue;
         }
-        const auto [low, high] = std::minmax({v[0].z, v[1].z, v[2].z});
-        const PlaneIndex first = planes_.first_above(low);
-        if (planes_.z(first) < high) {
-            keep(chunk, t, first, planes_.first_above(high));
-        }
+        keep(v);
     }
 }
 
@@ -91,16 +80,15 @@ std::uint64_t ChunkScan::find_degenerate(const Reader& read, std::size_t begin) 
     return mask;
 }
 
-void ChunkScan::keep(const MeshView& chunk, std::size_t triangle, PlaneIndex first, PlaneIndex last) {
-    StoredTriangle& stored = found_.emplace_back();
-    if (chunk.indices != nullptr) {
-        std::memcpy(stored.corners, chunk.indices + triangle * chunk.index_stride, 3 * sizeof(std::uint32_t));
-    } else {
-        std::memcpy(stored.corners, chunk.vertices + triangle * chunk.stride, sizeof stored.corners);
+/// If planes cut it.
+void ChunkScan::keep(const GridTriangle& vertices) {
+    CrossedTriangle triangle = order_by_height(vertices, 0);
+    triangle.first = planes_.first_above(triangle.lower.z);
+    if (planes_.z(triangle.first) < triangle.upper.z) {
+        triangle.middle_and_source |= planes_.first_above(triangle.middle.z);
+        triangle.last = planes_.first_above(triangle.upper.z);
+        found_[found_count_++] = triangle;
     }
-    stored.first = first;
-    stored.last = last;
-    counts_.add(first, last);
 }
 
 }  // namespace lamella

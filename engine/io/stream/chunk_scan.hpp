@@ -8,8 +8,8 @@
 
 #include "base/parallel.hpp"
 #include "io/stream/plane_counts.hpp"
-#include "io/stream/triangle_store.hpp"
 #include "lamella/mesh.hpp"
+#include "slicing/buckets/crossed_triangle.hpp"
 #include "slicing/grid/blocks.hpp"
 #include "slicing/planes/plane_set.hpp"
 
@@ -28,7 +28,7 @@ public:
     std::span<std::byte> bytes() noexcept { return bytes_; }
 
     /// The triangles of `chunk` that planes cut, until the next call. Adds to counts() and degenerate(). Throws Refused.
-    std::span<const StoredTriangle> scan(const MeshView& chunk);
+    std::span<const CrossedTriangle> scan(const MeshView& chunk);
 
     PlaneCounts& counts() noexcept { return counts_; }
     std::uint64_t degenerate() const noexcept { return degenerate_; }
@@ -36,12 +36,12 @@ public:
 private:
     void scan_blocks(const MeshView& chunk, const Transform& transform, const SoupScan& soup);
     template <class Reader>
-    void scan_block(const Reader& read, const SoupScan& soup, const MeshView& chunk, std::size_t block);
+    void scan_block(const Reader& read, const SoupScan& soup, std::size_t block, std::size_t triangles);
     template <class Reader>
-    void scan_each(const Reader& read, const MeshView& chunk, std::size_t begin, std::size_t end, bool may_be_degenerate);
+    void scan_each(const Reader& read, std::size_t begin, std::size_t end, bool may_be_degenerate);
     template <class Reader>
     std::uint64_t find_degenerate(const Reader& read, std::size_t begin);
-    void keep(const MeshView& chunk, std::size_t triangle, PlaneIndex first, PlaneIndex last);
+    void keep(const GridTriangle& vertices);
 
     Transform transform_;
     double unit_mm_;
@@ -49,7 +49,8 @@ private:
     Parallel one_;
     BlockTable table_{nullptr};
     std::vector<std::byte> bytes_;
-    std::vector<StoredTriangle> found_;
+    std::vector<CrossedTriangle> found_;
+    std::size_t found_count_ = 0;
     PlaneCounts counts_;
     std::uint64_t degenerate_ = 0;
 };

@@ -197,6 +197,7 @@ void FileSlicing::make_room(std::size_t chunk) {
 /// Whether these layers, or some of them, could be cut with what is kept.
 bool FileSlicing::cut_done_layers(PlaneIndex end) {
     const PlaneIndex before = done_;
+    store_.list(counts_, done_, planes_.size(), parallel_);
     while (done_ < end) {
         const std::optional<LayerSpan> span = model_.longest(counts_, done_, end, touched_);
         if (!span) {
@@ -204,7 +205,7 @@ bool FileSlicing::cut_done_layers(PlaneIndex end) {
         }
         cut(*span);
     }
-    store_.drop_below(done_);
+    store_.unlist(done_);
     return done_ > before && store_.size() <= limit_ / 4 * 3;
 }
 
@@ -212,7 +213,7 @@ void FileSlicing::spill() {
     if (!spill_) {
         const std::filesystem::path& folder = options_.temporary_folder;
         const std::size_t bins =
-            std::clamp<std::size_t>(model_.spill_buffers() / (16 * sizeof(StoredTriangle)), 1, most_bins);
+            std::clamp<std::size_t>(model_.spill_buffers() / (16 * sizeof(CrossedTriangle)), 1, most_bins);
         spill_.emplace(folder.empty() ? std::filesystem::temp_directory_path() : folder, counts_, bins,
                        model_.spill_buffers());
     }
@@ -237,44 +238,54 @@ Status FileSlicing::handle_collapse() {
 void FileSlicing::cut_rest() {
     const PlaneIndex begin = done_;
     const PlaneIndex end = planes_.size();
-    if (begin == end) {
-        if (begin == 0) {
-            cut({0, 0, parallel_.threads(), 0});  // for its checks, and the summary
-        }
+    if (begin == end && begin > 0) {
         return;
     }
     touched_ = std::max(touched_, store_.size());
     if (spill_) {
         spill();
-        touched_ = 0;  // room is made anew for the largest range
     }
+    std::vector<LayerSpan> spans = plan_rest();
+    if (spans.empty()) {
+        spill();
+        spans = plan_rest();
+    }
+    if (spill_) {
+        store_.reserve(std::ranges::max_element(spans, {}, &LayerSpan::triangles)->triangles);
+    } else {
+        store_.list(counts_, begin, end, parallel_);
+    }
+    for (const LayerSpan& span : spans) {
+        if (spill_) {
+            spill_->load(span.begin, span.end, begin, model_.chunk_triangles(), parallel_, store_);
+            store_.list(counts_, span.begin, span.end, parallel_);
+        }
+        cut(span);
+        if (spill_) {
+            store_.unlist(span.end);
+        }
+        progress_.reach(scanned + (1 - scanned) * static_cast<double>(span.end - begin) / static_cast<double>(end - begin));
+    }
+}
+
+/// Empty if what is kept leaves too little to cut some layer, and could be spilled. The memory of what is spilled is made
+/// anew for the largest range.
+std::vector<LayerSpan> FileSlicing::plan_rest() const {
     std::vector<LayerSpan> spans;
-    std::size_t most = 0;
-    for (PlaneIndex next = begin; next < end; next = spans.back().end) {
-        const std::optional<LayerSpan> span = model_.longest(counts_, next, end, touched_);
+    for (PlaneIndex next = done_; next < planes_.size(); next = spans.back().end) {
+        const std::optional<LayerSpan> span = model_.longest(counts_, next, planes_.size(), spill_ ? 0 : touched_);
         if (!span && !spill_) {
-            spill();
-            return cut_rest();
+            return {};
         }
         if (!span) {
             refuse_budget();
         }
         spans.push_back(*span);
-        most = std::max<std::size_t>(most, span->triangles);
     }
-    if (spill_) {
-        store_.reserve(most);
+    if (planes_.size() == 0) {
+        spans.push_back({0, 0, parallel_.threads(), 0});  // for its checks, and the summary
     }
-    for (const LayerSpan& span : spans) {
-        if (spill_) {
-            spill_->load(span.begin, span.end, begin, model_.chunk_triangles(), parallel_, store_);
-        }
-        cut(span);
-        if (spill_) {
-            store_.drop_below(span.end);
-        }
-        progress_.reach(scanned + (1 - scanned) * static_cast<double>(span.end - begin) / static_cast<double>(end - begin));
-    }
+    return spans;
 }
 
 void FileSlicing::refuse_budget() const {
@@ -310,12 +321,15 @@ void FileSlicing::cut(const LayerSpan& span) {
         most_cut_ = span.triangles;
     }
     const auto start = Clock::now();
-    const MeshView view = store_.view(file_.vertices());
-    Result<SliceTotals> own = hand_over(
-        sink_, {.mesh = view, .frame = &frame_, .prepared = nullptr, .first_index = span.begin}, options, workspace_);
+    const ListedTriangles listed = store_.listed(span.begin, span.end);
+    MeshView count_only;
+    count_only.triangle_count = span.triangles;
+    const detail::SliceInput input{.mesh = count_only, .frame = &frame_, .first_index = span.begin, .listed = &listed};
+    Result<SliceTotals> own = hand_over(sink_, input, options, workspace_);
     if (!own) {
         throw Refused{own.error()};
     }
+    store_.drop_swept(span.begin, span.end);
     done_ = span.end;
     cut_ms_ += milliseconds_since(start);
     add(*own);

@@ -35,6 +35,7 @@ private:
     Status handle_collapse();
 
     bool cut_done_layers(PlaneIndex end);
+    std::vector<LayerSpan> plan_rest() const;
     void spill();
     void cut(const LayerSpan& span);
     void collect_counts();

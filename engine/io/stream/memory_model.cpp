@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "io/stream/file_box.hpp"
-#include "io/stream/triangle_store.hpp"
+#include "slicing/bands/bands.hpp"
+#include "slicing/buckets/crossed_triangle.hpp"
 #include "slicing/grid/blocks.hpp"
 
 namespace lamella {
@@ -11,13 +12,12 @@ namespace lamella {
 namespace {
 
 // Bytes that are held,
-constexpr std::uint64_t a_chunk_triangle = sizeof(StoredTriangle) + 2;  // a thread, and a buffer
+constexpr std::uint64_t a_chunk_triangle = sizeof(CrossedTriangle) + 2;  // a thread, and a buffer
 constexpr std::uint64_t a_chunk = sizeof(FileChunk) + sizeof(Bounds);
-constexpr std::uint64_t a_plane = 96;                         // the planes of the whole, twice, and their heights
-constexpr std::uint64_t a_plane_a_thread = 24;                // counts, of the pass and of the engine
-constexpr std::uint64_t a_kept = sizeof(StoredTriangle) + 1;  // with its part of a block
-constexpr std::uint64_t a_cut = 60;             // a record, and room to order those that reach beyond their band
-constexpr std::uint64_t a_vertex = 17;          // on the grid, of no more vertices than triangles that are cut
+constexpr std::uint64_t a_plane = 112;          // the planes of the whole, twice, their heights, and lists
+constexpr std::uint64_t a_plane_a_thread = 24;  // counts and stripes of the pass
+constexpr std::uint64_t a_kept = sizeof(CrossedTriangle);
+constexpr std::uint64_t a_cut = sizeof(Reaching) + sizeof(std::uint32_t);  // one that reaches beyond its band, and a seed
 constexpr std::uint64_t an_active = 300;        // of the widest layer, a thread: slots, links, walks, points, contours
 constexpr std::uint64_t a_segment = 20;         // points and contours that are put aside
 constexpr std::uint64_t most_parcel = 3 << 19;  // a thread
@@ -37,8 +37,7 @@ MemoryModel::MemoryModel(std::uint64_t budget, int threads, const TriangleFile& 
       file_triangles_(file.triangles()),
       resident_(file.resident_bytes()),
       free_(budget_ - std::min(budget_, resident_)),
-      chunk_triangle_(a_chunk_triangle + file.buffer_bytes()),
-      a_cut_(a_cut + (resident_ > 0 ? a_vertex : 0)) {}
+      chunk_triangle_(a_chunk_triangle + file.buffer_bytes()) {}
 
 std::size_t MemoryModel::chunk_of(std::uint64_t budget) const noexcept {
     constexpr std::uint64_t most = 8192;
@@ -57,7 +56,7 @@ std::size_t MemoryModel::kept_within(std::uint64_t parts, std::uint64_t of, bool
     const std::uint64_t fixed = fixed_of(free_);
     const std::uint64_t left = free_ > fixed ? free_ - fixed : 0;
     const std::uint64_t least = 4 * threads_ * chunk_triangles();  // with which the pass can go on
-    const std::uint64_t fit = left / of * parts / (a_kept + (cut_at_once ? a_cut_ : 0));
+    const std::uint64_t fit = left / of * parts / (a_kept + (cut_at_once ? a_cut + a_segment : 0));
     return static_cast<std::size_t>(std::min(file_triangles_ + least, std::max(least, fit)));
 }
 
@@ -66,7 +65,7 @@ std::uint64_t MemoryModel::cutting(const LayerSpan& span, std::uint64_t segments
     const auto threads = static_cast<std::uint64_t>(span.threads);
     const std::uint64_t parcels = threads * std::min(most_parcel, a_segment * segments);
     const std::uint64_t aside = threads > 1 ? std::min(most_aside, a_segment * segments) : 0;
-    return a_cut_ * span.triangles + an_active * widest * threads + parcels + aside;
+    return a_cut * span.triangles + an_active * widest * threads + parcels + aside;
 }
 
 std::optional<LayerSpan> MemoryModel::longest(const PlaneCounts& counts, PlaneIndex begin, PlaneIndex end,

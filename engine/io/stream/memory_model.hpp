@@ -58,7 +58,6 @@ private:
     std::uint64_t resident_;        ///< bytes of vertices
     std::uint64_t free_;            ///< what they leave of the budget
     std::uint64_t chunk_triangle_;  ///< bytes that are held for each triangle that is read at once
-    std::uint64_t a_cut_;           ///< and for each that is cut
     std::uint64_t planes_ = 0;
 };
 

@@ -32,6 +32,15 @@ public:
     std::uint32_t starting(std::size_t plane) const noexcept { return starting_[plane]; }
     /// Triangles that the plane below it is the last to cut.
     std::uint32_t ended(std::size_t plane) const noexcept { return ended_[plane]; }
+    /// Triangles that the plane cuts, and the one below it too. O(plane).
+    std::uint64_t reaching_into(std::size_t plane) const noexcept {
+        std::uint64_t reaching = 0;
+        for (std::size_t p = 0; p < plane; ++p) {
+            reaching += starting_[p];
+            reaching -= ended_[p];
+        }
+        return reaching - ended_[plane];
+    }
 
 private:
     std::vector<std::uint32_t> starting_;

@@ -124,10 +124,6 @@ void PlyFaces::load(const Memory* memory, const Parallel& parallel) {
     });
 }
 
-MeshView PlyFaces::vertices() const noexcept {
-    return MeshView::indexed(vertices_.data(), facts_.vertex_count, facts_.stride, facts_.coordinate_type, {});
-}
-
 std::size_t PlyFaces::buffer_bytes() const noexcept {
     return index_bytes + face_bytes_;
 }

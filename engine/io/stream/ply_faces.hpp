@@ -21,7 +21,6 @@ public:
 
     std::uint64_t resident_bytes() const noexcept override { return facts_.vertex_count * facts_.stride; }
     void load(const Memory* memory, const Parallel& parallel) override;
-    MeshView vertices() const noexcept override;
     std::size_t buffer_bytes() const noexcept override;
     MeshView read(std::uint64_t first, std::size_t count, std::span<std::byte> buffer) const override;
 

@@ -32,10 +32,10 @@ int open_unnamed(const std::filesystem::path& folder) {
     return descriptor;
 }
 
-bool write_fully(int descriptor, std::span<const StoredTriangle> triangles, std::uint64_t at) {
+bool write_fully(int descriptor, std::span<const CrossedTriangle> triangles, std::uint64_t at) {
     const auto* from = reinterpret_cast<const char*>(triangles.data());
     std::size_t left = triangles.size_bytes();
-    std::uint64_t offset = at * sizeof(StoredTriangle);
+    std::uint64_t offset = at * sizeof(CrossedTriangle);
     while (left > 0) {
         const ssize_t done = ::pwrite(descriptor, from, left, static_cast<off_t>(offset));
         if (done < 0 && errno == EINTR) {
@@ -51,10 +51,10 @@ bool write_fully(int descriptor, std::span<const StoredTriangle> triangles, std:
     return true;
 }
 
-bool read_fully(int descriptor, std::span<StoredTriangle> into, std::uint64_t at) {
+bool read_fully(int descriptor, std::span<CrossedTriangle> into, std::uint64_t at) {
     auto* to = reinterpret_cast<char*>(into.data());
     std::size_t left = into.size_bytes();
-    std::uint64_t offset = at * sizeof(StoredTriangle);
+    std::uint64_t offset = at * sizeof(CrossedTriangle);
     while (left > 0) {
         const ssize_t done = ::pread(descriptor, to, left, static_cast<off_t>(offset));
         if (done < 0 && errno == EINTR) {
@@ -124,7 +124,7 @@ public:
           room_(buffer_triangles),
           buffers_(next_.size() * buffer_triangles) {}
 
-    void add(std::size_t bin, const StoredTriangle& triangle) {
+    void add(std::size_t bin, const CrossedTriangle& triangle) {
         buffers_[bin * room_ + used_[bin]++] = triangle;
         if (used_[bin] == room_) {
             flush(bin);
@@ -149,13 +149,13 @@ private:
     std::vector<std::uint64_t> next_;  // by bin: where the next triangle goes
     std::vector<std::size_t> used_;
     std::size_t room_;
-    std::vector<StoredTriangle> buffers_;
+    std::vector<CrossedTriangle> buffers_;
 };
 
-void SpillFile::write(std::span<const StoredTriangle> triangles, PlaneIndex done, const Parallel& parallel) {
+void SpillFile::write(std::span<const CrossedTriangle> triangles, PlaneIndex done, const Parallel& parallel) {
     const auto parts = static_cast<std::size_t>(parallel.threads());
     const auto part_begin = [&](std::size_t part) { return triangles.size() * part / parts; };
-    const auto bin_of = [&](const StoredTriangle& t) { return bin_of_[std::max(t.first, done)]; };
+    const auto bin_of = [&](const CrossedTriangle& t) { return bin_of_[std::max(t.first, done)]; };
     std::vector<std::vector<std::uint64_t>> next(parts, std::vector<std::uint64_t>(bins()));
     parallel.run(parts, [&](std::size_t part, int) {
         for (std::size_t i = part_begin(part); i < part_begin(part + 1); ++i) {
@@ -170,7 +170,7 @@ void SpillFile::write(std::span<const StoredTriangle> triangles, PlaneIndex done
         }
     }
     run.bin_begin.push_back(triangles_);
-    const std::size_t room = std::clamp<std::size_t>(buffer_bytes_ / (parts * bins() * sizeof(StoredTriangle)), 1, 1024);
+    const std::size_t room = std::clamp<std::size_t>(buffer_bytes_ / (parts * bins() * sizeof(CrossedTriangle)), 1, 1024);
     parallel.run(parts, [&](std::size_t part, int) {
         Writer writer(*this, std::move(next[part]), room);
         for (std::size_t i = part_begin(part); i < part_begin(part + 1); ++i) {
@@ -194,15 +194,15 @@ void SpillFile::load(PlaneIndex begin, PlaneIndex end, PlaneIndex done, std::siz
             pieces.push_back({at, static_cast<std::size_t>(std::min<std::uint64_t>(piece, stop - at))});
         }
     }
-    std::vector<std::vector<StoredTriangle>> buffers(static_cast<std::size_t>(parallel.threads()));
+    std::vector<std::vector<CrossedTriangle>> buffers(static_cast<std::size_t>(parallel.threads()));
     parallel.run(pieces.size(), [&](std::size_t i, int worker) {
         auto& buffer = buffers[static_cast<std::size_t>(worker)];
         buffer.resize(piece);
-        const std::span<StoredTriangle> some = std::span(buffer).first(pieces[i].count);
+        const std::span<CrossedTriangle> some = std::span(buffer).first(pieces[i].count);
         if (!read_fully(descriptor_, some, pieces[i].at)) {
             throw Refused{failed("read")};
         }
-        const auto wanted = std::partition(some.begin(), some.end(), [&](const StoredTriangle& t) {
+        const auto wanted = std::partition(some.begin(), some.end(), [&](const CrossedTriangle& t) {
             const PlaneIndex first = std::max(t.first, done);
             return first >= begin && first < end;
         });

@@ -28,14 +28,14 @@ public:
     SpillFile& operator=(const SpillFile&) = delete;
 
     /// Adds a run. A triangle that begins below plane `done` counts as one that begins there. Throws Refused, Stopped.
-    void write(std::span<const StoredTriangle> triangles, PlaneIndex done, const Parallel& parallel);
+    void write(std::span<const CrossedTriangle> triangles, PlaneIndex done, const Parallel& parallel);
 
     /// Appends to `store` all triangles that begin in planes [begin, end), by the same rule. `piece`: how many to read at
     /// once. Throws Refused, Stopped.
     void load(PlaneIndex begin, PlaneIndex end, PlaneIndex done, std::size_t piece, const Parallel& parallel,
               TriangleStore& store) const;
 
-    std::uint64_t bytes() const noexcept { return triangles_ * sizeof(StoredTriangle); }
+    std::uint64_t bytes() const noexcept { return triangles_ * sizeof(CrossedTriangle); }
 
 private:
     struct Run {

@@ -28,8 +28,6 @@ public:
     virtual std::uint64_t resident_bytes() const noexcept { return 0; }
     /// To be called before read(). Throws Refused, Stopped, std::bad_alloc.
     virtual void load(const Memory*, const Parallel&) {}
-    /// The vertices that triangles name by their indices; without `vertices` where triangles are coordinates.
-    virtual MeshView vertices() const noexcept { return {}; }
 
     /// Bytes a triangle that read() needs.
     virtual std::size_t buffer_bytes() const noexcept = 0;

@@ -1,4 +1,9 @@
-// The triangles that planes cut and that are not done with, in memory.
+// The triangles that planes cut and that are not done with, in memory: first in the order in which they come, then in the
+// lists of their first planes, where ranges of layers are cut from the lowest up.
+//
+//     unlisted    [ t7 t2 t9 t1 t4 | room ]
+//     listed      [ swept | reaching | plane 42 | plane 43 | ... ]      those of the range below that reach beyond it
+//                           a list of the next range's first plane
 #pragma once
 
 #include <atomic>
@@ -6,21 +11,17 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <vector>
 
+#include "base/parallel.hpp"
+#include "io/stream/plane_counts.hpp"
 #include "lamella/array.hpp"
-#include "lamella/mesh.hpp"
-#include "slicing/planes/plane_set.hpp"
+#include "slicing/buckets/crossed_triangle.hpp"
+#include "slicing/buckets/listed_triangles.hpp"
 
 namespace lamella {
 
-/// As in the file, and the planes that cut it: from `first` up to, but not with, `last`.
-struct StoredTriangle {
-    std::byte corners[9 * sizeof(float)];  ///< coordinates, or three indices of 32 bits
-    PlaneIndex first;
-    PlaneIndex last;
-};
-static_assert(sizeof(StoredTriangle) == 44, "the memory model counts 44 bytes");
-
+/// Records hold their first planes; planes are those of the whole.
 class TriangleStore {
 public:
     explicit TriangleStore(const Memory* memory) : triangles_(memory) {}
@@ -28,47 +29,44 @@ public:
     /// Empties it and makes it hold up to `capacity` triangles. Throws std::bad_alloc.
     void reserve(std::size_t capacity) {
         clear();
-        triangles_ = Array<StoredTriangle>(triangles_.memory());  // never two at once
+        triangles_ = Array<CrossedTriangle>(triangles_.memory());  // never two at once
         triangles_.resize_discarding(capacity);
     }
 
     /// From any thread. Precondition: there is room.
-    void append(std::span<const StoredTriangle> some) noexcept {
+    void append(std::span<const CrossedTriangle> some) noexcept {
         const std::size_t at = size_.fetch_add(some.size(), std::memory_order_relaxed);
         if (!some.empty()) {
             std::memcpy(triangles_.data() + at, some.data(), some.size_bytes());
         }
     }
-    /// Drops what no plane from `plane` on cuts. O(size).
-    void drop_below(PlaneIndex plane) noexcept {
-        std::size_t kept = 0;
-        for (std::size_t i = 0, end = size(); i < end; ++i) {
-            if (triangles_[i].last > plane) {
-                triangles_[kept++] = triangles_[i];
-            }
-        }
-        size_ = kept;
-    }
     void clear() noexcept { size_ = 0; }
 
     std::size_t size() const noexcept { return size_.load(std::memory_order_relaxed); }
-    std::size_t room() const noexcept { return triangles_.size() - size(); }
     std::size_t capacity() const noexcept { return triangles_.size(); }
-    std::span<const StoredTriangle> triangles() const noexcept { return triangles_.span().first(size()); }
+    std::span<const CrossedTriangle> triangles() const noexcept { return triangles_.span().first(size()); }
 
-    /// `vertices`: those that indices name, or none where triangles hold coordinates.
-    MeshView view(const MeshView& vertices) const noexcept {
-        const auto* const first = reinterpret_cast<const std::byte*>(triangles_.data());
-        if (vertices.vertices == nullptr) {
-            return MeshView::strided_soup(first, size(), sizeof(StoredTriangle), CoordinateType::f32);
-        }
-        return MeshView::indexed(vertices.vertices, vertices.vertex_count, vertices.stride, vertices.coordinate_type, first,
-                                 size(), sizeof(StoredTriangle), IndexType::u32);
-    }
+    /// Lists what is kept by planes [begin, end). Precondition: it is, of the triangles that are counted, those that planes
+    /// from `begin` on cut and that begin below `end`. O(size). Throws Stopped, std::bad_alloc.
+    void list(const PlaneCounts& counts, PlaneIndex begin, PlaneIndex end, const Parallel& parallel);
+
+    /// The triangles that planes [begin, end) cut. Precondition: they are listed, and those below `begin` dropped.
+    ListedTriangles listed(PlaneIndex begin, PlaneIndex end) noexcept;
+
+    /// These planes are swept: drops what none from `end` on cuts.
+    void drop_swept(PlaneIndex begin, PlaneIndex end) noexcept;
+
+    /// What is left begins at the front again, where more can be appended. `begin`: planes below it are dropped.
+    void unlist(PlaneIndex begin) noexcept;
 
 private:
-    Array<StoredTriangle> triangles_;
+    std::uint32_t& begin_of(PlaneIndex plane) noexcept { return list_begin_[plane - first_listed_]; }
+
+    Array<CrossedTriangle> triangles_;
     std::atomic<std::size_t> size_ = 0;
+    PlaneIndex first_listed_ = 0;
+    std::vector<std::uint32_t> list_begin_;  ///< of the planes listed, and one more
+    std::vector<std::uint32_t> segments_;    ///< the same: triangles that each plane cuts
 };
 
 }  // namespace lamella

@@ -41,7 +41,7 @@ std::uint64_t reaching_into(const Buckets& buckets, PlaneIndex plane) noexcept {
 /// At most so many seeds where bands are cut smaller than their work asks for.
 std::uint64_t most_seeds_of(const Buckets& buckets, PlaneIndex planes) noexcept {
     constexpr std::uint64_t few_seeds = 1 << 21;
-    return std::max<std::uint64_t>(buckets.list_begin[planes], few_seeds);
+    return std::max<std::uint64_t>(buckets.list_begin[planes] - buckets.list_begin[0], few_seeds);
 }
 
 /// See BandPlan::cut().
@@ -122,7 +122,7 @@ void BandPlan::make_room(const Buckets& buckets, PlaneIndex planes) {
         std::fill(band_end.begin() + band.first, band_end.begin() + band.last, band.last);
         most_reaching += reaching_into(buckets, band.first);
     }
-    reaching.resize_discarding(std::min<std::size_t>(most_reaching, buckets.list_begin[planes]));
+    reaching.resize_discarding(std::min<std::size_t>(most_reaching, buckets.list_begin[planes] - buckets.list_begin[0]));
 }
 
 void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const StopCheck& stop) {

@@ -15,7 +15,10 @@ struct CrossedTriangle {
     GridVertex lower;
     GridVertex middle;
     GridVertex upper;
-    std::uint32_t triangle;           ///< index in the input
+    union {
+        std::uint32_t triangle;  ///< index in the input
+        PlaneIndex first;        ///< of ListedTriangles, which have no input: the first plane that cuts it
+    };
     std::uint32_t middle_and_source;  ///< first plane above `middle`, and in the top bit whether the long edge is the source
     PlaneIndex last;                  ///< one past the last plane that cuts it
 

@@ -13,6 +13,7 @@ struct SoupScan::Kernels {
     std::uint64_t (*ranges)(const SoupScan& scan, std::size_t begin, Ranges& ranges);
     std::uint64_t (*write)(const SoupScan& scan, std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end,
                            std::uint32_t* list_end, CrossedTriangle* records, Written& written);
+    std::size_t (*append)(const SoupScan& scan, std::size_t begin, std::uint64_t wanted, CrossedTriangle* records);
 };
 
 namespace {
@@ -47,6 +48,10 @@ std::uint64_t SoupScan::ranges(std::size_t begin, Ranges& ranges) const noexcept
 std::uint64_t SoupScan::write(std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end, std::uint32_t* list_end,
                               CrossedTriangle* records, Written& written) const noexcept {
     return kernels_->write(*this, begin, crossed, reach_end, list_end, records, written);
+}
+
+std::size_t SoupScan::append(std::size_t begin, std::uint64_t wanted, CrossedTriangle* records) const noexcept {
+    return kernels_->append(*this, begin, wanted, records);
 }
 
 #ifdef LAMELLA_X86_FORMS
@@ -181,9 +186,11 @@ struct SoupKernel {
         std::uint32_t order[lanes_of_512];
         std::uint32_t middle_and_source[lanes_of_512];
     };
+    struct Planes {
+        __m512i first, last;
+    };
 
-    LAMELLA_AVX512 static unsigned order_group(const SoupScan& scan, std::size_t begin, const PlaneIndex* reach_end,
-                                               Group& group, PlaneIndex* first_out, PlaneIndex* last_out) {
+    LAMELLA_AVX512 static Planes order_group(const SoupScan& scan, std::size_t begin, Group& group) {
         const auto [z] = heights(scan, begin);
         const __m512i order =
             _mm512_or_epi32(_mm512_maskz_set1_epi32(_mm512_cmplt_epi32_mask(z[1], z[0]), 1),
@@ -200,16 +207,22 @@ struct SoupKernel {
             _mm512_maskz_slli_epi32(all_lanes, _mm512_maskz_srlv_epi32(all_lanes, _mm512_set1_epi32(even), order), 31);
         _mm512_store_si512(group.order, order);
         _mm512_store_si512(group.middle_and_source, _mm512_or_epi32(middle, is_source));
-        _mm512_storeu_si512(first_out, first);
-        _mm512_storeu_si512(last_out, last);
-        return _mm512_cmpgt_epi32_mask(last, gather(reach_end, first));
+        return {first, last};
+    }
+
+    /// Triangle t's vertices, in the order of height.
+    LAMELLA_AVX512 static void write_vertices(const SoupScan& scan, std::size_t t, std::uint32_t order,
+                                              CrossedTriangle& record) {
+        static constexpr Lanes lanes = make_lanes();
+        const __m512 mm = _mm512_maskz_loadu_ps(nine, scan.vertices_ + t * static_cast<std::size_t>(scan.stride_));
+        const __m512i from = _mm512_loadu_si512(lanes[order].data());
+        const __m512i grid = round_even(mm, _mm512_set1_ps(scan.scale_));
+        _mm512_mask_storeu_epi32(&record, nine, _mm512_maskz_permutexvar_epi32(all_lanes, from, grid));
     }
 
     LAMELLA_AVX512 static std::uint64_t write(const SoupScan& scan, std::size_t begin, std::uint64_t crossed,
                                               const PlaneIndex* reach_end, std::uint32_t* list_end, CrossedTriangle* records,
                                               SoupScan::Written& written) {
-        static constexpr Lanes lanes = make_lanes();
-        const __m512 scale = _mm512_set1_ps(scan.scale_);
         std::uint64_t reaching = 0;
         for (std::size_t base = 0; base < block_triangles; base += lanes_of_512) {
             auto bits = static_cast<unsigned>(crossed >> base) & 0xFFFFU;
@@ -219,18 +232,18 @@ struct SoupKernel {
             Group group;
             PlaneIndex* first = written.first + base;
             PlaneIndex* last = written.last + base;
-            reaching |= static_cast<std::uint64_t>(order_group(scan, begin + base, reach_end, group, first, last) & bits)
-                        << base;
+            const Planes planes = order_group(scan, begin + base, group);
+            _mm512_storeu_si512(first, planes.first);
+            _mm512_storeu_si512(last, planes.last);
+            const unsigned beyond = _mm512_cmpgt_epi32_mask(planes.last, gather(reach_end, planes.first));
+            reaching |= static_cast<std::uint64_t>(beyond & bits) << base;
             for (; bits != 0; bits &= bits - 1) {
                 const auto lane = static_cast<std::size_t>(__builtin_ctz(bits));
                 const std::size_t t = begin + base + lane;
-                const __m512 mm = _mm512_maskz_loadu_ps(nine, scan.vertices_ + t * static_cast<std::size_t>(scan.stride_));
-                const __m512i order = _mm512_loadu_si512(lanes[group.order[lane]].data());
                 const std::uint32_t at = list_end[first[lane]]++;
                 CrossedTriangle& record = records[at];
                 __builtin_prefetch(&record + 2, 1);  // of the same list, and likely the next to be written
-                _mm512_mask_storeu_epi32(&record, nine,
-                                         _mm512_maskz_permutexvar_epi32(all_lanes, order, round_even(mm, scale)));
+                write_vertices(scan, t, group.order[lane], record);
                 record.triangle = static_cast<std::uint32_t>(t);
                 record.middle_and_source = group.middle_and_source[lane];
                 record.last = last[lane];
@@ -239,6 +252,30 @@ struct SoupKernel {
         }
         return reaching;
     }
+
+    LAMELLA_AVX512 static std::size_t append(const SoupScan& scan, std::size_t begin, std::uint64_t wanted,
+                                             CrossedTriangle* records) {
+        CrossedTriangle* next = records;
+        for (std::size_t base = 0; base < block_triangles; base += lanes_of_512) {
+            Group group;
+            alignas(64) PlaneIndex first[lanes_of_512];
+            alignas(64) PlaneIndex last[lanes_of_512];
+            const Planes planes = order_group(scan, begin + base, group);
+            _mm512_store_si512(first, planes.first);
+            _mm512_store_si512(last, planes.last);
+            unsigned bits = _mm512_cmplt_epi32_mask(planes.first, planes.last);
+            bits &= static_cast<unsigned>(wanted >> base) & 0xFFFFU;
+            for (; bits != 0; bits &= bits - 1) {
+                const auto lane = static_cast<std::size_t>(__builtin_ctz(bits));
+                write_vertices(scan, begin + base + lane, group.order[lane], *next);
+                next->first = first[lane];
+                next->middle_and_source = group.middle_and_source[lane];
+                next->last = last[lane];
+                ++next;
+            }
+        }
+        return static_cast<std::size_t>(next - records);
+    }
 };
 
 #endif
@@ -246,7 +283,7 @@ struct SoupKernel {
 /// Null: one triangle at a time is the portable form.
 const SoupScan::Kernels* SoupScan::kernels() noexcept {
 #ifdef LAMELLA_X86_FORMS
-    static constexpr Kernels avx512{SoupKernel::ranges, SoupKernel::write};
+    static constexpr Kernels avx512{SoupKernel::ranges, SoupKernel::write, SoupKernel::append};
 #endif
     static constexpr Form<const Kernels*> forms[] = {
 #ifdef LAMELLA_X86_FORMS

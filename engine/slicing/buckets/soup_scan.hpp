@@ -38,6 +38,10 @@ public:
     std::uint64_t write(std::size_t begin, std::uint64_t crossed, const PlaneIndex* reach_end, std::uint32_t* list_end,
                         CrossedTriangle* records, Written& written) const noexcept;
 
+    /// Writes a record with its first plane for each triangle begin + t with bit t in `wanted` that planes cut, one after
+    /// the other; returns how many. Precondition: usable().
+    std::size_t append(std::size_t begin, std::uint64_t wanted, CrossedTriangle* records) const noexcept;
+
 private:
     friend struct SoupKernel;
     struct Kernels;

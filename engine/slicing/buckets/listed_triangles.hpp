@@ -1,0 +1,39 @@
+// Triangles that lie in the lists of their first planes already, of which some planes are swept: a file that is cut in
+// ranges of layers. Nothing is copied: the records are lent to the buckets while a range is swept.
+//
+//     planes of the whole    ... 41 |   42    43   44  | 45 ...
+//     records                       | t7 t2 | t9 | t1 t4 | ...      a range of three planes, number 0 of which is `base`
+//                                     of which t7 begins at plane 40, and reaches into the range
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/parallel.hpp"
+#include "lamella/array.hpp"
+#include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/crossed_triangle.hpp"
+
+namespace lamella {
+
+struct ListedTriangles {
+    Array<CrossedTriangle>& records;            ///< by first plane, or that of the range if it is higher
+    std::span<const std::uint32_t> list_begin;  ///< of the range's planes, and one more: where lists begin in `records`
+    std::span<const std::uint32_t> segments;    ///< triangles that each plane cuts
+    PlaneIndex base = 0;                        ///< the first plane of the range, from which records count on while swept
+};
+
+/// As the functions of bucket.hpp of the same names. Scattering takes the records, which give_back() returns: planes count
+/// from the range's first then.
+void count_crossings(const ListedTriangles& listed, Buckets& buckets);
+std::size_t scatter_triangles(const ListedTriangles& listed, std::span<const PlaneIndex> reach_end, const Parallel& parallel,
+                              Buckets& buckets, std::span<Reaching> reaching);
+void give_back(const ListedTriangles& listed, Buckets& buckets) noexcept;
+
+/// Brings records that begin at planes from `base` on, or below it and then count as such, to their lists, in place.
+/// `list_begin`: of planes from `base` on, and one more; the first is 0, and the last the number of records. O(n), with 8
+/// bytes a thread and plane. No order within a list. Throws Stopped, std::bad_alloc.
+void sort_into_lists(std::span<CrossedTriangle> records, PlaneIndex base, std::span<const std::uint32_t> list_begin,
+                     const Parallel& parallel);
+
+}  // namespace lamella

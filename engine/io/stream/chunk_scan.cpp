@@ -20,22 +20,30 @@ ChunkScan::ChunkScan(const Transform& transform, double unit_mm, const PlaneSet&
       found_(chunk_triangles),
       counts_(planes.size()) {}
 
-std::span<const CrossedTriangle> ChunkScan::scan(const MeshView& chunk) {
+std::span<const CrossedTriangle> ChunkScan::scan(const MeshView& chunk, bool near) {
     found_count_ = 0;
+    const SoupScan soup(chunk, transform_, unit_mm_, planes_);
+    if (soup.usable() && !near && chunk.triangle_count % block_triangles == 0) {
+        for (std::size_t begin = 0; begin < chunk.triangle_count; begin += block_triangles) {
+            found_count_ += soup.append(begin, ~std::uint64_t{0}, found_.data() + found_count_);
+        }
+    } else {
+        scan_measured(chunk, soup);
+    }
+    const std::span<const CrossedTriangle> found = std::span(found_).first(found_count_);
+    for (const CrossedTriangle& triangle : found) {
+        counts_.add(triangle.first, triangle.last);
+    }
+    return found;
+}
+
+/// Blocks that lie between planes are left out.
+void ChunkScan::scan_measured(const MeshView& chunk, const SoupScan& soup) {
     const Result<Bounds> bounds = measure_bounds(chunk, transform_, unit_mm_, one_, table_);
     if (!bounds) {  // the file has changed since it was measured
         throw Refused{bounds.error()};
     }
-    const SoupScan soup(chunk, transform_, unit_mm_, planes_);
-    scan_blocks(chunk, transform_, soup);
-    for (const CrossedTriangle& triangle : std::span(found_).first(found_count_)) {
-        counts_.add(triangle.first, triangle.last);
-    }
-    return std::span(found_).first(found_count_);
-}
-
-void ChunkScan::scan_blocks(const MeshView& chunk, const Transform& transform, const SoupScan& soup) {
-    with_reader(chunk, transform, unit_mm_, [&](const auto& read) {
+    with_reader(chunk, transform_, unit_mm_, [&](const auto& read) {
         for (std::size_t block = 0; block < table_.blocks.size(); ++block) {
             scan_block(read, soup, block, chunk.triangle_count);
         }

@@ -27,14 +27,15 @@ public:
     /// Room for a chunk as it lies in the file.
     std::span<std::byte> bytes() noexcept { return bytes_; }
 
-    /// The triangles of `chunk` that planes cut, until the next call. Adds to counts() and degenerate(). Throws Refused.
-    std::span<const CrossedTriangle> scan(const MeshView& chunk);
+    /// The triangles of `chunk` that planes cut, until the next call. Adds to counts() and degenerate(). Without `near`
+    /// none is degenerate. Throws Refused.
+    std::span<const CrossedTriangle> scan(const MeshView& chunk, bool near);
 
     PlaneCounts& counts() noexcept { return counts_; }
     std::uint64_t degenerate() const noexcept { return degenerate_; }
 
 private:
-    void scan_blocks(const MeshView& chunk, const Transform& transform, const SoupScan& soup);
+    void scan_measured(const MeshView& chunk, const SoupScan& soup);
     template <class Reader>
     void scan_block(const Reader& read, const SoupScan& soup, std::size_t block, std::size_t triangles);
     template <class Reader>

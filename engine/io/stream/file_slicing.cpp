@@ -135,8 +135,8 @@ void FileSlicing::scan_file() {
         const std::size_t end = std::min(chunks_.size(), chunk + std::min(room, 64 * threads));
         parallel_.run(end - chunk, [&](std::size_t i, int worker) {
             const FileChunk& own = chunks_[chunk + i];
-            if (!own.near && lies_between_planes({own.low_mm, own.high_mm, false}, frame_.unit.mm, planes_) &&
-                frame_.unit.doublings == 0) {
+            const bool near = own.near || frame_.unit.doublings > 0;
+            if (!near && lies_between_planes({own.low_mm, own.high_mm, false}, frame_.unit.mm, planes_)) {
                 return;
             }
             auto& scan = scans_[static_cast<std::size_t>(worker)];
@@ -146,7 +146,7 @@ void FileSlicing::scan_file() {
             }
             const std::uint64_t first = (std::uint64_t{chunk} + i) * chunk_triangles;
             const std::size_t count = std::min<std::uint64_t>(chunk_triangles, file_.triangles() - first);
-            store_.append(scan->scan(file_.read(first, count, scan->bytes())));
+            store_.append(scan->scan(file_.read(first, count, scan->bytes()), near));
         });
         chunk = end;
         progress_.reach(measured + (scanned - measured) * static_cast<double>(chunk) / static_cast<double>(chunks_.size()));

@@ -162,6 +162,7 @@ int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options
         PrepareOptions how;
         how.unit_mm = call.options().unit_mm;
         how.unit_fit = call.options().unit_fit;
+        how.allow_empty = call.options().allow_empty;
         how.transform = call.options().transform;
         how.control = call.options().control;
         Result<PreparedMesh> made = lamella::prepare(call.mesh, how);

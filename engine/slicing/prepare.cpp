@@ -18,7 +18,9 @@ Result<PreparedMesh> make_prepared(const MeshView& mesh, const PrepareOptions& o
     parallel.begin_stage(1, 5);
     auto parts = std::make_unique<detail::PreparedParts>(options.control.memory);
     BlockTable blocks(options.control.memory);
-    const Result<Bounds> bounds = measure_bounds(mesh, options.transform, options.unit_mm, parallel, blocks);
+    const Result<Bounds> bounds = options.allow_empty && mesh.triangle_count == 0
+                                      ? Bounds{}
+                                      : measure_bounds(mesh, options.transform, options.unit_mm, parallel, blocks);
     if (!bounds) {
         return bounds.error();
     }
@@ -27,13 +29,17 @@ Result<PreparedMesh> make_prepared(const MeshView& mesh, const PrepareOptions& o
         return unit.error();
     }
     blocks = BlockTable(options.control.memory);
+    parts->bounds = *bounds;
     parts->frame = {*bounds, *unit, placed_number(mesh, options.transform)};
     parts->transform = options.transform;
     parts->asked_unit_mm = options.unit_mm;
     parts->counted.triangle_count = mesh.triangle_count;
     parts->triangles.build(mesh, options.transform, *bounds, unit->mm, parallel);
     if (parts->triangles.degenerate == mesh.triangle_count) {
-        return all_collapsed(mesh.triangle_count, unit->mm);
+        if (!options.allow_empty) {
+            return all_collapsed(mesh.triangle_count, unit->mm);
+        }
+        parts->frame.bounds = {};
     }
     parallel.finish();
     return PreparedMesh(std::move(parts));

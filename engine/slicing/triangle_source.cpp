@@ -27,7 +27,7 @@ Result<Bounds> TriangleSource::measure(double asked_mm) {
     }
     if (prepared_ != nullptr || (options_.allow_empty && mesh_.triangle_count == 0)) {
         kept_.blocks.blocks.set_size(0);
-        return prepared_ != nullptr ? prepared_->frame.bounds : Bounds{};
+        return prepared_ != nullptr ? prepared_->bounds : Bounds{};
     }
     return places_vertices_ ? measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.vertices, kept_.blocks)
                             : measure_bounds(mesh_, options_.transform, asked_mm, parallel_, kept_.blocks);

@@ -319,7 +319,7 @@ LAMELLA_C_API int32_t lamella_slice_parts(const lamella_mesh* const* meshes, con
 LAMELLA_C_API int32_t lamella_slice_slabs(const lamella_mesh* mesh, const lamella_options* options, lamella_result** top,
                                           lamella_result** bottom, lamella_error* error);
 
-/* lamella/prepare.hpp. Of `options` transform, arithmetic, unit and control are used. */
+/* lamella/prepare.hpp. Of `options` transform, arithmetic, unit, allow_empty and control are used. */
 LAMELLA_C_API int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options, lamella_prepared** prepared,
                                       lamella_error* error);
 LAMELLA_C_API int32_t lamella_slice_prepared(const lamella_prepared* prepared, const lamella_options* options,

@@ -33,8 +33,10 @@ struct PreparedParts;
 struct PrepareOptions {
     double unit_mm = 0;                    ///< as SliceOptions::unit_mm
     UnitFit unit_fit = UnitFit::as_asked;  ///< as SliceOptions::unit_fit
-    Transform transform{};                 ///< as SliceOptions::transform
-    Control control{};  ///< of prepare() alone, but for `memory`, which the prepared mesh holds until its end
+    /// As SliceOptions::allow_empty, which the slices of the prepared mesh need too.
+    bool allow_empty = false;
+    Transform transform{};  ///< as SliceOptions::transform
+    Control control{};      ///< of prepare() alone, but for `memory`, which the prepared mesh holds until its end
 };
 
 /// Immutable: any number of threads may slice it at once, each with a Workspace of its own. The MeshView that it was made of

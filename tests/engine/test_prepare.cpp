@@ -203,6 +203,26 @@ TEST_CASE("a mesh that cannot be sliced cannot be prepared", "[engine][prepare]"
     CHECK(failure(indexed.view(), {}).triangle == 2);
 }
 
+TEST_CASE("a mesh of which nothing is left can be prepared where empty ones are allowed", "[engine][prepare]") {
+    const shapes::Soup box = shapes::box({1, 2, 3}, {4, 6, 8});
+    SliceOptions options;
+    options.allow_empty = true;
+    for (const double unit_mm : {0.0, 1e3}) {  // on the coarse grid the box collapses
+        const MeshView mesh = unit_mm == 0 ? MeshView{} : view_of(box);
+        options.unit_mm = unit_mm;
+        const auto made = prepare(mesh, {.unit_mm = unit_mm, .allow_empty = true});
+        REQUIRE(made.ok());
+        options.plan.spacing = lamella::ExplicitPlanes{.heights_mm = {4, 5, 5}};
+        require_same(slice(*made, options).value(), slice(mesh, options).value());
+        CHECK(slice(*made, options).value().layers.size() == (unit_mm == 0 ? 2 : 1));
+        options.plan.spacing = lamella::UniformLayers{.layer_height_mm = 1};
+        require_same(slice(*made, options).value(), slice(mesh, options).value());
+        SliceOptions refusing = options;
+        refusing.allow_empty = false;
+        CHECK(slice(*made, refusing).error().message == slice(mesh, refusing).error().message);
+    }
+}
+
 TEST_CASE("preparing can be stopped, and tells its progress", "[engine][prepare]") {
     const shapes::Soup soup = shapes::octasphere({0, 0, 0}, 10, 6);
     std::atomic<bool> stop = true;

@@ -124,12 +124,16 @@ ChosenUnit doubled_while(double unit_mm, TooFine too_fine) {
     return unit;
 }
 
+Error no_triangles() {
+    return {ErrorCode::empty_mesh, "the mesh has no triangles"};
+}
+
 }  // namespace
 
 Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
                               BlockTable& table) {
     if (mesh.triangle_count == 0) {
-        return Error{ErrorCode::empty_mesh, "the mesh has no triangles"};
+        return no_triangles();
     }
     if (mesh.triangle_count >= std::numeric_limits<std::uint32_t>::max()) {
         return Error{ErrorCode::invalid_argument, "the mesh has more than 2^32 - 2 triangles"};
@@ -205,6 +209,9 @@ Result<ChosenUnit> choose_unit(const Bounds& bounds, double asked_mm, bool coars
 }
 
 Error all_collapsed(std::size_t triangles, double unit_mm) {
+    if (triangles == 0) {
+        return no_triangles();
+    }
     return {ErrorCode::empty_mesh,
             (triangles == 1 ? "the triangle has" : "each of " + counted(triangles, "triangle") + " has") +
                 std::string(" two equal corners on the grid of ") + exact_text(unit_mm) + " mm"};

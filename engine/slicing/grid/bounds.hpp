@@ -44,7 +44,7 @@ Result<ChosenUnit> choose_unit(const Bounds& bounds, double asked_mm, bool coars
 /// The unit of unit_by_box.
 double finest_unit(double farthest_mm) noexcept;
 
-/// For a mesh of which nothing is left on the grid: every triangle has two equal vertices.
+/// For a mesh of which nothing is left on the grid: every triangle has two equal vertices, or there is none.
 Error all_collapsed(std::size_t triangles, double unit_mm);
 
 }  // namespace lamella

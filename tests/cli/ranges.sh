@@ -16,6 +16,27 @@ sys.stdout.buffer.write(header.encode() + b"".join(known) + b"".join(faces))
 END
 }
 
+# A file that is not taken is converted to one that is, with the command that the refusal names.
+converted_ranges() {
+    local want=$1
+    gzip --keep z.stl
+    expect_failure 2 "gunzip" slice z.stl.gz --memory 2M
+    expect 0 convert z.stl.gz -o plain.ply
+    expect 0 slice plain.ply --hash --memory 100M
+    [[ $(hash_of) == "$want" ]] || fail "plain.ply: another hash"
+    printf 'OFF\n4 4 0\n0 0 0\n1.1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n' > solid.off
+    expect_failure 2 "'lamella convert MESH -o MESH.ply'" slice solid.off --memory 2M
+    expect 0 slice solid.off --layer-height 0.1 --hash
+    want=$(hash_of)
+    expect 0 convert solid.off -o solid.ply
+    expect 0 slice solid.ply --layer-height 0.1 --hash --memory 2M
+    [[ $(hash_of) == "$want" ]] || fail "solid.ply: another hash"
+    expect 0 convert solid.off -o solid.stl
+    grep -q "rounded to the 32 bits of STL" .stderr || fail "does not warn of rounding"
+    expect_failure 2 "takes one mesh" convert solid.off z.stl -o both.stl
+    rm -f z.stl.gz plain.ply solid.off solid.ply solid.stl
+}
+
 hash_of() { sed -n 's/^hash *//p' .stdout; }
 
 # PLY gives the same hash.
@@ -49,6 +70,7 @@ test_ranges() {
     done
     grep -q "temporary file" .stdout || fail "nothing was spilled"
     expect_files random.stl z.stl
+    converted_ranges "$want"
     expect 0 slice z.stl -o whole.svg
     expect 0 slice random.stl --memory 2M -o ranges.svg
     cmp -s whole.svg ranges.svg || fail "another SVG"

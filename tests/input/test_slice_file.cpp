@@ -170,8 +170,8 @@ TEST_CASE("what cannot be sliced in ranges is refused by name", "[slice_file]") 
     const std::string stl = stl_of(soup);
     const std::string at = (folder.path() / "a").string();
     CHECK(message_of(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n")) ==
-          at + ".obj: is a text OBJ file: only binary STL and PLY can be sliced within a budget of memory; convert it to "
-               "one of them");
+          at + ".obj: is a text OBJ file: only binary STL and PLY can be sliced within a budget of memory; "
+               "'lamella convert MESH -o MESH.ply' makes the latter of it");
     CHECK(message_of(folder.write("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\n")).find("is a text STL file") !=
           std::string::npos);
     CHECK(message_of(folder.write("a.stl.gz", "\x1f\x8b\x08")).find("gunzip") != std::string::npos);

@@ -17,7 +17,8 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t index_bytes = 3 * sizeof(std::uint32_t);  // of a triangle
-constexpr std::size_t piece_bytes = 128 << 10;                  // of vertices, a thread
+constexpr std::string_view makes_plain = "'lamella convert MESH -o NEW.ply' makes a file of triangles alone";
+constexpr std::size_t piece_bytes = 128 << 10;  // of vertices, a thread
 
 }  // namespace
 
@@ -49,7 +50,7 @@ Status PlyFaces::prepare(const FileSource& source) {
     }
     if (header_.encoding == PlyEncoding::ascii) {
         return source.error(ErrorCode::invalid_argument,
-                            "is a text PLY file: " + std::string(formats_in_pieces) + "convert it to one of them");
+                            "is a text PLY file: " + std::string(formats_in_pieces) + std::string(makes_ply));
     }
     return locate(source);
 }
@@ -65,7 +66,8 @@ Status PlyFaces::locate(const FileSource& source) {
             return source.error(ErrorCode::invalid_argument,
                                 "element " + short_name(element.name) +
                                     " has other lists than three whole numbers a face, which cannot be sliced within a "
-                                    "budget of memory; leave them out");
+                                    "budget of memory; " +
+                                    std::string(makes_plain));
         }
         const std::uint64_t least = element.least_row_bytes(header_.encoding);
         const std::uint64_t left = file_.size() - at;
@@ -169,7 +171,7 @@ Error PlyFaces::problem_in(std::uint64_t first_row, std::string_view rows) const
             return at_byte(ErrorCode::invalid_argument, at + begin,
                            "face " + std::to_string(first_row) + " has " +
                                counted(static_cast<std::uint64_t>(count), "corner") +
-                               ": only triangles can be sliced within a budget of memory; split polygons into triangles");
+                               ": only triangles can be sliced within a budget of memory; " + std::string(makes_plain));
         }
         PlyRows<BinaryNumbers> reader({row.data(), end, swapped()}, faces(), first_row);
         if (!reader.indices(facts_.vertex_count, corners)) {

@@ -23,8 +23,10 @@ Error not_in_pieces(const FileSource& source) {
                             "is no binary STL or PLY file" + advice + "nothing else is known of this one", 0);
     }
     const std::string kind = is_text(source.sample()) ? "a text " : "a binary ";
+    const bool is_soup = format == name_of(MeshFormat::stl);  // whose vertices would take more than its triangles
     return source.error(ErrorCode::invalid_argument,
-                        "is " + kind + std::string(format) + " file" + advice + "convert it to one of them");
+                        "is " + kind + std::string(format) + " file" + advice +
+                            std::string(is_soup ? "'lamella convert MESH -o MESH.stl' makes the former of it" : makes_ply));
 }
 
 class StlTriangles final : public TriangleFile {

@@ -55,5 +55,6 @@ protected:
 
 /// What a refusal says, and what to do.
 inline constexpr std::string_view formats_in_pieces = "only binary STL and PLY can be sliced within a budget of memory; ";
+inline constexpr std::string_view makes_ply = "'lamella convert MESH -o MESH.ply' makes the latter of it";
 
 }  // namespace lamella

@@ -1,4 +1,4 @@
-// lamella convert: what an archive holds, as any other output of lamella slice.
+// lamella convert: what an archive holds, as any other output of lamella slice; a mesh, as binary STL or PLY.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -7,9 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "archive/convert_mesh.hpp"
 #include "commands.hpp"
 #include "files/mesh_input.hpp"
 #include "files/output_path.hpp"
+#include "lamella/io/mesh_writer.hpp"
 #include "outputs/recorded_options.hpp"
 #include "outputs/write_outputs.hpp"
 #include "outputs/write_structure_output.hpp"
@@ -201,12 +203,15 @@ private:
 }  // namespace
 
 void add_convert_command(CLI::App& app, Interrupt& interrupt) {
-    CLI::App* const command = app.add_subcommand("convert", "Write archives (.h5) as any other output");
+    CLI::App* const command =
+        app.add_subcommand("convert", "Write archives (.h5) as any other output, or a mesh as binary STL or PLY");
     const auto arguments = std::make_shared<ConvertArguments>();
     const auto worker = std::make_shared<WorkerSide>();
-    command->add_option("archives", arguments->archives, "Archives of lamella slice; several for a mask or a table")
+    command
+        ->add_option("archives", arguments->archives,
+                     "Archives of lamella slice, several for a mask or a table; or a mesh, for .stl and .ply")
         ->required()
-        ->type_name("IN.h5")
+        ->type_name("IN")
         ->check(given_path);
     declare_outputs(*command, arguments->outputs);
     command->get_option("--output")->required();
@@ -220,6 +225,10 @@ void add_convert_command(CLI::App& app, Interrupt& interrupt) {
     worker->declare(*command);
     command->callback([command, arguments, worker, &interrupt] {
         worker->begin();
+        const OutputArguments& wanted = arguments->outputs;
+        if (wanted.to.empty() && wanted.outputs.size() == 1 && is_written_as_mesh(wanted.outputs.front())) {
+            return convert_mesh(arguments->archives, wanted.outputs.front(), *arguments, interrupt);
+        }
         ConvertCommand(*command, *arguments, interrupt).run();
     });
 }

@@ -251,7 +251,8 @@ void FileSlicing::cut_rest() {
         spans = plan_rest();
     }
     if (spill_) {
-        store_.reserve(std::ranges::max_element(spans, {}, &LayerSpan::triangles)->triangles);
+        const auto shorter = [](const LayerSpan& a, const LayerSpan& b) { return a.triangles < b.triangles; };
+        store_.reserve(std::max_element(spans.begin(), spans.end(), shorter)->triangles);
     } else {
         store_.list(counts_, begin, end, parallel_);
     }

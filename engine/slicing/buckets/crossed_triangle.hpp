@@ -51,7 +51,7 @@ inline std::uint32_t source_bit(const HeightOrder& order) noexcept {
 /// A record without its planes.
 inline CrossedTriangle order_by_height(const GridTriangle& v, std::uint32_t triangle) noexcept {
     const HeightOrder& order = height_order_of(v);
-    return {v[order.lower], v[order.middle], v[order.upper], triangle, source_bit(order), 0};
+    return {v[order.lower], v[order.middle], v[order.upper], {triangle}, source_bit(order), 0};
 }
 
 }  // namespace lamella

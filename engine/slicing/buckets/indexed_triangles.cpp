@@ -16,8 +16,6 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t items_a_task = std::size_t{1} << 12;
-
 /// The vertices alone, as "triangles" whose first corner they are.
 MeshView vertices_of(const MeshView& mesh) noexcept {
     return MeshView::strided_soup(mesh.vertices, mesh.vertex_count, mesh.stride, mesh.coordinate_type);
@@ -163,7 +161,7 @@ CrossedTriangle record_of(const Corners& v, std::uint32_t triangle) noexcept {
     const HeightOrder& order = height_order_of(v.a.at.z, v.b.at.z, v.c.at.z);
     const PlacedVertex& middle = *corners[order.middle];
     const PlacedVertex& upper = *corners[order.upper];
-    return {corners[order.lower]->at, middle.at, upper.at, triangle, middle.above | source_bit(order), upper.above};
+    return {corners[order.lower]->at, middle.at, upper.at, {triangle}, middle.above | source_bit(order), upper.above};
 }
 
 }  // namespace

@@ -50,8 +50,8 @@ void require_sorted(const std::vector<PlaneIndex>& firsts, PlaneIndex base, Plan
 
 TEST_CASE("records are sorted into lists in place, whatever their order and the threads", "[buckets][threads]") {
     constexpr std::size_t count = 50'000;
-    const PlaneIndex lists = GENERATE(1, 2, 17, 1000, 60'000);
-    const PlaneIndex base = GENERATE(0, 5);
+    const PlaneIndex lists = GENERATE(1U, 2U, 17U, 1000U, 60'000U);
+    const PlaneIndex base = GENERATE(0U, 5U);
     const int threads = GENERATE(1, 2, 3, 8);
     std::mt19937 random(lists + base);
     std::vector<PlaneIndex> firsts(count);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -13,7 +12,7 @@
 #include "base/guard.hpp"
 #include "base/little_endian.hpp"
 #include "base/parallel.hpp"
-#include "base/words.hpp"
+#include "io/text/text.hpp"
 #include "io/write/output_file.hpp"
 
 namespace lamella {
@@ -25,9 +24,7 @@ constexpr std::size_t stl_facet_bytes = 50;
 constexpr std::size_t ply_face_bytes = 13;
 
 std::string end_of(const std::filesystem::path& path) {
-    std::string end = path.extension().string();
-    std::transform(end.begin(), end.end(), end.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return end;
+    return lower_case(path.extension().string());
 }
 
 /// As 3D Slicer states it, which the readers understand.

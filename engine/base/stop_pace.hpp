@@ -49,7 +49,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t work_between_asks = std::size_t{1} << 18;
+    static constexpr std::size_t work_between_asks = std::size_t{1} << 17;
 
     StopCheck host_{};
     std::size_t left_ = work_between_asks;

@@ -7,11 +7,12 @@
 #include <type_traits>
 #include <vector>
 
+#include "lamella/array.hpp"
 #include "lamella/memory.hpp"
 
 namespace lamella {
 
-/// Takes from `memory`, or from operator new where it is null.
+/// Takes from `memory`, or from operator new where it is null, with huge pages for large blocks.
 template <class T>
 class Allocator {
 public:
@@ -28,21 +29,9 @@ public:
         if (count > std::numeric_limits<std::size_t>::max() / element_bytes) {
             throw std::bad_array_new_length();
         }
-        const std::size_t bytes = count * element_bytes;
-        void* const taken =
-            memory_ == nullptr ? ::operator new(bytes) : memory_->allocate(memory_->context, bytes, alignof(T));
-        if (taken == nullptr) {
-            throw std::bad_alloc();
-        }
-        return static_cast<T*>(taken);
+        return static_cast<T*>(detail::take_memory(memory_, count * element_bytes));
     }
-    void deallocate(T* taken, std::size_t count) noexcept {
-        if (memory_ == nullptr) {
-            ::operator delete(taken);
-        } else {
-            memory_->release(memory_->context, taken, count * element_bytes, alignof(T));
-        }
-    }
+    void deallocate(T* taken, std::size_t count) noexcept { detail::give_memory(memory_, taken, count * element_bytes); }
 
     const Memory* memory() const noexcept { return memory_; }
     friend bool operator==(const Allocator&, const Allocator&) = default;

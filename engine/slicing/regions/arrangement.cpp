@@ -60,6 +60,7 @@ void Arrangement::sort_halves() {
     for (std::size_t v = 1; v < first_halves_.size(); ++v) {
         first_halves_[v] += first_halves_[v - 1];
     }
+    pace_.spend(first_halves_.size());
     stack_.assign(first_halves_.begin(), first_halves_.end());  // where the next half of each vertex goes
     halves_.resize(count);
     pace_.in_stretches(0, count, scatter_work, [&](std::size_t begin, std::size_t end) {

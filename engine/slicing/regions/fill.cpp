@@ -137,7 +137,9 @@ void Fill::nest_pieces(Nester& nester) {
         face_ends_.push_back(face_points_.size());
     }
     piece_items_.clear();
+    piece_items_.reserve(pieces_.size());
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
+        pace_.spend(item_work);
         const std::size_t begin = p == 0 ? 0 : face_ends_[p - 1];
         piece_items_.push_back(pieces_[p].contour >= 0
                                    ? items_[static_cast<std::size_t>(pieces_[p].contour)]

@@ -186,6 +186,7 @@ void SnapRounding::merge_strands() {
     any_cancelled_ = false;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < strands_.size();) {
+        pace_.spend(1);
         Strand strand = strands_[i++];
         while (!strand.is_chain() && i < strands_.size() && !strands_[i].is_chain() && strands_[i].from == strand.from &&
                strands_[i].to == strand.to) {

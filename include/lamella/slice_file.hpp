@@ -43,6 +43,18 @@
 
 namespace lamella {
 
+/// What is known before the first layer is cut: what files of layers say at their beginnings.
+struct FileOutline {
+    SliceResult facts;  ///< plan, frame, unit, rules, box and `layer_of`; without layers, and the rest of the summary 0
+    std::uint64_t layers = 0;  ///< that will come
+};
+
+/// The host's function that takes the outline; it is called once, before the sink is. Null: nothing wants it.
+struct OutlineSink {
+    void (*take)(void* context, const FileOutline& outline) noexcept = nullptr;
+    void* context = nullptr;
+};
+
 struct FileSliceOptions {
     SliceOptions slice{};            ///< `origins` are not to be had
     double mm_per_unit = 1;          ///< of the file's coordinates; applied before `slice.transform`
@@ -51,6 +63,7 @@ struct FileSliceOptions {
     std::filesystem::path temporary_folder{};
     std::string_view name{};  ///< what messages call the file; empty: its path
     bool hash = false;        ///< compute FileSlice::hash; layers then come in ascending order
+    OutlineSink outline{};
 };
 
 /// What was done.

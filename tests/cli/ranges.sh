@@ -54,6 +54,27 @@ ply_ranges() {
     expect_failure 3 "byte 700000: property 'vertex_indices' of 'face' 7710: " slice short.ply --memory 1M
 }
 
+# What takes one layer after the other is written while the mesh is sliced, and has the bytes of the whole.
+streamed_outputs() {
+    expect 0 slice z.stl -o whole.svg -o whole.csv -o whole.jsonl
+    expect 0 slice random.stl --memory 2M -o ranges.svg -o z.csv -o z.jsonl
+    cmp -s whole.svg ranges.svg || fail "another SVG"
+    expect 0 slice z.stl --memory 2M -o z.csv -o z.jsonl
+    cmp -s whole.csv z.csv || fail "another CSV"
+    tail -n +2 whole.jsonl | cmp -s - z.jsonl || fail "other JSON lines"
+    expect 0 verify --inputs z.csv z.jsonl
+    # Nothing is left where something fails, and what is there already stays.
+    cp z.csv before.csv
+    expect_failure 4 "cannot write 'none/a.svg'" slice z.stl --memory 2M -o z.csv -o none/a.svg
+    cmp -s z.csv before.csv || fail "a failed run changed z.csv"
+    head -c 4000084 z.stl > short.stl
+    expect 3 slice short.stl --memory 2M -o short.svg
+    [[ ! -e short.svg ]] || fail "half an SVG"
+    # Of several formats, one of which takes the whole result, the bytes are the same.
+    expect 0 slice z.stl --memory 2M -o mixed.svg -o mixed.png
+    cmp -s whole.svg mixed.svg || fail "another SVG beside a picture"
+}
+
 test_ranges() {
     expect 0 make bone --triangles 100000 -o z.stl
     expect 0 make bone --triangles 100000 --order random -o random.stl
@@ -71,10 +92,7 @@ test_ranges() {
     grep -q "temporary file" .stdout || fail "nothing was spilled"
     expect_files random.stl z.stl
     converted_ranges "$want"
-    expect 0 slice z.stl -o whole.svg
-    expect 0 slice random.stl --memory 2M -o ranges.svg
-    cmp -s whole.svg ranges.svg || fail "another SVG"
-    expect 0 slice z.stl --memory 2M -o ranges.csv
+    streamed_outputs
     expect_failure 2 "not a number of bytes" slice z.stl --memory 0 -o none.svg
     expect_failure 2 "not a number of bytes" slice z.stl --memory 3X
     expect_failure 2 "--report" slice z.stl --memory 2M --report none.json

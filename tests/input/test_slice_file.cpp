@@ -1,6 +1,8 @@
 // A file sliced in ranges within a budget of memory gives what slice() gives of the whole mesh.
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -126,6 +128,52 @@ TEST_CASE("open, degenerate, flat and tall facets give the same layers in ranges
         options.plan.side = lamella::PlaneSide::above;
     }
     require_same_at_all_budgets(path, options);
+}
+
+TEST_CASE("a file written layer by layer is the file of the whole", "[slice_file][write]") {
+    const TempFolder folder;
+    const shapes::Soup soup = shapes::joined(
+        {shapes::octasphere({0, 0, 10}, 10, 5), shapes::box({20, 0, 0}, {30, 10, 40}), shapes::random_soup(3, 400, 40)});
+    const auto path = folder.write("mesh.stl", stl_of(shapes::floats(soup)));
+    FileSliceOptions options;
+    options.slice = layers_of(0.25);
+    options.slice.layers = {3, 150};
+    options.slice.transform = lamella::Transform::from_normal(0, 1, 2);
+    options.mm_per_unit = 2;
+    options.memory_bytes = GENERATE(std::uint64_t{1'500'000}, std::uint64_t{50'000'000});
+    struct {
+        std::filesystem::path path;
+        std::optional<lamella::SvgStream> stream{};
+        std::uint64_t outlines = 0;
+        std::uint64_t promised = 0;
+        std::uint64_t layers = 0;
+        lamella::Transform frame{};
+        void operator()(const lamella::LayerView& view) noexcept {
+            stream->add(view);
+            ++layers;
+        }
+    } writing{folder / "streamed.svg"};
+    options.outline = {[](void* context, const lamella::FileOutline& outline) noexcept {
+                           auto& own = *static_cast<decltype(writing)*>(context);
+                           ++own.outlines;
+                           own.promised = outline.layers;
+                           own.frame = outline.facts.frame;
+                           own.stream = lamella::SvgStream::begin(outline.facts, outline.layers, own.path).value();
+                       },
+                       &writing};
+    REQUIRE(lamella::slice_file(path, lamella::LayerSink::to(writing, lamella::SinkOrder::ascending), options).ok());
+    REQUIRE(writing.outlines == 1);
+    CHECK(writing.promised == writing.layers);
+    CHECK_FALSE(std::filesystem::exists(writing.path));
+    REQUIRE(writing.stream->finish().ok());
+
+    options.outline = {};
+    const CollectedFileSlice whole = in_ranges(path, options);
+    REQUIRE(whole.result.summary.open_contours > 0);
+    CHECK(writing.promised == whole.result.layers.size());
+    CHECK(writing.frame.m == whole.result.frame.m);
+    REQUIRE(lamella::write_svg(whole.result, folder / "whole.svg").ok());
+    CHECK(bytes_of(folder / "streamed.svg") == bytes_of(folder / "whole.svg"));
 }
 
 TEST_CASE("the engine holds no more than the budget", "[slice_file]") {

@@ -7,6 +7,7 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/words.hpp"
+#include "io/stream/file_outline.hpp"
 #include "slicing/grid/placed_reader.hpp"
 #include "slicing/handover/hand_over.hpp"
 #include "slicing/regions/rules.hpp"
@@ -53,6 +54,7 @@ Result<FileSlice> FileSlicing::run() {
     if (Status status = choose_grid_and_planes(); !status) {
         return status.error();
     }
+    tell_outline();
     limit_ = model_.well_kept();
     // Pages that are not touched take no memory; a host's own memory may know no such thing.
     store_.reserve(slicing_.control.memory != nullptr ? limit_ : std::max(limit_, model_.most_kept()));
@@ -118,6 +120,12 @@ Status FileSlicing::build_planes() {
         relay_.hash.emplace(planes_.size());
     }
     return {};
+}
+
+void FileSlicing::tell_outline() {
+    if (options_.outline.take != nullptr) {
+        options_.outline.take(options_.outline.context, outline_of(slicing_, frame_, planes_));
+    }
 }
 
 // --- The second pass
@@ -251,6 +259,7 @@ void FileSlicing::cut_rest() {
         spans = plan_rest();
     }
     if (spill_) {
+        spill_->trim();
         const auto shorter = [](const LayerSpan& a, const LayerSpan& b) { return a.triangles < b.triangles; };
         store_.reserve(std::max_element(spans.begin(), spans.end(), shorter)->triangles);
     } else {
@@ -365,9 +374,7 @@ FileSlice FileSlicing::finish() {
     all.unit_mm = frame_.unit.mm;
     all.first_layer = planes_.first_kept();
     all.all_layers = planes_.planned();
-    const auto& listed = planes_.plane_of_listed();
-    all.layer_of.resize_discarding(listed.size());
-    std::copy(listed.begin(), listed.end(), all.layer_of.begin());
+    all.layer_of = layers_of_listed(planes_, slicing_.control.memory);
     SliceSummary& sum = all.summary;
     sum.triangles = file_.triangles();
     sum.degenerate = degenerate_;

@@ -29,6 +29,7 @@ private:
     Status load_vertices();
     Status choose_grid_and_planes();
     Status build_planes();
+    void tell_outline();
     void scan_file();
     void make_room(std::size_t chunk);
     void cut_rest();

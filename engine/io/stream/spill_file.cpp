@@ -117,12 +117,12 @@ Error SpillFile::failed(const char* what) const {
 /// One thread's share of a run: triangles go to their bins by way of a buffer each.
 class SpillFile::Writer {
 public:
-    Writer(const SpillFile& spill, std::vector<std::uint64_t> next, std::size_t buffer_triangles)
-        : spill_(spill),
-          next_(std::move(next)),
-          used_(next_.size()),
-          room_(buffer_triangles),
-          buffers_(next_.size() * buffer_triangles) {}
+    /// `buffers` is kept from run to run: fresh pages would cost more than the copying.
+    Writer(const SpillFile& spill, std::vector<std::uint64_t> next, std::size_t buffer_triangles,
+           Array<CrossedTriangle>& buffers)
+        : spill_(spill), next_(std::move(next)), used_(next_.size()), room_(buffer_triangles), buffers_(buffers) {
+        buffers_.resize_discarding(next_.size() * room_);
+    }
 
     void add(std::size_t bin, const CrossedTriangle& triangle) {
         buffers_[bin * room_ + used_[bin]++] = triangle;
@@ -139,7 +139,7 @@ public:
 private:
     void flush(std::size_t bin) {
         const std::size_t count = std::exchange(used_[bin], 0);
-        if (!write_fully(spill_.descriptor_, std::span(buffers_).subspan(bin * room_, count), next_[bin])) {
+        if (!write_fully(spill_.descriptor_, {buffers_.data() + bin * room_, count}, next_[bin])) {
             throw Refused{spill_.failed("written")};
         }
         next_[bin] += count;
@@ -149,7 +149,7 @@ private:
     std::vector<std::uint64_t> next_;  // by bin: where the next triangle goes
     std::vector<std::size_t> used_;
     std::size_t room_;
-    std::vector<CrossedTriangle> buffers_;
+    Array<CrossedTriangle>& buffers_;
 };
 
 void SpillFile::write(std::span<const CrossedTriangle> triangles, PlaneIndex done, const Parallel& parallel) {
@@ -171,8 +171,9 @@ void SpillFile::write(std::span<const CrossedTriangle> triangles, PlaneIndex don
     }
     run.bin_begin.push_back(triangles_);
     const std::size_t room = std::clamp<std::size_t>(buffer_bytes_ / (parts * bins() * sizeof(CrossedTriangle)), 1, 1024);
+    buffers_.resize(parts);
     parallel.run(parts, [&](std::size_t part, int) {
-        Writer writer(*this, std::move(next[part]), room);
+        Writer writer(*this, std::move(next[part]), room, buffers_[part]);
         for (std::size_t i = part_begin(part); i < part_begin(part + 1); ++i) {
             writer.add(bin_of(triangles[i]), triangles[i]);
         }
@@ -181,7 +182,7 @@ void SpillFile::write(std::span<const CrossedTriangle> triangles, PlaneIndex don
 }
 
 void SpillFile::load(PlaneIndex begin, PlaneIndex end, PlaneIndex done, std::size_t piece, const Parallel& parallel,
-                     TriangleStore& store) const {
+                     TriangleStore& store) {
     struct Piece {
         std::uint64_t at;
         std::size_t count;
@@ -194,11 +195,11 @@ void SpillFile::load(PlaneIndex begin, PlaneIndex end, PlaneIndex done, std::siz
             pieces.push_back({at, static_cast<std::size_t>(std::min<std::uint64_t>(piece, stop - at))});
         }
     }
-    std::vector<std::vector<CrossedTriangle>> buffers(static_cast<std::size_t>(parallel.threads()));
+    buffers_.resize(static_cast<std::size_t>(parallel.threads()));
     parallel.run(pieces.size(), [&](std::size_t i, int worker) {
-        auto& buffer = buffers[static_cast<std::size_t>(worker)];
-        buffer.resize(piece);
-        const std::span<CrossedTriangle> some = std::span(buffer).first(pieces[i].count);
+        Array<CrossedTriangle>& buffer = buffers_[static_cast<std::size_t>(worker)];
+        buffer.resize_discarding(piece);
+        const std::span<CrossedTriangle> some(buffer.data(), pieces[i].count);
         if (!read_fully(descriptor_, some, pieces[i].at)) {
             throw Refused{failed("read")};
         }

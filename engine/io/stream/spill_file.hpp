@@ -15,6 +15,7 @@
 #include "base/parallel.hpp"
 #include "io/stream/plane_counts.hpp"
 #include "io/stream/triangle_store.hpp"
+#include "lamella/array.hpp"
 
 namespace lamella {
 
@@ -33,7 +34,10 @@ public:
     /// Appends to `store` all triangles that begin in planes [begin, end), by the same rule. `piece`: how many to read at
     /// once. Throws Refused, Stopped.
     void load(PlaneIndex begin, PlaneIndex end, PlaneIndex done, std::size_t piece, const Parallel& parallel,
-              TriangleStore& store) const;
+              TriangleStore& store);
+
+    /// Gives back the buffers that write() and load() keep.
+    void trim() noexcept { buffers_.clear(); }
 
     std::uint64_t bytes() const noexcept { return triangles_ * sizeof(CrossedTriangle); }
 
@@ -52,6 +56,7 @@ private:
     std::vector<PlaneIndex> bin_planes_;  ///< first plane of each bin, and one past the last
     std::vector<std::uint16_t> bin_of_;   ///< by plane
     std::vector<Run> runs_;
+    std::vector<Array<CrossedTriangle>> buffers_;  ///< by thread
     std::uint64_t triangles_ = 0;
 };
 

@@ -10,9 +10,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <new>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/guard.hpp"
 #include "base/progress_meter.hpp"
@@ -21,10 +24,11 @@
 #include "io/write/describe.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/io/svg.hpp"
+#include "slicing/result/layer_view.hpp"
 
 namespace lamella {
 
-namespace {
+namespace svg {
 
 using Shade = std::array<int, 3>;
 constexpr Shade lowest_colour{16, 32, 51};
@@ -86,10 +90,10 @@ struct Frame2d {
 };
 
 /// What the picture shows: the mesh's box and a margin.
-Frame2d frame_of(const SliceResult& result) {
-    const auto& low = result.summary.min_mm;
-    const auto& high = result.summary.max_mm;
-    const double extent = std::max({high[0] - low[0], high[1] - low[1], result.unit_mm});
+Frame2d frame_of(const SliceResult& facts) {
+    const auto& low = facts.summary.min_mm;
+    const auto& high = facts.summary.max_mm;
+    const double extent = std::max({high[0] - low[0], high[1] - low[1], facts.unit_mm});
     const double border = margin * extent;
     return {low[0] - border, low[1] - border, high[0] - low[0] + 2 * border, high[1] - low[1] + 2 * border, extent};
 }
@@ -97,12 +101,12 @@ Frame2d frame_of(const SliceResult& result) {
 class SvgWriter {
 public:
     /// What writes layers throws Stopped where `stop` asks for it.
-    SvgWriter(const SliceResult& result, const WeldedMesh* welded, const StopCheck& stop, OutputFile& out)
-        : result_(result), welded_(welded), out_(out), format_(result.unit_mm), frame_(frame_of(result)) {
+    SvgWriter(const SliceResult& facts, std::uint64_t layers, const StopCheck& stop, OutputFile& out)
+        : layers_(layers), parts_(facts.part_count), out_(out), format_(facts.unit_mm), frame_(frame_of(facts)) {
         pace_.follow(stop);
     }
 
-    void head() {
+    void head(const SliceResult& facts, const WeldedMesh* welded) {
         const std::string width = mm(frame_.width);
         const std::string height = mm(frame_.height);
         const std::string left = mm(frame_.min_x);
@@ -113,49 +117,44 @@ public:
             "xmlns:slic3r=\"http://slic3r.org/namespaces/slic3r\" xmlns:lamella=\"urn:lamella\" width=\"" +
             width + "mm\" height=\"" + height + "mm\" viewBox=\"" + left + " " + top + " " + width + " " + height +
             "\" fill-rule=\"nonzero\">\n");
-        out_.append("<title>" + counted(result_.layers.size(), "layer") + "</title>\n<desc>" + description() + "</desc>\n");
+        out_.append("<title>" + counted(layers_, "layer") + "</title>\n<desc>" + description(facts, welded) + "</desc>\n");
         out_.append("<rect x=\"" + left + "\" y=\"" + top + "\" width=\"" + width + "\" height=\"" + height +
                     "\" fill=\"white\"/>\n");
     }
 
-    void layer(std::size_t index) {
-        const Layer& layer = result_.layers[index];
-        out_.append("<g id=\"layer" + std::to_string(index) + "\" slic3r:z=\"" + exact_text(layer.plane_mm) +
-                    "\" lamella:cut-z=\"" + exact_text(result_.to_mm(layer.plane)) + "\" slic3r:layer-height=\"" +
-                    mm(layer.top_mm - layer.bottom_mm) + "\" fill=\"" + colour(index) + "\" transform=\"scale(1,-1)\">\n");
-        for (std::uint64_t c = layer.first_contour; c < layer.first_contour + layer.contour_count; ++c) {
-            contour(c);
+    void layer(const LayerView& view) {
+        const Layer& layer = view.layer;
+        out_.append("<g id=\"layer" + std::to_string(view.index) + "\" slic3r:z=\"" + exact_text(layer.plane_mm) +
+                    "\" lamella:cut-z=\"" + exact_text(layer.plane.z() * view.unit_mm) + "\" slic3r:layer-height=\"" +
+                    mm(layer.top_mm - layer.bottom_mm) + "\" fill=\"" + colour(view.index) +
+                    "\" transform=\"scale(1,-1)\">\n");
+        for (const Contour& own : view.contours) {
+            contour(own, view.points_of(own));
         }
         out_.append("</g>\n");
     }
 
     /// Open polylines once more, over all layers: a warning must not be hidden by the layers above it.
     void open_overlay() {
-        bool begun = false;
-        for (std::uint64_t c = 0; c < result_.contours.size(); ++c) {
+        if (open_.empty()) {
+            return;
+        }
+        out_.append("<g id=\"open\" transform=\"scale(1,-1)\">\n");
+        for (const std::uint64_t contour : open_) {
             pace_.spend(1);
-            if (result_.contours[c].role != Role::open) {
-                continue;
-            }
-            if (!begun) {
-                out_.append("<g id=\"open\" transform=\"scale(1,-1)\">\n");
-                begun = true;
-            }
-            out_.append("<use xlink:href=\"#open" + std::to_string(c) + "\"/>\n");
+            out_.append("<use xlink:href=\"#open" + std::to_string(contour) + "\"/>\n");
         }
-        if (begun) {
-            out_.append("</g>\n");
-        }
+        out_.append("</g>\n");
     }
 
     void tail() { out_.append("</svg>\n"); }
 
 private:
-    std::string description() const {
-        std::string text = "Coordinates in mm. Grid unit " + exact_text(result_.unit_mm) + " mm. " +
-                           (welded_ != nullptr ? describe_weld(*welded_) + ". " : "") + "Planes: " + describe(result_.plan) +
-                           ". " + describe_rules(result_) + ". Frame (rows of a 3x4 matrix from mesh to layers):";
-        for (const double entry : result_.frame.m) {
+    static std::string description(const SliceResult& facts, const WeldedMesh* welded) {
+        std::string text = "Coordinates in mm. Grid unit " + exact_text(facts.unit_mm) + " mm. " +
+                           (welded != nullptr ? describe_weld(*welded) + ". " : "") + "Planes: " + describe(facts.plan) +
+                           ". " + describe_rules(facts) + ". Frame (rows of a 3x4 matrix from mesh to layers):";
+        for (const double entry : facts.frame.m) {
             text += " " + exact_text(entry);
         }
         return text + ".";
@@ -167,8 +166,8 @@ private:
     }
 
     /// As "#rrggbb", from the lowest layer's to the highest's.
-    std::string colour(std::size_t index) const {
-        const std::size_t last = std::max<std::size_t>(result_.layers.size(), 2) - 1;
+    std::string colour(std::uint64_t index) const {
+        const std::uint64_t last = std::max<std::uint64_t>(layers_, 2) - 1;
         const double share = static_cast<double>(index) / static_cast<double>(last);
         std::string text = "#";
         for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -181,8 +180,8 @@ private:
         return text;
     }
 
-    void contour(std::uint64_t index) {
-        const Contour& contour = result_.contours[index];
+    void contour(const Contour& contour, std::span<const Point> own_points) {
+        const std::uint64_t index = contours_++;
         switch (contour.role) {
             case Role::outer:
                 out_.append("<polygon slic3r:type=\"contour\" points=\"");
@@ -194,14 +193,15 @@ private:
                 out_.append("<polygon slic3r:type=\"flat\" points=\"");
                 break;
             case Role::open:
+                open_.push_back(index);
                 out_.append("<polyline id=\"open" + std::to_string(index) +
                             "\" slic3r:type=\"open\" fill=\"none\" stroke=\"" + std::string(warning_colour) +
                             "\" stroke-width=\"" + mm(warning_stroke * frame_.extent) + "\" points=\"");
                 break;
         }
-        points(result_.points_of(contour));
+        points(own_points);
         out_.append((contour.flags & near_contour) != 0 ? "\" class=\"near\"" : "\"");
-        if (result_.part_count > 1) {
+        if (parts_ > 1) {
             out_.append(" lamella:part=\"" + (contour.part == several_parts ? "several" : std::to_string(contour.part)) +
                         "\"");
         }
@@ -228,27 +228,35 @@ private:
         }
     }
 
-    const SliceResult& result_;
-    const WeldedMesh* welded_;
+    std::uint64_t layers_;
+    std::uint32_t parts_;
     OutputFile& out_;
     MmFormat format_;
     Frame2d frame_;
     StopPace pace_;
+    std::uint64_t contours_ = 0;  ///< written
+    std::vector<std::uint64_t> open_;
 };
+
+}  // namespace svg
+
+namespace {
+
+using svg::SvgWriter;
 
 Status write_svg_throwing(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options) {
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();
     }
-    SvgWriter writer(result, options.welded, options.control.stop, *file);
+    SvgWriter writer(result, result.layers.size(), options.control.stop, *file);
     ProgressMeter progress(options.control.progress);
-    writer.head();
+    writer.head(result, options.welded);
     for (std::size_t index = 0; index < result.layers.size() && !file->failed(); ++index) {
         if (options.control.stop.stop_requested()) {
             return Error{.code = ErrorCode::cancelled, .message = "cancelled while writing '" + path.string() + "'"};
         }
-        writer.layer(index);
+        writer.layer(view_of_layer(result, index));
         progress.reach(static_cast<double>(index) / static_cast<double>(result.layers.size()));
     }
     writer.open_overlay();
@@ -264,6 +272,60 @@ Status write_svg_throwing(const SliceResult& result, const std::filesystem::path
 
 Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options) noexcept {
     return guarded(options.control, [&] { return write_svg_throwing(result, path, options); });
+}
+
+struct SvgStream::State {
+    State(OutputFile file, const SliceResult& facts, std::uint64_t layers, const StopCheck& stop)
+        : out(std::move(file)), writer(facts, layers, stop, out) {}
+
+    /// Keeps the first error.
+    template <class Step>
+    void attempt(const Step& step) noexcept {
+        if (done) {
+            done = guarded([&]() -> Status {
+                step();
+                return {};
+            });
+        }
+    }
+
+    OutputFile out;
+    SvgWriter writer;
+    Status done;
+};
+
+SvgStream::SvgStream(std::unique_ptr<State> state) noexcept : state_(std::move(state)) {}
+SvgStream::SvgStream(SvgStream&&) noexcept = default;
+SvgStream& SvgStream::operator=(SvgStream&&) noexcept = default;
+SvgStream::~SvgStream() = default;
+
+Result<SvgStream> SvgStream::begin(const SliceResult& facts, std::uint64_t layers, const std::filesystem::path& path,
+                                   const SvgOptions& options) noexcept {
+    return guarded(options.control, [&]() -> Result<SvgStream> {
+        Result<OutputFile> file = OutputFile::create(path);
+        if (!file) {
+            return file.error();
+        }
+        auto state = std::make_unique<State>(std::move(file).value(), facts, layers, options.control.stop);
+        state->writer.head(facts, options.welded);
+        return SvgStream(std::move(state));
+    });
+}
+
+void SvgStream::add(const LayerView& layer) noexcept {
+    state_->attempt([&] { state_->writer.layer(layer); });
+}
+
+bool SvgStream::failed() const noexcept {
+    return !state_->done || state_->out.failed();
+}
+
+Status SvgStream::finish() noexcept {
+    state_->attempt([&] {
+        state_->writer.open_overlay();
+        state_->writer.tail();
+    });
+    return state_->done ? guarded([&] { return state_->out.commit(); }) : state_->done;
 }
 
 }  // namespace lamella

@@ -6,14 +6,17 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "base/guard.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/audit/volume.hpp"
 #include "lamella/mesh/inspect.hpp"
 #include "medical/tables/csv_text.hpp"
+#include "slicing/result/layer_view.hpp"
 
 namespace lamella {
 
@@ -39,8 +42,7 @@ struct Measures {
 };
 
 /// The sum of moments of a contour about one of its points, so that nothing cancels: six times the area times the centroid.
-void add_moments(const SliceResult& result, const Contour& contour, Point about, std::array<double, 3>& sums) {
-    const std::span<const Point> points = result.points_of(contour);
+void add_moments(std::span<const Point> points, Point about, std::array<double, 3>& sums) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Point& p = points[i];
         const Point& q = points[i + 1 < points.size() ? i + 1 : 0];
@@ -55,8 +57,7 @@ void add_moments(const SliceResult& result, const Contour& contour, Point about,
     }
 }
 
-double perimeter_mm(const SliceResult& result, const Contour& contour) {
-    const std::span<const Point> points = result.points_of(contour);
+double perimeter(std::span<const Point> points) {
     double sum = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Point& p = points[i];
@@ -64,7 +65,7 @@ double perimeter_mm(const SliceResult& result, const Contour& contour) {
         sum += std::sqrt(std::pow(static_cast<double>(std::int64_t{q.x} - p.x), 2) +
                          std::pow(static_cast<double>(std::int64_t{q.y} - p.y), 2));
     }
-    return sum * result.unit_mm;
+    return sum;
 }
 
 void widen(std::optional<std::array<double, 4>>& box, PointMm at) {
@@ -74,26 +75,27 @@ void widen(std::optional<std::array<double, 4>>& box, PointMm at) {
     *box = {std::min((*box)[0], at.x), std::min((*box)[1], at.y), std::max((*box)[2], at.x), std::max((*box)[3], at.y)};
 }
 
-Measures measure(const SliceResult& result, const Layer& layer) {
+Measures measure(const LayerView& view) {
     Measures found;
     std::optional<Point> about;
     std::array<double, 3> sums{};
-    for (const Contour& contour : result.contours_of(layer)) {
+    for (const Contour& contour : view.contours) {
+        const std::span<const Point> points = view.points_of(contour);
         found.holes += contour.role == Role::hole ? 1 : 0;
         found.open += contour.role == Role::open ? 1 : 0;
         found.flat += contour.role == Role::flat ? 1 : 0;
-        for (const Point& point : result.points_of(contour)) {
-            widen(found.box_mm, result.to_mm(point));
+        for (const Point& point : points) {
+            widen(found.box_mm, view.to_mm(point));
         }
         if (contour.role == Role::outer || contour.role == Role::hole) {
-            about = about.value_or(result.points_of(contour).front());
-            add_moments(result, contour, *about, sums);
-            found.perimeter_mm += perimeter_mm(result, contour);
+            about = about.value_or(points.front());
+            add_moments(points, *about, sums);
+            found.perimeter_mm += perimeter(points) * view.unit_mm;
         }
     }
     if (about && sums[0] != 0) {
-        found.centroid = PointMm{(about->x + sums[1] / (3 * sums[0])) * result.unit_mm,
-                                 (about->y + sums[2] / (3 * sums[0])) * result.unit_mm};
+        found.centroid = PointMm{(about->x + sums[1] / (3 * sums[0])) * view.unit_mm,
+                                 (about->y + sums[2] / (3 * sums[0])) * view.unit_mm};
     }
     return found;
 }
@@ -104,22 +106,21 @@ struct Cell {
     std::optional<std::string> text;
 };
 
-std::vector<Cell> cells_of(const TablePart& part, std::uint64_t index) {
-    const SliceResult& result = *part.result;
-    const Layer& layer = result.layers[index];
-    const Measures found = measure(result, layer);
+std::vector<Cell> cells_of(const LayerView& view) {
+    const Layer& layer = view.layer;
+    const Measures found = measure(view);
     const auto from_box = [&](std::size_t i) {
         return found.box_mm ? std::optional<std::string>(number((*found.box_mm)[i])) : std::nullopt;
     };
     const auto centroid = [&](double PointMm::*axis) {
         return found.centroid ? std::optional<std::string>(number((*found.centroid).*axis)) : std::nullopt;
     };
-    return {{"layer", number(index)},
+    return {{"layer", number(view.index)},
             {"height_mm", number(layer.plane_mm)},
-            {"cut_mm", number(result.to_mm(layer.plane))},
+            {"cut_mm", number(layer.plane.z() * view.unit_mm)},
             {"bottom_mm", number(layer.bottom_mm)},
             {"top_mm", number(layer.top_mm)},
-            {"area_mm2", number(result.area_mm2(layer))},
+            {"area_mm2", number(view.area_mm2())},
             {"perimeter_mm", number(found.perimeter_mm)},
             {"contours", number(layer.contour_count)},
             {"holes", number(found.holes)},
@@ -158,22 +159,36 @@ std::string joined(const std::vector<std::string>& lines) {
     return all;
 }
 
+constexpr std::string_view csv_head =
+    "mesh,layer,height_mm,cut_mm,bottom_mm,top_mm,area_mm2,perimeter_mm,contours,holes,open,flat,centroid_x_mm,"
+    "centroid_y_mm,min_x_mm,min_y_mm,max_x_mm,max_y_mm\n";
+
+std::string csv_row(const std::string& mesh, const LayerView& view) {
+    std::string line = csv_text(mesh);
+    for (const Cell& cell : cells_of(view)) {
+        line += "," + cell.text.value_or("");
+    }
+    return line + "\n";
+}
+
+std::string json_row(const std::string& mesh, const LayerView& view) {
+    std::string line = "{\"kind\":\"layer\",\"mesh\":" + json_text(mesh);
+    for (const Cell& cell : cells_of(view)) {
+        line += ",\"" + std::string(cell.name) + "\":" + cell.text.value_or("null");
+    }
+    return line + "}\n";
+}
+
 Status write_csv(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control) {
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();
     }
-    file->append(
-        "mesh,layer,height_mm,cut_mm,bottom_mm,top_mm,area_mm2,perimeter_mm,contours,holes,open,flat,centroid_x_mm,"
-        "centroid_y_mm,min_x_mm,min_y_mm,max_x_mm,max_y_mm\n");
+    file->append(csv_head);
     for (const TablePart& part : parts) {
         for (std::uint64_t i = 0; i < part.result->layers.size(); ++i) {
             stop_if_asked(control);
-            std::string line = csv_text(part.name);
-            for (const Cell& cell : cells_of(part, i)) {
-                line += "," + cell.text.value_or("");
-            }
-            file->append(line + "\n");
+            file->append(csv_row(part.name, view_of_layer(*part.result, i)));
         }
     }
     return file->commit();
@@ -220,14 +235,14 @@ Status write_json_lines(std::span<const TablePart> parts, const std::filesystem:
     for (const TablePart& part : parts) {
         for (std::uint64_t i = 0; i < part.result->layers.size(); ++i) {
             stop_if_asked(control);
-            std::string line = "{\"kind\":\"layer\",\"mesh\":" + json_text(part.name);
-            for (const Cell& cell : cells_of(part, i)) {
-                line += ",\"" + std::string(cell.name) + "\":" + cell.text.value_or("null");
-            }
-            file->append(line + "}\n");
+            file->append(json_row(part.name, view_of_layer(*part.result, i)));
         }
     }
     return file->commit();
+}
+
+Error not_a_table(const std::filesystem::path& path) {
+    return {ErrorCode::invalid_argument, "'" + path.string() + "': a table's name ends in .csv or .jsonl"};
 }
 
 }  // namespace
@@ -264,8 +279,56 @@ Status write_layer_table(std::span<const TablePart> parts, const std::filesystem
         if (path.extension() == ".jsonl") {
             return write_json_lines(parts, path, control);
         }
-        return Error{ErrorCode::invalid_argument, "'" + path.string() + "': a table's name ends in .csv or .jsonl"};
+        return not_a_table(path);
     });
+}
+
+struct LayerTableStream::State {
+    std::string name;
+    bool csv;
+    OutputFile out;
+    Status done;
+};
+
+LayerTableStream::LayerTableStream(std::unique_ptr<State> state) noexcept : state_(std::move(state)) {}
+LayerTableStream::LayerTableStream(LayerTableStream&&) noexcept = default;
+LayerTableStream& LayerTableStream::operator=(LayerTableStream&&) noexcept = default;
+LayerTableStream::~LayerTableStream() = default;
+
+Result<LayerTableStream> LayerTableStream::begin(const std::string& name, const std::filesystem::path& path) noexcept {
+    return guarded([&]() -> Result<LayerTableStream> {
+        const bool csv = path.extension() == ".csv";
+        if (!csv && path.extension() != ".jsonl") {
+            return not_a_table(path);
+        }
+        Result<OutputFile> file = OutputFile::create(path);
+        if (!file) {
+            return file.error();
+        }
+        auto state = std::make_unique<State>(State{name, csv, std::move(file).value(), {}});
+        if (csv) {
+            state->out.append(csv_head);
+        }
+        return LayerTableStream(std::move(state));
+    });
+}
+
+void LayerTableStream::add(const LayerView& layer) noexcept {
+    State& own = *state_;
+    if (own.done) {
+        own.done = guarded([&]() -> Status {
+            own.out.append(own.csv ? csv_row(own.name, layer) : json_row(own.name, layer));
+            return {};
+        });
+    }
+}
+
+bool LayerTableStream::failed() const noexcept {
+    return !state_->done || state_->out.failed();
+}
+
+Status LayerTableStream::finish() noexcept {
+    return state_->done ? guarded([&] { return state_->out.commit(); }) : state_->done;
 }
 
 }  // namespace lamella

@@ -6,12 +6,15 @@
 //     }
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 
 #include "lamella/control.hpp"
 #include "lamella/error.hpp"
 #include "lamella/mesh/weld.hpp"
 #include "lamella/result.hpp"
+#include "lamella/sink.hpp"
 
 namespace lamella {
 
@@ -30,5 +33,28 @@ struct SvgOptions {
 /// in place, and /dev/stdout is standard output wherever that leads. O(points) time and 1 MiB of memory, on the calling
 /// thread. Errors: unwritable_file, invalid_argument (negative threads), cancelled, out_of_memory.
 Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options = {}) noexcept;
+
+/// The same file, layer by layer, of a result that is never held: begin() with what is known before the first layer, then
+/// add() each layer in ascending order, then finish(). 1 MiB of memory, and 8 bytes an open polyline. Errors are kept, and
+/// finish() returns the first; a stream that ends without it leaves no file.
+class SvgStream {
+public:
+    /// Of `facts` frame, unit, rules, plan, box and part_count are looked at. `layers`: how many will come.
+    static Result<SvgStream> begin(const SliceResult& facts, std::uint64_t layers, const std::filesystem::path& path,
+                                   const SvgOptions& options = {}) noexcept;
+    SvgStream(SvgStream&& other) noexcept;
+    SvgStream& operator=(SvgStream&& other) noexcept;
+    ~SvgStream();
+
+    void add(const LayerView& layer) noexcept;
+    /// Something failed: more layers are for nothing.
+    bool failed() const noexcept;
+    Status finish() noexcept;
+
+private:
+    struct State;
+    explicit SvgStream(std::unique_ptr<State> state) noexcept;
+    std::unique_ptr<State> state_;
+};
 
 }  // namespace lamella

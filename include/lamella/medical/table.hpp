@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/result.hpp"
+#include "lamella/sink.hpp"
 
 namespace lamella {
 
@@ -43,5 +45,25 @@ struct TablePart {
 /// beside NAME.csv stands NAME.meshes.csv. Errors: invalid_argument, unwritable_file, cancelled, out_of_memory.
 Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path,
                          const Control& control = {}) noexcept;
+
+/// The same file for one mesh without facts, layer by layer, of a result that is never held: add() each layer in ascending
+/// order, then finish(). Errors are kept, and finish() returns the first; a stream that ends without it leaves no file.
+class LayerTableStream {
+public:
+    static Result<LayerTableStream> begin(const std::string& name, const std::filesystem::path& path) noexcept;
+    LayerTableStream(LayerTableStream&& other) noexcept;
+    LayerTableStream& operator=(LayerTableStream&& other) noexcept;
+    ~LayerTableStream();
+
+    void add(const LayerView& layer) noexcept;
+    /// Something failed: more layers are for nothing.
+    bool failed() const noexcept;
+    Status finish() noexcept;
+
+private:
+    struct State;
+    explicit LayerTableStream(std::unique_ptr<State> state) noexcept;
+    std::unique_ptr<State> state_;
+};
 
 }  // namespace lamella

@@ -144,7 +144,7 @@ void write_record_of(const OutputJob& job, const PlannedOutput& output, const Co
     record.fill_rule = name_of(job.parts.front().result.region.fill_rule);
     for (const SlicedPart& part : job.parts) {
         record.grid_mm.push_back(part.result.unit_mm);
-        record.result_hashes.push_back(hexadecimal(hash_result(part.result)));
+        record.result_hashes.push_back(hexadecimal(part.hash ? *part.hash : hash_result(part.result)));
     }
     done_or_thrown(write_record(record, output.record_path()));
 }
@@ -214,8 +214,13 @@ void write_outputs(const OutputJob& job, const Control& control, const Note& not
     if (job.arguments.strict) {
         require_closed(job);
     }
+    if (job.streamed != nullptr) {
+        job.streamed->finish();
+    }
     for (const PlannedOutput& output : job.outputs) {
-        write_one(job, output, control, note);
+        if (job.streamed == nullptr) {
+            write_one(job, output, control, note);
+        }
         write_record_of(job, output, control);
     }
 }

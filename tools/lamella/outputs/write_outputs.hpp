@@ -14,6 +14,7 @@
 #include "outputs/image_arguments.hpp"
 #include "outputs/output_formats.hpp"
 #include "outputs/recorded_options.hpp"
+#include "outputs/streamed_outputs.hpp"
 
 namespace lamella::cli {
 
@@ -24,9 +25,10 @@ struct SlicedPart {
     std::optional<MeshFacts> facts;
     PatientFrame frame = PatientFrame::unstated;
     std::optional<WeldedMesh> welded;
-    std::uint64_t first_layer = 0;  ///< of the result among the layers of the plan: see --layers
-    std::uint64_t all_layers = 0;   ///< of the plan
-    std::string mesh_sha256;        ///< of the mesh's file, where it is known
+    std::uint64_t first_layer = 0;      ///< of the result among the layers of the plan: see --layers
+    std::uint64_t all_layers = 0;       ///< of the plan
+    std::string mesh_sha256;            ///< of the mesh's file, where it is known
+    std::optional<std::uint64_t> hash;  ///< hash_result(), where it is known
 };
 
 /// All that is written at the end of a command.
@@ -39,6 +41,7 @@ struct OutputJob {
     std::string command;  ///< for the records, as what follows
     std::vector<FileSeal> inputs;
     std::vector<RecordedOption> options;
+    StreamedOutputs* streamed = nullptr;  ///< holds what was written already, while the mesh was sliced
 };
 
 /// Whether options and formats go together, wherever the files may lie. Throws Failure (bad_usage).

@@ -15,27 +15,74 @@ namespace lamella::cli {
 
 namespace {
 
-/// Keeps what the summary tells of.
-struct KeptLayers {
-    std::vector<Layer> layers;
-    std::vector<ClosedGap> gaps;
-    std::atomic<bool> failed = false;
+/// Keeps what the summary tells of, and hands layers on.
+class KeptLayers {
+public:
+    KeptLayers(StreamedOutputs& outputs, const StopCheck& stop) : outputs_(outputs), stop_(stop) {}
 
+    OutlineSink outline() noexcept {
+        return {
+            [](void* context, const FileOutline& outline) noexcept { static_cast<KeptLayers*>(context)->begin(outline); },
+            this};
+    }
     void operator()(const LayerView& view) noexcept {
         try {
-            layers.push_back(view.layer);
-            gaps.insert(gaps.end(), view.closed_gaps.begin(), view.closed_gaps.end());
+            layers_.push_back(view.layer);
+            gaps_.insert(gaps_.end(), view.closed_gaps.begin(), view.closed_gaps.end());
         } catch (...) {
-            failed = true;
+            failed_ = true;
         }
+        outputs_.add(view);
     }
-};
+    /// Also where more layers are for nothing.
+    StopCheck stop() noexcept {
+        return {[](void* context) noexcept {
+                    const KeptLayers& own = *static_cast<KeptLayers*>(context);
+                    return own.failed_ || own.outputs_.failed() || own.stop_.stop_requested();
+                },
+                this};
+    }
+    bool failed() const noexcept { return failed_; }
 
-template <class T>
-void copy_to(Array<T>& array, const std::vector<T>& from) {
-    array.resize_discarding(from.size());
-    std::copy(from.begin(), from.end(), array.begin());
-}
+    /// Without contours.
+    SliceResult result(const SliceTotals& totals) && {
+        copy_to(facts_.layers, layers_);
+        copy_to(facts_.closed_gaps, gaps_);
+        facts_.summary = totals.summary;
+        return std::move(facts_);
+    }
+
+private:
+    void begin(const FileOutline& outline) noexcept {
+        const SliceResult& facts = outline.facts;
+        facts_.first_layer = facts.first_layer;
+        facts_.all_layers = facts.all_layers;
+        facts_.region = facts.region;
+        facts_.close_gaps_mm = facts.close_gaps_mm;
+        facts_.gap_sense = facts.gap_sense;
+        facts_.unit_mm = facts.unit_mm;
+        facts_.frame = facts.frame;
+        try {
+            facts_.plan = facts.plan;
+        } catch (...) {
+            failed_ = true;
+        }
+        outputs_.begin(outline);
+    }
+
+    template <class T>
+    static void copy_to(Array<T>& array, const std::vector<T>& from) {
+        array.resize_discarding(from.size());
+        std::copy(from.begin(), from.end(), array.begin());
+    }
+
+    StreamedOutputs& outputs_;
+    const StopCheck& stop_;
+    SliceResult facts_;
+    std::vector<Layer> layers_;
+    std::vector<ClosedGap> gaps_;
+    std::atomic<bool> failed_ = false;
+};
 
 /// $TMPDIR, else beside the output: the system's own folder is often held in memory.
 std::filesystem::path temporary_folder(const SliceArguments& arguments) {
@@ -67,28 +114,26 @@ std::string words_of(const FileSlice& file) {
     return text + "\n";
 }
 
-Result<SliceResult> keep_layers(const std::filesystem::path& path, const FileSliceOptions& options, ToolRun& run) {
-    KeptLayers kept;
-    Result<FileSlice> file = slice_file(path, LayerSink::to(kept, SinkOrder::ascending), options);
-    if (!file || kept.failed) {
-        return file ? Error{ErrorCode::out_of_memory, "out of memory"} : file.error();
+Result<SliceResult> stream_layers(const std::filesystem::path& path, const FileSliceOptions& options,
+                                  StreamedOutputs& outputs, ToolRun& run) {
+    KeptLayers kept(outputs, options.slice.control.stop);
+    FileSliceOptions watched = options;
+    watched.outline = kept.outline();
+    watched.slice.control.stop = kept.stop();
+    const Result<FileSlice> file = slice_file(path, LayerSink::to(kept, SinkOrder::ascending), watched);
+    if (kept.failed()) {
+        return Error{ErrorCode::out_of_memory, "out of memory"};
     }
-    SliceResult result;
-    copy_to(result.layers, kept.layers);
-    copy_to(result.closed_gaps, kept.gaps);
-    result.first_layer = file->totals.first_layer;
-    result.all_layers = file->totals.all_layers;
-    result.region = options.slice.region;
-    result.close_gaps_mm = options.slice.close_gaps_mm;
-    result.gap_sense = options.slice.gap_sense;
-    result.unit_mm = file->totals.unit_mm;
-    result.frame = options.slice.transform;
-    result.plan = options.slice.plan;
-    result.summary = file->totals.summary;
+    if (outputs.failed()) {
+        outputs.finish();  // throws
+    }
+    if (!file) {
+        return file.error();
+    }
     run.contours = file->totals.contours;
     run.hash = file->hash;
     run.ranges = words_of(*file);
-    return result;
+    return std::move(kept).result(file->totals);
 }
 
 }  // namespace
@@ -116,12 +161,13 @@ MeshFile describe_mesh_of(const SliceArguments& arguments) {
     return std::move(mesh).value();
 }
 
-Result<SliceResult> slice_in_ranges(const SliceArguments& arguments, const SliceOptions& options, bool collect,
+Result<SliceResult> slice_in_ranges(const SliceArguments& arguments, const SliceOptions& options, StreamedOutputs* outputs,
                                     ToolRun& run) {
     FileSliceOptions in_file = file_options(arguments);
     in_file.slice = options;
-    if (!collect) {
-        return keep_layers(arguments.mesh, in_file, run);
+    if (outputs != nullptr) {
+        in_file.hash = in_file.hash || outputs->have_records();
+        return stream_layers(arguments.mesh, in_file, *outputs, run);
     }
     Result<CollectedFileSlice> collected = slice_file(arguments.mesh, in_file);
     if (!collected) {

@@ -3,6 +3,7 @@
 
 #include "lamella/slice_file.hpp"
 #include "outputs/output_formats.hpp"
+#include "outputs/streamed_outputs.hpp"
 #include "slice/slice_arguments.hpp"
 #include "slice/slice_summary.hpp"
 #include "terminal/console.hpp"
@@ -16,9 +17,10 @@ void require_ranges_possible(const SliceArguments& arguments);
 /// The mesh as far as its file's beginning says. Throws Failure.
 MeshFile describe_mesh_of(const SliceArguments& arguments);
 
-/// Slices within --memory. Where `collect` is false, the result has layers and closed gaps only. Fills in `run`. Errors:
-/// those of slice_file().
-Result<SliceResult> slice_in_ranges(const SliceArguments& arguments, const SliceOptions& options, bool collect,
+/// Slices within --memory. Where the `outputs` take layers as they are cut, the result has layers and closed gaps only;
+/// null: it holds everything. Fills in `run`. Errors: those of slice_file(). Throws Failure where an output cannot be
+/// written.
+Result<SliceResult> slice_in_ranges(const SliceArguments& arguments, const SliceOptions& options, StreamedOutputs* outputs,
                                     ToolRun& run);
 
 }  // namespace lamella::cli

@@ -85,7 +85,7 @@ public:
             return std::nullopt;
         }
         const SliceResult& result = job_.parts.front().result;
-        return SliceFacts{result.summary.triangles, result.layers.size(), result.contours.size(),
+        return SliceFacts{result.summary.triangles, result.layers.size(), run_.contours.value_or(result.contours.size()),
                           result.summary.open_contours, run_.warnings};
     }
 
@@ -122,7 +122,14 @@ private:
             options.plan.spacing = ExplicitPlanes{job_.image->slice_heights_mm(job_.subslices)};
             options.transform = job_.image->slicing_frame(part.frame);
         }
+        if (in_ranges() && arguments_.meshes.size() == 1 && StreamedOutputs::serve(job_.outputs)) {
+            job_.streamed = &streamed_.emplace(job_.outputs, part.name);
+        }
         part.result = slice_mesh(mesh, options);
+        part.hash = run_.hash;
+        if (!arguments_.hash) {
+            run_.hash.reset();
+        }
         part.first_layer = part.result.first_layer;
         part.all_layers = part.result.all_layers;
         part.welded = std::move(welded_);
@@ -133,7 +140,7 @@ private:
         if (part.result.summary.segments == 0) {
             note(why_nothing_is_cut(part.result.summary));
         }
-        if (part.result.summary.emptied_layers > 0 && part.result.contours.empty()) {
+        if (part.result.summary.emptied_layers > 0 && run_.contours.value_or(part.result.contours.size()) == 0) {
             note(why_nothing_is_left(part.result));
         }
         note_doubts_of_scale(part.result, mesh);
@@ -202,7 +209,7 @@ private:
         const Stage stage(bar_, "slicing");
         options.control.stop = interrupt_.defer();
         options.control.progress = stage.progress();
-        Result<SliceResult> result = in_ranges() ? slice_in_ranges(arguments_, options, !job_.outputs.empty(), run_)
+        Result<SliceResult> result = in_ranges() ? slice_in_ranges(arguments_, options, job_.streamed, run_)
                                      : welded_   ? slice(*welded_, options)
                                                  : slice(mesh, options);
         if (!result) {
@@ -336,6 +343,7 @@ private:
     OutputJob job_;
     std::string words_;  ///< the summaries of several meshes
     std::optional<WeldedMesh> welded_;
+    std::optional<StreamedOutputs> streamed_;
     ToolRun run_;
     Stopwatch total_;
 };

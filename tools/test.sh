@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # tools/test.sh           builds the release and runs its tests
 # tools/test.sh NAME...   builds the release and runs the tests whose names contain one of the words
-# tools/test.sh --all     also checks format and style, and runs the tests under sanitizers, with Clang and with libc++
+# tools/test.sh --all     also runs the thorough tests (exact judges, other readers, the Python package), checks format and
+#                         style, and runs the tests under sanitizers, with Clang and with libc++
 #
 # Installs missing packages. Prints the summary of the release's tests last.
 set -euo pipefail
@@ -50,15 +51,33 @@ run_tests() {
     ctest --test-dir "$1" --label-exclude "long|paper$($all || echo '|thorough')" --parallel "$jobs" --output-on-failure "${@:2}"
 }
 
-# Runs the ctest tests of that name, or else the cases of lamella_tests whose names contain the word.
+# build_release THOROUGH BENCH: each ON or OFF.
+build_release() {
+    configure build -DCMAKE_BUILD_TYPE=Release -DLAMELLA_WERROR=ON -DLAMELLA_BUILD_BENCH="$2" \
+        -DLAMELLA_THOROUGH_TESTS="$1" -DLAMELLA_BUILD_PYTHON="$1"
+    build build
+}
+
+is_ctest() { ! ctest --test-dir build --show-only --tests-regex "$1" | grep -q '^Total Tests: 0$'; }
+
+# Runs the ctest tests of that name, or else the cases of lamella_tests whose names contain the word, or else what only the
+# thorough build has.
 run_named() {
     local word
     for word in "$@"; do
-        if ctest --test-dir build --show-only --tests-regex "$word" | grep -q '^Total Tests: 0$'; then
-            build/tests/lamella_tests --warn NoTests "*$word*"
-        else
-            ctest --test-dir build --parallel "$jobs" --output-on-failure --tests-regex "$word"
+        if ! is_ctest "$word"; then
+            build/tests/lamella_tests --list-test-names-only "*$word*" | grep -q . && {
+                build/tests/lamella_tests --warn NoTests "*$word*"
+                continue
+            }
+            stage "thorough tests"
+            build_release ON OFF
         fi
+        is_ctest "$word" || {
+            echo "no test has '$word' in its name" >&2
+            return 1
+        }
+        ctest --test-dir build --parallel "$jobs" --output-on-failure --tests-regex "$word"
     done
 }
 
@@ -116,7 +135,8 @@ check_memory() {
 # Uses std::thread, because the sanitizer cannot see into Debian's oneTBB.
 check_threads() {
     stage "Clang build, thread sanitizer"
-    configure_sanitizer build/tsan -DCMAKE_CXX_COMPILER=clang++ -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std -DLAMELLA_BUILD_TOOLS=OFF
+    configure_sanitizer build/tsan -DCMAKE_CXX_COMPILER=clang++ -DLAMELLA_SANITIZE=thread -DLAMELLA_PARALLEL=std \
+        -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_MEDICAL=OFF
     build build/tsan
     stage "tests under the thread sanitizer"
     TSAN_OPTIONS=halt_on_error=1 quietly build/tsan/tests.log run_tests build/tsan
@@ -137,8 +157,11 @@ if $all; then
 fi
 
 stage "release build"
-configure build -DCMAKE_BUILD_TYPE=Release -DLAMELLA_WERROR=ON -DLAMELLA_BUILD_BENCH="$($all && echo ON || echo OFF)"
-build build
+if $all; then
+    build_release ON ON
+else
+    build_release OFF OFF
+fi
 
 if $all; then
     check_docs

@@ -256,7 +256,11 @@ TEST_CASE("an OBJ file cut anywhere is read or refused, never misread", "[input]
 
 TEST_CASE("pieces of OBJ text end neither within a statement nor within a comment", "[input][obj][threads]") {
     const TempFolder dir;
+#ifdef LAMELLA_TESTS_SANITIZED
+    const std::string end = "\r\n";
+#else
     const std::string end = GENERATE(as<std::string>(), "\n", "\r\n", "\r");
+#endif
     std::string text = "v 0 0 0" + end + "v 1 0 0" + end + "v 0 1 0" + end + "f";
     for (std::size_t i = 0; i < 500'000; ++i) {  // one face on half a million lines
         text += " " + std::to_string(i % 3 + 1) + "\\" + end;

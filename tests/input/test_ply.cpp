@@ -338,14 +338,21 @@ TEST_CASE("ASCII PLY parsed in many pieces gives every face once, in order", "[i
     const shapes::Indexed sphere = shapes::indexed(shapes::octasphere({1, 2, 3}, 20, 7));  // 5 MB
     Faces faces = triangles_of(sphere);
     std::size_t small = 0;
-    if (GENERATE(false, true)) {  // fewer triangles in a piece than its lines and words let expect
+#ifdef LAMELLA_TESTS_SANITIZED
+    const bool some_small = true;
+    const bool faces_first = true;
+#else
+    const bool some_small = GENERATE(false, true);
+    const bool faces_first = GENERATE(false, true);
+#endif
+    if (some_small) {  // fewer triangles in a piece than its lines and words let expect
         for (std::size_t at = 20; at < 120'000; at += 30'000) {
             faces.insert(faces.begin() + static_cast<std::ptrdiff_t>(at), {{0}, {1, 2}});
             small += 2;
         }
     }
     PlyVariant how;
-    how.faces_first = GENERATE(false, true);
+    how.faces_first = faces_first;
     how.extra_elements = how.faces_first;
     const std::string by_lines = ply(how, sphere.xyz, faces);
     const auto path = dir.write("a.ply", by_lines);

@@ -186,7 +186,7 @@ TEST_CASE("the engine holds no more than the budget", "[slice_file]") {
         for (const int budget : {3'000'000, 10'000'000}) {
             for (const auto& [threads, order_of_sink] :
                  {std::pair{1, lamella::SinkOrder::any}, std::pair{2, lamella::SinkOrder::any},
-                  std::pair{2, lamella::SinkOrder::ascending}, std::pair{4, lamella::SinkOrder::ascending}}) {
+                  std::pair{4, lamella::SinkOrder::ascending}}) {
                 CountingMemory memory;
                 FileSliceOptions options;
                 options.slice = layers_of(height);

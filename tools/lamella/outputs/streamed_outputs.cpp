@@ -8,6 +8,17 @@
 
 namespace lamella::cli {
 
+namespace {
+
+/// std::visit() could throw.
+template <class Stream, class Use>
+auto of_its_kind(Stream& stream, Use use) noexcept {
+    auto* const svg = std::get_if<SvgStream>(&stream);
+    return svg != nullptr ? use(*svg) : use(*std::get_if<LayerTableStream>(&stream));
+}
+
+}  // namespace
+
 bool StreamedOutputs::serve(const std::vector<PlannedOutput>& outputs) {
     return std::all_of(outputs.begin(), outputs.end(), [](const PlannedOutput& output) {
         return output.format == OutputFormat::svg || output.format == OutputFormat::csv ||
@@ -48,13 +59,13 @@ Result<StreamedOutputs::Stream> StreamedOutputs::open(const PlannedOutput& outpu
 
 void StreamedOutputs::add(const LayerView& view) noexcept {
     for (Stream& stream : streams_) {
-        std::visit([&](auto& own) { own.add(view); }, stream);
+        of_its_kind(stream, [&](auto& own) { own.add(view); });
     }
 }
 
 bool StreamedOutputs::failed() const noexcept {
     return !begun_ || std::any_of(streams_.begin(), streams_.end(), [](const Stream& stream) {
-        return std::visit([](const auto& own) { return own.failed(); }, stream);
+        return of_its_kind(stream, [](const auto& own) { return own.failed(); });
     });
 }
 
@@ -62,7 +73,7 @@ void StreamedOutputs::finish() {
     Status status = begun_;
     for (Stream& stream : streams_) {
         if (status) {
-            status = std::visit([](auto& own) { return own.finish(); }, stream);
+            status = of_its_kind(stream, [](auto& own) { return own.finish(); });
         }
     }
     if (!status) {

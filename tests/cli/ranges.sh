@@ -70,6 +70,15 @@ streamed_outputs() {
     head -c 4000084 z.stl > short.stl
     expect 3 slice short.stl --memory 2M -o short.svg
     [[ ! -e short.svg ]] || fail "half an SVG"
+    # A file that fails midway takes those beside it along, which lack layers.
+    ln -s /dev/full full.svg
+    expect_failure 4 "cannot write 'full.svg'" slice z.stl --memory 2M --layer-height 0.05 -o beside.csv -o full.svg
+    [[ ! -e beside.csv ]] || fail "half a table"
+    # Without outputs nothing of the results is held, whatever the number of meshes. An instrumented program takes more.
+    expect 0 slice z.stl random.stl --layer-height 0.01 --memory 20M
+    if [[ -z ${ASAN_OPTIONS:-} ]]; then
+        sed -n 's/^memory *\([0-9]*\).*/\1/p' .stdout | awk '$1 > 100 { exit 1 } END { exit NR != 2 }' || fail "holds results"
+    fi
     # Of several formats, one of which takes the whole result, the bytes are the same.
     expect 0 slice z.stl --memory 2M -o mixed.svg -o mixed.png
     cmp -s whole.svg mixed.svg || fail "another SVG beside a picture"

@@ -48,19 +48,17 @@ T* room_for(Array<T>& array, std::size_t count) {
 /// Puts layers that come in ascending order behind one another.
 class Collector {
 public:
-    explicit Collector(SliceResult& result, const FileSliceOptions& options)
-        : result_(result), outline_(options.outline), stop_(options.slice.control.stop) {}
-
-    OutlineSink outline() noexcept {
-        return {[](void* context, const FileOutline& outline) noexcept {
-                    Collector& own = *static_cast<Collector*>(context);
-                    own.attempt([&] { own.begin(outline); });
-                },
-                this};
-    }
+    explicit Collector(SliceResult& result, const StopCheck& stop) : result_(result), stop_(stop) {}
 
     void operator()(const LayerView& view) noexcept {
-        attempt([&] { append(view); });
+        if (failed_) {
+            return;
+        }
+        try {
+            append(view);
+        } catch (...) {  // out of memory: the call is asked to end
+            failed_ = true;
+        }
     }
     StopCheck stop() noexcept {
         return {[](void* context) noexcept {
@@ -72,33 +70,6 @@ public:
     bool failed() const noexcept { return failed_; }
 
 private:
-    template <class Step>
-    void attempt(const Step& step) noexcept {
-        try {
-            if (!failed_) {
-                step();
-            }
-        } catch (...) {  // out of memory: the call is asked to end
-            failed_ = true;
-        }
-    }
-
-    void begin(const FileOutline& outline) {
-        const SliceResult& facts = outline.facts;
-        std::copy(facts.layer_of.begin(), facts.layer_of.end(), room_for(result_.layer_of, facts.layer_of.size()));
-        result_.first_layer = facts.first_layer;
-        result_.all_layers = facts.all_layers;
-        result_.region = facts.region;
-        result_.close_gaps_mm = facts.close_gaps_mm;
-        result_.gap_sense = facts.gap_sense;
-        result_.unit_mm = facts.unit_mm;
-        result_.frame = facts.frame;
-        result_.plan = facts.plan;
-        if (outline_.take != nullptr) {
-            outline_.take(outline_.context, outline);
-        }
-    }
-
     void append(const LayerView& view) {
         const std::uint64_t first_contour = result_.contours.size();
         const std::uint64_t first_point = result_.points.size();
@@ -116,16 +87,14 @@ private:
     }
 
     SliceResult& result_;
-    OutlineSink outline_;
     const StopCheck& stop_;
     std::atomic<bool> failed_ = false;
 };
 
 Result<CollectedFileSlice> collect(const std::filesystem::path& path, const FileSliceOptions& options) {
     SliceResult result(options.slice.control.memory);
-    Collector collector(result, options);
+    Collector collector(result, options.slice.control.stop);
     FileSliceOptions watched = options;
-    watched.outline = collector.outline();
     watched.slice.control.stop = collector.stop();
     Result<FileSlice> file = run(path, LayerSink::to(collector, SinkOrder::ascending), watched);
     if (collector.failed()) {
@@ -134,7 +103,17 @@ Result<CollectedFileSlice> collect(const std::filesystem::path& path, const File
     if (!file) {
         return file.error();
     }
-    result.summary = file->totals.summary;
+    SliceTotals& totals = file->totals;
+    result.layer_of = std::move(totals.layer_of);
+    result.first_layer = totals.first_layer;
+    result.all_layers = totals.all_layers;
+    result.region = options.slice.region;
+    result.close_gaps_mm = options.slice.close_gaps_mm;
+    result.gap_sense = options.slice.gap_sense;
+    result.unit_mm = totals.unit_mm;
+    result.frame = options.slice.transform * Transform::scale(options.mm_per_unit);
+    result.plan = options.slice.plan;
+    result.summary = totals.summary;
     return CollectedFileSlice{std::move(file).value(), std::move(result)};
 }
 

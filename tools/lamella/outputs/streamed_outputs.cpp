@@ -63,14 +63,18 @@ void StreamedOutputs::add(const LayerView& view) noexcept {
     }
 }
 
+bool StreamedOutputs::has_failed(const Stream& stream) noexcept {
+    return of_its_kind(stream, [](const auto& own) { return own.failed(); });
+}
+
 bool StreamedOutputs::failed() const noexcept {
-    return !begun_ || std::any_of(streams_.begin(), streams_.end(), [](const Stream& stream) {
-        return of_its_kind(stream, [](const auto& own) { return own.failed(); });
-    });
+    return !begun_ || std::any_of(streams_.begin(), streams_.end(), has_failed);
 }
 
 void StreamedOutputs::finish() {
     Status status = begun_;
+    // Those that failed first: they ended the slicing, and the others lack layers.
+    std::stable_partition(streams_.begin(), streams_.end(), has_failed);
     for (Stream& stream : streams_) {
         if (status) {
             status = of_its_kind(stream, [](auto& own) { return own.finish(); });

@@ -28,12 +28,13 @@ public:
     void add(const LayerView& view) noexcept;
     bool failed() const noexcept;
 
-    /// Puts the files in their places. Throws Failure.
+    /// Puts the files in their places, or none where some failed before. Throws Failure.
     void finish();
 
 private:
     using Stream = std::variant<SvgStream, LayerTableStream>;
 
+    static bool has_failed(const Stream& stream) noexcept;
     Result<Stream> open(const PlannedOutput& output, const FileOutline& outline) const;
 
     std::vector<PlannedOutput> outputs_;

@@ -122,7 +122,8 @@ private:
             options.plan.spacing = ExplicitPlanes{job_.image->slice_heights_mm(job_.subslices)};
             options.transform = job_.image->slicing_frame(part.frame);
         }
-        if (in_ranges() && arguments_.meshes.size() == 1 && StreamedOutputs::serve(job_.outputs)) {
+        const bool one_mesh = arguments_.meshes.size() == 1;
+        if (in_ranges() && (job_.outputs.empty() || (one_mesh && StreamedOutputs::serve(job_.outputs)))) {
             job_.streamed = &streamed_.emplace(job_.outputs, part.name);
         }
         part.result = slice_mesh(mesh, options);

@@ -77,7 +77,7 @@ streamed_outputs() {
     # Without outputs nothing of the results is held, whatever the number of meshes. An instrumented program takes more.
     expect 0 slice z.stl random.stl --layer-height 0.01 --memory 20M
     if [[ -z ${ASAN_OPTIONS:-} ]]; then
-        sed -n 's/^memory *\([0-9]*\).*/\1/p' .stdout | awk '$1 > 100 { exit 1 } END { exit NR != 2 }' || fail "holds results"
+        sed -n 's/^memory *\([0-9]*\).*/\1/p' .stdout | awk '$1 > 100 { large = 1 } END { exit large || NR != 2 }' || fail "holds results"
     fi
     # Of several formats, one of which takes the whole result, the bytes are the same.
     expect 0 slice z.stl --memory 2M -o mixed.svg -o mixed.png

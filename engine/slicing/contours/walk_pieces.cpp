@@ -102,10 +102,14 @@ void Walker::walk_four_at_once() {
         while (advance(a) && advance(b) && advance(c) && advance(d)) {
         }
     }
-    for (Lane* lane : {&a, &b, &c, &d}) {
-        while (lane->piece != nullptr && step(*lane)) {
+    const auto finish = [&](Lane& lane) {
+        while (lane.piece != nullptr && step(lane)) {
         }
-    }
+    };
+    finish(a);  // not in a loop over addresses: lanes stay in registers
+    finish(b);
+    finish(c);
+    finish(d);
     for (Piece& piece : pieces_) {  // before slots are numbered anew
         piece.next = piece_at(position_[piece.next_head]);
     }

@@ -1,5 +1,6 @@
 // Meshes whose vertices are placed once: what comes out must be what their triangles give corner by corner.
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -128,6 +129,14 @@ TEST_CASE("shared vertices give what a soup gives", "[engine][indexed][threads]"
 TEST_CASE("shared vertices are found by indices of any type and stride", "[engine][indexed]") {
     const Mesh<float> mesh = tangle<float>(300, 2000, 7);
     const Outcome expected = outcome_of(mesh.view(), uniform(3));
+    const MeshView view = mesh.view();
+    const auto by_wide_indices = [&view](const std::vector<std::uint64_t>& numbers) {
+        return MeshView::indexed(view.vertices, view.vertex_count, view.stride, view.coordinate_type,
+                                 reinterpret_cast<const std::byte*>(numbers.data()), view.triangle_count,
+                                 numbers.size() / view.triangle_count * sizeof(std::uint64_t), IndexType::u64);
+    };
+    const std::vector<std::uint64_t> packed(mesh.indices.begin(), mesh.indices.end());
+    CHECK(outcome_of(by_wide_indices(packed), uniform(3)) == expected);
     std::vector<std::uint64_t> records;  // three indices and a number that is none
     for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
         records.push_back(mesh.indices[i]);
@@ -135,11 +144,7 @@ TEST_CASE("shared vertices are found by indices of any type and stride", "[engin
             records.push_back(std::numeric_limits<std::uint64_t>::max());
         }
     }
-    const MeshView view = mesh.view();
-    CHECK(outcome_of(MeshView::indexed(view.vertices, view.vertex_count, view.stride, view.coordinate_type,
-                                       reinterpret_cast<const std::byte*>(records.data()), view.triangle_count,
-                                       4 * sizeof(std::uint64_t), IndexType::u64),
-                     uniform(3)) == expected);
+    CHECK(outcome_of(by_wide_indices(records), uniform(3)) == expected);
 }
 
 TEST_CASE("vertices that no triangle has bound nothing and may be anything", "[engine][indexed]") {
@@ -152,12 +157,32 @@ TEST_CASE("vertices that no triangle has bound nothing and may be anything", "[e
     CHECK(outcome_of(mesh.view(), uniform(3)) == expected);
 }
 
+// The box of all vertices is that of the mesh where triangles have a vertex on each of its faces.
+TEST_CASE("a vertex that no triangle has moves no face of the box", "[engine][indexed][threads]") {
+    const Mesh<double> mesh = tangle<double>(300, 20000, 15);
+    lamella::SliceOptions options = uniform(3);
+    options.control.threads = GENERATE(1, 4);
+    const Outcome expected = outcome_of(mesh.view(), options);
+    const std::size_t face = GENERATE(range(std::size_t{0}, std::size_t{6}));
+    const double beyond_mm = GENERATE(0.0, 0.5, 7.0);  // 0: on the face
+    Mesh<double> with_stray = mesh;
+    std::array<double, 3> stray = {mesh.xyz[0], mesh.xyz[1], mesh.xyz[2]};
+    stray[face % 3] = expected.box[face] + (face < 3 ? -beyond_mm : beyond_mm);
+    const bool first = GENERATE(true, false);
+    with_stray.xyz.insert(first ? with_stray.xyz.begin() : with_stray.xyz.end(), stray.begin(), stray.end());
+    for (std::uint32_t& index : with_stray.indices) {
+        index += first ? 1 : 0;
+    }
+    INFO("face " << face << ", " << beyond_mm << " mm beyond it, first " << first);
+    CHECK(outcome_of(with_stray.view(), options) == expected);
+}
+
 TEST_CASE("what is wrong with an indexed mesh is named by its first triangle", "[engine][indexed][errors]") {
     Mesh<double> mesh = tangle<double>(300, 20000, 11);
     const auto at_triangle = [&mesh](std::size_t t) -> std::uint32_t& { return mesh.indices[3 * t + 1]; };
     SECTION("an index that names no vertex") {
         at_triangle(17000) = 300;
-        at_triangle(12345) = 4000000000U;
+        at_triangle(12345) = GENERATE(300U, 4000000000U);
         const lamella::Error error = failure_of(mesh.view(), uniform(3));
         CHECK(error.code == lamella::ErrorCode::invalid_argument);
         CHECK(error.message == "triangle 12345 has an index beyond the last vertex");

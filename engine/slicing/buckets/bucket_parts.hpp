@@ -33,6 +33,21 @@ struct BucketParts {
     std::size_t begin_block(std::size_t part) const noexcept { return blocks() * part / count; }
 };
 
+/// Calls use(part, begin, end) for every block of `parts`: parts by different threads. A part of the triangles mostly has
+/// the vertices of the same part of the vertices, so that what a core has written, it reads again.
+template <class Use>
+void for_each_block(const BucketParts& parts, const Parallel& parallel, Use use) {
+    parallel.run(parts.count, [&](std::size_t part, int) {
+        for (std::size_t block = parts.begin_block(part); block < parts.begin_block(part + 1); ++block) {
+            if (block % blocks_between_stops == 0) {
+                parallel.stop_if_asked();
+            }
+            const std::size_t begin = block * block_triangles;
+            use(part, begin, std::min(begin + block_triangles, parts.triangles));
+        }
+    });
+}
+
 /// Numbers of one part, two rows of them, by plane:
 ///
 ///     row          while counting                           while scattering

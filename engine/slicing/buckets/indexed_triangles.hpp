@@ -1,10 +1,10 @@
 // Triangles of an indexed mesh. Six triangles meet in a vertex, so each vertex is moved, rounded and looked up among the
 // planes once, and not for each of its corners:
 //
-//     vertices   x y z    used    on the grid   first plane above
-//        v0      ...      yes     ...           4
-//        v1      ...      no                                         no triangle has it: it bounds nothing, and may be NaN
-//        v2      ...      yes     ...           6
+//     vertices   x y z    on the grid   first plane above
+//        v0      ...      ...           4
+//        v1      ...                                        no triangle has it: it bounds nothing, and may be NaN
+//        v2      ...      ...           6
 //
 //     triangles  v0 v2 v7         its first and last plane are the least and the greatest of three numbers
 #pragma once
@@ -31,6 +31,11 @@ struct PlacedVertex {
 };
 static_assert(sizeof(PlacedVertex) == 16, "compared as one vector");
 
+/// The vertices alone, as "triangles" whose first corner they are.
+inline MeshView vertices_of(const MeshView& mesh) noexcept {
+    return MeshView::strided_soup(mesh.vertices, mesh.vertex_count, mesh.stride, mesh.coordinate_type);
+}
+
 /// 17 bytes a vertex.
 struct VertexTable {
     explicit VertexTable(const Memory* memory) : used(memory), placed(memory) {}
@@ -48,12 +53,15 @@ struct VertexTable {
         fit(placed);
     }
 
-    Array<std::uint8_t> used;    ///< 1 where a triangle has the vertex
+    /// Whether the vertex can be placed.
+    bool has(std::size_t vertex) const noexcept { return used.empty() || used[vertex] != 0; }
+
+    Array<std::uint8_t> used;    ///< 1 where a triangle has the vertex; empty where all vertices can be placed
     Array<PlacedVertex> placed;  ///< of those
 };
 
 /// Fills in `table.used`. As measure_bounds() for any mesh, which gives the error of a mesh that cannot be used. O(n).
-/// Precondition: VertexTable::pays_for(mesh).
+/// Precondition: VertexTable::pays_for(mesh). In vertex_bounds.cpp.
 Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
                               VertexTable& table, BlockTable& blocks);
 

@@ -193,13 +193,14 @@ std::size_t scatter_triangles(const PreparedTriangles& prepared, const PlaneSet&
         std::size_t next = 0;
         for (std::uint64_t crossed = buckets.crossed_mask[i]; crossed != 0; crossed &= crossed - 1) {
             const Reaching place = places[next++];
-            CrossedTriangle record = first_of_block[std::countr_zero(crossed)];
+            const CrossedTriangle& from = first_of_block[std::countr_zero(crossed)];
+            CrossedTriangle& to = buckets.records[place.record];
             if (origins) {
-                buckets.lowest_corners[place.record] = static_cast<std::uint8_t>(record.last);
+                buckets.lowest_corners[place.record] = static_cast<std::uint8_t>(from.last);
             }
-            record.middle_and_source |= planes.first_above(record.middle.z);
-            record.last = place.last;
-            buckets.records[place.record] = record;
+            to = from;
+            to.middle_and_source = from.middle_and_source | planes.first_above(from.middle.z);
+            to.last = place.last;
             if (place.last > reach_end[place.first]) {
                 output.add(part, place);
             }

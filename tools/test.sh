@@ -103,7 +103,7 @@ check_abi() {
 check_libcxx() {
     stage "Clang build with libc++"
     configure build/libcxx -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS="-stdlib=libc++" \
-        -DCMAKE_CXX_FLAGS_DEBUG="-O1" -DLAMELLA_PARALLEL=std -DLAMELLA_WERROR=ON -DLAMELLA_LARGE_UNITS=ON \
+        -DCMAKE_CXX_FLAGS_DEBUG="-O0" -DLAMELLA_PARALLEL=std -DLAMELLA_WERROR=ON -DLAMELLA_LARGE_UNITS=ON \
         -DLAMELLA_BUILD_TOOLS=OFF -DLAMELLA_BUILD_TESTS=OFF -DLAMELLA_BUILD_BENCH=OFF -DLAMELLA_BUILD_GOLDEN_TESTS=ON
     build build/libcxx
     stage "golden cases with libc++"

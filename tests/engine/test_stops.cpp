@@ -67,7 +67,7 @@ std::optional<ErrorCode> code_of(const Outcome& outcome) {
 constexpr std::uint64_t triangles = 20'000;
 constexpr double most_ms = 2000;
 constexpr double most_slice_ms = 1000;
-constexpr int stops_each = 3;
+constexpr int stops_each = 2;
 #else
 constexpr std::uint64_t triangles = 150'000;
 constexpr double most_ms = 100;

@@ -19,7 +19,7 @@ namespace lamella::input_test {
 inline constexpr int thread_counts[] = {3};
 inline constexpr std::uint64_t parts_of_need[] = {2, 50};
 inline constexpr double budget_heights_mm[] = {1.0};
-inline constexpr std::uint64_t budget_triangles = 150'000;
+inline constexpr std::uint64_t budget_triangles = 80'000;
 #else
 inline constexpr int thread_counts[] = {1, 3};
 inline constexpr std::uint64_t parts_of_need[] = {1, 2, 10, 50};

@@ -66,8 +66,8 @@ class Reads:
         self.wall = min(self.wall, time.perf_counter() - start)
 
 
-def slicing(tool, mesh, layer_mm, budget):
-    command = [tool, "slice", mesh, "--layer-height", layer_mm, "--hash", "--progress=never"]
+def slicing(tool, mesh, layer_mm, budget, *more):
+    command = [tool, "slice", mesh, "--layer-height", layer_mm, "--progress=never", *more]
     return Run(command if budget is None else [*command, "--memory", str(budget)])
 
 
@@ -83,10 +83,10 @@ def row(name, budget, run, ratio):
 
 
 def measure(tool, name, mesh, arguments):
-    whole = slicing(tool, mesh, arguments.layer_height, None)
+    whole = slicing(tool, mesh, arguments.layer_height, None, "--hash")
     whole.again()
     budgets = [int(whole.peak_mb * 1e6 / part) for part in PARTS]
-    within = [slicing(tool, mesh, arguments.layer_height, budget) for budget in budgets]
+    within = [slicing(tool, mesh, arguments.layer_height, budget, "--hash") for budget in budgets]
     for _ in range(arguments.rounds + 1):
         for run in (whole, *within):
             run.again()

@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "engine/rounds.hpp"
 #include "engine/slicing.hpp"
 #include "slicing/buckets/indexed_triangles.hpp"
 
@@ -159,22 +160,29 @@ TEST_CASE("vertices that no triangle has bound nothing and may be anything", "[e
 
 // The box of all vertices is that of the mesh where triangles have a vertex on each of its faces.
 TEST_CASE("a vertex that no triangle has moves no face of the box", "[engine][indexed][threads]") {
-    const Mesh<double> mesh = tangle<double>(300, 20000, 15);
     lamella::SliceOptions options = uniform(3);
     options.control.threads = GENERATE(1, 4);
+    const Mesh<double> mesh = tangle<double>(300, options.control.threads == 1 ? 2000 : 20000, 15);
     const Outcome expected = outcome_of(mesh.view(), options);
-    const std::size_t face = GENERATE(range(std::size_t{0}, std::size_t{6}));
-    const double beyond_mm = GENERATE(0.0, 0.5, 7.0);  // 0: on the face
-    Mesh<double> with_stray = mesh;
-    std::array<double, 3> stray = {mesh.xyz[0], mesh.xyz[1], mesh.xyz[2]};
-    stray[face % 3] = expected.box[face] + (face < 3 ? -beyond_mm : beyond_mm);
-    const bool first = GENERATE(true, false);
-    with_stray.xyz.insert(first ? with_stray.xyz.begin() : with_stray.xyz.end(), stray.begin(), stray.end());
-    for (std::uint32_t& index : with_stray.indices) {
-        index += first ? 1 : 0;
+    unsigned combination = 0;
+    for (std::size_t face = 0; face < 6; ++face) {
+        for (const double beyond_mm : {0.0, 0.5, 7.0}) {  // 0: on the face
+            for (const bool first : {true, false}) {
+                if (!tried(combination++)) {
+                    continue;
+                }
+                Mesh<double> with_stray = mesh;
+                std::array<double, 3> stray = {mesh.xyz[0], mesh.xyz[1], mesh.xyz[2]};
+                stray[face % 3] = expected.box[face] + (face < 3 ? -beyond_mm : beyond_mm);
+                with_stray.xyz.insert(first ? with_stray.xyz.begin() : with_stray.xyz.end(), stray.begin(), stray.end());
+                for (std::uint32_t& index : with_stray.indices) {
+                    index += first ? 1 : 0;
+                }
+                INFO("face " << face << ", " << beyond_mm << " mm beyond it, first " << first);
+                CHECK(outcome_of(with_stray.view(), options) == expected);
+            }
+        }
     }
-    INFO("face " << face << ", " << beyond_mm << " mm beyond it, first " << first);
-    CHECK(outcome_of(with_stray.view(), options) == expected);
 }
 
 TEST_CASE("what is wrong with an indexed mesh is named by its first triangle", "[engine][indexed][errors]") {

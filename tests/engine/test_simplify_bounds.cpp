@@ -41,7 +41,7 @@ TEST_CASE("the distance of a chain is compared exactly", "[engine][simplify]") {
             within += expected;
         }
     }
-    CHECK(within > 1000);
+    CHECK(within > rounds(20'000) / 10);
 }
 
 TEST_CASE("roots are rounded down, at squares and beside them", "[engine][simplify]") {

@@ -69,6 +69,26 @@ TEST_CASE("a wide plane of many small nested contours gives the same bytes on an
     CHECK(static_cast<std::size_t>(within) == rings / 2);
 }
 
+// So many that the map of a plane's new edges is larger than caches are, and is fetched ahead.
+TEST_CASE("32,768 triangles that enter and pass their middle vertices together give the bytes of the assembled form",
+          "[engine][wide]") {
+    shapes::Soup soup;
+    add_ring(soup, 32'768, 0, 0, 900);
+    for (std::size_t z = 2; z < soup.size(); z += 3) {
+        const double corner = std::atan2(soup[z - 1], soup[z - 2]) / (2 * std::acos(-1.0)) * 16'384;
+        soup[z] = 2 * soup[z] + (std::lround(corner) % 2 != 0 ? 1 : 0);  // every other corner is 1 mm higher
+    }
+    lamella::SliceOptions options;
+    options.plan.spacing = lamella::ExplicitPlanes{{0.5, 1.5, 2.5}};
+    options.control.threads = 1;
+    const lamella::SliceResult result = sliced(soup, options);
+    REQUIRE(result.layers.size() == 3);
+    CHECK(result.contours_of(result.layers[1]).size() == 1);
+    CHECK(result.summary.segments == 24'576 + 32'768 + 24'576);
+    options.tuning.form = lamella::ContourForm::assembled;
+    CHECK(hash_result(sliced(soup, options)) == hash_result(result));
+}
+
 TEST_CASE("a contour in which no piece of a wide plane begins is found", "[engine][wide]") {
     shapes::Soup inner;
     shapes::Soup outer;

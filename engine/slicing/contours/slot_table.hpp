@@ -231,12 +231,17 @@ class SlotTable::Attaching {
 public:
     explicit Attaching(SlotTable& table) noexcept : table_(table) { load(); }
 
-    /// The slot of `edge`, made if need be, which will have ended at plane `end`.
+    /// Whether the map is so large that most look-ups wait for it.
+    bool beyond_caches() const noexcept { return mask_ >= std::size_t{1} << 16; }
+    /// Fetches where find_or_add() begins to look.
+    void prefetch(std::uint64_t hash) const noexcept { __builtin_prefetch(map_ + (hash >> shift_), 1); }
+
+    /// The slot of `edge`, which has that hash; made if need be. It will have ended at plane `end`.
     ///
     /// An edge is met for the first time as often as for the second, which no branch predictor foresees. So there is no
     /// branch: the edge is written to the spare slot, which is compared with itself if the edge is new, and is taken by
     /// adding 0 or 1.
-    Slot find_or_add(const MeshEdge& edge, PlaneIndex end) {
+    Slot find_or_add(const MeshEdge& edge, std::uint64_t hash, PlaneIndex end) {
         if (made_ == limit_) {
             table_.grow_map(made_);
             load();
@@ -246,7 +251,7 @@ public:
         ends_[spare] = end;
         ports_[port_of(spare, target_port)].first_link = no_link;
         ports_[port_of(spare, source_port)].first_link = no_link;
-        for (std::size_t i = edge.hash() >> shift_;; i = (i + 1) & mask_) {
+        for (std::size_t i = hash >> shift_;; i = (i + 1) & mask_) {
             const Slot found = map_[i];
             // All ones if nothing is there: slots have 31 bits. Arithmetic, as compilers turn a comparison into a branch.
             const Slot is_new = static_cast<Slot>(static_cast<std::int32_t>(found) >> 31);

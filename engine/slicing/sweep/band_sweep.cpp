@@ -93,15 +93,87 @@ public:
           pending_count_(sweep.pending_count_),
           band_last_(sweep.band_.last) {}
 
-    void enter(std::uint32_t record, PlaneIndex plane) {
+    /// Triangles [begin, end): record_at(i) is the record of one.
+    template <class RecordAt>
+    void enter(std::size_t begin, std::size_t end, PlaneIndex plane, RecordAt record_at) {
+        if (attaching_.beyond_caches()) {
+            return enter_blocks(begin, end, plane, record_at);
+        }
+        for (std::size_t i = begin; i < end; ++i) {
+            enter(record_at(i), hashes_of(record_at(i), plane), plane);
+        }
+    }
+
+    void pass_middles(std::span<const Pending> passing) {
+        if (!attaching_.beyond_caches()) {
+            for (const Pending& pending : passing) {
+                pass_middle(pending, short_edge(records_[pending.record], true).hash());
+            }
+            return;
+        }
+        while (!passing.empty()) {
+            const std::span<const Pending> some = passing.first(std::min(passing.size(), block));
+            std::uint64_t hashes[block];
+            for (std::size_t i = 0; i < some.size(); ++i) {
+                hashes[i] = short_edge(records_[some[i].record], true).hash();
+                attaching_.prefetch(hashes[i]);
+            }
+            for (std::size_t i = 0; i < some.size(); ++i) {
+                pass_middle(some[i], hashes[i]);
+            }
+            passing = passing.subspan(some.size());
+        }
+    }
+
+    std::uint32_t link_count() const noexcept { return link_count_; }
+    std::uint32_t pending_count() const noexcept { return pending_count_; }
+    const SlotTable::Attaching& attaching() const noexcept { return attaching_; }
+
+private:
+    static constexpr std::size_t block = 16;
+
+    struct Hashes {
+        std::uint64_t of_long;
+        std::uint64_t of_short;
+    };
+
+    void pass_middle(const Pending& pending, std::uint64_t hash) {
+        const CrossedTriangle& t = records_[pending.record];
+        const int long_port = t.long_edge_is_source() ? source_port : target_port;
+        link(long_port, pending.long_end, attach(short_edge(t, true), hash, t.last, 1 - long_port));
+    }
+
+    Hashes hashes_of(std::uint32_t record, PlaneIndex plane) const noexcept {
+        const CrossedTriangle& t = records_[record];
+        return {long_edge(t).hash(), short_edge(t, t.middle_plane() <= plane).hash()};
+    }
+
+    /// First the places in the map, so that the processor fetches those of a whole block at once.
+    template <class RecordAt>
+    void enter_blocks(std::size_t begin, std::size_t end, PlaneIndex plane, RecordAt record_at) {
+        for (; begin < end; begin += block) {
+            const std::size_t block_end = std::min(begin + block, end);
+            Hashes hashes[block];
+            for (std::size_t i = begin; i < block_end; ++i) {
+                hashes[i - begin] = hashes_of(record_at(i), plane);
+                attaching_.prefetch(hashes[i - begin].of_long);
+                attaching_.prefetch(hashes[i - begin].of_short);
+            }
+            for (std::size_t i = begin; i < block_end; ++i) {
+                enter(record_at(i), hashes[i - begin], plane);
+            }
+        }
+    }
+
+    void enter(std::uint32_t record, const Hashes& hashes, PlaneIndex plane) {
         const CrossedTriangle& t = records_[record];
         const PlaneIndex middle = t.middle_plane();
         const auto above_middle = static_cast<std::uint32_t>(middle <= plane);
         const int long_port = t.long_edge_is_source() ? source_port : target_port;
-        const PortRef long_end = attach(long_edge(t), t.last, long_port);
+        const PortRef long_end = attach(long_edge(t), hashes.of_long, t.last, long_port);
         // Selects `middle` or `last`, and below adds 0 or 1, without a branch: no predictor knows the middle vertex.
         const PlaneIndex end = middle ^ ((middle ^ t.last) & (0U - above_middle));
-        const PortRef short_end = attach(short_edge(t, above_middle != 0), end, 1 - long_port);
+        const PortRef short_end = attach(short_edge(t, above_middle != 0), hashes.of_short, end, 1 - long_port);
         link(long_port, long_end, short_end);
         pending_[pending_count_] = {record, long_end};
         pending_plane_[pending_count_] = middle;
@@ -110,19 +182,8 @@ public:
         pending_count_ += has_middle_event & (1U - above_middle);
     }
 
-    void pass_middle(const Pending& pending) {
-        const CrossedTriangle& t = records_[pending.record];
-        const int long_port = t.long_edge_is_source() ? source_port : target_port;
-        link(long_port, pending.long_end, attach(short_edge(t, true), t.last, 1 - long_port));
-    }
-
-    std::uint32_t link_count() const noexcept { return link_count_; }
-    std::uint32_t pending_count() const noexcept { return pending_count_; }
-    const SlotTable::Attaching& attaching() const noexcept { return attaching_; }
-
-private:
-    PortRef attach(const MeshEdge& edge, PlaneIndex end, int port) {
-        return attaching_.attach(attaching_.find_or_add(edge, end), port, link_count_);
+    PortRef attach(const MeshEdge& edge, std::uint64_t hash, PlaneIndex end, int port) {
+        return attaching_.attach(attaching_.find_or_add(edge, hash, end), port, link_count_);
     }
 
     /// The long edge is source or target as the triangle says, the short one the other.
@@ -158,22 +219,16 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
     reserve_events(entering + passing.size(), most_middles(plane, seeds));
     Events events(*this, 2 * entering + passing.size());
     pace_.in_stretches(0, passing.size(), event_work, [&](std::size_t begin, std::size_t end) {
-        for (const Pending& pending : passing.subspan(begin, end - begin)) {
-            events.pass_middle(pending);
-        }
+        events.pass_middles(passing.subspan(begin, end - begin));
     });
     first_entering_ = events.link_count();
     entering_seeds_ = seeds;
     entering_list_ = list_begin;
     pace_.in_stretches(0, seeds.size(), event_work, [&](std::size_t begin, std::size_t end) {
-        for (const std::uint32_t record : seeds.subspan(begin, end - begin)) {
-            events.enter(record, plane);
-        }
+        events.enter(begin, end, plane, [seeds](std::size_t i) { return seeds[i]; });
     });
     pace_.in_stretches(list_begin, list_end, event_work, [&](std::size_t begin, std::size_t end) {
-        for (auto record = static_cast<std::uint32_t>(begin); record < end; ++record) {
-            events.enter(record, plane);
-        }
+        events.enter(begin, end, plane, [](std::size_t i) { return static_cast<std::uint32_t>(i); });
     });
     link_count_ = events.link_count();
     first_new_pending_ = std::exchange(pending_count_, events.pending_count());
@@ -271,9 +326,7 @@ void BandSweep::enter_active(PlaneIndex plane) {
     entering_seeds_ = active_;
     Events events(*this, 2 * active_.size());
     pace_.in_stretches(0, active_.size(), event_work, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            events.enter(active_[i], plane);
-        }
+        events.enter(begin, end, plane, [this](std::size_t i) { return active_[i]; });
     });
     link_count_ = events.link_count();
     graph_.end_attaching(events.attaching(), 2 * active_.size());

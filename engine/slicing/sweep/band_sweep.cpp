@@ -1,6 +1,7 @@
 #include "slicing/sweep/band_sweep.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 
 #include "base/clock.hpp"
@@ -96,33 +97,15 @@ public:
     /// Triangles [begin, end): record_at(i) is the record of one.
     template <class RecordAt>
     void enter(std::size_t begin, std::size_t end, PlaneIndex plane, RecordAt record_at) {
-        if (attaching_.beyond_caches()) {
-            return enter_blocks(begin, end, plane, record_at);
-        }
-        for (std::size_t i = begin; i < end; ++i) {
-            enter(record_at(i), hashes_of(record_at(i), plane), plane);
-        }
+        take_hashed(
+            begin, end, [&](std::size_t i) { return hashes_of(record_at(i), plane); },
+            [&](std::size_t i, const Hashes& hashes) { enter(record_at(i), hashes, plane); });
     }
 
     void pass_middles(std::span<const Pending> passing) {
-        if (!attaching_.beyond_caches()) {
-            for (const Pending& pending : passing) {
-                pass_middle(pending, short_edge(records_[pending.record], true).hash());
-            }
-            return;
-        }
-        while (!passing.empty()) {
-            const std::span<const Pending> some = passing.first(std::min(passing.size(), block));
-            std::uint64_t hashes[block];
-            for (std::size_t i = 0; i < some.size(); ++i) {
-                hashes[i] = short_edge(records_[some[i].record], true).hash();
-                attaching_.prefetch(hashes[i]);
-            }
-            for (std::size_t i = 0; i < some.size(); ++i) {
-                pass_middle(some[i], hashes[i]);
-            }
-            passing = passing.subspan(some.size());
-        }
+        take_hashed(
+            0, passing.size(), [&](std::size_t i) { return short_edge(records_[passing[i].record], true).hash(); },
+            [&](std::size_t i, std::uint64_t hash) { pass_middle(passing[i], hash); });
     }
 
     std::uint32_t link_count() const noexcept { return link_count_; }
@@ -148,19 +131,31 @@ private:
         return {long_edge(t).hash(), short_edge(t, t.middle_plane() <= plane).hash()};
     }
 
-    /// First the places in the map, so that the processor fetches those of a whole block at once.
-    template <class RecordAt>
-    void enter_blocks(std::size_t begin, std::size_t end, PlaneIndex plane, RecordAt record_at) {
+    void prefetch(std::uint64_t hash) const noexcept { attaching_.prefetch(hash); }
+    void prefetch(const Hashes& hashes) const noexcept {
+        prefetch(hashes.of_long);
+        prefetch(hashes.of_short);
+    }
+
+    /// Calls take(i, hash_at(i)) for [begin, end). Where the map is large, a block's places in it come first, so that the
+    /// processor fetches them at once.
+    template <class HashAt, class Take>
+    void take_hashed(std::size_t begin, std::size_t end, HashAt hash_at, Take take) {
+        if (!attaching_.beyond_caches()) {
+            for (std::size_t i = begin; i < end; ++i) {
+                take(i, hash_at(i));
+            }
+            return;
+        }
         for (; begin < end; begin += block) {
             const std::size_t block_end = std::min(begin + block, end);
-            Hashes hashes[block];
+            std::array<decltype(hash_at(begin)), block> hashes;
             for (std::size_t i = begin; i < block_end; ++i) {
-                hashes[i - begin] = hashes_of(record_at(i), plane);
-                attaching_.prefetch(hashes[i - begin].of_long);
-                attaching_.prefetch(hashes[i - begin].of_short);
+                hashes[i - begin] = hash_at(i);
+                prefetch(hashes[i - begin]);
             }
             for (std::size_t i = begin; i < block_end; ++i) {
-                enter(record_at(i), hashes[i - begin], plane);
+                take(i, hashes[i - begin]);
             }
         }
     }

@@ -41,8 +41,16 @@ expect_failure() {
     shift 2
     expect "$status" "$@"
     [[ ! -s .stdout ]] || fail "lamella $*: wrote to stdout"
-    [[ $(wc -l < .stderr) == 1 && $(head -c 9 .stderr) == "lamella: " ]] || fail "lamella $*: not one line"
-    grep -qF -- "$text" .stderr || fail "lamella $*: no '$text' in the message"
+    expect_message "lamella $*" "$text"
+}
+
+# expect_message CALL TEXT: requires that stderr is one line of the tool that contains the text. Starts no process: hundreds
+# of checks come here.
+expect_message() {
+    local lines
+    mapfile lines < .stderr
+    [[ ${#lines[@]} == 1 && ${lines[0]} == "lamella: "*$'\n' ]] || fail "$1: not one line"
+    [[ ${lines[0]} == *"$2"* ]] || fail "$1: no '$2' in the message"
 }
 
 expect_files() {
@@ -53,10 +61,11 @@ expect_files() {
 
 # json_value FILE KEY...: prints the value under these keys.
 json_value() {
-    local file=$1 keys
+    local file=$1 keys value
     shift
     keys=$(IFS=';'; echo "$*")
-    "$cmake" -DFILE="$PWD/$file" -DKEYS="$keys" -P "$here/json_value.cmake" || fail "$file is not JSON with $keys"
+    value=$("$cmake" -DFILE="$PWD/$file" -DKEYS="$keys" -P "$here/json_value.cmake") || fail "$file is not JSON with $keys"
+    printf '%s\n' "${value#-- }"
 }
 
 expect_json() {

@@ -3,8 +3,7 @@
 # one_line STATUS GOT TEXT WHAT: requires the status, and one line on stderr that contains the text
 one_line() {
     (($2 == $1)) || fail "$4: exit status $2, not $1"
-    [[ $(wc -l < .stderr) == 1 && $(head -c 9 .stderr) == "lamella: " ]] || fail "$4: not one line"
-    grep -qF -- "$3" .stderr || fail "$4: no '$3' in the message"
+    expect_message "$4" "$3"
 }
 
 # starved COMMAND...: runs the tool under growing limits of address space until it succeeds. `out.svg` must be complete or

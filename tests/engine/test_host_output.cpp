@@ -379,7 +379,7 @@ TEST_CASE("a layer without contours needs no points", "[engine][host]") {
 
 TEST_CASE("a slice into the host's arrays allocates nothing of their size", "[engine][host][memory][threads]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 5);
-    SliceOptions options = uniform(0.002);
+    SliceOptions options = uniform(0.0005);
     options.control.threads = 2;
     const OutputBounds bounds = bounds_of(view_of(ball), options);
     for (const PointType type : {PointType::i32, PointType::f64}) {

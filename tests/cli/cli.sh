@@ -53,6 +53,9 @@ expect_message() {
     [[ ${lines[0]} == *"$2"* ]] || fail "$1: no '$2' in the message"
 }
 
+# now_us: prints the time in microseconds. The decimal point is the locale's.
+now_us() { echo "${EPOCHREALTIME/[.,]/}"; }
+
 expect_files() {
     local found
     found=$(find . -mindepth 1 ! -name .stdout ! -name .stderr -printf '%P\n' | sort | tr '\n' ' ')

@@ -377,6 +377,7 @@ TEST_CASE("a layer without contours needs no points", "[engine][host]") {
     }
 }
 
+// So many planes that the output outweighs what two threads hold in their bands, which depends on their pace.
 TEST_CASE("a slice into the host's arrays allocates nothing of their size", "[engine][host][memory][threads]") {
     const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 5);
     SliceOptions options = uniform(0.0005);

@@ -17,6 +17,7 @@
 //                                                                 ^ free_count_: the top of the stack
 #pragma once
 
+#include <cassert>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -242,6 +243,7 @@ public:
     /// branch: the edge is written to the spare slot, which is compared with itself if the edge is new, and is taken by
     /// adding 0 or 1.
     Slot find_or_add(const MeshEdge& edge, std::uint64_t hash, PlaneIndex end) {
+        assert(hash == edge.hash());
         if (made_ == limit_) {
             table_.grow_map(made_);
             load();

@@ -12,6 +12,6 @@ source tools/packages.sh
 install_missing "${build_packages[@]}" "${bench_packages[@]}" libcgal-dev python3
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
-cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON > /dev/null
+cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON -DLAMELLA_LARGE_UNITS=OFF > /dev/null
 cmake --build build --parallel --target lamella_paper_row lamella_lower_bound lamella_cli lamella_peers | tail -n 1
 exec python3 bench/scripts/paper.py --build build "$@"

@@ -32,7 +32,7 @@ stage "packages and build"
 install_missing "${build_packages[@]}" "${bench_packages[@]}" python3
 generator=()
 [[ -e build/CMakeCache.txt ]] || generator=(-G Ninja)
-cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON > /dev/null
+cmake -S . -B build "${generator[@]}" -DCMAKE_BUILD_TYPE=Release -DLAMELLA_BUILD_BENCH=ON -DLAMELLA_LARGE_UNITS=OFF > /dev/null
 cmake --build build --parallel --target lamella_bench lamella_partition lamella_peak | tail -n 1
 
 # Delete cached meshes that an older version of the generator made.

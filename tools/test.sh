@@ -51,10 +51,16 @@ run_tests() {
     ctest --test-dir "$1" --label-exclude "long|paper$($all || echo '|thorough')" --parallel "$jobs" --output-on-failure "${@:2}"
 }
 
-# build_release THOROUGH BENCH: each ON or OFF.
+# build_release THOROUGH BENCH: each ON or OFF. A new build that only tests need takes half a minute less in large units.
 build_release() {
+    local units=()
+    if $all; then
+        units=(-DLAMELLA_LARGE_UNITS=OFF)
+    elif [[ ! -e build/CMakeCache.txt ]]; then
+        units=(-DLAMELLA_LARGE_UNITS=ON)
+    fi
     configure build -DCMAKE_BUILD_TYPE=Release -DLAMELLA_WERROR=ON -DLAMELLA_BUILD_BENCH="$2" \
-        -DLAMELLA_THOROUGH_TESTS="$1" -DLAMELLA_BUILD_PYTHON="$1"
+        -DLAMELLA_THOROUGH_TESTS="$1" -DLAMELLA_BUILD_PYTHON="$1" "${units[@]}"
     build build
 }
 

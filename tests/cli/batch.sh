@@ -312,6 +312,12 @@ test_batch_memory() {
         fail "no reason"
 }
 
+# worker_of BATCH: the process that slices a mesh. The batch's own child starts such processes.
+worker_of() {
+    local starter
+    starter=$(pgrep -P "$1") && pgrep -P "$starter"
+}
+
 # What becomes of a process ends its mesh, and not the batch.
 test_batch_processes() {
     meshes
@@ -325,7 +331,7 @@ test_batch_processes() {
     "$lamella" batch slow.jsonl -o 'out/{stem}.csv' --retries 1 > .stdout 2> .stderr &
     local batch=$! worker
     for _ in 1 2; do
-        until worker=$(pgrep -P "$batch"); do sleep 0.05; done
+        until worker=$(worker_of "$batch"); do sleep 0.05; done
         kill -9 "$worker"
         while kill -0 "$worker" 2> /dev/null; do sleep 0.05; done
     done
@@ -336,7 +342,7 @@ test_batch_processes() {
     "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
     batch=$!
     until compgen -G 'out/.slow*' > /dev/null; do sleep 0.05; done
-    worker=$(pgrep -P "$batch")
+    worker=$(worker_of "$batch")
     expect_failure 4 "another lamella batch is at work" batch in/s1.stl -o 'out/{stem}.csv'
     # Processes die with their batch; the next one removes what they left.
     kill -9 "$batch"
@@ -346,6 +352,15 @@ test_batch_processes() {
     compgen -G 'out/.slow*' > /dev/null || fail "nothing is left to be removed"
     expect 5 batch slow.jsonl -o 'out/{stem}.csv' --timeout 0.1 --retries 0
     ! compgen -G 'out/.*.part' > /dev/null || fail "a file aside is left"
+    # Without what starts them there are no processes.
+    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
+    batch=$!
+    until worker=$(worker_of "$batch"); do sleep 0.05; done
+    kill -9 "$(pgrep -P "$batch")"
+    wait "$batch"
+    [[ $? == 3 && $(< .stderr) == "lamella: the process that starts the others was ended" ]] || fail "no starter: not one line"
+    for _ in $(seq 100); do kill -0 "$worker" 2> /dev/null || break; sleep 0.05; done
+    ! kill -0 "$worker" 2> /dev/null || fail "a process outlives what started it"
     # SIGTERM ends processes and batch, and leaves nothing half-written.
     "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
     batch=$!

@@ -40,6 +40,12 @@ def children(process):
         return []
 
 
+def processes_of(batch):
+    """What starts the processes of meshes, and those."""
+    starters = children(batch)
+    return starters + [worker for starter in starters for worker in children(starter)]
+
+
 def kill(process, number):
     try:
         os.kill(process, number)
@@ -117,8 +123,9 @@ class Rounds:
         batch = self.start()
         for _ in range(self.random.randint(1, 4)):
             self.pause()
-            for child in self.random.sample(children(batch.pid), min(1, len(children(batch.pid)))):
-                kill(child, signal.SIGKILL)
+            running = processes_of(batch.pid)
+            if running:
+                kill(self.random.choice(running), signal.SIGKILL)
         batch.wait()
 
     def full_disk(self):

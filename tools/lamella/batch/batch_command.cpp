@@ -28,6 +28,7 @@ using batch::LedgerName;
 using batch::MergedResults;
 using batch::RunOptions;
 using batch::SliceWords;
+using batch::WorkerStarter;
 
 Failure failed_items(std::size_t failed, std::size_t items) {
     return {some_failed, grouped(failed) + " of " + counted(items, "mesh", "meshes") + " failed"};
@@ -58,7 +59,7 @@ RunOptions run_options(const BatchArguments& arguments, const SliceWords& words)
             .progress = arguments.slice.progress};
 }
 
-void run_batch(const CLI::App& command, const BatchArguments& arguments, Interrupt& interrupt) {
+void run_batch(const CLI::App& command, const BatchArguments& arguments, Interrupt& interrupt, WorkerStarter& starter) {
     const SliceWords words;
     const RunOptions options = run_options(arguments, words);
     const LedgerName name = batch::ledger_name_of(arguments);
@@ -75,7 +76,7 @@ void run_batch(const CLI::App& command, const BatchArguments& arguments, Interru
         items = batch::items_of_shard(std::move(items), name.shard, name.shards);
     }
     const std::size_t count = items.size();
-    BatchRun run(std::move(items), name, options, interrupt);
+    BatchRun run(std::move(items), name, options, interrupt, starter);
     run.run();
     print(run.summary());
     if (run.failed() > 0) {
@@ -100,16 +101,16 @@ void merge_results(const BatchArguments& arguments) {
 
 }  // namespace
 
-void add_batch_command(CLI::App& app, Interrupt& interrupt) {
+void add_batch_command(CLI::App& app, Interrupt& interrupt, WorkerStarter* starter) {
     CLI::App* const command =
         app.add_subcommand("batch", "Slice many meshes, each into files of its own, and go on where it was left");
     const auto arguments = std::make_shared<BatchArguments>();
     batch::declare_batch(*command, *arguments);
-    command->callback([command, arguments, &interrupt] {
+    command->callback([command, arguments, &interrupt, starter] {
         if (arguments->merge) {
             merge_results(*arguments);
         } else {
-            run_batch(*command, *arguments, interrupt);
+            run_batch(*command, *arguments, interrupt, *starter);
         }
     });
 }

@@ -48,7 +48,8 @@ LedgerName in_made_folder(const LedgerName& name) {
 
 }  // namespace
 
-BatchRun::BatchRun(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt)
+BatchRun::BatchRun(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt,
+                   WorkerStarter& starter)
     : items_(std::move(items)),
       options_(options),
       interrupt_(interrupt),
@@ -58,7 +59,7 @@ BatchRun::BatchRun(std::vector<Item> items, const LedgerName& name, const RunOpt
       progress_(options.progress),
       attempts_(items_.size()),
       output_inodes_(items_.size()),
-      pool_(options.timeout_s) {}
+      pool_(starter, options.timeout_s) {}
 
 void BatchRun::clean(std::chrono::milliseconds patience) const {
     std::vector<std::string> targets = {ledger_.path()};
@@ -189,7 +190,7 @@ void BatchRun::start(const Admitted& admitted) {
     }
     output_inodes_[i] = inodes_of(item.files);
     ++attempts_[i];
-    pool_.start(i, "slice", words_of(item, admitted));
+    pool_.start(i, {"slice", words_of(item, admitted)});
 }
 
 void BatchRun::take(const WorkerEnd& end) {

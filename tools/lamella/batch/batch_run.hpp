@@ -32,7 +32,8 @@ struct RunOptions {
 class BatchRun {
 public:
     /// `items` are those of this shard. Throws Failure.
-    BatchRun(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt);
+    BatchRun(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt,
+             WorkerStarter& starter);
 
     /// Slices what is not done. Throws Failure where results cannot be kept.
     void run();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -22,21 +21,6 @@ namespace lamella::cli::verify {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// While it lives, the process works in another folder, and so do those that it starts.
-class WorkingFolder {
-public:
-    explicit WorkingFolder(const fs::path& path) : before_(fs::current_path()) { fs::current_path(path); }
-    ~WorkingFolder() {
-        std::error_code gone;
-        fs::current_path(before_, gone);
-    }
-    WorkingFolder(const WorkingFolder&) = delete;
-    WorkingFolder& operator=(const WorkingFolder&) = delete;
-
-private:
-    fs::path before_;
-};
 
 /// Refuses what no command of the tool records.
 void require_makeable(const Record& record) {
@@ -77,31 +61,10 @@ std::vector<std::string> words_for(const Record& record, const std::vector<fs::p
     return words;
 }
 
-/// The environment variable while it lives; empty: not set.
-class DateOfBuild {
-public:
-    explicit DateOfBuild(const std::string& seconds) {
-        if (const char* const before = std::getenv(name)) {
-            before_ = before;
-        }
-        set(seconds);
-    }
-    ~DateOfBuild() { set(before_); }
-    DateOfBuild(const DateOfBuild&) = delete;
-    DateOfBuild& operator=(const DateOfBuild&) = delete;
-
-private:
-    static constexpr const char* name = "SOURCE_DATE_EPOCH";
-    static void set(const std::string& value) {
-        (void)(value.empty() ? ::unsetenv(name) : ::setenv(name, value.c_str(), 1));
-    }
-    std::string before_;
-};
-
-void run(const std::string& command, const std::vector<std::string>& words, const Control& control) {
+void run(const batch::WorkerCall& call, const Control& control, batch::WorkerStarter& starter) {
     constexpr std::chrono::milliseconds between_looks{100};
-    batch::WorkerPool pool(0);
-    pool.start(0, command, words);
+    batch::WorkerPool pool(starter, 0);
+    pool.start(0, call);
     while (pool.running() > 0) {
         if (control.stop.stop_requested()) {
             throw Failure(bad_input, "cancelled");
@@ -186,7 +149,8 @@ std::size_t count_of_parts(const Record& record) noexcept {
 }
 
 std::vector<std::string> differences_from_remade(const Record& record, const fs::path& output,
-                                                 const std::vector<fs::path>& inputs, const Control& control) {
+                                                 const std::vector<fs::path>& inputs, const Control& control,
+                                                 batch::WorkerStarter& starter) {
     require_makeable(record);
     try {
         const TemporaryFolder folder;
@@ -194,11 +158,7 @@ std::vector<std::string> differences_from_remade(const Record& record, const fs:
         fs::create_directory(made);
         InputLayout layout(folder / "in", record);
         const std::vector<std::string> words = words_for(record, inputs, made / record.output.path, layout, control.threads);
-        {
-            const WorkingFolder work(layout.working_folder());
-            const DateOfBuild date(record.source_date_epoch);
-            run(record.command, words, control);
-        }
+        run({record.command, words, layout.working_folder().string(), record.source_date_epoch}, control, starter);
         const Result<Record> again = read_record((made / record.output.path).string() + ".lamella.json");
         if (!again) {
             throw failure_of(again.error());

@@ -74,7 +74,8 @@ void require_sensible(const Record& record) {
 
 class Verifier {
 public:
-    Verifier(const VerifyArguments& arguments, const Control& control) : arguments_(arguments), control_(control) {}
+    Verifier(const VerifyArguments& arguments, const Control& control, batch::WorkerStarter& starter)
+        : arguments_(arguments), control_(control), starter_(starter) {}
 
     /// `output` lies beside its record, `record_path`.
     Verdict verify(const fs::path& output, const fs::path& record_path) const {
@@ -105,7 +106,8 @@ private:
             const std::size_t before = found.size();
             compare_inputs(*record, inputs, found);
             if (found.size() == before) {
-                const std::vector<std::string> more = verify::differences_from_remade(*record, output, inputs, control_);
+                const std::vector<std::string> more =
+                    verify::differences_from_remade(*record, output, inputs, control_, starter_);
                 found.insert(found.end(), more.begin(), more.end());
             }
         }
@@ -159,12 +161,13 @@ private:
 
     const VerifyArguments& arguments_;
     Control control_;
+    batch::WorkerStarter& starter_;
 };
 
 class VerifyCommand {
 public:
-    VerifyCommand(const VerifyArguments& arguments, Interrupt& interrupt)
-        : arguments_(arguments), verifier_(arguments, {.threads = arguments.threads, .stop = interrupt.defer()}) {}
+    VerifyCommand(const VerifyArguments& arguments, Interrupt& interrupt, batch::WorkerStarter& starter)
+        : arguments_(arguments), verifier_(arguments, {.threads = arguments.threads, .stop = interrupt.defer()}, starter) {}
 
     void run() {
         for (const std::string& given : arguments_.given) {
@@ -238,7 +241,7 @@ private:
 
 }  // namespace
 
-void add_verify_command(CLI::App& app, Interrupt& interrupt) {
+void add_verify_command(CLI::App& app, Interrupt& interrupt, batch::WorkerStarter* starter) {
     CLI::App* const command = app.add_subcommand("verify", "Check outputs against the records beside them");
     const auto arguments = std::make_shared<VerifyArguments>();
     command->add_option("output", arguments->given, "Outputs, their records NAME.lamella.json, or folders of them")
@@ -258,7 +261,7 @@ void add_verify_command(CLI::App& app, Interrupt& interrupt) {
     command->add_option("--threads", arguments->threads, "At most this many threads (0: all)")
         ->type_name("N")
         ->check(CLI::Range(0, most_threads));
-    command->callback([arguments, &interrupt] { VerifyCommand(*arguments, interrupt).run(); });
+    command->callback([arguments, &interrupt, starter] { VerifyCommand(*arguments, interrupt, *starter).run(); });
 }
 
 }  // namespace lamella::cli

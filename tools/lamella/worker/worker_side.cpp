@@ -48,12 +48,12 @@ void WorkerSide::begin() {
     if (text_.empty()) {
         return;
     }
-    pid_t batch = 0;
-    if (!parse_worker(text_, descriptor_, batch)) {
+    pid_t parent = 0;
+    if (!parse_worker(text_, descriptor_, parent)) {
         throw Failure(bad_usage, "--worker: is for lamella batch");
     }
     (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != batch) {  // It ended before.
+    if (::getppid() != parent) {  // It ended before.
         std::_Exit(bad_input);
     }
     (void)::fcntl(descriptor_, F_SETFD, FD_CLOEXEC);
@@ -74,8 +74,8 @@ void WorkerSide::tell(const SliceFacts& facts) const noexcept {
     }
 }
 
-std::string worker_word(int descriptor) {
-    return "--worker=" + std::to_string(descriptor) + ":" + std::to_string(::getpid());
+std::string worker_word(int descriptor, pid_t parent) {
+    return "--worker=" + std::to_string(descriptor) + ":" + std::to_string(parent);
 }
 
 }  // namespace lamella::cli

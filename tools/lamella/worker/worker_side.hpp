@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include <sys/types.h>
+
 #include <CLI/CLI.hpp>
 
 #include "worker/slice_facts.hpp"
@@ -11,11 +13,11 @@ namespace lamella::cli {
 
 class WorkerSide {
 public:
-    /// Declares --worker FD:PID, which help does not show: where to write the facts, and the batch's process.
+    /// Declares --worker FD:PID, which help does not show: where to write the facts, and the process that forked this one.
     void declare(CLI::App& command);
 
-    /// Asks the system to kill this process when the batch ends, and to choose this one first when memory runs out. Does
-    /// nothing without --worker. Throws Failure (bad_usage).
+    /// Asks the system to kill this process when the one that forked it ends, and to choose this one first when memory runs
+    /// out. Does nothing without --worker. Throws Failure (bad_usage).
     void begin();
 
     bool wanted() const noexcept { return descriptor_ >= 0; }
@@ -28,7 +30,7 @@ private:
     int descriptor_ = -1;
 };
 
-/// The words that make slice such a process.
-std::string worker_word(int descriptor);
+/// The word that makes slice such a process: `parent` forks it.
+std::string worker_word(int descriptor, pid_t parent);
 
 }  // namespace lamella::cli

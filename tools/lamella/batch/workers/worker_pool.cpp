@@ -5,34 +5,23 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
 
 #include "terminal/console.hpp"
-#include "terminal/failure.hpp"
-#include "worker/worker_side.hpp"
 
 namespace lamella::cli::batch {
 
 namespace {
 
-constexpr int facts_descriptor = 3;                      ///< in the process
 constexpr std::size_t most_text = std::size_t{1} << 20;  ///< of messages and facts that are kept
 constexpr std::chrono::milliseconds patience{2000};      ///< between asking a process to end and killing it
-constexpr const char* own_program = "/proc/self/exe";
-
-Failure no_process(int error_number) {
-    return {bad_input, "cannot start a process for a mesh: " + std::generic_category().message(error_number)};
-}
 
 struct Pipe {
     std::array<int, 2> ends = {-1, -1};
@@ -54,36 +43,6 @@ struct Pipe {
     Pipe& operator=(const Pipe&) = delete;
 
     int release_reading() noexcept { return std::exchange(ends[0], -1); }
-};
-
-/// A process begins with the signals that this one handles at their defaults, and in a group of its own: Ctrl-C reaches the
-/// batch alone, which then ends its processes.
-struct SpawnRules {
-    posix_spawn_file_actions_t actions{};
-    posix_spawnattr_t attributes{};
-
-    SpawnRules(int nothing, int messages, int facts) {
-        posix_spawn_file_actions_init(&actions);
-        posix_spawnattr_init(&attributes);
-        posix_spawn_file_actions_adddup2(&actions, nothing, STDIN_FILENO);
-        posix_spawn_file_actions_adddup2(&actions, nothing, STDOUT_FILENO);
-        posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
-        posix_spawn_file_actions_adddup2(&actions, facts, facts_descriptor);
-        sigset_t signals;
-        sigemptyset(&signals);
-        posix_spawnattr_setsigmask(&attributes, &signals);
-        sigaddset(&signals, SIGPIPE);
-        sigaddset(&signals, SIGXFSZ);
-        posix_spawnattr_setsigdefault(&attributes, &signals);
-        posix_spawnattr_setpgroup(&attributes, 0);
-        posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-    }
-    ~SpawnRules() {
-        posix_spawn_file_actions_destroy(&actions);
-        posix_spawnattr_destroy(&attributes);
-    }
-    SpawnRules(const SpawnRules&) = delete;
-    SpawnRules& operator=(const SpawnRules&) = delete;
 };
 
 /// The last line that is no warning: why slice failed.
@@ -121,39 +80,19 @@ double seconds(const timeval& time) {
 
 }  // namespace
 
-WorkerPool::WorkerPool(double timeout_s)
-    : timeout_s_(timeout_s),
-      nothing_(::open("/dev/null", O_RDWR | O_CLOEXEC)),
-      kills_without_memory_(kills_without_memory()) {
-    if (nothing_ < 0) {
-        throw no_process(errno);
-    }
-}
+WorkerPool::WorkerPool(WorkerStarter& starter, double timeout_s)
+    : starter_(starter), timeout_s_(timeout_s), kills_without_memory_(kills_without_memory()) {}
 
 WorkerPool::~WorkerPool() {
     end_all();
-    ::close(nothing_);
 }
 
-void WorkerPool::start(std::size_t item, const std::string& command, const std::vector<std::string>& words) {
-    std::vector<std::string> all = {"lamella", command, worker_word(facts_descriptor)};
-    all.insert(all.end(), words.begin(), words.end());
-    std::vector<char*> pointers;
-    pointers.reserve(all.size() + 1);
-    for (std::string& word : all) {
-        pointers.push_back(word.data());
-    }
-    pointers.push_back(nullptr);
+void WorkerPool::start(std::size_t item, const WorkerCall& call) {
     Pipe facts;
     Pipe messages;
-    const SpawnRules rules(nothing_, messages.ends[1], facts.ends[1]);
     Worker worker;
     workers_.reserve(workers_.size() + 1);
-    const int refused =
-        ::posix_spawn(&worker.process, own_program, &rules.actions, &rules.attributes, pointers.data(), environ);
-    if (refused != 0) {
-        throw no_process(refused);
-    }
+    worker.process = starter_.start(call, facts.ends[1], messages.ends[1]);
     worker.item = item;
     worker.facts = facts.release_reading();
     worker.messages = messages.release_reading();
@@ -226,10 +165,7 @@ std::string WorkerPool::reason_of_signal(int signal_number) {
 }
 
 WorkerEnd WorkerPool::reap(Worker& worker) {
-    int status = 0;
-    rusage used{};
-    while (::wait4(worker.process, &status, 0, &used) < 0 && errno == EINTR) {
-    }
+    const auto [status, used] = *starter_.end_of(worker.process, true);
     ::close(worker.facts);
     ::close(worker.messages);
     WorkerEnd end;
@@ -263,7 +199,7 @@ void WorkerPool::end_all() noexcept {
     }
     const Clock::time_point until = Clock::now() + patience;
     for (const Worker& worker : workers_) {
-        while (::waitpid(worker.process, nullptr, WNOHANG) == 0) {
+        while (still_runs(worker)) {
             if (Clock::now() >= until) {
                 ::kill(worker.process, SIGKILL);
             }
@@ -273,6 +209,14 @@ void WorkerPool::end_all() noexcept {
         ::close(worker.messages);
     }
     workers_.clear();
+}
+
+bool WorkerPool::still_runs(const Worker& worker) noexcept {
+    try {
+        return !starter_.end_of(worker.process, false).has_value();
+    } catch (const Failure&) {  // Workers end with their starter.
+        return false;
+    }
 }
 
 }  // namespace lamella::cli::batch

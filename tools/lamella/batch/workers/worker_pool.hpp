@@ -1,4 +1,4 @@
-// The processes of a batch: each slices one mesh by this program itself, and whatever becomes of it ends only that mesh.
+// The processes of a batch: each slices one mesh, and whatever becomes of it ends only that mesh.
 #pragma once
 
 #include <chrono>
@@ -11,6 +11,7 @@
 #include <sys/types.h>
 
 #include "batch/results/result_line.hpp"
+#include "batch/workers/worker_starter.hpp"
 
 namespace lamella::cli::batch {
 
@@ -29,17 +30,18 @@ class WorkerPool {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// `timeout_s` 0: none. Throws Failure.
-    explicit WorkerPool(double timeout_s);
+    /// `timeout_s` 0: none.
+    WorkerPool(WorkerStarter& starter, double timeout_s);
     /// Ends and awaits all processes.
     ~WorkerPool();
     WorkerPool(const WorkerPool&) = delete;
     WorkerPool& operator=(const WorkerPool&) = delete;
 
-    /// Starts `lamella COMMAND WORDS...`. Throws Failure (bad_input) when the system refuses another process.
-    void start(std::size_t item, const std::string& command, const std::vector<std::string>& words);
+    /// Throws Failure (bad_input) when the system refuses another process.
+    void start(std::size_t item, const WorkerCall& call);
 
-    /// Waits so long for a process to end, and ends those that take too long.
+    /// Waits so long for a process to end, and ends those that take too long. Throws Failure (bad_input) when all were ended
+    /// with their starter.
     std::vector<WorkerEnd> wait(std::chrono::milliseconds longest);
 
     /// Asks all processes to end, which removes what they have half written, and kills those that do not.
@@ -64,8 +66,10 @@ private:
     WorkerEnd reap(Worker& worker);
     std::string reason_of_signal(int signal_number);
 
+    bool still_runs(const Worker& worker) noexcept;
+
+    WorkerStarter& starter_;
     double timeout_s_;
-    int nothing_ = -1;                    ///< /dev/null
     std::uint64_t kills_without_memory_;  ///< by the system, as far as they are told
     std::vector<Worker> workers_;
 };

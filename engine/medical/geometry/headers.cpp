@@ -1,8 +1,11 @@
 #include "medical/geometry/headers.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <memory>
+#include <string_view>
 #include <system_error>
 
 #include <zlib.h>
@@ -23,6 +26,11 @@ Error unreadable(const std::string& name, int error_number) {
             .message = "cannot read '" + name + "': " + std::generic_category().message(error_number)};
 }
 
+/// Which ends a header of text.
+bool has_blank_line(std::string_view text) {
+    return text.find("\n\n") != std::string_view::npos || text.find("\n\r\n") != std::string_view::npos;
+}
+
 }  // namespace
 
 HeaderBytes::HeaderBytes(const std::filesystem::path& path) : name_(path.string()) {
@@ -31,18 +39,20 @@ HeaderBytes::HeaderBytes(const std::filesystem::path& path) : name_(path.string(
         throw Refused{unreadable(name_, EISDIR)};
     }
     errno = 0;
-    const gzFile file = ::gzopen(path.c_str(), "rb");
+    const std::unique_ptr<gzFile_s, decltype(&::gzclose)> file(::gzopen(path.c_str(), "rb"), &::gzclose);
     if (file == nullptr) {
         throw Refused{unreadable(name_, errno != 0 ? errno : ENOMEM)};
     }
-    std::string bytes(most_header_bytes, '\0');
-    const int count = ::gzread(file, bytes.data(), static_cast<unsigned>(bytes.size()));
-    ::gzclose(file);
+    // What follows a header is not read: it may be a mask of a hundred million voxels.
+    std::array<char, 4096> piece{};
+    int count = 0;
+    do {
+        count = ::gzread(file.get(), piece.data(), piece.size());
+        bytes_.append(piece.data(), static_cast<std::size_t>(std::max(count, 0)));
+    } while (count > 0 && bytes_.size() < most_header_bytes && begins_with("NRRD") && !has_blank_line(bytes_));
     if (count < 0) {
         throw Refused{refused("damaged gzip data within the header")};
     }
-    bytes.resize(static_cast<std::size_t>(count));
-    bytes_ = std::move(bytes);
 }
 
 Error HeaderBytes::refused(const std::string& what) const {

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <utility>
 
 #include <zlib.h>
@@ -231,19 +232,16 @@ GzipPiece gzip_piece(std::span<const unsigned char> data, bool last) {
     if (::deflateInit2(&stream, 6, Z_DEFLATED, raw_window, 8, Z_RLE) != Z_OK) {
         throw std::bad_alloc();
     }
-    try {
-        piece.bytes.resize(::deflateBound(&stream, static_cast<uLong>(data.size())) + 16);
-    } catch (...) {
-        ::deflateEnd(&stream);
-        throw;
-    }
+    const std::unique_ptr<z_stream, decltype(&::deflateEnd)> end(&stream, &::deflateEnd);
+    const std::size_t most_bytes = ::deflateBound(&stream, static_cast<uLong>(data.size())) + 16;
+    // Not zeroed: of a mask's runs a hundredth of it is written, and what is not touched is no memory.
+    const auto bytes = std::make_unique_for_overwrite<unsigned char[]>(most_bytes);
     stream.next_in = const_cast<unsigned char*>(data.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast): zlib's type
     stream.avail_in = static_cast<uInt>(data.size());
-    stream.next_out = piece.bytes.data();
-    stream.avail_out = static_cast<uInt>(piece.bytes.size());
+    stream.next_out = bytes.get();
+    stream.avail_out = static_cast<uInt>(most_bytes);
     (void)::deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
-    piece.bytes.resize(piece.bytes.size() - stream.avail_out);
-    ::deflateEnd(&stream);
+    piece.bytes.assign(bytes.get(), bytes.get() + (most_bytes - stream.avail_out));
     return piece;
 }
 

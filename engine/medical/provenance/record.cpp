@@ -59,7 +59,7 @@ std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Co
         throw Refused{unreadable(path, errno)};
     }
     std::uint64_t bytes = 0;
-    std::vector<unsigned char> piece(std::size_t{1} << 18);
+    std::vector<unsigned char> piece(std::size_t{1} << 16);
     while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
         stop_if_asked(control);
         hash.add(piece.data(), count);

@@ -235,7 +235,7 @@ GzipPiece gzip_piece(std::span<const unsigned char> data, bool last) {
     const std::unique_ptr<z_stream, decltype(&::deflateEnd)> end(&stream, &::deflateEnd);
     const std::size_t most_bytes = ::deflateBound(&stream, static_cast<uLong>(data.size())) + 16;
     // Not zeroed: of a mask's runs a hundredth of it is written, and what is not touched is no memory.
-    const auto bytes = std::make_unique_for_overwrite<unsigned char[]>(most_bytes);
+    const std::unique_ptr<unsigned char[]> bytes(new unsigned char[most_bytes]);
     stream.next_in = const_cast<unsigned char*>(data.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast): zlib's type
     stream.avail_in = static_cast<uInt>(data.size());
     stream.next_out = bytes.get();

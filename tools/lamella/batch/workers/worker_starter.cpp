@@ -155,6 +155,14 @@ public:
         }
         // A scheduler asks all processes of a job to end at the same time. The batch then needs this one to end its workers.
         (void)::sigprocmask(SIG_BLOCK, &ends, &before_);
+        // Where it is ignored, nobody learns how a process ended.
+        (void)std::signal(SIGCHLD, SIG_DFL);
+        // A descriptor that comes later is no standard stream that is closed.
+        int filled = 0;
+        do {
+            filled = ::dup(nothing_);
+        } while (filled >= 0 && filled <= STDERR_FILENO);
+        ::close(filled);
     }
 
     [[noreturn]] void serve() noexcept {
@@ -208,8 +216,8 @@ private:
         return answer;
     }
 
-    /// In the new process.
-    [[noreturn]] void work(const WorkerCall& call, const Channels& channels, pid_t starter) {
+    /// In the new process, which ends here whatever happens.
+    [[noreturn]] void work(const WorkerCall& call, const Channels& channels, pid_t starter) noexcept {
         (void)::setpgid(0, 0);
         ::dup2(nothing_, STDIN_FILENO);
         ::dup2(nothing_, STDOUT_FILENO);

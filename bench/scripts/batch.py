@@ -6,8 +6,8 @@
 Cuts 500 meshes of 10 thousand to 2 million triangles into masks of 1 mm. Three of them are damaged, and one is larger than the
 memory that the batch is given. Of 25 meshes each has 20 names (hard links), so that all files stay in the page cache. Each round runs
 every mesh by `lamella slice --threads 1`, one after the other, then the batch with one job, then with several. Ratios are those
-within a round, since a machine changes its speed between rounds. The table shows the medians. Prints a table; with --readme it also replaces the one between the markers there. The exit status is 1 if a
-bar is not met.
+within a round, since a machine changes its speed between rounds. Prints a table of the medians; with --readme it also replaces the
+one between the markers there. The exit status is 1 if a bar is not met.
 """
 
 import argparse

@@ -2,6 +2,7 @@
 # A Dask scheduler with four worker processes, one of which is killed while it slices: files and table are those of one machine.
 # PYTHONPATH holds the package.
 source "$(dirname "${BASH_SOURCE[0]}")/support.sh"
+[[ -d "$PYTHONPATH/lamella" ]] || { echo "skipped: this build has no Python package (-DLAMELLA_BUILD_PYTHON=ON)"; exit 77; }
 
 step "one machine"
 make_meshes

@@ -10,8 +10,6 @@
 #include <memory>
 #include <utility>
 
-#include <zlib.h>
-
 #include "base/guard.hpp"
 #include "medical/geometry/directions.hpp"
 
@@ -222,27 +220,45 @@ void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layo
     require_sizes(path, layout, image);
 }
 
-GzipPiece gzip_piece(std::span<const unsigned char> data, bool last) {
-    GzipPiece piece;
-    piece.length = data.size();
-    piece.crc = ::crc32_z(0, data.data(), data.size());
-    z_stream stream{};
+GzipPieceMaker::GzipPieceMaker() {
     constexpr int raw_window = -15;
     // Runs are what a mask consists of: matches at a distance cost ten times as much for a few per cent.
-    if (::deflateInit2(&stream, 6, Z_DEFLATED, raw_window, 8, Z_RLE) != Z_OK) {
+    if (::deflateInit2(&stream_, 6, Z_DEFLATED, raw_window, 8, Z_RLE) != Z_OK) {
         throw std::bad_alloc();
     }
-    const std::unique_ptr<z_stream, decltype(&::deflateEnd)> end(&stream, &::deflateEnd);
-    const std::size_t most_bytes = ::deflateBound(&stream, static_cast<uLong>(data.size())) + 16;
-    // Not zeroed: of a mask's runs a hundredth of it is written, and what is not touched is no memory.
-    const std::unique_ptr<unsigned char[]> bytes(new unsigned char[most_bytes]);
-    stream.next_in = const_cast<unsigned char*>(data.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast): zlib's type
-    stream.avail_in = static_cast<uInt>(data.size());
-    stream.next_out = bytes.get();
-    stream.avail_out = static_cast<uInt>(most_bytes);
-    (void)::deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
-    piece.bytes.assign(bytes.get(), bytes.get() + (most_bytes - stream.avail_out));
-    return piece;
+}
+
+GzipPieceMaker::~GzipPieceMaker() {
+    (void)::deflateEnd(&stream_);
+}
+
+void GzipPieceMaker::append(std::span<const unsigned char> data) {
+    piece_.crc = ::crc32_z(piece_.crc, data.data(), data.size());
+    piece_.length += data.size();
+    // zlib takes at most 4 GB at a time.
+    constexpr std::size_t most_bytes = std::size_t{1} << 30;
+    for (; !data.empty(); data = data.subspan(std::min(most_bytes, data.size()))) {
+        stream_.next_in =
+            const_cast<unsigned char*>(data.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast): zlib's type
+        stream_.avail_in = static_cast<uInt>(std::min(most_bytes, data.size()));
+        deflate(Z_NO_FLUSH);
+    }
+}
+
+GzipPiece GzipPieceMaker::finish(bool last) {
+    deflate(last ? Z_FINISH : Z_SYNC_FLUSH);
+    return std::move(piece_);
+}
+
+/// Until zlib leaves room: it has then taken all input, and given all that the flush asks for.
+void GzipPieceMaker::deflate(int flush) {
+    do {
+        std::array<unsigned char, 1 << 14> room{};
+        stream_.next_out = room.data();
+        stream_.avail_out = static_cast<uInt>(room.size());
+        (void)::deflate(&stream_, flush);
+        piece_.bytes.insert(piece_.bytes.end(), room.data(), stream_.next_out);
+    } while (stream_.avail_out == 0);
 }
 
 GzipMember::GzipMember(OutputFile& file) : file_(file) {

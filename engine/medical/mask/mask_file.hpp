@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <zlib.h>
+
 #include "io/write/output_file.hpp"
 #include "lamella/medical/mask.hpp"
 
@@ -31,14 +33,32 @@ void require_mask_fits(const std::filesystem::path& path, const MaskLayout& layo
 /// Everything before the voxels.
 std::string mask_header(const MaskLayout& layout, const ImageGeometry& image);
 
-/// A piece of a gzip member, which can be made on any thread.
+/// A piece of a gzip member.
 struct GzipPiece {
     std::vector<unsigned char> bytes;
     unsigned long crc = 0;
-    std::uint64_t length = 0;
+    std::uint64_t length = 0;  ///< of what it holds
 };
-/// Throws std::bad_alloc. `last`: the piece ends the member.
-GzipPiece gzip_piece(std::span<const unsigned char> data, bool last);
+
+/// Compresses what is appended to one piece, on any thread.
+class GzipPieceMaker {
+public:
+    /// Throws std::bad_alloc, as all of it does.
+    GzipPieceMaker();
+    ~GzipPieceMaker();
+    GzipPieceMaker(const GzipPieceMaker&) = delete;
+    GzipPieceMaker& operator=(const GzipPieceMaker&) = delete;
+
+    void append(std::span<const unsigned char> data);
+    /// Once, at the end. `last`: the piece ends the member.
+    GzipPiece finish(bool last);
+
+private:
+    void deflate(int flush);
+
+    z_stream stream_{};
+    GzipPiece piece_;
+};
 
 /// Appends pieces as one gzip member, without a time.
 class GzipMember {

@@ -38,30 +38,43 @@ void require_slices(std::span<const MaskPart> parts, const ImageGeometry& image,
     }
 }
 
-/// Some slices, drawn and compressed on one thread.
+/// Some slices: compressed in a piece, or as they are.
 struct Block {
     std::vector<unsigned char> voxels;
     GzipPiece piece;
     std::optional<MaskCounts> counts;
 };
 
-/// Blocks of slices, in their order.
+/// What one thread works with.
+struct Scratch {
+    SliceRaster::Scratch raster;
+    std::vector<unsigned char> slice;
+};
+
+/// Writes blocks of slices, in their order.
 class MaskWriter {
 public:
     MaskWriter(const SliceRaster& raster, const ImageGeometry& image, const MaskLayout& layout, OutputFile& file)
-        : raster_(raster), image_(image), layout_(layout), file_(file), total_(layout.names.size()) {}
+        : raster_(raster),
+          image_(image),
+          layout_(layout),
+          header_(mask_header(layout, image)),
+          file_(file),
+          total_(layout.names.size()) {}
 
     MaskCounts write(const Parallel& parallel) {
         begin();
         const std::uint64_t slices_a_block = std::max<std::uint64_t>(1, block_bytes / raster_.slice_bytes());
         const std::uint64_t blocks = (image_.size[2] + slices_a_block - 1) / slices_a_block;
         const std::size_t at_once = blocks_a_thread * static_cast<std::size_t>(parallel.threads());
-        std::vector<SliceRaster::Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
+        std::vector<Scratch> scratch(static_cast<std::size_t>(parallel.threads()));
         std::vector<Block> made(at_once);
         for (std::uint64_t first = 0; first < blocks && !file_.failed(); first += at_once) {
             const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(at_once, blocks - first));
             parallel.run(count, [&](std::size_t i, int worker) {
-                draw((first + i) * slices_a_block, slices_a_block, made[i], scratch[static_cast<std::size_t>(worker)]);
+                const std::uint64_t begin = (first + i) * slices_a_block;
+                const std::uint64_t end = std::min(image_.size[2], begin + slices_a_block);
+                make(begin, end, made[i], scratch[static_cast<std::size_t>(worker)]);
             });
             for (std::size_t i = 0; i < count; ++i) {
                 append(made[i]);
@@ -75,30 +88,42 @@ public:
 
 private:
     /// Of compressed NIfTI the header is within the member, of NRRD before it.
+    bool header_is_compressed() const noexcept { return layout_.compressed && layout_.form == MaskForm::nifti; }
+
     void begin() {
-        const std::string header = mask_header(layout_, image_);
-        const bool within = layout_.compressed && layout_.form == MaskForm::nifti;
-        if (!within) {
-            file_.append(header);
+        if (!header_is_compressed()) {
+            file_.append(header_);
         }
         if (layout_.compressed) {
             member_.emplace(file_);
         }
-        if (within) {
-            member_->append(gzip_piece({reinterpret_cast<const unsigned char*>(header.data()), header.size()}, false));
+    }
+
+    void make(std::uint64_t begin, std::uint64_t end, Block& block, Scratch& scratch) const {
+        block.counts.emplace(layout_.names.size());
+        if (layout_.compressed) {
+            compress(begin, end, block, scratch);
+            return;
+        }
+        block.voxels.resize((end - begin) * raster_.slice_bytes());
+        unsigned char* to = block.voxels.data();
+        for (std::uint64_t slice = begin; slice < end; ++slice, to += raster_.slice_bytes()) {
+            raster_.draw(slice, to, scratch.raster, *block.counts);
         }
     }
 
-    void draw(std::uint64_t first, std::uint64_t count, Block& block, SliceRaster::Scratch& scratch) const {
-        const std::uint64_t end = std::min(image_.size[2], first + count);
-        block.voxels.resize((end - first) * raster_.slice_bytes());
-        block.counts.emplace(layout_.names.size());
-        for (std::uint64_t slice = first; slice < end; ++slice) {
-            raster_.draw(slice, block.voxels.data() + (slice - first) * raster_.slice_bytes(), scratch, *block.counts);
+    /// Slice by slice, since fresh memory for a block would take longer than drawing it.
+    void compress(std::uint64_t begin, std::uint64_t end, Block& block, Scratch& scratch) const {
+        GzipPieceMaker maker;
+        if (begin == 0 && header_is_compressed()) {
+            maker.append({reinterpret_cast<const unsigned char*>(header_.data()), header_.size()});
         }
-        if (layout_.compressed) {
-            block.piece = gzip_piece(block.voxels, end == image_.size[2]);
+        scratch.slice.resize(raster_.slice_bytes());
+        for (std::uint64_t slice = begin; slice < end; ++slice) {
+            raster_.draw(slice, scratch.slice.data(), scratch.raster, *block.counts);
+            maker.append(scratch.slice);
         }
+        block.piece = maker.finish(end == image_.size[2]);
     }
 
     void append(const Block& block) {
@@ -113,6 +138,7 @@ private:
     const SliceRaster& raster_;
     const ImageGeometry& image_;
     const MaskLayout& layout_;
+    const std::string header_;
     OutputFile& file_;
     std::optional<GzipMember> member_;
     MaskCounts total_;

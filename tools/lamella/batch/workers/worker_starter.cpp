@@ -15,6 +15,7 @@
 
 #include <csignal>
 
+#include "lamella/medical/record.hpp"
 #include "worker/worker_side.hpp"
 
 namespace lamella::cli::batch {
@@ -163,6 +164,8 @@ public:
             filled = ::dup(nothing_);
         } while (filled >= 0 && filled <= STDERR_FILENO);
         ::close(filled);
+        // Once for all workers: libcrypto sets itself up at its first digest.
+        (void)seal_file("/dev/null");
     }
 
     [[noreturn]] void serve() noexcept {

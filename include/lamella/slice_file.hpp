@@ -79,6 +79,10 @@ struct FileSlice {
 /// What the beginning of `path` says: all of FileSlice::mesh, before anything is cut. Errors: as of slice_file().
 Result<MeshFile> describe_file(const std::filesystem::path& path, const FileSliceOptions& options = {}) noexcept;
 
+/// What the first pass finds: box, grid, planes and the number of layers, of which none is cut. One read of the file,
+/// O(n + k). Memory and errors: as of slice_file(), but for a budget that is too small for some layer.
+Result<FileOutline> outline_file(const std::filesystem::path& path, const FileSliceOptions& options = {}) noexcept;
+
 /// Slices the binary STL or PLY file `path` and hands each layer to `sink`. O(n + k + m) as slice(), with two reads of the
 /// file, and where triangles are spilled 96 bytes more of reading and writing for each that planes cut.
 ///

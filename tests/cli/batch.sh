@@ -306,9 +306,12 @@ test_batch_memory() {
     cmp large.svg out/large.svg || fail "a mesh larger than the memory has other bytes"
     expect 0 "${command[@]}"
     expect_summary "5: 0 done, 5 unchanged"
-    expect 5 batch in -o 'masks/{stem}.nrrd' --spacing 2,2,2 --frame lps --memory 64M
+    expect 0 batch in -o 'masks/{stem}.nrrd' --spacing 2,2,2 --frame lps --memory 64M
+    expect 0 slice in/large.stl --spacing 2,2,2 --frame lps -o large.nrrd
+    cmp large.nrrd masks/large.nrrd || fail "a mesh larger than the memory has another mask"
+    expect 5 batch in -o 'welded/{stem}.svg' --weld 0.001 --memory 64M
     expect_summary "5: 4 done, 0 unchanged, 1 failed"
-    grep -q "^failed    in/large.stl: needs about .* MB of memory, more than --memory has, as --spacing needs the whole mesh" .stdout ||
+    grep -q "^failed    in/large.stl: needs about .* MB of memory, more than --memory has, as --weld needs the whole mesh" .stdout ||
         fail "no reason"
 }
 

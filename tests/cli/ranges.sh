@@ -84,6 +84,15 @@ streamed_outputs() {
     cmp -s whole.svg mixed.svg || fail "another SVG beside a picture"
 }
 
+# Voxels lie around the box that the file is read for once more.
+voxel_ranges() {
+    local -a voxels=(--spacing 20,17,15 --frame ras --unit in)
+    expect 0 slice z.stl random.stl "${voxels[@]}" -o whole.nii
+    expect 0 slice z.stl random.stl "${voxels[@]}" --memory 2M -o ranges.nii
+    cmp -s whole.nii ranges.nii || fail "another mask"
+    expect_failure 3 "a budget of 10240 bytes is too small" slice z.stl "${voxels[@]}" --memory 10k -o none.nii
+}
+
 test_ranges() {
     expect 0 make bone --triangles 100000 -o z.stl
     expect 0 make bone --triangles 100000 --order random -o random.stl
@@ -102,6 +111,7 @@ test_ranges() {
     expect_files random.stl z.stl
     converted_ranges "$want"
     streamed_outputs
+    voxel_ranges
     expect_failure 2 "not a number of bytes" slice z.stl --memory 0 -o none.svg
     expect_failure 2 "not a number of bytes" slice z.stl --memory 3X
     expect_failure 2 "--report" slice z.stl --memory 2M --report none.json

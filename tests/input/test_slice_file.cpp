@@ -1,4 +1,5 @@
 // A file sliced in ranges within a budget of memory gives what slice() gives of the whole mesh.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -172,6 +173,11 @@ TEST_CASE("a file written layer by layer is the file of the whole", "[slice_file
     REQUIRE(whole.result.summary.open_contours > 0);
     CHECK(writing.promised == whole.result.layers.size());
     CHECK(writing.frame.m == whole.result.frame.m);
+    const lamella::FileOutline outline = lamella::outline_file(path, options).value();
+    CHECK(outline.layers == writing.promised);
+    CHECK(outline.facts.frame.m == writing.frame.m);
+    CHECK(std::ranges::equal(outline.facts.summary.min_mm, whole.result.summary.min_mm));
+    CHECK(std::ranges::equal(outline.facts.summary.max_mm, whole.result.summary.max_mm));
     REQUIRE(lamella::write_svg(whole.result, folder / "whole.svg").ok());
     CHECK(bytes_of(folder / "streamed.svg") == bytes_of(folder / "whole.svg"));
 }

@@ -48,10 +48,7 @@ FileSlicing::FileSlicing(TriangleFile& file, const LayerSink& sink, const FileSl
 
 Result<FileSlice> FileSlicing::run() {
     const auto start = Clock::now();
-    if (Status status = load_vertices(); !status) {
-        return status.error();
-    }
-    if (Status status = choose_grid_and_planes(); !status) {
+    if (Status status = first_pass(); !status) {
         return status.error();
     }
     tell_outline();
@@ -69,6 +66,18 @@ Result<FileSlice> FileSlicing::run() {
     }
     progress_.finish();
     return finish();
+}
+
+Result<FileOutline> FileSlicing::outline() {
+    if (Status status = first_pass(); !status) {
+        return status.error();
+    }
+    return outline_of(slicing_, frame_, planes_);
+}
+
+Status FileSlicing::first_pass() {
+    const Status loaded = load_vertices();
+    return loaded ? choose_grid_and_planes() : loaded;
 }
 
 Status FileSlicing::load_vertices() {

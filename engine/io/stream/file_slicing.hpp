@@ -24,8 +24,11 @@ public:
 
     /// Throws Refused, Stopped, std::bad_alloc.
     Result<FileSlice> run();
+    /// The first pass alone. Throws as run().
+    Result<FileOutline> outline();
 
 private:
+    Status first_pass();
     Status load_vertices();
     Status choose_grid_and_planes();
     Status build_planes();

@@ -13,16 +13,28 @@ namespace lamella {
 
 namespace {
 
+Result<std::unique_ptr<TriangleFile>> open(const std::filesystem::path& path, const FileSliceOptions& options) {
+    const Parallel one({.threads = 1});
+    return TriangleFile::open(path, options.name, options.mm_per_unit, one);
+}
+
+/// What no file can be sliced with within a budget.
+Status check_options(const FileSliceOptions& options) {
+    if (options.slice.origins) {
+        return Error{ErrorCode::invalid_argument, "origins are not to be had within a budget of memory"};
+    }
+    return {};
+}
+
 Result<FileSlice> run(const std::filesystem::path& path, const LayerSink& sink, const FileSliceOptions& options) {
     if (sink.take == nullptr) {
         return Error{ErrorCode::invalid_argument, "the sink has no function that takes layers"};
     }
-    if (options.slice.origins) {
-        return Error{ErrorCode::invalid_argument, "origins are not to be had within a budget of memory"};
+    if (Status status = check_options(options); !status) {
+        return status.error();
     }
     const Clock::time_point start = Clock::now();
-    Parallel one({.threads = 1});
-    const Result<std::unique_ptr<TriangleFile>> opened = TriangleFile::open(path, options.name, options.mm_per_unit, one);
+    const Result<std::unique_ptr<TriangleFile>> opened = open(path, options);
     if (!opened) {
         return opened.error();
     }
@@ -121,12 +133,24 @@ Result<CollectedFileSlice> collect(const std::filesystem::path& path, const File
 
 Result<MeshFile> describe_file(const std::filesystem::path& path, const FileSliceOptions& options) noexcept {
     return guarded(options.slice.control, [&]() -> Result<MeshFile> {
-        const Parallel one({.threads = 1});
-        const Result<std::unique_ptr<TriangleFile>> file = TriangleFile::open(path, options.name, options.mm_per_unit, one);
+        const Result<std::unique_ptr<TriangleFile>> file = open(path, options);
         if (!file) {
             return file.error();
         }
         return std::move((*file)->facts());
+    });
+}
+
+Result<FileOutline> outline_file(const std::filesystem::path& path, const FileSliceOptions& options) noexcept {
+    return guarded(options.slice.control, [&]() -> Result<FileOutline> {
+        if (Status status = check_options(options); !status) {
+            return status.error();
+        }
+        const Result<std::unique_ptr<TriangleFile>> file = open(path, options);
+        if (!file) {
+            return file.error();
+        }
+        return FileSlicing(**file, LayerSink{}, options).outline();
     });
 }
 

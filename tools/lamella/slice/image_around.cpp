@@ -7,6 +7,7 @@
 
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
+#include "slice/range_slicing.hpp"
 #include "terminal/failure.hpp"
 #include "terminal/numbers.hpp"
 
@@ -19,19 +20,28 @@ struct Box {
     std::array<double, 3> max_mm{};
 };
 
+SliceSummary summary_of(const MeshFile& file, const std::string& name, const SliceArguments& arguments,
+                        const SliceOptions& options) {
+    if (!arguments.memory.empty()) {
+        return outline_within_memory(name, arguments, options).facts.summary;
+    }
+    const Result<SliceResult> result = slice(file, options);
+    if (!result) {
+        throw failure_of(result.error());
+    }
+    return result->summary;
+}
+
 /// In LPS.
 Box box_of(const MeshFile& file, const std::string& name, const SliceArguments& arguments) {
     SliceOptions options = options_of(arguments);
     options.plan.spacing = ExplicitPlanes{{0}};
     options.layers = {};
     options.transform = ImageGeometry{}.slicing_frame(patient_frame_of(file, arguments.image, name));
-    const Result<SliceResult> result = slice(file, options);
-    if (!result) {
-        throw failure_of(result.error());
-    }
+    const SliceSummary summary = summary_of(file, name, arguments, options);
     Box box;
-    std::copy_n(result->summary.min_mm, 3, box.min_mm.begin());
-    std::copy_n(result->summary.max_mm, 3, box.max_mm.begin());
+    std::copy_n(summary.min_mm, 3, box.min_mm.begin());
+    std::copy_n(summary.max_mm, 3, box.max_mm.begin());
     return box;
 }
 

@@ -161,6 +161,16 @@ MeshFile describe_mesh_of(const SliceArguments& arguments) {
     return std::move(mesh).value();
 }
 
+FileOutline outline_within_memory(const std::string& mesh, const SliceArguments& arguments, const SliceOptions& options) {
+    FileSliceOptions in_file = file_options(arguments);
+    in_file.slice = options;
+    Result<FileOutline> outline = outline_file(mesh, in_file);
+    if (!outline) {
+        throw failure_of(outline.error());
+    }
+    return std::move(outline).value();
+}
+
 Result<SliceResult> slice_in_ranges(const SliceArguments& arguments, const SliceOptions& options, StreamedOutputs* outputs,
                                     ToolRun& run) {
     FileSliceOptions in_file = file_options(arguments);

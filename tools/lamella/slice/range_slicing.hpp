@@ -17,6 +17,9 @@ void require_ranges_possible(const SliceArguments& arguments);
 /// The mesh as far as its file's beginning says. Throws Failure.
 MeshFile describe_mesh_of(const SliceArguments& arguments);
 
+/// What is known of `mesh` before it is sliced with `options` within --memory. Throws Failure.
+FileOutline outline_within_memory(const std::string& mesh, const SliceArguments& arguments, const SliceOptions& options);
+
 /// Slices within --memory. Where the `outputs` take layers as they are cut, the result has layers and closed gaps only;
 /// null: it holds everything. Fills in `run`. Errors: those of slice_file(). Throws Failure where an output cannot be
 /// written.

@@ -228,7 +228,7 @@ void declare(CLI::App& command, SliceArguments& arguments) {
         command.add_option("--memory", arguments.memory,
                            "Slice a binary STL or PLY file larger than memory, in ranges of layers within so many bytes");
     memory->type_name("BYTES[k|M|G]")->check(given);
-    for (const char* other : {"--weld", "--map", "--spacing"}) {
+    for (const char* other : {"--weld", "--map"}) {
         memory->excludes(command.get_option(other));
     }
     command

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <memory>
+#include <new>
 #include <utility>
 
 #include "base/guard.hpp"

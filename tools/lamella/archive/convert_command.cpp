@@ -82,11 +82,7 @@ private:
     template <class Call>
     auto found(const std::string& what, const Call& call) {
         const Stage stage(bar_, "reading " + printable(what));
-        auto result = call(control_of(stage));
-        if (!result) {
-            throw failure_of(result.error());
-        }
-        return std::move(result).value();
+        return done_or_thrown(call(control_of(stage)));
     }
 
     void plan_outputs() {

@@ -88,18 +88,12 @@ private:
         char hash[17];
         (void)std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(merged.hash));
         record.result_hashes = {hash};
-        if (const Status written = write_record(record, output_.record_path()); !written) {
-            throw failure_of(written.error());
-        }
+        done_or_thrown(write_record(record, output_.record_path()));
     }
 
     FileSeal sealed(const std::string& path) {
         const Stage stage(bar_, "sealing");
-        Result<FileSeal> seal = seal_file(path, control_of(stage));
-        if (!seal) {
-            throw failure_of(seal.error());
-        }
-        return std::move(seal).value();
+        return done_or_thrown(seal_file(path, control_of(stage)));
     }
 
     Control control_of(const Stage& stage) {

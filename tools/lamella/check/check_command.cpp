@@ -39,19 +39,6 @@ struct CheckArguments : MeshListArguments {
     bool all_kinds = false;
 };
 
-void require(const Status& status) {
-    if (!status) {
-        throw failure_of(status.error());
-    }
-}
-
-std::string json_of(Result<std::string> made) {
-    if (!made) {
-        throw failure_of(made.error());
-    }
-    return std::move(made).value();
-}
-
 /// An array of values, each of which is text that ends a line.
 std::string json_array(const std::vector<std::string>& values) {
     std::string text = "[\n";
@@ -146,7 +133,7 @@ private:
         }
         const Stage stage(bar, "writing");
         const Stopwatch watch;
-        require(write_marks(found, output_path(arguments_.marks)));
+        done_or_thrown(write_marks(found, output_path(arguments_.marks)));
         return watch.ms();
     }
 
@@ -182,7 +169,7 @@ private:
             return;
         }
         const ReportParts parts{.mesh_name = mesh.mesh, .file = &file, .members = members};
-        reports_.push_back(json_of(make_check_json(found, parts, arguments_.places)));
+        reports_.push_back(done_or_thrown(make_check_json(found, parts, arguments_.places)));
     }
 
     void add_failure(const MeshArguments& mesh, const Failure& failure) {
@@ -190,7 +177,7 @@ private:
             return;
         }
         const ReportMember error{.key = "error", .value = std::string_view(failure.what())};
-        reports_.push_back(json_of(make_mesh_json({.mesh_name = mesh.mesh, .members = {&error, 1}})));
+        reports_.push_back(done_or_thrown(make_mesh_json({.mesh_name = mesh.mesh, .members = {&error, 1}})));
     }
 
     void write_report() const {
@@ -201,7 +188,7 @@ private:
         if (is_standard(arguments_.report)) {
             print(json);
         } else {
-            require(write_text_file(arguments_.report, json));
+            done_or_thrown(write_text_file(arguments_.report, json));
         }
     }
 

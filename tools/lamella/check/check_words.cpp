@@ -107,11 +107,7 @@ std::string check_words(const std::string& path, const MeshFile& mesh, const Mes
             line("grid", exact_text(check.info.unit_mm) + " mm" + joined_by_grid(check.info)) +
             line("tolerance", exact_text(check.tolerance_mm) + " mm") +
             line("slivers", "from " + exact_text(check.sliver_ratio) + " : 1");
-    const Result<std::string> verdict = make_verdict(check);
-    if (!verdict) {
-        throw failure_of(verdict.error());
-    }
-    return text + shell_words(check, how.most_places) + *verdict + "\n";
+    return text + shell_words(check, how.most_places) + done_or_thrown(make_verdict(check)) + "\n";
 }
 
 }  // namespace lamella::cli

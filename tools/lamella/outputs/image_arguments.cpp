@@ -76,11 +76,7 @@ void declare_image(CLI::App& command, ImageArguments& arguments) {
 }
 
 ImageGeometry read_image_of(const ImageArguments& arguments) {
-    Result<ImageGeometry> image = read_image_geometry(arguments.like);
-    if (!image) {
-        throw failure_of(image.error());
-    }
-    return std::move(image).value();
+    return done_or_thrown(read_image_geometry(arguments.like));
 }
 
 void require_series_kept(const ImageGeometry& image, const std::vector<std::filesystem::path>& outputs) {

@@ -80,9 +80,7 @@ void StreamedOutputs::finish() {
             status = of_its_kind(stream, [](auto& own) { return own.finish(); });
         }
     }
-    if (!status) {
-        throw failure_of(status.error());
-    }
+    done_or_thrown(status);
 }
 
 }  // namespace lamella::cli

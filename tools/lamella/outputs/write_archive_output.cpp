@@ -22,9 +22,7 @@ void write_archive_output(const OutputJob& job, const PlannedOutput& output, con
     if (part.welded) {
         info.weld = ArchiveWeld{part.welded->tolerance_mm, part.welded->joined};
     }
-    if (const Status written = write_archive(part.result, info, output.path, control); !written) {
-        throw failure_of(written.error());
-    }
+    done_or_thrown(write_archive(part.result, info, output.path, control));
 }
 
 }  // namespace lamella::cli

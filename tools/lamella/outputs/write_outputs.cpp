@@ -22,20 +22,6 @@ namespace {
 
 using Note = std::function<void(const std::string&)>;
 
-template <class T>
-T done_or_thrown(Result<T> result) {
-    if (!result) {
-        throw failure_of(result.error());
-    }
-    return std::move(result).value();
-}
-
-void done_or_thrown(const Status& status) {
-    if (!status) {
-        throw failure_of(status.error());
-    }
-}
-
 std::string percent(double share) {
     return share < 0.0001 ? "less than 0.01 %" : rounded(share * 100, 2) + " %";
 }

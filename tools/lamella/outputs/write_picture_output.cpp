@@ -53,11 +53,8 @@ void write_picture_output(const OutputJob& job, const PlannedOutput& output, con
         orient(options, *job.image);
     }
     const std::optional<std::uint64_t> layer = job.arguments.picture_layer;
-    const Status written =
-        layer ? write_layer_picture(parts, *layer, output.path, options) : write_contact_sheet(parts, output.path, options);
-    if (!written) {
-        throw failure_of(written.error());
-    }
+    done_or_thrown(layer ? write_layer_picture(parts, *layer, output.path, options)
+                         : write_contact_sheet(parts, output.path, options));
 }
 
 }  // namespace lamella::cli

@@ -25,11 +25,7 @@ SliceSummary summary_of(const MeshFile& file, const std::string& name, const Sli
     if (!arguments.memory.empty()) {
         return outline_within_memory(name, arguments, options).facts.summary;
     }
-    const Result<SliceResult> result = slice(file, options);
-    if (!result) {
-        throw failure_of(result.error());
-    }
-    return result->summary;
+    return done_or_thrown(slice(file, options)).summary;
 }
 
 /// In LPS.
@@ -57,11 +53,7 @@ ImageGeometry image_around(const std::vector<MeshFile>& files, const SliceArgume
             all.max_mm[axis] = i == 0 ? box.max_mm[axis] : std::max(all.max_mm[axis], box.max_mm[axis]);
         }
     }
-    Result<ImageGeometry> image = geometry_around(all.min_mm, all.max_mm, {spacing[0], spacing[1], spacing[2]});
-    if (!image) {
-        throw failure_of(image.error());
-    }
-    return std::move(image).value();
+    return done_or_thrown(geometry_around(all.min_mm, all.max_mm, {spacing[0], spacing[1], spacing[2]}));
 }
 
 }  // namespace lamella::cli

@@ -154,21 +154,13 @@ void require_ranges_possible(const SliceArguments& arguments) {
 }
 
 MeshFile describe_mesh_of(const SliceArguments& arguments) {
-    Result<MeshFile> mesh = describe_file(arguments.mesh, file_options(arguments));
-    if (!mesh) {
-        throw failure_of(mesh.error());
-    }
-    return std::move(mesh).value();
+    return done_or_thrown(describe_file(arguments.mesh, file_options(arguments)));
 }
 
 FileOutline outline_within_memory(const std::string& mesh, const SliceArguments& arguments, const SliceOptions& options) {
     FileSliceOptions in_file = file_options(arguments);
     in_file.slice = options;
-    Result<FileOutline> outline = outline_file(mesh, in_file);
-    if (!outline) {
-        throw failure_of(outline.error());
-    }
-    return std::move(outline).value();
+    return done_or_thrown(outline_file(mesh, in_file));
 }
 
 Result<SliceResult> slice_in_ranges(const SliceArguments& arguments, const SliceOptions& options, StreamedOutputs* outputs,

@@ -169,13 +169,14 @@ private:
     }
 
     const FileSeal& add_input(const std::string& path, std::uint64_t bytes) {
-        return job_.inputs.emplace_back(is_standard(path) ? FileSeal{path, bytes, ""} : found(seal_file(path)));
+        return job_.inputs.emplace_back(is_standard(path) ? FileSeal{path, bytes, ""} : done_or_thrown(seal_file(path)));
     }
 
     MeshFacts facts_of(const MeshFile& mesh, const SlicedPart& part) {
         const Stage stage(bar_, "measuring");
-        MeshFacts facts = found(part.welded ? measure_facts(part.welded->view(), Transform{}, part.result, control_of(stage))
-                                            : measure_facts(mesh.view(), mesh.to_mm(), part.result, control_of(stage)));
+        MeshFacts facts =
+            done_or_thrown(part.welded ? measure_facts(part.welded->view(), Transform{}, part.result, control_of(stage))
+                                       : measure_facts(mesh.view(), mesh.to_mm(), part.result, control_of(stage)));
         facts.warnings = run_.warnings;
         return facts;
     }
@@ -265,20 +266,12 @@ private:
         run_.write_ms = watch.ms();
     }
 
-    template <class T>
-    static T found(Result<T> result) {
-        if (!result) {
-            throw failure_of(result.error());
-        }
-        return std::move(result).value();
-    }
-
     /// What a stage of the report finds.
     template <class Call>
     auto timed(std::string_view what, double& ms, const Call& call) {
         const Stage stage(bar_, what);
         const Stopwatch watch;
-        auto answer = found(call(control_of(stage)));
+        auto answer = done_or_thrown(call(control_of(stage)));
         ms = watch.ms();
         return answer;
     }
@@ -306,7 +299,7 @@ private:
         parts.crossings = &crossings;
         parts.members = members;
         const Stopwatch watch;
-        write_report(found(make_report_json(result, parts)));
+        write_report(done_or_thrown(make_report_json(result, parts)));
         run_.report_ms = watch.ms();
         end_run();
         print_words(summary(result, parts, run_) + report_line(),
@@ -327,10 +320,7 @@ private:
             print(json);
             return;
         }
-        const Status status = write_text_file(arguments_.report, json);
-        if (!status) {
-            throw failure_of(status.error());
-        }
+        done_or_thrown(write_text_file(arguments_.report, json));
     }
 
     std::string report_line() const {

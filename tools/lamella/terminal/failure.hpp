@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "lamella/error.hpp"
 
@@ -43,6 +44,21 @@ inline Failure failure_of(const Error& error) {
             break;
     }
     return {bad_input, error.message};
+}
+
+/// What the library made. Throws Failure where it made nothing.
+template <class T>
+T done_or_thrown(Result<T> result) {
+    if (!result) {
+        throw failure_of(result.error());
+    }
+    return std::move(result).value();
+}
+
+inline void done_or_thrown(const Status& status) {
+    if (!status) {
+        throw failure_of(status.error());
+    }
 }
 
 }  // namespace lamella::cli

@@ -86,7 +86,7 @@ LAMELLA_SAME_PLACE(lamella_point_origin, edge, PointOrigin, edge);
 LAMELLA_SAME_PLACE(lamella_point_origin, end_edge, PointOrigin, end_edge);
 static_assert(LAMELLA_NO_TRIANGLE == no_triangle && LAMELLA_NO_EDGE == no_edge && LAMELLA_SEVERAL_PARTS == several_parts);
 static_assert(LAMELLA_DEFAULT_UNIT_MM == default_unit_mm && LAMELLA_UNIT_BY_BOX == unit_by_box &&
-              LAMELLA_GRID_LIMIT == grid_limit);
+              LAMELLA_GAPS_BY_MESH == gaps_by_mesh && LAMELLA_GRID_LIMIT == grid_limit);
 static_assert(sizeof(lamella_segment) == sizeof(Segment));
 LAMELLA_SAME_PLACE(lamella_segment, to_key, Segment, to_key);
 LAMELLA_SAME_PLACE(lamella_segment, from, Segment, from);

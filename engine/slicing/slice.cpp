@@ -30,6 +30,7 @@
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/prepared_parts.hpp"
 #include "slicing/regions/rules.hpp"
+#include "slicing/repair/gap_length.hpp"
 #include "slicing/result/result_output.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
@@ -101,8 +102,12 @@ private:
         return options_.memory_limit_bytes != 0 ? options_.memory_limit_bytes : kept_.usual_limit;
     }
     LayerRules rules() const noexcept {
-        return {&options_.region, result_.unit_mm, options_.close_gaps_mm / result_.unit_mm, options_.gap_sense,
-                kept_.planes.first_kept()};
+        return {.region = &options_.region,
+                .unit_mm = result_.unit_mm,
+                .close_gaps = result_.close_gaps_mm / result_.unit_mm,
+                .crossing_gaps = crossing_gap_mm(options_.close_gaps_mm, result_.close_gaps_mm) / result_.unit_mm,
+                .gap_sense = options_.gap_sense,
+                .first_layer = kept_.planes.first_kept()};
     }
     /// Milliseconds since the stage before ended.
     double end_stage() noexcept {
@@ -149,7 +154,7 @@ Status Slicing::choose_grid_and_planes() {
     result_.part_count = 1;
     result_.part_regions = PartRegions::separate;
     result_.region = options_.region;
-    result_.close_gaps_mm = options_.close_gaps_mm;
+    result_.close_gaps_mm = gap_length_mm(options_.close_gaps_mm, *bounds);
     result_.gap_sense = options_.gap_sense;
     result_.summary = {};
     result_.summary.unit_doublings = unit->doublings;
@@ -331,7 +336,7 @@ Status check_options(const detail::SliceInput& input, const SliceOptions& option
     if (options.tuning.band_planes < 0) {
         return Error{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"};
     }
-    if (!(options.close_gaps_mm >= 0) || !std::isfinite(options.close_gaps_mm)) {
+    if (options.close_gaps_mm != gaps_by_mesh && (!(options.close_gaps_mm >= 0) || !std::isfinite(options.close_gaps_mm))) {
         return Error{ErrorCode::invalid_argument, "the length up to which gaps are closed must be finite and not negative"};
     }
     return check_rules(options.region);

@@ -164,6 +164,7 @@ typedef struct lamella_region_rules {
 
 #define LAMELLA_DEFAULT_UNIT_MM (1.0 / 1048576) /* lamella/grid.hpp: what unit_mm 0 stands for */
 #define LAMELLA_UNIT_BY_BOX (-1.0)
+#define LAMELLA_GAPS_BY_MESH (-1.0)
 #define LAMELLA_GRID_LIMIT 1073741824 /* the largest magnitude of a point's x and y */
 
 typedef struct lamella_options {
@@ -180,7 +181,7 @@ typedef struct lamella_options {
     int32_t arithmetic;   /* LAMELLA_ARITHMETIC_F64 ... */
     int32_t unit_fit;     /* LAMELLA_UNIT_AS_ASKED ... */
     const lamella_region_rules* region; /* NULL: contours as the mesh gives them */
-    double close_gaps_mm;
+    double close_gaps_mm; /* 0: none; LAMELLA_GAPS_BY_MESH: a hundredth of the diagonal of the mesh's box */
     int32_t gap_sense; /* LAMELLA_GAP_SENSE_KEPT ... */
     int32_t allow_empty;
     uint64_t memory_limit_bytes;

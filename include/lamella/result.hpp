@@ -192,7 +192,7 @@ struct SliceResult {
     std::uint32_t part_count = 1;  ///< meshes
     PartRegions part_regions = PartRegions::separate;
     RegionRules region;
-    double close_gaps_mm = 0;  ///< ends at most so far apart were joined
+    double close_gaps_mm = 0;  ///< ends at most so far apart were joined; of several parts the longest of their lengths
     GapSense gap_sense = GapSense::kept;
     double unit_mm = default_unit_mm;  ///< grid units times this give mm; to_mm() does it
     Transform frame;                   ///< from the caller's space to the space of layers and points

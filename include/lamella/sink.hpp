@@ -86,6 +86,7 @@ struct SliceTotals {
     std::uint64_t points = 0;
     std::uint64_t closed_gaps = 0;
     double unit_mm = default_unit_mm;
+    double close_gaps_mm = 0;       ///< as SliceResult::close_gaps_mm
     std::uint64_t first_layer = 0;  ///< as SliceResult::first_layer
     std::uint64_t all_layers = 0;   ///< as SliceResult::all_layers
     Array<std::uint64_t> layer_of;  ///< as SliceResult::layer_of

@@ -40,6 +40,15 @@ enum class UnitFit : std::uint8_t {
     coarser_if_needed,  ///< the unit is doubled until it does; SliceSummary::unit_doublings says how often
 };
 
+/// Asked for as the length up to which gaps are closed: a hundredth of the diagonal of the mesh's box (after the transform; of
+/// several parts each has its own), and no joint longer than a tenth of that crosses a contour of its layer or a shorter
+/// joint. For meshes that lack faces here and there, as most bones of an atlas do:
+///
+///       .-------------.     .-------------.      .----------.    Ends are joined nearest first, an end to a start: `ab`.
+///       |             |     |             |      |    ||    |    Where a wall lies between them, they stay open: `cd`.
+///       '----a   b----'     '----a---b----'      '---c||d---'    Each joint is listed in SliceResult::closed_gaps.
+inline constexpr double gaps_by_mesh = -1;
+
 struct SliceOptions {
     LayerPlan plan{};
     /// Cut these layers of the plan only: they have the bytes that they have in the whole, grid and planes being chosen for
@@ -52,7 +61,7 @@ struct SliceOptions {
     bool allow_empty = false;
     Transform transform{};  ///< from the mesh's coordinates to mm and to the slicing direction, which is z
     RegionRules region{};
-    double close_gaps_mm = 0;              ///< join ends of open polylines at most so far apart; 0 joins none
+    double close_gaps_mm = 0;  ///< join ends of open polylines at most so far apart; 0 joins none; or gaps_by_mesh
     GapSense gap_sense = GapSense::kept;   ///< which ends are joined
     bool origins = false;                  ///< say which triangle each contour edge comes from: SliceResult::origins
     std::uint64_t memory_limit_bytes = 0;  ///< larger results are refused before allocation; 0: half of physical memory

@@ -234,11 +234,18 @@ test_mending() {
     expect_json report.json 2 gaps closed
     expect_json report.json 0 open_contours
     expect_failure 2 "--gap-sense" slice mixed.stl --close-gaps 8 --gap-sense both
-    expect_failure 2 "--close-gaps" slice mixed.stl --gap-sense any
 
     awk '/^vertex 10 10 10$/ && ++n == 3 {$2 = 10.001} 1' left.stl > cracked.stl
-    expect 0 slice cracked.stl --planes 5 --report report.json
+    expect 0 slice cracked.stl --planes 5 --close-gaps 0 --report report.json
     expect_json report.json 2 open_contours
+    for words in "" "--close-gaps auto"; do
+        expect 0 slice cracked.stl --planes 5 $words --report report.json -o out.svg
+        expect_json report.json 0 open_contours
+        expect_json report.json 0.17321085678674045 gaps reach_mm
+        expect_json report.json 2 gaps closed
+        grep -q '<desc>2 gaps of at most' out.svg || fail "the SVG does not show the gap that was closed"
+    done
+    expect_failure 2 "--close-gaps: 'car' is neither a number of mm" slice cracked.stl --close-gaps car
     expect 0 slice cracked.stl --planes 5 --weld 0.01 --report report.json
     expect_json report.json 0 open_contours
     expect_json report.json 1 weld joined

@@ -62,7 +62,7 @@ Joined joined(const std::vector<Line>& lines, double reach, GapSense sense) {
     lamella::PolylineRepair repair(nullptr);
     lamella::Vector<lamella::ClosedGap> gaps(nullptr);
     Joined result;
-    if (repair.join(polylines, {reach, sense}, 0, gaps)) {
+    if (repair.join(polylines, {}, {reach, reach, sense}, 0, gaps)) {
         for (const lamella::JoinedPolyline& whole : repair.joined()) {
             result.wholes.push_back({{whole.points.begin(), whole.points.end()}, whole.segments, whole.flags, whole.closed});
         }

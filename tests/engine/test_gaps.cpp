@@ -104,9 +104,9 @@ TEST_CASE("the joined pairs and their order are those of a list of all pairs", "
         const double steps = std::uniform_real_distribution(0.0, side * 1.5)(random);
         const double reach = turn % 7 == 0 ? 1e300 : step * (turn % 7 == 1 ? std::floor(steps) : steps);
         for (const GapSense sense : {GapSense::kept, GapSense::any}) {
-            const Pairs expected = greedy(polylines, {reach, sense});
+            const Pairs expected = greedy(polylines, {reach, reach, sense});
             INFO("turn " << turn << ", " << count << " polylines, sense " << static_cast<int>(sense));
-            REQUIRE(closed(closer, polylines, {reach, sense}) == expected);
+            REQUIRE(closed(closer, polylines, {reach, reach, sense}) == expected);
             REQUIRE(agree(closer, expected, count));
             joined[static_cast<int>(sense)] += expected.size();
         }
@@ -124,7 +124,7 @@ TEST_CASE("ends in two distant clusters are joined as from a list of all pairs",
             polyline.last.x += apart;
         }
         for (const GapSense sense : {GapSense::kept, GapSense::any}) {
-            CHECK(closed(closer, polylines, {1 << 30, sense}) == greedy(polylines, {1 << 30, sense}));
+            CHECK(closed(closer, polylines, {1 << 30, 1 << 30, sense}) == greedy(polylines, {1 << 30, 1 << 30, sense}));
         }
     }
 }
@@ -135,7 +135,7 @@ TEST_CASE("closing gaps takes memory in proportion to the ends, not to their pai
     CountingMemory memory;
     GapCloser closer(&memory);
     for (const GapSense sense : {GapSense::kept, GapSense::any}) {
-        const GapRules rules{1 << 30, sense};
+        const GapRules rules{1 << 30, 1 << 30, sense};
         CHECK(closer.close(random_polylines(random, count, 0, 1, 1 << 20), rules).size() == count);
         CHECK(closer.close(random_polylines(random, count, 0, 1, 3), rules).size() == count);  // all ends at sixteen points
     }

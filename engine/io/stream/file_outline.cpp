@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "slicing/repair/gap_length.hpp"
+
 namespace lamella {
 
 FileOutline outline_of(const SliceOptions& slicing, const SharedFrame& frame, const PlaneSet& planes) {
@@ -11,7 +13,7 @@ FileOutline outline_of(const SliceOptions& slicing, const SharedFrame& frame, co
     facts.first_layer = planes.first_kept();
     facts.all_layers = planes.planned();
     facts.region = slicing.region;
-    facts.close_gaps_mm = slicing.close_gaps_mm;
+    facts.close_gaps_mm = gap_length_mm(slicing.close_gaps_mm, frame.bounds);
     facts.gap_sense = slicing.gap_sense;
     facts.unit_mm = frame.unit.mm;
     facts.frame = slicing.transform;

@@ -11,6 +11,7 @@
 #include "slicing/grid/placed_reader.hpp"
 #include "slicing/handover/hand_over.hpp"
 #include "slicing/regions/rules.hpp"
+#include "slicing/repair/gap_length.hpp"
 #include "slicing/workspace.hpp"
 
 namespace lamella {
@@ -381,6 +382,7 @@ void FileSlicing::add(const SliceTotals& own) {
 FileSlice FileSlicing::finish() {
     SliceTotals& all = done_work_.totals;
     all.unit_mm = frame_.unit.mm;
+    all.close_gaps_mm = gap_length_mm(slicing_.close_gaps_mm, frame_.bounds);
     all.first_layer = planes_.first_kept();
     all.all_layers = planes_.planned();
     all.layer_of = layers_of_listed(planes_, slicing_.control.memory);

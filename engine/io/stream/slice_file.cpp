@@ -120,7 +120,7 @@ Result<CollectedFileSlice> collect(const std::filesystem::path& path, const File
     result.first_layer = totals.first_layer;
     result.all_layers = totals.all_layers;
     result.region = options.slice.region;
-    result.close_gaps_mm = options.slice.close_gaps_mm;
+    result.close_gaps_mm = totals.close_gaps_mm;
     result.gap_sense = options.slice.gap_sense;
     result.unit_mm = totals.unit_mm;
     result.frame = options.slice.transform * Transform::scale(options.mm_per_unit);

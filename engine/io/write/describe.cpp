@@ -82,13 +82,7 @@ std::string describe_rules(const SliceResult& result) {
     for (const FillFrom& from : rules.fill_from) {
         text += ", from layer " + std::to_string(from.first_layer) + " on " + std::string(name_of(from.rule));
     }
-    text += describe_region(rules);
-    if (result.close_gaps_mm > 0) {
-        text += ". Gaps of up to " + exact_text(result.close_gaps_mm) +
-                (result.gap_sense == GapSense::any ? " mm closed in any sense: " : " mm closed: ") +
-                std::to_string(result.closed_gaps.size());
-    }
-    return text;
+    return text + describe_region(rules);
 }
 
 }  // namespace lamella

@@ -20,7 +20,7 @@ std::string describe(const LayerPlan& plan);
 /// What was joined before slicing, as a sentence.
 std::string describe_weld(const WeldedMesh& welded);
 
-/// What is inside, what the regions went through, and which gaps were closed, as sentences.
+/// What is inside, and what the regions went through, as sentences.
 std::string describe_rules(const SliceResult& result);
 
 }  // namespace lamella

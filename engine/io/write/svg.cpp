@@ -102,7 +102,12 @@ class SvgWriter {
 public:
     /// What writes layers throws Stopped where `stop` asks for it.
     SvgWriter(const SliceResult& facts, std::uint64_t layers, const StopCheck& stop, OutputFile& out)
-        : layers_(layers), parts_(facts.part_count), out_(out), format_(facts.unit_mm), frame_(frame_of(facts)) {
+        : layers_(layers),
+          parts_(facts.part_count),
+          close_gaps_mm_(facts.close_gaps_mm),
+          out_(out),
+          format_(facts.unit_mm),
+          frame_(frame_of(facts)) {
         pace_.follow(stop);
     }
 
@@ -131,14 +136,37 @@ public:
         for (const Contour& own : view.contours) {
             contour(own, view.points_of(own));
         }
+        gaps_.insert(gaps_.end(), view.closed_gaps.begin(), view.closed_gaps.end());
         out_.append("</g>\n");
     }
 
-    /// Open polylines once more, over all layers: a warning must not be hidden by the layers above it.
-    void open_overlay() {
-        if (open_.empty()) {
-            return;
+    /// Over all layers, as a warning must not be hidden by those above it: where gaps were closed, and open polylines once
+    /// more.
+    void overlay() {
+        if (!gaps_.empty()) {
+            gap_overlay();
         }
+        if (!open_.empty()) {
+            open_overlay();
+        }
+    }
+
+    void tail() { out_.append("</svg>\n"); }
+
+private:
+    void gap_overlay() {
+        out_.append("<g id=\"gaps\" transform=\"scale(1,-1)\" fill=\"none\" stroke=\"" + std::string(warning_colour) +
+                    "\" stroke-width=\"" + mm(warning_stroke * frame_.extent) + "\">\n<desc>" +
+                    counted(gaps_.size(), "gap") + " of at most " + exact_text(close_gaps_mm_) + " mm closed</desc>\n");
+        for (const ClosedGap& gap : gaps_) {
+            out_.append("<polyline points=\"");
+            points(std::array{gap.from, gap.to});
+            out_.append("\"/>\n");
+        }
+        out_.append("</g>\n");
+    }
+
+    void open_overlay() {
         out_.append("<g id=\"open\" transform=\"scale(1,-1)\">\n");
         for (const std::uint64_t contour : open_) {
             pace_.spend(1);
@@ -147,9 +175,6 @@ public:
         out_.append("</g>\n");
     }
 
-    void tail() { out_.append("</svg>\n"); }
-
-private:
     static std::string description(const SliceResult& facts, const WeldedMesh* welded) {
         std::string text = "Coordinates in mm. Grid unit " + exact_text(facts.unit_mm) + " mm. " +
                            (welded != nullptr ? describe_weld(*welded) + ". " : "") + "Planes: " + describe(facts.plan) +
@@ -230,12 +255,14 @@ private:
 
     std::uint64_t layers_;
     std::uint32_t parts_;
+    double close_gaps_mm_;
     OutputFile& out_;
     MmFormat format_;
     Frame2d frame_;
     StopPace pace_;
     std::uint64_t contours_ = 0;  ///< written
     std::vector<std::uint64_t> open_;
+    std::vector<ClosedGap> gaps_;
 };
 
 }  // namespace svg
@@ -259,7 +286,7 @@ Status write_svg_throwing(const SliceResult& result, const std::filesystem::path
         writer.layer(view_of_layer(result, index));
         progress.reach(static_cast<double>(index) / static_cast<double>(result.layers.size()));
     }
-    writer.open_overlay();
+    writer.overlay();
     writer.tail();
     Status status = file->commit();
     if (status) {
@@ -322,7 +349,7 @@ bool SvgStream::failed() const noexcept {
 
 Status SvgStream::finish() noexcept {
     state_->attempt([&] {
-        state_->writer.open_overlay();
+        state_->writer.overlay();
         state_->writer.tail();
     });
     return state_->done ? guarded([&] { return state_->out.commit(); }) : state_->done;

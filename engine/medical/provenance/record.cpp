@@ -46,6 +46,7 @@ Record record_of(const Json& json) {
     record.options = json.at("options").get<std::vector<std::string>>();
     record.patient_frame = json.at("patient_frame").get<std::string>();
     record.grid_mm = json.at("grid_mm").get<std::vector<double>>();
+    record.close_gaps_mm = json.value("close_gaps_mm", std::vector<double>());
     record.fill_rule = json.at("fill_rule").get<std::string>();
     record.result_hashes = json.at("result_hashes").get<std::vector<std::string>>();
     record.source_date_epoch = json.value("source_date_epoch", "");
@@ -101,10 +102,16 @@ Status write_record(const Record& record, const std::filesystem::path& path) noe
         for (const FileSeal& input : record.inputs) {
             inputs.push_back(json_of(input));
         }
-        Json json = {
-            {"lamella", record.version},        {"command", record.command},     {"inputs", inputs},
-            {"output", json_of(record.output)}, {"options", record.options},     {"patient_frame", record.patient_frame},
-            {"grid_mm", record.grid_mm},        {"fill_rule", record.fill_rule}, {"result_hashes", record.result_hashes}};
+        Json json = {{"lamella", record.version},
+                     {"command", record.command},
+                     {"inputs", inputs},
+                     {"output", json_of(record.output)},
+                     {"options", record.options},
+                     {"patient_frame", record.patient_frame},
+                     {"grid_mm", record.grid_mm},
+                     {"close_gaps_mm", record.close_gaps_mm},
+                     {"fill_rule", record.fill_rule},
+                     {"result_hashes", record.result_hashes}};
         if (!record.source_date_epoch.empty()) {
             json["source_date_epoch"] = record.source_date_epoch;
         }

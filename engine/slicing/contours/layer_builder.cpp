@@ -37,6 +37,7 @@ LayerBuilder::LayerBuilder(const Memory* memory)
       contours_(memory),
       items_(memory),
       polylines_(memory),
+      around_(memory),
       walked_(memory),
       closed_(memory),
       walked_of_(memory),
@@ -122,7 +123,11 @@ void LayerBuilder::close_gaps(BandOutput& out) {
         return Polyline{
             {open.item.points, open.item.count}, open.item.origins, open.start_key, open.segments, open.item.flags};
     });
-    if (!repair_.join(polylines_, {rules.close_gaps, rules.gap_sense}, out.layer_contours.size(), out.closed_gaps)) {
+    around_.clear();
+    std::transform(contours_.begin(), first_open, std::back_inserter(around_),
+                   [](const LayerContour& closed) { return std::span<const Point>(closed.item.points, closed.item.count); });
+    if (!repair_.join(polylines_, around_, {rules.close_gaps, rules.crossing_gaps, rules.gap_sense},
+                      out.layer_contours.size(), out.closed_gaps)) {
         return;
     }
     contours_.erase(first_open, contours_.end());

@@ -31,7 +31,8 @@ namespace lamella {
 struct LayerRules {
     const RegionRules* region = nullptr;  ///< null: contours stay as they are
     double unit_mm = default_unit_mm;
-    double close_gaps = 0;  ///< grid units
+    double close_gaps = 0;     ///< grid units
+    double crossing_gaps = 0;  ///< grid units: longer joints cross no contour
     GapSense gap_sense = GapSense::kept;
     std::uint64_t first_layer = 0;  ///< of the plan's layers, which the rules count; see SliceOptions::layers
 };
@@ -97,9 +98,10 @@ private:
     Regions regions_;
     RegionNesting region_nesting_;
     Simplifier simplifier_;
-    Vector<LayerContour> contours_;  // of the plane; a fill rule replaces the closed ones
-    Vector<NestItem> items_;         // of contours_, by start
-    Vector<Polyline> polylines_;     // the open ones of contours_, for repair
+    Vector<LayerContour> contours_;          // of the plane; a fill rule replaces the closed ones
+    Vector<NestItem> items_;                 // of contours_, by start
+    Vector<Polyline> polylines_;             // the open ones of contours_, for repair
+    Vector<std::span<const Point>> around_;  // the closed ones
     // For rules of regions:
     Vector<LayerContour> walked_;      // contours_ before it was replaced
     Vector<NestItem> closed_;          // the closed ones of items_

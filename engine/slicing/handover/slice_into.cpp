@@ -77,8 +77,15 @@ public:
     }
 
     SliceTotals totals(SliceResult& result) const {
-        return {layers_,        contours_,          points_,           closed_gaps_,
-                result.unit_mm, result.first_layer, result.all_layers, std::move(result.layer_of),
+        return {layers_,
+                contours_,
+                points_,
+                closed_gaps_,
+                result.unit_mm,
+                result.close_gaps_mm,
+                result.first_layer,
+                result.all_layers,
+                std::move(result.layer_of),
                 result.summary};
     }
 

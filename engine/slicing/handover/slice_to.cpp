@@ -42,9 +42,9 @@ public:
     }
 
     SliceTotals totals(SliceResult& result) const {
-        return {handed_over_.layers, handed_over_.contours, handed_over_.points, handed_over_.closed_gaps,
-                result.unit_mm,      result.first_layer,    result.all_layers,   std::move(result.layer_of),
-                result.summary};
+        return {
+            handed_over_.layers,  handed_over_.contours, handed_over_.points, handed_over_.closed_gaps,   result.unit_mm,
+            result.close_gaps_mm, result.first_layer,    result.all_layers,   std::move(result.layer_of), result.summary};
     }
 
 private:

@@ -136,6 +136,7 @@ void merge_parts(std::span<const SliceResult> parts, const Parallel& parallel, S
     merged.unit_mm = parts[0].unit_mm;
     merged.summary = parts[0].summary;
     for (const SliceResult& part : parts.subspan(1)) {
+        merged.close_gaps_mm = std::max(merged.close_gaps_mm, part.close_gaps_mm);
         add(part.summary, merged.summary);
     }
     merged.summary.emptied_layers =

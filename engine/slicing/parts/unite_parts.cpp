@@ -55,7 +55,8 @@ private:
         if (worker == nullptr) {
             worker = std::make_unique<Worker>(control_.memory);
             worker->builder.follow(control_.stop);
-            worker->builder.rules = {&united_.region, apart_.unit_mm, 0, GapSense::kept, apart_.first_layer};
+            worker->builder.rules = {
+                .region = &united_.region, .unit_mm = apart_.unit_mm, .first_layer = apart_.first_layer};
         }
         auto output = std::make_unique<BandOutput>(control_.memory);
         output->with_origins = !apart_.origins.empty();

@@ -106,6 +106,21 @@ void GapCloser::join(Site a, Site b) {
     }
 }
 
+std::span<const Gap> GapCloser::leave_open(std::span<const std::uint8_t> crossed) {
+    std::size_t kept = 0;
+    for (std::size_t g = 0; g < gaps_.size(); ++g) {
+        const Gap gap = gaps_[g];
+        if (crossed[g] == 0) {
+            gaps_[kept++] = gap;
+        } else {
+            joined_to_[gap.from.number()] = gap.from;
+            joined_to_[gap.to.number()] = gap.to;
+        }
+    }
+    gaps_.erase(gaps_.begin() + static_cast<std::ptrdiff_t>(kept), gaps_.end());
+    return gaps_;
+}
+
 /// By distance; see close().
 void GapCloser::sort_gaps(std::span<const PolylineEnds> polylines) {
     std::sort(gaps_.begin(), gaps_.end(), [polylines, this](const Gap& a, const Gap& b) {

@@ -38,7 +38,8 @@ struct Gap {
 };
 
 struct GapRules {
-    double reach = 0;  ///< grid units
+    double reach = 0;           ///< grid units
+    double crossing_reach = 0;  ///< grid units: joints longer than that cross no contour and no shorter joint
     GapSense sense = GapSense::kept;
 };
 
@@ -60,6 +61,9 @@ public:
     /// then by coordinates. At most about three searches in a k-d tree, or two of them, for each end: O(o log o) for o
     /// polylines unless they lie so that searches are slow. O(o) memory.
     std::span<const Gap> close(std::span<const PolylineEnds> polylines, const GapRules& rules);
+
+    /// After close(): leaves those gaps open for which `crossed` is not 0, and returns the others.
+    std::span<const Gap> leave_open(std::span<const std::uint8_t> crossed);
 
     /// After close(): the end that `end` is joined to, or `end` itself.
     PolylineEnd joined_to(PolylineEnd end) const noexcept { return joined_to_[end.number()]; }

@@ -31,13 +31,12 @@ bool before(const Polyline& a, const Polyline& b) {
 
 }  // namespace
 
-bool PolylineRepair::join(std::span<const Polyline> polylines, const GapRules& rules, std::uint64_t layer,
-                          Vector<ClosedGap>& closed_gaps) {
+bool PolylineRepair::join(std::span<const Polyline> polylines, std::span<const std::span<const Point>> around,
+                          const GapRules& rules, std::uint64_t layer, Vector<ClosedGap>& closed_gaps) {
     sort(polylines);
-    const std::span<const Gap> gaps = gap_closer_.close(ends_, rules);
+    const std::span<const Gap> gaps = choose_gaps(around, rules);
     for (const Gap& gap : gaps) {
-        closed_gaps.push_back(
-            {layer, ends_[gap.from.polyline()].at(gap.from.last()), ends_[gap.to.polyline()].at(gap.to.last())});
+        closed_gaps.push_back({layer, at(gap.from), at(gap.to)});
     }
     used_.assign(sorted_.size(), 0);
     joined_.clear();
@@ -50,6 +49,27 @@ bool PolylineRepair::join(std::span<const Polyline> polylines, const GapRules& r
     join_open_from(true);
     join_rings();
     return true;
+}
+
+std::span<const Gap> PolylineRepair::choose_gaps(std::span<const std::span<const Point>> around, const GapRules& rules) {
+    const std::span<const Gap> gaps = gap_closer_.close(ends_, rules);
+    joints_.clear();
+    std::size_t free = 0;
+    for (const Gap& gap : gaps) {
+        joints_.push_back({at(gap.from), at(gap.to)});
+        free += squared_distance(at(gap.from), at(gap.to)) <= rules.crossing_reach * rules.crossing_reach ? 1 : 0;
+    }
+    if (free == joints_.size()) {
+        return gaps;
+    }
+    crossed_joints_.clear();
+    for (const Polyline& polyline : sorted_) {
+        crossed_joints_.add(polyline.points, false);
+    }
+    for (const std::span<const Point> contour : around) {
+        crossed_joints_.add(contour, true);
+    }
+    return gap_closer_.leave_open(crossed_joints_.find(joints_, free));
 }
 
 /// Joins what starts at a first (a last) point that is not joined. After all that start at a first point, only what has a
@@ -95,7 +115,7 @@ bool PolylineRepair::leads_on_from(PolylineEnd last) const {
         return false;
     }
     const PolylineEnd next = gap_closer_.joined_to(last);
-    return ends_[next.polyline()].at(next.last()) != ends_[last.polyline()].at(last.last());
+    return at(next) != at(last);
 }
 
 /// Joins all polylines that follow each other from `first` on, up to an end that is not joined or until they meet `first`.

@@ -9,6 +9,7 @@
 #include "base/vector.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/result.hpp"
+#include "slicing/repair/crossed_joints.hpp"
 #include "slicing/repair/gaps.hpp"
 
 namespace lamella {
@@ -37,6 +38,8 @@ class PolylineRepair {
 public:
     explicit PolylineRepair(const Memory* memory)
         : gap_closer_(memory),
+          crossed_joints_(memory),
+          joints_(memory),
           sorted_(memory),
           ends_(memory),
           used_(memory),
@@ -48,30 +51,37 @@ public:
     void follow(const StopCheck& host) noexcept {
         pace_.follow(host);
         gap_closer_.follow(host);
+        crossed_joints_.follow(host);
     }
 
     /// Joins open polylines over gaps by these rules, nearest first, and appends the gaps that were closed to
-    /// `closed_gaps`, as of `layer`. What comes of polylines that run against each other runs as most of their segments do.
-    /// Returns whether there were any: joined() then takes the place of all polylines. What comes out does not depend on the
-    /// order of the polylines. O(o log o + q) for o polylines with q points, unless gaps lie so that searches are slow.
-    /// Throws std::bad_alloc.
-    bool join(std::span<const Polyline> polylines, const GapRules& rules, std::uint64_t layer,
-              Vector<ClosedGap>& closed_gaps);
+    /// `closed_gaps`, as of `layer`. Gaps longer than the crossing reach stay open where the joint would cross a polyline, a
+    /// closed contour of `around` or a shorter joint. What comes of polylines that run against each other runs as most of
+    /// their segments do. Returns whether there were any: joined() then takes the place of all polylines. What comes out
+    /// does not depend on the order of polylines and contours. O(o log o + q) for o polylines with q points, unless gaps lie
+    /// so that searches are slow; where gaps may stay open, also what CrossedJoints::find() takes for all edges. Throws
+    /// std::bad_alloc.
+    bool join(std::span<const Polyline> polylines, std::span<const std::span<const Point>> around, const GapRules& rules,
+              std::uint64_t layer, Vector<ClosedGap>& closed_gaps);
 
     /// Valid until the next call.
     std::span<const JoinedPolyline> joined() const noexcept { return joined_; }
 
 private:
     void sort(std::span<const Polyline> polylines);
+    std::span<const Gap> choose_gaps(std::span<const std::span<const Point>> around, const GapRules& rules);
     void join_open_from(bool last);
     void join_rings();
     void join_from(PolylineEnd first);
     void append(PolylineEnd entered);
     void append_origins(PolylineEnd entered);
+    Point at(PolylineEnd end) const noexcept { return ends_[end.polyline()].at(end.last()); }
     bool leads_on_from(PolylineEnd last) const;
     void turn_round(JoinedPolyline& whole) const;
 
     GapCloser gap_closer_;
+    CrossedJoints crossed_joints_;
+    Vector<Joint> joints_;
     Vector<Polyline> sorted_;    // as given, in canonical order
     Vector<PolylineEnds> ends_;  // of sorted_
     Vector<std::uint8_t> used_;  // of sorted_: whether it is part of a joined one

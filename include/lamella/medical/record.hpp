@@ -35,6 +35,8 @@ struct Record {
     std::vector<std::string> options;  ///< the words of the command that decide the output
     std::string patient_frame;         ///< "LPS", "RAS" or ""
     std::vector<double> grid_mm;       ///< of each mesh
+    /// Of each mesh, as SliceResult::close_gaps_mm; empty in records of earlier versions.
+    std::vector<double> close_gaps_mm;
     std::string fill_rule;
     std::vector<std::string> result_hashes;  ///< hash_result() of each mesh: 16 hexadecimal digits
     std::string source_date_epoch;           ///< SOURCE_DATE_EPOCH of the environment, or ""

@@ -130,6 +130,7 @@ void write_record_of(const OutputJob& job, const PlannedOutput& output, const Co
     record.fill_rule = name_of(job.parts.front().result.region.fill_rule);
     for (const SlicedPart& part : job.parts) {
         record.grid_mm.push_back(part.result.unit_mm);
+        record.close_gaps_mm.push_back(part.result.close_gaps_mm);
         record.result_hashes.push_back(hexadecimal(part.hash ? *part.hash : hash_result(part.result)));
     }
     done_or_thrown(write_record(record, output.record_path()));

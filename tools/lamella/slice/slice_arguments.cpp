@@ -203,12 +203,13 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     declare_planes(command, arguments);
     declare_image(command, arguments.image);
     command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart before slicing (off)")->type_name("MM");
-    CLI::Option* const gaps =
-        command.add_option("--close-gaps", arguments.close_gaps_mm, "Join ends of open polylines at most MM apart (off)");
-    gaps->type_name("MM");
+    command
+        .add_option("--close-gaps", arguments.close_gaps,
+                    "Join ends of open polylines at most MM apart; 0: none (auto: a hundredth of the mesh's diagonal)")
+        ->type_name("MM|auto")
+        ->check(given);
     declare_choice<GapSense>(command, "--gap-sense", arguments.gap_sense, {{"kept", GapSense::kept}, {"any", GapSense::any}},
-                             "Which ends --close-gaps joins: any also turns polylines whose facets disagree (kept)")
-        ->needs(gaps);
+                             "Which ends --close-gaps joins: any also turns polylines whose facets disagree (kept)");
     declare_region(command, arguments);
     CLI::Option* const normal = command.add_option("--normal", arguments.normal, "Cut perpendicular to this direction");
     CLI::Option* const transform = command.add_option("--transform", arguments.transform,
@@ -289,13 +290,10 @@ SliceOptions options_of(const SliceArguments& arguments) {
     }
     options.unit_mm = parse_grid(arguments.grid);
     options.transform = transform_of(arguments);
-    for (const auto& [value, option] :
-         {std::pair{&arguments.weld_mm, "--weld"}, {&arguments.close_gaps_mm, "--close-gaps"}}) {
-        if (*value && !(**value >= 0 && std::isfinite(**value))) {
-            throw Failure(bad_usage, std::string(option) + ": not a number of mm that is at least 0");
-        }
+    if (arguments.weld_mm && !(*arguments.weld_mm >= 0 && std::isfinite(*arguments.weld_mm))) {
+        throw Failure(bad_usage, "--weld: not a number of mm that is at least 0");
     }
-    options.close_gaps_mm = arguments.close_gaps_mm.value_or(0);
+    options.close_gaps_mm = parse_gaps(arguments.close_gaps);
     options.gap_sense = arguments.gap_sense;
     options.region = region_of(arguments);
     options.control.threads = arguments.threads;

@@ -30,7 +30,7 @@ struct SliceArguments : MeshArguments {
     Datum datum = Datum::mesh_min;
     PlaneSide side = PlaneSide::below;
     std::optional<double> weld_mm;
-    std::optional<double> close_gaps_mm;
+    std::string close_gaps = "auto";  ///< mm, or auto
     GapSense gap_sense = GapSense::kept;
     RegionRules region;                  ///< but for fill_from
     std::vector<std::string> fill_from;  ///< LAYER:RULE

@@ -85,8 +85,8 @@ public:
             return std::nullopt;
         }
         const SliceResult& result = job_.parts.front().result;
-        return SliceFacts{result.summary.triangles, result.layers.size(), run_.contours.value_or(result.contours.size()),
-                          result.summary.open_contours, run_.warnings};
+        return SliceFacts{result.summary.triangles,     result.layers.size(), run_.contours.value_or(result.contours.size()),
+                          result.summary.open_contours, result.close_gaps_mm, run_.warnings};
     }
 
 private:

@@ -120,13 +120,13 @@ std::string mending(const SliceResult& result, const ReportParts& parts) {
                 exact_text(parts.welded->tolerance_mm) + " mm away, the farthest " +
                 measure_text(parts.welded->largest_move_mm) + " mm\n";
     }
-    if (result.close_gaps_mm > 0) {
+    if (!result.closed_gaps.empty()) {
         double longest = 0;
         for (const ClosedGap& gap : result.closed_gaps) {
             longest = std::max(longest, result.length_mm(gap));
         }
-        text += "gaps      " + grouped(result.closed_gaps.size()) + " closed of up to " + exact_text(result.close_gaps_mm) +
-                " mm, the longest " + measure_text(longest) + " mm\n";
+        text += "gaps      " + grouped(result.closed_gaps.size()) + " closed of up to " +
+                measure_text(result.close_gaps_mm) + " mm, the longest " + measure_text(longest) + " mm\n";
     }
     return text + regions(result);
 }

@@ -116,6 +116,17 @@ double parse_grid(const std::string& text) {
     return *unit;
 }
 
+double parse_gaps(const std::string& text) {
+    if (text == "auto") {
+        return gaps_by_mesh;
+    }
+    const std::optional<double> length = parse_number(text);
+    if (!length || !(*length >= 0 && std::isfinite(*length))) {
+        throw Failure(bad_usage, "--close-gaps: '" + text + "' is neither a number of mm that is at least 0 nor auto");
+    }
+    return *length;
+}
+
 std::uint64_t parse_bytes(const std::string& text, const std::string& option) {
     std::uint64_t bytes = 0;
     const char* const end = text.data() + text.size();

@@ -28,6 +28,9 @@ double parse_unit(const std::string& text, const std::string& option);
 /// The grid's unit in mm: a number of them, unit_by_box for "auto", 0 for "". Throws Failure naming --grid.
 double parse_grid(const std::string& text);
 
+/// The length of --close-gaps in mm: a number of them, gaps_by_mesh for "auto". Throws Failure naming --close-gaps.
+double parse_gaps(const std::string& text);
+
 /// A number of bytes, at least 1: "1500000", "200K", "512M", "2GB", "1TiB", all of powers of 1024. Throws Failure naming
 /// `option`.
 std::uint64_t parse_bytes(const std::string& text, const std::string& option);

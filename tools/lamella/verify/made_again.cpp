@@ -40,7 +40,13 @@ std::vector<std::string> words_for(const Record& record, const std::vector<fs::p
                                       "--threads=" + std::to_string(threads)};
     const std::size_t parts = count_of_parts(record);
     std::size_t input = parts;  // what options name follows
-    for (const RecordedOption& option : parse_record_words(record.options)) {
+    const std::vector<RecordedOption> options = parse_record_words(record.options);
+    const bool says_gaps =
+        std::any_of(options.begin(), options.end(), [](const RecordedOption& own) { return own.name == "--close-gaps"; });
+    if (record.command == "slice" && record.close_gaps_mm.empty() && !says_gaps) {
+        words.emplace_back("--close-gaps=0");  // what versions did that did not record it
+    }
+    for (const RecordedOption& option : options) {
         if (!option.value) {
             words.push_back(option.name);
             continue;
@@ -101,9 +107,11 @@ void compare_records(const Record& record, const Record& again, std::vector<std:
             found.push_back("the hash of mesh " + std::to_string(i + 1) + " in its record is not that of its layers");
         }
     }
-    for (const auto& [what, same] : {std::pair{"patient frame", record.patient_frame == again.patient_frame},
-                                     {"grid", record.grid_mm == again.grid_mm},
-                                     {"fill rule", record.fill_rule == again.fill_rule}}) {
+    for (const auto& [what, same] :
+         {std::pair{"patient frame", record.patient_frame == again.patient_frame},
+          {"grid", record.grid_mm == again.grid_mm},
+          {"fill rule", record.fill_rule == again.fill_rule},
+          {"length of gaps", record.close_gaps_mm.empty() || record.close_gaps_mm == again.close_gaps_mm}}) {
         if (!same) {
             found.push_back(std::string("the ") + what + " in its record is not that of its layers");
         }

@@ -9,13 +9,14 @@ void add_facts(nlohmann::ordered_json& json, const SliceFacts& facts) {
     json["layers"] = facts.layers;
     json["contours"] = facts.contours;
     json["open_contours"] = facts.open_contours;
+    json["close_gaps_mm"] = facts.close_gaps_mm;
     json["warnings"] = facts.warnings;
 }
 
 SliceFacts facts_of(const nlohmann::ordered_json& json) {
     return {json.at("triangles").get<std::uint64_t>(), json.at("layers").get<std::uint64_t>(),
-            json.at("contours").get<std::uint64_t>(), json.at("open_contours").get<std::uint64_t>(),
-            json.at("warnings").get<std::vector<std::string>>()};
+            json.at("contours").get<std::uint64_t>(),  json.at("open_contours").get<std::uint64_t>(),
+            json.at("close_gaps_mm").get<double>(),    json.at("warnings").get<std::vector<std::string>>()};
 }
 
 std::string text_of(const SliceFacts& facts) {

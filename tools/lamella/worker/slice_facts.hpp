@@ -15,6 +15,7 @@ struct SliceFacts {
     std::uint64_t layers = 0;
     std::uint64_t contours = 0;
     std::uint64_t open_contours = 0;
+    double close_gaps_mm = 0;  ///< as SliceResult::close_gaps_mm
     std::vector<std::string> warnings;
 
     bool operator==(const SliceFacts&) const = default;

@@ -206,6 +206,7 @@ void define_options(py::module_& module) {
     set(options, "origins", flag([](SliceOptions & o) -> auto& { return o.origins; }));
     set(options, "allow_empty", flag([](SliceOptions & o) -> auto& { return o.allow_empty; }));
     module.attr("UNIT_BY_BOX") = unit_by_box;
+    module.attr("GAPS_BY_MESH") = gaps_by_mesh;
     module.def("from_normal", &from_normal);
 }
 

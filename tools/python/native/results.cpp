@@ -163,6 +163,7 @@ struct Rest {
     SliceSummary summary;
     Transform frame;
     double unit_mm;
+    double close_gaps_mm;
     std::uint64_t first_layer;
     std::uint32_t part_count;
     PartRegions part_regions;
@@ -172,7 +173,8 @@ static_assert(std::is_trivially_copyable_v<Rest>);
 py::tuple state(const py::object& self) {
     const HeldResult& held = self.cast<const HeldResult&>();
     const SliceResult& result = held.result;
-    const Rest rest{result.summary, result.frame, result.unit_mm, held.first_layer, result.part_count, result.part_regions};
+    const Rest rest{result.summary,   result.frame,      result.unit_mm,     result.close_gaps_mm,
+                    held.first_layer, result.part_count, result.part_regions};
     const auto bytes = [&](const auto& array) {
         using Element = std::remove_cv_t<std::remove_reference_t<decltype(array[0])>>;
         return py::array(py::dtype::of<std::uint8_t>(), {static_cast<py::ssize_t>(array.size() * sizeof(Element))},
@@ -210,12 +212,12 @@ HeldResult restore(const SliceOptions& options, const py::tuple& state) {
     result.summary = rest.summary;
     result.frame = rest.frame;
     result.unit_mm = rest.unit_mm;
+    result.close_gaps_mm = rest.close_gaps_mm;
     held.first_layer = rest.first_layer;
     result.part_count = rest.part_count;
     result.part_regions = rest.part_regions;
     result.region = options.region;
     result.plan = options.plan;
-    result.close_gaps_mm = options.close_gaps_mm;
     result.gap_sense = options.gap_sense;
     return held;
 }

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 version: str
 UNIT_BY_BOX: float
+GAPS_BY_MESH: float
 
 class Options:
     side: int

@@ -28,7 +28,7 @@ class RuleKeywords(TypedDict, total=False):
     drop_collinear: bool
     simplify: float
     mark_near: float
-    close_gaps: float
+    close_gaps: Union[str, float]
     gap_sense: str
     origins: bool
     allow_empty: bool
@@ -173,6 +173,16 @@ def _grid(value: Any) -> float:
     return unit
 
 
+def _close_gaps(value: Any) -> float:
+    if value == "auto":
+        return _native.GAPS_BY_MESH
+    if isinstance(value, str):
+        refuse(f"close_gaps must be mm or 'auto', not {value!r}")
+    if (length := number("close_gaps", value)) < 0:
+        refuse(f"close_gaps must not be negative, and is {length:g}")
+    return length
+
+
 def _fill_from(value: Any) -> List[Any]:
     try:
         pairs = [(whole_number("a layer of fill_from", layer), rule) for layer, rule in value]
@@ -206,7 +216,7 @@ _ATTRIBUTES: Dict[str, Tuple[str, Callable[[str, Any], Any]]] = {
     "drop_collinear": ("drop_collinear", truth),
     "simplify": _numeric("simplify_mm"),
     "mark_near": _numeric("mark_near_mm"),
-    "close_gaps": _numeric("close_gaps_mm"),
+    "close_gaps": ("close_gaps_mm", lambda _, value: _close_gaps(value)),
     "gap_sense": _choice("gap_sense", "kept", "any"),
     "origins": ("origins", truth),
     "allow_empty": ("allow_empty", truth),
@@ -220,6 +230,7 @@ def slice_options(keywords: Mapping[str, Any], *, prepared: bool = False) -> _na
     """The engine's options. None stands for an option that is not given."""
     given = {name: value for name, value in keywords.items() if value is not None}
     options = _native.Options()
+    options.close_gaps_mm = _native.GAPS_BY_MESH
     for name, value in given.items():
         if prepared and name in OF_PREPARED:
             refuse(f"{name} is for prepare(), which has put the mesh on its grid")

@@ -40,7 +40,7 @@ def slice(  # noqa: A001: the word of the field
     drop_collinear: bool = False,
     simplify: float = 0,
     mark_near: float = 0,
-    close_gaps: float = 0,
+    close_gaps: Union[str, float] = "auto",
     gap_sense: str = "kept",
     origins: bool = False,
     allow_empty: bool = False,
@@ -95,8 +95,9 @@ def slice(  # noqa: A001: the word of the field
         Drop points within so many mm of the lines that are left.
     mark_near : float
         Set the flag `ContourFlag.NEAR` on contours that ``close=mark_near`` would change.
-    close_gaps : float
-        Join ends of open polylines at most so many mm apart.
+    close_gaps : float or "auto"
+        Join ends of open polylines at most so many mm apart, the nearest first, where nothing lies between them: see
+        `Result.closed_gaps`. "auto" is a hundredth of the diagonal of the mesh's box; 0 joins none.
     gap_sense : {"kept", "any"}
         Which ends are joined: those that keep the orientation of both polylines, or any.
     origins : bool

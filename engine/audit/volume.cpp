@@ -233,6 +233,11 @@ Result<VolumeCertificate> certify_or_throw(const MeshView& mesh, const SliceResu
     const Sums sums = sum_faces(mesh, result, planes, scale, parallel);
     parallel.begin_stage(0.99);
     VolumeCertificate certificate = sums.edges == 0 ? Certifier(result, sums, scale, parallel).run() : VolumeCertificate{};
+    const Result<OpenLayers> open = find_open_layers(result, control);
+    if (!open) {
+        return open.error();
+    }
+    certificate.open = *open;
     parallel.finish();
     return certificate;
 }

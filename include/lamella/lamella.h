@@ -275,6 +275,7 @@ typedef struct lamella_workspace lamella_workspace;
 typedef struct lamella_prepared lamella_prepared;
 
 LAMELLA_C_API void lamella_result_view(const lamella_result* result, lamella_view* view);
+/* Outers minus holes; NaN, not known, where the layer has an open contour. */
 LAMELLA_C_API double lamella_result_area_mm2(const lamella_result* result, uint64_t layer);
 LAMELLA_C_API uint64_t lamella_result_hash(const lamella_result* result);
 LAMELLA_C_API void lamella_result_free(lamella_result* result);

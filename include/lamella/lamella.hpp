@@ -10,7 +10,8 @@
 // Before slicing, inspect() says in O(n) whether a mesh is closed and what its box is; check() takes longer and says
 // what is wrong with it and where, down to faces that cross. Slicing itself needs neither. After slicing, make_ledger()
 // says what of the mesh no layer shows: parts that lie between two planes. certify_volume() compares areas and volumes
-// with the mesh, by another computation than slicing: call it where a wrong layer would be costly. find_crossings() says
+// with the mesh, by another computation than slicing: call it where a wrong layer would be costly. find_open_layers()
+// says of how many layers the area is not known, and what would close them. find_crossings() says
 // where contours of a layer run through one another, which check() would find in the mesh as crossing faces, more
 // slowly. validate() is for tests and for results that a program has changed: it holds for every result as slice()
 // returns it.
@@ -19,6 +20,7 @@
 #include "lamella/assemble.hpp"
 #include "lamella/audit/crossings.hpp"
 #include "lamella/audit/ledger.hpp"
+#include "lamella/audit/open_layers.hpp"
 #include "lamella/audit/validate.hpp"
 #include "lamella/audit/volume.hpp"
 #include "lamella/control.hpp"

@@ -212,8 +212,8 @@ struct SliceResult {
     PointMm to_mm(Point point) const noexcept { return {point.x * unit_mm, point.y * unit_mm}; }
     /// Where a layer was really cut: `to_mm(layer.plane)`. How far from the height asked for: see grid.hpp.
     double to_mm(PlaneHeight height) const noexcept { return height.z() * unit_mm; }
-    /// Net solid area of a layer, mm²: outers minus holes. O(contours). Open polylines enclose nothing: where
-    /// `summary.open_contours` is not 0 the area may be too small; check() then says where the mesh is open.
+    /// Net solid area of a layer, mm²: outers minus holes. O(contours). NaN, not known, where the layer has an open
+    /// polyline: find_open_layers() says how many have, and check() where the mesh is open.
     double area_mm2(const Layer& layer) const noexcept;
     /// Area within a contour, mm²: positive for an outer one, negative for a hole, 0 for flat and open ones.
     double area_mm2(const Contour& contour) const noexcept;

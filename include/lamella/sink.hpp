@@ -53,7 +53,7 @@ struct LayerView {
         return points.subspan(contour.first_point, contour.point_count);
     }
     PointMm to_mm(Point point) const noexcept { return {point.x * unit_mm, point.y * unit_mm}; }
-    /// As SliceResult::area_mm2().
+    /// As SliceResult::area_mm2(): NaN where a contour is open.
     double area_mm2() const noexcept;
 };
 

@@ -50,9 +50,41 @@ test_structure_sets() {
     grep -q 99991231 b.dcm || fail "the date is not in the structure set"
     # Of a mesh that encloses nothing there is no ROI.
     printf 'solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 9\nvertex 0 9 9\nendloop\nendfacet\nendsolid\n' > open.stl
-    expect_failure 3 "'open' has no closed contour on any slice" slice open.stl --spacing 1,1,1 --frame ras --without-ct -o c.dcm
+    expect 3 slice open.stl --spacing 1,1,1 --frame ras --without-ct --close-gaps 0 -o c.dcm
+    grep -q "'open' has no closed contour on any slice" .stderr || fail "no word of the ROI that is missing"
     expect_failure 3 "--strict: " slice open.stl --spacing 1,1,1 --frame ras --without-ct --strict -o c.dcm
     [[ ! -e c.dcm ]] || fail "a structure set of nothing"
+}
+
+# A box of 10 x 20 x 30 without one face, beside a whole one on top of it: what is open is said once, and measures nothing.
+test_open_mesh() {
+    cube whole.stl 0 6
+    cube side.stl 0 5
+    awk '/^vertex/ {$3 *= 2; $4 *= 3} 1' side.stl > f7_open.stl
+    { awk '/^vertex/ {$4 = $4 * 3 + 30} 1' whole.stl; cat f7_open.stl; } > half.stl
+    local words='30 of 30 layers (100 % of the height) have open contours: their area is not known; --close-gaps 10 would close them'
+    expect 0 slice f7_open.stl --close-gaps 0 --spacing 1,1,1 --frame lps -o m.nii -o m.csv -o m.jsonl -o m.svg --report m.json
+    [[ $(grep -c 'open contours' .stderr) == 1 ]] || fail "not said once"
+    grep -qxF "lamella: warning: f7_open.stl: $words" .stderr || fail "not said as it should be"
+    grep -qxF "open      $words" .stdout || fail "not in the summary"
+    grep -qF "$words" m.meshes.csv || fail "not in the table"
+    [[ $(grep -c '^f7_open,[0-9]*,[^,]*,[^,]*,[^,]*,[^,]*,,,1,0,1,0,,,' m.csv) == 30 ]] || fail "areas that are not known"
+    [[ $(grep -c '"area_mm2":null,"perimeter_mm":null,.*"centroid_x_mm":null' m.jsonl) == 30 ]] || fail "areas in JSON lines"
+    expect_json m.json 30 open layers
+    [[ $(json_value m.json open closed_by_mm) == 10.0000* ]] || fail "another length"
+    expect 0 slice f7_open.stl --close-gaps 10 --layer-height 1 -o c.csv
+    [[ $(grep -c '^f7_open,.*,200,60,1,0,0,0,5,10,' c.csv) == 30 && ! -s .stderr ]] || fail "the length that is named closes nothing"
+    expect 0 slice half.stl --close-gaps 0 --layer-height 2 -o m.csv
+    words='half.stl: 15 of 30 layers (50 % of the height) have open contours: their area is not known; --close-gaps 10 would close them'
+    grep -qxF "lamella: warning: $words" .stderr || fail "not the half that is open"
+    cp m.csv whole.csv
+    "$lamella" convert half.stl -o half.ply > /dev/null 2>&1 || fail "no PLY"
+    expect 0 slice half.ply --close-gaps 0 --layer-height 2 --memory 5M -o half.csv
+    grep -qF "${words/stl/ply}" .stderr || fail "not said with --memory"
+    cmp half.csv whole.csv || fail "--memory differs"
+    expect 0 batch half.stl --close-gaps 0 --layer-height 2 -o 'b/{stem}.csv'
+    grep -qF "\"warnings\":[\"half.stl: 15 of 30 layers (50 % of" b/results.jsonl || fail "not in results.jsonl"
+    expect_failure 3 "--strict: 15 of 30 layers" slice half.stl --close-gaps 0 --layer-height 2 --strict -o m.csv
 }
 
 # No output replaces an input, or another output, by whatever name.

@@ -144,8 +144,8 @@ test_regions() {
         out.svg || fail "the SVG does not say the rules"
 
     cube open.stl 0 5
-    expect 0 slice open.stl --planes 5 --fill-rule non-zero
-    grep -qxF 'left      1 open polyline as cut: they bound no region' .stdout || fail "no word of the open polyline"
+    expect 0 slice open.stl --planes 5 --fill-rule non-zero --close-gaps 0
+    grep -qF 'open      1 of 1 layer (100 % of the height) has open contours' .stdout || fail "no word of the open polyline"
 
     awk '/vertex/ { v[n++] = $0; if (n == 3) { print v[0]; print v[2]; print v[1]; n = 0 } next } { print }' left.stl > inverted.stl
     expect 0 slice inverted.stl --planes 5,7 --fill-rule positive --drop-collinear --report report.json
@@ -209,6 +209,9 @@ test_mending() {
     expect_json open.json 100.0 ledger flat_up_mm2
     expect_json open.json "open mesh" volume verdict
     grep -q '^volume *not certified: open mesh' .stdout || fail "an open mesh has a volume"
+    expect_json open.json 1 open layers
+    expect_json open.json 1.0 open height_share
+    grep -q '"solid_volume_mm3": null' open.json || fail "a volume of layers whose area is not known"
     expect 0 slice open.stl --planes 5 --close-gaps 9.5 --report report.json
     expect_json report.json 1 open_contours
     expect_json report.json 0 gaps closed

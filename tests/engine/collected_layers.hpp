@@ -32,7 +32,7 @@ public:
         for (const auto& [index, own] : layers_) {
             const lamella::Layer& layer = result.layers[index];
             if (facts_of(own.layer) != facts_of(layer) || own.layer.first_contour != 0 ||
-                own.area_mm2 != result.area_mm2(layer)) {
+                std::bit_cast<std::uint64_t>(own.area_mm2) != std::bit_cast<std::uint64_t>(result.area_mm2(layer))) {
                 return "layer " + std::to_string(index);
             }
             if (!has_contours_of(own, result, layer)) {

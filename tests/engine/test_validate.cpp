@@ -1,5 +1,6 @@
 // validate() must find every kind of broken promise. Results are made by hand, then damaged.
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -228,6 +229,10 @@ TEST_CASE("a contour through a start does not enclose it", "[result][validate]")
 TEST_CASE("areas are summed exactly", "[result]") {
     SliceResult result = sound();
     result.unit_mm = 0.5;
+    CHECK(std::isnan(result.area_mm2(result.layers[0])));
+    const auto open = std::find_if(result.contours.begin(), result.contours.end(),
+                                   [](const Contour& contour) { return contour.role == Role::open; });
+    open->role = Role::flat;
     CHECK(result.area_mm2(result.layers[0]) == (400 - 144 + 16) * 0.25);
     CHECK(result.area_mm2(result.layers[1]) == 0);
     CHECK(result.area_mm2(result.layers[2]) == (400 - 16 - 16) * 0.25);

@@ -33,11 +33,20 @@ void add_summary(Hash& hash, const lamella::SliceSummary& summary) {
     hash.reals(summary.min_mm).reals(summary.max_mm);
 }
 
+/// What closed contours enclose, also where the area is not known.
+double closed_area(const SliceResult& result, const lamella::Layer& layer) {
+    double twice_area = 0;
+    for (const lamella::Contour& contour : result.contours_of(layer)) {
+        twice_area += contour.twice_area.to_double();
+    }
+    return twice_area / 2 * result.unit_mm * result.unit_mm;
+}
+
 std::uint64_t hash_of_numbers(const SliceResult& result) {
     Hash hash;
     for (const lamella::Layer& layer : result.layers) {
         hash.real(layer.bottom_mm).real(layer.plane_mm).real(layer.top_mm).word(layer.segments);
-        hash.real(result.area_mm2(layer));
+        hash.real(closed_area(result, layer));
     }
     for (const lamella::ClosedGap& gap : result.closed_gaps) {
         add_point(add_point(hash.word(gap.layer), gap.from), gap.to).real(result.length_mm(gap));

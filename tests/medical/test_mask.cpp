@@ -164,6 +164,23 @@ TEST_CASE("mask: shares sum to the volume, and say what the image cuts off", "[m
     CHECK(written->cut_off_share[0] == Approx(0.5).margin(0.001));
 }
 
+TEST_CASE("mask: what is open is summed up for each mesh, and shares are those of areas that are known", "[medical]") {
+    const ImageGeometry image = image_of({6, 20, 20}, {1, 1, 1}, {0.5, 0.5, 0.5});
+    Soup open = box({0, 0, 10}, {12, 20, 20});
+    open.resize(open.size() - 6);  // without its last side
+    const SliceResult half = cut(joined({box({0, 0, 0}, {12, 20, 10}), open}), image);
+    const SliceResult none = cut(open, image);
+    const MaskPart parts[] = {{&half, "half"}, {&none, "none"}};
+    const TempFolder folder;
+    const Result<MaskSummary> written = write_mask(parts, image, folder / "open.nii");
+    REQUIRE(written.ok());
+    CHECK(written->open[0].layers == 10);
+    CHECK(written->open[0].share() == Approx(0.5));
+    CHECK(written->open[1].share() == 1);
+    CHECK(written->cut_off_share[0] == Approx(0.5));
+    CHECK(std::isnan(written->cut_off_share[1]));
+}
+
 TEST_CASE("mask: more than 255 meshes take two bytes", "[medical]") {
     const ImageGeometry image = image_of({3, 2, 1}, {1, 1, 1}, {0, 0, 0});
     const SliceResult nothing = cut(box({50, 50, -1}, {51, 51, 1}), image);

@@ -78,6 +78,13 @@ def main():
         with h5py.File(folder / "two.h5") as archive:
             assert archive["mesh"].attrs["name"] == b"g"
         assert (folder / "two.h5").read_bytes() == (folder / "g.h5").read_bytes(), "bytes depend on threads"
+        stl = bytearray((folder / "g.stl").read_bytes())
+        stl[80:84] = (int.from_bytes(stl[80:84], "little") - 9).to_bytes(4, "little")
+        (folder / "open.stl").write_bytes(stl[: -9 * 50])
+        run("slice", "open.stl", "--layer-height", "0.5", "--close-gaps", "0", "-o", "open.h5", "-o", "open.csv")
+        with h5py.File(folder / "open.h5") as archive:
+            empty = [row["area_mm2"] == "" for row in csv.DictReader(open(folder / "open.csv"))]
+            assert any(empty) and archive["layers/open"][...].tolist() == empty and archive["layers/open"].attrs["meaning"]
         run("slice", "g.stl", "--spacing", "0.5,0.5,1", "--frame", "lps", "-o", "image.h5", "-o", "image.nrrd")
         with h5py.File(folder / "image.h5") as archive:
             image = archive["image"].attrs

@@ -50,6 +50,7 @@ void write_plan(JsonText& json, const LayerPlan& plan) {
     });
 }
 
+/// NaN where the area of a layer is not known.
 double solid_volume_mm3(const SliceResult& result) {
     double volume = 0;
     for (const Layer& layer : result.layers) {
@@ -146,8 +147,21 @@ void write_open_layer(JsonText& json, const SliceResult& result, const std::vect
     });
 }
 
-/// Every layer that has open polylines.
+/// Every layer that has open polylines, and all of them in short.
 void write_open(JsonText& json, const SliceResult& result) {
+    const Result<OpenLayers> open = find_open_layers(result);
+    if (!open) {
+        throw Refused{open.error()};
+    }
+    if (open->layers > 0) {
+        json.object("open", [&] {
+            json.member("layers", open->layers);
+            json.member("of_layers", open->crossed);
+            json.member("height_share", open->share());
+            json.member("stay_open", open->stuck);
+            json.member_if(open->layers > open->stuck, "closed_by_mm", open->reach_mm);
+        });
+    }
     std::vector<ClosedGap> gaps;  // of one layer
     json.list("open_layers", result.layers, result.layers.size(), [&](const Layer& layer) {
         gaps.clear();

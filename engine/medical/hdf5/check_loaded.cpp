@@ -20,7 +20,11 @@ struct Complaint {
 /// The contours and points of a result that is being read, with offsets that have not been looked at.
 class LoadedCheck {
 public:
-    explicit LoadedCheck(SliceResult& result) : result_(result) {}
+    explicit LoadedCheck(SliceResult& result) : result_(result) {
+        for (const Layer& layer : result.layers) {
+            open_.push_back(layer.contour_count != 0);
+        }
+    }
 
     /// Counts of contours and points, by where the next layer and contour begin.
     Complaint offsets() {
@@ -59,6 +63,9 @@ public:
             if (stored_area(result_, contour) != given) {
                 return {"/contours/area_mm2", c, "is not the area of the contour's points"};
             }
+        }
+        if (open_[index] != is_open(result_, layer)) {
+            return {"/layers/open", index, "is not what the contours of the layer are"};
         }
         for (std::uint64_t c = layer.first_contour; c < layer.first_contour + layer.contour_count; ++c) {
             if (!is_parent(layer, c)) {
@@ -116,6 +123,7 @@ private:
     }
 
     SliceResult& result_;
+    std::vector<bool> open_;  ///< of each layer, as the file says
 };
 
 void refuse_if(const InputFile& file, const Complaint& complaint) {

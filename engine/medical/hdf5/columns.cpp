@@ -149,6 +149,13 @@ constexpr std::array<Column, column_count> columns = {
         "/layers/segments", ColumnKind::layer, "", "triangles that the plane crosses",
         [](In r, Index i) { return r.layers[i].segments; },
         [](Out r, Index i, Index v) { return stored(r.layers[i].segments, v); }),
+    column<std::uint8_t>(
+        "/layers/open", ColumnKind::layer, "", "1: some contour is open, so that area and centroid are not known",
+        [](In r, Index i) { return static_cast<std::uint8_t>(is_open(r, r.layers[i])); },
+        [](Out r, Index i, std::uint8_t v) {
+            r.layers[i].contour_count = v;
+            return v <= 1;
+        }),
     column<std::uint64_t>(
         "/layers/first_contour", ColumnKind::layer_end, "", "of each layer, and where the last one ends",
         [](In r, Index i) { return i < r.layers.size() ? r.layers[i].first_contour : Index{r.contours.size()}; },
@@ -263,6 +270,10 @@ constexpr std::array<Column, column_count> columns = {
 };
 
 }  // namespace
+
+bool is_open(const SliceResult& result, const Layer& layer) noexcept {
+    return std::isnan(result.area_mm2(layer));
+}
 
 double stored_area(const SliceResult& result, const Contour& contour) noexcept {
     return result.area_mm2(contour) + 0.0;  // never -0

@@ -18,6 +18,7 @@ enum class ColumnId : std::uint8_t {
     top_mm,
     plane,
     layer_segments,
+    layer_open,
     first_contour,
     first_point,
     parent,
@@ -57,7 +58,8 @@ struct Column {
     /// Rows from `first` on, as they lie in the file.
     void (*get)(const SliceResult& result, std::uint64_t first, std::span<std::byte> to);
     /// Takes rows into `result`, whose arrays are large enough: how many are in their range before one that is not. Areas
-    /// are left in Contour::twice_area.low, as they lie in the file, to be compared with those of the points.
+    /// are left in Contour::twice_area.low, as they lie in the file, to be compared with those of the points, and whether
+    /// a layer is open in Layer::contour_count.
     std::uint64_t (*set)(SliceResult& result, std::uint64_t first, std::span<const std::byte> from);
 
     std::size_t row_bytes() const noexcept;
@@ -65,7 +67,8 @@ struct Column {
 
 const Column& column_of(ColumnId id) noexcept;
 
-/// As archives hold it.
+/// As archives hold them.
+bool is_open(const SliceResult& result, const Layer& layer) noexcept;
 double stored_area(const SliceResult& result, const Contour& contour) noexcept;
 
 /// How many rows of that kind a result has.

@@ -17,7 +17,7 @@ struct LoadedArchive {
 /// Reads and checks all of it. Throws Refused, Stopped, std::bad_alloc.
 LoadedArchive load_archive(const std::filesystem::path& path, const Parallel& parallel, const Memory* memory);
 
-/// What no single row shows: offsets, areas, parents. Sets what follows from the columns. Throws as above.
+/// What no single row shows: offsets, areas, parents, open layers. Sets what follows from the columns. Throws as above.
 void check_loaded(const InputFile& file, SliceResult& result, const Parallel& parallel);
 
 }  // namespace lamella

@@ -42,7 +42,6 @@ void for_each_part(std::span<const Crossing> crossings, const Use& use) {
 
 void MaskCounts::add(const MaskCounts& other) {
     overlapped += other.overlapped;
-    open_slices += other.open_slices;
     for (std::size_t i = 0; i < voxels.size(); ++i) {
         voxels[i] += other.voxels[i];
         area[i] += other.area[i];
@@ -61,13 +60,11 @@ SliceRaster::SliceRaster(std::span<const MaskPart> parts, const ImageGeometry& i
 
 void SliceRaster::draw(std::uint64_t slice, unsigned char* to, Scratch& scratch, MaskCounts& counts) const {
     std::memset(to, 0, slice_bytes());
-    bool open = false;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
         for (int subslice = 0; subslice < options_.subslices; ++subslice) {
-            open = measure(i, layer(i, slice, subslice), counts) || open;
+            measure(i, layer(i, slice, subslice), counts);
         }
     }
-    counts.open_slices += open ? 1 : 0;
     if (layout_.shares) {
         draw_shares(slice, to, scratch, counts);
     } else if (layout_.voxel_bytes == 1) {
@@ -84,19 +81,19 @@ const Layer& SliceRaster::layer(std::size_t part, std::uint64_t slice, int subsl
     return result.layers[result.layer_of[height]];
 }
 
-/// Adds the areas of a layer; whether it has open polylines.
-bool SliceRaster::measure(std::size_t part, const Layer& layer, MaskCounts& counts) const {
+/// Adds the areas of a layer where they are known.
+void SliceRaster::measure(std::size_t part, const Layer& layer, MaskCounts& counts) const {
     const SliceResult& result = *parts_[part].result;
-    bool open = false;
+    if (std::isnan(result.area_mm2(layer))) {
+        return;
+    }
     for (const Contour& contour : result.contours_of(layer)) {
-        open = open || contour.role == Role::open;
         if (contour.role == Role::outer || contour.role == Role::hole) {
             const double area = result.area_mm2(contour);
             counts.area[part] += area;
             counts.inside[part] += reaches_beyond(part, contour) ? area_inside(part, contour) : area;
         }
     }
-    return open;
 }
 
 /// Beyond the outer sides of the outermost voxels.

@@ -18,7 +18,6 @@ namespace lamella {
 struct MaskCounts {
     std::vector<std::uint64_t> voxels;
     std::uint64_t overlapped = 0;
-    std::uint64_t open_slices = 0;
     std::vector<double> area;    ///< of each part, mm2
     std::vector<double> inside;  ///< of it, what lies within the image
 
@@ -48,7 +47,7 @@ public:
 
 private:
     const Layer& layer(std::size_t part, std::uint64_t slice, int subslice) const;
-    bool measure(std::size_t part, const Layer& layer, MaskCounts& counts) const;
+    void measure(std::size_t part, const Layer& layer, MaskCounts& counts) const;
     bool reaches_beyond(std::size_t part, const Contour& contour) const noexcept;
     double area_inside(std::size_t part, const Contour& contour) const;
     template <class Label>

@@ -1,6 +1,7 @@
 #include "lamella/medical/mask.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -144,12 +145,20 @@ private:
     MaskCounts total_;
 };
 
-MaskSummary summary_of(const MaskCounts& counts) {
-    MaskSummary summary{counts.voxels, counts.overlapped, counts.open_slices, {}};
+MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts, const Control& control) {
+    MaskSummary summary{counts.voxels, counts.overlapped, {}, {}};
     for (std::size_t i = 0; i < counts.area.size(); ++i) {
+        Result<OpenLayers> open = find_open_layers(*parts[i].result, control);
+        if (!open) {
+            throw Refused{open.error()};
+        }
+        summary.open.push_back(*open);
         const double outside = counts.area[i] - counts.inside[i];
+        const bool known = open->layers == 0 || open->layers < open->crossed;
         // What rounding leaves of nothing is nothing.
-        summary.cut_off_share.push_back(outside > 1e-9 * counts.area[i] ? outside / counts.area[i] : 0);
+        summary.cut_off_share.push_back(!known                            ? std::numeric_limits<double>::quiet_NaN()
+                                        : outside > 1e-9 * counts.area[i] ? outside / counts.area[i]
+                                                                          : 0);
     }
     return summary;
 }
@@ -170,10 +179,10 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
             return file.error();
         }
         const MaskCounts counts = MaskWriter(raster, image, layout, *file).write(parallel);
+        const MaskSummary summary = summary_of(counts, parts, options.control);
         if (const Status written = file->commit(); !written) {
             return written.error();
         }
-        const MaskSummary summary = summary_of(counts);
         if (parts.size() > 1) {
             if (const Status written = write_label_table(parts, summary, path); !written) {
                 return written.error();

@@ -31,7 +31,12 @@ std::string number(std::uint64_t value) {
     return std::to_string(value);
 }
 
-/// What a layer's closed contours measure; empty where there are none.
+/// NaN is not known.
+std::optional<std::string> known(double value) {
+    return std::isnan(value) ? std::nullopt : std::optional<std::string>(number(value));
+}
+
+/// What a layer's closed contours measure; empty where there are none. Where one is open, what is solid is not known.
 struct Measures {
     std::uint64_t holes = 0;
     std::uint64_t open = 0;
@@ -93,7 +98,9 @@ Measures measure(const LayerView& view) {
             found.perimeter_mm += perimeter(points) * view.unit_mm;
         }
     }
-    if (about && sums[0] != 0) {
+    if (found.open > 0) {
+        found.perimeter_mm = std::numeric_limits<double>::quiet_NaN();
+    } else if (about && sums[0] != 0) {
         found.centroid = PointMm{(about->x + sums[1] / (3 * sums[0])) * view.unit_mm,
                                  (about->y + sums[2] / (3 * sums[0])) * view.unit_mm};
     }
@@ -120,8 +127,8 @@ std::vector<Cell> cells_of(const LayerView& view) {
             {"cut_mm", number(layer.plane.z() * view.unit_mm)},
             {"bottom_mm", number(layer.bottom_mm)},
             {"top_mm", number(layer.top_mm)},
-            {"area_mm2", number(view.area_mm2())},
-            {"perimeter_mm", number(found.perimeter_mm)},
+            {"area_mm2", known(view.area_mm2())},
+            {"perimeter_mm", known(found.perimeter_mm)},
             {"contours", number(layer.contour_count)},
             {"holes", number(found.holes)},
             {"open", number(found.open)},
@@ -206,8 +213,8 @@ Status write_mesh_csv(std::span<const TablePart> parts, const std::filesystem::p
     for (const TablePart& part : parts) {
         if (part.facts != nullptr) {
             const MeshFacts& facts = *part.facts;
-            file->append(csv_text(part.name) + "," + number(facts.triangles) + "," + number(facts.volume_mm3) + "," +
-                         number(facts.surface_mm2) + "," + csv_text(facts.certificate) + "," +
+            file->append(csv_text(part.name) + "," + number(facts.triangles) + "," + known(facts.volume_mm3).value_or("") +
+                         "," + number(facts.surface_mm2) + "," + csv_text(facts.certificate) + "," +
                          csv_text(joined(facts.warnings)) + "\n");
         }
     }
@@ -226,8 +233,8 @@ Status write_json_lines(std::span<const TablePart> parts, const std::filesystem:
             for (const std::string& warning : facts.warnings) {
                 warnings += (warnings.empty() ? "" : ",") + json_text(warning);
             }
-            file->append("{\"kind\":\"mesh\",\"mesh\":" + json_text(part.name) +
-                         ",\"triangles\":" + number(facts.triangles) + ",\"volume_mm3\":" + number(facts.volume_mm3) +
+            file->append("{\"kind\":\"mesh\",\"mesh\":" + json_text(part.name) + ",\"triangles\":" +
+                         number(facts.triangles) + ",\"volume_mm3\":" + known(facts.volume_mm3).value_or("null") +
                          ",\"surface_mm2\":" + number(facts.surface_mm2) +
                          ",\"certificate\":" + json_text(facts.certificate) + ",\"warnings\":[" + warnings + "]}\n");
         }
@@ -260,7 +267,7 @@ Result<MeshFacts> measure_facts(const MeshView& mesh, const Transform& to_mm, co
         }
         MeshFacts facts;
         facts.triangles = info->triangles;
-        facts.volume_mm3 = info->volume_mm3;
+        facts.volume_mm3 = info->closed ? info->volume_mm3 : std::numeric_limits<double>::quiet_NaN();
         facts.surface_mm2 = info->area_mm2;
         facts.certificate = volume->verdict == VolumeVerdict::holds
                                 ? "certified"

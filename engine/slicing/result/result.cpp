@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "base/int128.hpp"
 #include "lamella/sink.hpp"
@@ -10,10 +11,14 @@ namespace lamella {
 
 namespace {
 
-/// Areas carry their sign, so outers minus holes is a plain sum; rounding happens once, at its end.
+/// Areas carry their sign, so outers minus holes is a plain sum; rounding happens once, at its end. What lies beside an
+/// open polyline is solid on one side: how far is not known.
 double area_of(std::span<const Contour> contours, double unit_mm) noexcept {
     Int128 twice_area = 0;
     for (const Contour& contour : contours) {
+        if (contour.role == Role::open) {
+            return std::numeric_limits<double>::quiet_NaN();
+        }
         twice_area += to_int128(contour.twice_area);
     }
     return static_cast<double>(twice_area) / 2 * unit_mm * unit_mm;

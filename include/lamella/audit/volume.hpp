@@ -10,9 +10,11 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string_view>
 #include <vector>
 
+#include "lamella/audit/open_layers.hpp"
 #include "lamella/control.hpp"
 #include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
@@ -35,8 +37,11 @@ std::string_view name_of(VolumeVerdict verdict) noexcept;
 /// shell encloses is negative.
 struct VolumeCertificate {
     VolumeVerdict verdict = VolumeVerdict::open_mesh;
-    double mesh_mm3 = 0;   ///< sum of signed tetrahedra, exact but for one rounding; 0 for an open mesh, as all below
-    double slabs_mm3 = 0;  ///< sum of `slab_mm3`; differs from mesh_mm3 by at most 1e-12 of it (see certify_volume())
+    OpenLayers open;  ///< of the result: which layers have no area to be compared
+    /// Sum of signed tetrahedra, exact but for one rounding; NaN for an open mesh, of which all below is not known.
+    double mesh_mm3 = std::numeric_limits<double>::quiet_NaN();
+    /// Sum of `slab_mm3`; differs from mesh_mm3 by at most 1e-12 of it (see certify_volume()).
+    double slabs_mm3 = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> slab_mm3;   ///< [i]: between planes i - 1 and i; the first and last: below and above all planes
     std::uint64_t worst_layer = 0;  ///< where area and contours differ most, as a share of what rounding allows; the lowest
     double worst_difference_mm2 = 0;

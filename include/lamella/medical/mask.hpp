@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "lamella/audit/open_layers.hpp"
 #include "lamella/control.hpp"
 #include "lamella/error.hpp"
 #include "lamella/medical/geometry.hpp"
@@ -36,8 +37,10 @@ struct MaskOptions {
 struct MaskSummary {
     std::vector<std::uint64_t> voxels;    ///< of each label; by coverage, those that are not 0
     std::uint64_t overlapped_voxels = 0;  ///< voxels in several parts: they have the later label
-    std::uint64_t open_slices = 0;        ///< slices with open polylines, which enclose nothing
-    std::vector<double> cut_off_share;    ///< of each part: the share of its area in the slices that lies beside the image
+    std::vector<OpenLayers> open;         ///< of each part: slices with open polylines, which enclose nothing
+    /// Of each part: the share of its area in the slices that lies beside the image, of slices without open polylines. NaN
+    /// where there are none.
+    std::vector<double> cut_off_share;
 };
 
 /// Writes a mask of the size of `image`. A voxel is in where the winding number around its centre is not 0; centres on a

@@ -23,7 +23,7 @@ namespace lamella {
 /// What is known of a whole mesh.
 struct MeshFacts {
     std::uint64_t triangles = 0;
-    double volume_mm3 = 0;
+    double volume_mm3 = 0;  ///< NaN, not known, of an open mesh
     double surface_mm2 = 0;
     std::string certificate;  ///< "certified", or why not
     std::vector<std::string> warnings;
@@ -41,7 +41,8 @@ struct TablePart {
     const MeshFacts* facts = nullptr;  ///< where they are known
 };
 
-/// Writes a row a layer: by the end of the name .csv or .jsonl. Where there are facts, .jsonl begins with a line a mesh, and
+/// Writes a row a layer: by the end of the name .csv or .jsonl. Area, perimeter and centroid of a layer with open contours
+/// are not known: empty, or null. Where there are facts, .jsonl begins with a line a mesh, and
 /// beside NAME.csv stands NAME.meshes.csv. Errors: invalid_argument, unwritable_file, cancelled, out_of_memory.
 Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path,
                          const Control& control = {}) noexcept;

@@ -118,6 +118,10 @@ private:
             part.welded->tolerance_mm = archive.info.weld->tolerance_mm;
             part.welded->joined = archive.info.weld->joined;
         }
+        part.open = found(path, [&](const Control& control) { return find_open_layers(part.result, control); });
+        if (part.open.layers > 0 && !arguments_.outputs.strict) {
+            note(path + ": " + describe(part.open, "lamella slice --close-gaps "));
+        }
         if (!job_.parts.empty() && (archive.info.geometry.has_value() != job_.image.has_value() ||
                                     (job_.image && !same_voxels(*job_.image, *archive.info.geometry)) ||
                                     archive.info.subslices != job_.subslices)) {

@@ -48,7 +48,7 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
         ->type_name("N")
         ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
     declare_structures(command, arguments);
-    command.add_flag("--strict", arguments.strict, "Fail where a slice has open polylines, which enclose nothing");
+    command.add_flag("--strict", arguments.strict, "Fail where a slice has open contours, of which no area is known");
 }
 
 void declare_image(CLI::App& command, ImageArguments& arguments) {

@@ -26,13 +26,6 @@ std::string percent(double share) {
     return share < 0.0001 ? "less than 0.01 %" : rounded(share * 100, 2) + " %";
 }
 
-void note_open_slices(std::uint64_t slices, const PlannedOutput& output, const Note& note) {
-    if (slices > 0) {
-        note(output.path + ": " + counted(slices, "slice") + (slices == 1 ? " has" : " have") +
-             " open polylines, which enclose nothing");
-    }
-}
-
 void note_beyond_slices(const OutputJob& job, const SlicedPart& part, const PlannedOutput& output, const Note& note) {
     const SliceSummary& mesh = part.result.summary;
     const std::vector<double> heights = job.image->slice_heights_mm();
@@ -56,7 +49,6 @@ void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Cont
         note(output.path + ": " + counted(summary.overlapped_voxels, "voxel") +
              (summary.overlapped_voxels == 1 ? " lies" : " lie") + " in several meshes; the later label holds");
     }
-    note_open_slices(summary.open_slices, output, note);
     for (std::size_t i = 0; i < summary.cut_off_share.size(); ++i) {
         const std::string& name = job.parts[i].name;
         if (summary.cut_off_share[i] > 0) {
@@ -138,9 +130,8 @@ void write_record_of(const OutputJob& job, const PlannedOutput& output, const Co
 
 void require_closed(const OutputJob& job) {
     for (const SlicedPart& part : job.parts) {
-        if (part.result.summary.open_contours > 0) {
-            throw Failure(bad_input, part.name + ": --strict: " +
-                                         counted(part.result.summary.open_contours, "open polyline") + " in its layers");
+        if (part.open.layers > 0) {
+            throw Failure(bad_input, part.name + ": --strict: " + describe(part.open, "--close-gaps "));
         }
     }
 }

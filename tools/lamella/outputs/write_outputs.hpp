@@ -22,6 +22,7 @@ namespace lamella::cli {
 struct SlicedPart {
     std::string name;  ///< of its label, ROI or row
     SliceResult result;
+    OpenLayers open;  ///< of the result
     std::optional<MeshFacts> facts;
     PatientFrame frame = PatientFrame::unstated;
     std::optional<WeldedMesh> welded;

@@ -122,10 +122,6 @@ void write_structure_output(const OutputJob& job, const PlannedOutput& output, c
         const Failure failure = failure_of(written.error());
         throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), failure.what());
     }
-    if (written->open_contours > 0) {
-        note(output.path + ": " + counted(written->open_contours, "open polyline") + " in " +
-             counted(written->open_slices, "slice") + " left out, since they enclose nothing");
-    }
     if (written->nested_contours > 0) {
         note(output.path + ": " + counted(written->nested_contours, "contour") +
              " in the solid part of others, which readers may take for holes; --fill-rule non-zero unites them");

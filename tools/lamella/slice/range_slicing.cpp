@@ -28,6 +28,9 @@ public:
     void operator()(const LayerView& view) noexcept {
         try {
             layers_.push_back(view.layer);
+            const Result<OpenLayers> open = find_open_layer(view, facts_.gap_sense, stop_);
+            failed_ = failed_ || (!open && open.error().code == ErrorCode::out_of_memory);
+            open_.add(open ? *open : OpenLayers{});
             gaps_.insert(gaps_.end(), view.closed_gaps.begin(), view.closed_gaps.end());
         } catch (...) {
             failed_ = true;
@@ -43,6 +46,7 @@ public:
                 this};
     }
     bool failed() const noexcept { return failed_; }
+    const OpenLayers& open() const noexcept { return open_; }
 
     /// Without contours.
     SliceResult result(const SliceTotals& totals) && {
@@ -81,6 +85,7 @@ private:
     SliceResult facts_;
     std::vector<Layer> layers_;
     std::vector<ClosedGap> gaps_;
+    OpenLayers open_;
     std::atomic<bool> failed_ = false;
 };
 
@@ -131,6 +136,7 @@ Result<SliceResult> stream_layers(const std::filesystem::path& path, const FileS
         return file.error();
     }
     run.contours = file->totals.contours;
+    run.open = kept.open();
     run.hash = file->hash;
     run.ranges = words_of(*file);
     return std::move(kept).result(file->totals);

@@ -138,6 +138,13 @@ private:
         if (job_.image) {
             require_overlap(*job_.image, part.name, part.result.summary);
         }
+        if (!job_.streamed) {
+            run_.open = done_or_thrown(find_open_layers(part.result));
+        }
+        part.open = run_.open;
+        if (part.open.layers > 0 && !arguments_.outputs.strict) {  // which says the same
+            note(arguments_.name() + ": " + describe(part.open, "--close-gaps "));
+        }
         if (part.result.summary.segments == 0) {
             note(why_nothing_is_cut(part.result.summary));
         }

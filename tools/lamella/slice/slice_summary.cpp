@@ -106,9 +106,6 @@ std::string regions(const SliceResult& result) {
         text += "dropped   points within straight lines\n";
     }
     text += simplified(rules);
-    if (result.summary.open_contours > 0) {
-        text += "left      " + counted(result.summary.open_contours, "open polyline") + " as cut: they bound no region\n";
-    }
     return text + emptied(result);
 }
 
@@ -169,6 +166,10 @@ std::string contour_counts(const SliceResult& result, const ToolRun& run) {
         text += ", turned against their facets " + grouped(summary.overruled_contours);
     }
     return text;
+}
+
+std::string open_line(const OpenLayers& open) {
+    return open.layers > 0 ? "open      " + describe(open, "--close-gaps ") + "\n" : std::string();
 }
 
 std::string hash_line(const ToolRun& run) {
@@ -247,8 +248,9 @@ std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh) {
 std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run) {
     const std::string text = mesh_line(result.summary, parts) + planes_line(result) + mending(result, parts) + "segments  " +
                              grouped(result.summary.segments) + "\ncontours  " + contour_counts(result, run) + "\n" +
-                             hash_line(run) + findings(parts) + times(result.summary, *parts.file, run) + "memory    " +
-                             file_size_text(run.peak_rss_bytes) + " at the peak\n" + run.ranges;
+                             open_line(run.open) + hash_line(run) + findings(parts) +
+                             times(result.summary, *parts.file, run) + "memory    " + file_size_text(run.peak_rss_bytes) +
+                             " at the peak\n" + run.ranges;
     return text + wrote(run);
 }
 

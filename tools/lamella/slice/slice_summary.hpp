@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lamella/audit/open_layers.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/io/report.hpp"
 #include "lamella/result.hpp"
@@ -15,6 +16,7 @@ namespace lamella::cli {
 /// What the tool itself did, and what that took.
 struct ToolRun {
     std::vector<std::string> outputs;  ///< the files that were written, or -
+    OpenLayers open{};                 ///< of the result
     double weld_ms = 0;
     double write_ms = 0;
     double ledger_ms = 0;

@@ -2,8 +2,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 
+#include "lamella/audit/open_layers.hpp"
 #include "lamella/mesh/scale.hpp"
 #include "native.hpp"
 
@@ -102,10 +104,11 @@ double length_mm(const SliceResult& result, const Contour& contour) {
     return length * result.unit_mm;
 }
 
+/// As LayerTable does: NaN where a contour is open.
 double perimeter_mm(const SliceResult& result, const Layer& layer) {
     double perimeter = 0;
     for (const Contour& contour : result.contours_of(layer)) {
-        perimeter += contour.role == Role::open ? 0 : length_mm(result, contour);
+        perimeter += contour.role == Role::open ? std::numeric_limits<double>::quiet_NaN() : length_mm(result, contour);
     }
     return perimeter;
 }
@@ -122,6 +125,10 @@ py::tuple triple(const double (&numbers)[3]) {
     return py::make_tuple(numbers[0], numbers[1], numbers[2]);
 }
 
+OpenLayers open_layers(const HeldResult& held) {
+    return run(Control{}, [&](const Control& control) { return find_open_layers(held.result, control); });
+}
+
 py::dict summary(const HeldResult& held) {
     const SliceSummary& summary = held.result.summary;
     py::dict made;
@@ -131,6 +138,11 @@ py::dict summary(const HeldResult& held) {
     made["segments"] = summary.segments;
     made["holes"] = summary.holes;
     made["open_contours"] = summary.open_contours;
+    const OpenLayers open = open_layers(held);
+    made["open_layers"] = open.layers;
+    made["crossed_layers"] = open.crossed;
+    made["open_height_share"] = open.share();
+    made["closing_gap"] = open.layers > open.stuck ? py::cast(open.reach_mm) : py::none();
     made["flat_contours"] = summary.flat_contours;
     made["overruled_contours"] = summary.overruled_contours;
     made["near_contours"] = summary.near_contours;
@@ -262,6 +274,11 @@ void define_results(py::module_& module) {
     for (const auto type : {&layer_type, &contour_type, &origin_type, &gap_type}) {
         type();
     }
+    py::class_<OpenLayers>(module, "OpenLayers")
+        .def(py::init<>())
+        .def("add", &OpenLayers::add)
+        .def_readonly("layers", &OpenLayers::layers)
+        .def("describe", &describe);
     py::class_<HeldResult> held(module, "Result");
     const auto view = [&held](const char* name, auto get, const auto& type) {
         held.def_property_readonly(name, [get, type](const py::object& self) {
@@ -300,7 +317,7 @@ void define_results(py::module_& module) {
         .def_property_readonly("frame", &frame)
         .def_property_readonly("summary", &summary)
         .def_property_readonly("unit_mm", [](const HeldResult& h) { return h.result.unit_mm; })
-        .def_property_readonly("open_contours", [](const HeldResult& h) { return h.result.summary.open_contours; })
+        .def("open_layers", &open_layers)
         .def_property_readonly("layer_count", [](const HeldResult& h) { return h.result.layers.size(); })
         .def_readonly("first_layer", &HeldResult::first_layer)
         .def(

@@ -139,15 +139,20 @@ def test_an_empty_layer_has_nothing(cube):
 
 def test_open_polylines_warn_and_are_told_apart(cube):
     vertices, faces = cube
-    with pytest.warns(lamella.MeshWarning, match="1 contour is open") as caught:
+    with pytest.warns(lamella.MeshWarning, match=r"1 of 1 layer \(100 % of the height\) has open .* is not known; close_gaps=5\.1 would close it") as caught:
         s = lamella.slice(vertices, np.delete(faces, 4, axis=0), heights=[5])
     assert caught[0].filename == __file__
-    assert s.areas == [0]
+    assert np.isnan([*s.areas, *s.perimeters, s[0].area, s.volume, s.certificate.mesh_volume]).all()
     (line,) = s[0].polylines()
     assert len(line) == s.contours["point_count"][0]
     assert s[0].polygons() == []
-    assert s.perimeters == [0]
     assert s.contour_lengths[0] > 30
+    assert (s.summary["open_layers"], s.summary["crossed_layers"], s.summary["open_height_share"]) == (1, 1, 1)
+    closed = lamella.slice(vertices, np.delete(faces, 4, axis=0), heights=[5], close_gaps=s.summary["closing_gap"])
+    assert closed.areas == pytest.approx([100])
+    with pytest.warns(lamella.MeshWarning, match="10 of 10 layers") as caught:
+        chunks = list(lamella.stream(vertices, np.delete(faces, 4, axis=0), layer_height=1, chunk=4))
+    assert (len(chunks), len(caught)) == (3, 1)
 
 
 def test_a_mesh_too_small_for_its_grid_warns(cube):

@@ -63,7 +63,7 @@ def result_html(result: Result) -> str:
     }
     picture = ""
     if len(result) > 0:
-        largest = result[int(np.argmax(result.areas))]
+        largest = result[int(np.argmax(np.nan_to_num(result.areas)))]
         rows["z"] = f"{result[0].z:g} to {result[-1].z:g} mm"
         rows["shown"] = f"layer {largest.index}, z {largest.z:g} mm"
         picture = layer_svg(largest)

@@ -58,12 +58,12 @@ class Layer:
 
     @property
     def area(self) -> float:
-        """Solid area, mm²: outers minus holes. What open polylines enclose does not count."""
+        """Solid area, mm²: outers minus holes. NaN, not known, where a contour is open."""
         return float(self.result.areas[self.index])
 
     @property
     def perimeter(self) -> float:
-        """Length of all closed contours, mm."""
+        """Length of all contours, mm. NaN, not known, where one is open."""
         return float(self.result.perimeters[self.index])
 
     @property

@@ -30,7 +30,7 @@ class Certificate:
     verdict: str
     """"holds", "areas differ", "volumes differ", or why it does not apply: "open mesh", "contours not as walked"."""
     mesh_volume: float
-    """Signed volume of the mesh, mm³."""
+    """Signed volume of the mesh, mm³; NaN of an open one."""
     slab_volumes: npt.NDArray[np.float64]
     """Volume between neighbouring planes, mm³; the first and last below and above all planes."""
     worst_layer: int
@@ -134,12 +134,12 @@ class Result:
 
     @functools.cached_property
     def areas(self) -> npt.NDArray[np.float64]:
-        """Solid area of each layer, mm²: outers minus holes."""
+        """Solid area of each layer, mm²: outers minus holes. NaN, not known, where the layer has open contours."""
         return self._native.areas()
 
     @functools.cached_property
     def perimeters(self) -> npt.NDArray[np.float64]:
-        """Length of the closed contours of each layer, mm."""
+        """Length of the contours of each layer, mm. NaN, not known, where some are open."""
         return self._native.perimeters()
 
     @functools.cached_property
@@ -154,7 +154,10 @@ class Result:
 
     @property
     def volume(self) -> float:
-        """Volume of the layers, mm³: the sum of area times thickness. That of the mesh: ``certificate.mesh_volume``."""
+        """Volume of the layers, mm³: the sum of area times thickness. NaN, not known, where a layer has open contours.
+
+        That of the mesh: ``certificate.mesh_volume``.
+        """
         return float(self.areas @ (self.layers["top"] - self.layers["bottom"]))
 
     @property
@@ -169,7 +172,11 @@ class Result:
 
     @functools.cached_property
     def summary(self) -> Dict[str, Any]:
-        """Counts of triangles, segments and contours, the mesh's box, and times of the stages in ms."""
+        """Counts of triangles, segments and contours, the mesh's box, and times of the stages in ms.
+
+        ``open_layers`` of ``crossed_layers`` have open contours and stand for ``open_height_share`` of the height;
+        ``close_gaps=closing_gap`` would close them.
+        """
         return self._native.summary
 
     @property
@@ -280,12 +287,20 @@ def _restore(state: Tuple[Any, ...], keywords: Dict[str, Any], certificate: Opti
 
 def finish(native: _native.Result, view: Optional[View], keywords: Dict[str, Any]) -> Result:
     """The result of a call, after warning of what is wrong with it."""
-    count = native.open_contours
-    if count > 0:
-        are = "1 contour is" if count == 1 else f"{count:,} contours are"
-        warn(f"{are} open, because the mesh has holes: lamella.check() says where", MeshWarning)
+    warn_of_open(native.open_layers())
     if view is not None and (coarse := native.coarse_grid(view.native)) is not None:
         unit, diagonal, finest = coarse
         help_ = f"grid='auto' takes {finest:g} mm" if finest < unit else "none finer reaches the mesh's coordinates"
         warn(f"the grid of {unit:g} mm is coarse for a mesh of {diagonal:g} mm from corner to corner; {help_}", MeshWarning)
+    return result_of(native, view, keywords)
+
+
+def result_of(native: _native.Result, view: Optional[View], keywords: Dict[str, Any]) -> Result:
+    """The same without a warning."""
     return Result(native, view, {name: value for name, value in keywords.items() if name != "progress"})
+
+
+def warn_of_open(layers: _native.OpenLayers) -> None:
+    """Warns where areas are not known."""
+    if layers.layers > 0:
+        warn(layers.describe("close_gaps="), MeshWarning)

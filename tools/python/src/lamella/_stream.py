@@ -10,7 +10,7 @@ from . import _native
 from ._errors import InvalidArgumentError
 from ._mesh import MeshLike, View, as_view
 from ._options import slice_options, whole_number
-from ._result import Result, finish
+from ._result import Result, result_of, warn_of_open
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -60,8 +60,11 @@ def stream(
 
 
 def _chunks(chunks: _native.Stream, view: View, keywords: Dict[str, Any]) -> Iterator[Result]:
+    found = _native.OpenLayers()
     try:
         while (layers := view.run(lambda _: chunks.next())) is not None:
-            yield finish(layers, None, keywords)
+            found.add(layers.open_layers())
+            yield result_of(layers, None, keywords)
+        warn_of_open(found)
     finally:
         chunks.close()

@@ -27,11 +27,7 @@ std::string rounded_up(double value) {
     while (value * scale < 10) {
         scale *= 10;
     }
-    double digits = std::ceil(value / step * scale);  // step or scale is 1
-    while (digits * step / scale < value) {
-        ++digits;
-    }
-    return exact_text(digits * step / scale);
+    return exact_text(std::ceil(value / step * scale) * step / scale);  // one of step and scale is 1
 }
 
 std::string percent_text(double share) {

@@ -80,7 +80,7 @@ def main():
         assert (folder / "two.h5").read_bytes() == (folder / "g.h5").read_bytes(), "bytes depend on threads"
         stl = bytearray((folder / "g.stl").read_bytes())
         stl[80:84] = (int.from_bytes(stl[80:84], "little") - 9).to_bytes(4, "little")
-        (folder / "open.stl").write_bytes(stl[: -9 * 50])
+        (folder / "open.stl").write_bytes(stl[: 84 + 9000 * 50] + stl[84 + 9009 * 50 :])
         run("slice", "open.stl", "--layer-height", "0.5", "--close-gaps", "0", "-o", "open.h5", "-o", "open.csv")
         with h5py.File(folder / "open.h5") as archive:
             empty = [row["area_mm2"] == "" for row in csv.DictReader(open(folder / "open.csv"))]

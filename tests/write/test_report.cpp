@@ -33,10 +33,7 @@ TEST_CASE("report: counts, grid, box and volume", "[write]") {
     CHECK(report.at("grid_mm") == 0.5);
     CHECK(report.at("box_mm").at("max") == json({10, 10, 10}));
     CHECK(report.at("solid_volume_mm3").is_null());  // of the open layer no area is known
-    CHECK(report.at("open").at("layers") == 1);
-    CHECK(report.at("open").at("of_layers") == 2);
     CHECK(report.at("open").at("height_share") == 0.5);
-    CHECK(report.at("open").at("stay_open") == 0);
     CHECK(report.at("open").at("closed_by_mm").get<double>() == Approx(std::sqrt(20)));
     CHECK(report.at("frame") == json({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}));
 }

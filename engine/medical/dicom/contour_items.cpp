@@ -56,10 +56,8 @@ void ContourItems::append(std::uint64_t slice, double height_mm, std::string& ou
     const SliceResult& result = *roi_.result;
     const Layer& layer = result.layers[result.layer_of[slice]];
     const std::span<const Contour> contours = result.contours_of(layer);
-    const auto open = static_cast<std::uint64_t>(
+    counts.open_contours += static_cast<std::uint64_t>(
         std::count_if(contours.begin(), contours.end(), [](const Contour& contour) { return contour.role == Role::open; }));
-    counts.open_contours += open;
-    counts.open_slices += open > 0 ? 1 : 0;
     for (std::size_t begin = 0; begin < contours.size();) {
         if (!is_outer(contours[begin]) && contours[begin].role != Role::hole) {
             ++begin;

@@ -154,7 +154,6 @@ void add(StructureSetSummary& total, const StructureSetSummary& counts) {
     total.points += counts.points;
     total.holes += counts.holes;
     total.open_contours += counts.open_contours;
-    total.open_slices += counts.open_slices;
     total.nested_contours += counts.nested_contours;
 }
 

@@ -154,11 +154,11 @@ MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts
         }
         summary.open.push_back(*open);
         const double outside = counts.area[i] - counts.inside[i];
-        const bool known = open->layers == 0 || open->layers < open->crossed;
         // What rounding leaves of nothing is nothing.
-        summary.cut_off_share.push_back(!known                            ? std::numeric_limits<double>::quiet_NaN()
-                                        : outside > 1e-9 * counts.area[i] ? outside / counts.area[i]
-                                                                          : 0);
+        summary.cut_off_share.push_back(outside > 1e-9 * counts.area[i] ? outside / counts.area[i] : 0);
+        if (open->layers > 0 && open->layers == open->crossed) {
+            summary.cut_off_share.back() = std::numeric_limits<double>::quiet_NaN();
+        }
     }
     return summary;
 }

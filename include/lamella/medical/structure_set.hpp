@@ -50,7 +50,6 @@ struct StructureSetSummary {
     std::uint64_t points = 0;
     std::uint64_t holes = 0;
     std::uint64_t open_contours = 0;    ///< left out, because they enclose nothing
-    std::uint64_t open_slices = 0;      ///< slices with such
     std::uint64_t nested_contours = 0;  ///< outer contours in the solid part of another: a fill rule unites them
 };
 

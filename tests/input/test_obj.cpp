@@ -76,7 +76,33 @@ TEST_CASE("an OBJ cube in every form slices like the same cube as STL", "[input]
     CHECK(same("\xEF\xBB\xBF# made by hand\n\n" + cube()));
     CHECK(same(cube().substr(0, cube().size() - 1)));
     CHECK(same(replaced(cube(), "f ", "vn 0 0 1\nvt 0.5 0.5\nvp 1\ns off\ng a b\no f\nusemtl red\nl 1 2\np 1\nf ")));
-    CHECK(same("mtllib f.mtl\n" + replaced(cube(), "f ", "curv 0 1 \\\nf 1 2 \\\r\nv 3\nf ")));
+    CHECK(same("mtllib f.mtl\n" + replaced(cube(), "f ", "curv 0 1 \\\n1 2 \\\r\n3\nf ")));
+}
+
+TEST_CASE("a backslash at the end of an OBJ name loses no vertex and no face", "[input][obj]") {
+    const TempFolder dir;
+    const std::uint64_t expected = cube_hash(dir);
+    const std::string end = GENERATE(as<std::string>(), "\n", "\r\n", "\r");
+    for (const char* name : {"usemtl textures\\", "g a \\", "vn 0 0 1\\", "shader c:\\", "usemtl a\\\ng b\\"}) {
+        for (const char* next : {"f ", "fo ", " v "}) {
+            const std::string statement = *next == ' ' ? "v " : "f ";
+            const std::string text = replaced(cube(), statement, name + ("\n" + std::string(next)));
+            const std::filesystem::path path = dir.write("cube.obj", replaced(text, "\n", end));
+            CHECK(hash_of(path) == expected);
+            CHECK_THAT(read_mesh(path)->warnings.back(),
+                       Contains(" vertices and faces after a line that ends in a backslash, the first in line "));
+        }
+    }
+    // Joined all the same are lines of which none is a vertex or a face.
+    CHECK(hash_of(dir.write("cube.obj", replaced(cube(), "f ", "g a\\\nb \\\n f1 v2\nf "))) == expected);
+}
+
+TEST_CASE("an OBJ number that a backslash may cut is refused", "[input][obj]") {
+    const TempFolder dir;
+    CHECK_THAT(read_error(dir.write("a.obj", with_face("f 1 2\\\n3"))).message,
+               Contains(": line 4, byte 28: malformed vertex number '2\\': put a blank before the backslash"));
+    CHECK_THAT(read_error(dir.write("b.obj", "v 1\\\r\n0 0 0\n" + cube())).message,
+               Contains(": line 1, byte 2: malformed coordinate '1\\': put a blank before the backslash"));
 }
 
 TEST_CASE("a relative OBJ reference counts back from its own line", "[input][obj]") {

@@ -183,6 +183,7 @@ TEST_CASE("facets of ASCII STL are read by their vertices, with a warning", "[in
     CHECK(warning("outer loop", "") == "4: expected 'outer' after the normal, found 'vertex'");
     CHECK(warning("outer loop", "colour 1 0 0\nouter loop") == "3: expected 'outer' after the normal, found 'colour'");
     CHECK(warning("endfacet", "") == "9: expected 'endfacet' after 'endloop', found 'facet'");
+    CHECK(warning("endloop", "endloop 1 red") == "7: expected 'endfacet' after 'endloop', found '1'");
 }
 
 TEST_CASE("lines between the facets of ASCII STL that are no statements are ignored with a warning", "[input]") {

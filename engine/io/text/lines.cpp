@@ -137,7 +137,12 @@ bool LineParser::fail(const std::string& what) {
 }
 
 std::string LineParser::found() const {
-    return p_ != end_ && ends_line(*p_) ? "the end of the line" : word_at(p_, end_);
+    if (p_ != end_ && ends_line(*p_)) {
+        return "the end of the line";
+    }
+    const char* const word_end = lamella::skip_word(p_, end_);
+    const bool joined = continued_ && word_end != p_ && continuation_at(word_end - 1, end_) != 0;
+    return word_at(p_, end_) + (joined ? ": put a blank before the backslash if the number ends there" : "");
 }
 
 }  // namespace lamella

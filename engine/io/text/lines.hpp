@@ -75,9 +75,14 @@ protected:
         return p_ != end_ && !ends_line(*p_) && *p_ != '#';
     }
 
-    /// Whether a word may end at `p`.
+    /// Whether a word may end at `p`. It ends at no backslash that a character follows in the next line: there some readers
+    /// go on with the word, and others begin one.
     bool word_ends(const char* p) const {
-        return p == end_ || is_space(*p) || (continued_ && continuation_at(p, end_) != 0);
+        if (p == end_ || is_space(*p)) {
+            return true;
+        }
+        const std::size_t joint = continued_ ? continuation_at(p, end_) : 0;
+        return joint != 0 && (p + joint == end_ || is_space(p[joint]));
     }
 
     /// To the end of the word at p_.

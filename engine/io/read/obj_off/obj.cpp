@@ -35,6 +35,8 @@ public:
 
     /// Vertex numbers with decimals that are 0.
     const LeftOut& decimals() const { return decimals_; }
+    /// Vertices and faces in a line after one that is not read and ends in a backslash.
+    const LeftOut& after_backslash() const { return after_backslash_; }
     using LineParser::failure;
 
 private:
@@ -43,6 +45,9 @@ private:
     /// To the next statement; past its first word if it is one that is read.
     Statement next();
     bool skips_silently();
+    void skip_other();
+    void skip_rest_of(Statement statement) { statement == Statement::other ? skip_other() : skip_rest(); }
+    Statement shape_at(const char* p) const;
     bool face(FaceWriter& faces);
     bool corner(FaceWriter& faces);
     void skip_zero_decimals(const char* corner);
@@ -50,6 +55,7 @@ private:
     bool out_of_range(bool from_here);
 
     LeftOut decimals_;
+    LeftOut after_backslash_;
     std::size_t vertex_count_ = 0;
     std::size_t seen_ = 0;             // vertices before this statement, in the whole file
     const char* statement_ = nullptr;  // where it begins
@@ -62,14 +68,39 @@ ObjParser::Statement ObjParser::next() {
         }
     }
     statement_ = p_;
-    if (word_ends(p_ + 1) && (*p_ == 'v' || *p_ == 'f')) {
-        return *p_++ == 'v' ? Statement::vertex : Statement::face;
+    const Statement statement = shape_at(p_);
+    if (statement != Statement::other) {
+        p_ += word_ends(p_ + 1) ? 1 : 2;
     }
-    if (*p_ == 'f' && p_[1] == 'o' && word_ends(p_ + 2)) {
-        p_ += 2;
-        return Statement::face;
+    return statement;
+}
+
+/// What begins at `p`, where a character is.
+ObjParser::Statement ObjParser::shape_at(const char* p) const {
+    if (word_ends(p + 1) && (*p == 'v' || *p == 'f')) {
+        return *p == 'v' ? Statement::vertex : Statement::face;
     }
-    return Statement::other;
+    return *p == 'f' && p[1] == 'o' && word_ends(p + 2) ? Statement::face : Statement::other;
+}
+
+/// To the end of a statement that is not read. A backslash at the end of a line is part of a name (`usemtl textures\`) where
+/// the next line is a vertex or a face. Comments join no lines.
+void ObjParser::skip_other() {
+    for (;;) {
+        const char* const line_end = skip_line(p_, end_);
+        const std::string_view line(p_, static_cast<std::size_t>(line_end - p_));
+        const bool joined = line_end != end_ && line_end[-1] == '\\' && line.find('#') == std::string_view::npos;
+        p_ = line_end;
+        if (!joined) {
+            return;
+        }
+        const char* const next = skip_blank(line_end - 1 + continuation_at(line_end - 1, end_), end_);
+        if (next != end_ && shape_at(next) != Statement::other) {
+            after_backslash_.add(next);
+            return;
+        }
+        p_ = next;
+    }
 }
 
 /// Skips the first word of a statement that is not read. Whether the statement holds no shape, or is part of one that a
@@ -94,7 +125,7 @@ void ObjParser::count(TextPiece& piece, FaceRange& faces, LeftOut& skipped) {
         } else if (!skips_silently()) {
             skipped.add(statement_);
         }
-        skip_rest();
+        skip_rest_of(statement);
     }
 }
 
@@ -113,7 +144,7 @@ bool ObjParser::parse(const TextPiece& piece, std::size_t vertex_count, std::byt
         } else if (statement == Statement::face && !face(faces)) {
             return false;
         }
-        skip_rest();
+        skip_rest_of(statement);
     }
     return true;
 }
@@ -123,7 +154,7 @@ const char* ObjParser::place_of_face(std::size_t number) {
         if (statement == Statement::face && count_words() >= 3 && number-- == 0) {
             return statement_;
         }
-        skip_rest();
+        skip_rest_of(statement);
     }
 }
 
@@ -213,18 +244,10 @@ LeftOut sum_of(std::span<const LeftOut> pieces) {
     return sum;
 }
 
-void warn_of_decimals(const FileSource& source, std::string_view text, const LeftOut& decimals, MeshFile& mesh) {
-    if (decimals.count > 0) {
-        mesh.warnings.push_back(source.name() + ": " + counted(decimals.count, "vertex number") +
-                                " with decimals, which are 0" + first_word_words(decimals, text));
-    }
-}
-
-void warn_of_skipped(const FileSource& source, std::string_view text, const LeftOut& skipped, MeshFile& mesh) {
-    if (skipped.count > 0) {
-        mesh.warnings.push_back(source.name() + ": ignored " + std::to_string(skipped.count) +
-                                (skipped.count == 1 ? " statement that is" : " statements that are") + " not read" +
-                                first_word_words(skipped, text));
+void warn_of(const LeftOut& found, const std::string& words, const FileSource& source, std::string_view text,
+             MeshFile& mesh) {
+    if (found.count > 0) {
+        mesh.warnings.push_back(source.name() + ": " + words + first_word_words(found, text));
     }
 }
 
@@ -278,6 +301,7 @@ Result<MeshFile> read_obj(FileSource& source) {
     std::vector<FaceRange> faces(pieces.size());
     std::vector<LeftOut> skipped(pieces.size());
     std::vector<LeftOut> decimals(pieces.size());
+    std::vector<LeftOut> after_backslash(pieces.size());
     source.parallel().run(pieces.size(),
                           [&](std::size_t i, int) { ObjParser(pieces[i].text).count(pieces[i], faces[i], skipped[i]); });
     const std::size_t vertices = number_items(pieces);
@@ -287,13 +311,23 @@ Result<MeshFile> read_obj(FileSource& source) {
             ObjParser parser(pieces[i].text);
             parser.parse(pieces[i], vertices, coordinates, writer);
             decimals[i] = parser.decimals();
+            after_backslash[i] = parser.after_backslash();
             return parser.failure();
         },
         [&](std::size_t i, std::size_t face) { return ObjParser(pieces[i].text).place_of_face(face); });
     if (mesh) {
         give_stated_frame(head_comments(text), source, mesh.value());
-        warn_of_skipped(source, whole, sum_of(skipped), mesh.value());
-        warn_of_decimals(source, whole, sum_of(decimals), mesh.value());
+        const LeftOut ignored = sum_of(skipped);
+        const LeftOut with_decimals = sum_of(decimals);
+        const LeftOut rescued = sum_of(after_backslash);
+        warn_of(ignored, "ignored " + counted(ignored.count, "statement that is", "statements that are") + " not read",
+                source, whole, mesh.value());
+        warn_of(with_decimals, counted(with_decimals.count, "vertex number") + " with decimals, which are 0", source, whole,
+                mesh.value());
+        warn_of(rescued,
+                "read " + counted(rescued.count, "vertex or face", "vertices and faces") +
+                    " after a line that ends in a backslash",
+                source, whole, mesh.value());
         mesh->parse_ms = milliseconds_since(contents->taken);
     }
     return mesh;

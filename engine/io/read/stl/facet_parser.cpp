@@ -159,7 +159,8 @@ bool FacetParser::facet(float* nine) {
     return strict_facet(nine);
 }
 
-/// A facet by its vertices: what the normal should be is skipped, and `outer loop` and `endfacet` may be absent.
+/// A facet by its vertices: what the normal should be is skipped, as are words after `endloop`, and `outer loop` and
+/// `endfacet` may be absent.
 bool FacetParser::sloppy_facet(float* nine) {
     constexpr int most_words = 16;
     p_ = skip_space(skip_word(p_, end_), end_);
@@ -177,9 +178,13 @@ bool FacetParser::sloppy_facet(float* nine) {
         return false;
     }
     p_ = skip_space(skip_word(p_, end_), end_);
-    if (is_word<"endfacet">(p_, end_)) {
-        p_ = skip_word(p_, end_);
-        return true;
+    for (int words = 0; words < most_words && p_ != end_ && !is_statement(p_, end_); ++words) {
+        if (is_word_in_facet(p_, end_)) {
+            const bool ends = is_word<"endfacet">(p_, end_);
+            p_ = ends ? skip_word(p_, end_) : p_;
+            return ends;
+        }
+        p_ = skip_space(skip_word(p_, end_), end_);
     }
     return is_statement(p_, end_);
 }

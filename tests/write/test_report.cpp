@@ -169,7 +169,7 @@ TEST_CASE("report: every closed gap is listed, however many", "[write]") {
 
 TEST_CASE("report: a file name that is not UTF-8 or holds quotes still gives JSON", "[write]") {
     const json report = report_of(write_test::square_with_hole(), {.mesh_name = "a\xff\"b\n.stl"});
-    CHECK(report.at("mesh") == "a\xef\xbf\xbd\"b\n.stl");
+    CHECK(report.at("mesh") == "a\\xff\"b\n.stl");
 }
 
 TEST_CASE("report: rules of regions and parts are there where they were asked for", "[write]") {

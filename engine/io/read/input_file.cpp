@@ -64,12 +64,6 @@ constexpr Memory mapped_memory = {
 
 }  // namespace
 
-std::string printable(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, '?');
-    return text;
-}
-
 InputFile::InputFile(InputFile&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
       name_(std::move(other.name_)),
@@ -93,7 +87,7 @@ Error InputFile::error(ErrorCode code, const std::string& what, std::int64_t byt
 
 Result<InputFile> InputFile::open(const std::filesystem::path& path, std::string_view name) {
     InputFile file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY),
-                   printable(name.empty() ? path.string() : std::string(name)));
+                   printable(name.empty() ? std::string_view(path.native()) : name));
     struct stat status {};
     if (file.descriptor_ < 0 || ::fstat(file.descriptor_, &status) != 0) {
         return file.error(ErrorCode::unreadable_file, "cannot be opened: " + system_message(errno));

@@ -12,11 +12,9 @@
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
 #include "lamella/error.hpp"
+#include "lamella/io/name_text.hpp"
 
 namespace lamella {
-
-/// `text` on one line, for messages: control characters become '?'.
-std::string printable(std::string text);
 
 class InputFile {
 public:

@@ -98,11 +98,11 @@ Error unrecognised(const FileSource& source) {
     const std::string_view sample = without_byte_order_mark(source.sample());
     constexpr std::size_t quoted = 32;
     const std::string_view line = sample.substr(0, std::min(sample.find_first_of("\r\n"), quoted));
-    return source.error(ErrorCode::malformed_mesh,
-                        "is no " + known_formats() + " file: " +
-                            (is_text(source.sample()) ? "text that begins with '" + printable(std::string(line)) + "'"
-                                                      : "unknown binary data"),
-                        0);
+    return source.error(
+        ErrorCode::malformed_mesh,
+        "is no " + known_formats() + " file: " +
+            (is_text(source.sample()) ? "text that begins with '" + printable(line) + "'" : "unknown binary data"),
+        0);
 }
 
 /// The reader that recognises the content, else the one for the file's extension. Warns where the two differ.

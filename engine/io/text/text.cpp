@@ -25,7 +25,7 @@ std::string word_at(const char* p, const char* end) {
     constexpr std::ptrdiff_t longest = 32;
     const char* shown_end = skip_word(p, p + std::min(longest, end - p));
     std::string quoted("'");
-    quoted += printable(std::string(p, shown_end));
+    quoted += printable({p, static_cast<std::size_t>(shown_end - p)});
     quoted += shown_end == end || is_space(*shown_end) ? "'" : "...'";
     return quoted;
 }

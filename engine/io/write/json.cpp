@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lamella/io/name_text.hpp"
+
 namespace lamella {
 
 void JsonText::value(double number) {
@@ -9,7 +11,7 @@ void JsonText::value(double number) {
 }
 
 void JsonText::value(std::string_view text) {
-    put(nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    put(nlohmann::json(utf8_text(text)).dump());
 }
 
 void JsonText::key(std::string_view name) {

@@ -59,7 +59,7 @@ public:
     void value(std::nullptr_t) { put("null"); }
     /// Shortest text that reads back the same, with a point or an exponent; null if not finite.
     void value(double number);
-    /// Bytes that are not UTF-8, as file names may hold, become U+FFFD.
+    /// As utf8_text(): file names may hold bytes that are not UTF-8.
     void value(std::string_view text);
     void value(const std::string& text) { value(std::string_view(text)); }
     void value(const char* text) { value(std::string_view(text)); }

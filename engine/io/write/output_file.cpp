@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
 
 namespace lamella {
@@ -55,7 +56,7 @@ std::filesystem::path aside_name(const std::filesystem::path& destination, int a
 
 Error unwritable(const std::filesystem::path& path, int error_number) {
     return {.code = ErrorCode::unwritable_file,
-            .message = "cannot write '" + path.string() + "': " + std::generic_category().message(error_number)};
+            .message = "cannot write '" + printable(path.native()) + "': " + std::generic_category().message(error_number)};
 }
 
 void remove_unfinished(const std::filesystem::path& path) noexcept {

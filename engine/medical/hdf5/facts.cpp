@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/guard.hpp"
+#include "lamella/io/name_text.hpp"
 #include "medical/geometry/directions.hpp"
 
 namespace lamella {
@@ -36,6 +37,7 @@ public:
 
     void begin(const char* group) { group_ = group; }
     void text(const char* name, const std::string& value) { facts_.push_back({group_, name, value}); }
+    void file_name(const char* name, const std::string& value) { text(name, text_of_name(value)); }
     void numbers(const char* name, std::span<const double> values) {
         facts_.push_back({group_, name, std::vector<double>(values.begin(), values.end())});
     }
@@ -69,6 +71,10 @@ public:
 
     void begin(const char* group) { group_ = group; }
     void text(const char* name, std::string& value) { value = std::get<std::string>(read(name, std::string(), 1)); }
+    void file_name(const char* name, std::string& value) {
+        text(name, value);
+        value = name_of_text(value);
+    }
     void numbers(const char* name, std::span<double> values) {
         const FactValue read_values = read(name, std::vector<double>(), values.size());
         const auto& found = std::get<std::vector<double>>(read_values);
@@ -137,7 +143,7 @@ void visit_number(Visitor& visitor, const char* name, Double& value) {
 template <class Visitor, class Result, class Info>
 void visit_mesh(Visitor& visitor, Result& result, Info& info) {
     visitor.begin("/mesh");
-    visitor.text("name", info.name);
+    visitor.file_name("name", info.name);
     visitor.text("sha256", info.mesh_sha256);
     visitor.choice("patient_frame", info.frame, frames);
     visitor.numbers("to_layers", result.frame.m);

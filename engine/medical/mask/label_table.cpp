@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "io/write/output_file.hpp"
+#include "lamella/io/name_text.hpp"
 #include "medical/tables/csv_text.hpp"
 
 namespace lamella {
@@ -22,7 +23,8 @@ Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& sum
     }
     file->append("label,name,voxels\n");
     for (std::size_t i = 0; i < parts.size(); ++i) {
-        file->append(std::to_string(i + 1) + "," + csv_text(parts[i].name) + "," + std::to_string(summary.voxels[i]) + "\n");
+        file->append(std::to_string(i + 1) + "," + csv_text(text_of_name(parts[i].name)) + "," +
+                     std::to_string(summary.voxels[i]) + "\n");
     }
     return file->commit();
 }

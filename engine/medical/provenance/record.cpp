@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/guard.hpp"
+#include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
 #include "medical/dicom/series.hpp"
 #include "medical/provenance/sha256.hpp"
@@ -24,15 +25,16 @@ constexpr std::uintmax_t most_record_bytes = std::uintmax_t{64} << 20;
 
 Error unreadable(const std::filesystem::path& path, int error_number) {
     return {.code = ErrorCode::unreadable_file,
-            .message = "cannot read '" + path.string() + "': " + std::generic_category().message(error_number)};
+            .message = "cannot read '" + printable(path.native()) + "': " + std::generic_category().message(error_number)};
 }
 
 Json json_of(const FileSeal& seal) {
-    return {{"path", seal.path}, {"bytes", seal.bytes}, {"sha256", seal.sha256}};
+    return {{"path", text_of_name(seal.path)}, {"bytes", seal.bytes}, {"sha256", seal.sha256}};
 }
 
 FileSeal seal_of(const Json& json) {
-    return {json.at("path").get<std::string>(), json.at("bytes").get<std::uint64_t>(), json.at("sha256").get<std::string>()};
+    return {name_of_text(json.at("path").get<std::string>()), json.at("bytes").get<std::uint64_t>(),
+            json.at("sha256").get<std::string>()};
 }
 
 Record record_of(const Json& json) {
@@ -43,7 +45,9 @@ Record record_of(const Json& json) {
         record.inputs.push_back(seal_of(input));
     }
     record.output = seal_of(json.at("output"));
-    record.options = json.at("options").get<std::vector<std::string>>();
+    for (const Json& option : json.at("options")) {
+        record.options.push_back(name_of_text(option.get<std::string>()));
+    }
     record.patient_frame = json.at("patient_frame").get<std::string>();
     record.grid_mm = json.at("grid_mm").get<std::vector<double>>();
     record.close_gaps_mm = json.value("close_gaps_mm", std::vector<double>());
@@ -102,11 +106,15 @@ Status write_record(const Record& record, const std::filesystem::path& path) noe
         for (const FileSeal& input : record.inputs) {
             inputs.push_back(json_of(input));
         }
+        Json options = Json::array();
+        for (const std::string& option : record.options) {
+            options.push_back(text_of_name(option));
+        }
         Json json = {{"lamella", record.version},
                      {"command", record.command},
                      {"inputs", inputs},
                      {"output", json_of(record.output)},
-                     {"options", record.options},
+                     {"options", options},
                      {"patient_frame", record.patient_frame},
                      {"grid_mm", record.grid_mm},
                      {"close_gaps_mm", record.close_gaps_mm},
@@ -127,7 +135,8 @@ Result<Record> read_record(const std::filesystem::path& path) noexcept {
             return unreadable(path, problem.value());
         }
         const auto not_a_record = [&](const std::string& why) {
-            return Error{.code = ErrorCode::malformed_mesh, .message = path.string() + ": no record of lamella: " + why};
+            return Error{.code = ErrorCode::malformed_mesh,
+                         .message = printable(path.native()) + ": no record of lamella: " + why};
         };
         if (bytes > most_record_bytes) {
             return not_a_record("larger than 64 MiB");

@@ -1,8 +1,11 @@
 #include "medical/tables/csv_text.hpp"
 
+#include "lamella/io/name_text.hpp"
+
 namespace lamella {
 
-std::string csv_text(const std::string& text) {
+std::string csv_text(const std::string& bytes) {
+    const std::string text = utf8_text(bytes);
     if (text.find_first_of(",\"\r\n") == std::string::npos) {
         return text;
     }

@@ -5,7 +5,7 @@
 
 namespace lamella {
 
-/// Quoted where it has to be.
-std::string csv_text(const std::string& text);
+/// In UTF-8, and quoted where it has to be.
+std::string csv_text(const std::string& bytes);
 
 }  // namespace lamella

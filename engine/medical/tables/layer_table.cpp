@@ -14,6 +14,7 @@
 #include "base/guard.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/audit/volume.hpp"
+#include "lamella/io/name_text.hpp"
 #include "lamella/mesh/inspect.hpp"
 #include "medical/tables/csv_text.hpp"
 #include "slicing/result/layer_view.hpp"
@@ -141,10 +142,10 @@ std::vector<Cell> cells_of(const LayerView& view) {
             {"max_y_mm", from_box(3)}};
 }
 
-/// A JSON string; bytes that are not ASCII stay as they are.
+/// A JSON string.
 std::string json_text(const std::string& text) {
     std::string all = "\"";
-    for (const char c : text) {
+    for (const char c : utf8_text(text)) {
         if (c == '"' || c == '\\') {
             all += std::string("\\") + c;
         } else if (static_cast<unsigned char>(c) < ' ') {
@@ -171,7 +172,7 @@ constexpr std::string_view csv_head =
     "centroid_y_mm,min_x_mm,min_y_mm,max_x_mm,max_y_mm\n";
 
 std::string csv_row(const std::string& mesh, const LayerView& view) {
-    std::string line = csv_text(mesh);
+    std::string line = csv_text(text_of_name(mesh));
     for (const Cell& cell : cells_of(view)) {
         line += "," + cell.text.value_or("");
     }
@@ -179,7 +180,7 @@ std::string csv_row(const std::string& mesh, const LayerView& view) {
 }
 
 std::string json_row(const std::string& mesh, const LayerView& view) {
-    std::string line = "{\"kind\":\"layer\",\"mesh\":" + json_text(mesh);
+    std::string line = "{\"kind\":\"layer\",\"mesh\":" + json_text(text_of_name(mesh));
     for (const Cell& cell : cells_of(view)) {
         line += ",\"" + std::string(cell.name) + "\":" + cell.text.value_or("null");
     }
@@ -213,9 +214,9 @@ Status write_mesh_csv(std::span<const TablePart> parts, const std::filesystem::p
     for (const TablePart& part : parts) {
         if (part.facts != nullptr) {
             const MeshFacts& facts = *part.facts;
-            file->append(csv_text(part.name) + "," + number(facts.triangles) + "," + known(facts.volume_mm3).value_or("") +
-                         "," + number(facts.surface_mm2) + "," + csv_text(facts.certificate) + "," +
-                         csv_text(joined(facts.warnings)) + "\n");
+            file->append(csv_text(text_of_name(part.name)) + "," + number(facts.triangles) + "," +
+                         known(facts.volume_mm3).value_or("") + "," + number(facts.surface_mm2) + "," +
+                         csv_text(facts.certificate) + "," + csv_text(joined(facts.warnings)) + "\n");
         }
     }
     return file->commit();
@@ -233,7 +234,7 @@ Status write_json_lines(std::span<const TablePart> parts, const std::filesystem:
             for (const std::string& warning : facts.warnings) {
                 warnings += (warnings.empty() ? "" : ",") + json_text(warning);
             }
-            file->append("{\"kind\":\"mesh\",\"mesh\":" + json_text(part.name) + ",\"triangles\":" +
+            file->append("{\"kind\":\"mesh\",\"mesh\":" + json_text(text_of_name(part.name)) + ",\"triangles\":" +
                          number(facts.triangles) + ",\"volume_mm3\":" + known(facts.volume_mm3).value_or("null") +
                          ",\"surface_mm2\":" + number(facts.surface_mm2) +
                          ",\"certificate\":" + json_text(facts.certificate) + ",\"warnings\":[" + warnings + "]}\n");

@@ -37,7 +37,7 @@ enum class ReportPlace : std::uint8_t {
 };
 
 /// A member that the program adds: its own times, paths, warnings. It refers to what must outlive the call that it is passed
-/// to. Text that is not UTF-8 is made so.
+/// to. Text is as utf8_text() has it.
 struct ReportMember {
     ReportPlace place = ReportPlace::at_end;
     std::string_view key;

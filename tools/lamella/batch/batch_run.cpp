@@ -19,7 +19,7 @@ constexpr std::chrono::milliseconds wake_up{100};
 
 /// Without the mesh's name, which stands beside it.
 std::string reason_of(const std::string& failure, const std::string& mesh) {
-    const std::string before = mesh + ": ";
+    const std::string before = printable(mesh) + ": ";
     return failure.starts_with(before) ? failure.substr(before.size()) : failure;
 }
 

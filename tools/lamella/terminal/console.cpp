@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
@@ -15,13 +14,6 @@
 #include "terminal/failure.hpp"
 
 namespace lamella::cli {
-
-std::string printable(std::string_view text) {
-    std::string line(text);
-    std::replace_if(
-        line.begin(), line.end(), [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; }, '?');
-    return line;
-}
 
 std::string complaint(std::string_view text) {
     return "lamella: " + printable(text) + "\n";
@@ -73,7 +65,8 @@ std::string file_size_text(std::uint64_t bytes) {
                             : rounded(static_cast<double>(bytes) / megabyte, 1) + " MB";
 }
 
-void print(std::string_view text) {
+void print(std::string_view words) {
+    const std::string text = utf8_text(words);
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
         throw Failure(bad_output, "cannot write to standard output: " + std::generic_category().message(errno));
     }
@@ -81,7 +74,7 @@ void print(std::string_view text) {
 
 void print_words(std::string_view text, bool stdout_taken) {
     if (stdout_taken) {
-        (void)std::fwrite(text.data(), 1, text.size(), stderr);
+        (void)std::fputs(utf8_text(text).c_str(), stderr);
     } else {
         print(text);
     }

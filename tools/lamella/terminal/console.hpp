@@ -7,13 +7,11 @@
 #include <string_view>
 
 #include "lamella/control.hpp"
+#include "lamella/io/name_text.hpp"
 
 namespace lamella::cli {
 
 inline constexpr int most_threads = 4096;  ///< that --threads takes
-
-/// Control characters, as file names may hold, become '?'.
-std::string printable(std::string_view text);
 
 /// "lamella: TEXT", printable and as exactly one line.
 std::string complaint(std::string_view text);
@@ -37,8 +35,8 @@ std::string exact_text(double value);
 /// As "12.3 MB", or in smaller units what is smaller.
 std::string file_size_text(std::uint64_t bytes);
 
-/// Writes all of `text` to standard output; throws Failure (bad_output) when that cannot be done.
-void print(std::string_view text);
+/// Writes all of `words`, as utf8_text(), to standard output; throws Failure (bad_output) when that cannot be done.
+void print(std::string_view words);
 
 /// What a person reads of a command's work: on standard output, or on stderr where an output has taken that.
 void print_words(std::string_view text, bool stdout_taken);

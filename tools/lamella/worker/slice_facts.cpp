@@ -1,5 +1,6 @@
 #include "worker/slice_facts.hpp"
 
+#include "lamella/io/name_text.hpp"
 #include "worker/slice_facts_json.hpp"
 
 namespace lamella::cli {
@@ -10,7 +11,10 @@ void add_facts(nlohmann::ordered_json& json, const SliceFacts& facts) {
     json["contours"] = facts.contours;
     json["open_contours"] = facts.open_contours;
     json["close_gaps_mm"] = facts.close_gaps_mm;
-    json["warnings"] = facts.warnings;
+    json["warnings"] = nlohmann::ordered_json::array();
+    for (const std::string& warning : facts.warnings) {
+        json["warnings"].push_back(printable(warning));
+    }
 }
 
 SliceFacts facts_of(const nlohmann::ordered_json& json) {
@@ -22,7 +26,7 @@ SliceFacts facts_of(const nlohmann::ordered_json& json) {
 std::string text_of(const SliceFacts& facts) {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();
     add_facts(json, facts);
-    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    return json.dump() + "\n";
 }
 
 std::optional<SliceFacts> parse_facts(std::string_view text) {

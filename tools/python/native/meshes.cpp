@@ -74,7 +74,7 @@ py::dict read(const std::string& path, double mm_per_unit, const SliceOptions& o
     py::list warnings;
     for (const std::string& warning : file->warnings) {
         warnings.append(py::reinterpret_steal<py::str>(
-            PyUnicode_DecodeUTF8(warning.data(), static_cast<py::ssize_t>(warning.size()), "replace")));
+            PyUnicode_DecodeUTF8(warning.data(), static_cast<py::ssize_t>(warning.size()), "backslashreplace")));
     }
     mesh["warnings"] = warnings;
     return mesh;

@@ -100,8 +100,8 @@ void raise(const Error& error) {
     const py::object kinds = py::module_::import("lamella._errors").attr("BY_CODE");
     const py::object kind = kinds[name_of(error.code)];
     const py::object exception =
-        kind(py::reinterpret_steal<py::str>(
-                 PyUnicode_DecodeUTF8(error.message.data(), static_cast<py::ssize_t>(error.message.size()), "replace")),
+        kind(py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(
+                 error.message.data(), static_cast<py::ssize_t>(error.message.size()), "backslashreplace")),
              py::arg("triangle") = index_or_none(error.triangle), py::arg("layer") = index_or_none(error.plane),
              py::arg("byte_offset") = index_or_none(error.byte_offset));
     PyErr_SetObject(kind.ptr(), exception.ptr());

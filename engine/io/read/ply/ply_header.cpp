@@ -302,7 +302,7 @@ bool find_roles(PlyHeader& header, PlyProblem& problem) {
 
 std::string short_name(std::string_view name) {
     constexpr std::size_t longest = 32;
-    return "'" + printable(std::string(name.substr(0, longest))) + (name.size() > longest ? "...'" : "'");
+    return "'" + printable(name.substr(0, longest)) + (name.size() > longest ? "...'" : "'");
 }
 
 std::uint64_t PlyElement::least_row_bytes(PlyEncoding encoding) const noexcept {

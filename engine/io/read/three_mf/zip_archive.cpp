@@ -89,7 +89,7 @@ OtherBytes other_bytes(std::string_view file) {
 
 Error error_in_part(const FileSource& file, ErrorCode code, std::string_view part, std::uint64_t line,
                     const std::string& what) {
-    const std::string place = "part '" + printable(std::string(part)) + "'";
+    const std::string place = "part '" + printable(part) + "'";
     return file.error(code, line == 0 ? place + " " + what : place + ", line " + std::to_string(line) + ": " + what);
 }
 

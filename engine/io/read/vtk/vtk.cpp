@@ -289,7 +289,7 @@ Status LegacyVtk::field_array() {
     if (scanner_.accept("METADATA")) {  // of the array before
         metadata();
     }
-    const std::string name = "FIELD " + printable(std::string(scanner_.word()));
+    const std::string name = "FIELD " + printable(scanner_.word());
     std::uint64_t components = 0;
     std::uint64_t tuples = 0;
     if (Status read = scanner_.count("components of " + name, components); !read) {

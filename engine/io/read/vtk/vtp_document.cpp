@@ -73,7 +73,7 @@ std::string_view name_in(Element parent, bool connectivity) {
 }
 
 std::string quoted(std::string_view value) {
-    return "'" + printable(std::string(value.substr(0, 32))) + (value.size() > 32 ? "...'" : "'");
+    return "'" + printable(value.substr(0, 32)) + (value.size() > 32 ? "...'" : "'");
 }
 
 class Parser : public XmlReader {

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lamella/io/name_text.hpp"
 #include "worker/slice_facts_json.hpp"
 
 namespace lamella::cli::batch {
@@ -10,12 +11,8 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-std::string dumped(const OrderedJson& json) {
-    return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
-}
-
 OrderedJson json_of(const InputFact& input) {
-    OrderedJson json = {{"path", input.path}, {"bytes", input.bytes}};
+    OrderedJson json = {{"path", text_of_name(input.path)}, {"bytes", input.bytes}};
     if (input.sha256.empty()) {
         json["modified_ns"] = input.modified_ns;
     } else {
@@ -25,12 +22,12 @@ OrderedJson json_of(const InputFact& input) {
 }
 
 InputFact input_of(const OrderedJson& json) {
-    return {json.at("path").get<std::string>(), json.at("bytes").get<std::uint64_t>(),
+    return {name_of_text(json.at("path").get<std::string>()), json.at("bytes").get<std::uint64_t>(),
             json.value("modified_ns", std::int64_t{0}), json.value("sha256", std::string())};
 }
 
 OrderedJson json_of(const OutputFact& output) {
-    OrderedJson json = {{"path", output.path}};
+    OrderedJson json = {{"path", text_of_name(output.path)}};
     if (output.bytes) {
         json["bytes"] = *output.bytes;
     }
@@ -38,7 +35,7 @@ OrderedJson json_of(const OutputFact& output) {
 }
 
 OutputFact output_of(const OrderedJson& json) {
-    OutputFact output{json.at("path").get<std::string>(), std::nullopt};
+    OutputFact output{name_of_text(json.at("path").get<std::string>()), std::nullopt};
     if (json.contains("bytes")) {
         output.bytes = json.at("bytes").get<std::uint64_t>();
     }
@@ -47,10 +44,12 @@ OutputFact output_of(const OrderedJson& json) {
 
 ResultLine result_of(const OrderedJson& json) {
     ResultLine result;
-    result.mesh = json.at("mesh").get<std::string>();
+    result.mesh = name_of_text(json.at("mesh").get<std::string>());
     const bool done = json.at("status").get<std::string>() == "done";
     result.failure = done ? std::string() : json.at("reason").get<std::string>();
-    result.options = json.at("options").get<std::vector<std::string>>();
+    for (const OrderedJson& option : json.at("options")) {
+        result.options.push_back(name_of_text(option.get<std::string>()));
+    }
     for (const OrderedJson& input : json.at("inputs")) {
         result.inputs.push_back(input_of(input));
     }
@@ -66,11 +65,14 @@ ResultLine result_of(const OrderedJson& json) {
 }  // namespace
 
 std::string line_of(const ResultLine& result) {
-    OrderedJson json = {{"mesh", result.mesh}, {"status", result.done() ? "done" : "failed"}};
+    OrderedJson json = {{"mesh", text_of_name(result.mesh)}, {"status", result.done() ? "done" : "failed"}};
     if (!result.done()) {
-        json["reason"] = result.failure;
+        json["reason"] = printable(result.failure);
     }
-    json["options"] = result.options;
+    json["options"] = OrderedJson::array();
+    for (const std::string& option : result.options) {
+        json["options"].push_back(text_of_name(option));
+    }
     json["inputs"] = OrderedJson::array();
     for (const InputFact& input : result.inputs) {
         json["inputs"].push_back(json_of(input));
@@ -82,7 +84,7 @@ std::string line_of(const ResultLine& result) {
     if (result.facts) {
         add_facts(json, *result.facts);
     }
-    return dumped(json);
+    return json.dump() + "\n";
 }
 
 std::optional<ResultLine> parse_line(std::string_view text) {

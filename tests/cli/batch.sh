@@ -197,6 +197,64 @@ END
     [[ ! -e none ]] || fail "work was done"
 }
 
+# Manifests as spreadsheets write them.
+test_batch_spreadsheets() {
+    meshes
+    local separator
+    for separator in ';' '\t'; do
+        printf '\xef\xbb\xbfpath;layer-height;planes;\r\nin/s1.stl;2,5;;\r\n;;;\r\nin/s2.stl;;1,2,4;\r\n' > list.csv
+        [[ $separator == ';' ]] || sed -i 'y/;/\t/' list.csv
+        expect 0 batch list.csv -o 'out/{stem}.csv' --force
+        expect_result --layer-height=2.5 in/s1.stl options 0
+        expect_result --planes=1,2,4 in/s2.stl options 0
+    done
+    printf 'path,layer-height,\nin/s1.stl,"2,5",,\n' > list.csv
+    expect 0 batch list.csv -o 'out/{stem}.csv'
+    expect_result --layer-height=2.5 in/s1.stl options 0
+    printf 'path;planes\nin/s1.stl;1,5\n' > list.csv
+    expect_failure 3 "list.csv:2: --planes: '1,5' is one number or two: write 1.5, or" batch list.csv -o 'out/{stem}.csv'
+    printf 'path;planes,layer-height\n' > list.csv
+    expect_failure 3 "list.csv:1: the names are separated by , and by ;: one of them" batch list.csv -o 'out/{stem}.csv'
+    printf 'path,layer-height\nin/s1.stl;2\n' > list.csv
+    expect_failure 3 "list.csv:2: 1 cell where the first line names 2 columns separated by ,: " batch list.csv -o 'out/{stem}.csv'
+    printf 'path;a' | iconv -t UTF-16LE > list.csv
+    expect_failure 3 "list.csv: is text in UTF-16: save it as UTF-8" batch list.csv -o 'out/{stem}.csv'
+}
+
+# Names that are no UTF-8, and one that looks like such a name as text: bytes are the identity, and text is UTF-8.
+test_batch_names() {
+    mkdir in
+    sphere in/a$'\xe4'.stl
+    sphere in/a$'\xe5'.stl 2000
+    sphere 'in/a\xe4.stl' 3000
+    local -a command=(batch in -o 'out/{stem}.csv' --layer-height 1)
+    expect 0 "${command[@]}"
+    expect_summary "3: 3 done"
+    expect_result 3000 'in/a\\x5cxe4.stl' triangles
+    expect_result 2000 'in/a\\xe5.stl' triangles
+    [[ -s out/a$'\xe4'.csv && -s out/a$'\xe5'.csv && -s 'out/a\xe4.csv' ]] || fail "outputs are one"
+    mv out whole
+    expect 0 "${command[@]}" --shard 0/2
+    expect 0 "${command[@]}" --shard 1/2
+    expect 0 batch --merge out
+    cmp whole/results.jsonl out/results.jsonl || fail "merged results differ"
+    expect 0 "${command[@]}"
+    expect_summary "3: 0 done, 3 unchanged"
+    printf '%s\n' '{"path":"in/a\\xe5.stl"}' > list.jsonl
+    expect 0 batch list.jsonl -o 'out/{stem}.csv' --layer-height 1
+    expect_summary "1: 0 done, 1 unchanged"
+    expect 0 verify out/a*[!s].csv --inputs
+    echo bad > in/a$'\xe4'.stl
+    expect 5 "${command[@]}"
+    expect_result "is no STL, OBJ, OFF, PLY, VTK, VTP or 3MF file: text that begins with 'bad'" 'in/a\\xe4.stl' reason
+    cat .stdout .stderr > words
+    expect 0 slice in/a$'\xe5'.stl --layer-height 1 -o b$'\xff'.svg --report report.json
+    cat .stdout .stderr >> words
+    expect_failure 3 'in/b\xff.stl' slice in/b$'\xff'.stl
+    cat .stderr words report.json whole/*.csv whole/*.json out/results.jsonl b$'\xff'.svg > all
+    iconv -f UTF-8 -t UTF-8 all > /dev/null || fail "text is no UTF-8"
+}
+
 test_batch_bad_input() {
     meshes
     mkdir empty
@@ -205,7 +263,7 @@ test_batch_bad_input() {
     expect_failure 2 "'{sten}' is not one of {stem}, {name}, {parent}, {dir}" batch in -o 'o/{sten}.csv'
     expect_failure 2 "is not closed" batch in -o 'o/{stem.csv'
     expect_failure 2 "none is given" batch in --results o
-    expect_failure 2 "--results: names the folder" batch in
+    expect_failure 2 "such as --results out" batch in
     printf 'path\nin/a.csv\n' > list.csv
     expect_failure 2 "'in/a.csv' is a mesh of the batch itself" batch list.csv -o 'in/{stem}.csv'
     # No output replaces what the batch reads or keeps, by whatever name.

@@ -27,6 +27,21 @@ test_planes_file() {
     expect 0 slice ball.stl --planes heights.txt --side above --report above.json
     expect_json above.json above plan side
     [[ $(json_value above.json output_hash) != "$hash" ]] || fail "--side above cut where below does"
+    # As spreadsheets write them: a byte order mark, semicolons or tabs, decimal commas.
+    printf '\xef\xbb\xbf-5;-2,5;0\r\n2,5;5;\r\n' > heights.csv
+    printf -- '-5\t-2,5\t0\n2,5\t5\n' > heights.tsv
+    local file
+    for file in heights.csv heights.tsv; do
+        expect 0 slice ball.stl --planes $file --report file.json
+        expect_json file.json "$hash" output_hash
+    done
+    printf '0,5\n1,5\n' > either.txt
+    expect_failure 3 "either.txt:1: '0,5' is one number or two: write" slice ball.stl --planes either.txt
+    printf '\xff\xfe1\0\n\0' > wide.txt
+    expect_failure 3 "wide.txt: is text in UTF-16: save it as UTF-8" slice ball.stl --planes wide.txt
+    printf '\xef\xbb\xbf1 0 0 0\n0 1 0 0\n0 0 1 0\n' > same.txt
+    expect 0 slice ball.stl --transform same.txt --planes heights.csv --report file.json
+    expect_json file.json "$hash" output_hash
     expect_failure 3 "none.txt" slice ball.stl --planes none.txt
     printf '1\n2\nthree\n' > bad.txt
     expect_failure 3 "bad.txt:3: 'three'" slice ball.stl --planes bad.txt

@@ -74,7 +74,9 @@ LedgerName ledger_name_of(const BatchArguments& arguments) {
     } else if (!arguments.slice.outputs.outputs.empty()) {
         name.folder = fixed_folder(arguments.slice.outputs.outputs.front());
     } else {
-        throw Failure(bad_usage, "--results: names the folder of results.jsonl where no --output does");
+        throw Failure(bad_usage,
+                      "--results: give it a folder for results.jsonl, such as --results out, as no --output on the command "
+                      "line names one");
     }
     if (arguments.shard.empty()) {
         return name;

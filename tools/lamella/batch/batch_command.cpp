@@ -106,6 +106,9 @@ void add_batch_command(CLI::App& app, Interrupt& interrupt, WorkerStarter* start
         app.add_subcommand("batch", "Slice many meshes, each into files of its own, and go on where it was left");
     const auto arguments = std::make_shared<BatchArguments>();
     batch::declare_batch(*command, *arguments);
+    command->footer(
+        "A manifest list.csv with the lines \"path,like\", \"liver.stl,ct.nii.gz\": lamella batch list.csv --frame lps -o "
+        "'masks/{stem}.nii.gz'");
     command->callback([command, arguments, &interrupt, starter] {
         if (arguments->merge) {
             merge_results(*arguments);

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <system_error>
 #include <utility>
 
+#include "files/text_input.hpp"
 #include "lamella/grid.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
@@ -31,21 +30,60 @@ std::string quoted(std::string_view word) {
     return "'" + printable(word.substr(0, longest)) + (word.size() > longest ? "...'" : "'");
 }
 
-void read_line(std::string_view line, std::size_t number, const std::filesystem::path& path, NumberFile& into) {
-    constexpr std::string_view separators = " \t\r\v\f,;";
-    line = line.substr(0, line.find('#'));
-    for (std::size_t begin = line.find_first_not_of(separators); begin != std::string_view::npos;) {
-        const std::size_t end = std::min(line.find_first_of(separators, begin), line.size());
-        const std::string_view word = line.substr(begin, end - begin);
-        const std::optional<double> value = parse_number(word);
-        if (!value) {
-            throw Failure(bad_input,
-                          path.string() + ":" + std::to_string(number) + ": " + quoted(word) + " is not a number");
+/// What stands between white space and semicolons.
+struct Word {
+    std::string_view text;
+    std::size_t line;
+};
+
+struct WordList {
+    std::vector<Word> words;
+    bool in_columns = false;  ///< separated by semicolons or tabs
+};
+
+WordList words_of(std::string_view text) {
+    constexpr std::string_view separators = " \t\r\v\f;";
+    WordList list;
+    for (std::size_t number = 1; !text.empty(); ++number) {
+        const std::size_t line_end = std::min(text.find('\n'), text.size());
+        const std::string_view line = text.substr(0, std::min(line_end, text.find('#')));
+        text.remove_prefix(std::min(line_end + 1, text.size()));
+        list.in_columns = list.in_columns || line.find_first_of("\t;") != std::string_view::npos;
+        for (std::size_t begin = line.find_first_not_of(separators); begin != std::string_view::npos;) {
+            const std::size_t end = std::min(line.find_first_of(separators, begin), line.size());
+            list.words.push_back({line.substr(begin, end - begin), number});
+            begin = line.find_first_not_of(separators, end);
         }
-        into.values.push_back(*value);
-        into.lines.push_back(number);
-        begin = line.find_first_not_of(separators, end);
     }
+    return list;
+}
+
+/// Whether commas are decimal ones: in columns of whole numbers and such as 0,5. Throws Failure of a file that may be read
+/// in both ways.
+bool has_decimal_commas(const WordList& list, const std::string& path) {
+    const auto separates = [](const Word& word) {
+        return word.text.find('.') != std::string_view::npos ||
+               (word.text.find(',') != std::string_view::npos && !is_decimal_comma(word.text));
+    };
+    const auto pair =
+        std::find_if(list.words.begin(), list.words.end(), [](const Word& word) { return is_decimal_comma(word.text); });
+    if (pair == list.words.end() || std::any_of(list.words.begin(), list.words.end(), separates)) {
+        return false;
+    }
+    if (!list.in_columns) {
+        throw Failure(bad_input, path + ":" + std::to_string(pair->line) + ": " + quoted(pair->text) +
+                                     " is one number or two: write numbers as 0.5, or separate them by ; or blanks");
+    }
+    return true;
+}
+
+void add_number(std::string_view text, std::size_t line, const std::string& path, NumberFile& into) {
+    const std::optional<double> value = parse_number(text);
+    if (!value) {
+        throw Failure(bad_input, path + ":" + std::to_string(line) + ": " + quoted(text) + " is not a number");
+    }
+    into.values.push_back(*value);
+    into.lines.push_back(line);
 }
 
 }  // namespace
@@ -166,23 +204,32 @@ void require_positive(const std::optional<double>& value_mm, const std::string& 
     }
 }
 
-NumberFile read_numbers(const std::filesystem::path& path) {
-    std::error_code not_there;
-    if (std::filesystem::is_directory(path, not_there)) {
-        throw Failure(bad_input, "cannot read '" + path.string() + "': Is a directory");
-    }
-    errno = 0;
-    std::ifstream file(path);
-    if (!file) {
-        throw Failure(bad_input, "cannot read '" + path.string() + "': " + std::generic_category().message(errno));
-    }
+bool is_decimal_comma(std::string_view text) noexcept {
+    const std::size_t comma = text.find(',');
+    text.remove_prefix(text.starts_with('-') || text.starts_with('+') ? 1 : 0);
+    return comma != std::string_view::npos && text.find_first_not_of("0123456789,") == std::string_view::npos &&
+           text.find(',') == text.rfind(',') && text.front() != ',' && text.back() != ',';
+}
+
+std::string with_point(std::string_view text) {
+    std::string number(text);
+    std::replace(number.begin(), number.end(), ',', '.');
+    return number;
+}
+
+NumberFile read_numbers(const std::string& path) {
+    const std::string text = read_text(path);
+    const WordList list = words_of(text);
+    const bool decimal = has_decimal_commas(list, path);
     NumberFile numbers;
-    std::string line;
-    for (std::size_t number = 1; std::getline(file, line); ++number) {
-        read_line(line, number, path, numbers);
-    }
-    if (file.bad()) {
-        throw Failure(bad_input, "cannot read '" + path.string() + "': " + std::generic_category().message(errno));
+    for (const Word& word : list.words) {
+        for (std::size_t begin = 0; begin < word.text.size();) {
+            const std::size_t end = decimal ? word.text.size() : std::min(word.text.find(',', begin), word.text.size());
+            if (end > begin) {
+                add_number(with_point(word.text.substr(begin, end - begin)), word.line, path, numbers);
+            }
+            begin = end + 1;
+        }
     }
     return numbers;
 }

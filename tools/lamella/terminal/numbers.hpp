@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -46,7 +45,13 @@ struct NumberFile {
     std::vector<std::size_t> lines;  ///< where each value stands, from 1
 };
 
-/// Numbers separated by white space or commas; # begins a comment. Throws Failure naming the file and the line.
-NumberFile read_numbers(const std::filesystem::path& path);
+/// Numbers separated by white space, semicolons or commas; # begins a comment. In columns separated by semicolons or tabs
+/// commas may be decimal ones. Throws Failure naming the file and the line.
+NumberFile read_numbers(const std::string& path);
+
+/// Whether all of `text` is digits with one comma between them, as 0,5.
+bool is_decimal_comma(std::string_view text) noexcept;
+/// Its comma as a point.
+std::string with_point(std::string_view text);
 
 }  // namespace lamella::cli

@@ -1,4 +1,5 @@
-// CSV as RFC 4180 has it: commas, quoted cells that may hold commas, quotes ("") and line ends; LF or CRLF.
+// CSV as RFC 4180 has it, or with semicolons or tabs in place of commas: quoted cells that may hold commas, quotes ("") and
+// line ends; LF or CRLF.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +14,15 @@ struct CsvRow {
     std::size_t line = 0;  ///< where the row begins, from 1
 };
 
-/// The rows of `text`, but for empty lines. Throws Failure naming `name` and the line of a cell whose quotes do not match.
-std::vector<CsvRow> csv_rows(std::string_view text, const std::string& name);
+/// Comma, semicolon or tab: what separates the names in the first line; comma where there is one name. Throws Failure where
+/// there are several.
+char separator_of(std::string_view text, const std::string& name);
+
+/// For messages.
+std::string name_of(char separator);
+
+/// The rows of `text`, but for those without a word. Throws Failure naming `name` and the line of a cell whose quotes do not
+/// match.
+std::vector<CsvRow> csv_rows(std::string_view text, char separator, const std::string& name);
 
 }  // namespace lamella::cli::batch

@@ -1,19 +1,16 @@
 #include "batch/sources/manifest.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdint>
-#include <cstdio>
-#include <memory>
-#include <system_error>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "batch/sources/csv_rows.hpp"
 #include "files/standard_streams.hpp"
+#include "files/text_input.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
+#include "terminal/numbers.hpp"
 
 namespace lamella::cli::batch {
 
@@ -21,32 +18,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t most_manifest_bytes = std::size_t{1} << 30;
-
-std::string text_of_file(const std::string& path) {
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-    std::string text;
-    std::vector<char> piece(std::size_t{1} << 16);
-    std::size_t count = 0;
-    while (file && (count = std::fread(piece.data(), 1, piece.size(), file.get())) > 0) {
-        text.append(piece.data(), count);
-        if (text.size() > most_manifest_bytes) {
-            throw Failure(bad_input, path + ": larger than 1 GiB, too large for a manifest");
-        }
-    }
-    if (!file || std::ferror(file.get()) != 0) {
-        throw Failure(bad_input, "cannot read '" + path + "': " + std::generic_category().message(errno));
-    }
-    return text;
-}
-
 /// Rows of one manifest, whatever its format.
 class ManifestReader {
 public:
     ManifestReader(std::string path, const SliceWords& words) : path_(std::move(path)), words_(words) {}
 
     std::vector<ManifestRow> rows() {
-        const std::string text = text_of_file(path_);
+        const std::string text = read_text(path_);
         path_.ends_with(".csv") ? read_csv(text) : read_lines(text);
         if (rows_.empty()) {
             throw Failure(bad_input, path_ + ": no meshes");
@@ -84,6 +62,21 @@ private:
         }
     }
 
+    /// A decimal comma as a point, where no list can be meant.
+    std::string value_of(const std::string& name, const std::string& value, std::size_t line) const {
+        if (name.empty() || !is_decimal_comma(value)) {
+            return value;
+        }
+        if (words_.takes_length(name)) {
+            return with_point(value);
+        }
+        if (separator_ != ',') {
+            throw at(line, name + ": '" + value + "' is one number or two: write " + with_point(value) +
+                               ", or a blank after the comma");
+        }
+        return value;
+    }
+
     void set(const std::string& name, std::vector<std::string> values, std::size_t line) {
         ManifestRow& row = rows_.back();
         if (name.empty()) {
@@ -106,20 +99,22 @@ private:
 
     void read_csv(const std::string& text) {
         std::vector<std::string> columns;
-        const std::vector<CsvRow> table = csv_rows(text, path_);
+        separator_ = separator_of(text, path_);
+        const std::vector<CsvRow> table = csv_rows(text, separator_, path_);
         for (const CsvRow& row : table) {
             if (&row == &table.front()) {
                 columns = columns_of(row);
                 continue;
             }
-            if (row.cells.size() != columns.size()) {
+            if (row.cells.size() < columns.size() || !are_empty(row, columns.size())) {
                 throw at(row.line, counted(row.cells.size(), "cell") + " where the first line names " +
-                                       counted(columns.size(), "column"));
+                                       counted(columns.size(), "column") + " separated by " + name_of(separator_) +
+                                       ": quotes keep a cell that holds one whole");
             }
             begin_row(row.line);
             for (std::size_t i = 0; i < columns.size(); ++i) {
                 if (!row.cells[i].empty()) {
-                    set(columns[i], {row.cells[i]}, row.line);
+                    set(columns[i], {value_of(columns[i], row.cells[i], row.line)}, row.line);
                 }
             }
             end_row(row.line);
@@ -129,6 +124,9 @@ private:
     std::vector<std::string> columns_of(const CsvRow& row) const {
         std::vector<std::string> columns;
         for (const std::string& cell : row.cells) {
+            if (are_empty(row, columns.size())) {
+                break;
+            }
             std::string name = column(cell, row.line);
             if (std::find(columns.begin(), columns.end(), name) != columns.end()) {
                 throw at(row.line, "two columns are '" + cell + "'");
@@ -139,6 +137,12 @@ private:
             throw at(row.line, "no column is named path");
         }
         return columns;
+    }
+
+    /// Whether nothing stands in the cells from `begin` on, as in columns at the end that a spreadsheet left empty.
+    static bool are_empty(const CsvRow& row, std::size_t begin) {
+        return std::all_of(row.cells.begin() + static_cast<std::ptrdiff_t>(begin), row.cells.end(),
+                           [](const std::string& cell) { return cell.empty(); });
     }
 
     void read_lines(const std::string& text) {
@@ -194,7 +198,7 @@ private:
 
     std::string scalar(const std::string& key, const Json& value, std::size_t line) const {
         if (value.is_string()) {
-            return value.get<std::string>();
+            return name_of_text(value.get<std::string>());
         }
         if (value.is_boolean()) {
             return value.get<bool>() ? "true" : "false";
@@ -210,6 +214,7 @@ private:
 
     std::string path_;
     const SliceWords& words_;
+    char separator_ = ',';
     std::vector<ManifestRow> rows_;
 };
 

@@ -4,6 +4,8 @@
 //     liver.stl,0.5,ct.nii.gz           {"path": "skull.stl", "spacing": [1, 1, 2], "coverage": true}
 //     skull.stl,,
 //
+// The names may be separated by semicolons or tabs; then so is the rest, and one number may have a decimal comma: 0,5.
+//
 // An empty cell or null leaves the option as the command line has it. Paths are relative to the current folder, as on the
 // command line.
 #pragma once

@@ -48,6 +48,10 @@ bool SliceWords::is_flag(const std::string& name) const {
     return takes_no_value(*option(name));
 }
 
+bool SliceWords::takes_length(const std::string& name) const {
+    return option(name)->get_type_name() == "MM";
+}
+
 bool SliceWords::is_repeatable(const std::string& name) const {
     return option(name)->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
 }

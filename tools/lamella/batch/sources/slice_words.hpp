@@ -21,6 +21,8 @@ public:
     /// if there is none of that name.
     std::string name_of(const std::string& text) const;
     bool is_flag(const std::string& name) const;
+    /// Whether its value is one number of mm.
+    bool takes_length(const std::string& name) const;
     /// The options that slice does not take together with --memory, as they need the whole mesh.
     std::vector<std::string> names_without_memory() const;
     bool is_repeatable(const std::string& name) const;

@@ -7,6 +7,9 @@ test_usage() {
     expect_failure 2 "'shred' is not a command" shred ball.stl
     expect_failure 2 "mesh" slice
     expect_failure 2 "--wings" "${slice[@]}" --wings
+    expect 0 slice --help
+    tr -s ' \n' ' ' < .stdout | grep -q "end of its name: .svg, .nii.gz, .nii, .seg.nrrd, .nrrd, .dcm, .csv, .jsonl, .png, .h5;" ||
+        fail "--help does not list the ends of names"
     expect_failure 3 "extra: cannot be opened" "${slice[@]}" extra
     local height
     for height in 0 -0.1 nan inf; do

@@ -54,6 +54,14 @@ test_structure_sets() {
     grep -q "'open' has no closed contour on any slice" .stderr || fail "no word of the ROI that is missing"
     expect_failure 3 "--strict: " slice open.stl --spacing 1,1,1 --frame ras --without-ct --strict -o c.dcm
     [[ ! -e c.dcm ]] || fail "a structure set of nothing"
+    # Other outputs are written, whatever their order.
+    expect 3 slice open.stl --spacing 1,1,1 --frame ras --without-ct -o c.csv -o c.dcm -o c.nii
+    [[ $(tail -1 .stderr) == "lamella: "*"'open' has no closed contour"* ]] || fail "the last line does not name the structure set"
+    grep -q "^wrote *c.nii" .stdout && ! grep -q "^wrote.*dcm" .stdout || fail "what was written is not said"
+    mv c.csv first.csv; mv c.nii first.nii
+    expect 3 slice open.stl --spacing 1,1,1 --frame ras --without-ct -o c.dcm -o c.nii -o c.csv
+    cmp c.csv first.csv && cmp c.nii first.nii || fail "the order of outputs matters"
+    [[ ! -e c.dcm ]] || fail "a structure set of nothing"
 }
 
 # A box of 10 x 20 x 30 without one face, beside a whole one on top of it: what is open is said once, and measures nothing.

@@ -64,17 +64,19 @@ public:
         require_image_outputs_possible();
         require_overlaps();
         job_.options = recorded_options(command_);
+        WrittenOutputs written;
         {
             const Stage stage(bar_, "writing");
-            write_outputs(job_, control_of(stage), [this](const std::string& warning) { note(warning); });
+            written = write_outputs(job_, control_of(stage), [this](const std::string& warning) { note(warning); });
         }
         ToolRun run;
-        for (const PlannedOutput& output : job_.outputs) {
-            run.outputs.push_back(output.path);
-        }
+        run.outputs = std::move(written.paths);
         const bool to_stdout =
             std::any_of(arguments_.outputs.outputs.begin(), arguments_.outputs.outputs.end(), is_standard);
         print_words(wrote(run), to_stdout);
+        if (written.failure) {
+            throw Failure(*written.failure);
+        }
     }
 
 private:

@@ -34,12 +34,14 @@ void declare_outputs(CLI::App& command, OutputArguments& arguments) {
     command
         .add_option(
             "-o,--output", arguments.outputs,
-            "File to write, by the end of its name: " + output_format_names() + "; repeatable; - for SVG on standard output")
+            "File to write, by the end of its name: " + output_format_ends() + "; repeatable; - for SVG on standard output")
         ->type_name("FILE|-")
         ->take_all()
         ->allow_extra_args(false)
         ->check(given_path);
-    command.add_option("--to", arguments.to, "Write these formats, each as --output with the end of its name exchanged")
+    command
+        .add_option("--to", arguments.to,
+                    "Write these formats, each as --output with the end of its name exchanged: " + output_format_names())
         ->type_name("FORMAT,...")
         ->check(given);
     command.add_flag("--coverage", arguments.coverage, "Masks hold the share of each voxel's area that is inside");

@@ -35,6 +35,14 @@ constexpr std::array<NamedFormat, 10> formats = {{
     {"h5", ".h5", OutputFormat::hdf5},
 }};
 
+std::string joined(std::string_view NamedFormat::*member) {
+    std::string all;
+    for (const NamedFormat& format : formats) {
+        all.append(all.empty() ? "" : ", ").append(format.*member);
+    }
+    return all;
+}
+
 std::string lower(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -57,8 +65,8 @@ PlannedOutput by_name(const std::string& path) {
     if (own.empty() || is_standard(path) || std::filesystem::is_other(path, unknown)) {
         return {path, OutputFormat::svg};
     }
-    throw Failure(bad_usage, "--output: '" + path + "': no format that is written ends in " + own +
-                                 "; there is .svg, .nii, .nii.gz, .nrrd, .seg.nrrd, .dcm, .csv, .jsonl, .png, .h5");
+    throw Failure(bad_usage, "--output: '" + path + "': no format that is written ends in " + own + "; there is " +
+                                 output_format_ends());
 }
 
 std::vector<const NamedFormat*> parse_formats(const std::string& to) {
@@ -102,11 +110,11 @@ std::vector<std::string> PlannedOutput::files(bool several_meshes) const {
 }
 
 std::string output_format_names() {
-    std::string names;
-    for (const NamedFormat& format : formats) {
-        names += (names.empty() ? "" : ", ") + std::string(format.name);
-    }
-    return names;
+    return joined(&NamedFormat::name);
+}
+
+std::string output_format_ends() {
+    return joined(&NamedFormat::end);
 }
 
 std::string without_format_end(const std::string& path) {

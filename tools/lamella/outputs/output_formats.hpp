@@ -35,8 +35,10 @@ struct PlannedOutput {
     std::vector<std::string> files(bool several_meshes) const;
 };
 
-/// "svg, nii, nii.gz, ...": what --to takes, and what names may end in.
+/// "svg, nii.gz, nii, ...": what --to takes.
 std::string output_format_names();
+/// ".svg, .nii.gz, .nii, ...": what names may end in.
+std::string output_format_ends();
 
 /// The outputs of -o and --to. Without --to the end of each name decides. With it there is one -o, and each format takes its
 /// name with the end exchanged: -o liver.nii.gz --to nii.gz,csv writes liver.nii.gz and liver.csv. Throws Failure

@@ -188,19 +188,36 @@ void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArg
     }
 }
 
-void write_outputs(const OutputJob& job, const Control& control, const Note& note) {
+WrittenOutputs write_outputs(const OutputJob& job, const Control& control, const Note& note) {
     if (job.arguments.strict) {
         require_closed(job);
     }
     if (job.streamed != nullptr) {
         job.streamed->finish();
     }
+    WrittenOutputs written;
     for (const PlannedOutput& output : job.outputs) {
-        if (job.streamed == nullptr) {
-            write_one(job, output, control, note);
+        try {
+            if (job.streamed == nullptr) {
+                write_one(job, output, control, note);
+            }
+            write_record_of(job, output, control);
+            written.paths.push_back(output.path);
+        } catch (const Failure& failure) {
+            if (control.stop.stop_requested()) {
+                throw;
+            }
+            if (written.failure) {
+                complain(failure.what());
+            } else {
+                written.failure = failure;
+            }
         }
-        write_record_of(job, output, control);
     }
+    if (written.failure && written.paths.empty()) {
+        throw Failure(*written.failure);
+    }
+    return written;
 }
 
 std::string mesh_name_of(const std::string& path) {

@@ -15,6 +15,7 @@
 #include "outputs/output_formats.hpp"
 #include "outputs/recorded_options.hpp"
 #include "outputs/streamed_outputs.hpp"
+#include "terminal/failure.hpp"
 
 namespace lamella::cli {
 
@@ -53,8 +54,14 @@ void require_together(const std::vector<PlannedOutput>& outputs, const OutputArg
 void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
                       bool image_given, int subslices);
 
-/// Writes all outputs; `note` takes warnings. Throws Failure.
-void write_outputs(const OutputJob& job, const Control& control, const std::function<void(const std::string&)>& note);
+struct WrittenOutputs {
+    std::vector<std::string> paths;
+    std::optional<Failure> failure;  ///< of the first that could not be written; those of others were complained of
+};
+
+/// Writes all outputs that can be written; `note` takes warnings. Throws Failure where none can, and of a stop.
+WrittenOutputs write_outputs(const OutputJob& job, const Control& control,
+                             const std::function<void(const std::string&)>& note);
 
 /// The name of a mesh's file without folder and ends: "liver" of "a/liver.stl.gz".
 std::string mesh_name_of(const std::string& path);

@@ -225,9 +225,9 @@ void declare(CLI::App& command, SliceArguments& arguments) {
                                 "How contours are built (swept); the results are identical")
         ->group(experiments);
     command.add_flag("--map", arguments.map_file, "Map the mesh file into memory instead of reading it");
-    CLI::Option* const memory =
-        command.add_option("--memory", arguments.memory,
-                           "Slice a binary STL or PLY file larger than memory, in ranges of layers within so many bytes");
+    CLI::Option* const memory = command.add_option("--memory", arguments.memory,
+                                                   "Slice a binary STL or PLY file larger than memory, in ranges of layers "
+                                                   "within so many bytes (at least 300k a thread)");
     memory->type_name("BYTES[k|M|G]")->check(given);
     for (const char* other : {"--weld", "--map"}) {
         memory->excludes(command.get_option(other));

@@ -52,6 +52,24 @@ public:
           } {}
 
     void run() {
+        slice_and_write();
+        if (failure_) {
+            throw Failure(*failure_);
+        }
+    }
+
+    /// For a batch: of one mesh.
+    std::optional<SliceFacts> facts() const {
+        if (job_.parts.empty()) {
+            return std::nullopt;
+        }
+        const SliceResult& result = job_.parts.front().result;
+        return SliceFacts{result.summary.triangles,     result.layers.size(), run_.contours.value_or(result.contours.size()),
+                          result.summary.open_contours, result.close_gaps_mm, run_.warnings};
+    }
+
+private:
+    void slice_and_write() {
         require_ranges_possible(arguments_);
         plan_outputs();
         std::vector<MeshFile> files;
@@ -79,17 +97,6 @@ public:
         print_words(words_ + wrote(run_), arguments_.output_to_stdout());
     }
 
-    /// For a batch: of one mesh.
-    std::optional<SliceFacts> facts() const {
-        if (job_.parts.empty()) {
-            return std::nullopt;
-        }
-        const SliceResult& result = job_.parts.front().result;
-        return SliceFacts{result.summary.triangles,     result.layers.size(), run_.contours.value_or(result.contours.size()),
-                          result.summary.open_contours, result.close_gaps_mm, run_.warnings};
-    }
-
-private:
     void plan_outputs() {
         job_.outputs = planned_outputs_of(arguments_);
         interrupt_.tidy(files_to_write(arguments_, job_.outputs));
@@ -266,10 +273,10 @@ private:
         }
         const Stage stage(bar_, "writing");
         const Stopwatch watch;
-        write_outputs(job_, control_of(stage), [this](const std::string& warning) { note(warning); });
-        for (const PlannedOutput& output : job_.outputs) {
-            run_.outputs.push_back(output.path);
-        }
+        WrittenOutputs written =
+            write_outputs(job_, control_of(stage), [this](const std::string& warning) { note(warning); });
+        run_.outputs = std::move(written.paths);
+        failure_ = std::move(written.failure);
         run_.write_ms = watch.ms();
     }
 
@@ -342,6 +349,7 @@ private:
     std::string words_;  ///< the summaries of several meshes
     std::optional<WeldedMesh> welded_;
     std::optional<StreamedOutputs> streamed_;
+    std::optional<Failure> failure_;  ///< of an output, beside others that were written
     ToolRun run_;
     Stopwatch total_;
 };

@@ -38,7 +38,7 @@ std::string percent_text(double share) {
 /// How far apart ends of one part's polylines are that have to be joined, in grid units. Sets `stuck` where some have
 /// nothing to be joined to.
 double reach_of(std::span<const PolylineEnds> ends, GapSense sense, GapCloser& closer, bool& stuck) {
-    const std::span<const Gap> gaps = closer.close(ends, {any_reach, sense});
+    const std::span<const Gap> gaps = closer.close(ends, {any_reach, any_reach, sense});
     double longest = 1;  // ends at one point have to be joined too
     for (const Gap& gap : gaps) {
         const auto at = [&](PolylineEnd end) { return ends[end.polyline()].at(end.last()); };

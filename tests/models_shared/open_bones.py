@@ -21,7 +21,7 @@ try:
 except ImportError:
     vtk = None
 
-GAPS = ["--close-gaps", "1"]  # options of the mask that is tested
+GAPS = []  # options of the mask that is tested: the default
 LEAST_DICE = 0.99
 POINTS = 50_000
 BLOCK = 48  # triangles that are seen as one from afar

@@ -141,10 +141,11 @@ Status Slicing::choose_grid_and_planes() {
         return bounds.error();
     }
     const Result<ChosenUnit> unit =
-        frame_ != nullptr ? frame_->unit : choose_unit(*bounds, asked_mm, options_.unit_fit == UnitFit::coarser_if_needed);
+        frame_ != nullptr ? frame_->unit : choose_unit_for(*bounds, asked_mm, options_.unit_fit, options_.region);
     if (!unit) {
         return unit.error();
     }
+    // A frame's unit may have been chosen without these rules.
     if (Status status = check_reach(options_.region, unit->mm, bounds->farthest_in_plane()); !status) {
         return status;
     }

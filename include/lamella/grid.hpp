@@ -32,7 +32,8 @@ inline constexpr std::int32_t grid_limit = 1 << 30;
 inline constexpr double default_unit_mm = 1.0 / (1 << 20);
 
 /// Asked for as the unit: the finest power of two, from 2^-49 mm on, of which the mesh's farthest coordinate has at most
-/// grid_limit - 2. For meshes far smaller than a metre. Equal parts at other places may then get other grids.
+/// grid_limit - 2, with room for how far closing, offset and mark reach in the plane (but not in prepare(), which does not
+/// know them). For meshes far smaller than a metre. Equal parts at other places may then get other grids.
 inline constexpr double unit_by_box = -1;
 
 /// Inputs with a coordinate beyond this are refused.

@@ -41,6 +41,9 @@ struct Transform {
     bool is_identity() const noexcept { return m == Transform{}.m; }
     friend bool operator==(const Transform&, const Transform&) = default;
 
+    /// It flattens every mesh: its determinant is 0, but for rounding.
+    bool is_singular() const noexcept;
+
     /// The rotation that turns `normal` (any length but zero) into +z, so that planes are cut perpendicular to `normal`.
     /// (0, 0, 1) gives the identity exactly.
     static Transform from_normal(double x, double y, double z) noexcept;

@@ -213,6 +213,12 @@ TEST_CASE("heights, rules and gaps go through C", "[c]") {
     lamella_result_view(result.get(), &view);
     REQUIRE(view.layer_of_count == 4);
     CHECK(std::vector<std::uint64_t>(view.layer_of, view.layer_of + 4) == std::vector<std::uint64_t>{2, 0, 0, 1});
+    // The finest grid leaves room for the offset: 2^-26 mm holds 9 mm, but not three times 2.5 mm more.
+    rules.offset_mm = 2.5;
+    options.unit_mm = LAMELLA_UNIT_BY_BOX;
+    const ResultHandle grown = sliced(mesh, options);
+    lamella_result_view(grown.get(), &view);
+    CHECK(view.unit_mm == 0x1p-25);
 }
 
 TEST_CASE("threads, memory, stop and progress of C are used", "[c][threads]") {

@@ -53,6 +53,47 @@ TEST_CASE("a detail that the default grid loses is found on the unit by box", "[
     CHECK(fine.contours.size() == 2);
 }
 
+TEST_CASE("the unit by box leaves room for what rules move", "[engine][unit]") {
+    const shapes::Soup cube = shapes::box({0, 0, 0}, {0.9995, 0.9995, 0.9995});
+    lamella::SliceOptions options = at_heights({0.5});
+    options.unit_mm = lamella::unit_by_box;
+    CHECK(sliced(cube, options).unit_mm == 0x1p-30);
+    options.region.fill_rule = lamella::FillRule::non_zero;
+    CHECK(sliced(cube, options).unit_mm == 0x1p-30);
+    const auto [offset, close, mark] =
+        GENERATE(table<double, double, double>({{0.002, 0, 0}, {0, 0.002, 0}, {0, 0, 0.002}}));
+    options.region.offset_mm = offset;
+    options.region.close_mm = close;
+    options.region.mark_near_mm = mark;
+    const lamella::SliceResult grown = sliced(cube, options);
+    CHECK(grown.unit_mm == 0x1p-29);
+    CHECK(grown.area_mm2(grown.layers[0]) == Approx(std::pow(0.9995 + 2 * offset, 2)));
+    // A unit that may be doubled is; one that is asked for is refused.
+    options.unit_mm = 0x1p-30;
+    CHECK(failure_of(view_of(cube), options).message.find("choose a unit of more than") != std::string::npos);
+    options.unit_fit = lamella::UnitFit::coarser_if_needed;
+    CHECK(sliced(cube, options).summary.unit_doublings == 1);
+}
+
+TEST_CASE("a transform that flattens every mesh is refused, whatever the call", "[engine][unit]") {
+    const shapes::Soup cube = shapes::box({0, 0, 0}, {1, 1, 1});
+    lamella::SliceOptions options = uniform(0.1);
+    auto& m = options.transform.m;
+    m = GENERATE(std::array<double, 12>{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0},
+                 std::array<double, 12>{1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 1});
+    CHECK(options.transform.is_singular());
+    const lamella::Error error = failure_of(view_of(cube), options);
+    CHECK(error.code == ErrorCode::invalid_argument);
+    CHECK(error.message.find("singular") != std::string::npos);
+    CHECK(inspect(view_of(cube), {.transform = options.transform}).error().message == error.message);
+    CHECK(prepare(view_of(cube), {.transform = options.transform}).error().message == error.message);
+    for (const double small : {1e-9, -1e-3, 1e6}) {
+        CHECK_FALSE(lamella::Transform::scale(small).is_singular());
+    }
+    m = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1e-9, 0};
+    CHECK_FALSE(options.transform.is_singular());
+}
+
 TEST_CASE("a mesh of which every triangle collapses is empty", "[engine][unit]") {
     const shapes::Soup speck = shapes::box({5, 5, 5}, {5 + 1e-9, 5 + 1e-9, 5 + 1e-9});
     const std::string reason = "each of 12 triangles has two equal corners on the grid of 9.5367431640625e-07 mm";

@@ -96,6 +96,9 @@ Status FileSlicing::choose_grid_and_planes() {
     if (Status status = check_rules(slicing_.region); !status) {
         return status;
     }
+    if (Status status = check_transform(slicing_.transform); !status) {
+        return status;
+    }
     Result<FileBox> box =
         measure_file(file_, slicing_.transform, slicing_.unit_mm, model_.chunk_triangles(), parallel_, progress_);
     if (!box) {
@@ -105,15 +108,11 @@ Status FileSlicing::choose_grid_and_planes() {
     frame_.bounds = box->bounds;
     const bool as_mesh = slicing_.transform.is_identity() || slicing_.transform.arithmetic == Arithmetic::as_mesh;
     frame_.number = as_mesh ? file_.facts().coordinate_type : CoordinateType::f64;
-    const Result<ChosenUnit> unit =
-        choose_unit(frame_.bounds, slicing_.unit_mm, slicing_.unit_fit == UnitFit::coarser_if_needed);
+    const Result<ChosenUnit> unit = choose_unit_for(frame_.bounds, slicing_.unit_mm, slicing_.unit_fit, slicing_.region);
     if (!unit) {
         return unit.error().code == ErrorCode::bad_coordinate ? file_.named(unit.error()) : unit.error();
     }
     frame_.unit = *unit;
-    if (Status status = check_reach(slicing_.region, unit->mm, frame_.bounds.farthest_in_plane()); !status) {
-        return status;
-    }
     return build_planes();
 }
 

@@ -188,6 +188,9 @@ bool mark_used(const MeshView& mesh, const Parallel& parallel, Array<std::uint8_
 
 Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
                               VertexTable& table, BlockTable& blocks) {
+    if (const Status status = check_transform(transform); !status) {
+        return status.error();
+    }
     const Vertices vertices(mesh, transform, parallel);
     table.used.set_size(0);
     const VertexBox all = vertices.box([](std::size_t) { return true; });

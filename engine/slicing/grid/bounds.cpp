@@ -138,6 +138,9 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, 
     if (mesh.triangle_count >= std::numeric_limits<std::uint32_t>::max()) {
         return Error{ErrorCode::invalid_argument, "the mesh has more than 2^32 - 2 triangles"};
     }
+    if (const Status status = check_transform(transform); !status) {
+        return status.error();
+    }
     const bool float_soup =
         mesh.coordinate_type == CoordinateType::f32 && mesh.indices == nullptr && transform.is_identity();
     table.near_mm = BlockTable::near_mm_for(unit_mm > 0 ? unit_mm : default_unit_mm);
@@ -174,6 +177,14 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, 
     return bounds;
 }
 
+Status check_transform(const Transform& transform) {
+    if (transform.is_singular()) {
+        return Error{ErrorCode::invalid_argument,
+                     "the transform is singular: its determinant is 0, so that it flattens every mesh"};
+    }
+    return {};
+}
+
 double finest_unit(double farthest_mm) noexcept {
     double unit = 0x1p-49;
     while (farthest_mm > unit * (grid_limit - 2)) {
@@ -182,7 +193,7 @@ double finest_unit(double farthest_mm) noexcept {
     return unit;
 }
 
-Result<ChosenUnit> choose_unit(const Bounds& bounds, double asked_mm, bool coarser) {
+Result<ChosenUnit> choose_unit(const Bounds& bounds, double asked_mm, bool coarser, double reach_mm) {
     double largest = 0;
     for (int axis = 0; axis < 3; ++axis) {
         largest = std::max({largest, std::abs(bounds.min_mm[axis]), std::abs(bounds.max_mm[axis])});
@@ -190,18 +201,19 @@ Result<ChosenUnit> choose_unit(const Bounds& bounds, double asked_mm, bool coars
     if (asked_mm == 0) {
         return doubled_while(default_unit_mm, [&](double unit) { return largest > unit * grid_limit; });
     }
+    const double farthest = std::max(largest, bounds.farthest_in_plane() + reach_mm);
     if (asked_mm == unit_by_box) {
-        return ChosenUnit{finest_unit(largest), 0};
+        return ChosenUnit{finest_unit(farthest), 0};
     }
     if (!(asked_mm > 0) || !(asked_mm <= largest_coordinate_mm) || asked_mm < 1e-15) {
         return Error{ErrorCode::invalid_argument, "the grid unit must be between 1e-15 and 1e9 mm"};
     }
     // Rounding moves a vertex by up to a unit; the limit keeps two of room.
-    const auto too_fine = [&](double unit) { return largest / unit > grid_limit - 2; };
+    const auto too_fine = [](double reaching, double unit) { return reaching / unit > grid_limit - 2; };
     if (coarser) {
-        return doubled_while(asked_mm, too_fine);
+        return doubled_while(asked_mm, [&](double unit) { return too_fine(farthest, unit); });
     }
-    if (too_fine(asked_mm)) {
+    if (too_fine(largest, asked_mm)) {
         return Error{ErrorCode::bad_coordinate, "the mesh reaches " + exact_text(largest) + " mm, which a grid unit of " +
                                                     exact_text(asked_mm) + " mm cannot hold in 32 bits"};
     }

@@ -31,15 +31,19 @@ struct Bounds {
 Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
                               BlockTable& table);
 
+/// Error: invalid_argument, where the transform flattens every mesh. What is not finite is for measure_bounds() to name.
+Status check_transform(const Transform& transform);
+
 struct ChosenUnit {
     double mm;
     int doublings;  ///< of the unit asked for, or of the default
 };
 
 /// The unit to use: `asked_mm`, or if that is 0 the default, doubled until the box fits, or if that is unit_by_box the
-/// finest power of two that the box fits. `coarser`: a unit asked for is doubled as the default is. Errors:
-/// invalid_argument, bad_coordinate (the box does not fit the requested unit).
-Result<ChosenUnit> choose_unit(const Bounds& bounds, double asked_mm, bool coarser = false);
+/// finest power of two that the box fits. `coarser`: a unit asked for is doubled as the default is. `reach_mm`: how far
+/// contours may grow beyond the box in the plane; unit_by_box and `coarser` leave room for it. Errors: invalid_argument,
+/// bad_coordinate (the box does not fit the requested unit).
+Result<ChosenUnit> choose_unit(const Bounds& bounds, double asked_mm, bool coarser = false, double reach_mm = 0);
 
 /// The unit of unit_by_box.
 double finest_unit(double farthest_mm) noexcept;

@@ -72,6 +72,16 @@ MeshView MeshView::indexed(const std::byte* first, std::size_t vertices, std::si
     return view;
 }
 
+bool Transform::is_singular() const noexcept {
+    const double determinant =
+        m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
+    double largest = 1;  // of a matrix whose rows are that long
+    for (std::size_t row = 0; row < 12; row += 4) {
+        largest *= std::sqrt(m[row] * m[row] + m[row + 1] * m[row + 1] + m[row + 2] * m[row + 2]);
+    }
+    return std::isfinite(largest) && std::abs(determinant) <= 1e-12 * largest;
+}
+
 // The rotation about the axis n × z. With n = (a, b, c) of length one and c >= 0:
 //
 //     | 1 - a²/(1+c)    -ab/(1+c)   -a |

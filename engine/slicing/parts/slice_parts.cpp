@@ -122,13 +122,12 @@ private:
         if (triangles_ == 0) {
             frame_.bounds = {};
         }
-        const Result<ChosenUnit> unit =
-            choose_unit(frame_.bounds, options_.unit_mm, options_.unit_fit == UnitFit::coarser_if_needed);
+        const Result<ChosenUnit> unit = choose_unit_for(frame_.bounds, options_.unit_mm, options_.unit_fit, options_.region);
         if (!unit) {
             return unit.error();
         }
         frame_.unit = *unit;
-        return check_reach(options_.region, unit->mm, frame_.bounds.farthest_in_plane());
+        return {};
     }
 
     Status slice_all() {

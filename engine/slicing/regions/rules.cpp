@@ -81,6 +81,11 @@ std::string_view needs_region(const RegionRules& rules) {
     return rules.largest_only ? "keeping the largest contour only" : "";
 }
 
+/// How far contours may move. A corner that is cut lies up to 1.42 offsets away, one that is not up to the miter limit.
+double reach_of(const RegionRules& rules) noexcept {
+    return std::max(2.0, rules.miter_limit) * std::max(rules.close_mm + std::abs(rules.offset_mm), rules.mark_near_mm);
+}
+
 std::optional<std::uint64_t> first_layer_of_contours(const RegionRules& rules) {
     if (rules.rule_of(0) == FillRule::contours) {
         return 0;
@@ -131,6 +136,16 @@ Status check_uniting(const RegionRules& rules) {
     return check_every_layer(rules, "uniting parts");
 }
 
+Result<ChosenUnit> choose_unit_for(const Bounds& bounds, double asked_mm, UnitFit fit, const RegionRules& rules) {
+    Result<ChosenUnit> unit = choose_unit(bounds, asked_mm, fit == UnitFit::coarser_if_needed, reach_of(rules));
+    if (unit) {
+        if (const Status status = check_reach(rules, unit->mm, bounds.farthest_in_plane()); !status) {
+            return status.error();
+        }
+    }
+    return unit;
+}
+
 Status check_reach(const RegionRules& rules, double unit_mm, double farthest_mm) {
     const double most_mm = grid_limit * unit_mm / std::max(1.0, rules.miter_limit);
     for (const NamedLength& length : lengths_of(rules)) {
@@ -145,9 +160,7 @@ Status check_reach(const RegionRules& rules, double unit_mm, double farthest_mm)
                            exact_text(unit_mm) + " mm: nothing would happen");
         }
     }
-    // A corner that is cut lies up to 1.42 offsets away, one that is not up to the limit.
-    const double factor = std::max(2.0, rules.miter_limit);
-    const double reach_mm = factor * std::max(rules.close_mm + std::abs(rules.offset_mm), rules.mark_near_mm);
+    const double reach_mm = reach_of(rules);
     if (reach_mm > 0 && farthest_mm + reach_mm > grid_limit * unit_mm) {
         return refusal("contours that extend to " + exact_text(farthest_mm) +
                        " mm from zero could be offset beyond the grid, " + "which ends at " +

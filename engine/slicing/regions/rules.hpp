@@ -4,12 +4,17 @@
 
 #include "lamella/error.hpp"
 #include "lamella/region.hpp"
+#include "lamella/slice.hpp"
+#include "slicing/grid/bounds.hpp"
 
 namespace lamella {
 
 /// Lengths, the miter limit and the order of layers, and whether all that is asked for has a region to be done to. Error:
 /// invalid_argument, one line that names the rule.
 Status check_rules(const RegionRules& rules);
+
+/// The unit for meshes within `bounds` and for what the rules make of their contours: choose_unit(), then check_reach().
+Result<ChosenUnit> choose_unit_for(const Bounds& bounds, double asked_mm, UnitFit fit, const RegionRules& rules);
 
 /// Whether the lengths of `rules` are at least a unit, and the grid holds them around contours whose farthest coordinate is
 /// `farthest_mm`. Precondition: check_rules() is content.

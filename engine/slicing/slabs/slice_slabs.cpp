@@ -144,12 +144,9 @@ Status SlabSlicing::choose_grid_and_planes() {
         }
         bounds = *found;
     }
-    const Result<ChosenUnit> unit = choose_unit(bounds, options_.unit_mm, options_.unit_fit == UnitFit::coarser_if_needed);
+    const Result<ChosenUnit> unit = choose_unit_for(bounds, options_.unit_mm, options_.unit_fit, options_.region);
     if (!unit) {
         return unit.error();
-    }
-    if (Status status = check_reach(options_.region, unit->mm, bounds.farthest_in_plane()); !status) {
-        return status;
     }
     unit_mm_ = unit->mm;
     for (const FaceSense sense : {FaceSense::up, FaceSense::down}) {

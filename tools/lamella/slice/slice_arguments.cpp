@@ -74,6 +74,9 @@ Transform transform_from_file(const std::string& path) {
         throw Failure(bad_input, path + ":" + std::to_string(file.lines[12]) + ": the last row is not 0 0 0 1");
     }
     std::copy_n(file.values.begin(), transform.m.size(), transform.m.begin());
+    if (transform.is_singular()) {
+        throw Failure(bad_input, path + ": the matrix is singular: its determinant is 0, so that it flattens every mesh");
+    }
     return transform;
 }
 

@@ -95,6 +95,9 @@ def test_origins_name_the_triangles(cube):
 def test_grid_and_memory_limit_arrive(cube):
     assert lamella.slice(*cube, grid=2.0**-19).grid == 2.0**-19
     assert lamella.slice(*cube, grid="auto").grid < 2.0**-20
+    full = 0.9995 * cube[0] / np.max(cube[0]), cube[1]  # room for the offset takes the next power of two
+    grids = [lamella.slice(*full, grid="auto", fill_rule="non-zero", offset=offset).grid for offset in (0, 0.002)]
+    assert grids == [2.0**-30, 2.0**-29]
     with pytest.raises(lamella.ResultTooLargeError) as raised:
         lamella.slice(*cube, layer_height=0.01, memory_limit=1000)
     assert isinstance(raised.value, MemoryError)
@@ -121,6 +124,7 @@ REFUSED = [
     ({"normal": [0, 0, 1], "transform": np.eye(4)}, "normal and transform exclude each other"),
     ({"transform": np.eye(3)}, r"transform must have shape \(4, 4\) or \(3, 4\), and has \(3, 3\)"),
     ({"transform": np.full((4, 4), np.nan)}, r"transform\[0, 0\] is nan"),
+    ({"transform": np.diag([1, 1, 0, 1])}, "the transform is singular: its determinant is 0"),
     ({"transform": np.ones((4, 4))}, "the last row of transform must be 0 0 0 1"),
     ({"fill_from": [3]}, "fill_from must be pairs"),
     ({"fill_from": [(3, "odd")]}, "a rule of fill_from must be one of"),

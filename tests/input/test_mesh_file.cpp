@@ -125,6 +125,29 @@ TEST_CASE("a .gz name without gzip data, or gzip data without the name, gives a 
     CHECK(warnings("a.obj", gzipped(plain)).size() == 2);
 }
 
+TEST_CASE("words about a unit in a header or comment state none: no format but 3MF has one", "[input][unit]") {
+    const TempFolder dir;
+    const std::string points = "0 0 0\n1 0 0\n0 1 0\n";
+    const auto [name, text] = GENERATE_COPY(table<std::string, std::string>({
+        {"a.stl", "solid units=cm\n" + ascii_stl(numbered_facets(1)).substr(6)},
+        {"b.stl", binary_stl(numbered_facets(1), 1, "UNITS=cm")},
+        {"a.obj", "# File units = centimeters\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+        {"a.off", "OFF # cm\n3 1 0\n" + points + "3 0 1 2\n"},
+        {"a.ply",
+         "ply\nformat ascii 1.0\ncomment units: cm\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+             points + "3 0 1 2\n"},
+        {"a.vtk", "# vtk DataFile Version 3.0\nunits cm\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n" + points +
+                      "POLYGONS 1 4\n3 0 1 2\n"},
+    }));
+    INFO(name);
+    const Result<MeshFile> mesh = read_mesh(dir.write(name, text), {.mm_per_unit = 25.4});
+    INFO((mesh ? "" : mesh.error().message));
+    REQUIRE(mesh.ok());
+    CHECK_FALSE(mesh->states_unit);
+    CHECK(mesh->mm_per_unit == 25.4);
+}
+
 TEST_CASE("an STL file may have any name", "[input]") {
     const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(20);

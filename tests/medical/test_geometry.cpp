@@ -74,6 +74,94 @@ TEST_CASE("geometry: the frame of slicing puts voxels where their indices say", 
     }
 }
 
+TEST_CASE("geometry: places and heights in the patient are those that the frame of slicing came from", "[medical]") {
+    for (const bool left_handed : {false, true}) {
+        const ImageGeometry image = oblique(left_handed);
+        const Transform frame = image.slicing_frame(PatientFrame::lps);
+        const std::array<double, 3> at = {3, -7, 41};
+        std::array<double, 3> sliced{};
+        for (std::size_t row = 0; row < 3; ++row) {
+            const double* const m = frame.m.data() + 4 * row;
+            sliced[row] = m[0] * at[0] + m[1] * at[1] + m[2] * at[2] + m[3];
+        }
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            CHECK(image.to_lps(sliced)[axis] == Approx(at[axis]));
+        }
+        CHECK(image.slice_axis() == 2);
+        CHECK(image.height_lps_mm(sliced[2]) == Approx(41));
+    }
+    ImageGeometry coronal;  // i x j points to the front, away from posterior
+    coronal.axes = {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}};
+    coronal.origin_mm = {0, 80, 0};
+    CHECK(coronal.slice_axis() == 1);
+    CHECK(coronal.height_lps_mm(30) == 50);
+}
+
+TEST_CASE("geometry: an image around a box is centred on it", "[medical]") {
+    const auto [low, high, spacing, voxels, first] = GENERATE(table<double, double, double, std::uint64_t, double>({
+        {0, 44, 1, 44, 0.5},
+        {-10, 34.5, 1, 45, -9.75},
+        {0, 0.3, 0.1, 3, 0.05},
+        {0, 1.1, 0.1, 11, 0.05},
+        {0, static_cast<double>(4.4F), 0.1, 44, 0.05},
+        {7, 7, 2, 1, 7},
+    }));
+    const Result<ImageGeometry> image = geometry_around({low, low, low}, {high, high, high}, {spacing, spacing, spacing});
+    REQUIRE(image.ok());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        CHECK(image->size[axis] == voxels);
+        CHECK(image->origin_mm[axis] == Approx(first).margin(1e-6));
+        CHECK(static_cast<double>(static_cast<float>(image->origin_mm[axis])) == image->origin_mm[axis]);
+    }
+}
+
+TEST_CASE("geometry: units that NRRD states become mm, others are refused by name", "[medical]") {
+    const TempFolder folder;
+    const std::string whole = image_file(oblique(false), "a.nrrd");
+    const auto read_with = [&](const std::string& field) {
+        std::string text = whole;
+        return read_image_geometry(folder.write("a.nrrd", text.insert(text.find("sizes:"), field + "\n")));
+    };
+    const auto [unit, mm] = GENERATE(table<std::string, double>({{"", 1},
+                                                                 {"mm", 1},
+                                                                 {"Millimetres", 1},
+                                                                 {"microns", 1e-3},
+                                                                 {"um", 1e-3},
+                                                                 {"\xc2\xb5m", 1e-3},
+                                                                 {"micrometer", 1e-3},
+                                                                 {"nm", 1e-6},
+                                                                 {"cm", 10},
+                                                                 {"m", 1000},
+                                                                 {"inches", 25.4}}));
+    const Result<ImageGeometry> image = read_with("space units: \"" + unit + "\" \"" + unit + "\" \"" + unit + "\"");
+    INFO(unit);
+    REQUIRE(image.ok());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        CHECK(image->spacing_mm[axis] == Approx(mm * oblique(false).spacing_mm[axis]));
+        CHECK(image->origin_mm[axis] == Approx(mm * oblique(false).origin_mm[axis]));
+    }
+    CHECK(read_with("space units: \"mm\" \"parsec\" \"mm\"").error().message.find("unit \"parsec\" is not known") !=
+          std::string::npos);
+    CHECK(read_with("space units: \"mm\" \"mm\"").error().message.find("2, not one for each") != std::string::npos);
+    CHECK(read_with("units: \"um\" \"um\" \"um\"").error().message.find("state 'space units'") != std::string::npos);
+}
+
+TEST_CASE("geometry: units that NIfTI states become mm, others are refused by number", "[medical]") {
+    const TempFolder folder;
+    std::string bytes = image_file(oblique(false), "a.nii");
+    const auto read_with = [&](int code) {
+        bytes[123] = static_cast<char>(code);
+        return read_image_geometry(folder.write("a.nii", bytes));
+    };
+    for (const auto& [code, mm] : {std::pair{0, 1.0}, {1, 1000.0}, {2, 1.0}, {3, 0.001}, {2 | 8, 1.0}}) {
+        const Result<ImageGeometry> image = read_with(code);
+        REQUIRE(image.ok());
+        CHECK(image->spacing_mm[2] == Approx(2 * mm));
+        CHECK(image->origin_mm[2] == Approx(30 * mm));
+    }
+    CHECK(read_with(5).error().message.find("unit of length 5") != std::string::npos);
+}
+
 TEST_CASE("geometry: what is written is read back", "[medical]") {
     const TempFolder folder;
     for (const char* name : {"a.nii", "a.nii.gz", "a.nrrd", "a.seg.nrrd"}) {

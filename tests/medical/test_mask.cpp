@@ -231,3 +231,14 @@ TEST_CASE("mask: slices that were left out are refused", "[medical]") {
         CHECK(folder.names().empty());
     }
 }
+
+TEST_CASE("mask: twice the area over the perimeter tells of thin walls", "[medical]") {
+    ImageGeometry image;
+    image.size = {12, 12, 4};
+    image.origin_mm = {-1, -1, -0.5};
+    const SliceResult plate = cut(box({0, 0, 0}, {10, 0.25, 3}), image);
+    const TempFolder folder;
+    const Result<MaskSummary> written = write_mask(std::vector<MaskPart>{{&plate, "plate"}}, image, folder / "m.nii");
+    REQUIRE(written.ok());
+    CHECK(written->mean_wall_mm[0] == Approx(2 * 2.5 / 20.5));
+}

@@ -1,6 +1,7 @@
 // Directions in the patient.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -27,6 +28,18 @@ inline double length(const Direction& a) noexcept {
 
 inline Direction scaled(const Direction& a, double factor) noexcept {
     return {a[0] * factor, a[1] * factor, a[2] * factor};
+}
+
+/// The axis of the patient that a direction is nearest to, and whether it runs against it.
+struct NearestAxis {
+    std::size_t axis;
+    bool negative;
+};
+
+inline NearestAxis nearest_axis(const Direction& a) noexcept {
+    const auto* const most =
+        std::max_element(a.begin(), a.end(), [](double x, double y) { return std::abs(x) < std::abs(y); });
+    return {static_cast<std::size_t>(most - a.begin()), *most < 0};
 }
 
 }  // namespace lamella

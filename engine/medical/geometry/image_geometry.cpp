@@ -1,5 +1,6 @@
 #include "lamella/medical/geometry.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <system_error>
 
@@ -37,9 +38,35 @@ std::vector<double> ImageGeometry::slice_heights_mm(int subslices) const {
     return heights;
 }
 
+std::array<double, 3> ImageGeometry::to_lps(const std::array<double, 3>& sliced_mm) const noexcept {
+    const Direction normal = cross(axes[0], axes[1]);
+    std::array<double, 3> at{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        at[i] = origin_mm[i] + axes[0][i] * sliced_mm[0] + axes[1][i] * sliced_mm[1] + normal[i] * sliced_mm[2];
+    }
+    return at;
+}
+
+std::size_t ImageGeometry::slice_axis() const noexcept {
+    return nearest_axis(cross(axes[0], axes[1])).axis;
+}
+
+double ImageGeometry::height_lps_mm(double height_mm) const noexcept {
+    const Direction normal = cross(axes[0], axes[1]);
+    const double along = dot(normal, origin_mm) + height_mm;
+    return nearest_axis(normal).negative ? -along : along;
+}
+
 namespace {
 
 constexpr double largest_voxel_mm = 1e6;  ///< coordinates end at 1e9
+constexpr double rounding = 1e-3;         ///< of a voxel
+
+/// As a float where that is next to nothing.
+double stored(double at_mm, double spacing_mm) {
+    const auto as_float = static_cast<double>(static_cast<float>(at_mm));
+    return std::abs(as_float - at_mm) <= rounding * spacing_mm ? as_float : at_mm;
+}
 
 }  // namespace
 
@@ -53,12 +80,13 @@ Result<ImageGeometry> geometry_around(const std::array<double, 3>& min_mm, const
             if (!(spacing > 0 && spacing <= largest_voxel_mm)) {
                 return Error{ErrorCode::invalid_argument, "a voxel's size must be a number of mm above 0, and at most 1e6"};
             }
-            const double first = std::floor(min_mm[axis] / spacing);
-            const double count = std::ceil(max_mm[axis] / spacing) - first + 1;
-            if (!(count >= 1 && count <= static_cast<double>(largest_image_side))) {
+            const double needed = std::ceil((max_mm[axis] - min_mm[axis]) / spacing - rounding);
+            const double count = std::max(1.0, needed);
+            if (!(needed >= 0 && needed <= static_cast<double>(largest_image_side))) {
                 return Error{ErrorCode::invalid_argument, "voxels of that size are too many around the mesh"};
             }
-            image.origin_mm[axis] = first * spacing;
+            const double middle = min_mm[axis] + (max_mm[axis] - min_mm[axis]) / 2;
+            image.origin_mm[axis] = stored(middle - (count - 1) / 2 * spacing, spacing);
             image.size[axis] = static_cast<std::uint64_t>(count);
         }
         return image;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "base/guard.hpp"
 #include "medical/geometry/headers.hpp"
 
 namespace lamella {
@@ -92,15 +93,15 @@ double disagreement(const Affine& a, const Affine& b, const std::array<std::uint
     return std::sqrt(most) / least_step;
 }
 
-double mm_per_unit(const NiftiHeader& header) {
-    switch (header.number<unsigned char>(123) & 7) {
-        case 1:
-            return 1000;
-        case 3:
-            return 0.001;
-        default:
-            return 1;
+/// By the lowest bits of xyzt_units; 0, which says nothing, counts as mm.
+double mm_per_unit(const NiftiHeader& header, const HeaderBytes& file) {
+    const int code = header.number<unsigned char>(123) & 7;
+    static constexpr std::array<double, 4> mm = {1, 1000, 1, 0.001};
+    if (code >= static_cast<int>(mm.size())) {
+        throw Refused{file.refused("its xyzt_units state the unit of length " + std::to_string(code) +
+                                   "; there is 1 (m), 2 (mm), 3 (um)")};
     }
+    return mm[static_cast<std::size_t>(code)];
 }
 
 }  // namespace
@@ -128,7 +129,7 @@ Result<ImageGeometry> read_nifti(const HeaderBytes& file) {
         return file.refused("neither its sform nor its qform says where the voxels lie");
     }
     const Affine affine = by_sform ? sform(header) : qform(header);
-    const double mm = mm_per_unit(header);
+    const double mm = mm_per_unit(header, file);
     std::array<Direction, 3> steps{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         steps[axis] = {-affine[0][axis] * mm, -affine[1][axis] * mm, affine[2][axis] * mm};

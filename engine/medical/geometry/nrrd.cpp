@@ -1,5 +1,6 @@
 // NRRD headers: https://teem.sourceforge.net/nrrd/format.html. Lines of "field: value" up to an empty one.
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <functional>
 #include <map>
@@ -10,6 +11,8 @@
 #include <fast_float/fast_float.h>
 
 #include "base/guard.hpp"
+#include "io/read/input_file.hpp"
+#include "io/text/text.hpp"
 #include "medical/geometry/headers.hpp"
 
 namespace lamella {
@@ -53,9 +56,10 @@ std::vector<std::string_view> words(std::string_view text) {
         if (begin == std::string_view::npos) {
             return found;
         }
-        const bool vector = text[begin] == '(';
-        const std::size_t stop = vector ? text.find(')', begin) : text.find_first_of(" \t", begin);
-        const std::size_t end = stop == std::string_view::npos ? text.size() : stop + (vector ? 1 : 0);
+        const bool enclosed = text[begin] == '(' || text[begin] == '"';
+        const std::size_t stop =
+            enclosed ? text.find(text[begin] == '(' ? ')' : '"', begin + 1) : text.find_first_of(" \t", begin);
+        const std::size_t end = stop == std::string_view::npos ? text.size() : stop + (enclosed ? 1 : 0);
         found.push_back(text.substr(begin, end - begin));
         text.remove_prefix(end);
     }
@@ -96,6 +100,58 @@ std::optional<std::array<double, 2>> to_lps(std::string_view space) {
     return std::nullopt;
 }
 
+struct NamedUnit {
+    std::string_view name;
+    double mm;
+};
+
+/// NRRD says that units are words, but not which. Without the s of a plural, and as meter, not metre.
+// clang-format off
+constexpr std::array<NamedUnit, 15> units = {{
+    {"", 1}, {"mm", 1}, {"millimeter", 1}, {"cm", 10}, {"centimeter", 10}, {"m", 1000}, {"meter", 1000}, {"in", 25.4}, {"inch", 25.4},
+    {"nm", 1e-6}, {"um", 0.001}, {"micron", 0.001}, {"micrometer", 0.001},
+    {"\xc2\xb5m", 0.001}, {"\xce\xbcm", 0.001},  // the sign for micro, the Greek letter
+}};
+// clang-format on
+
+/// A unit as it stands in the table.
+std::string unit_name(std::string_view text) {
+    if (text.size() > 1 && text.front() == '"') {
+        text = text.substr(1, text.size() - 2);
+    }
+    std::string name = lower_case(trimmed(text));
+    if (name.size() > 3 && name.back() == 's') {
+        name.resize(name.size() - (name == "inches" ? 2 : 1));
+    }
+    if (name.ends_with("metre")) {
+        name.replace(name.size() - 2, 2, "er");
+    }
+    return name;
+}
+
+double mm_of(std::string_view text, const HeaderBytes& header) {
+    const std::string name = unit_name(text);
+    const auto* const unit =
+        std::find_if(units.begin(), units.end(), [&](const NamedUnit& known) { return known.name == name; });
+    if (unit == units.end()) {
+        throw Refused{
+            header.refused("its unit " + printable(std::string(text)) + " is not known; there is mm, um, nm, cm, m, in")};
+    }
+    return unit->mm;
+}
+
+/// mm of the unit of each axis of the space.
+Direction units_of_space(std::string_view field, const HeaderBytes& header) {
+    const std::vector<std::string_view> names = words(field);
+    Direction mm = {1, 1, 1};
+    if (!names.empty() && names.size() != mm.size()) {
+        throw Refused{
+            header.refused("its space units are " + std::to_string(names.size()) + ", not one for each of 3 axes")};
+    }
+    std::transform(names.begin(), names.end(), mm.begin(), [&](std::string_view name) { return mm_of(name, header); });
+    return mm;
+}
+
 }  // namespace
 
 Result<ImageGeometry> read_nrrd(const HeaderBytes& header) {
@@ -116,7 +172,11 @@ Result<ImageGeometry> read_nrrd(const HeaderBytes& header) {
     if (sizes.size() != directions.size() || !origin) {
         return header.refused("its sizes, space directions and space origin do not say where the voxels lie");
     }
-    const auto in_lps = [&](const Direction& at) { return Direction{(*sign)[0] * at[0], (*sign)[1] * at[1], at[2]}; };
+    const Direction mm = units_of_space(field("space units"), header);
+    const std::vector<std::string_view> axis_units = words(field("units"));
+    const auto in_lps = [&](const Direction& at) {
+        return Direction{(*sign)[0] * mm[0] * at[0], (*sign)[1] * mm[1] * at[1], mm[2] * at[2]};
+    };
     std::array<std::uint64_t, 3> size{};
     std::array<Direction, 3> steps{};
     std::size_t axes = 0;
@@ -129,6 +189,10 @@ Result<ImageGeometry> read_nrrd(const HeaderBytes& header) {
         const auto [stop, problem] = std::from_chars(sizes[i].data(), sizes[i].data() + sizes[i].size(), count);
         if (!step || axes == 3 || problem != std::errc() || stop != sizes[i].data() + sizes[i].size()) {
             return header.refused("its sizes or space directions are not those of an image of three dimensions");
+        }
+        if (i < axis_units.size() && field("space units").empty() && mm_of(axis_units[i], header) != 1) {
+            return header.refused("its units state " + printable(std::string(axis_units[i])) +
+                                  ", but hold for no axis with a space direction; state 'space units'");
         }
         size[axes] = count;
         steps[axes++] = in_lps(*step);

@@ -46,6 +46,7 @@ void MaskCounts::add(const MaskCounts& other) {
         voxels[i] += other.voxels[i];
         area[i] += other.area[i];
         inside[i] += other.inside[i];
+        perimeter[i] += other.perimeter[i];
     }
 }
 
@@ -91,6 +92,7 @@ void SliceRaster::measure(std::size_t part, const Layer& layer, MaskCounts& coun
         if (contour.role == Role::outer || contour.role == Role::hole) {
             const double area = result.area_mm2(contour);
             counts.area[part] += area;
+            counts.perimeter[part] += perimeter_of(result.points_of(contour)) * result.unit_mm;
             counts.inside[part] += reaches_beyond(part, contour) ? area_inside(part, contour) : area;
         }
     }
@@ -106,9 +108,10 @@ bool SliceRaster::reaches_beyond(std::size_t part, const Contour& contour) const
         max = {std::max(max.x, point.x), std::max(max.y, point.y)};
     }
     const double scale[2] = {result.unit_mm / image_.spacing_mm[0], result.unit_mm / image_.spacing_mm[1]};
-    return min.x * scale[0] < -0.5 || min.y * scale[1] < -0.5 ||
-           max.x * scale[0] > static_cast<double>(image_.size[0]) - 0.5 ||
-           max.y * scale[1] > static_cast<double>(image_.size[1]) - 0.5;
+    constexpr double side = 0.5 + 1e-3;  // less is rounding, as of an image around the mesh
+    return min.x * scale[0] < -side || min.y * scale[1] < -side ||
+           max.x * scale[0] > static_cast<double>(image_.size[0]) - 1 + side ||
+           max.y * scale[1] > static_cast<double>(image_.size[1]) - 1 + side;
 }
 
 double SliceRaster::area_inside(std::size_t part, const Contour& contour) const {

@@ -18,10 +18,11 @@ namespace lamella {
 struct MaskCounts {
     std::vector<std::uint64_t> voxels;
     std::uint64_t overlapped = 0;
-    std::vector<double> area;    ///< of each part, mm2
-    std::vector<double> inside;  ///< of it, what lies within the image
+    std::vector<double> area;       ///< of each part, mm2
+    std::vector<double> inside;     ///< of it, what lies within the image
+    std::vector<double> perimeter;  ///< of each part, mm
 
-    explicit MaskCounts(std::size_t parts) : voxels(parts), area(parts), inside(parts) {}
+    explicit MaskCounts(std::size_t parts) : voxels(parts), area(parts), inside(parts), perimeter(parts) {}
     void add(const MaskCounts& other);
 };
 

@@ -146,7 +146,7 @@ private:
 };
 
 MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts, const Control& control) {
-    MaskSummary summary{counts.voxels, counts.overlapped, {}, {}};
+    MaskSummary summary{counts.voxels, counts.overlapped, {}, {}, {}};
     for (std::size_t i = 0; i < counts.area.size(); ++i) {
         Result<OpenLayers> open = find_open_layers(*parts[i].result, control);
         if (!open) {
@@ -159,6 +159,7 @@ MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts
         if (open->layers > 0 && open->layers == open->crossed) {
             summary.cut_off_share.back() = std::numeric_limits<double>::quiet_NaN();
         }
+        summary.mean_wall_mm.push_back(counts.perimeter[i] > 0 ? 2 * counts.area[i] / counts.perimeter[i] : 0);
     }
     return summary;
 }

@@ -1,6 +1,8 @@
 #include "medical/raster/clipped_area.hpp"
 
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace lamella {
 
@@ -44,6 +46,17 @@ double area_within(std::vector<PointMm> polygon, PointMm min, PointMm max) {
     polygon = clipped(clipped(polygon, false, min.x, -1), false, max.x, 1);
     polygon = clipped(clipped(polygon, true, min.y, -1), true, max.y, 1);
     return 0.5 * twice_area(polygon);
+}
+
+double perimeter_of(std::span<const Point> points) noexcept {
+    double sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Point& p = points[i];
+        const Point& q = points[i + 1 < points.size() ? i + 1 : 0];
+        sum += std::sqrt(std::pow(static_cast<double>(std::int64_t{q.x} - p.x), 2) +
+                         std::pow(static_cast<double>(std::int64_t{q.y} - p.y), 2));
+    }
+    return sum;
 }
 
 }  // namespace lamella

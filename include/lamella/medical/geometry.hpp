@@ -69,17 +69,29 @@ struct ImageGeometry {
     /// slice, plane n lies at (n + 0.5) / subslices - 0.5 of the (mean) spacing from the slice's centre.
     /// SliceResult::layer_of tells the layer of each height.
     std::vector<double> slice_heights_mm(int subslices = 1) const;
+
+    /// Where a point of that frame lies in the patient.
+    std::array<double, 3> to_lps(const std::array<double, 3>& sliced_mm) const noexcept;
+
+    /// Along which axis of the patient the slices follow one another, nearest: 0 left, 1 posterior, 2 superior.
+    std::size_t slice_axis() const noexcept;
+    /// How far the plane at a height of that frame lies from the patient's zero, along the normal of the slices towards
+    /// that axis: of axial slices their coordinate towards superior.
+    double height_lps_mm(double height_mm) const noexcept;
 };
 
 /// Reads where the voxels of `path` lie: NIfTI-1 (.nii, .nii.gz, .hdr), NRRD (.nrrd, .nhdr), or a folder with one series of
-/// DICOM files. The content decides the format. Voxels are not read. Of NIfTI the sform holds before the qform; RAS+ becomes
-/// LPS. Slices of a series are sorted along their normal, row direction x column direction; files of the folder that are no
-/// DICOM images are passed over. Errors: unreadable_file, malformed_mesh (not an image, or one that is refused: sheared
-/// or with a tilted gantry, several series, several frames in a file, two slices at one place), out_of_memory.
+/// DICOM files. The content decides the format. Voxels are not read. Units that a header states become mm. Of NIfTI the
+/// sform holds before the qform; RAS+ becomes LPS. Slices of a series are sorted along their normal, row direction x column
+/// direction; files of the folder that are no DICOM images are passed over. Errors: unreadable_file, malformed_mesh (not an
+/// image, or one that is refused: sheared or with a tilted gantry, in an unknown unit, several series, several frames in a
+/// file, two slices at one place), out_of_memory.
 Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path) noexcept;
 
-/// Voxels of `spacing_mm` along L, P and S that cover a box in LPS; their centres lie on multiples of the spacing. Errors:
-/// invalid_argument.
+/// Voxels of `spacing_mm` along L, P and S around a box in LPS: along each axis as many as the extent over the spacing,
+/// rounded up, and at least one. The image is centred on the box, so that 44 mm at 1 mm are 44 voxels whose outer sides are
+/// the box's. A thousandth of a voxel is taken for rounding; so far the origin may move to a float, which NIfTI holds.
+/// Errors: invalid_argument.
 Result<ImageGeometry> geometry_around(const std::array<double, 3>& min_mm, const std::array<double, 3>& max_mm,
                                       const std::array<double, 3>& spacing_mm) noexcept;
 

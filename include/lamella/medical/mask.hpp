@@ -41,6 +41,9 @@ struct MaskSummary {
     /// Of each part: the share of its area in the slices that lies beside the image, of slices without open polylines. NaN
     /// where there are none.
     std::vector<double> cut_off_share;
+    /// Of each part: twice its area over its perimeter, of all slices together. Of walls much longer than thick that is
+    /// their mean thickness, of discs their radius; 0 where there is no area.
+    std::vector<double> mean_wall_mm;
 };
 
 /// Writes a mask of the size of `image`. A voxel is in where the winding number around its centre is not 0; centres on a

@@ -10,7 +10,7 @@ namespace lamella {
 namespace {
 
 constexpr double fewest_units = 1 << 20;  // along the diagonal
-constexpr double coarsest_step = 1.0e-6;  // of the diagonal
+constexpr double coarsest_step = 0.1;     // of a detail
 
 /// From the power of two below `value` to the next number of that type.
 double number_step(double value, CoordinateType number) noexcept {
@@ -19,7 +19,8 @@ double number_step(double value, CoordinateType number) noexcept {
 
 }  // namespace
 
-MeshScale judge_scale(const double (&min_mm)[3], const double (&max_mm)[3], CoordinateType number, double unit_mm) noexcept {
+MeshScale judge_scale(const double (&min_mm)[3], const double (&max_mm)[3], CoordinateType number, double unit_mm,
+                      double detail_mm) noexcept {
     MeshScale scale;
     for (int axis = 0; axis < 3; ++axis) {
         scale.farthest_mm = std::max({scale.farthest_mm, std::abs(min_mm[axis]), std::abs(max_mm[axis])});
@@ -28,7 +29,7 @@ MeshScale judge_scale(const double (&min_mm)[3], const double (&max_mm)[3], Coor
     scale.number_step_mm = number_step(scale.farthest_mm, number);
     scale.finest_unit_mm = finest_unit(scale.farthest_mm);
     scale.coarse_grid = scale.diagonal_mm < fewest_units * unit_mm;
-    scale.coarse_numbers = scale.number_step_mm > coarsest_step * scale.diagonal_mm;
+    scale.coarse_numbers = scale.number_step_mm > coarsest_step * detail_mm;
     return scale;
 }
 

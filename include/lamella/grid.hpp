@@ -9,9 +9,9 @@
 // vertex ever lies on a plane and every intersection is a proper segment. Parity is in the types: a GridVertex cannot be odd
 // and a PlaneHeight cannot be even.
 //
-// The grid is anchored at absolute zero and its unit is a power of two that does not depend on the mesh's size or place:
-// 2^-20 mm (about 1 nm) for anything within ±1,024 mm, else the next power of two that fits. Equal parts therefore give
-// equal bytes wherever they stand on the grid.
+// The grid is anchored at absolute zero. Its unit is 2^-20 mm (about 1 nm) for anything within ±1,024 mm, where equal parts
+// give equal bytes wherever they stand on the grid. The unit doubles beyond 1,024 mm, and parts there change with the plate:
+// one that reaches farther makes the grid of all coarser.
 //
 // Error of each step: a vertex moves at most one unit per axis. A plane moves at most half a step of the mesh's number type
 // at its height, and then at most two units: one for the grid and one for the side below or above a vertex of that very

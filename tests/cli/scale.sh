@@ -62,16 +62,29 @@ test_scale() {
     expect 0 info beyond.obj
     grep -q 'beyond.obj: the grid of 7.62939453125e-06 mm is coarse .*; none finer reaches the coordinate of 5002.000 mm' .stderr ||
         fail "a grid without a finer one is not doubted"
-    { echo solid away
-      awk '$1 == "v" { v[++n] = "vertex " $2 " " $3 " " $4 }
-           $1 == "f" { print "facet normal 0 0 0 outer loop", v[$2], v[$3], v[$4], "endloop endfacet" }' away.obj
-      echo endsolid away; } > away.stl
+    expect 0 convert away.obj -o away.stl
     expect 0 slice away.stl
-    grep -q 'away.stl: coordinates of up to 5020.000 mm are stored in steps of 0.000488281 mm' .stderr || fail "lost precision is not reported"
+    [[ ! -s .stderr ]] || fail "a step far under a layer is doubted"
+    expect 0 slice away.stl --layer-height 0.004
+    grep -q 'away.stl: coordinates of up to 5020.000 mm are stored in steps of 0.000488281 mm, more than a tenth of 0.004 mm' .stderr ||
+        fail "lost precision is not reported"
+    expect 0 slice away.stl --spacing 0.004,10,10 --frame lps
+    grep -q 'more than a tenth of 0.004 mm, the layer height or voxel' .stderr || fail "lost precision is not reported of voxels"
     printf '1 0 0 5000 0 1 0 0 0 0 1 0' > move.txt
     tetrahedron here.obj 20
+    printf '1 0 0 0\n0 1 0 0\n0 0 0 0\n' > flat.txt
+    expect_failure 3 "flat.txt: the matrix is singular: its determinant is 0, so that it flattens every mesh" slice here.obj --transform flat.txt
     expect 0 slice here.obj --transform move.txt
     [[ ! -s .stderr ]] || fail "a transform is taken for lost precision"
+
+    # The finest grid leaves room for what rules move; of a mesh beyond 1,024 mm the report says what becomes of the grid.
+    tetrahedron edge.obj 0.9995
+    expect 0 slice edge.obj --grid auto --fill-rule non-zero --offset 0.002 --report grown.json
+    expect_json grown.json 1.862645149230957e-09 grid_mm
+    tetrahedron wide.obj 1500
+    expect 0 slice wide.obj --layer-height 100 --report wide.json
+    expect_json wide.json "the unit doubles beyond 1,024 mm, and parts there change with the plate" grid_rule
+    grep -q grid_rule grown.json && fail "a rule of the grid that does not apply"
 
     # Nothing is left where every face collapses.
     tetrahedron speck.obj 1e-9
@@ -85,5 +98,6 @@ test_scale() {
     expect_failure 2 "no format that is written ends in .pdf; there is .svg, .nii" slice large.obj -o out.pdf
     expect_failure 2 "no format that is written ends in .stl; there is .ply" check large.obj --marks out.stl
     expect_failure 2 "no format that is written ends in .svg; there is .stl" make sphere --triangles 100 -o out.svg
-    expect_files away.obj away.stl beyond.obj coarse.json fine.json here.obj large.obj move.txt plate.obj small.obj speck.json speck.obj
+    expect_files away.obj away.stl beyond.obj coarse.json edge.obj fine.json flat.txt grown.json here.obj large.obj move.txt plate.obj small.obj \
+        speck.json speck.obj wide.json wide.obj
 }

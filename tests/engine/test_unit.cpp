@@ -122,12 +122,15 @@ TEST_CASE("a diagonal under 2^20 units is too coarse a grid, whether or not a fi
     CHECK(scale_of(0, 0.013, CoordinateType::f32).finest_unit_mm == 0x1p-36);
 }
 
-TEST_CASE("a number step above a millionth of the diagonal is lost precision", "[engine][unit]") {
-    CHECK_FALSE(scale_of(-50, 100, CoordinateType::f32).coarse_numbers);
-    CHECK(scale_of(5000, 2, CoordinateType::f32).coarse_numbers);
+TEST_CASE("a number step above a tenth of the layer height is lost precision", "[engine][unit]") {
+    CHECK_FALSE(scale_of(5000, 2, CoordinateType::f32).coarse_numbers);
     CHECK(scale_of(5000, 2, CoordinateType::f32).number_step_mm == 0x1p-11);
-    CHECK_FALSE(scale_of(5000, 2, CoordinateType::f64).coarse_numbers);
-    CHECK(scale_of(-1e9, 1e-3, CoordinateType::f64).coarse_numbers);
+    CHECK(scale_of(3e5, 2, CoordinateType::f32).coarse_numbers);  // steps of 1/32 mm, layers of 0.2
+    const double low[3] = {5000, 0, 0};
+    const double high[3] = {5002, 2, 2};
+    CHECK(lamella::judge_scale(low, high, CoordinateType::f32, 0x1p-20, 0.004).coarse_numbers);  // the step is 0.00049 mm
+    CHECK_FALSE(lamella::judge_scale(low, high, CoordinateType::f32, 0x1p-20, 0.005).coarse_numbers);
+    CHECK_FALSE(scale_of(3e5, 2, CoordinateType::f64).coarse_numbers);
 }
 
 TEST_CASE("boundary edges are counted on the grid and by exact coordinates", "[engine][unit]") {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -329,6 +330,9 @@ void write_report(JsonText& json, const SliceResult& result, const ReportParts& 
         json.member("part_regions", result.part_regions == PartRegions::united ? "united" : "separate");
     }
     json.member("grid_mm", result.unit_mm);
+    if (summary.unit_doublings > 0 && result.unit_mm == std::ldexp(default_unit_mm, summary.unit_doublings)) {
+        json.member("grid_rule", "the unit doubles beyond 1,024 mm, and parts there change with the plate");
+    }
     write_plan(json, result.plan);
     json.member("frame", result.frame.m);
     write_box(json, summary.min_mm, summary.max_mm);

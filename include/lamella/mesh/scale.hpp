@@ -22,11 +22,14 @@ struct MeshScale {
     /// The diagonal is under 2^20 grid units: details may have been lost. finest_unit_mm tells whether a finer grid would
     /// do.
     bool coarse_grid = false;
-    /// The step exceeds 1e-6 of the diagonal: details were lost when the coordinates were stored. No grid brings them back.
+    /// The step exceeds a tenth of the detail that matters: what was lost when the coordinates were stored shows. No grid
+    /// brings it back.
     bool coarse_numbers = false;
 };
 
-/// The box and unit as inspect() or a SliceSummary states them; `number` holds the input's coordinates. O(1), never fails.
-MeshScale judge_scale(const double (&min_mm)[3], const double (&max_mm)[3], CoordinateType number, double unit_mm) noexcept;
+/// The box and unit as inspect() or a SliceSummary states them; `number` holds the input's coordinates; `detail_mm`: the
+/// layer height, or the side of a voxel. O(1), never fails.
+MeshScale judge_scale(const double (&min_mm)[3], const double (&max_mm)[3], CoordinateType number, double unit_mm,
+                      double detail_mm = 0.2) noexcept;
 
 }  // namespace lamella

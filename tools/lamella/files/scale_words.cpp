@@ -63,10 +63,13 @@ std::vector<std::string> doubts_of_scale(const MeshArguments& arguments, const M
                  ? "--grid auto takes " + exact_text(scale.finest_unit_mm) + " mm"
                  : "none finer reaches the coordinate of " + measure_text(scale.farthest_mm) + " mm"));
     }
-    if (scale.coarse_numbers && !mesh.moved) {
-        add("coordinates of up to " + measure_text(scale.farthest_mm) + " mm are stored in steps of " +
-            measure_text(scale.number_step_mm) + " mm, coarse for a mesh of " + measure_text(scale.diagonal_mm) +
-            " mm from corner to corner; it lost precision before it was read");
+    const double farthest = mesh.farthest_mm.value_or(scale.farthest_mm);
+    const double there[3] = {farthest, farthest, farthest};
+    const MeshScale stored = judge_scale(there, there, file.coordinate_type, mesh.unit_mm, mesh.detail_mm);
+    if (stored.coarse_numbers && !mesh.moved) {
+        add("coordinates of up to " + measure_text(farthest) + " mm are stored in steps of " +
+            measure_text(stored.number_step_mm) + " mm, more than a tenth of " + exact_text(mesh.detail_mm) +
+            " mm, the layer height or voxel; it lost precision before it was read");
     }
     return doubts;
 }

@@ -19,6 +19,8 @@ struct MeasuredMesh {
     const double (&max_mm)[3];
     double unit_mm;                                             ///< of the grid
     std::optional<double> plane_distance_mm = common_layer_mm;  ///< the least from plane to plane, if there are two
+    double detail_mm = common_layer_mm;                         ///< the least of that and the sides of voxels
+    std::optional<double> farthest_mm{};                        ///< of the file's coordinates, where an image moved them
     bool moved = false;                                         ///< by a transform, so that coordinates are not the file's
 };
 

@@ -1,6 +1,7 @@
 // lamella slice: read, slice, write, report.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -197,8 +198,21 @@ private:
 
     void note_doubts_of_scale(const SliceResult& result, const MeshFile& mesh) {
         const bool moved = !arguments_.transform.empty() || !arguments_.normal.empty();
-        const MeasuredMesh measured{result.summary.min_mm, result.summary.max_mm, result.unit_mm,
-                                    least_plane_distance(result.plan), moved};
+        const std::optional<double> distance = least_plane_distance(result.plan);
+        MeasuredMesh measured{.min_mm = result.summary.min_mm,
+                              .max_mm = result.summary.max_mm,
+                              .unit_mm = result.unit_mm,
+                              .plane_distance_mm = distance,
+                              .detail_mm = distance.value_or(common_layer_mm),
+                              .moved = moved};
+        if (job_.image) {
+            measured.detail_mm = std::min({measured.detail_mm, job_.image->spacing_mm[0], job_.image->spacing_mm[1]});
+            for (const auto& corner : {result.summary.min_mm, result.summary.max_mm}) {
+                for (const double at : job_.image->to_lps({corner[0], corner[1], corner[2]})) {
+                    measured.farthest_mm = std::max(measured.farthest_mm.value_or(0), std::abs(at));
+                }
+            }
+        }
         for (const std::string& doubt : doubts_of_scale(arguments_, mesh, measured)) {
             note(doubt);
         }

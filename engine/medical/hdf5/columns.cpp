@@ -135,7 +135,7 @@ constexpr std::array<Column, column_count> columns = {
         [](In r, Index i) { return r.layers[i].bottom_mm; },
         [](Out r, Index i, double v) { return stored_finite(r.layers[i].bottom_mm, v); }),
     column<double>(
-        "/layers/plane_mm", ColumnKind::layer, "mm", "the height asked for",
+        "/layers/plane_mm", ColumnKind::layer, "mm", "the height asked for; of an image: from slice 0 along axis_i x axis_j",
         [](In r, Index i) { return r.layers[i].plane_mm; },
         [](Out r, Index i, double v) { return stored_finite(r.layers[i].plane_mm, v); }),
     column<double>(

@@ -1,12 +1,14 @@
 #include "lamella/medical/picture.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <optional>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "medical/geometry/directions.hpp"
 #include "medical/picture/canvas.hpp"
 #include "medical/picture/layer_drawing.hpp"
 #include "medical/picture/page.hpp"
@@ -141,16 +143,29 @@ BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells)
 }
 
 /// As many decimals as tell the heights exactly; where more than three would be needed, three.
-int decimals_of(const std::vector<Cell>& cells) noexcept {
+int decimals_of(const std::vector<double>& heights) noexcept {
     int decimals = 0;
     double factor = 1;
-    const auto told = [&](const Cell& cell) {
-        return std::abs(std::round(cell.height_mm * factor) - cell.height_mm * factor) < 1e-4 * factor;
-    };
-    for (; decimals < 3 && !std::all_of(cells.begin(), cells.end(), told); ++decimals) {
+    const auto told = [&](double height) { return std::abs(std::round(height * factor) - height * factor) < 1e-4 * factor; };
+    for (; decimals < 3 && !std::all_of(heights.begin(), heights.end(), told); ++decimals) {
         factor *= 10;
     }
     return decimals;
+}
+
+/// The height of each; of an image's slices in the patient, and along which axis.
+std::vector<std::string> labels_of(const std::vector<Cell>& cells, const ImageGeometry* image) {
+    static constexpr std::array<const char*, 3> axes = {"L ", "P ", "S "};
+    std::vector<double> heights;
+    for (const Cell& cell : cells) {
+        heights.push_back(image != nullptr ? image->height_lps_mm(cell.height_mm) : cell.height_mm);
+    }
+    const int decimals = decimals_of(heights);
+    std::vector<std::string> labels;
+    for (const double height : heights) {
+        labels.push_back((image != nullptr ? axes[image->slice_axis()] : "") + decimal_text(height, decimals) + " mm");
+    }
+    return labels;
 }
 
 /// Of all, drawn or not.
@@ -200,14 +215,23 @@ void draw_cells(Canvas& canvas, const Page& page, const BoxMm& box, const std::v
     });
 }
 
+PictureOptions oriented(PictureOptions options) {
+    if (options.image != nullptr) {
+        const NearestAxis x = nearest_axis(options.image->axes[0]);
+        const NearestAxis y = nearest_axis(options.image->axes[1]);
+        options.x_leftward = x.negative;
+        options.y_downward = y.axis == 2 ? y.negative : !y.negative;
+    }
+    return options;
+}
+
 Status draw(std::span<const PicturePart> parts, const std::vector<Cell>& cells, const std::filesystem::path& path,
-            const PictureOptions& options) {
-    const int decimals = decimals_of(cells);
-    std::vector<std::string> labels;
+            const PictureOptions& asked) {
+    const PictureOptions options = oriented(asked);
+    const std::vector<std::string> labels = labels_of(cells, options.image);
     int label_width = 0;
-    for (const Cell& cell : cells) {
-        labels.push_back(decimal_text(cell.height_mm, decimals) + " mm");
-        label_width = std::max(label_width, text_width(labels.back(), 1));
+    for (const std::string& label : labels) {
+        label_width = std::max(label_width, text_width(label, 1));
     }
     const BoxMm box = box_of(parts, cells);
     const Page page(box, std::max<std::size_t>(1, cells.size()), label_width, options);

@@ -12,10 +12,12 @@
 #include <utility>
 
 #include "base/guard.hpp"
+#include "io/text/text.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/audit/volume.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/mesh/inspect.hpp"
+#include "medical/raster/clipped_area.hpp"
 #include "medical/tables/csv_text.hpp"
 #include "slicing/result/layer_view.hpp"
 
@@ -37,14 +39,16 @@ std::optional<std::string> known(double value) {
     return std::isnan(value) ? std::nullopt : std::optional<std::string>(number(value));
 }
 
+using Place = std::array<double, 3>;
+
 /// What a layer's closed contours measure; empty where there are none. Where one is open, what is solid is not known.
 struct Measures {
     std::uint64_t holes = 0;
     std::uint64_t open = 0;
     std::uint64_t flat = 0;
     double perimeter_mm = 0;
-    std::optional<PointMm> centroid;
-    std::optional<std::array<double, 4>> box_mm;  ///< least x, least y, largest x, largest y
+    std::optional<Place> centroid;
+    std::optional<std::array<Place, 2>> box_mm;  ///< least and largest coordinates
 };
 
 /// The sum of moments of a contour about one of its points, so that nothing cancels: six times the area times the centroid.
@@ -63,25 +67,22 @@ void add_moments(std::span<const Point> points, Point about, std::array<double, 
     }
 }
 
-double perimeter(std::span<const Point> points) {
-    double sum = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point& p = points[i];
-        const Point& q = points[i + 1 < points.size() ? i + 1 : 0];
-        sum += std::sqrt(std::pow(static_cast<double>(std::int64_t{q.x} - p.x), 2) +
-                         std::pow(static_cast<double>(std::int64_t{q.y} - p.y), 2));
-    }
-    return sum;
-}
-
-void widen(std::optional<std::array<double, 4>>& box, PointMm at) {
+void widen(std::optional<std::array<Place, 2>>& box, const Place& at) {
     if (!box) {
-        box = {at.x, at.y, at.x, at.y};
+        box = {at, at};
     }
-    *box = {std::min((*box)[0], at.x), std::min((*box)[1], at.y), std::max((*box)[2], at.x), std::max((*box)[3], at.y)};
+    for (std::size_t axis = 0; axis < at.size(); ++axis) {
+        (*box)[0][axis] = std::min((*box)[0][axis], at[axis]);
+        (*box)[1][axis] = std::max((*box)[1][axis], at[axis]);
+    }
 }
 
-Measures measure(const LayerView& view) {
+/// Places are in LPS where the layer is one of an image.
+Measures measure(const LayerView& view, const ImageGeometry* image) {
+    const auto placed = [&](PointMm at) {
+        const Place place = {at.x, at.y, view.layer.plane.z() * view.unit_mm};
+        return image != nullptr ? image->to_lps(place) : place;
+    };
     Measures found;
     std::optional<Point> about;
     std::array<double, 3> sums{};
@@ -91,55 +92,73 @@ Measures measure(const LayerView& view) {
         found.open += contour.role == Role::open ? 1 : 0;
         found.flat += contour.role == Role::flat ? 1 : 0;
         for (const Point& point : points) {
-            widen(found.box_mm, view.to_mm(point));
+            widen(found.box_mm, placed(view.to_mm(point)));
         }
         if (contour.role == Role::outer || contour.role == Role::hole) {
             about = about.value_or(points.front());
             add_moments(points, *about, sums);
-            found.perimeter_mm += perimeter(points) * view.unit_mm;
+            found.perimeter_mm += perimeter_of(points) * view.unit_mm;
         }
     }
     if (found.open > 0) {
         found.perimeter_mm = std::numeric_limits<double>::quiet_NaN();
     } else if (about && sums[0] != 0) {
-        found.centroid = PointMm{(about->x + sums[1] / (3 * sums[0])) * view.unit_mm,
-                                 (about->y + sums[2] / (3 * sums[0])) * view.unit_mm};
+        found.centroid = placed(
+            {(about->x + sums[1] / (3 * sums[0])) * view.unit_mm, (about->y + sums[2] / (3 * sums[0])) * view.unit_mm});
     }
     return found;
 }
 
 /// A cell: its name, and its text or nothing.
 struct Cell {
-    std::string_view name;
+    std::string name;
     std::optional<std::string> text;
 };
 
-std::vector<Cell> cells_of(const LayerView& view) {
+/// Three coordinates in the patient, else two in the layer.
+void add_place(std::vector<Cell>& cells, const std::string& what, const std::optional<Place>& at,
+               const ImageGeometry* image) {
+    static constexpr std::array<char, 3> axes = {'x', 'y', 'z'};
+    for (std::size_t axis = 0; axis < (image != nullptr ? 3 : 2); ++axis) {
+        cells.push_back({what + "_" + axes[axis] + (image != nullptr ? "_lps_mm" : "_mm"),
+                         at ? std::optional<std::string>(number((*at)[axis])) : std::nullopt});
+    }
+}
+
+void add_heights(std::vector<Cell>& cells, const LayerView& view, const ImageGeometry* image) {
     const Layer& layer = view.layer;
-    const Measures found = measure(view);
-    const auto from_box = [&](std::size_t i) {
-        return found.box_mm ? std::optional<std::string>(number((*found.box_mm)[i])) : std::nullopt;
-    };
-    const auto centroid = [&](double PointMm::*axis) {
-        return found.centroid ? std::optional<std::string>(number((*found.centroid).*axis)) : std::nullopt;
-    };
-    return {{"layer", number(view.index)},
-            {"height_mm", number(layer.plane_mm)},
-            {"cut_mm", number(layer.plane.z() * view.unit_mm)},
-            {"bottom_mm", number(layer.bottom_mm)},
-            {"top_mm", number(layer.top_mm)},
-            {"area_mm2", known(view.area_mm2())},
-            {"perimeter_mm", known(found.perimeter_mm)},
-            {"contours", number(layer.contour_count)},
-            {"holes", number(found.holes)},
-            {"open", number(found.open)},
-            {"flat", number(found.flat)},
-            {"centroid_x_mm", centroid(&PointMm::x)},
-            {"centroid_y_mm", centroid(&PointMm::y)},
-            {"min_x_mm", from_box(0)},
-            {"min_y_mm", from_box(1)},
-            {"max_x_mm", from_box(2)},
-            {"max_y_mm", from_box(3)}};
+    std::array<std::pair<const char*, double>, 4> heights = {{{"height", layer.plane_mm},
+                                                              {"cut", layer.plane.z() * view.unit_mm},
+                                                              {"bottom", layer.bottom_mm},
+                                                              {"top", layer.top_mm}}};
+    if (image != nullptr) {
+        for (auto& [what, mm] : heights) {
+            mm = image->height_lps_mm(mm);
+        }
+        if (heights[2].second > heights[3].second) {  // the slices follow one another downwards
+            std::swap(heights[2].second, heights[3].second);
+        }
+    }
+    for (const auto& [what, mm] : heights) {
+        cells.push_back({std::string(what) + (image != nullptr ? "_lps_mm" : "_mm"), number(mm)});
+    }
+}
+
+/// With `image`, heights and places are the patient's, and the names say so.
+std::vector<Cell> cells_of(const LayerView& view, const ImageGeometry* image) {
+    const Measures found = measure(view, image);
+    std::vector<Cell> cells = {{"layer", number(view.index)}};
+    add_heights(cells, view, image);
+    cells.insert(cells.end(), {{"area_mm2", known(view.area_mm2())},
+                               {"perimeter_mm", known(found.perimeter_mm)},
+                               {"contours", number(view.layer.contour_count)},
+                               {"holes", number(found.holes)},
+                               {"open", number(found.open)},
+                               {"flat", number(found.flat)}});
+    add_place(cells, "centroid", found.centroid, image);
+    add_place(cells, "min", found.box_mm ? std::optional(found.box_mm->front()) : std::nullopt, image);
+    add_place(cells, "max", found.box_mm ? std::optional(found.box_mm->back()) : std::nullopt, image);
+    return cells;
 }
 
 /// A JSON string.
@@ -167,36 +186,41 @@ std::string joined(const std::vector<std::string>& lines) {
     return all;
 }
 
-constexpr std::string_view csv_head =
-    "mesh,layer,height_mm,cut_mm,bottom_mm,top_mm,area_mm2,perimeter_mm,contours,holes,open,flat,centroid_x_mm,"
-    "centroid_y_mm,min_x_mm,min_y_mm,max_x_mm,max_y_mm\n";
+std::string csv_head(const ImageGeometry* image) {
+    std::string line = "mesh";
+    for (const Cell& cell : cells_of({}, image)) {
+        line += "," + cell.name;
+    }
+    return line + "\n";
+}
 
-std::string csv_row(const std::string& mesh, const LayerView& view) {
+std::string csv_row(const std::string& mesh, const LayerView& view, const ImageGeometry* image) {
     std::string line = csv_text(text_of_name(mesh));
-    for (const Cell& cell : cells_of(view)) {
+    for (const Cell& cell : cells_of(view, image)) {
         line += "," + cell.text.value_or("");
     }
     return line + "\n";
 }
 
-std::string json_row(const std::string& mesh, const LayerView& view) {
+std::string json_row(const std::string& mesh, const LayerView& view, const ImageGeometry* image) {
     std::string line = "{\"kind\":\"layer\",\"mesh\":" + json_text(text_of_name(mesh));
-    for (const Cell& cell : cells_of(view)) {
-        line += ",\"" + std::string(cell.name) + "\":" + cell.text.value_or("null");
+    for (const Cell& cell : cells_of(view, image)) {
+        line += ",\"" + cell.name + "\":" + cell.text.value_or("null");
     }
     return line + "}\n";
 }
 
-Status write_csv(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control) {
+Status write_csv(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control,
+                 const ImageGeometry* image) {
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();
     }
-    file->append(csv_head);
+    file->append(csv_head(image));
     for (const TablePart& part : parts) {
         for (std::uint64_t i = 0; i < part.result->layers.size(); ++i) {
             stop_if_asked(control);
-            file->append(csv_row(part.name, view_of_layer(*part.result, i)));
+            file->append(csv_row(part.name, view_of_layer(*part.result, i), image));
         }
     }
     return file->commit();
@@ -222,7 +246,8 @@ Status write_mesh_csv(std::span<const TablePart> parts, const std::filesystem::p
     return file->commit();
 }
 
-Status write_json_lines(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control) {
+Status write_json_lines(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control,
+                        const ImageGeometry* image) {
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();
@@ -243,10 +268,14 @@ Status write_json_lines(std::span<const TablePart> parts, const std::filesystem:
     for (const TablePart& part : parts) {
         for (std::uint64_t i = 0; i < part.result->layers.size(); ++i) {
             stop_if_asked(control);
-            file->append(json_row(part.name, view_of_layer(*part.result, i)));
+            file->append(json_row(part.name, view_of_layer(*part.result, i), image));
         }
     }
     return file->commit();
+}
+
+bool has_end(const std::filesystem::path& path, std::string_view end) {
+    return lower_case(path.extension().string()) == end;
 }
 
 Error not_a_table(const std::filesystem::path& path) {
@@ -277,22 +306,25 @@ Result<MeshFacts> measure_facts(const MeshView& mesh, const Transform& to_mm, co
     });
 }
 
-Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path,
-                         const Control& control) noexcept {
+Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control,
+                         const ImageGeometry* image) noexcept {
     return guarded(control, [&]() -> Status {
-        if (path.extension() == ".csv") {
-            const Status layers = write_csv(parts, path, control);
+        if (has_end(path, ".csv")) {
+            const Status layers = write_csv(parts, path, control, image);
             return layers ? write_mesh_csv(parts, path) : layers;
         }
-        if (path.extension() == ".jsonl") {
-            return write_json_lines(parts, path, control);
+        if (has_end(path, ".jsonl")) {
+            return write_json_lines(parts, path, control, image);
         }
         return not_a_table(path);
     });
 }
 
 struct LayerTableStream::State {
+    const ImageGeometry* image_or_null() const noexcept { return image ? &*image : nullptr; }
+
     std::string name;
+    std::optional<ImageGeometry> image;
     bool csv;
     OutputFile out;
     Status done;
@@ -303,19 +335,23 @@ LayerTableStream::LayerTableStream(LayerTableStream&&) noexcept = default;
 LayerTableStream& LayerTableStream::operator=(LayerTableStream&&) noexcept = default;
 LayerTableStream::~LayerTableStream() = default;
 
-Result<LayerTableStream> LayerTableStream::begin(const std::string& name, const std::filesystem::path& path) noexcept {
+Result<LayerTableStream> LayerTableStream::begin(const std::string& name, const std::filesystem::path& path,
+                                                 const ImageGeometry* image) noexcept {
     return guarded([&]() -> Result<LayerTableStream> {
-        const bool csv = path.extension() == ".csv";
-        if (!csv && path.extension() != ".jsonl") {
+        const bool csv = has_end(path, ".csv");
+        if (!csv && !has_end(path, ".jsonl")) {
             return not_a_table(path);
         }
         Result<OutputFile> file = OutputFile::create(path);
         if (!file) {
             return file.error();
         }
-        auto state = std::make_unique<State>(State{name, csv, std::move(file).value(), {}});
+        auto state = std::make_unique<State>(State{name, {}, csv, std::move(file).value(), {}});
+        if (image != nullptr) {
+            state->image = *image;
+        }
         if (csv) {
-            state->out.append(csv_head);
+            state->out.append(csv_head(image));
         }
         return LayerTableStream(std::move(state));
     });
@@ -325,7 +361,8 @@ void LayerTableStream::add(const LayerView& layer) noexcept {
     State& own = *state_;
     if (own.done) {
         own.done = guarded([&]() -> Status {
-            own.out.append(own.csv ? csv_row(own.name, layer) : json_row(own.name, layer));
+            own.out.append(own.csv ? csv_row(own.name, layer, own.image_or_null())
+                                   : json_row(own.name, layer, own.image_or_null()));
             return {};
         });
     }

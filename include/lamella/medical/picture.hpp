@@ -12,6 +12,7 @@
 
 #include "lamella/control.hpp"
 #include "lamella/error.hpp"
+#include "lamella/medical/geometry.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
@@ -33,6 +34,10 @@ struct PictureOptions {
     int layers = 24;          ///< of a contact sheet, at most
     bool x_leftward = false;  ///< x runs to the left, not to the right
     bool y_downward = false;  ///< y runs down, not up
+    /// At whose slices the parts were cut. They are then drawn as radiologists see them, left, posterior and superior to the
+    /// right, right, anterior and superior up; heights are the patient's, as "S 12.5 mm", towards left (L), posterior (P) or
+    /// superior (S), whichever the slices follow nearest.
+    const ImageGeometry* image = nullptr;
     Control control{};
 };
 

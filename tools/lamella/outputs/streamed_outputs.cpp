@@ -26,8 +26,8 @@ bool StreamedOutputs::serve(const std::vector<PlannedOutput>& outputs) {
     });
 }
 
-StreamedOutputs::StreamedOutputs(std::vector<PlannedOutput> outputs, std::string mesh_name)
-    : outputs_(std::move(outputs)), mesh_name_(std::move(mesh_name)) {}
+StreamedOutputs::StreamedOutputs(std::vector<PlannedOutput> outputs, std::string mesh_name, const ImageGeometry* image)
+    : outputs_(std::move(outputs)), mesh_name_(std::move(mesh_name)), image_(image) {}
 
 bool StreamedOutputs::have_records() const {
     return std::any_of(outputs_.begin(), outputs_.end(), [](const PlannedOutput& output) { return output.has_record(); });
@@ -54,7 +54,7 @@ Result<StreamedOutputs::Stream> StreamedOutputs::open(const PlannedOutput& outpu
     };
     return output.format == OutputFormat::svg
                ? as_stream(SvgStream::begin(outline.facts, outline.layers, output_path(output.path)))
-               : as_stream(LayerTableStream::begin(mesh_name_, output.path));
+               : as_stream(LayerTableStream::begin(mesh_name_, output.path, image_));
 }
 
 void StreamedOutputs::add(const LayerView& view) noexcept {

@@ -17,8 +17,8 @@ public:
     /// Whether all of them are of formats that take one layer after the other: SVG and tables.
     static bool serve(const std::vector<PlannedOutput>& outputs);
 
-    /// `mesh_name`: of the rows of tables.
-    StreamedOutputs(std::vector<PlannedOutput> outputs, std::string mesh_name);
+    /// `mesh_name`: of the rows of tables. `image`: at whose slices the mesh is cut, or null; it must outlive this.
+    StreamedOutputs(std::vector<PlannedOutput> outputs, std::string mesh_name, const ImageGeometry* image);
 
     /// Which hold the hash of the result.
     bool have_records() const;
@@ -39,6 +39,7 @@ private:
 
     std::vector<PlannedOutput> outputs_;
     std::string mesh_name_;
+    const ImageGeometry* image_;
     std::vector<Stream> streams_;
     Status begun_;
 };

@@ -1,12 +1,14 @@
 #include "outputs/write_outputs.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <utility>
 
 #include "files/output_path.hpp"
+#include "files/scale_words.hpp"
 #include "files/standard_streams.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/version.hpp"
@@ -32,8 +34,23 @@ void note_beyond_slices(const OutputJob& job, const SlicedPart& part, const Plan
     const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
     const double half = job.image->spacing_mm[2] / 2;
     const double beyond = std::max({0.0, *low - half - mesh.min_mm[2], mesh.max_mm[2] - *high - half});
-    if (beyond > 0) {
+    if (beyond > 1e-3 * job.image->spacing_mm[2]) {  // else rounding, as of an image around the mesh
         note(output.path + ": " + part.name + " reaches " + rounded(beyond, 3) + " mm beyond the image's slices");
+    }
+}
+
+/// Voxels are in by their centres, which thin walls slip between.
+void note_thin_walls(const OutputJob& job, const SlicedPart& part, double wall_mm, const PlannedOutput& output,
+                     const Note& note) {
+    const SliceSummary& mesh = part.result.summary;
+    const std::array<double, 3>& voxel = job.image->spacing_mm;
+    const auto thin = [&](std::size_t axis) { return mesh.max_mm[axis] - mesh.min_mm[axis] < voxel[axis]; };
+    const bool in_slices = !job.arguments.coverage && (wall_mm < std::min(voxel[0], voxel[1]) || thin(0) || thin(1));
+    if (in_slices || (job.subslices == 1 && thin(2))) {
+        note(output.path + ": " + part.name + " is thinner than a voxel: its box is " +
+             measure_text(mesh.max_mm[0] - mesh.min_mm[0]) + " x " + measure_text(mesh.max_mm[1] - mesh.min_mm[1]) + " x " +
+             measure_text(mesh.max_mm[2] - mesh.min_mm[2]) + " mm, its walls " + measure_text(wall_mm) +
+             " mm on average; --coverage --subslices 8 writes how much of each voxel is inside");
     }
 }
 
@@ -55,6 +72,7 @@ void write_mask_of(const OutputJob& job, const PlannedOutput& output, const Cont
             note(output.path + ": the image cuts off " + percent(summary.cut_off_share[i]) + " of the area of " + name);
         }
         note_beyond_slices(job, job.parts[i], output, note);
+        note_thin_walls(job, job.parts[i], summary.mean_wall_mm[i], output, note);
         if (summary.voxels[i] == 0) {
             note(output.path + ": no voxel lies in " + name);
         }
@@ -66,7 +84,7 @@ void write_table_of(const OutputJob& job, const PlannedOutput& output, const Con
     for (const SlicedPart& part : job.parts) {
         parts.push_back({&part.result, part.name, part.facts ? &*part.facts : nullptr});
     }
-    done_or_thrown(write_layer_table(parts, output.path, control));
+    done_or_thrown(write_layer_table(parts, output.path, control, job.image ? &*job.image : nullptr));
 }
 
 void write_one(const OutputJob& job, const PlannedOutput& output, const Control& control, const Note& note) {

@@ -132,7 +132,7 @@ private:
         }
         const bool one_mesh = arguments_.meshes.size() == 1;
         if (in_ranges() && (job_.outputs.empty() || (one_mesh && StreamedOutputs::serve(job_.outputs)))) {
-            job_.streamed = &streamed_.emplace(job_.outputs, part.name);
+            job_.streamed = &streamed_.emplace(job_.outputs, part.name, job_.image ? &*job_.image : nullptr);
         }
         part.result = slice_mesh(mesh, options);
         part.hash = run_.hash;

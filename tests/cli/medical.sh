@@ -132,7 +132,7 @@ test_beside_the_image() {
     for name in m.nii m.dcm; do
         "$lamella" slice tall.stl --like image.nii --frame ras -o $name $([[ $name == *.dcm ]] && echo --without-ct) > .stdout 2> .stderr ||
             fail "no $name"
-        grep -q "warning: $name: tall reaches 19.000 mm beyond the image's slices" .stderr || fail "$name: no warning"
+        grep -q "warning: $name: tall reaches 20.000 mm beyond the image's slices" .stderr || fail "$name: no warning"
     done
 }
 
@@ -146,6 +146,36 @@ test_tables() {
     head -1 a.jsonl > first.json
     expect_json first.json mesh kind
     expect_json first.json certified certificate
+}
+
+# Coordinates are the patient's, and say so; what is stated twice or in upper case counts once.
+test_frames() {
+    cube box.stl 20 6
+    expect 0 slice box.stl --spacing 2,2,4 --frame RAS -o t.csv -o t.jsonl -o t.h5 -o t.nii
+    [[ ! -s .stderr ]] || fail "an image around the mesh is doubted"
+    grep -q '"ras"' t.csv.lamella.json || fail "the record holds what was typed"
+    [[ $(head -1 t.csv) == mesh,layer,height_lps_mm,cut_lps_mm,bottom_lps_mm,top_lps_mm,area_mm2,perimeter_mm,contours,holes,open,flat,centroid_x_lps_mm,centroid_y_lps_mm,centroid_z_lps_mm,min_x_lps_mm,* ]] ||
+        fail "no columns that name the frame"
+    [[ $(sed -n 3p t.csv) == box,1,5,4.99999*,3,7,100,40,1,0,0,0,-25,-5,4.99999*,-30,-10,4.99999*,-20,0,4.99999* ]] || fail "not where the box is"
+    grep -q '"height_lps_mm":5,.*"centroid_x_lps_mm":-25,"centroid_y_lps_mm":-5,' t.jsonl || fail "not where the box is, in JSON"
+    expect 0 convert t.h5 -o c.csv
+    cmp c.csv t.csv || fail "convert gives other places"
+    expect 0 slice box.stl --like t.nii --frame ras -o c.csv
+    cmp c.csv t.csv || fail "--like gives other places"
+    mkdir big && expect 0 convert box.stl -o big/box.stl
+    expect 0 slice big/box.stl --like t.nii --frame ras --memory 20M -o c.csv
+    cmp c.csv t.csv || fail "--memory gives other places"
+    (printf '3D Slicer output. SPACE=LPS'; head -c 53 /dev/zero; tail -c +81 big/box.stl) > lps.stl
+    expect 0 slice lps.stl --spacing 2,2,4 --frame lps -o c.csv
+    grep -q "states the patient frame" .stderr && fail "a frame that is stated twice alike is doubted"
+    expect 0 slice lps.stl --spacing 2,2,4 --frame ras -o c.csv
+    grep -q "lps.stl: states the patient frame LPS, which holds instead of --frame RAS" .stderr || fail "no word of the file's own frame"
+    expect 0 slice box.stl --fill-rule NON-ZERO --fill-from 3:EVEN-ODD --datum ZERO --side ABOVE --unit MM --grid AUTO --progress NEVER -o UPPER.CSV
+    expect 0 slice box.stl --spacing 20,20,20 --frame ras --coverage --subslices 8 -o thin.nii
+    grep -q thinner .stderr && fail "a warning in spite of the remedy"
+    expect 0 slice box.stl --spacing 20,20,20 --frame ras -o thin.nii
+    grep -q "thin.nii: box is thinner than a voxel: its box is 10.0000 x 10.0000 x 10.0000 mm, its walls 5.00000 mm on average; --coverage --subslices 8 writes" .stderr ||
+        fail "no warning of a mesh thinner than a voxel"
 }
 
 test_pictures() {
@@ -209,7 +239,7 @@ test_archives() {
     expect 0 slice a.stl --layer-height 1 --layers 4:9 --memory 20M -o m.h5
     cmp m.h5 plain4.h5 || fail "a budget of memory changes an archive"
     expect_failure 3 "lie in neither 'plain0.h5' nor 'plain9.h5'" merge plain9.h5 plain0.h5 -o n.h5
-    expect_failure 3 "of 11; lamella merge joins such parts" convert image4.h5 -o n.nii
+    expect_failure 3 "of 10; lamella merge joins such parts" convert image4.h5 -o n.nii
     expect_failure 2 "" slice a.stl --like a.nii.gz --frame ras --layers 4:9 -o n.nii
     expect 0 convert plain4.h5 -o n.csv -o n.svg -o n.png
     rm -f ./n.*

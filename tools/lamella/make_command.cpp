@@ -60,7 +60,10 @@ void add_make_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("make", "Make a closed sample mesh");
     const auto arguments = std::make_shared<MakeArguments>();
     models::Recipe& recipe = arguments->recipe;
-    command->add_option("shape", arguments->shape, "Shape to make")->required()->type_name(shape_list());
+    command->add_option("shape", arguments->shape, "Shape to make")
+        ->required()
+        ->type_name(shape_list())
+        ->transform(lower_case);
     command->add_option("--triangles", recipe.triangles, "Number of triangles, within 1 % (1000000)")->type_name("N");
     command->add_option("--height", recipe.height_mm, "Height, along z (150)")->type_name("MM");
     command->add_option("--width", recipe.width_mm, "Width, along x (by the shape's proportions)")->type_name("MM");
@@ -70,7 +73,9 @@ void add_make_command(CLI::App& app, Interrupt& interrupt) {
         command->add_option("--layer-height", recipe.layer_height_mm, "Layer height that --segments counts at (0.032)")
             ->type_name("MM");
     layer_height->needs(segments);
-    command->add_option("--order", arguments->order, "Order of the triangles in the file (z)")->type_name("z|random");
+    command->add_option("--order", arguments->order, "Order of the triangles in the file (z)")
+        ->type_name("z|random")
+        ->transform(lower_case);
     command->add_option("--seed", recipe.seed, "Seed of the shape and of the random order (1)")->type_name("N");
     command->add_option("-o,--output", arguments->output, "Binary STL file to write; - for standard output")
         ->required()

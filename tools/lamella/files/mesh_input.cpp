@@ -1,5 +1,6 @@
 #include "files/mesh_input.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "files/bus_error.hpp"
@@ -41,6 +42,12 @@ std::string given_path(const std::string& path) {
     return path.empty() ? "the path is empty" : "";
 }
 
+std::string lower_case(std::string word) {
+    std::transform(word.begin(), word.end(), word.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c; });
+    return word;
+}
+
 std::string mesh_help(const std::string& what) {
     return what + ": " + mesh_formats();
 }
@@ -55,11 +62,13 @@ void declare_mesh(CLI::App& command, MeshArguments& arguments) {
 
 void declare_reading(CLI::App& command, MeshArguments& arguments) {
     command.add_option("--unit", arguments.unit, "Unit of meshes that do not state one (default mm)")
-        ->type_name("mm|um|cm|m|in|ft|MM");
+        ->type_name("mm|um|cm|m|in|ft|MM")
+        ->transform(lower_case);
     command
         .add_option("--grid", arguments.grid,
                     "Unit of the integer grid (2^-20 mm, or more if the mesh needs it); auto: the finest that it fits")
         ->type_name("MM|auto")
+        ->transform(lower_case)
         ->check(given);
     declare_threads(command, arguments);
 }

@@ -24,7 +24,8 @@ void declare_structures(CLI::App& command, OutputArguments& arguments) {
                 arguments.holes_given = true;
             },
             "Holes in a structure set: joined to their contour, or contours that exclude one another (keyhole)")
-        ->type_name("keyhole|xor");
+        ->type_name("keyhole|xor")
+        ->transform(lower_case);
     command.add_flag("--without-ct", arguments.without_ct, "Write a structure set that refers to no CT");
 }
 
@@ -71,7 +72,8 @@ void declare_image(CLI::App& command, ImageArguments& arguments) {
                 arguments.frame = text == "lps" ? PatientFrame::lps : PatientFrame::ras;
             },
             "Patient frame of meshes that do not state one")
-        ->type_name("lps|ras");
+        ->type_name("lps|ras")
+        ->transform(lower_case);
     command.add_option("--subslices", arguments.subslices, "Masks hold the mean share over N planes a slice (1: off)")
         ->type_name("N")
         ->check(CLI::Range(1, 1000));

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <optional>
 #include <string_view>
 #include <system_error>
 
+#include "files/mesh_input.hpp"
 #include "files/standard_streams.hpp"
 #include "terminal/failure.hpp"
 
@@ -43,14 +43,8 @@ std::string joined(std::string_view NamedFormat::*member) {
     return all;
 }
 
-std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
-}
-
 const NamedFormat* format_by_end(const std::string& path) {
-    const std::string name = lower(path);
+    const std::string name = lower_case(path);
     const auto* const found =
         std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& format) { return name.ends_with(format.end); });
     return found == formats.end() ? nullptr : found;
@@ -60,7 +54,7 @@ PlannedOutput by_name(const std::string& path) {
     if (const NamedFormat* format = format_by_end(path)) {
         return {path, format->format};
     }
-    const std::string own = lower(std::filesystem::path(path).extension().string());
+    const std::string own = lower_case(std::filesystem::path(path).extension().string());
     std::error_code unknown;
     if (own.empty() || is_standard(path) || std::filesystem::is_other(path, unknown)) {
         return {path, OutputFormat::svg};
@@ -73,7 +67,7 @@ std::vector<const NamedFormat*> parse_formats(const std::string& to) {
     std::vector<const NamedFormat*> found;
     for (std::size_t begin = 0; begin <= to.size();) {
         const std::size_t end = std::min(to.find(',', begin), to.size());
-        const std::string name = lower(to.substr(begin, end - begin));
+        const std::string name = lower_case(to.substr(begin, end - begin));
         const auto* const format =
             std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& known) { return known.name == name; });
         if (format == formats.end()) {

@@ -139,7 +139,7 @@ CLI::Option* declare_choice(CLI::App& command, const std::string& flag, Enum& va
         }
         value = found->second;
     };
-    return command.add_option_function<std::string>(flag, store, help)->type_name(names);
+    return command.add_option_function<std::string>(flag, store, help)->type_name(names)->transform(lower_case);
 }
 
 void declare_planes(CLI::App& command, SliceArguments& arguments) {
@@ -173,6 +173,7 @@ void declare_region(CLI::App& command, SliceArguments& arguments) {
     command
         .add_option("--fill-from", arguments.fill_from, "Another fill rule from this layer on, counted from 0; repeatable")
         ->type_name("LAYER:RULE")
+        ->transform(lower_case)
         ->take_all()
         ->allow_extra_args(false);
     command.add_option("--close", rules.close_mm, "Close gaps narrower than twice MM between and within contours (off)")

@@ -229,6 +229,11 @@ private:
         for (const std::string& warning : mesh.warnings) {
             note(warning);
         }
+        const PatientFrame asked = arguments_.image.frame;
+        if (asked != PatientFrame::unstated && mesh.patient_frame != PatientFrame::unstated && mesh.patient_frame != asked) {
+            note(arguments_.name() + ": states the patient frame " + std::string(name_of(mesh.patient_frame)) +
+                 ", which holds instead of --frame " + std::string(name_of(asked)));
+        }
         return mesh;
     }
 

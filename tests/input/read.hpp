@@ -85,4 +85,14 @@ inline Error read_error(const std::filesystem::path& path) {
     return first;
 }
 
+/// "NAME ROLE FIRST COUNT; ..."
+inline std::string parts_of(const MeshFile& file) {
+    std::string text;
+    for (const MeshPart& part : file.parts) {
+        text += part.name + " " + std::string(name_of(part.role)) + " " + std::to_string(part.first_triangle) + " " +
+                std::to_string(part.triangle_count) + "; ";
+    }
+    return text;
+}
+
 }  // namespace lamella::input_test

@@ -170,12 +170,13 @@ TEST_CASE("all instances of a 3MF mesh of several chunks are placed", "[input][3
 
 TEST_CASE("parts of the production extension are found by their paths", "[input][3mf]") {
     const TempFolder dir;
-    const std::string path = R"(p:path="/3D/Objects/cube 1.model" p:UUID="7")";
+    const std::string path = R"(p:path="/3D/Objects/cub%65%201.model" p:UUID="7")";
     const std::string assembly = object(1, components({"objectid=\"1\" " + path, R"(objectid="2")"}));
     const std::string inner = object(4, components({R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 40")"}));
     const std::string items = item(1) + item(4, path + R"( transform="1 0 0 0 1 0 0 0 1 40 0 0")");
     const std::string root = model_text(assembly + cube(2), items, R"(requiredextensions="p")");
-    // Ids count within their part; what another part builds does not count; names of parts are equal in any case.
+    // Ids count within their part; what another part builds does not count; names of parts are equal in any case, and with
+    // percent escapes or without.
     const ZipPart other = {"3D/objects/Cube 1.model", model_text(cube(1) + inner, item(1) + item(4))};
     const std::vector<Corners> triangles = read_corners(dir, package(root, {other}));
     CHECK(triangles.size() == 3 * 12);
@@ -225,7 +226,7 @@ TEST_CASE("3MF supports and unprintable items are left out with a warning", "[in
     CHECK(file.triangle_count == 4 * 12);
     REQUIRE(file.warnings.size() == 2);
     CHECK(file.warnings[0].find("ignored an item of the build that is marked as not printable") != std::string::npos);
-    CHECK(file.warnings[1] == path.string() + ": ignored object 2 of type 'support'");
+    CHECK(file.warnings[1] == path.string() + ": left out 1 support: 'object 2'");
 }
 
 TEST_CASE("3MF names whose prefix is not declared are left out with a warning", "[input][3mf]") {

@@ -183,6 +183,8 @@ TEST_CASE("every malformed field of a 3MF model is reported with its line", "[in
         {"v1=\"0\"", "v1=\"4294967296\"", 14, "malformed vertex index '4294967296'"},
         {"objectid=\"1\"", "", 29, "expected an 'objectid'"},
         {"objectid=\"1\"", "objectid=\"2\"", 29, "there is no object 2"},
+        {"id=\"1\"", "id=\"1\"><b:shape xmlns:b=\"urn:b\"/></object><object id=\"2\"", 29,
+         "object 1 is made of 'shape' of the extension 'urn:b', which is not supported"},
     };
     for (const auto& [what, replacement, line, message] : rows) {
         CHECK(refusal_with(dir, what, replacement) == in_root(line, message));
@@ -214,7 +216,7 @@ TEST_CASE("a 3MF build without triangles is an empty mesh", "[input][3mf]") {
     CHECK(refusal(dir, package(unprintable), ErrorCode::empty_mesh) ==
           "part '3D/3dmodel.model' has nothing in its build but items marked as not printable");
     CHECK(refusal(dir, package(model_text(empty, item(1) + item(2) + item(3))), ErrorCode::empty_mesh) ==
-          "holds no triangles");
+          "holds nothing solid: left out 1 support: 'object 3'");
     CHECK(refusal(dir, package("<model xmlns=\"" + core_space + "\"/>"), ErrorCode::empty_mesh).find("nothing") !=
           std::string::npos);
     const std::string other = model_text(object(1, cube_mesh(), "type=\"other\""), item(1));

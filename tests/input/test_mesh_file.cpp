@@ -184,5 +184,29 @@ TEST_CASE("an OBJ file by name may begin with a comment without its mark", "[inp
     CHECK_FALSE(read_mesh(dir.write("b.obj", "vase and flowers\nvery nice\n")).ok());
 }
 
+TEST_CASE("solids of text STL, and objects or groups of OBJ, are parts of a mesh", "[input]") {
+    const TempFolder dir;
+    const std::string solid = ascii_stl(numbered_facets(3));
+    const std::string rest = solid.substr(solid.find('\n'));
+    CHECK(parts_of(read_one(dir.write("a.stl", "solid a  b " + rest + "\nsolid" + rest))) ==
+          "a  b solid 0 3; part 2 solid 3 3; ");
+    const std::string begin = "v 0 0 0\nv 1 0 0\nv 0 1 1\no a\ng x\nf 1 2 3\n";
+    const MeshFile groups = read_one(dir.write("a.obj", begin + "g y z \nf 3 2 1\nf 1 2 3\ng y z\nf 1 3 2"));
+    CHECK(parts_of(groups) == "x solid 0 1; y z solid 1 3; ");
+    const MeshFile objects = read_one(dir.write("a.obj", begin + "g y\nf 3 2 1\no b\ng x\nf 1 3 2\n"));
+    CHECK(parts_of(objects) == "a solid 0 2; b solid 2 1; ");
+    std::string many = begin;
+    for (int i = 0; i < 70'000; ++i) {
+        many += i % 2 == 0 ? "g x\n" : "g y\n";
+    }
+    CHECK(read_one(dir.write("a.obj", many)).warnings.at(0).find("names more than 65536 parts") != std::string::npos);
+}
+
+TEST_CASE("names that repeat or are cut are told apart", "[input]") {
+    const std::vector<std::string> names = {"rib", "rib", "rib (2)", "rib", "\xC3\xA4\xC3\xA4\xC3\xA4", "\xC3\xA4\xC3\xA4"};
+    CHECK(distinct_names(names) == std::vector<std::string>{"rib", "rib (2)", "rib (2) (2)", "rib (3)", names[4], names[5]});
+    CHECK(distinct_names(std::vector<std::string>(3, "pelvis"), 5) == std::vector<std::string>{"pelvi", "p (2)", "p (3)"});
+}
+
 }  // namespace
 }  // namespace lamella

@@ -49,6 +49,16 @@ std::string layers(const MeshInfo& info) {
     return text;
 }
 
+/// A line for each part, where there are several.
+std::string parts(const MeshFile& mesh) {
+    std::string text = "parts           " + grouped(mesh.parts.size()) + "\n";
+    for (const MeshPart& part : mesh.parts) {
+        text += "  " + std::string(name_of(part.role)) + (part.role == PartRole::solid ? ", " : " (left out), ") +
+                counted(part.triangle_count, "triangle") + ": " + part.name + "\n";
+    }
+    return mesh.parts.size() > 1 ? text : "";
+}
+
 std::string words(const std::string& path, const MeshFile& mesh, const MeshInfo& info) {
     return "mesh            " + path + ", " + description(mesh) + "\ntriangles       " + grouped(info.triangles) +
            "\ndegenerate      " + grouped(info.degenerate) + "\nbox             " + box(info) + "\nsize            " +
@@ -58,7 +68,7 @@ std::string words(const std::string& path, const MeshFile& mesh, const MeshInfo&
            "\nboundary edges  " + grouped(info.boundary_edges) + "\nover-full edges " + grouped(info.overfull_edges) +
            "\nflipped edges   " + grouped(info.mismatched_edges) + "\nshells          " + grouped(info.shells) +
            "\ngrid            " + exact_text(info.unit_mm) + " mm" + joined_by_grid(info) + "\nclosed          " +
-           (info.closed ? "yes" : "no") + "\n";
+           (info.closed ? "yes" : "no") + "\n" + parts(mesh);
 }
 
 Result<MeshInfo> inspected(const MeshArguments& arguments, const MeshFile& mesh, ProgressBar& bar) {

@@ -48,15 +48,36 @@ enum class PatientFrame : std::uint8_t { unstated, lps, ras };
 /// "LPS", "RAS" or "".
 std::string_view name_of(PatientFrame frame) noexcept;
 
+/// What a part of a file is for, by the file. Only solid parts are in the mesh; a warning names those left out.
+enum class PartRole : std::uint8_t { solid, negative, modifier, support_blocker, support_enforcer, support };
+
+/// "solid", "negative volume", "modifier", "support blocker", "support enforcer" or "support".
+std::string_view name_of(PartRole role) noexcept;
+
+/// Part of a file: a 3MF object, or a volume that a slicer's settings make of its triangles; an OBJ object, or a group where
+/// the file has at most one object; a solid of text STL.
+struct MeshPart {
+    std::string name;  ///< as the file has it, on one line, else "object 7" or "part 2"; names may repeat
+    PartRole role = PartRole::solid;
+    std::uint64_t first_triangle = 0;  ///< in the mesh; 0 where the part is left out
+    std::uint64_t triangle_count = 0;  ///< those left out too
+};
+
+/// Names in the same order, of which none repeats: the second "rib" is "rib (2)". Each has at most `most_characters` of
+/// UTF-8. O(bytes) expected. Throws std::bad_alloc.
+std::vector<std::string> distinct_names(std::span<const std::string> names, std::size_t most_characters = SIZE_MAX);
+
 /// A mesh read from a file, with its memory: triangle soup as it lies in the file, or vertices and indices.
 struct MeshFile {
     Array<std::byte> bytes;        ///< what holds the coordinates; a binary STL file is kept as it is (no parse, no copy)
     std::size_t first_offset = 0;  ///< of the first triangle's (soup) or vertex's coordinates in `bytes`
     std::size_t stride = 0;        ///< bytes from one triangle (soup) or vertex to the next
     CoordinateType coordinate_type = CoordinateType::f32;
-    std::uint64_t vertex_count = 0;  ///< 0 for soup
-    Array<std::uint32_t> indices;    ///< three a triangle; empty for soup
+    std::uint64_t vertex_count = 0;    ///< 0 for soup
+    Array<std::uint32_t> indices;      ///< three a triangle; empty for soup
+    std::uint64_t first_triangle = 0;  ///< of those that view() shows: with `triangle_count`, a part's for the part alone
     std::uint64_t triangle_count = 0;
+    std::vector<MeshPart> parts;  ///< the solid ones follow each other and are the whole mesh; empty where none are stated
 
     MeshFormat format = MeshFormat::stl;
     bool text = false;         ///< numbers were written out in decimals
@@ -71,9 +92,11 @@ struct MeshFile {
 
     MeshView view() const noexcept {
         if (indices.empty()) {
-            return MeshView::strided_soup(bytes.data() + first_offset, triangle_count, stride, coordinate_type);
+            return MeshView::strided_soup(bytes.data() + first_offset + first_triangle * stride, triangle_count, stride,
+                                          coordinate_type);
         }
-        return MeshView::indexed(bytes.data() + first_offset, vertex_count, stride, coordinate_type, indices.span());
+        return MeshView::indexed(bytes.data() + first_offset, vertex_count, stride, coordinate_type,
+                                 indices.span().subspan(3 * first_triangle, 3 * triangle_count));
     }
 
     /// From the coordinates to mm. The calls below apply it; a call that takes view() needs it in its options.

@@ -47,6 +47,12 @@ py::array faces_of(const Array<std::uint32_t>& indices, const py::handle& owner)
     return array;
 }
 
+/// Bytes that are no UTF-8 stand as \xe4.
+py::str text_of(const std::string& text) {
+    return py::reinterpret_steal<py::str>(
+        PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "backslashreplace"));
+}
+
 py::dict info_of(const MeshFile& file) {
     py::dict info;
     info["format"] = std::string(name_of(file.format));
@@ -55,6 +61,12 @@ py::dict info_of(const MeshFile& file) {
     info["states_unit"] = file.states_unit;
     info["patient_frame"] = std::string(name_of(file.patient_frame));
     info["bytes"] = file.file_bytes;
+    py::list parts;
+    for (const MeshPart& part : file.parts) {
+        parts.append(py::dict(py::arg("name") = text_of(part.name), py::arg("role") = std::string(name_of(part.role)),
+                              py::arg("first_triangle") = part.first_triangle, py::arg("triangles") = part.triangle_count));
+    }
+    info["parts"] = parts;
     return info;
 }
 
@@ -73,8 +85,7 @@ py::dict read(const std::string& path, double mm_per_unit, const SliceOptions& o
     mesh["info"] = info_of(*file);
     py::list warnings;
     for (const std::string& warning : file->warnings) {
-        warnings.append(py::reinterpret_steal<py::str>(
-            PyUnicode_DecodeUTF8(warning.data(), static_cast<py::ssize_t>(warning.size()), "backslashreplace")));
+        warnings.append(text_of(warning));
     }
     mesh["warnings"] = warnings;
     return mesh;

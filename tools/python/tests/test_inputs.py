@@ -195,6 +195,7 @@ def test_a_file_that_states_its_unit_keeps_it(tmp_path, cube):
         package.writestr("[Content_Types].xml", TYPES)
         package.writestr("_rels/.rels", f'<Relationships xmlns="{space}"><Relationship {relation}/></Relationships>')
         package.writestr("3D/3dmodel.model", model)
+    assert lamella.read(tmp_path / "cube.3mf").info["parts"] == [{"name": "object 1", "role": "solid", "first_triangle": 0, "triangles": 12}]
     for mesh in (tmp_path / "cube.3mf", lamella.read(tmp_path / "cube.3mf")):
         assert lamella.slice(mesh, unit="in", heights=[50]).areas == pytest.approx([10000])
 

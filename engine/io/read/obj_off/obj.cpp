@@ -8,6 +8,7 @@
 #include "base/clock.hpp"
 #include "base/words.hpp"
 #include "io/read/obj_off/faces.hpp"
+#include "io/read/part_marks.hpp"
 #include "io/read/reader.hpp"
 #include "io/read/stated_frame.hpp"
 #include "io/text/lines.hpp"
@@ -25,7 +26,7 @@ public:
     explicit ObjParser(std::string_view piece) : LineParser(piece.data(), piece.data() + piece.size(), true) {}
 
     /// Statements that may hold a shape and are not read go to `skipped`.
-    void count(TextPiece& piece, FaceRange& faces, LeftOut& skipped);
+    void count(TextPiece& piece, FaceRange& faces, PartMarks& names, LeftOut& skipped);
 
     /// `vertex_count` is the whole file's, as faces may refer to later vertices.
     bool parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces);
@@ -116,7 +117,7 @@ bool ObjParser::skips_silently() {
     return std::find(known.begin(), known.end(), word) != known.end();
 }
 
-void ObjParser::count(TextPiece& piece, FaceRange& faces, LeftOut& skipped) {
+void ObjParser::count(TextPiece& piece, FaceRange& faces, PartMarks& names, LeftOut& skipped) {
     for (Statement statement = next(); statement != Statement::none; statement = next()) {
         if (statement == Statement::face) {
             faces.add(count_words(), statement_);
@@ -124,6 +125,8 @@ void ObjParser::count(TextPiece& piece, FaceRange& faces, LeftOut& skipped) {
             ++piece.count;
         } else if (!skips_silently()) {
             skipped.add(statement_);
+        } else if (p_ - statement_ == 1 && (*statement_ == 'o' || *statement_ == 'g')) {
+            add_mark(names, faces.triangles, *statement_ == 'g', p_, skip_line(p_, end_));
         }
         skip_rest_of(statement);
     }
@@ -299,11 +302,13 @@ Result<MeshFile> read_obj(FileSource& source) {
     const std::string_view text = contents->text;
     std::vector<TextPiece> pieces = cut_at_lines(text);
     std::vector<FaceRange> faces(pieces.size());
+    std::vector<PartMarks> names(pieces.size());
     std::vector<LeftOut> skipped(pieces.size());
     std::vector<LeftOut> decimals(pieces.size());
     std::vector<LeftOut> after_backslash(pieces.size());
-    source.parallel().run(pieces.size(),
-                          [&](std::size_t i, int) { ObjParser(pieces[i].text).count(pieces[i], faces[i], skipped[i]); });
+    source.parallel().run(pieces.size(), [&](std::size_t i, int) {
+        ObjParser(pieces[i].text).count(pieces[i], faces[i], names[i], skipped[i]);
+    });
     const std::size_t vertices = number_items(pieces);
     Result<MeshFile> mesh = read_faces(
         source, whole, vertices, faces,
@@ -316,6 +321,10 @@ Result<MeshFile> read_obj(FileSource& source) {
         },
         [&](std::size_t i, std::size_t face) { return ObjParser(pieces[i].text).place_of_face(face); });
     if (mesh) {
+        for (std::size_t i = 1; i < names.size(); ++i) {
+            add_marks(names.front(), names[i], faces[i].first_triangle);
+        }
+        give_parts(names.front(), source.name(), mesh.value());
         give_stated_frame(head_comments(text), source, mesh.value());
         const LeftOut ignored = sum_of(skipped);
         const LeftOut with_decimals = sum_of(decimals);

@@ -96,10 +96,15 @@ bool FacetParser::next_facet(const char* stop, float* nine) {
         solid_ended_ = is_word<"endsolid">(p_, end_);
         if (is_word<"facet">(p_, end_)) {
             const bool read = facet(nine);
+            facets_ += read ? 1 : 0;
             last_end_ = p_;
             return read;
         }
+        const char* const name = skip_word(p_, end_);
         p_ = last_end_ = name_end();
+        if (!solid_ended_) {
+            add_mark(solids_, facets_, false, name, p_);
+        }
     }
     return false;
 }

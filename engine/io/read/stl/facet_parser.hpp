@@ -8,6 +8,7 @@
 
 #include "base/little_endian.hpp"
 #include "io/read/lookout.hpp"
+#include "io/read/part_marks.hpp"
 #include "io/text/lines.hpp"
 #include "io/text/pieces.hpp"
 #include "io/text/text.hpp"
@@ -64,6 +65,7 @@ public:
 
     const TextFailure& failure() const { return failure_; }
     const StlDepartures& departures() const { return departures_; }
+    const PartMarks& solids() const { return solids_; }
 
     /// Whether the last statement was `endsolid`, and where the last one ended.
     bool solid_ended() const { return solid_ended_; }
@@ -92,6 +94,8 @@ private:
     bool silent_ = false;  // failures are without words
     TextFailure failure_;
     StlDepartures departures_;
+    PartMarks solids_;
+    std::uint64_t facets_ = 0;  // read so far
 };
 
 }  // namespace lamella

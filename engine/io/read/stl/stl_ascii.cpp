@@ -74,7 +74,7 @@ std::size_t most_facets(std::string_view piece) {
 /// Parses what begins within the piece, which has room for `piece.count` facets from `piece.first` on. Words are read to the
 /// end of the text, so that a cut never looks like the end. `open_end`: after the last statement, if that is not `endsolid`.
 TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coordinates, ItemRun& run, const char*& open_end,
-                  StlDepartures& departures, const Parallel& parallel) {
+                  StlDepartures& departures, PartMarks& solids, const Parallel& parallel) {
     FacetParser parser(piece.begin(), text_end, parallel);
     std::byte* out = coordinates + piece.first * facet_bytes;
     float facet[facet_floats];
@@ -85,6 +85,7 @@ TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coord
     }
     run = {piece.first, count};
     departures = parser.departures();
+    solids = parser.solids();
     open_end = parser.solid_ended() ? nullptr : parser.last_end();
     return parser.failure();
 }
@@ -92,7 +93,7 @@ TextFailure parse(const TextPiece& piece, const char* text_end, std::byte* coord
 }  // namespace
 
 AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const Parallel& parallel) {
-    AsciiFacets facets{Array<std::byte>(memory), 0, {}, std::nullopt, {}};
+    AsciiFacets facets{Array<std::byte>(memory), 0, {}, {}, std::nullopt, {}};
     std::vector<TextPiece> pieces = cut_at_facets(text, parallel);
     parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = most_facets(pieces[i].text); });
     facets.coordinates.resize_discarding(number_items(pieces) * facet_bytes);
@@ -100,15 +101,21 @@ AsciiFacets parse_ascii_stl(std::string_view text, const Memory* memory, const P
     std::vector<ItemRun> runs(pieces.size());
     std::vector<const char*> open_ends(pieces.size());
     std::vector<StlDepartures> departures(pieces.size());
+    std::vector<PartMarks> solids(pieces.size());
     facets.failure = parse_pieces<TextFailure>(pieces.size(), parallel, [&](std::size_t i, int) {
         return parse(pieces[i], text.data() + text.size(), facets.coordinates.data(), runs[i], open_ends[i], departures[i],
-                     parallel);
+                     solids[i], parallel);
     });
     if (facets.failure.at != nullptr) {
         return facets;
     }
     if (!pieces.empty() && open_ends.back() != nullptr) {
         facets.open_end = static_cast<std::size_t>(open_ends.back() - text.data());
+    }
+    std::uint64_t first = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        add_marks(facets.solids, solids[i], first);
+        first += runs[i].count;
     }
     for (const StlDepartures& departure : departures) {
         if (facets.departures.facets.count == 0) {

@@ -17,6 +17,7 @@ struct AsciiFacets {
     Array<std::byte> coordinates;  ///< nine floats a facet
     std::size_t count = 0;
     StlDepartures departures;
+    PartMarks solids;
     std::optional<std::size_t> open_end;  ///< byte of `text` after the last statement, if that is not `endsolid`
     TextFailure failure;                  ///< the first in the text, whatever the number of threads
 };

@@ -54,15 +54,16 @@ Result<MeshFile> build(const FileSource& file, three_mf::Model& model) {
                              model.unprintable_items == 0 ? "has nothing in its build"
                                                           : "has nothing in its build but items marked as not printable");
     }
+    MeshFile mesh;
     std::vector<three_mf::Instance> instances;
     if (const std::optional<three_mf::BuildProblem> problem =
-            three_mf::list_instances(model, file.memory_limit(), file.parallel(), instances)) {
+            three_mf::list_instances(model, file.memory_limit(), file.parallel(), instances, mesh.parts)) {
         return error_in_part(file, problem->code, model.parts[problem->place.part], problem->place.line, problem->what);
     }
     if (instances.empty()) {
-        return file.error(ErrorCode::empty_mesh, "holds no triangles");
+        return file.error(ErrorCode::empty_mesh,
+                          mesh.parts.empty() ? "holds no triangles" : "holds nothing solid: " + model.warnings.back());
     }
-    MeshFile mesh;
     three_mf::place(model, instances, file.memory(), file.parallel(), mesh);
     mesh.text = true;
     mesh.mm_per_unit = model.mm_per_unit;

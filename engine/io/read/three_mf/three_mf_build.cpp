@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/words.hpp"
 #include "io/read/lookout.hpp"
 #include "lamella/memory.hpp"
 
@@ -79,9 +80,13 @@ private:
         }
         const std::uint32_t index = found->second;
         const Object& object = model_.objects[index];
-        if (object.type == ObjectType::other) {
+        if (object.is_other) {
             return refuse(reference, "the build comes to object " + std::to_string(object.id) +
                                          " of type 'other', which is not to be built");
+        }
+        if (object.triangles.size() == 0 && object.components.empty() && !object.foreign.empty()) {
+            return refuse(reference, "object " + std::to_string(object.id) + " is made of " + object.foreign +
+                                         ", which is not supported");
         }
         if (states_[index] == State::open) {
             return refuse(reference, "object " + std::to_string(object.id) + " is a component of itself");
@@ -99,11 +104,6 @@ private:
 
     void open(std::uint32_t index) {
         const Object& object = model_.objects[index];
-        if (object.type == ObjectType::support) {
-            states_[index] = State::done;  // its tally stays empty, so that it is not placed
-            model_.warnings.push_back("ignored object " + std::to_string(object.id) + " of type 'support'");
-            return;
-        }
         states_[index] = State::open;
         open_.push_back({index, 0});
         if (object.triangles.size() > 0) {
@@ -154,7 +154,7 @@ public:
 
     void run() {
         for (const Reference& item : model_.items) {
-            meet(item, Transform{}, false);
+            meet(item, Instance{});
             while (!open_.empty()) {
                 Open& last = open_.back();
                 const std::vector<Reference>& components = model_.objects[last.at.object].components;
@@ -163,7 +163,7 @@ public:
                 } else {
                     const Reference& component = components[last.next_component++];
                     const Instance at = last.at;  // the stack may move
-                    meet(component, at.transform, at.mirrored);
+                    meet(component, at);
                 }
             }
         }
@@ -175,13 +175,20 @@ private:
         std::size_t next_component;
     };
 
-    void meet(const Reference& reference, const Transform& outer, bool mirrored) {
+    void meet(const Reference& reference, const Instance& outer) {
         lookout_.pass();
         const std::uint32_t index = model_.object_index.at(Model::key(reference.part, reference.id));
         if (census_.of(index).triangles == 0) {
             return;
         }
-        const Instance instance{index, outer * reference.transform, mirrored != reference.mirrors};
+        Instance instance{index, outer.transform * reference.transform, outer.mirrored != reference.mirrors, outer.label,
+                          outer.role};
+        for (const std::uint32_t label : {model_.objects[index].label, reference.label}) {
+            instance.label = model_.labels[label].name.empty() ? instance.label : label;
+        }
+        for (const std::uint32_t label : {reference.label, model_.objects[index].label}) {
+            instance.role = instance.role == PartRole::solid ? model_.labels[label].role : instance.role;
+        }
         if (model_.objects[index].triangles.size() > 0) {
             instances_.push_back(instance);
         } else {
@@ -195,6 +202,47 @@ private:
     std::vector<Instance>& instances_;
     std::vector<Open> open_;
 };
+
+/// "left out 2 modifiers: 'a', 'b'"
+void warn_of_left_out(const std::vector<MeshPart>& parts, PartRole role, Model& model) {
+    constexpr std::uint64_t most_named = 8;
+    std::uint64_t count = 0;
+    std::string names;
+    for (const MeshPart& part : parts) {
+        if (part.role == role && ++count <= most_named) {
+            names += (count > 1 ? ", '" : "'") + part.name.substr(0, 64) + "'";
+        }
+    }
+    if (count > 0) {
+        model.warnings.push_back("left out " + counted(count, name_of(role)) + ": " + names +
+                                 (count > most_named ? ", ..." : "") +
+                                 (role == PartRole::negative ? "; what they take away stays solid" : ""));
+    }
+}
+
+std::optional<BuildProblem> list_parts(const Model& model, const std::vector<Instance>& instances, std::uint64_t limit_bytes,
+                                       std::vector<MeshPart>& parts) {
+    std::uint64_t next = 0;
+    std::uint64_t bytes = 0;
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+        const Object& object = model.objects[instances[i].object];
+        if (i == 0 || instances[i].key() != instances[i - 1].key()) {
+            const std::string& name = model.labels[instances[i].label].name;
+            const bool solid = instances[i].role == PartRole::solid;
+            bytes = sum(bytes, sizeof(MeshPart) + name.size());
+            if (bytes > limit_bytes) {
+                return BuildProblem{
+                    ErrorCode::out_of_memory, Place{},
+                    "names its parts by more than the " + std::to_string(limit_bytes) + " bytes that reading it may take"};
+            }
+            parts.push_back(
+                {name.empty() ? "object " + std::to_string(object.id) : name, instances[i].role, solid ? next : 0, 0});
+        }
+        parts.back().triangle_count += object.triangles.size();
+        next += instances[i].role == PartRole::solid ? object.triangles.size() : 0;
+    }
+    return std::nullopt;
+}
 
 void put_vertices(std::span<const Vertex> vertices, const Transform& transform, std::byte* to) {
     if (transform.is_identity()) {
@@ -263,7 +311,7 @@ void place_object(Object& object, std::span<const Instance> instances, const Par
 }  // namespace
 
 std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, const Parallel& parallel,
-                                           std::vector<Instance>& instances) {
+                                           std::vector<Instance>& instances, std::vector<MeshPart>& parts) {
     Census census(model, parallel);
     if (std::optional<BuildProblem> problem = census.run()) {
         return problem;
@@ -280,7 +328,14 @@ std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_byt
     }
     Lister(model, census, parallel, instances).run();
     std::stable_sort(instances.begin(), instances.end(),
-                     [](const Instance& a, const Instance& b) { return a.object < b.object; });
+                     [](const Instance& a, const Instance& b) { return a.key() < b.key(); });
+    if (std::optional<BuildProblem> problem = list_parts(model, instances, limit_bytes, parts)) {
+        return problem;
+    }
+    for (int role = 1; role <= static_cast<int>(PartRole::support); ++role) {
+        warn_of_left_out(parts, static_cast<PartRole>(role), model);
+    }
+    std::erase_if(instances, [](const Instance& instance) { return instance.role != PartRole::solid; });
     return std::nullopt;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/parallel.hpp"
@@ -24,14 +25,19 @@ struct BuildProblem {
 struct Instance {
     std::uint32_t object = 0;  ///< index
     Transform transform;
-    bool mirrored = false;  ///< its triangles are reversed, so that they face outwards again
+    bool mirrored = false;            ///< its triangles are reversed, so that they face outwards again
+    std::uint32_t label = 0;          ///< the innermost that has a name
+    PartRole role = PartRole::solid;  ///< of the outermost that is not solid
+
+    auto key() const noexcept { return std::tuple(object, label, role); }
 };
 
-/// All instances of the build, by object. Nested components can make more instances than any machine can hold: they are
-/// counted before they are listed, and refused where they and their mesh would take more than `limit_bytes`. Types that are
-/// no part of the solid are left out, with a warning added to the model's.
+/// All solid instances of the build, by object, and `parts`: those of one object and name are one. Nested components can
+/// make more instances than any machine can hold: they are counted before they are listed, and refused where they and their
+/// mesh would take more than `limit_bytes`. Types and roles that are no part of the solid are left out, with a warning added
+/// to the model's.
 std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, const Parallel& parallel,
-                                           std::vector<Instance>& instances);
+                                           std::vector<Instance>& instances, std::vector<MeshPart>& parts);
 
 /// The mesh of all instances. The model's meshes are released as they are copied.
 void place(Model& model, const std::vector<Instance>& instances, const Memory* memory, const Parallel& parallel,

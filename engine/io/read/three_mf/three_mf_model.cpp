@@ -1,5 +1,7 @@
 #include "io/read/three_mf/three_mf_model.hpp"
 
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 
@@ -62,8 +64,7 @@ Error failure_of(const ZipArchive& package, const std::string& part, const XmlRe
 
 void warn_of_unbound(const std::string& part, const XmlReader& reader, Model& model) {
     if (const std::optional<XmlUnboundName>& name = reader.unbound_name()) {
-        model.warnings.push_back("part '" + printable(part) + "', line " + std::to_string(name->line) + ": " +
-                                 name->words());
+        model.warn(printable(part), name->line, name->words());
     }
 }
 
@@ -116,6 +117,22 @@ Status read_part(ZipArchive& package, Model& model, Part part, Budget& budget, c
 
 }  // namespace
 
+std::optional<PartRole> role_of(std::string_view word) noexcept {
+    constexpr std::array<std::array<std::string_view, 4>, 6> words = {
+        {{"ModelPart", "normal_part"},
+         {"NegativeVolume", "negative_part"},
+         {"ParameterModifier", "modifier_part", "cura:infill_mesh", "cura:cutting_mesh"},
+         {"SupportBlocker", "support_blocker", "cura:anti_overhang_mesh"},
+         {"SupportEnforcer", "support_enforcer"},
+         {"cura:support_mesh"}}};
+    for (std::size_t role = 0; role < words.size() && !word.empty(); ++role) {
+        if (std::find(words[role].begin(), words[role].end(), word) != words[role].end()) {
+            return static_cast<PartRole>(role);
+        }
+    }
+    return std::nullopt;
+}
+
 Part Model::part_of(const std::string& name) {
     const auto [at, is_new] = part_index.emplace(name, static_cast<Part>(parts.size()));
     if (is_new) {
@@ -139,6 +156,9 @@ Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, const M
         if (Status read = read_part(package, model, part, budget, memory); !read) {
             return read.error();
         }
+    }
+    if (Status applied = apply_settings(package, model, budget, memory); !applied) {
+        return applied.error();
     }
     return model;
 }

@@ -15,6 +15,7 @@ namespace lamella::three_mf {
 namespace {
 
 constexpr std::string_view core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
+constexpr std::string_view draft_of_2013 = "http://schemas.microsoft.com/3dmanufacturing/2013/01";
 constexpr std::string_view production = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 constexpr std::string_view compatibility = "http://schemas.openxmlformats.org/markup-compatibility/2006";
 
@@ -33,7 +34,6 @@ struct Unit {
 constexpr std::array units = {Unit{"micron", 0.001}, Unit{"millimeter", 1}, Unit{"centimeter", 10},
                               Unit{"inch", 25.4},    Unit{"foot", 304.8},   Unit{"meter", 1000}};
 
-/// In the order of ObjectType.
 constexpr std::array<std::string_view, 5> type_names = {"model", "solidsupport", "support", "surface", "other"};
 
 std::string in_quotes(std::string_view text) {
@@ -79,6 +79,8 @@ const PartReader::Element PartReader::elements[] = {
     {State::triangles, State::triangle, "triangle", &PartReader::begin_triangle},
     {State::object, State::components, "components", &PartReader::begin_nothing},
     {State::components, State::component, "component", &PartReader::begin_component},
+    {State::object, State::metadata_group, "metadatagroup", &PartReader::begin_nothing},
+    {State::metadata_group, State::metadata, "metadata", &PartReader::begin_metadata},
     {State::model, State::build, "build", &PartReader::begin_nothing},
     {State::build, State::item, "item", &PartReader::begin_item},
 };
@@ -91,8 +93,9 @@ void PartReader::begin_element(const XmlName& name, const XmlAttributes& attribu
         ++passed_over_;
         return;
     }
+    draft_ = draft_ || (state_ == State::document && name.space == draft_of_2013);
     const auto* const element = std::find_if(std::begin(elements), std::end(elements), [&](const Element& row) {
-        return row.parent == state_ && row.name == name.local && name.space == core;
+        return row.parent == state_ && row.name == name.local && name.space == (draft_ ? draft_of_2013 : core);
     });
     if (element == std::end(elements)) {
         pass_over(name);
@@ -106,6 +109,9 @@ void PartReader::end_element(const XmlName&) {
     if (passed_over_ > 0) {
         --passed_over_;
         return;
+    }
+    if (state_ == State::metadata) {
+        end_metadata();
     }
     state_ = elements[static_cast<std::size_t>(state_) - 1].parent;
     if (in_list()) {
@@ -122,7 +128,11 @@ void PartReader::pass_over(const XmlName& name) {
     }
     passed_over_ = 1;
     constexpr std::size_t most_warnings = 8;
-    const bool shapes = (state_ == State::object || state_ == State::mesh) && name.space != core;
+    const bool shapes = (state_ == State::object || state_ == State::mesh) && name.space != (draft_ ? draft_of_2013 : core);
+    if (shapes && object().foreign.empty()) {
+        object().foreign = in_quotes(name.local) + " of the extension " + in_quotes(name.space);
+        (void)keep(2 * object().foreign.size());
+    }
     if (shapes && warned_of_.size() < most_warnings &&
         std::find(warned_of_.begin(), warned_of_.end(), name.space) == warned_of_.end()) {
         warned_of_.emplace_back(name.space);
@@ -139,6 +149,9 @@ void PartReader::declare_namespace(std::string_view prefix, std::string_view spa
 // --- The model element
 
 void PartReader::begin_model(const XmlAttributes& attributes) {
+    if (draft_) {
+        warn("a model of the draft of 2013, read as 3MF");
+    }
     check_required(attributes.find("requiredextensions").value_or(""));
     check_required(attributes.find(XmlName{compatibility, "MustUnderstand"}).value_or(""));
     set_unit(attributes.find("unit").value_or("millimeter"));
@@ -176,27 +189,45 @@ void PartReader::set_unit(std::string_view name) {
 // --- Objects
 
 void PartReader::begin_object(const XmlAttributes& attributes) {
-    const std::uint32_t id = resource_id(attributes, "id");
+    const std::optional<std::uint32_t> id = resource_id(attributes, "id");
     const std::string_view type = attributes.find("type").value_or("model");
-    const auto* const known = std::find(type_names.begin(), type_names.end(), type);
-    if (known == type_names.end()) {
+    if (std::find(type_names.begin(), type_names.end(), type) == type_names.end()) {
         fail("unknown object type " + in_quotes(type));
     }
     constexpr std::uint64_t index_entry_bytes = 64;
     if (failure() || !keep(2 * sizeof(Object) + index_entry_bytes)) {
         return;
     }
-    if (!model_.object_index.emplace(Model::key(part_, id), static_cast<std::uint32_t>(model_.objects.size())).second) {
-        fail("a second object with id " + std::to_string(id));
+    if (!model_.object_index.emplace(Model::key(part_, *id), static_cast<std::uint32_t>(model_.objects.size())).second) {
+        fail("a second object with id " + std::to_string(*id));
         return;
     }
-    const auto index = static_cast<std::uint8_t>(known - type_names.begin());
-    model_.objects.push_back({id,
-                              static_cast<ObjectType>(index),
-                              {part_, event_line()},
-                              ChunkList<Vertex>(memory_),
-                              ChunkList<Triangle>(memory_),
-                              {}});
+    model_.objects.push_back({.id = *id,
+                              .is_other = type == "other",
+                              .place = {part_, event_line()},
+                              .vertices = ChunkList<Vertex>(memory_),
+                              .triangles = ChunkList<Triangle>(memory_)});
+    if (type == "support") {
+        model_.label_of(object()).role = PartRole::support;
+    }
+    const std::string_view name = attributes.find("name").value_or("");
+    if (!name.empty() && keep(2 * (sizeof(Label) + name.size()))) {
+        model_.label_of(object()).name = printable(std::string(name));
+    }
+}
+
+void PartReader::begin_metadata(const XmlAttributes& attributes) {
+    const std::string_view name = attributes.find("name").value_or("");
+    metadata_role_ = name.starts_with("cura:") ? role_of(name).value_or(PartRole::solid) : PartRole::solid;
+    metadata_text_.clear();
+}
+
+void PartReader::end_metadata() {
+    const std::string value = lower_case(metadata_text_);
+    if ((value == "true" || value == "1") && keep(2 * sizeof(Label))) {
+        model_.label_of(object()).role = metadata_role_;
+    }
+    metadata_role_ = PartRole::solid;
 }
 
 void PartReader::begin_mesh(const XmlAttributes&) {
@@ -247,15 +278,17 @@ bool PartReader::vertex_index(const XmlAttributes& attributes, std::string_view 
     return !failure();
 }
 
-std::uint32_t PartReader::resource_id(const XmlAttributes& attributes, std::string_view name) {
+std::optional<std::uint32_t> PartReader::resource_id(const XmlAttributes& attributes, std::string_view name) {
     constexpr std::uint32_t largest = std::numeric_limits<std::int32_t>::max();
     const std::optional<std::string_view> text = attributes.find(name);
     std::uint32_t id = 0;
     if (!text) {
         fail("expected an " + in_quotes(name));
-    } else if (!integer_in(*text, id) || id == 0 || id > largest) {
+        return std::nullopt;
+    }
+    if (!integer_in(*text, id) || (id == 0 && !draft_) || id > largest) {  // the draft's ids begin at 0
         fail("malformed " + std::string(name) + " " + in_quotes(*text));
-        id = 0;
+        return std::nullopt;
     }
     return id;
 }
@@ -293,10 +326,11 @@ std::optional<Reference> PartReader::reference(const XmlAttributes& attributes) 
     Reference reference;
     reference.part = part_;
     reference.place = {part_, event_line()};
-    reference.id = resource_id(attributes, "objectid");
-    if (reference.id == 0 || !keep(2 * sizeof(Reference))) {
+    const std::optional<std::uint32_t> id = resource_id(attributes, "objectid");
+    if (!id || !keep(2 * sizeof(Reference))) {
         return std::nullopt;
     }
+    reference.id = *id;
     if (const std::string_view unbound = attributes.unbound("path"); !unbound.empty()) {
         fail("refers to a part by " + in_quotes(unbound) + ", whose prefix is not declared");
         return std::nullopt;
@@ -358,8 +392,7 @@ bool PartReader::keep(std::uint64_t bytes) {
 }
 
 void PartReader::warn(const std::string& what) {
-    model_.warnings.push_back("part '" + printable(model_.parts[part_]) + "', line " + std::to_string(event_line()) + ": " +
-                              what);
+    model_.warn(printable(model_.parts[part_]), event_line(), what);
 }
 
 }  // namespace lamella::three_mf

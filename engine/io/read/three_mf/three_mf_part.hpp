@@ -36,6 +36,12 @@ private:
 /// The name of a part by how another part refers to it, without the leading slash; nothing if it leaves the package.
 std::optional<std::string> part_name(std::string_view path);
 
+/// Labels objects and components by what PrusaSlicer (Metadata/Slic3r_PE_model.config: ranges of an object's triangles, each
+/// of which becomes an object) or BambuStudio and OrcaSlicer (Metadata/model_settings.config: components) keep beside the
+/// model. An unknown type is solid, as it is for them, with a warning. Errors: malformed XML, ranges that are not an
+/// object's triangles.
+Status apply_settings(ZipArchive& package, Model& model, Budget& budget, const Memory* memory);
+
 /// Adds the part `part` of `model` to it, and to its list of parts those that the root refers to.
 class PartReader : public XmlReader {
 public:
@@ -61,6 +67,8 @@ public:
         triangle,
         components,
         component,
+        metadata_group,
+        metadata,
         build,
         item,
     };
@@ -71,7 +79,9 @@ private:
 
     void begin_element(const XmlName& name, const XmlAttributes& attributes) override;
     void end_element(const XmlName& name) override;
-    void text(std::string_view) override {}
+    void text(std::string_view piece) override {
+        metadata_text_ += metadata_role_ != PartRole::solid && metadata_text_.size() < 16 ? piece.substr(0, 16) : "";
+    }
     void declare_namespace(std::string_view prefix, std::string_view space) override;
 
     void begin_model(const XmlAttributes& attributes);
@@ -81,6 +91,8 @@ private:
     void begin_triangle(const XmlAttributes& attributes);
     void begin_component(const XmlAttributes& attributes);
     void begin_item(const XmlAttributes& attributes);
+    void begin_metadata(const XmlAttributes& attributes);
+    void end_metadata();
     void begin_list(const XmlAttributes&) { parsed_ = event_end(); }
     void begin_nothing(const XmlAttributes&) {}
 
@@ -98,8 +110,8 @@ private:
     bool set_transform(std::string_view numbers, Reference& reference);
     bool coordinate(const XmlAttributes& attributes, std::string_view name, double& value);
     bool vertex_index(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value);
-    /// 0, which none has, after a failure.
-    std::uint32_t resource_id(const XmlAttributes& attributes, std::string_view name);
+    /// Nothing after a failure.
+    std::optional<std::uint32_t> resource_id(const XmlAttributes& attributes, std::string_view name);
     bool keep(std::uint64_t bytes);
     void warn(const std::string& what);
     Object& object() { return model_.objects.back(); }
@@ -109,6 +121,9 @@ private:
     Budget& budget_;
     const Memory* memory_;
     State state_ = State::document;
+    bool draft_ = false;        // its elements are of the draft of 2013
+    PartRole metadata_role_{};  // what the metadata make of the object where their text is true
+    std::string metadata_text_;
     std::uint64_t passed_over_ = 0;  // depth within an element that is
     bool plain_list_ = false;        // in a list whose elements so far were of the usual form
     std::uint64_t fed_ = 0;          // bytes, those skipped included

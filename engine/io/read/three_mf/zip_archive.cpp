@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstring>
 #include <new>
 #include <optional>
@@ -72,6 +73,20 @@ std::optional<ArchivePlace> locate_archive(std::string_view file) {
     const std::uint64_t stated = place.directory_bytes + number_at<std::uint32_t>(file, end + 16);
     place.begin = stated <= end ? end - stated : 0;
     return place;
+}
+
+/// Percent escapes resolved, in lower case.
+std::string key_of(std::string_view name) {
+    std::string key;
+    for (std::size_t at = 0; at < name.size(); ++at) {
+        unsigned char byte = 0;
+        const char* const end = name.data() + std::min(at + 3, name.size());
+        const bool escaped =
+            name[at] == '%' && std::from_chars(name.data() + at + 1, end, byte, 16).ptr == name.data() + at + 3;
+        key += lower_case(escaped ? static_cast<char>(byte) : name[at]);
+        at += escaped ? 2 : 0;
+    }
+    return key;
 }
 
 void throw_without_memory(const zip_error_t* error) {
@@ -233,7 +248,7 @@ Status ZipArchive::list_parts() {
     }
     for (std::uint64_t index = 0; index < count; ++index) {
         const char* const name = zip_get_name(stream_->zip, index, ZIP_FL_ENC_RAW);
-        entries_.push_back({lower_case(name != nullptr ? name : ""), index});
+        entries_.push_back({key_of(name != nullptr ? name : ""), index});
     }
     std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
     const auto twice =
@@ -252,7 +267,7 @@ std::string ZipArchive::first_part(FunctionRef<bool(std::string_view name)> pass
 }
 
 const ZipArchive::Entry* ZipArchive::find(std::string_view part) const {
-    const std::string key = lower_case(part);
+    const std::string key = key_of(part);
     const auto found = std::lower_bound(entries_.begin(), entries_.end(), key,
                                         [](const Entry& entry, const std::string& name) { return entry.key < name; });
     return found != entries_.end() && found->key == key ? &*found : nullptr;

@@ -31,7 +31,8 @@ struct OtherBytes {
 /// Of a file that opens as a ZipArchive.
 OtherBytes other_bytes(std::string_view file);
 
-/// Names of parts are equal in any case, as the Open Packaging Conventions have it.
+/// Names of parts are equal in any case, as the Open Packaging Conventions have it, and with percent escapes or without:
+/// programs differ in whether a name in the archive has those that a reference has.
 class ZipArchive {
 public:
     /// Of the bytes of `file`, both of which must outlive the archive. All parts together may expand to `limit_bytes`.
@@ -52,7 +53,7 @@ public:
 
 private:
     struct Entry {
-        std::string key;      // the name in lower case
+        std::string key;      // the name in lower case, without escapes
         std::uint64_t index;  // in the archive's directory
     };
     struct Stream;

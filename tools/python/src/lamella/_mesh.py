@@ -91,7 +91,9 @@ class Mesh:
         The file that it was read from.
     info : Dict[str, Any]
         Of a file: ``format``, ``text``, ``compressed``, ``states_unit``, ``patient_frame`` ("LPS", "RAS" or ""),
-        ``bytes``. Of a welded mesh: ``joined`` vertices, ``largest_move`` and ``tolerance`` in mm.
+        ``bytes``, and ``parts``: for each 3MF object, OBJ object or group, or solid of text STL a dictionary with ``name``,
+        ``role`` ("solid", "negative volume", "modifier", "support blocker", "support enforcer", "support"),
+        ``first_triangle`` and ``triangles``. Only solid parts are in the mesh. Of a welded mesh: ``joined`` vertices, ``largest_move`` and ``tolerance`` in mm.
     """
 
     def __init__(self, vertices: npt.NDArray[Any], faces: Optional[npt.NDArray[Any]], unit: float, path: Optional[str], info: Dict[str, Any]) -> None:

@@ -1,0 +1,98 @@
+#include "io/read/part_marks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "io/read/input_file.hpp"
+#include "io/text/text.hpp"
+
+namespace lamella {
+
+namespace {
+
+/// The first `most` characters of UTF-8.
+std::string first_characters(const std::string& text, std::size_t most) {
+    std::size_t characters = 0;
+    const auto end = std::find_if(text.begin(), text.end(), [&](char c) {
+        return (static_cast<unsigned char>(c) & 0xc0U) != 0x80 && characters++ == most;
+    });
+    return {text.begin(), end};
+}
+
+constexpr std::size_t most_parts = 65'536;
+
+PartMarks of_kind(const PartMarks& all, bool group) {
+    PartMarks marks;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(marks), [&](const PartMark& mark) {
+        return mark.group == group && (marks.empty() || marks.back().name != mark.name);
+    });
+    return marks;
+}
+
+}  // namespace
+
+std::string_view name_of(PartRole role) noexcept {
+    constexpr std::array<std::string_view, 6> names = {"solid",           "negative volume",  "modifier",
+                                                       "support blocker", "support enforcer", "support"};
+    return names[static_cast<std::size_t>(role)];
+}
+
+std::vector<std::string> distinct_names(std::span<const std::string> names, std::size_t most_characters) {
+    std::unordered_set<std::string> taken;
+    std::unordered_map<std::string, std::size_t> uses;
+    std::vector<std::string> distinct;
+    for (const std::string& name : names) {
+        const std::string cut = first_characters(name, most_characters);
+        std::string own = cut;
+        for (std::size_t& use = uses[cut]; !taken.insert(own).second;) {
+            use = std::max<std::size_t>(use + 1, 2);
+            const std::string number = " (" + std::to_string(use) + ")";
+            own = first_characters(cut, most_characters - number.size()) + number;
+        }
+        distinct.push_back(own);
+    }
+    return distinct;
+}
+
+void add_mark(PartMarks& marks, std::uint64_t triangle, bool group, const char* begin, const char* end) {
+    begin = skip_space(begin, end);
+    while (end != begin && is_space(end[-1])) {
+        --end;
+    }
+    if (marks.size() <= most_parts) {
+        marks.push_back({triangle, group, {begin, static_cast<std::size_t>(end - begin)}});
+    }
+}
+
+void add_marks(PartMarks& marks, const PartMarks& next, std::uint64_t first) {
+    for (const PartMark& mark : next) {
+        add_mark(marks, first + mark.triangle, mark.group, mark.name.data(), mark.name.data() + mark.name.size());
+    }
+}
+
+void give_parts(const PartMarks& all, const std::string& file, MeshFile& mesh) {
+    if (all.size() > most_parts) {
+        mesh.warnings.push_back(file + ": names more than " + std::to_string(most_parts) +
+                                " parts, which are not told apart");
+        return;
+    }
+    PartMarks marks = of_kind(all, false);
+    if (PartMarks groups = of_kind(all, true); marks.size() < 2 && groups.size() > marks.size()) {
+        marks = std::move(groups);
+    }
+    std::uint64_t begin = 0;
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+        const std::uint64_t end = i + 1 < marks.size() ? marks[i + 1].triangle : mesh.triangle_count;
+        if (end > begin) {
+            const std::string number = "part " + std::to_string(mesh.parts.size() + 1);
+            const std::string name = printable(std::string(marks[i].name));
+            mesh.parts.push_back({name.empty() ? number : name, PartRole::solid, begin, end - begin});
+            begin = end;
+        }
+    }
+}
+
+}  // namespace lamella

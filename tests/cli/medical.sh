@@ -256,8 +256,8 @@ test_archives() {
     expect_failure 3 "not cut at the slices of ../share.nii" convert ../a.h5 --like ../share.nii -o m.nii
     expect_failure 3 "not cut for the same image as ../a.h5" convert ../a.h5 ../share.h5 -o m.nii
     expect_failure 2 "is the archive itself" convert ../a.h5 -o ../a.h5
-    expect_failure 2 "takes one mesh, not 2" convert ../a.h5 ../b.h5 -o m.h5
-    expect_failure 2 "takes one mesh, not 2" slice ../a.stl ../b.stl -o m.h5
+    expect_failure 2 "takes one mesh, not several" convert ../a.h5 ../b.h5 -o m.h5
+    expect_failure 2 "takes one mesh, not several" slice ../a.stl ../b.stl -o m.h5
     expect_failure 2 "--output is required" convert ../a.h5
     expect_failure 2 "required" convert -o m.csv
     expect_failure 3 "both hold layers" merge ../plain.h5 ../plain.h5 -o m.h5
@@ -267,4 +267,21 @@ test_archives() {
     expect_failure 2 "is one of the parts itself" merge ../plain.h5 -o ../plain.h5
     expect_failure 4 "cannot write" merge ../plain.h5 -o none/m.h5
     expect_files
+}
+
+test_split_objects() {
+    local long faces='f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n'
+    long=$(printf 'n%.0s' {1..70})
+    printf "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\ng rib\n${faces}g $long\n${faces}g rib\nv 0 0 1\n${faces//4/5}" > a.obj
+    expect 0 slice a.obj --split objects --spacing 1,1,1 --frame lps --without-ct -o m.nii -o m.dcm
+    grep -q "the name 'rib' repeats: mesh 3 is called 'rib (2)'" .stderr || fail "equal names are not told"
+    grep -q "the name '$long' is written as '${long:6}'" .stderr || fail "a name that is cut is not told"
+    cut -d, -f1,2 m.labels.csv | diff - <(printf 'label,name\n1,rib\n2,%s\n3,rib (2)\n' "$long") || fail "other labels"
+    grep -q "${long:6}" m.dcm && grep -q 'rib (2)' m.dcm || fail "other ROIs"
+    expect 0 slice a.obj --split objects --layer-height 1 -o rows.csv
+    (($(grep -c '^rib (2),' rows.csv) == 9)) || fail "a low object is not cut at the planes of the whole"
+    expect 0 verify m.nii m.dcm rows.csv
+    expect_failure 2 "takes one mesh, not several" slice a.obj --split objects -o m.svg
+    expect 0 info a.obj
+    grep -q "^  solid, 4 triangles: rib$" .stdout || fail "info lists no parts"
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "base/utf8.hpp"
+#include "lamella/io/mesh_file.hpp"
 
 namespace lamella {
 
@@ -61,6 +62,7 @@ DicomTexts dicom_texts(std::span<const Roi> rois, const DicomSeries* series, con
     for (const Roi& roi : rois) {
         texts.roi_names.push_back(name_text(roi.name, most_of_name, beyond_ascii));
     }
+    texts.roi_names = distinct_names(texts.roi_names, most_of_name);
     return texts;
 }
 

@@ -12,7 +12,7 @@ namespace lamella {
 struct DicomTexts {
     std::string character_set;  ///< Specific Character Set, or nothing for ASCII
     std::string label;
-    std::vector<std::string> roi_names;  ///< at most 64 characters
+    std::vector<std::string> roi_names;  ///< at most 64 characters; none repeats
 };
 
 /// The character set is the CT's. Names are UTF-8: where the CT has texts in another set, characters beyond ASCII become _.

@@ -257,6 +257,7 @@ Result<StructureSetSummary> write_all(std::span<const Roi> rois, const ImageGeom
     if (const Status written = file->commit(); !written) {
         return written.error();
     }
+    total.roi_names = identity.texts.roi_names;
     return total;
 }
 

@@ -17,6 +17,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "lamella/control.hpp"
 #include "lamella/error.hpp"
@@ -49,8 +50,9 @@ struct StructureSetSummary {
     std::uint64_t contours = 0;  ///< as written: a region with its holes is one where they are keyholes
     std::uint64_t points = 0;
     std::uint64_t holes = 0;
-    std::uint64_t open_contours = 0;    ///< left out, because they enclose nothing
-    std::uint64_t nested_contours = 0;  ///< outer contours in the solid part of another: a fill rule unites them
+    std::uint64_t open_contours = 0;     ///< left out, because they enclose nothing
+    std::uint64_t nested_contours = 0;   ///< outer contours in the solid part of another: a fill rule unites them
+    std::vector<std::string> roi_names;  ///< as written: cut to 64 characters of the set's own, and told apart
 };
 
 /// Writes an RT Structure Set (PS3.3, A.19) with one ROI a part: contours on the slices of `image` in the patient's frame,

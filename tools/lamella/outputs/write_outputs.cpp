@@ -146,6 +146,20 @@ void write_record_of(const OutputJob& job, const PlannedOutput& output, const Co
     done_or_thrown(write_record(record, output.record_path()));
 }
 
+void tell_names_apart(std::vector<SlicedPart>& parts, const Note& note) {
+    std::vector<std::string> names;
+    for (const SlicedPart& part : parts) {
+        names.push_back(part.name);
+    }
+    const std::vector<std::string> distinct = distinct_names(names);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (distinct[i] != names[i]) {
+            note("the name '" + names[i] + "' repeats: mesh " + std::to_string(i + 1) + " is called '" + distinct[i] + "'");
+        }
+        parts[i].name = distinct[i];
+    }
+}
+
 void require_closed(const OutputJob& job) {
     for (const SlicedPart& part : job.parts) {
         if (part.open.layers > 0) {
@@ -176,7 +190,7 @@ void require_together(const std::vector<PlannedOutput>& outputs, const OutputArg
     for (const PlannedOutput& output : outputs) {
         mask = mask || output.is_mask();
         if (output.one_mesh() && meshes > 1) {
-            throw Failure(bad_usage, "--output: '" + output.path + "' takes one mesh, not " + std::to_string(meshes));
+            throw Failure(bad_usage, "--output: '" + output.path + "' takes one mesh, not several");
         }
         if (output.is_mask() && !image_given) {
             throw Failure(bad_usage, "--output: '" + output.path + "' needs --like IMAGE or --spacing X,Y,Z");
@@ -188,7 +202,7 @@ void require_together(const std::vector<PlannedOutput>& outputs, const OutputArg
         }
     }
     if ((arguments.coverage || subslices > 1) && mask && meshes > 1) {
-        throw Failure(bad_usage, "--coverage and --subslices: one mesh a mask, not " + std::to_string(meshes));
+        throw Failure(bad_usage, "--coverage and --subslices: one mesh a mask, not several");
     }
     if (subslices > 1 && !image_given) {
         throw Failure(bad_usage, "--subslices: needs --like IMAGE or --spacing X,Y,Z");
@@ -206,7 +220,8 @@ void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArg
     }
 }
 
-WrittenOutputs write_outputs(const OutputJob& job, const Control& control, const Note& note) {
+WrittenOutputs write_outputs(OutputJob& job, const Control& control, const Note& note) {
+    tell_names_apart(job.parts, note);
     if (job.arguments.strict) {
         require_closed(job);
     }

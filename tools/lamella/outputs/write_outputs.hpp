@@ -59,9 +59,9 @@ struct WrittenOutputs {
     std::optional<Failure> failure;  ///< of the first that could not be written; those of others were complained of
 };
 
-/// Writes all outputs that can be written; `note` takes warnings. Throws Failure where none can, and of a stop.
-WrittenOutputs write_outputs(const OutputJob& job, const Control& control,
-                             const std::function<void(const std::string&)>& note);
+/// Writes all outputs that can be written; `note` takes warnings. Parts whose names repeat are told apart by a number.
+/// Throws Failure where none can be written, and of a stop.
+WrittenOutputs write_outputs(OutputJob& job, const Control& control, const std::function<void(const std::string&)>& note);
 
 /// The name of a mesh's file without folder and ends: "liver" of "a/liver.stl.gz".
 std::string mesh_name_of(const std::string& path);

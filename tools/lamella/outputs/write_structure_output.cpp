@@ -122,6 +122,12 @@ void write_structure_output(const OutputJob& job, const PlannedOutput& output, c
         const Failure failure = failure_of(written.error());
         throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), failure.what());
     }
+    for (std::size_t i = 0; i < rois.size(); ++i) {
+        if (written->roi_names[i] != rois[i].name) {
+            note(output.path + ": the name '" + rois[i].name + "' is written as '" + written->roi_names[i] +
+                 "': a ROI's has at most 64 characters, of the CT's character set, and none repeats");
+        }
+    }
     if (written->nested_contours > 0) {
         note(output.path + ": " + counted(written->nested_contours, "contour") +
              " in the solid part of others, which readers may take for holes; --fill-rule non-zero unites them");

@@ -33,8 +33,8 @@ void require_report_possible(const SliceArguments& arguments, const std::vector<
     if (!arguments.layers.empty()) {
         throw Failure(bad_usage, "--report: not with --layers, as it judges the whole mesh");
     }
-    if (arguments.meshes.size() > 1) {
-        throw Failure(bad_usage, "--report: one mesh a report, not " + std::to_string(arguments.meshes.size()));
+    if (arguments.mesh_count() > 1) {
+        throw Failure(bad_usage, "--report: one mesh a report, not several");
     }
     require_writable(arguments.report);
     require_no_input(arguments.report, arguments, "--report");
@@ -46,7 +46,7 @@ void require_report_possible(const SliceArguments& arguments, const std::vector<
 std::vector<std::filesystem::path> files_of(const SliceArguments& arguments, const std::vector<PlannedOutput>& outputs) {
     std::vector<std::filesystem::path> files;
     for (const PlannedOutput& output : outputs) {
-        for (const std::string& file : output.files(arguments.meshes.size() > 1)) {
+        for (const std::string& file : output.files(arguments.mesh_count() > 1)) {
             files.emplace_back(file);
         }
     }
@@ -65,7 +65,7 @@ std::vector<PlannedOutput> planned_outputs_of(const SliceArguments& arguments) {
     if (!wanted.outputs.empty() || !wanted.to.empty()) {
         outputs = planned_outputs(wanted.outputs, wanted.to);
     }
-    require_possible(outputs, wanted, arguments.meshes.size(), arguments.image.given(), arguments.image.subslices);
+    require_possible(outputs, wanted, arguments.mesh_count(), arguments.image.given(), arguments.image.subslices);
     const std::vector<std::filesystem::path> files = files_of(arguments, outputs);
     for (const std::filesystem::path& file : files) {
         require_no_input(file.string(), arguments, "--output");

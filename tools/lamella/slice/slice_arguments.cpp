@@ -233,7 +233,9 @@ void declare(CLI::App& command, SliceArguments& arguments) {
                                                    "Slice a binary STL or PLY file larger than memory, in ranges of layers "
                                                    "within so many bytes (at least 300k a thread)");
     memory->type_name("BYTES[k|M|G]")->check(given);
-    for (const char* other : {"--weld", "--map"}) {
+    declare_choice<bool>(command, "--split", arguments.split, {{"objects", true}},
+                         "Make each 3MF object, OBJ object or group, or STL solid a mesh with its own label, ROI and row");
+    for (const char* other : {"--weld", "--map", "--split"}) {
         memory->excludes(command.get_option(other));
     }
     command

@@ -39,9 +39,12 @@ struct SliceArguments : MeshArguments {
     std::string layers;  ///< A:B
     std::string memory;  ///< bytes; empty: the mesh is held
     bool hash = false;
+    bool split = false;  ///< each object of a file is a mesh
     int band_planes = 0;
     ContourForm form = ContourForm::swept;
 
+    /// At least two where each may hold several.
+    std::size_t mesh_count() const noexcept { return std::max<std::size_t>(split ? 2 : 1, meshes.size()); }
     bool output_to_stdout() const noexcept {
         return std::any_of(outputs.outputs.begin(), outputs.outputs.end(), is_standard);
     }

@@ -59,14 +59,19 @@ public:
         }
     }
 
-    /// For a batch: of one mesh.
+    /// For a batch: of one file.
     std::optional<SliceFacts> facts() const {
         if (job_.parts.empty()) {
             return std::nullopt;
         }
-        const SliceResult& result = job_.parts.front().result;
-        return SliceFacts{result.summary.triangles,     result.layers.size(), run_.contours.value_or(result.contours.size()),
-                          result.summary.open_contours, result.close_gaps_mm, run_.warnings};
+        SliceFacts facts{.layers = job_.parts.front().result.layers.size(), .warnings = run_.warnings};
+        for (const SlicedPart& part : job_.parts) {
+            facts.triangles += part.result.summary.triangles;
+            facts.contours += run_.contours.value_or(part.result.contours.size());
+            facts.open_contours += part.result.summary.open_contours;
+            facts.close_gaps_mm = std::max(facts.close_gaps_mm, part.result.close_gaps_mm);
+        }
+        return facts;
     }
 
 private:
@@ -84,15 +89,18 @@ private:
         }
         for (std::size_t i = 0; i < arguments_.meshes.size(); ++i) {
             arguments_.mesh = arguments_.meshes[i];
-            const MeshFile mesh = files.empty() ? read() : std::move(files[i]);
-            slice_part(mesh);
+            MeshFile mesh = files.empty() ? read() : std::move(files[i]);
+            if (arguments_.split) {
+                slice_objects(mesh);
+                continue;
+            }
+            slice_part(mesh, mesh_name_of(arguments_.mesh));
             if (arguments_.meshes.size() == 1) {
                 write();
                 report(job_.parts.front().result, mesh);
                 return;
             }
-            end_run();
-            words_ += summary(job_.parts.back().result, {.mesh_name = arguments_.mesh, .file = &mesh}, run_);
+            add_summary(mesh, arguments_.mesh);
         }
         write();
         print_words(words_ + wrote(run_), arguments_.output_to_stdout());
@@ -120,10 +128,46 @@ private:
         }
     }
 
-    void slice_part(const MeshFile& mesh) {
+    /// Each solid part as a mesh of its own, all at the planes of the whole.
+    void slice_objects(MeshFile& mesh) {
+        std::vector<MeshPart> parts = mesh.parts;
+        if (parts.empty()) {
+            note(arguments_.name() + ": names no objects to split it into, and is one");
+            parts = {{mesh_name_of(arguments_.mesh), PartRole::solid, 0, mesh.triangle_count}};
+        }
+        SliceOptions options = options_of(arguments_);
+        options.layers = {};
+        planes_ = ExplicitPlanes{};
+        if (!job_.image) {
+            const Result<SliceResult> whole = slice(mesh, options);
+            for (const Layer& layer : whole ? whole->layers.span() : throw slicing_failure(whole.error())) {
+                planes_->heights_mm.push_back(layer.plane_mm);
+            }
+        }
+        bool first = true;
+        for (const MeshPart& part : parts) {
+            if (part.role == PartRole::solid) {
+                mesh.first_triangle = part.first_triangle;
+                mesh.triangle_count = part.triangle_count;
+                slice_part(mesh, part.name, std::exchange(first, false));
+                add_summary(mesh, arguments_.name() + ", " + part.name);
+            }
+        }
+    }
+
+    void add_summary(const MeshFile& mesh, const std::string& name) {
+        end_run();
+        words_ += summary(job_.parts.back().result, {.mesh_name = name, .file = &mesh}, run_);
+    }
+
+    /// `first`: of its file.
+    void slice_part(const MeshFile& mesh, const std::string& name, bool first = true) {
         SliceOptions options = options_of(arguments_);
         SlicedPart part;
-        part.name = mesh_name_of(arguments_.mesh);
+        part.name = name;
+        if (planes_) {
+            options.plan.spacing = *planes_;
+        }
         part.frame = mesh.patient_frame == PatientFrame::unstated ? arguments_.image.frame : mesh.patient_frame;
         if (job_.image) {
             part.frame = patient_frame_of(mesh, arguments_.image, arguments_.name());
@@ -151,7 +195,7 @@ private:
         }
         part.open = run_.open;
         if (part.open.layers > 0 && !arguments_.outputs.strict) {  // which says the same
-            note(arguments_.name() + ": " + describe(part.open, "--close-gaps "));
+            note(arguments_.name() + (arguments_.split ? ", " + name : "") + ": " + describe(part.open, "--close-gaps "));
         }
         if (part.result.summary.segments == 0) {
             note(why_nothing_is_cut(part.result.summary));
@@ -161,7 +205,8 @@ private:
         }
         note_doubts_of_scale(part.result, mesh);
         if (wants_records()) {
-            part.mesh_sha256 = add_input(arguments_.mesh, mesh.file_bytes).sha256;
+            part.mesh_sha256 =
+                (first ? add_input(arguments_.mesh, mesh.file_bytes) : std::as_const(job_.inputs.back())).sha256;
         }
         if (wants_facts()) {
             part.facts = facts_of(mesh, part);
@@ -368,7 +413,8 @@ private:
     std::string words_;  ///< the summaries of several meshes
     std::optional<WeldedMesh> welded_;
     std::optional<StreamedOutputs> streamed_;
-    std::optional<Failure> failure_;  ///< of an output, beside others that were written
+    std::optional<Failure> failure_;        ///< of an output, beside others that were written
+    std::optional<ExplicitPlanes> planes_;  ///< of the file whose objects are being sliced
     ToolRun run_;
     Stopwatch total_;
 };

@@ -28,7 +28,7 @@ void require_makeable(const Record& record) {
         throw Failure(bad_input, "its record names the command '" + record.command + "'");
     }
     const std::size_t hashes = record.result_hashes.size();
-    if (hashes == 0 || record.inputs.size() < hashes) {
+    if (hashes == 0 || record.inputs.size() < count_of_parts(record) || count_of_parts(record) == 0) {
         throw Failure(bad_input, "its record has " + counted(record.inputs.size(), "input") + " and " +
                                      counted(hashes, "hash", "hashes"));
     }
@@ -153,7 +153,19 @@ TemporaryFolder::~TemporaryFolder() {
 }
 
 std::size_t count_of_parts(const Record& record) noexcept {
-    return record.command == "merge" ? record.inputs.size() : record.result_hashes.size();
+    if (record.command == "merge") {
+        return record.inputs.size();
+    }
+    const std::vector<std::string>& words = record.options;
+    if (std::find(words.begin(), words.end(), "--split") == words.end()) {
+        return record.result_hashes.size();
+    }
+    // A mesh has several hashes then; files of options come after the meshes.
+    std::size_t files = 0;
+    for (std::size_t i = 0; i + 1 < words.size(); ++i) {
+        files += RecordedOption{words[i], words[i + 1]}.names_file() ? 1 : 0;
+    }
+    return record.inputs.size() - std::min(files, record.inputs.size());
 }
 
 std::vector<std::string> differences_from_remade(const Record& record, const fs::path& output,

@@ -128,7 +128,7 @@ private:
         if (!item.report.empty()) {
             item.report = expand_pattern(item.report, source, "--report");
         }
-        plan_files(item);
+        plan_files(item, !value_of(values, "--split").empty());
         item.option_files = files_named_by(values);
         item.words = words_.words(values, words_without_effect());
         item.plain = words_.words(plain_values(values), {});
@@ -149,12 +149,12 @@ private:
         return plain;
     }
 
-    static void plan_files(Item& item) {
+    static void plan_files(Item& item, bool several_meshes) {
         for (const PlannedOutput& output : planned_outputs(item.outputs, item.to)) {
             if (output.path == "-" || item.report == "-") {
                 throw Failure(bad_usage, "'-': a batch writes files");
             }
-            for (const std::string& file : output.files(false)) {
+            for (const std::string& file : output.files(several_meshes)) {
                 item.files.push_back(file);
             }
         }

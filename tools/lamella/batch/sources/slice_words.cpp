@@ -109,8 +109,8 @@ void SliceWords::require_accepted(const OptionValues& values) const {
     (void)options_of(arguments);
     const OutputArguments& outputs = arguments.outputs;
     if (!outputs.outputs.empty()) {
-        require_together(planned_outputs(outputs.outputs, outputs.to), outputs, 1, arguments.image.given(),
-                         arguments.image.subslices);
+        require_together(planned_outputs(outputs.outputs, outputs.to), outputs, arguments.mesh_count(),
+                         arguments.image.given(), arguments.image.subslices);
     }
 }
 

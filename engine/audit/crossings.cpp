@@ -165,8 +165,7 @@ private:
 /// Shares layers out to threads, and of a wide layer the strips.
 class CrossingSearch {
 public:
-    CrossingSearch(const SliceResult& result, const Control& control, const Parallel& parallel)
-        : result_(result), control_(control), parallel_(parallel) {}
+    CrossingSearch(const SliceResult& result, const Parallel& parallel) : result_(result), parallel_(parallel) {}
 
     Crossings run() {
         std::vector<std::size_t> wide;
@@ -199,7 +198,7 @@ private:
             EdgeRuns runs;
             RunStrips strips;
             std::vector<LayerCrossings> found;
-            explicit Worker(const Control& control) : search(control.stop) { strips.follow(control.stop); }
+            explicit Worker(const StopCheck& stop) : search(stop) { strips.follow(stop); }
         };
         std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(parallel_.threads()));
         parallel_.run(result_.layers.size(), [&](std::size_t layer, int worker) {
@@ -208,7 +207,7 @@ private:
                 return;
             }
             if (!own) {
-                own = std::make_unique<Worker>(control_);
+                own = std::make_unique<Worker>(parallel_.stop());
             }
             own->runs.clear();
             for_each_path(layer, [&](const EdgePath& path) { own->runs.add(path); });
@@ -256,14 +255,14 @@ private:
                 return;
             }
             constexpr std::uint64_t part = 8;  // so that all together take at most so many times what one thread would
-            CrossingsOfShare search(control_.stop);
+            CrossingsOfShare search(parallel_.stop());
             shares[share] = search.run(runs, strips, share, shares.size(), {whole.steps / part, whole.crossings});
             if (shares[share].count == whole.crossings) {
                 last.store(share, std::memory_order_relaxed);
             }
         });
         Found found;
-        CrossingsOfShare search(control_.stop);
+        CrossingsOfShare search(parallel_.stop());
         for (std::size_t share = 0; share < shares.size() && !found.cut_short; ++share) {
             const Limits left{whole.steps - found.steps, whole.crossings - found.count};
             const Found& own = shares[share];
@@ -286,7 +285,6 @@ private:
     }
 
     const SliceResult& result_;
-    const Control& control_;
     const Parallel& parallel_;
     std::vector<LayerCrossings> all_;
 };
@@ -296,7 +294,7 @@ Result<Crossings> find_or_throw(const SliceResult& result, const Control& contro
         return status.error();
     }
     const Parallel parallel(control);
-    Crossings all = CrossingSearch(result, control, parallel).run();
+    Crossings all = CrossingSearch(result, parallel).run();
     parallel.finish();
     return all;
 }

@@ -38,11 +38,4 @@ auto guarded(const Control& control, Call&& call) noexcept -> decltype(call()) {
     });
 }
 
-/// Ends a call that works on one thread, between two of its steps.
-inline void stop_if_asked(const Control& control) {
-    if (control.stop.stop_requested()) {
-        throw Stopped();
-    }
-}
-
 }  // namespace lamella

@@ -158,7 +158,7 @@ void Parallel::run(std::size_t count, FunctionRef<void(std::size_t, int)> task) 
         task(index, worker);
     };
     stages_.begin_run();
-    Dispenser dispenser{count, workers, shown, stop_};
+    Dispenser dispenser{count, workers, shown, stop()};
     if (workers > 1 && executor_.run != nullptr) {
         executor_.run(
             executor_.context, workers, [](void* argument) noexcept { static_cast<Dispenser*>(argument)->join(); },

@@ -7,13 +7,11 @@
 #include <memory>
 
 #include "base/function_ref.hpp"
+#include "base/paced_stop.hpp"
 #include "base/progress_meter.hpp"
 #include "lamella/control.hpp"
 
 namespace lamella {
-
-/// Thrown out of Parallel::run() where the host wants the call to end.
-struct Stopped {};
 
 /// Runs tasks on at most `threads()` threads of the host's executor or of oneTBB. Holds no threads of its own.
 class Parallel {
@@ -29,8 +27,10 @@ public:
     int threads() const noexcept { return threads_; }
     /// Whether it runs tasks as one made for `control` would.
     bool serves(const Control& control) const;
-    /// From here on calls end when `stop` says so.
-    void follow(const StopCheck& stop) noexcept { stop_ = stop; }
+    /// A call begins, on this thread, that ends when `stop` says so.
+    void follow(const StopCheck& stop) noexcept { stop_.follow(stop); }
+    /// The host's stop request, paced by time: for whatever works within the call.
+    const StopCheck& stop() const noexcept { return stop_.check(); }
 
     /// How many workers run() may have for so many indices; at least one.
     std::size_t workers_for(std::size_t count) const noexcept {
@@ -56,13 +56,10 @@ public:
     /// The call has succeeded.
     void finish() const noexcept { stages_.finish(); }
 
-    /// For what is done on the calling thread, between two of its steps: throws Stopped where the host wants the call to
-    /// end.
-    void stop_if_asked() const {
-        if (stop_.stop_requested()) {
-            throw Stopped();
-        }
-    }
+    /// For what one thread does, between two of its steps: throws Stopped where the host wants the call to end.
+    void stop_if_asked() const { stop_.stop_if_asked(); }
+    /// The same after a function of the host's: see PacedStop.
+    void ask_host() const { stop_.ask_host(); }
 
 private:
     /// How far the stages have led.
@@ -91,7 +88,7 @@ private:
     struct Arena;
     std::unique_ptr<Arena> arena_;
     Executor executor_;
-    StopCheck stop_;
+    PacedStop stop_;
     mutable Stages stages_;
     int threads_;
 };

@@ -95,8 +95,8 @@ private:
     void sweep_band(std::size_t band, int worker, BandTarget& target);
     void sweep_wide(std::size_t band, BandTarget& target);
     SweepInput sweep_input() noexcept {
-        return {kept_.planes, kept_.buckets, kept_.bands.bands, parallel_, options_.control.stop,
-                progress_,    kept_.output,  options_.origins,  result_,   first_index_};
+        return {kept_.planes, kept_.buckets,    kept_.bands.bands, parallel_,   progress_,
+                kept_.output, options_.origins, result_,           first_index_};
     }
     std::uint64_t memory_limit() const noexcept {
         return options_.memory_limit_bytes != 0 ? options_.memory_limit_bytes : kept_.usual_limit;
@@ -194,7 +194,7 @@ void Slicing::bucket_triangles() {
     BandPlan& bands = kept_.bands;
     bands.cut(buckets, kept_.planes.size(), options_.tuning.band_planes, parallel_.threads(),
               output_.most_band_segments(parallel_.threads()));
-    bands.find_seeds(kept_.planes.size(), source_.scatter(result_.unit_mm), options_.control.stop);
+    bands.find_seeds(kept_.planes.size(), source_.scatter(result_.unit_mm), parallel_.stop());
 }
 
 Status Slicing::sweep_bands() {
@@ -238,7 +238,7 @@ void Slicing::sweep_band(std::size_t band, int worker, BandTarget& target) {
         if (BandOutput* output = target.acquire(band); output != nullptr) {
             sweep->set_origins(output->with_origins);
             sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes,
-                       options_.tuning.form, options_.control.stop, *output);
+                       options_.tuning.form, parallel_.stop(), *output);
             target.submit(band);
         }
     } catch (const BandDropped&) {  // the thread that has failed throws
@@ -249,7 +249,7 @@ void Slicing::sweep_band(std::size_t band, int worker, BandTarget& target) {
 }
 
 void Slicing::sweep_wide(std::size_t band, BandTarget& target) {
-    WidePlane wide(kept_.memory, parallel_, options_.control.stop, rules());
+    WidePlane wide(kept_.memory, parallel_, rules());
     BandOutput* output = target.acquire(band);
     if (output == nullptr) {
         return;

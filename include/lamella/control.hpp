@@ -26,7 +26,9 @@
 //     find_crossings()                               yes                yes                 yes       -
 //     write_svg()                                    calling thread     yes                 yes       -
 //
-// A slice looks for a stop every few milliseconds, and so do prepare(), slice_slabs() and region_of(), whatever its rules.
+// Every call asks for a stop when it begins, and then every two milliseconds or a little more, whatever the mesh and the
+// rules: on the thread that made the call while that one works, and on one of the others. slice_to() asks after each layer,
+// too, so that a sink which ends the call gets no layer more. A call that ends within those milliseconds may succeed.
 //
 // Calls may be made from several threads at once, and from within the tasks and loops of oneTBB, OpenMP or the host's own
 // pool: each uses at most its own number of threads, and none waits for another. What takes some 20 us is done by the
@@ -61,7 +63,7 @@ struct Executor {
     }
 };
 
-/// Whether the host wants the call to end. Asked often, by several threads at once.
+/// Whether the host wants the call to end. Asked by up to two threads at once, and more by slice_to().
 struct StopCheck {
     bool (*requested)(void* context) noexcept = nullptr;
     void* context = nullptr;

@@ -126,9 +126,8 @@ struct ManyLayers {
     lamella::SliceResult result;
     std::vector<lamella::Band> bands;
     lamella::Parallel parallel{lamella::Control{.threads = 2}};
-    lamella::StopCheck stop;
     lamella::ProgressMeter progress{lamella::Progress{}};
-    lamella::SweepInput input{planes, buckets, bands, parallel, stop, progress, scratch, false, result};
+    lamella::SweepInput input{planes, buckets, bands, parallel, progress, scratch, false, result};
 };
 
 }  // namespace

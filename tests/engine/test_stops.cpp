@@ -212,6 +212,22 @@ private:
     double longest_ = 0;
 };
 
+/// How often a host is asked, on any thread.
+class AskCount {
+public:
+    lamella::StopCheck check() {
+        return {[](void* context) noexcept {
+                    ++static_cast<AskCount*>(context)->asked_;
+                    return false;
+                },
+                this};
+    }
+    std::uint64_t asked() const { return asked_; }
+
+private:
+    std::atomic<std::uint64_t> asked_{0};
+};
+
 /// Bodies through one another, in many small clusters.
 shapes::Soup crossing_tetrahedra(std::size_t count) {
     std::mt19937 random(7);
@@ -270,6 +286,33 @@ TEST_CASE("a stop that comes at any moment ends every call within 100 ms", "[eng
             CHECK((late.size() < 2 || late[late.size() - 2] <= most_ms));
         }
     }
+}
+
+TEST_CASE("no call asks for a stop more often than once in two milliseconds a thread", "[engine][control][stops][threads]") {
+    const ScannedBone bone;
+    for (const Call& call : bone.calls()) {
+        for (const int threads : {1, 2, 4}) {
+            INFO(call.name << " on " << threads << " threads");
+            AskCount host;
+            const Clock::time_point start = Clock::now();
+            REQUIRE(call.run({.threads = threads, .stop = host.check()}) == std::nullopt);
+            const double intervals = ms_since(start) / 2;
+            const double layers = call.name.starts_with("slice_to") ? 150 / 0.02 + 1 : 0;  // after each, too
+            CHECK(host.asked() >= 1);
+            CHECK(static_cast<double>(host.asked()) <= std::min(threads, 2) * (intervals + 1) + layers);
+        }
+    }
+}
+
+TEST_CASE("many parts are asked about no more often than one mesh", "[engine][parts][stops]") {
+    const shapes::Soup ball = shapes::octasphere({0, 0, 0}, 10, 2);
+    const std::vector<lamella::Part> parts(500, lamella::Part{.mesh = view_of(ball)});
+    AskCount host;
+    lamella::SliceOptions options = uniform(0.5);
+    options.control = {.threads = 1, .stop = host.check()};
+    const Clock::time_point start = Clock::now();
+    REQUIRE(lamella::slice_parts(parts, options).ok());
+    CHECK(static_cast<double>(host.asked()) <= ms_since(start) / 2 + 1);
 }
 
 TEST_CASE("a slice looks for a stop every 20 ms, in whatever form and with whatever rules", "[engine][control][stops]") {

@@ -35,13 +35,14 @@ FileSlicing::FileSlicing(TriangleFile& file, const LayerSink& sink, const FileSl
       slicing_(options.slice),
       relay_{sink, {}},
       sink_(in_order(LayerSink::to(relay_, sink.order), options.hash)),
-      parallel_({.threads = options.slice.control.threads, .executor = options.slice.control.executor}),
+      parallel_({.threads = options.slice.control.threads,
+                 .executor = options.slice.control.executor,
+                 .stop = options.slice.control.stop}),
       progress_(options.slice.control.progress),
       memory_limit_(options.slice.memory_limit_bytes != 0 ? options.slice.memory_limit_bytes : detail::usual_memory_limit()),
       model_(options.memory_bytes != 0 ? options.memory_bytes : detail::usual_memory_limit(), parallel_.threads(), file),
       planes_(nullptr),
       store_(options.slice.control.memory) {
-    parallel_.follow(options.slice.control.stop);
     slicing_.transform = slicing_.transform * Transform::scale(options.mm_per_unit);
     slicing_.allow_empty = true;
     slicing_.control.progress = {};

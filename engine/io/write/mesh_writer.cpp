@@ -59,8 +59,8 @@ private:
     void each(std::uint64_t count, Write write) {
         constexpr std::uint64_t between_stops = 1 << 14;
         for (std::uint64_t i = 0; i < count && !file_.failed(); ++i) {
-            if (i % between_stops == 0 && stop_.stop_requested()) {
-                throw Stopped();
+            if (i % between_stops == 0) {
+                stop_.stop_if_asked();
             }
             write(i);
         }
@@ -70,7 +70,7 @@ private:
     const MeshFile& mesh_;
     const MeshView view_;
     OutputFile& file_;
-    const StopCheck& stop_;
+    PacedStop stop_;
     bool is_soup_;
     bool rounded_ = false;
     bool beyond_ = false;

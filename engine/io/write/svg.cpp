@@ -107,8 +107,9 @@ public:
           close_gaps_mm_(facts.close_gaps_mm),
           out_(out),
           format_(facts.unit_mm),
-          frame_(frame_of(facts)) {
-        pace_.follow(stop);
+          frame_(frame_of(facts)),
+          stop_(stop) {
+        pace_.follow(stop_.check());
     }
 
     void head(const SliceResult& facts, const WeldedMesh* welded) {
@@ -128,6 +129,7 @@ public:
     }
 
     void layer(const LayerView& view) {
+        stop_.stop_if_asked();
         const Layer& layer = view.layer;
         out_.append("<g id=\"layer" + std::to_string(view.index) + "\" slic3r:z=\"" + exact_text(layer.plane_mm) +
                     "\" lamella:cut-z=\"" + exact_text(layer.plane.z() * view.unit_mm) + "\" slic3r:layer-height=\"" +
@@ -259,6 +261,7 @@ private:
     OutputFile& out_;
     MmFormat format_;
     Frame2d frame_;
+    PacedStop stop_;
     StopPace pace_;
     std::uint64_t contours_ = 0;  ///< written
     std::vector<std::uint64_t> open_;
@@ -280,9 +283,6 @@ Status write_svg_throwing(const SliceResult& result, const std::filesystem::path
     ProgressMeter progress(options.control.progress);
     writer.head(result, options.welded);
     for (std::size_t index = 0; index < result.layers.size() && !file->failed(); ++index) {
-        if (options.control.stop.stop_requested()) {
-            return Error{.code = ErrorCode::cancelled, .message = "cancelled while writing '" + path.string() + "'"};
-        }
         writer.layer(view_of_layer(result, index));
         progress.reach(static_cast<double>(index) / static_cast<double>(result.layers.size()));
     }

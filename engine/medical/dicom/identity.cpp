@@ -99,8 +99,9 @@ std::array<unsigned char, 32> content_of(std::span<const Roi> rois, const ImageG
     if (image.series) {
         add_series(hash, *image.series);
     }
+    const PacedStop stop(options.control.stop);
     for (const Roi& roi : rois) {
-        stop_if_asked(options.control);
+        stop.stop_if_asked();
         add_roi(hash, roi);
     }
     return hash.digest();

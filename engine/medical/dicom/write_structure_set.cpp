@@ -228,7 +228,6 @@ Result<StructureSetSummary> write_all(std::span<const Roi> rois, const ImageGeom
                                       const std::filesystem::path& path, const StructureSetOptions& options) {
     const Identity identity = identity_of(rois, image, options);
     Parallel parallel(options.control);
-    parallel.follow(options.control.stop);
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();

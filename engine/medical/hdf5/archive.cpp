@@ -42,7 +42,6 @@ Status write_archive(const SliceResult& result, const ArchiveInfo& info, const s
                      const Control& control) noexcept {
     return guarded(control, [&]() -> Status {
         Parallel parallel(control);
-        parallel.follow(control.stop);
         require_possible(result, info, path);
         return write_columns(ResultColumns(result), {facts_of(result, info), hash_result(result), result.first_layer}, path,
                              parallel);
@@ -52,7 +51,6 @@ Status write_archive(const SliceResult& result, const ArchiveInfo& info, const s
 Result<Archive> read_archive(const std::filesystem::path& path, const Control& control) noexcept {
     return guarded(control, [&]() -> Result<Archive> {
         Parallel parallel(control);
-        parallel.follow(control.stop);
         parallel.begin_stage(0.9, 2);
         LoadedArchive loaded = load_archive(path, parallel, control.memory);
         parallel.finish();

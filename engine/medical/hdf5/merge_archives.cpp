@@ -172,7 +172,6 @@ Result<MergedArchive> merge_archives(std::span<const std::filesystem::path> part
                                      const Control& control) noexcept {
     return guarded(control, [&]() -> Result<MergedArchive> {
         Parallel parallel(control);
-        parallel.follow(control.stop);
         const Parts all(parts);
         ReadTree head{.result = SliceResult(), .info = {}, .columns = {}};
         const std::uint64_t hash = all.read(parallel, control.memory, head);

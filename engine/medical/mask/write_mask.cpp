@@ -174,7 +174,6 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
         require_slices(parts, image, options);
         const SliceRaster raster(parts, image, options, layout);
         Parallel parallel(options.control);
-        parallel.follow(options.control.stop);
         Result<OutputFile> file = OutputFile::create(path);
         if (!file) {
             return file.error();

@@ -236,7 +236,6 @@ Status draw(std::span<const PicturePart> parts, const std::vector<Cell>& cells, 
     const BoxMm box = box_of(parts, cells);
     const Page page(box, std::max<std::size_t>(1, cells.size()), label_width, options);
     Parallel parallel(options.control);
-    parallel.follow(options.control.stop);
     parallel.begin_stage(0.8);
     Canvas canvas(page.width(), page.height(), colours::page);
     std::vector<std::string> names;

@@ -63,10 +63,11 @@ std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Co
     if (!file) {
         throw Refused{unreadable(path, errno)};
     }
+    const PacedStop stop(control.stop);
     std::uint64_t bytes = 0;
     std::vector<unsigned char> piece(std::size_t{1} << 16);
     while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
-        stop_if_asked(control);
+        stop.stop_if_asked();
         hash.add(piece.data(), count);
         bytes += count;
     }

@@ -212,6 +212,7 @@ std::string json_row(const std::string& mesh, const LayerView& view, const Image
 
 Status write_csv(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control,
                  const ImageGeometry* image) {
+    const PacedStop stop(control.stop);
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();
@@ -219,7 +220,7 @@ Status write_csv(std::span<const TablePart> parts, const std::filesystem::path& 
     file->append(csv_head(image));
     for (const TablePart& part : parts) {
         for (std::uint64_t i = 0; i < part.result->layers.size(); ++i) {
-            stop_if_asked(control);
+            stop.stop_if_asked();
             file->append(csv_row(part.name, view_of_layer(*part.result, i), image));
         }
     }
@@ -248,6 +249,7 @@ Status write_mesh_csv(std::span<const TablePart> parts, const std::filesystem::p
 
 Status write_json_lines(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control,
                         const ImageGeometry* image) {
+    const PacedStop stop(control.stop);
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();
@@ -267,7 +269,7 @@ Status write_json_lines(std::span<const TablePart> parts, const std::filesystem:
     }
     for (const TablePart& part : parts) {
         for (std::uint64_t i = 0; i < part.result->layers.size(); ++i) {
-            stop_if_asked(control);
+            stop.stop_if_asked();
             file->append(json_row(part.name, view_of_layer(*part.result, i), image));
         }
     }

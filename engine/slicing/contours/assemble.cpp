@@ -29,14 +29,16 @@ public:
           output_(control.memory),
           links_(control.memory),
           points_(control.memory),
+          stop_(control.stop),
           progress_(control.progress) {
-        pace_.follow(control.stop);
-        graph_.follow(control.stop);
-        layer_.follow(control.stop);
+        pace_.follow(stop_.check());
+        graph_.follow(stop_.check());
+        layer_.follow(stop_.check());
     }
 
     void link() {
         constexpr std::size_t segment_work = 32;  // two ends are looked up
+        stop_.stop_if_asked();
         progress_.reach(0);
         SlotTable::Attaching attaching = graph_.begin_attaching(2 * segments_.size());
         links_.reserve(segments_.size());
@@ -123,6 +125,7 @@ private:
     BandOutput output_;
     Vector<Link> links_;
     Vector<Point> points_;  // by slot
+    PacedStop stop_;
     StopPace pace_;
     ProgressMeter progress_;
 };
@@ -139,10 +142,8 @@ Result<LayerContours> assemble(std::span<const Segment> segments, const Control&
         if (segments.size() > most_segments) {
             return Error{ErrorCode::invalid_argument, "more than 2^30 segments in one plane"};
         }
-        stop_if_asked(control);
         Assembly assembly(segments, control);
         assembly.link();
-        stop_if_asked(control);
         return assembly.build(control.memory);
     });
 }

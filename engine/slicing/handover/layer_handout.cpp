@@ -75,7 +75,7 @@ void HandedOver::add(const HandedOver& other) noexcept {
 }
 
 void LayerHandout::hand_over(BandOutput& output, HandedOver& total) const {
-    LayerCursor cursor(output, first_index_, stop_);
+    LayerCursor cursor(output, first_index_, parallel_.stop());
     for (std::size_t i = 0; i < output.layer_contours.size(); ++i) {
         LayerView view = cursor.next();
         view.layer = describe_layer(planes_, buckets_, static_cast<PlaneIndex>(output.first_layer + i));
@@ -84,9 +84,7 @@ void LayerHandout::hand_over(BandOutput& output, HandedOver& total) const {
         sink_.take(sink_.context, view);
         total.closed_gaps += view.closed_gaps.size();
         total.emptied += view.layer.segments > 0 && view.contours.empty() ? 1 : 0;
-        if (stop_.stop_requested()) {
-            throw Stopped();
-        }
+        parallel_.ask_host();  // so that a sink which ends the call gets no layer more
     }
     total.layers += output.layer_contours.size();
     total.contours += output.contours.size();

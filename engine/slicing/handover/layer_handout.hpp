@@ -28,7 +28,7 @@ public:
         : sink_(sink),
           planes_(input.planes),
           buckets_(input.buckets),
-          stop_(input.stop),
+          parallel_(input.parallel),
           unit_mm_(input.result.unit_mm),
           first_index_(input.first_index) {}
 
@@ -39,7 +39,7 @@ private:
     const LayerSink& sink_;
     const PlaneSet& planes_;
     const Buckets& buckets_;
-    const StopCheck& stop_;
+    const Parallel& parallel_;
     double unit_mm_;
     std::uint64_t first_index_;
 };

@@ -54,7 +54,7 @@ public:
             origins = {host_.origins, host_.point_capacity};
         }
         placement.begin(input.bands, input.parallel.threads(), input.buckets.segment_count, points, input.progress,
-                        input.stop, origins, plain ? nullptr : &writer_);
+                        input.parallel.stop(), origins, plain ? nullptr : &writer_);
         sweep(placement);
         return check_room(input);
     }
@@ -66,7 +66,7 @@ public:
         fill_layers(input, layers);
         placement.write_contours(input.parallel, contours, layers);
         if (host_.closed_gaps != nullptr) {
-            placement.write_closed_gaps({host_.closed_gaps, placement.closed_gap_count()}, input.stop);
+            placement.write_closed_gaps({host_.closed_gaps, placement.closed_gap_count()}, input.parallel.stop());
         }
         set_counts(placement.contour_counts(), layers, input.result);
         layers_ = layers.size();

@@ -35,9 +35,7 @@ public:
           options_(options),
           united_(regions == PartRegions::united),
           parallel_(options.control),
-          progress_(options.control.progress) {
-        parallel_.follow(options.control.stop);
-    }
+          progress_(options.control.progress) {}
 
     Result<SliceResult> run() {
         if (Status status = check_rules(options_.region); !status) {
@@ -132,6 +130,7 @@ private:
 
     Status slice_all() {
         SliceOptions options = options_;
+        options.control.stop = parallel_.stop();  // the host's, asked no more often for many parts
         if (united_) {
             options.region = {};
         }

@@ -54,7 +54,7 @@ private:
         auto& worker = workers_[static_cast<std::size_t>(number)];
         if (worker == nullptr) {
             worker = std::make_unique<Worker>(control_.memory);
-            worker->builder.follow(control_.stop);
+            worker->builder.follow(parallel_.stop());
             worker->builder.rules = {
                 .region = &united_.region, .unit_mm = apart_.unit_mm, .first_layer = apart_.first_layer};
         }

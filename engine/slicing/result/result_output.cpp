@@ -33,8 +33,8 @@ Status ResultOutput::take_bands(const SweepInput& input, FunctionRef<void(BandTa
     for (;;) {
         points.resize_discarding(room);
         origins.resize_discarding(input.origins ? room : 0);
-        placement.begin(input.bands, input.parallel.threads(), segments, points.span(), input.progress, input.stop,
-                        origins.span());
+        placement.begin(input.bands, input.parallel.threads(), segments, points.span(), input.progress,
+                        input.parallel.stop(), origins.span());
         sweep(placement);
         const std::uint64_t needed = placement.point_count();
         if (needed <= room) {
@@ -52,7 +52,7 @@ Status ResultOutput::finish(const SweepInput& input) {
     result.contours.resize_discarding(placement.contour_count());
     result.layers.resize_discarding(input.planes.size());
     result.closed_gaps.resize_discarding(placement.closed_gap_count());
-    placement.write_closed_gaps(result.closed_gaps.span(), input.stop);
+    placement.write_closed_gaps(result.closed_gaps.span(), input.parallel.stop());
     fill_layers(input, result.layers.span());
     placement.write_contours(input.parallel, result.contours.span(), result.layers.span());
     set_counts(placement.contour_counts(), result);

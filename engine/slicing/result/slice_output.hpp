@@ -33,7 +33,6 @@ struct SweepInput {
     const Buckets& buckets;
     std::span<const Band> bands;
     const Parallel& parallel;
-    const StopCheck& stop;
     ProgressMeter& progress;
     OutputScratch& scratch;
     bool origins;                   ///< SliceOptions::origins

@@ -252,8 +252,8 @@ void SlabSlicing::build_layers(Distributed<FacePiece>& pieces) {
         auto& worker = workers[static_cast<std::size_t>(number)];
         if (worker == nullptr) {
             worker = std::make_unique<SlabWorker>(options_.control.memory);
-            worker->sum.follow(options_.control.stop);
-            worker->builder.follow(options_.control.stop);
+            worker->sum.follow(parallel_.stop());
+            worker->builder.follow(parallel_.stop());
             worker->builder.rules = {&rules_, unit_mm_, 0};
         }
         build_task(sense, part % tasks(), pieces.of(part), *worker);

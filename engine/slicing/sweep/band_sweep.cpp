@@ -14,6 +14,7 @@ namespace {
 // Work as StopPace counts it: an event looks up two edges and writes a link.
 constexpr std::size_t event_work = 16;
 constexpr std::size_t edge_work = 4;
+constexpr std::size_t plane_work = 64;
 
 }  // namespace
 
@@ -41,9 +42,7 @@ void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, cons
     layers_.follow(stop);
     begin(band, buckets);
     for (PlaneIndex plane = band.first; plane < band.last; ++plane) {
-        if (stop.stop_requested()) {
-            throw Stopped();
-        }
+        pace_.spend(plane_work);
         const bool timed = plane % timing_stride == 0;
         layers_.timed = timed;
         const std::uint64_t start = timed ? ticks() : 0;

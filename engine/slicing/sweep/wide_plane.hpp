@@ -25,7 +25,7 @@ namespace lamella {
 
 class WidePlane {
 public:
-    WidePlane(const Memory* memory, const Parallel& parallel, const StopCheck& stop, const LayerRules& rules)
+    WidePlane(const Memory* memory, const Parallel& parallel, const LayerRules& rules)
         : parallel_(parallel),
           next_(memory),
           on_piece_(memory),
@@ -38,8 +38,8 @@ public:
           memory_(memory) {
         layer_.rules = rules;
         layer_.timed = true;
-        layer_.follow(stop);
-        pace_.follow(stop);
+        layer_.follow(parallel.stop());
+        pace_.follow(parallel.stop());
     }
 
     /// Appends the layer of `plane` to `out`; `seeds` are the triangles that cut it besides those of its own list. False,

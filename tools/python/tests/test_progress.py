@@ -1,6 +1,8 @@
 """Progress: what is told, when, and what an exception of the callable does."""
 
+import inspect
 import pickle
+import tempfile
 import threading
 
 import numpy as np
@@ -30,7 +32,26 @@ def large(torus):
     return moved, np.vstack([faces + i * len(vertices) for i in range(copies)])
 
 
+class Enough(Exception):
+    """Raised by a callable."""
+
+
+def enough(fraction):
+    raise Enough(fraction)
+
+
+def read(mesh, progress):
+    vertices, faces = mesh
+    rows = np.zeros(len(faces), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
+    rows["corners"] = vertices[faces]
+    with tempfile.NamedTemporaryFile(suffix=".stl") as file:
+        file.write(b"\0" * 80 + np.uint32(len(rows)).tobytes() + rows.tobytes())
+        file.flush()
+        return lamella.read(file.name, progress=progress)
+
+
 CALLS = {
+    "read": read,
     "slice": lambda mesh, progress: lamella.slice(*mesh, layer_height=0.01, fill_rule="non-zero", close=0.05, progress=progress),
     "slice_parts": lambda mesh, progress: lamella.slice_parts([mesh], layer_height=0.01, progress=progress),
     "prepare": lambda mesh, progress: lamella.prepare(*mesh, progress=progress),
@@ -38,8 +59,14 @@ CALLS = {
     "check": lambda mesh, progress: lamella.check(*mesh, progress=progress),
     "weld": lambda mesh, progress: lamella.weld(*mesh, progress=progress),
     "section": lambda mesh, progress: lamella.section(mesh, [0, 0, 0.1], [0, 1, 1], progress=progress),
+    "section_multiplane": lambda mesh, progress: lamella.section_multiplane(mesh, [0, 0, 0], [0, 1, 1], [0.1, 1], progress=progress),
     "stream": lambda mesh, progress: list(lamella.stream(*mesh, layer_height=0.05, progress=progress)),
 }
+
+
+def test_every_call_that_takes_a_callable_is_listed():
+    calls = [name for name in lamella.__all__ if inspect.isfunction(getattr(lamella, name))]
+    assert {name for name in calls if "progress" in inspect.signature(getattr(lamella, name)).parameters} <= set(CALLS)
 
 
 @pytest.mark.parametrize("call", CALLS)
@@ -60,25 +87,15 @@ def test_a_long_call_tells_its_progress_meanwhile(large):
 
 @pytest.mark.parametrize("call", CALLS)
 def test_an_exception_of_the_callable_ends_the_call(call, large):
-    class Enough(Exception):
-        pass
-
-    def enough(fraction):
-        raise Enough(fraction)
-
     with pytest.raises(Enough):
         CALLS[call](large, enough)
     assert lamella.slice(*large, heights=[0.1]).areas[0] > 0
 
 
-def test_reading_tells_its_progress(tmp_path, cube):
-    heard = Heard()
-    path = tmp_path / "cube.off"
-    vertices, faces = cube
-    rows = [" ".join(map(str, vertex)) for vertex in vertices] + [f"3 {a} {b} {c}" for a, b, c in faces]
-    path.write_text("\n".join(["OFF", f"{len(vertices)} {len(faces)} 0", *rows]) + "\n")
-    lamella.read(path, progress=heard)
-    assert heard[-1] == 1
+def test_an_exception_does_not_wait_for_the_end(large):
+    with pytest.raises(Enough) as raised:
+        lamella.slice(*large, layer_height=0.005, fill_rule="non-zero", close=0.05, threads=1, progress=enough)
+    assert raised.value.args[0] < 0.9
 
 
 def test_true_shows_a_bar(cube, capsys):

@@ -8,6 +8,9 @@
 //         segments.push_back({.from_key = {i}, .to_key = {next}, .from = corners[i], .to = corners[next]});
 //     }
 //     const lamella::Result<lamella::LayerContours> square = lamella::assemble(segments);
+//     if (square) {
+//         std::printf("%zu contour, %g mm2\n", square->contours.size(), square->area_mm2());
+//     }
 //
 // Source: the paper's Algorithm 4, with keys for what it calls vertices.
 #pragma once
@@ -52,6 +55,11 @@ struct Segment {
 struct LayerContours {
     Array<Contour> contours;
     Array<Point> points;
+    double unit_mm = default_unit_mm;  ///< of the grid: region_of() sets what it is given, assemble() leaves the default
+
+    /// Of all contours and of one, as SliceResult::area_mm2().
+    double area_mm2() const noexcept;
+    double area_mm2(const Contour& contour) const noexcept;
 };
 
 /// Links q segments of one plane, given in any order, into contours. Every segment is used exactly once. Ends that meet are

@@ -1,6 +1,7 @@
 // What experiments vary and embedding hosts leave alone: how the work is cut up, and planes at random heights. No member of
 // Tuning changes a byte of the result.
 //
+//     lamella::SliceOptions options;
 //     options.tuning.band_planes = 16;                       // the sweep in bands of 16 planes
 //     options.plan.spacing = lamella::RandomLayers{.seed = 7};
 #pragma once

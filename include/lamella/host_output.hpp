@@ -1,5 +1,6 @@
 // A slice written straight into the host's own arrays, in the host's own number type and scale.
 //
+//     const lamella::SliceOptions options;
 //     const lamella::Result<lamella::OutputBounds> bounds = lamella::bound_output(mesh, options);
 //     if (bounds) {
 //         std::vector<std::int64_t> xy(2 * bounds->points);  // here 256 of the host's units to a grid unit

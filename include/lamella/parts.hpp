@@ -2,7 +2,7 @@
 //
 //     // A mesh, and with it the same at twice its size, each with its own contours.
 //     const std::vector<lamella::Part> parts = {{.mesh = mesh}, {.mesh = mesh, .transform = lamella::Transform::scale(2)}};
-//     const lamella::Result<lamella::SliceResult> both = lamella::slice_parts(parts, options);
+//     const lamella::Result<lamella::SliceResult> both = lamella::slice_parts(parts);
 //     if (both) {
 //         for (const lamella::Contour& contour : both->contours_of(both->layers[0])) {
 //             std::printf("part %u: %u points\n", contour.part, contour.point_count);

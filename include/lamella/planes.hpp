@@ -1,5 +1,6 @@
 // Where to cut.
 //
+//     lamella::SliceOptions options;
 //     options.plan.spacing = lamella::UniformLayers{.layer_height_mm = 0.1};          // every 0.1 mm
 //     options.plan.spacing = lamella::ExplicitPlanes{.heights_mm = {1.5, 2, 7.25}};   // or at these heights
 //

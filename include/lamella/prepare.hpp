@@ -1,6 +1,7 @@
 // A mesh prepared once and then sliced again and again: at other heights, by other rules, by several threads at once.
 //
 //     const lamella::Result<lamella::PreparedMesh> prepared = lamella::prepare(mesh);
+//     lamella::SliceOptions options;
 //     lamella::Workspace workspace;
 //     lamella::SliceResult sliced;
 //     for (const double height : {1.5, 0.25, 7.0}) {

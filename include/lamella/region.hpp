@@ -6,7 +6,10 @@
 //     const std::span<const lamella::Point> squares[] = {low, high};
 //     lamella::RegionRules rules;
 //     rules.fill_rule = lamella::FillRule::non_zero;
-//     const lamella::Result<lamella::LayerContours> region = lamella::region_of(squares, rules);
+//     const lamella::Result<lamella::LayerContours> region = lamella::region_of(squares, rules, 0.5);  // mm a grid unit
+//     if (region) {
+//         std::printf("%zu points, %g mm2\n", region->points.size(), region->area_mm2());
+//     }
 //
 // slice() does the same to every layer by SliceOptions::region. The steps follow in this order; each is left out where it is
 // not asked for:
@@ -115,10 +118,9 @@ struct RegionRules {
 /// point leads to its first; equal consecutive points count once. `unit_mm` is what a grid unit of the points is.
 ///
 /// O((m + c) log (m + c)) for m points and c places where edges come within two units of one another; memory O(m + c). It
-/// works on the calling thread; of `control` it uses `memory`, for the result and all scratch, and `stop`, which it asks
-/// every few milliseconds. Errors: invalid_argument (negative threads, a unit that is not finite and above 0, a rule that is
-/// out of range, a point beyond grid_limit, offsets that may reach beyond it, more than 2^30 points), out_of_memory,
-/// cancelled.
+/// works on the calling thread; of `control` it uses `memory`, for the result and all scratch, and `stop`. Errors:
+/// invalid_argument (negative threads, a unit that is not finite and above 0, a rule that is out of range, a point beyond
+/// grid_limit, offsets that may reach beyond it, more than 2^30 points), out_of_memory, cancelled.
 Result<LayerContours> region_of(std::span<const std::span<const Point>> contours, const RegionRules& rules,
                                 double unit_mm = default_unit_mm, const Control& control = {}) noexcept;
 

@@ -7,7 +7,7 @@
 //         }
 //     } areas;
 //     const lamella::LayerSink sink = lamella::LayerSink::to(areas, lamella::SinkOrder::ascending);
-//     const lamella::Result<lamella::SliceTotals> totals = lamella::slice_to(sink, mesh, options);
+//     const lamella::Result<lamella::SliceTotals> totals = lamella::slice_to(sink, mesh);
 //     if (totals) {
 //         std::printf("%llu layers, %g mm3\n", static_cast<unsigned long long>(totals->layers), areas.mm3);
 //     }

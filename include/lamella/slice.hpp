@@ -4,6 +4,7 @@
 //                                       0, 0, 0, 9, 0, 0, 0, 0, 9,   // counter-clockwise as seen from outside
 //                                       9, 0, 0, 0, 9, 0, 0, 0, 9,
 //                                       0, 9, 0, 0, 0, 0, 0, 0, 9};
+//     lamella::SliceOptions options;
 //     options.plan.spacing = lamella::UniformLayers{.layer_height_mm = 0.5};
 //     const lamella::Result<lamella::SliceResult> sliced = lamella::slice(lamella::MeshView::soup(soup), options);
 //     if (sliced) {

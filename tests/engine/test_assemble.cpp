@@ -69,6 +69,9 @@ TEST_CASE("the parent of a hole in a square is the square", "[assemble]") {
     CHECK(layer.contours[1].role == Role::hole);
     CHECK(layer.contours[1].parent == 0);
     CHECK(points_of(layer, 1) == Points{{2, 2}, {2, 4}, {4, 4}, {4, 2}});
+    const double square_unit = lamella::default_unit_mm * lamella::default_unit_mm;
+    CHECK(layer.area_mm2() == (81 - 4) * square_unit);
+    CHECK(layer.area_mm2(layer.contours[1]) == -4 * square_unit);
 }
 
 TEST_CASE("equal points with different keys do not meet", "[assemble]") {

@@ -166,6 +166,7 @@ TEST_CASE("a caller's own contours are held to the same rules", "[engine][region
     RegionRules rules;
     rules.fill_rule = FillRule::non_zero;
     CHECK(refusal(rules, 0.5) == "taken");
+    CHECK(region_of(square, rules, 0.5)->area_mm2() == 400);
     for (const double bad : {0.0, -1.0, infinity, not_a_number}) {
         CHECK_THAT(refusal(rules, bad), Catch::StartsWith("the grid unit must be finite and above 0, not"));
     }

@@ -1,5 +1,6 @@
 # Prints a C++ function for each example in the files named: of a header the first run of lines at its head that begin with
-# "//     ", of a page every block between ```cpp and ```. What the examples take for granted are the function's parameters.
+# "//     ", of a page every block between ```cpp and ```. What the examples take for granted are the function's parameters:
+# a mesh and a result, and in pages options.
 # The functions are listed at the end, with the place of each.
 BEGIN {
     print "#include <cstdint>\n#include <cstdio>\n#include <cstdlib>\n#include <thread>\n#include <vector>\n"
@@ -29,7 +30,7 @@ function line(text) {
         inside = 1
         examples++
         print "void example_" ++number "([[maybe_unused]] const lamella::MeshView& mesh,"
-        print "    [[maybe_unused]] const lamella::SliceResult& result, [[maybe_unused]] lamella::SliceOptions& options) {"
+        print "    [[maybe_unused]] const lamella::SliceResult& result, [[maybe_unused]] lamella::SliceOptions&" (is_header ? ") {" : " options) {")
         print "#line " FNR " \"" FILENAME "\""
         place = FILENAME
         sub(/.*\//, "", place)

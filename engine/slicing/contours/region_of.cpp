@@ -86,19 +86,22 @@ Vector<GivenContour> list_given(ContoursView contours, const Memory* memory, Sto
 Result<LayerContours> region_of(std::span<const std::span<const Point>> contours, const RegionRules& rules, double unit_mm,
                                 const Control& control) noexcept {
     return guarded(control, [&]() -> Result<LayerContours> {
+        const PacedStop stop(control.stop);
         StopPace pace;
-        pace.follow(control.stop);
+        pace.follow(stop.check());
         pace.ask();
         if (Status status = check_all(contours, rules, unit_mm, pace); !status) {
             return status.error();
         }
         LayerBuilder builder(control.memory);
-        builder.follow(control.stop);
+        builder.follow(stop.check());
         builder.rules = {&rules, unit_mm, 0};
         BandOutput output(control.memory);
         output.begin(output.buffer.span());
         builder.build_given(list_given(contours, control.memory, pace), output);
-        return copy_layer(output, pace, control.memory);
+        LayerContours region = copy_layer(output, pace, control.memory);
+        region.unit_mm = unit_mm;
+        return region;
     });
 }
 

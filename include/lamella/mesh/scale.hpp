@@ -4,6 +4,7 @@
 //     if (info) {
 //         const lamella::MeshScale scale =
 //             lamella::judge_scale(info->min_mm, info->max_mm, mesh.coordinate_type, info->unit_mm);
+//         lamella::SliceOptions options;
 //         if (scale.coarse_grid) {
 //             options.unit_mm = scale.finest_unit_mm;  // as lamella::unit_by_box does
 //         }

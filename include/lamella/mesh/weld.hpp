@@ -2,7 +2,7 @@
 //
 //     const lamella::Result<lamella::WeldedMesh> welded = lamella::weld(mesh, {.tolerance_mm = 0.01});
 //     if (welded) {
-//         const lamella::Result<lamella::SliceResult> sliced = lamella::slice(*welded, options);
+//         const lamella::Result<lamella::SliceResult> sliced = lamella::slice(*welded);
 //     }
 #pragma once
 

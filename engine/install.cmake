@@ -7,6 +7,7 @@ endif()
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lamella)
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/lamella DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/licenses/lamella)
 install(TARGETS lamella EXPORT lamella_core_targets)
 install(EXPORT lamella_core_targets FILE lamella-core-targets.cmake NAMESPACE lamella:: DESTINATION ${package_folder})
 if(TARGET lamella_c)

@@ -24,7 +24,9 @@
  *     }
  *     lamella_result_free(result);
  *
- * The calls are those of the C++ headers, whose comments say what they do; here stands what C adds.
+ * The calls are those of the C++ headers, whose comments say what they do; here stands what C adds. In C++ alone are
+ * SliceOptions::layers with first_layer and all_layers of results, inspect(), check(), weld(), validate() and the other
+ * audits, and files.
  *
  * Structs that grow from version to version begin with their size and are initialised by a call of that name. A library that
  * is newer than the program gives fields that the program does not know their defaults. One that is older refuses the struct
@@ -34,7 +36,9 @@
  *
  * What a call returns is a status, LAMELLA_OK or what went wrong; `error`, which may be NULL, then says more. A handle that
  * was made is given back by its _free(), which takes NULL too. Views point into their handle and live as long, or until it
- * is filled anew. No call throws, prints, aborts or keeps global state. Callbacks must not throw or jump out.
+ * is filled anew. No call throws, prints, aborts or keeps global state. Callbacks must not throw or jump out:
+ * one that fails notes it, so that `stop` ends the call, and the program looks at the note when the call is over, whatever
+ * its status (tools/docs/embedding.md shows it in Python).
  *
  * A handle may be used by one thread at a time, but for a prepared mesh: that any number of threads may slice at once, each
  * with a workspace and a result of its own. */

@@ -8,6 +8,9 @@ import sys
 from ctypes import POINTER, Structure, byref, c_double, c_int32, c_int64, c_size_t, c_uint8, c_uint16, c_uint32, c_uint64, c_void_p
 
 
+STOP = ctypes.CFUNCTYPE(c_int32, c_void_p)
+
+
 class Mesh(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("coordinate_type", c_int32), ("vertices", c_void_p), ("vertex_stride", c_size_t),
@@ -45,11 +48,62 @@ class LayerView(Structure):
     ]  # fmt: skip
 
 
+class Control(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("threads", c_int32), ("executor", c_void_p), ("executor_context", c_void_p),
+        ("executor_threads", c_int32), ("reserved", c_int32), ("memory", c_void_p), ("stop", STOP), ("stop_context", c_void_p),
+        ("progress", c_void_p), ("progress_context", c_void_p),
+    ]  # fmt: skip
+
+
 TAKE = ctypes.CFUNCTYPE(None, c_void_p, POINTER(LayerView))
 
 
 class Sink(Structure):
     _fields_ = [("take", TAKE), ("context", c_void_p), ("order", c_int32), ("reserved", c_int32)]
+
+
+class Kept:
+    """The first exception of a call's callbacks. `stop` is lamella_control.stop; finish() follows the call."""
+
+    def __init__(self):
+        self.first = None
+        self.stop = STOP(lambda _: self.first is not None)
+
+    def keeping(self, callback):
+        def guarded(*arguments):
+            try:
+                callback(*arguments)
+            except BaseException as raised:
+                self.first = self.first or raised
+
+        return guarded
+
+    def finish(self):
+        if self.first is not None:
+            raise self.first
+
+
+def raise_in_a_sink(lamella, mesh, options, error):
+    """The exception ends the call at that layer and comes back."""
+    kept, control, layers = Kept(), Control(), []
+    lamella.lamella_control_init_sized(byref(control), c_size_t(ctypes.sizeof(control)))
+    control.stop = kept.stop
+    options.control = ctypes.addressof(control)
+
+    def take(_, view):
+        layers.append(view.contents.index)
+        raise LookupError("enough")
+
+    sink = Sink(TAKE(kept.keeping(take)), None, 1, 0)
+    status = lamella.lamella_slice_to(byref(sink), byref(mesh), byref(options), None, None, byref(error))
+    options.control = None
+    try:
+        kept.finish()
+    except LookupError:
+        if status == 9 and layers == [0]:
+            return
+    sys.exit(f"an exception of a sink gave status {status} after {len(layers)} layers")
 
 
 def main():
@@ -78,6 +132,7 @@ def main():
         sys.exit(error.message.decode())
     if not named or max(named) >= mesh.triangle_count:
         sys.exit("edges come from triangles that the mesh does not have")
+    raise_in_a_sink(lamella, mesh, options, error)
     mesh.triangle_count = 0
     if lamella.lamella_slice_to(byref(sink), byref(mesh), byref(options), None, None, byref(error)) != 4:
         sys.exit("a mesh without triangles is not refused")

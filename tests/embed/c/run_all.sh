@@ -22,6 +22,8 @@ libraries=$(pkg-config --variable=libdir lamella_c)
 # Of two files of one content the second is another library.
 cp -L "$libraries/liblamella_c.so" "$folder/liblamella_copy.so"
 check "$folder/plugins" "$libraries/liblamella_c.so" "$folder/liblamella_copy.so" "$folder/libplugin.so"
+shown=$(sed -n '/^```python$/,/^```$/p' "$(dirname "$readme")/tools/docs/embedding.md" | sed '/^```/d')
+[[ -n $shown && $(< "$source_folder/app.py") == *"$shown"* ]] || { echo "embedding.md shows other Python than app.py has"; exit 1; }
 [[ -z $python ]] || check "$python" "$source_folder/app.py" "$libraries/liblamella_c.so"
 
 # build NAME PACKAGE COMPILER...: the last word is the source.
@@ -29,7 +31,7 @@ build() {
     local program=$folder/$1 package=$2
     shift 2
     # shellcheck disable=SC2046  # words of flags
-    "$@" $(pkg-config --cflags --libs "$package") -o "$program"
+    "$@" $(pkg-config --cflags --libs "$package") "-Wl,-rpath,$(pkg-config --variable=libdir lamella_c)" -o "$program"
 }
 # shellcheck disable=SC2016
 sed -n '/^```cpp$/,/^```$/p' "$readme" | sed '/^```/d' > "$folder/app20.cpp"
@@ -38,6 +40,6 @@ build pkg_config_c++17 lamella_c "$cxx" -std=c++17 "$folder/app17.cpp"
 build pkg_config_static_c++17 lamella "$cxx" -std=c++17 "$folder/app17.cpp"
 build pkg_config_static_c++20 lamella "$cxx" -std=c++20 "$folder/app20.cpp"
 for program in pkg_config_c99 pkg_config_c++17 pkg_config_static_c++17 pkg_config_static_c++20; do
-    LD_LIBRARY_PATH=$libraries check "$folder/$program"
+    check "$folder/$program"
 done
 echo "all programs cut the sample"

@@ -17,7 +17,7 @@ def folder(torus, tmp_path, monkeypatch):
     triangles = torus[0][torus[1]].astype("<f4")
     rows = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
     rows["corners"] = triangles
-    (tmp_path / "liver.stl").write_bytes(b"\0" * 80 + np.uint32(len(rows)).tobytes() + rows.tobytes())
+    (tmp_path / "bone.stl").write_bytes(b"\0" * 80 + np.uint32(len(rows)).tobytes() + rows.tobytes())
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -47,8 +47,8 @@ def test_the_page_on_python_is_true(folder, capsys):
     assert "faces[0] = [" in capsys.readouterr().out
     assert names["holes_per_layer"].tolist() == [int((layer.contours["role"] == lamella.Role.HOLE).sum()) for layer in names["s"]]
     assert len(names["outline"]) == names["longest"]["point_count"]
-    assert (folder / "liver.svg").exists()
-    assert (folder / "liver.json").exists()
+    assert (folder / "bone.svg").exists()
+    assert (folder / "bone.json").exists()
 
 
 def test_the_gallery_shows_what_draws_its_pictures(torus, tmp_path):

@@ -1,0 +1,17 @@
+# Configures the core by README's command, without the packages that only the rest needs, and looks at what would be built.
+#     cmake -DSOURCE=REPOSITORY -DFOLDER=BUILD -P core_configured.cmake
+file(STRINGS ${SOURCE}/README.md command REGEX "^cmake .*LAMELLA_BUILD_IO=OFF")
+separate_arguments(command UNIX_COMMAND "${command}")
+if(NOT command MATCHES "^cmake;-S;[.];-B;build/core;")
+  message(FATAL_ERROR "README shows no command for the core alone: ${command}")
+endif()
+list(SUBLIST command 5 -1 options)
+foreach(package EXPAT ZLIB FastFloat nlohmann_json PkgConfig OpenSSL CLI11 Catch2 mimalloc benchmark)
+  list(APPEND options -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
+file(REMOVE_RECURSE ${FOLDER})
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${FOLDER} ${options} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${FOLDER} --target help OUTPUT_VARIABLE targets COMMAND_ERROR_IS_FATAL ANY)
+if(NOT targets MATCHES "lamella_c" OR targets MATCHES "lamella_(io|medical|cli|models|tests|python)")
+  message(FATAL_ERROR "the core alone was expected, not:\n${targets}")
+endif()

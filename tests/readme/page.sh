@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# page.sh PAGE TOOL FILE...: runs the page's blocks in bash in an empty folder, and checks that they make the files.
+set -euo pipefail
+page=$(realpath "$1")
+tool=$(realpath "$2")
+shift 2
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+sed -n '/^```bash$/,/^```$/p' "$page" | sed '/^```/d' > examples
+PATH=$(dirname "$tool"):$PATH bash -eu examples
+for made in "$@"; do
+    [[ -s "$made" ]] || { echo "no $made was written"; exit 1; }
+done

@@ -17,6 +17,7 @@ struct Stopped {};
 
 /// Asks the host at the first look, and then at most once in `interval` on the thread that made the call and once on the
 /// others together. The calling thread has an interval of its own because some hosts, such as Python, answer only there.
+/// Once the host has said yes, every look says so: of many threads each would else wait until it is its turn to ask.
 class PacedStop {
 public:
     static constexpr std::chrono::milliseconds interval{2};
@@ -50,14 +51,21 @@ private:
 
     bool look() noexcept {
         constexpr Clock::rep while_asking = std::numeric_limits<Clock::rep>::max();
+        constexpr Clock::rep said_yes = -1;
         std::atomic<Clock::rep>& next = next_[std::this_thread::get_id() == caller_ ? 0 : 1];
         Clock::rep due = next.load(std::memory_order_relaxed);
+        if (due == said_yes) {
+            return true;
+        }
         if (now() < due || !next.compare_exchange_strong(due, while_asking, std::memory_order_relaxed)) {
             return false;
         }
-        const bool requested = host_.stop_requested();
-        next.store(now() + Clock::duration(interval).count(), std::memory_order_relaxed);
-        return requested;
+        if (!host_.stop_requested()) {
+            next.store(now() + Clock::duration(interval).count(), std::memory_order_relaxed);
+            return false;
+        }
+        next_[0] = next_[1] = said_yes;
+        return true;
     }
 
     StopCheck host_;

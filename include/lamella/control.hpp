@@ -27,8 +27,9 @@
 //     write_svg()                                    calling thread     yes                 yes       -
 //
 // Every call asks for a stop when it begins, and then every two milliseconds or a little more, whatever the mesh and the
-// rules: on the thread that made the call while that one works, and on one of the others. slice_to() asks after each layer,
-// too, so that a sink which ends the call gets no layer more. A call that ends within those milliseconds may succeed.
+// rules: on the thread that made the call while that one works, and on one of the others. It asks after each layer that a
+// sink has taken, too, so that a sink which ends the call gets no layer more. A call that is over before the host is asked
+// again succeeds.
 //
 // Calls may be made from several threads at once, and from within the tasks and loops of oneTBB, OpenMP or the host's own
 // pool: each uses at most its own number of threads, and none waits for another. What takes some 20 us is done by the
@@ -63,7 +64,7 @@ struct Executor {
     }
 };
 
-/// Whether the host wants the call to end. Asked by up to two threads at once, and more by slice_to().
+/// Whether the host wants the call to end. Asked by two threads at once, and by more where a sink is.
 struct StopCheck {
     bool (*requested)(void* context) noexcept = nullptr;
     void* context = nullptr;

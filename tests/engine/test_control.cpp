@@ -1,6 +1,7 @@
 // What control.hpp promises: threads, memory, stop and progress.
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -9,6 +10,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "base/paced_stop.hpp"
 #include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"
 #include "input/files.hpp"
@@ -109,6 +111,26 @@ TEST_CASE("every call ends when it is asked to", "[engine][control]") {
         CHECK(call.run({.threads = 2, .stop = at_once.check()}) == ErrorCode::cancelled);
         CHECK(at_once.asked <= 2);
     }
+}
+
+TEST_CASE("a host is asked once in an interval, and one yes of its is one for all threads", "[engine][control][threads]") {
+    LateStop host{2};
+    lamella::PacedStop paced(host.check());
+    CHECK_FALSE(paced.check().stop_requested());
+    bool answered = false;
+    std::thread([&] { answered = paced.check().stop_requested(); }).join();  // another thread's first look
+    CHECK(answered);
+    CHECK(host.asked == 2);
+    for (int look = 0; look < 3; ++look) {
+        CHECK(paced.check().stop_requested());
+    }
+    CHECK(host.asked == 2);
+    host.from = 9;
+    const auto until = std::chrono::steady_clock::now() + lamella::PacedStop::interval;
+    paced.follow(host.check());
+    CHECK_FALSE(paced.check().stop_requested());
+    CHECK_FALSE(paced.check().stop_requested());
+    CHECK((host.asked == 3 || std::chrono::steady_clock::now() > until));
 }
 
 TEST_CASE("the first yes ends a slice, whenever it comes", "[engine][control][cancel][threads]") {

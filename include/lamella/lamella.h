@@ -25,8 +25,8 @@
  *     lamella_result_free(result);
  *
  * The calls are those of the C++ headers, whose comments say what they do; here stands what C adds. In C++ alone are
- * SliceOptions::layers with first_layer and all_layers of results, inspect(), check(), weld(), validate() and the other
- * audits, and files.
+ * SliceOptions::layers with first_layer and all_layers of results, experiments.hpp, what lamella/mesh and lamella/audit
+ * declare (inspect(), check(), weld(), validate()), and files.
  *
  * Structs that grow from version to version begin with their size and are initialised by a call of that name. A library that
  * is newer than the program gives fields that the program does not know their defaults. One that is older refuses the struct

@@ -77,7 +77,7 @@ test_open_mesh() {
     grep -qxF "open      $words" .stdout || fail "not in the summary"
     grep -qF "$words" m.meshes.csv || fail "not in the table"
     [[ $(grep -c '^f7_open,[0-9]*,[^,]*,[^,]*,[^,]*,[^,]*,,,1,0,1,0,,,' m.csv) == 30 ]] || fail "areas that are not known"
-    [[ $(grep -c '"area_mm2":null,"perimeter_mm":null,.*"centroid_x_mm":null' m.jsonl) == 30 ]] || fail "areas in JSON lines"
+    [[ $(grep -c '"area_mm2":null,"perimeter_mm":null,.*"centroid_x_lps_mm":null' m.jsonl) == 30 ]] || fail "areas in JSON lines"
     expect_json m.json 30 open layers
     [[ $(json_value m.json open closed_by_mm) == 10.0000* ]] || fail "another length"
     expect 0 slice f7_open.stl --close-gaps 10 --layer-height 1 -o c.csv

@@ -159,7 +159,8 @@ MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts
         if (open->layers > 0 && open->layers == open->crossed) {
             summary.cut_off_share.back() = std::numeric_limits<double>::quiet_NaN();
         }
-        summary.mean_wall_mm.push_back(counts.perimeter[i] > 0 ? 2 * counts.area[i] / counts.perimeter[i] : 0);
+        summary.mean_wall_mm.push_back(counts.perimeter[i] > 0 ? 2 * counts.area[i] / counts.perimeter[i]
+                                                               : std::numeric_limits<double>::quiet_NaN());
     }
     return summary;
 }

@@ -42,7 +42,7 @@ struct MaskSummary {
     /// where there are none.
     std::vector<double> cut_off_share;
     /// Of each part: twice its area over its perimeter, of all slices together. Of walls much longer than thick that is
-    /// their mean thickness, of discs their radius; 0 where there is no area.
+    /// their mean thickness, of discs their radius; NaN where no area is known.
     std::vector<double> mean_wall_mm;
 };
 

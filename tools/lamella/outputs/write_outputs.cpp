@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -49,8 +50,9 @@ void note_thin_walls(const OutputJob& job, const SlicedPart& part, double wall_m
     if (in_slices || (job.subslices == 1 && thin(2))) {
         note(output.path + ": " + part.name + " is thinner than a voxel: its box is " +
              measure_text(mesh.max_mm[0] - mesh.min_mm[0]) + " x " + measure_text(mesh.max_mm[1] - mesh.min_mm[1]) + " x " +
-             measure_text(mesh.max_mm[2] - mesh.min_mm[2]) + " mm, its walls " + measure_text(wall_mm) +
-             " mm on average; --coverage --subslices 8 writes how much of each voxel is inside");
+             measure_text(mesh.max_mm[2] - mesh.min_mm[2]) + " mm" +
+             (std::isnan(wall_mm) ? "" : ", its walls " + measure_text(wall_mm) + " mm on average") +
+             "; --coverage --subslices 8 writes how much of each voxel is inside");
     }
 }
 

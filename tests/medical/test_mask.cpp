@@ -181,6 +181,31 @@ TEST_CASE("mask: what is open is summed up for each mesh, and shares are those o
     CHECK(std::isnan(written->cut_off_share[1]));
 }
 
+TEST_CASE("mask: shares count once what several contours enclose", "[medical]") {
+    const ImageGeometry image = image_of({4, 4, 2}, {1, 1, 1}, {-1, -1, 0.5});
+    const Soup body = box({-0.25, 0, 0}, {1.25, 1, 1});
+    const SliceResult once = cut(body, image);
+    const std::string expected = voxels_of({{&once, "a"}}, image, {.coverage = true});
+    CHECK(std::count_if(expected.begin(), expected.end(), [](char share) { return share != 0; }) == 4);
+    for (const Soup& soup :
+         {joined({body, body}), joined({body, flipped(body)}), joined({body, box({0, 0, 0}, {1, 1, 1})})}) {
+        const SliceResult twice = cut(soup, image);
+        CHECK(voxels_of({{&twice, "a"}}, image, {.coverage = true}) == expected);
+    }
+}
+
+TEST_CASE("mask: a voxel in three meshes is one that overlaps", "[medical]") {
+    const ImageGeometry image = image_of({12, 12, 12}, {1, 1, 1}, {-0.5, -0.5, -0.5});
+    const SliceResult large = cut(box({0, 0, 0}, {10, 10, 10}), image);
+    const SliceResult small = cut(box({2, 2, 2}, {4, 4, 4}), image);
+    const std::vector<MaskPart> parts = {{&large, "a"}, {&large, "b"}, {&small, "c"}};
+    const TempFolder folder;
+    const Result<MaskSummary> written = write_mask(parts, image, folder / "mask.nii");
+    REQUIRE(written.ok());
+    CHECK(written->overlapped_voxels == 1000);
+    CHECK(written->voxels == std::vector<std::uint64_t>{0, 992, 8});
+}
+
 TEST_CASE("mask: more than 255 meshes take two bytes", "[medical]") {
     const ImageGeometry image = image_of({3, 2, 1}, {1, 1, 1}, {0, 0, 0});
     const SliceResult nothing = cut(box({50, 50, -1}, {51, 51, 1}), image);

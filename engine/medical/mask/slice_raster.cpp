@@ -11,18 +11,19 @@ namespace lamella {
 
 namespace {
 
+/// Voxels [first, last) of a row. `overlapped`: of each voxel of the row, whether it was counted as such.
 template <class Label>
-void fill_span(Label* begin, Label* end, std::uint32_t part, MaskCounts& counts) {
-    if (part > 0) {
-        for (const Label* voxel = begin; voxel != end; ++voxel) {
-            if (*voxel != 0) {
-                --counts.voxels[*voxel - 1U];
-                ++counts.overlapped;
-            }
+void fill_span(Label* row, std::size_t first, std::size_t last, std::uint32_t part, std::vector<std::uint8_t>& overlapped,
+               MaskCounts& counts) {
+    for (std::size_t i = first; part > 0 && i < last; ++i) {
+        if (row[i] != 0) {
+            --counts.voxels[row[i] - 1U];
+            counts.overlapped += overlapped[i] != 0 ? 0 : 1;
+            overlapped[i] = 1;
         }
     }
-    std::fill(begin, end, static_cast<Label>(part + 1));
-    counts.voxels[part] += static_cast<std::uint64_t>(end - begin);
+    std::fill(row + first, row + last, static_cast<Label>(part + 1));
+    counts.voxels[part] += last - first;
 }
 
 /// Calls use(part, crossings) for each part that crosses a row.
@@ -141,9 +142,10 @@ void SliceRaster::draw_spans(std::uint64_t slice, Label* to, Scratch& scratch, M
     crossings.sort();
     for (std::size_t row = 0; row < image_.size[1]; ++row) {
         Label* const voxels = to + row * image_.size[0];
+        scratch.overlapped.assign(parts_.size() > 1 ? image_.size[0] : 0, 0);
         for_each_part(crossings.of_row(row), [&](std::uint32_t part, std::span<const Crossing> of_part) {
             for_each_span(of_part, image_.size[0], [&](std::size_t first, std::size_t last) {
-                fill_span(voxels + first, voxels + last, part, counts);
+                fill_span(voxels, first, last, part, scratch.overlapped, counts);
             });
         });
     }
@@ -165,10 +167,8 @@ void SliceRaster::draw_shares(std::uint64_t slice, unsigned char* to, Scratch& s
     scratch.shares.assign(width * image_.size[1], 0);
     for (int subslice = 0; subslice < options_.subslices; ++subslice) {
         scratch.sheet.restart(width, 0, image_.size[1]);
-        for (const Contour& contour : result.contours_of(layer(0, slice, subslice))) {
-            if (contour.role != Role::open) {
-                scratch.sheet.add(result.points_of(contour), scale);
-            }
+        for (const std::span<const Point> contour : scratch.solid.of(result, layer(0, slice, subslice))) {
+            scratch.sheet.add(contour, scale);
         }
         for (std::size_t row = 0; row < image_.size[1]; ++row) {
             scratch.sheet.take_row(row, std::span(scratch.shares).subspan(row * width, width));

@@ -11,6 +11,7 @@
 #include "medical/raster/centres.hpp"
 #include "medical/raster/coverage.hpp"
 #include "medical/raster/row_crossings.hpp"
+#include "medical/raster/solid_contours.hpp"
 
 namespace lamella {
 
@@ -40,7 +41,9 @@ public:
         RowCrossings crossings;
         CoverageSheet sheet;
         std::vector<double> shares;
-        std::vector<std::uint16_t> wide;  ///< labels of a slice, before they become bytes
+        SolidContours solid;
+        std::vector<std::uint8_t> overlapped;  ///< of the voxels of a row: counted as lying in several parts
+        std::vector<std::uint16_t> wide;       ///< labels of a slice, before they become bytes
     };
 
     /// All slice_bytes() of a slice. Throws std::bad_alloc.

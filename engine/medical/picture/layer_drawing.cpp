@@ -44,12 +44,9 @@ void LayerBrush::begin_rows(const View& view, int begin, int end) {
 }
 
 void LayerBrush::add_filled(const View& view, const DrawnLayer& drawn) {
-    for (const Contour& contour : drawn.result->contours_of(*drawn.layer)) {
-        if (contour.role != Role::outer && contour.role != Role::hole) {
-            continue;
-        }
+    for (const std::span<const Point> points : solid_.of(*drawn.result, *drawn.layer)) {
         contour_.clear();
-        for (const Point& point : drawn.result->points_of(contour)) {
+        for (const Point& point : points) {
             contour_.push_back(fine(view.at(drawn.result->to_mm(point))));
         }
         if (view.mirrored()) {

@@ -8,6 +8,7 @@
 #include "lamella/medical/picture.hpp"
 #include "medical/picture/canvas.hpp"
 #include "medical/raster/coverage.hpp"
+#include "medical/raster/solid_contours.hpp"
 
 namespace lamella {
 
@@ -73,6 +74,7 @@ private:
     void mix_rows(Canvas& canvas, const View& view, const Paint& paint, int begin, int end);
 
     CoverageSheet sheet_;
+    SolidContours solid_;
     std::vector<Point> contour_;  ///< in fractions of a pixel
     std::vector<double> shares_;  ///< of a row
 };

@@ -34,6 +34,7 @@
 #include "lamella/mesh.hpp"
 #include "lamella/mesh/check.hpp"
 #include "lamella/mesh/inspect.hpp"
+#include "lamella/mesh/orient.hpp"
 #include "lamella/mesh/scale.hpp"
 #include "lamella/mesh/weld.hpp"
 #include "lamella/parts.hpp"

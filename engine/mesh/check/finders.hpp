@@ -33,9 +33,9 @@ void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& not
 /// Faces that are bad by themselves, and faces on the same three vertices. O(n), one call of run().
 void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes, const Parallel& parallel);
 
-/// Shells, their orientations and nesting. Returns the shell of each face.
+/// Shells, their orientations and nesting, `whole` as for nest_shells(). Returns the shell of each face.
 Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree, const Notes& notes,
-                                 MeshCheck& check, const Parallel& parallel);
+                                 MeshCheck& check, const Parallel& parallel, bool whole = false);
 
 /// Pairs of faces that cross, overlap or touch. Returns for each shell 1 if it and another one are closed and meet, else 0.
 /// The search itself leads the progress on to `progress`.

@@ -48,8 +48,8 @@ int winding_of(const ExactFace& face, const GridVector& p) {
 class Nesting {
 public:
     Nesting(const GridMesh& mesh, const FaceTree& tree, const Array<std::uint32_t>& shell_of, std::vector<MeshShell>& shells,
-            const Parallel& parallel)
-        : mesh_(mesh), tree_(tree), shell_of_(shell_of), shells_(shells), parallel_(parallel) {
+            bool whole, const Parallel& parallel)
+        : mesh_(mesh), tree_(tree), shell_of_(shell_of), shells_(shells), whole_(whole), parallel_(parallel) {
         choose_samples();
     }
 
@@ -60,14 +60,15 @@ public:
             [&](std::size_t shell, std::size_t limit, std::vector<std::uint32_t>& found) {
                 return find_around(static_cast<std::uint32_t>(shell), limit, found);
             },
-            [&](std::size_t shell, const std::vector<std::uint32_t>& found, int) {
-                around[shell] = found;
-                shells_[shell].depth = static_cast<int>(found.size());
-            });
+            [&](std::size_t shell, const std::vector<std::uint32_t>& found, int) { around[shell] = found; });
+        const bool all_tested = !whole_ || drop_crossed(around);
+        for (std::uint32_t shell = 0; shell < shells_.size(); ++shell) {
+            shells_[shell].depth = static_cast<int>(around[shell].size());
+        }
         for (std::uint32_t shell = 0; shell < shells_.size(); ++shell) {
             choose_parent(shell, around[shell]);
         }
-        return complete;
+        return complete && all_tested;
     }
 
 private:
@@ -93,35 +94,74 @@ private:
         return half(mesh_.vertices[samples_[shell][number]]);
     }
 
-    /// Appends the closed shells around this one to `around`; returns what it cost.
+    /// Appends the closed shells around this one to `around`; returns what it cost. Samples are tried for as long as some
+    /// lie on a shell's surface, or all of them.
     std::size_t find_around(std::uint32_t shell, std::size_t limit, std::vector<std::uint32_t>& around) const {
-        std::vector<std::uint32_t> unsure;  // shells on whose surface all samples so far lie
+        std::vector<Hit> kept;  // on or within which all samples so far lie; `winding` of one within, else 0
         std::vector<Hit> hits;
         std::size_t cost = 0;
-        for (std::size_t number = 0; number < most_samples && cost < limit; ++number) {
+        for (std::size_t number = 0; number < most_samples && cost < limit && (number == 0 || !kept.empty()); ++number) {
             cost += cast(shell, sample(shell, number), limit - cost, hits);
-            std::vector<std::uint32_t> still_unsure;
+            std::vector<Hit> still;
             for (auto hit = hits.begin(); hit != hits.end();) {
                 Hit sum = *hit;
                 for (++hit; hit != hits.end() && hit->shell == sum.shell; ++hit) {
                     sum.winding += hit->winding;
                     sum.touches |= hit->touches;
                 }
-                if (number > 0 && !std::binary_search(unsure.begin(), unsure.end(), sum.shell)) {
+                const auto before = std::lower_bound(kept.begin(), kept.end(), sum);
+                const bool known = before != kept.end() && before->shell == sum.shell;
+                if ((number > 0 && !known) || (!sum.touches && sum.winding == 0)) {
                     continue;
                 }
-                if (sum.touches) {
-                    still_unsure.push_back(sum.shell);
-                } else if (sum.winding != 0) {
+                if (sum.touches || whole_) {
+                    still.push_back({sum.shell, sum.touches ? (known ? before->winding : 0) : sum.winding, sum.touches});
+                } else {
                     around.push_back(sum.shell);
                 }
             }
-            unsure = std::move(still_unsure);
-            if (unsure.empty()) {
-                break;
+            kept = std::move(still);
+        }
+        for (const Hit& hit : kept) {
+            if (hit.winding != 0) {
+                around.push_back(hit.shell);
             }
         }
         return cost;
+    }
+
+    /// Takes from `around` each shell's the others that a face of it crosses. Returns whether all faces were tested.
+    bool drop_crossed(std::vector<std::vector<std::uint32_t>>& around) const {
+        BudgetedSearch<std::uint32_t> search(mesh_.faces.size(), search_budget(mesh_.faces.size()), parallel_);
+        std::vector<std::vector<std::array<std::uint32_t, 2>>> crossed(static_cast<std::size_t>(parallel_.threads()));
+        const bool complete = search.run(
+            [&](std::size_t face, std::size_t limit, std::vector<std::uint32_t>& found) {
+                const auto number = static_cast<std::uint32_t>(face);
+                const std::vector<std::uint32_t>& others = around[shell_of_[face]];
+                return others.empty() ? 0 : find_crossed(exact(number), mesh_.faces[face], limit, others, found);
+            },
+            [&](std::size_t face, const std::vector<std::uint32_t>& found, int worker) {
+                for (const std::uint32_t other : found) {
+                    crossed[static_cast<std::size_t>(worker)].push_back({shell_of_[face], other});
+                }
+            });
+        for (const auto& own : crossed) {
+            for (const auto& [shell, other] : own) {
+                std::erase(around[shell], other);
+            }
+        }
+        return complete;
+    }
+
+    std::size_t find_crossed(const ExactFace& own, const Face& face, std::size_t limit,
+                             const std::vector<std::uint32_t>& others, std::vector<std::uint32_t>& found) const {
+        return tree_.boxes.search(Box::around(mesh_.corners(face)), limit, [&](std::size_t item) {
+            const std::uint32_t shell = shell_of_[tree_.faces[item]];
+            if (own.has_area() && std::binary_search(others.begin(), others.end(), shell) &&
+                meet(own, exact(tree_.faces[item])) == Meeting::cross) {
+                found.push_back(shell);
+            }
+        });
     }
 
     /// Fills `hits` from the ray upwards from p, by shell; returns what it cost.
@@ -167,6 +207,7 @@ private:
     const FaceTree& tree_;
     const Array<std::uint32_t>& shell_of_;
     std::vector<MeshShell>& shells_;
+    const bool whole_;
     const Parallel& parallel_;
     std::vector<std::array<std::uint32_t, most_samples>> samples_;  ///< by shell: vertices
 };
@@ -174,9 +215,9 @@ private:
 }  // namespace
 
 bool nest_shells(const GridMesh& mesh, const FaceTree& tree, const Array<std::uint32_t>& shell_of,
-                 std::vector<MeshShell>& shells, const Parallel& parallel) {
+                 std::vector<MeshShell>& shells, bool whole, const Parallel& parallel) {
     const bool any_closed = std::any_of(shells.begin(), shells.end(), [](const MeshShell& shell) { return shell.closed; });
-    return shells.size() < 2 || !any_closed || Nesting(mesh, tree, shell_of, shells, parallel).run();
+    return shells.size() < 2 || !any_closed || Nesting(mesh, tree, shell_of, shells, whole, parallel).run();
 }
 
 }  // namespace lamella

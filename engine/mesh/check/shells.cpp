@@ -232,13 +232,13 @@ bool lies_apart(const std::vector<MeshShell>& shells, const std::vector<std::uin
 }  // namespace
 
 Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree, const Notes& notes,
-                                 MeshCheck& check, const Parallel& parallel) {
+                                 MeshCheck& check, const Parallel& parallel, bool whole) {
     std::uint32_t count = 0;
     Array<std::uint32_t> shell_of = join_shells(mesh, edges, count, parallel);
     check.shells.resize(count);
     const std::vector<FirstPlace> firsts = ShellMeasure(mesh, edges, shell_of, check.shells, parallel).run(notes);
     sort_shells(firsts, check.shells, shell_of, parallel);
-    check.nesting_complete = nest_shells(mesh, tree, shell_of, check.shells, parallel);
+    check.nesting_complete = nest_shells(mesh, tree, shell_of, check.shells, whole, parallel);
     return shell_of;
 }
 

@@ -159,6 +159,9 @@ struct SliceSummary {
     std::uint64_t overruled_contours = 0;  ///< contours with orientation_overruled
     std::uint64_t near_contours = 0;       ///< contours with near_contour
     std::uint64_t emptied_layers = 0;      ///< layers that the mesh crosses, but of which the rules leave no contour
+    /// Layers in which shells turned inwards overlap others, so that FillRule::non_zero or outermost takes solid away there:
+    /// contours that meet have winding numbers below and above zero. Not kept in archives.
+    std::uint64_t cancelled_layers = 0;
     std::uint64_t bands = 0;
     int unit_doublings = 0;  ///< how often the unit asked for, or the default, was doubled to fit the mesh
     int threads = 1;

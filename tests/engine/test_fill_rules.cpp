@@ -152,6 +152,21 @@ TEST_CASE("fill rules: an internal wall stays an open polyline", "[engine][fill]
     CHECK(regions(shapes::joined({square(0, 0, 10), wall})) == Lines(4, "1 outer, 0 hole, 1 open"));
 }
 
+TEST_CASE("fill rules: layers are counted where shells turned inwards take solid away", "[engine][fill]") {
+    const auto cancelled = [](const shapes::Soup& soup, FillRule rule = FillRule::non_zero) {
+        return filled(soup, rule).summary.cancelled_layers;
+    };
+    const shapes::Soup body = square(0, 0, 10);
+    const shapes::Soup across = shapes::flipped(square(5, 5, 10));
+    CHECK(cancelled(shapes::joined({body, across})) == 1);
+    CHECK(cancelled(shapes::joined({body, across}), FillRule::even_odd) == 0);
+    CHECK(cancelled(shapes::joined({body, shapes::flipped(body)})) == 1);
+    CHECK(cancelled(shapes::joined({body, body, square(5, 5, 10)})) == 0);
+    CHECK(cancelled(shapes::joined({body, shapes::flipped(square(0, 2, 4))})) == 0);    // a pocket at a face
+    CHECK(cancelled(shapes::joined({body, shapes::flipped(square(20, 0, 10))})) == 0);  // apart
+    CHECK(cancelled(shapes::flipped(shapes::joined({body, square(5, 5, 10)}))) == 0);   // inside out as a whole
+}
+
 TEST_CASE("fill rules: threads, bands and triangle order do not change the bytes", "[engine][fill][threads]") {
     shapes::Soup soup;
     std::mt19937 random(4);

@@ -371,6 +371,7 @@ void FileSlicing::add(const SliceTotals& own) {
     sum.overruled_contours += part.overruled_contours;
     sum.near_contours += part.near_contours;
     sum.emptied_layers += part.emptied_layers;
+    sum.cancelled_layers += part.cancelled_layers;
     sum.bands += part.bands;
     sum.ms.bucket += part.ms.bucket;
     sum.ms.sweep += part.ms.sweep;

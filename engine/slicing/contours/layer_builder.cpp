@@ -109,9 +109,11 @@ void LayerBuilder::finish(BandOutput& out) {
     const std::uint64_t before = timed ? ticks() : 0;
     const std::uint64_t filled_before = fill_ticks;
     const std::uint64_t layer = rules.first_layer + out.first_layer + out.layer_contours.size();
+    cancels_ = false;
     nest(rules.region == nullptr ? FillRule::contours : rules.region->rule_of(layer));
     nesting_ticks += timed ? ticks() - before - (fill_ticks - filled_before) : 0;
     order_.put_holes_after_outers(items_);
+    out.counts.cancelled_layers += cancels_ ? 1 : 0;
     append(out);
 }
 
@@ -198,6 +200,7 @@ void LayerBuilder::apply_rules(FillRule rule) {
                   .miter_limit = region.miter_limit,
                   .always_list = rewrites || closed_.size() != items_.size()},
                  nester_);
+    cancels_ = regions_.cancels();
     if (regions_.is_unchanged() && regions_.rings().empty()) {
         std::copy(regions_.nested().begin(), regions_.nested().end(), items_.begin());
         return;

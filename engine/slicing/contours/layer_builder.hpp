@@ -114,6 +114,7 @@ private:
     Vector<Point> given_;  // points of contours that were not walked
     Vector<PointOrigin> given_origins_;
     bool with_origins_ = false;  // of the layer
+    bool cancels_ = false;       // as Fill::cancels(), of the layer
     StopPace pace_;
 };
 

@@ -107,6 +107,7 @@ void add(const SliceSummary& own, SliceSummary& sum) {
     sum.flat_contours += own.flat_contours;
     sum.overruled_contours += own.overruled_contours;
     sum.near_contours += own.near_contours;
+    sum.cancelled_layers += own.cancelled_layers;
     sum.bands += own.bands;
     sum.ms.bucket += own.ms.bucket;
     sum.ms.sweep += own.ms.sweep;

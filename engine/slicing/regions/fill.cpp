@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstdlib>
 #include <numeric>
 
+#include "base/int128.hpp"
 #include "slicing/regions/closed_item.hpp"
 
 namespace lamella {
@@ -11,6 +13,16 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t item_work = 4;  ///< as StopPace counts it
+
+bool unites_inverted(FillRule rule) noexcept {
+    return rule == FillRule::non_zero || rule == FillRule::outermost;
+}
+
+/// Whether one is the other walked backwards, as of a shell and its copy turned inside out.
+bool are_opposite(const NestItem& a, const NestItem& b) noexcept {
+    return a.from_start(0) == b.from_start(0) && a.count == b.count && to_int128(a.twice_area) == -to_int128(b.twice_area) &&
+           to_int128(a.twice_area) != 0;
+}
 
 }  // namespace
 
@@ -29,6 +41,7 @@ Fill::Fill(const Memory* memory)
       order_(memory),
       around_(memory),
       around_known_(memory),
+      below_zero_(memory),
       traced_(memory),
       region_(memory),
       points_(memory),
@@ -40,7 +53,9 @@ void Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester
     points_.clear();
     origins_.clear();
     with_origins_ = std::any_of(contours.begin(), contours.end(), [](const NestItem& c) { return c.origins != nullptr; });
+    cancels_ = false;
     merge_equal_ones(contours);
+    cancels_ = cancels_ && unites_inverted(rule);
     contacts_.find(items_);
     unchanged_ = !contacts_.any_meets() && items_.size() == contours.size();
     if (contacts_.any_meets()) {
@@ -60,6 +75,7 @@ void Fill::merge_equal_ones(std::span<const NestItem> contours) {
             ++times_.back();
             items_.back().part = part_of_both(items_.back().part, contours[c].part);
         } else {
+            cancels_ = cancels_ || (!items_.empty() && are_opposite(items_.back(), contours[c]));
             items_.push_back(contours[c]);
             firsts_.push_back(c);
             times_.push_back(1);
@@ -105,6 +121,9 @@ void Fill::overlay(FillRule rule, Nester& nester) {
     list_pieces();
     nest_pieces(nester);
     find_windings(rule);
+    if (unites_inverted(rule)) {
+        find_cancelled();
+    }
     take_traced(rule);
 }
 
@@ -174,6 +193,36 @@ void Fill::find_windings(FillRule rule) {
         }
         inside_[p] = around_[face.component] + face.winding;
     }
+}
+
+/// What opposite edges have cancelled may have hung together.
+void Fill::find_cancelled() {
+    const auto winding = [this](const Arrangement::Face& face) { return around_[face.component] + face.winding; };
+    const auto below = [this](const Arrangement::Face& face) -> std::uint8_t& {
+        return below_zero_[snapped_.any_cancelled() ? 0 : face.component];
+    };
+    below_zero_.assign(around_.size(), 0);
+    for (const Arrangement::Face& face : arrangement_.faces()) {
+        below(face) = below(face) != 0 || (winding(face) < 0 && is_wide(face)) ? 1 : 0;
+    }
+    for (const Arrangement::Face& face : arrangement_.faces()) {
+        cancels_ = cancels_ || (below(face) != 0 && winding(face) > 0 && is_wide(face));
+    }
+}
+
+/// Wider than the two units by which rounding may move edges that touch over one another.
+bool Fill::is_wide(const Arrangement::Face& face) {
+    face_points_.clear();
+    arrangement_.append_points_of(face, face_points_);
+    Int128 twice_area = 0;
+    std::int64_t length = 0;
+    for (std::size_t i = 0; i < face_points_.size(); ++i) {
+        const Point a = face_points_[i];
+        const Point b = face_points_[i + 1 < face_points_.size() ? i + 1 : 0];
+        twice_area += Int128{a.x} * b.y - Int128{b.x} * a.y;
+        length += std::abs(std::int64_t{b.x} - a.x) + std::abs(std::int64_t{b.y} - a.y);
+    }
+    return twice_area > 2 * Int128{length};
 }
 
 void Fill::take_traced(FillRule rule) {

@@ -67,6 +67,9 @@ public:
     /// Whether the region is the contours as they are. Then nested() are they, with the outputs of nesting.
     bool is_unchanged() const noexcept { return unchanged_; }
     std::span<const NestItem> nested() const noexcept { return items_; }
+    /// Whether contours that meet have winding numbers below and above zero, in faces wider than what rounding makes: shells
+    /// turned inwards and outwards overlap there, and cancel by the rules non_zero and outermost.
+    bool cancels() const noexcept { return cancels_; }
 
 private:
     /// What nesting is about: a contour that meets no other, or a face.
@@ -82,6 +85,8 @@ private:
     void list_pieces();
     void nest_pieces(Nester& nester);
     void find_windings(FillRule rule);
+    void find_cancelled();
+    bool is_wide(const Arrangement::Face& face);
     void take_traced(FillRule rule);
 
     Contacts contacts_;
@@ -98,12 +103,14 @@ private:
     Vector<std::uint32_t> order_;        // of pieces, by start
     Vector<std::int64_t> around_;        // of each component: the winding number around it
     Vector<std::uint8_t> around_known_;  // of each component
+    Vector<std::uint8_t> below_zero_;    // of each component: whether it has a wide face below zero
     Vector<Arrangement::Traced> traced_;
     Vector<RegionContour> region_;
     Vector<Point> points_;
     Vector<PointOrigin> origins_;  // of points_
     bool with_origins_ = false;
     bool unchanged_ = false;
+    bool cancels_ = false;
     StopPace pace_;
 };
 

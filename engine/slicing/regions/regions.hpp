@@ -62,6 +62,7 @@ public:
     /// Whether the region is the contours as they are. Then nested() are they, with the outputs of nesting.
     bool is_unchanged() const noexcept { return unchanged_; }
     std::span<const NestItem> nested() const noexcept { return filled_.nested(); }
+    bool cancels() const noexcept { return filled_.cancels(); }
 
     /// Adds the flag near_contour to those of `contours`, closed ones with a role, that closing by `distance` would change.
     void mark_near(std::span<NestItem> contours, double distance, double miter_limit, Nester& nester);

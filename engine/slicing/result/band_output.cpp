@@ -33,6 +33,7 @@ void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, Slice
     summary.overruled_contours = counts.overruled;
     summary.near_contours = counts.near;
     summary.emptied_layers = emptied_layers;
+    summary.cancelled_layers = counts.cancelled_layers;
 }
 
 void set_counts(const ContourCounts& counts, std::span<const Layer> layers, SliceResult& result) noexcept {

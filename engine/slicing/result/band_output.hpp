@@ -18,6 +18,7 @@ struct ContourCounts {
     std::uint64_t by_role[4] = {};  ///< index: Role
     std::uint64_t overruled = 0;
     std::uint64_t near = 0;
+    std::uint64_t cancelled_layers = 0;
 
     void add(const Contour& contour) noexcept {
         ++by_role[static_cast<std::size_t>(contour.role)];
@@ -30,6 +31,7 @@ struct ContourCounts {
         }
         overruled += other.overruled;
         near += other.near;
+        cancelled_layers += other.cancelled_layers;
     }
     std::uint64_t of(Role role) const noexcept { return by_role[static_cast<std::size_t>(role)]; }
 };

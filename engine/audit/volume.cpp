@@ -26,6 +26,7 @@
 #include "audit/face_sums.hpp"
 #include "audit/pair.hpp"
 #include "base/guard.hpp"
+#include "base/words.hpp"
 #include "slicing/grid/quantise.hpp"
 #include "slicing/planes/plane_set.hpp"
 
@@ -83,11 +84,11 @@ Sums sum_faces(const MeshView& mesh, const SliceResult& result, const PlaneSet& 
     return all;
 }
 
-/// What a layer's contours enclose, in square units, by the facets' orientations; and how far their edges run along the
-/// axes.
+/// What a layer's contours enclose, in square units; and how far their edges run along the axes.
 struct LayerSize {
     double area = 0;
     double length = 0;
+    bool walked = true;  ///< no rule has made or dropped contours
 };
 
 /// Twice the area within a closed path, and how far its edges run along the axes.
@@ -112,17 +113,20 @@ std::pair<Int128, std::uint64_t> traced(std::span<const Point> points) noexcept 
     return {twice_area, length};
 }
 
-LayerSize size_of(const SliceResult& result, const Layer& layer) {
+/// `solid`: whatever the facets say.
+LayerSize size_of(const SliceResult& result, const Layer& layer, bool solid) {
     Int128 twice_area = 0;
     Int128 length = 0;
+    std::uint64_t segments = 0;
     for (const Contour& contour : result.contours_of(layer)) {
+        segments += contour.segments;
         const std::span<const Point> points = result.points_of(contour);
         const auto [own, own_length] = traced(points);
         length += own_length;
         const int run = contour.role == Role::outer ? 1 : (contour.role == Role::hole ? -1 : 0);
-        twice_area += own * (run * contour.orientation);
+        twice_area += own * (solid ? std::abs(run) : run * contour.orientation);
     }
-    return {static_cast<double>(twice_area) / 2, static_cast<double>(length)};
+    return {static_cast<double>(twice_area) / 2, static_cast<double>(length), segments == layer.segments};
 }
 
 /// From sums over a closed mesh to areas and volumes.
@@ -135,10 +139,11 @@ public:
         measure();
         certificate_.mesh_mm3 = static_cast<double>(sums_.six_volumes) / 6 * 8 * cube_mm3();
         certificate_.verdict = volumes_agree() ? VolumeVerdict::holds : VolumeVerdict::volumes_differ;
-        if (!result_.region.keeps_contours() || result_.region.simplify_mm > 0 || !result_.closed_gaps.empty()) {
+        if (!are_comparable()) {
             certificate_.verdict = VolumeVerdict::not_as_walked;
         } else if (!compare_layers()) {
-            certificate_.verdict = VolumeVerdict::areas_differ;
+            certificate_.verdict =
+                certificate_.differing_layers > 0 ? VolumeVerdict::solid_differs : VolumeVerdict::areas_differ;
         }
         return std::move(certificate_);
     }
@@ -149,6 +154,21 @@ private:
     /// Faces are in squares of two units, of which a face's normal spans two: half an area each; those below face down.
     double area(Int128 sum) const noexcept { return -2 * std::ldexp(static_cast<double>(sum), -scale_.area_bits); }
     double volume(Int128 sum) const noexcept { return -2 * std::ldexp(static_cast<double>(sum), -scale_.volume_bits); }
+
+    /// No step has moved or dropped contours but FillRule::non_zero.
+    bool are_comparable() const noexcept {
+        const RegionRules& rules = result_.region;
+        const auto serves = [](FillRule rule) { return rule == FillRule::contours || rule == FillRule::non_zero; };
+        return serves(rules.fill_rule) &&
+               std::all_of(rules.fill_from.begin(), rules.fill_from.end(),
+                           [&](const FillFrom& from) { return serves(from.rule); }) &&
+               rules.close_mm == 0 && rules.offset_mm == 0 && !rules.largest_only && rules.simplify_mm == 0 &&
+               result_.closed_gaps.empty();
+    }
+
+    bool is_filled(std::size_t layer) const noexcept {
+        return result_.region.rule_of(result_.first_layer + layer) != FillRule::contours;
+    }
 
     void measure() {
         const std::size_t planes = result_.layers.size();
@@ -188,15 +208,25 @@ private:
     /// Also notes where they differ most.
     bool compare_layers() {
         std::vector<LayerSize> sizes(result_.layers.size());
-        parallel_.run(sizes.size(), [&](std::size_t l, int) { sizes[l] = size_of(result_, result_.layers[l]); });
+        parallel_.run(sizes.size(),
+                      [&](std::size_t l, int) { sizes[l] = size_of(result_, result_.layers[l], is_filled(l)); });
         const double square_mm2 = result_.unit_mm * result_.unit_mm;
         constexpr double moved = 0.5 + 0x1p-16;  // a point, along an axis; with what double loses of a corner's square
+        constexpr double made = 3;               // snap rounding moves what it cuts by a unit more
+        const double turn = certificate_.mesh_mm3 < 0 ? -1 : 1;
         double largest = 0;
         bool agree = true;
         for (std::size_t l = 0; l < sizes.size(); ++l) {
-            const double difference = std::abs(areas_[l] - sizes[l].area);
-            const double allowed = moved * sizes[l].length + moved * moved * cut_[l];
+            const bool filled = is_filled(l);
+            const double enclosed = filled ? turn * areas_[l] : areas_[l];
+            const double difference = std::abs(enclosed - sizes[l].area);
+            const double allowed = (sizes[l].walked ? 1 : made) * (moved * sizes[l].length + moved * moved * cut_[l]);
             agree = agree && difference <= allowed;
+            if (filled && difference > allowed) {
+                ++certificate_.differing_layers;
+                certificate_.differing_signed_mm2 += enclosed * square_mm2;
+                certificate_.differing_solid_mm2 += sizes[l].area * square_mm2;
+            }
             const double share = difference / std::max(allowed, 1.0);
             if (l == 0 || share > largest) {
                 largest = share;
@@ -245,9 +275,24 @@ Result<VolumeCertificate> certify_or_throw(const MeshView& mesh, const SliceResu
 }  // namespace
 
 std::string_view name_of(VolumeVerdict verdict) noexcept {
-    constexpr std::array<std::string_view, 5> names = {"holds", "areas differ", "volumes differ", "open mesh",
-                                                       "contours not as walked"};
+    constexpr std::array<std::string_view, 6> names = {
+        "holds",     "areas differ",           "volumes differ",
+        "open mesh", "contours not as walked", "solid is not what the mesh encloses"};
     return names[static_cast<std::size_t>(verdict)];
+}
+
+std::string words_for(const VolumeCertificate& certificate) {
+    if (certificate.verdict == VolumeVerdict::holds) {
+        return "certified";
+    }
+    std::string text = "not certified: " + std::string(name_of(certificate.verdict));
+    if (certificate.verdict == VolumeVerdict::solid_differs) {
+        const auto mm2 = [](double area) { return exact_text(std::round(area * 1e3) / 1e3) + " mm2"; };
+        text += ", as shells overlap or are turned inwards: in " + counted(certificate.differing_layers, "layer") +
+                " it encloses " + mm2(certificate.differing_signed_mm2) + " by its facets, and " +
+                mm2(certificate.differing_solid_mm2) + " are solid";
+    }
+    return text;
 }
 
 Result<VolumeCertificate> certify_volume(const MeshView& mesh, const SliceResult& result, const Control& control) noexcept {

@@ -144,8 +144,39 @@ TEST_CASE("certificate: open meshes, fill rules and closed gaps are not certifie
     std::swap_ranges(turned.begin(), turned.begin() + 3, turned.begin() + 3);
     CHECK(certified(turned, sliced(turned, uniform(0.5))).verdict == VolumeVerdict::open_mesh);
     lamella::SliceOptions options = uniform(0.5);
-    options.region.fill_rule = lamella::FillRule::non_zero;
+    options.region.fill_rule = lamella::FillRule::outermost;
     CHECK(certified(ball, sliced(ball, options)).verdict == VolumeVerdict::not_as_walked);
+    options.region = {.fill_rule = lamella::FillRule::non_zero, .fill_from = {}, .offset_mm = 0.1};
+    CHECK(certified(ball, sliced(ball, options)).verdict == VolumeVerdict::not_as_walked);
+}
+
+TEST_CASE("certificate: by the rule non-zero it holds as by contours where shells lie apart or bound cavities",
+          "[engine][certificate]") {
+    lamella::SliceOptions options = uniform(0.37);
+    const VolumeCertificate walked = certified(hollow(), sliced(hollow(), options));
+    options.region.fill_rule = lamella::FillRule::non_zero;
+    CHECK(same(certified(hollow(), sliced(hollow(), options)), walked));
+    // A pocket that touches a face from inside takes away what it encloses, as the mesh does.
+    const shapes::Soup pocket =
+        shapes::joined({shapes::box({0, 0, 0}, {10, 10, 10}), shapes::flipped(shapes::box({0, 3, 1}, {5, 7, 9}))});
+    lamella::SliceOptions planes = at_heights({0.5, 5});
+    planes.region.fill_rule = lamella::FillRule::non_zero;
+    const lamella::SliceResult cut = sliced(pocket, planes);
+    CHECK(cut.area_mm2(cut.layers[1]) == 80);
+    CHECK(certified(pocket, cut).verdict == VolumeVerdict::holds);
+}
+
+TEST_CASE("certificate: where solid is not what the mesh encloses both areas are stated", "[engine][certificate]") {
+    lamella::SliceOptions options = at_heights({5, 15, 25});
+    options.region.fill_rule = lamella::FillRule::non_zero;
+    const auto stated = [&](const shapes::Soup& soup) { return words_for(certified(soup, sliced(soup, options))); };
+    const std::string head =
+        "not certified: solid is not what the mesh encloses, as shells overlap or are turned inwards: in ";
+    CHECK(stated(shapes::joined({shapes::box({0, 0, 0}, {20, 20, 30}), shapes::box({0, 0, 10}, {20, 20, 30})})) ==
+          head + "2 layers it encloses 1600 mm2 by its facets, and 800 mm2 are solid");
+    CHECK(stated(shapes::joined(
+              {shapes::box({0, 0, 0}, {20, 20, 30}), shapes::flipped(shapes::box({30, 0, 0}, {40, 10, 10}))})) ==
+          head + "1 layer it encloses 300 mm2 by its facets, and 500 mm2 are solid");
 }
 
 TEST_CASE("certificate: a damaged result is rejected, and the layer is named", "[engine][certificate]") {

@@ -237,6 +237,11 @@ void write_volume(JsonText& json, const VolumeCertificate& volume) {
         json.member_if(compared, "worst_layer", volume.worst_layer);
         json.member_if(compared, "worst_difference_mm2", volume.worst_difference_mm2);
         json.member_if(compared, "worst_allowed_mm2", volume.worst_allowed_mm2);
+        if (volume.verdict == VolumeVerdict::solid_differs) {
+            json.member("differing_layers", volume.differing_layers);
+            json.member("differing_signed_mm2", volume.differing_signed_mm2);
+            json.member("differing_solid_mm2", volume.differing_solid_mm2);
+        }
     });
 }
 
@@ -300,6 +305,9 @@ void write_region(JsonText& json, const SliceResult& result) {
 void write_findings(JsonText& json, const SliceResult& result, const ReportParts& parts) {
     write_open(json, result);
     json.member("fill_rule", name_of(result.region.fill_rule));
+    if (result.summary.cancelled_layers > 0) {
+        json.member("cancelled_layers", result.summary.cancelled_layers);
+    }
     if (goes_beyond_one_rule(result.region)) {
         write_region(json, result);
     }

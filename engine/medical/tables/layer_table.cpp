@@ -301,9 +301,7 @@ Result<MeshFacts> measure_facts(const MeshView& mesh, const Transform& to_mm, co
         facts.triangles = info->triangles;
         facts.volume_mm3 = info->closed ? info->volume_mm3 : std::numeric_limits<double>::quiet_NaN();
         facts.surface_mm2 = info->area_mm2;
-        facts.certificate = volume->verdict == VolumeVerdict::holds
-                                ? "certified"
-                                : "not certified: " + std::string(name_of(volume->verdict));
+        facts.certificate = words_for(*volume);
         return facts;
     });
 }

@@ -96,6 +96,11 @@ test_batch_resume() {
     [[ $(wc -l < out/results.jsonl) == 5 ]] || fail "lines of the earlier batch are gone"
     expect 0 "${command[@]}"
     expect_summary "4: 0 done, 4 unchanged"
+    # Lines of a version with another fill rule by default, which it did not state.
+    sed -i 's/,"--fill-rule=non-zero"//' out/results.jsonl
+    expect 0 "${command[@]}"
+    expect_summary "4: 4 done, 0 unchanged"
+    grep -qx 'again     4 meshes that an older version of lamella sliced, whose defaults were others' .stdout || fail "no word of the older version"
 }
 
 test_batch_changes() {
@@ -150,7 +155,7 @@ test_batch_manifest() {
 END
     expect 0 batch list.jsonl --results out
     [[ -s m/s1.nii.gz && -s m/s1.csv && -s m/cut.svg ]] || fail "outputs of a manifest"
-    grep -q -- '"options":\["--spacing=4,4,5.5","--frame=ras"\]' out/results.jsonl || fail "options of a manifest"
+    grep -q -- '"options":\["--spacing=4,4,5.5","--frame=ras","--fill-rule=non-zero"\]' out/results.jsonl || fail "options of a manifest"
     expect_failure 2 "needs --like" batch list.csv -o 'mask/{stem}.nii.gz'
     local line
     while IFS='|' read -r line text; do

@@ -144,7 +144,7 @@ test_second_signal() {
         sleep 60 < pipe &
         reader=$!
         set -m
-        "$lamella" slice lattice.stl --layer-height 0.01 --report out.svg -o - > pipe 2> .stderr &
+        "$lamella" slice lattice.stl --layer-height 0.01 --fill-rule contours --report out.svg -o - > pipe 2> .stderr &
         set +m
         tool=$!
         sleep 1

@@ -173,7 +173,7 @@ test_regions() {
     expect_failure 2 "is at most" slice both.stl --fill-rule non-zero --offset 1e6
     expect_failure 2 "nothing would happen" slice both.stl --fill-rule non-zero --close 1e-9
     expect_failure 2 "the miter limit" slice both.stl --fill-rule non-zero --miter-limit 0.5
-    expect_failure 2 "needs a region, but layer 0" slice both.stl --close 1
+    expect_failure 2 "needs a region, but layer 0" slice both.stl --close 1 --fill-rule contours
     expect_failure 2 "needs a region, but layer 7" slice both.stl --largest-only --fill-rule positive --fill-from 7:contours
     expect_failure 2 "in ascending order" slice both.stl --fill-from 7:contours --fill-from 2:positive
     for line in positive 3 3: :positive -3:positive 3.5:positive 3:odd 99999999999999999999:positive; do
@@ -194,22 +194,38 @@ test_mending() {
         grep -q "Fill rule $rule" out.svg || fail "the SVG does not say the rule"
     done
     expect 0 slice both.stl --layer-height 10 --first-height 5 --fill-rule non-zero --report report.json
+    grep -v '^time\|^memory' .stdout > united
     expect_json report.json 1500.0 solid_volume_mm3
     expect_json report.json 1 contours
     grep -q 'rule non-zero' .stdout || fail "the summary does not say the rule"
     expect_failure 2 "--fill-rule" slice both.stl --fill-rule odd
     grep -q '"region"' report.json && fail "a region's report without more than a fill rule"
-    expect_json report.json "contours not as walked" volume verdict
+    expect_json report.json "solid is not what the mesh encloses" volume verdict
+    expect_json report.json 200.0 volume differing_signed_mm2
+    expect_json report.json 150.0 volume differing_solid_mm2
+    expect 0 slice both.stl --layer-height 10 --first-height 5 --report report.json
+    grep -v '^time\|^memory' .stdout | diff united - || fail "non-zero is not the default"
 
     sed -E 's/^vertex ([0-9]+) 0 /vertex \1 5 /; s/^vertex ([0-9]+) 10 /vertex \1 15 /' right.stl > shifted.stl
     cat left.stl shifted.stl > through.stl
-    expect 0 slice through.stl --planes 5 --report through.json
+    expect 0 slice through.stl --planes 5 --fill-rule contours --report through.json
     expect_json through.json 2 crossings count
     expect_json through.json 5.0 crossings layers 0 first_mm 0
     expect_json through.json 10.0 crossings layers 0 first_mm 1
     expect_json through.json 2000.0 volume mesh_mm3
     expect_json through.json holds volume verdict
     grep -q '^crossings 2 of contours, in layers 1' .stdout || fail "the summary does not say what crosses"
+
+    awk '/vertex/ { v[n++] = $0; if (n == 3) { print v[0]; print v[2]; print v[1]; n = 0 } next } { print }' right.stl |
+        cat left.stl - > pair.stl
+    expect 0 slice pair.stl --planes 5 --report pair.json
+    expect_json pair.json 1 cancelled_layers
+    grep -qF 'in 1 layer shells turned inwards overlap others, and where they do, both cancel' .stderr || fail "no word of missing solid"
+    expect 0 slice pair.stl --planes 5 --orient-shells --report pair.json -o pair.csv
+    expect_json pair.json 150.0 volume differing_solid_mm2
+    grep -qx 'oriented  1 shell turned, of 2' .stdout || fail "the summary does not say what was turned"
+    [[ -s .stderr ]] && fail "a warning of shells that were turned"
+    grep -q '^pair,24,2000,' pair.meshes.csv || fail "the volume is not that of the turned shells"
 
     cube open.stl 0 5
     expect 0 slice open.stl --planes 5 --report open.json

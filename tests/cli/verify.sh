@@ -76,7 +76,7 @@ test_verify_changes() {
     # The record.
     local record=out/m.csv.lamella.json
     for change in 's|"result_hashes": \[|&"0123456789abcdef",|;the hash' 's|"patient_frame": "RAS"|"patient_frame": "LPS"|;the patient frame' \
-                  's|"fill_rule": "contours"|"fill_rule": "positive"|;the fill rule' 's|1,1.5,2|1,1.5,3|;made again it has other bytes' \
+                  's|"fill_rule": "non-zero"|"fill_rule": "positive"|;the fill rule' 's|1,1.5,2|1,1.5,3|;made again it has other bytes' \
                   's|"ras"|"lps"|;made again it has other bytes'; do
         sed "${change%;*}" kept/m.csv.lamella.json > $record
         cmp -s $record kept/m.csv.lamella.json && fail "nothing changed by $change"
@@ -171,7 +171,7 @@ test_verify_nonsense() {
     replaced $record '"--frame"' '"in/a.stl"'; nonsense "'in/a.stl' is no option that a record holds"
     replaced $record '"--frame"' '"--worker"'; nonsense "is no option that a record holds"
     replaced $record '"--frame"' '"--help"'; nonsense "is no option that a record holds"
-    replaced $record '"ras"' '"ras","--like"'; nonsense "has no value"
+    replaced $record '^    "non-zero"' '"non-zero","--like"'; nonsense "has no value"
     replaced $record '"ras"' '"no frame"'; nonsense "is not one of lps|ras"
     replaced $record '"result_hashes": \[' '"result_hashes": ["0","0",'; nonsense "its record has 2 inputs and 4 hashes"
     # Inputs that lead elsewhere.
@@ -206,6 +206,14 @@ test_verify_options() {
     verdict 0 "equal when made again" --inputs g.csv
     expect 0 slice a.stl --like s.nii --frame lps -o l.nrrd
     verdict 0 "equal when made again" --inputs l.nrrd
+    # A record of a version with another fill rule by default, which it did not state.
+    cube left.stl 0 6
+    cube right.stl 5 6
+    cat left.stl right.stl > both.stl
+    expect 0 slice both.stl --planes 2,5 --fill-rule contours -o old.csv
+    sed -i -z 's/,\n *"--fill-rule",\n *"contours"//' old.csv.lamella.json
+    grep -q '"--fill-rule"' old.csv.lamella.json && fail "the record states its rule"
+    verdict 0 "equal when made again" --inputs old.csv
     # Standard input, and a mesh whose name is like an option.
     "$lamella" slice - --layer-height 1 -o i.jsonl < a.stl > .stdout 2> .stderr || fail "no slice of standard input"
     verdict 3 "give it with --mesh" --inputs i.jsonl

@@ -132,7 +132,11 @@ bool BatchRun::is_unchanged(std::size_t i) {
         stop_if_asked();
         throw;
     }
-    return !options_.force && line != nullptr && is_done(item, *line);
+    if (options_.force || line == nullptr) {
+        return false;
+    }
+    counts_.of_older_version += line->done() && is_of_older_version(*line) ? 1 : 0;
+    return is_done(item, *line);
 }
 
 std::vector<std::string> BatchRun::words_of(const Item& item, const Admitted& admitted) const {

@@ -40,7 +40,15 @@ std::vector<RecordedOption> recorded_options(const CLI::App& slice_command) {
     std::vector<RecordedOption> options;
     for (const CLI::Option* option : slice_command.get_options()) {
         const std::string name = option->get_name();
-        if (option->count() == 0 || !is_recorded(name)) {
+        if (option->count() == 0) {
+            for (const ChangedDefault& changed : changed_defaults) {
+                if (name == changed.name) {
+                    options.push_back({name, std::string(changed.now)});
+                }
+            }
+            continue;
+        }
+        if (!is_recorded(name)) {
             continue;
         }
         if (is_flag(*option)) {

@@ -1,8 +1,10 @@
 // The options of a slicing as its record holds them.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -20,8 +22,17 @@ struct RecordedOption {
     bool names_file() const;
 };
 
-/// Those that were given to slice, in the order of `lamella slice --help`. Left out is what says only where results go or
-/// how they are made.
+/// An option of slice whose default is not what it was. Records and results of a batch state it always: where one does not,
+/// an older version made it, by the older default.
+struct ChangedDefault {
+    std::string_view name;
+    std::string_view now;
+    std::string_view before;
+};
+inline constexpr std::array changed_defaults = {ChangedDefault{"--fill-rule", "non-zero", "contours"}};
+
+/// Those that were given to slice, and those of changed_defaults, in the order of `lamella slice --help`. Left out is what
+/// says only where results go or how they are made.
 std::vector<RecordedOption> recorded_options(const CLI::App& slice_command);
 
 /// A record's words: name, value, name, ... Those that the output does not depend on are left out.

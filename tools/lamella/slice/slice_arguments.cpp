@@ -169,7 +169,7 @@ void declare_planes(CLI::App& command, SliceArguments& arguments) {
 void declare_region(CLI::App& command, SliceArguments& arguments) {
     RegionRules& rules = arguments.region;
     declare_choice<FillRule>(command, "--fill-rule", rules.fill_rule, fill_rules(),
-                             "What is solid where shells overlap (contours: nothing is joined)");
+                             "What is solid where shells overlap (non-zero: they are united)");
     command
         .add_option("--fill-from", arguments.fill_from, "Another fill rule from this layer on, counted from 0; repeatable")
         ->type_name("LAYER:RULE")
@@ -207,6 +207,8 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     declare_planes(command, arguments);
     declare_image(command, arguments.image);
     command.add_option("--weld", arguments.weld_mm, "Join vertices at most MM apart before slicing (off)")->type_name("MM");
+    command.add_flag("--orient-shells", arguments.orient_shells,
+                     "Turn each closed shell outwards, or inwards where it bounds a cavity, before slicing");
     command
         .add_option("--close-gaps", arguments.close_gaps,
                     "Join ends of open polylines at most MM apart; 0: none (auto: a hundredth of the mesh's diagonal)")
@@ -235,7 +237,7 @@ void declare(CLI::App& command, SliceArguments& arguments) {
     memory->type_name("BYTES[k|M|G]")->check(given);
     declare_choice<bool>(command, "--split", arguments.split, {{"objects", true}},
                          "Make each 3MF object, OBJ object or group, or STL solid a mesh with its own label, ROI and row");
-    for (const char* other : {"--weld", "--map", "--split"}) {
+    for (const char* other : {"--weld", "--orient-shells", "--map", "--split"}) {
         memory->excludes(command.get_option(other));
     }
     command

@@ -30,10 +30,11 @@ struct SliceArguments : MeshArguments {
     Datum datum = Datum::mesh_min;
     PlaneSide side = PlaneSide::below;
     std::optional<double> weld_mm;
+    bool orient_shells = false;
     std::string close_gaps = "auto";  ///< mm, or auto
     GapSense gap_sense = GapSense::kept;
-    RegionRules region;                  ///< but for fill_from
-    std::vector<std::string> fill_from;  ///< LAYER:RULE
+    RegionRules region{.fill_rule = FillRule::non_zero, .fill_from = {}};  ///< but for fill_from
+    std::vector<std::string> fill_from;                                    ///< LAYER:RULE
     std::string normal;
     std::string transform;
     std::string layers;  ///< A:B

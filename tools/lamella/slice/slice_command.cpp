@@ -187,6 +187,9 @@ private:
         part.all_layers = part.result.all_layers;
         part.welded = std::move(welded_);
         welded_.reset();
+        if (oriented_ && !oriented_->complete) {
+            note("not all shells could be looked at: some cavities may be turned outwards");
+        }
         if (job_.image) {
             require_overlap(*job_.image, part.name, part.result.summary);
         }
@@ -202,6 +205,11 @@ private:
         }
         if (part.result.summary.emptied_layers > 0 && run_.contours.value_or(part.result.contours.size()) == 0) {
             note(why_nothing_is_left(part.result));
+        }
+        if (part.result.summary.cancelled_layers > 0) {
+            note("in " + counted(part.result.summary.cancelled_layers, "layer") +
+                 " shells turned inwards overlap others, and where they do, both cancel: solid is missing there; "
+                 "--orient-shells turns each shell outwards unless it bounds a cavity");
         }
         note_doubts_of_scale(part.result, mesh);
         if (wants_records()) {
@@ -235,8 +243,7 @@ private:
     MeshFacts facts_of(const MeshFile& mesh, const SlicedPart& part) {
         const Stage stage(bar_, "measuring");
         MeshFacts facts =
-            done_or_thrown(part.welded ? measure_facts(part.welded->view(), Transform{}, part.result, control_of(stage))
-                                       : measure_facts(mesh.view(), mesh.to_mm(), part.result, control_of(stage)));
+            done_or_thrown(measure_facts(sliced_view(mesh, part), mesh.to_mm(), part.result, control_of(stage)));
         facts.warnings = run_.warnings;
         return facts;
     }
@@ -286,10 +293,14 @@ private:
         if (arguments_.weld_mm) {
             weld_vertices(mesh);
         }
+        if (arguments_.orient_shells) {
+            turn_shells(mesh);
+        }
         const Stage stage(bar_, "slicing");
         options.control.stop = interrupt_.defer();
         options.control.progress = stage.progress();
         Result<SliceResult> result = in_ranges() ? slice_in_ranges(arguments_, options, job_.streamed, run_)
+                                     : oriented_ ? slice(oriented_->mesh, options)
                                      : welded_   ? slice(*welded_, options)
                                                  : slice(mesh, options);
         if (!result) {
@@ -311,6 +322,23 @@ private:
             throw Failure(failure_of(welded.error()).status(), arguments_.name() + ": " + welded.error().message);
         }
         welded_ = std::move(welded).value();
+    }
+
+    void turn_shells(const MeshFile& mesh) {
+        const Stage stage(bar_, "turning shells");
+        Result<OrientedMesh> oriented = orient_shells(welded_ ? welded_->view() : mesh.view(),
+                                                      {.mm_per_unit = mesh.mm_per_unit, .control = control_of(stage)});
+        if (!oriented) {
+            throw slicing_failure(oriented.error());
+        }
+        oriented_ = std::move(oriented).value();
+        run_.shells = oriented_->shells;
+        run_.turned_shells = oriented_->turned_shells;
+    }
+
+    /// What was sliced, in the unit of the file.
+    MeshView sliced_view(const MeshFile& mesh, const SlicedPart& part) const {
+        return oriented_ ? oriented_->mesh.view() : (part.welded ? part.welded->view() : mesh.view());
     }
 
     Failure slicing_failure(const Error& error) const {
@@ -362,7 +390,7 @@ private:
             print_words(summary(result, parts, run_), arguments_.output_to_stdout());
             return;
         }
-        const MeshView sliced = welded != nullptr ? welded->view() : mesh.view();
+        const MeshView sliced = sliced_view(mesh, job_.parts.front());
         const auto ledger =
             timed("ledger", run_.ledger_ms, [&](const Control& c) { return make_ledger(sliced, result, c); });
         const auto volume =
@@ -412,6 +440,7 @@ private:
     OutputJob job_;
     std::string words_;  ///< the summaries of several meshes
     std::optional<WeldedMesh> welded_;
+    std::optional<OrientedMesh> oriented_;
     std::optional<StreamedOutputs> streamed_;
     std::optional<Failure> failure_;        ///< of an output, beside others that were written
     std::optional<ExplicitPlanes> planes_;  ///< of the file whose objects are being sliced

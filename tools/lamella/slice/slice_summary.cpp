@@ -110,12 +110,15 @@ std::string regions(const SliceResult& result) {
 }
 
 /// What was done beyond cutting, if anything.
-std::string mending(const SliceResult& result, const ReportParts& parts) {
+std::string mending(const SliceResult& result, const ReportParts& parts, const ToolRun& run) {
     std::string text;
     if (parts.welded != nullptr) {
         text += "welded    " + counted(parts.welded->joined, "vertex", "vertices") + " onto others at most " +
                 exact_text(parts.welded->tolerance_mm) + " mm away, the farthest " +
                 measure_text(parts.welded->largest_move_mm) + " mm\n";
+    }
+    if (run.shells > 0) {
+        text += "oriented  " + counted(run.turned_shells, "shell") + " turned, of " + grouped(run.shells) + "\n";
     }
     if (!result.closed_gaps.empty()) {
         double longest = 0;
@@ -183,7 +186,7 @@ std::string hash_line(const ToolRun& run) {
 
 std::string volume_line(const VolumeCertificate& volume) {
     if (!volume.applies()) {
-        return "volume    not certified: " + std::string(name_of(volume.verdict)) + "\n";
+        return "volume    " + words_for(volume) + "\n";
     }
     std::string text = "volume    " + measure_text(volume.mesh_mm3) + " mm3, ";
     if (volume.verdict == VolumeVerdict::volumes_differ) {
@@ -246,9 +249,9 @@ std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh) {
 }
 
 std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run) {
-    const std::string text = mesh_line(result.summary, parts) + planes_line(result) + mending(result, parts) + "segments  " +
-                             grouped(result.summary.segments) + "\ncontours  " + contour_counts(result, run) + "\n" +
-                             open_line(run.open) + hash_line(run) + findings(parts) +
+    const std::string text = mesh_line(result.summary, parts) + planes_line(result) + mending(result, parts, run) +
+                             "segments  " + grouped(result.summary.segments) + "\ncontours  " + contour_counts(result, run) +
+                             "\n" + open_line(run.open) + hash_line(run) + findings(parts) +
                              times(result.summary, *parts.file, run) + "memory    " + file_size_text(run.peak_rss_bytes) +
                              " at the peak\n" + run.ranges;
     return text + wrote(run);

@@ -26,6 +26,8 @@ struct ToolRun {
     double total_ms = 0;
     std::uint64_t peak_rss_bytes = 0;
     std::vector<std::string> warnings{};
+    std::uint64_t shells = 0;                 ///< looked at by --orient-shells
+    std::uint64_t turned_shells = 0;          ///< of these
     std::optional<std::uint64_t> contours{};  ///< of a result that keeps its layers only
     std::optional<std::uint64_t> hash{};
     std::string ranges{};  ///< how a mesh larger than memory was sliced, a line

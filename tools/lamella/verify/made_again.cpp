@@ -38,6 +38,12 @@ std::vector<std::string> words_for(const Record& record, const std::vector<fs::p
                                    InputLayout& layout, int threads) {
     std::vector<std::string> words = {"--output=" + output.string(), "--progress=never",
                                       "--threads=" + std::to_string(threads)};
+    for (const ChangedDefault& changed : changed_defaults) {
+        const bool states = std::find(record.options.begin(), record.options.end(), changed.name) != record.options.end();
+        if (record.command == "slice" && !states) {
+            words.push_back(std::string(changed.name).append("=").append(changed.before));
+        }
+    }
     const std::size_t parts = count_of_parts(record);
     std::size_t input = parts;  // what options name follows
     const std::vector<RecordedOption> options = parse_record_words(record.options);

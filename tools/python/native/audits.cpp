@@ -24,6 +24,9 @@ py::dict certify(const HeldResult& held, const View& view) {
     made["worst_layer"] = certificate.worst_layer;
     made["worst_difference"] = certificate.worst_difference_mm2;
     made["worst_allowed"] = certificate.worst_allowed_mm2;
+    made["differing_layers"] = certificate.differing_layers;
+    made["differing_signed"] = certificate.differing_signed_mm2;
+    made["differing_solid"] = certificate.differing_solid_mm2;
     return made;
 }
 

@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "lamella/io/mesh_file.hpp"
+#include "lamella/mesh/orient.hpp"
 #include "lamella/mesh/weld.hpp"
 #include "native.hpp"
 
@@ -91,24 +92,40 @@ py::dict read(const std::string& path, double mm_per_unit, const SliceOptions& o
     return mesh;
 }
 
+py::dict arrays_of(WeldedMesh&& outcome, const py::dict& info) {
+    const auto* const kept_mesh = new WeldedMesh(std::move(outcome));
+    const py::capsule owner(kept_mesh, [](void* kept) { delete static_cast<WeldedMesh*>(kept); });
+    const MeshView mesh = kept_mesh->view();
+    py::dict made;
+    made["vertices"] = rows_of(mesh.vertices, mesh.coordinate_type, mesh.vertex_count, mesh.stride, 3, owner);
+    made["faces"] = faces_of(kept_mesh->indices, owner);
+    made["unit"] = kept_mesh->mm_per_unit;
+    made["info"] = info;
+    return made;
+}
+
 py::dict weld_mesh(const View& view, double tolerance_mm, const SliceOptions& options) {
     WeldedMesh outcome = run(options.control, [&](const Control& control) {
         return weld(view.mesh(),
                     {.tolerance_mm = tolerance_mm, .mm_per_unit = view.parts().front().transform.m[0], .control = control});
     });
-    const auto* const welded = new WeldedMesh(std::move(outcome));
-    const py::capsule owner(welded, [](void* kept) { delete static_cast<WeldedMesh*>(kept); });
-    const MeshView mesh = welded->view();
-    py::dict made;
-    made["vertices"] = rows_of(mesh.vertices, mesh.coordinate_type, mesh.vertex_count, mesh.stride, 3, owner);
-    made["faces"] = faces_of(welded->indices, owner);
-    made["unit"] = welded->mm_per_unit;
     py::dict info;
-    info["joined"] = welded->joined;
-    info["largest_move"] = welded->largest_move_mm;
-    info["tolerance"] = welded->tolerance_mm;
-    made["info"] = info;
-    return made;
+    info["joined"] = outcome.joined;
+    info["largest_move"] = outcome.largest_move_mm;
+    info["tolerance"] = outcome.tolerance_mm;
+    return arrays_of(std::move(outcome), info);
+}
+
+py::dict orient_mesh(const View& view, const SliceOptions& options) {
+    OrientedMesh outcome = run(options.control, [&](const Control& control) {
+        return orient_shells(view.mesh(),
+                             {.mm_per_unit = view.parts().front().transform.m[0], .unit_mm = 0, .control = control});
+    });
+    py::dict info;
+    info["shells"] = outcome.shells;
+    info["turned"] = outcome.turned_shells;
+    info["complete"] = outcome.complete;
+    return arrays_of(std::move(outcome.mesh), info);
 }
 
 }  // namespace
@@ -144,6 +161,7 @@ void define_meshes(py::module_& module) {
     py::class_<View>(module, "View").def(py::init<const py::list&>());
     module.def("read", &read);
     module.def("weld", &weld_mesh);
+    module.def("orient_shells", &orient_mesh);
 }
 
 }  // namespace lamella::python

@@ -42,6 +42,13 @@ bool is_main_thread() {
     return main.cast<unsigned long>() == PyThread_get_thread_ident();
 }
 
+/// Of Python, as of the tool.
+SliceOptions default_options() {
+    SliceOptions options;
+    options.region.fill_rule = FillRule::non_zero;
+    return options;
+}
+
 void set_heights(SliceOptions& options, const py::array_t<double, py::array::c_style>& heights) {
     options.plan.spacing = ExplicitPlanes{{heights.data(), heights.data() + heights.size()}};
 }
@@ -182,7 +189,7 @@ void define_options(py::module_& module) {
         options.def_property(name, py::cpp_function(), py::cpp_function(setter, py::is_method(options)));
     };
     py::class_<SliceOptions> options(module, "Options");
-    options.def(py::init<>()).def("set_heights", &set_heights).def("set_layers", &set_layers);
+    options.def(py::init(&default_options)).def("set_heights", &set_heights).def("set_layers", &set_layers);
     set(options, "fill_from", &set_fill_from);
     set(options, "threads", &set_threads);
     options.def(

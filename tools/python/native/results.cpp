@@ -147,6 +147,7 @@ py::dict summary(const HeldResult& held) {
     made["overruled_contours"] = summary.overruled_contours;
     made["near_contours"] = summary.near_contours;
     made["emptied_layers"] = summary.emptied_layers;
+    made["cancelled_layers"] = summary.cancelled_layers;
     made["threads"] = summary.threads;
     made["min"] = triple(summary.min_mm);
     made["max"] = triple(summary.max_mm);
@@ -318,6 +319,7 @@ void define_results(py::module_& module) {
         .def_property_readonly("summary", &summary)
         .def_property_readonly("unit_mm", [](const HeldResult& h) { return h.result.unit_mm; })
         .def("open_layers", &open_layers)
+        .def_property_readonly("cancelled_layers", [](const HeldResult& h) { return h.result.summary.cancelled_layers; })
         .def_property_readonly("layer_count", [](const HeldResult& h) { return h.result.layers.size(); })
         .def_readonly("first_layer", &HeldResult::first_layer)
         .def(

@@ -1,5 +1,7 @@
 """Options: what they do is the engine's tests' to show; that each arrives, and what is refused, is shown here."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -43,7 +45,8 @@ def test_normal_and_transform_move_the_mesh(cube):
 def test_rules_of_regions_arrive(cube, box_with_cavity):
     twice = np.vstack((cube[0], cube[0] + [5, 5, 0])), np.vstack((cube[1], cube[1] + 8))
     area = lambda mesh=twice, **options: lamella.slice(*mesh, heights=[5], **options).areas[0]  # noqa: E731
-    assert area() == pytest.approx(200)
+    assert area(fill_rule="contours") == pytest.approx(200)
+    assert area() == pytest.approx(175)
     assert area(fill_rule="non-zero") == pytest.approx(175)
     assert area(fill_rule="even-odd") == pytest.approx(150)
     assert area(fill_rule="positive", offset=1) > 175 + 30
@@ -131,7 +134,7 @@ REFUSED = [
     ({"threads": -1}, "threads must not be negative"),
     ({"threads": 1.5}, "threads must be a whole number"),
     ({"origins": 1}, "origins must be True or False"),
-    ({"close": 1}, "closing needs a region"),
+    ({"close": 1, "fill_rule": "contours"}, "closing needs a region"),
     ({"offset": np.nan, "fill_rule": "non-zero"}, "offset"),
 ]
 
@@ -157,3 +160,19 @@ def test_unknown_options_are_answered_with_the_nearest(cube):
         lamella.prepare(*cube).slice(layer_heigth=1)
     with pytest.raises(lamella.InvalidArgumentError, match="grid is for prepare"):
         lamella.prepare(*cube).slice(grid=1)
+
+
+def test_shells_turned_inwards_are_warned_of_and_turned(cube):
+    corners, faces = cube
+    pair = np.concatenate([corners[faces], (corners + (5, 5, 0))[faces[:, ::-1]]])
+    with pytest.warns(lamella.MeshWarning, match="in 1 layer shells turned inwards overlap others"):
+        crossed = lamella.slice(pair, heights=[5])
+    assert crossed.areas[0] == pytest.approx(150)
+    assert crossed.summary["cancelled_layers"] == 1
+    assert crossed.certificate.verdict == "solid is not what the mesh encloses"
+    assert (crossed.certificate.differing_layers, crossed.certificate.differing_solid) == (1, pytest.approx(150))
+    turned = lamella.Mesh(pair.reshape(-1, 9), None, 1, None, {}).orient_shells()
+    assert turned.info == {"shells": 2, "turned": 1, "complete": True}
+    united = lamella.slice(pair, heights=[5], orient_shells=True)
+    assert united.areas[0] == pytest.approx(175)
+    assert united.hash == lamella.slice(turned, heights=[5]).hash == pickle.loads(pickle.dumps(united)).hash

@@ -11,6 +11,7 @@
 #include "batch/plan/name_pattern.hpp"
 #include "files/output_path.hpp"
 #include "outputs/output_formats.hpp"
+#include "outputs/recorded_options.hpp"
 #include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
@@ -130,13 +131,20 @@ private:
         }
         plan_files(item, !value_of(values, "--split").empty());
         item.option_files = files_named_by(values);
-        item.words = words_.words(values, words_without_effect());
+        item.words = words_.words(with_changed_defaults(values), words_without_effect());
         item.plain = words_.words(plain_values(values), {});
         if (const std::string threads = value_of(values, "--threads"); !threads.empty()) {
             int count = 0;
             (void)std::from_chars(threads.data(), threads.data() + threads.size(), count);
             item.threads = count;
         }
+    }
+
+    static OptionValues with_changed_defaults(OptionValues values) {
+        for (const ChangedDefault& changed : changed_defaults) {
+            values.try_emplace(std::string(changed.name), Values{std::string(changed.now)});
+        }
+        return values;
     }
 
     static OptionValues plain_values(const OptionValues& values) {

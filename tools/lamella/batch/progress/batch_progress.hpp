@@ -14,9 +14,10 @@ struct BatchCounts {
     std::size_t unchanged = 0;  ///< done before
     std::size_t done = 0;       ///< now
     std::size_t failed = 0;
-    double triangles = 0;  ///< of those done
-    double cost = 0;       ///< of those that ended, as estimated
-    double all_cost = 0;   ///< of those to do
+    std::size_t of_older_version = 0;  ///< done before, by a version of lamella with other defaults
+    double triangles = 0;              ///< of those done
+    double cost = 0;                   ///< of those that ended, as estimated
+    double all_cost = 0;               ///< of those to do
 
     std::size_t ended() const noexcept { return unchanged + done + failed; }
 };

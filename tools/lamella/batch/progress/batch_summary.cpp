@@ -18,6 +18,10 @@ std::string batch_summary(const BatchCounts& counts, double seconds, const std::
         text += "sliced    " + grouped(static_cast<std::uint64_t>(counts.triangles)) + " triangles in " +
                 duration_text(seconds) + ", " + rate_text(counts.triangles / std::max(seconds, 1e-3)) + "\n";
     }
+    if (counts.of_older_version > 0) {
+        text += "again     " + counted(counts.of_older_version, "mesh", "meshes") +
+                " that an older version of lamella sliced, whose defaults were others\n";
+    }
     text += "results   " + printable(results) + "\n";
     for (std::size_t i = 0; i < std::min(failed.size(), most_listed); ++i) {
         text += "failed    ";

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "lamella/medical/record.hpp"
+#include "outputs/recorded_options.hpp"
 #include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
@@ -69,6 +70,13 @@ std::vector<OutputFact> outputs_of(const Item& item) {
         outputs.push_back({path, unknown ? std::nullopt : std::optional<std::uint64_t>(bytes)});
     }
     return outputs;
+}
+
+bool is_of_older_version(const ResultLine& line) {
+    return std::any_of(changed_defaults.begin(), changed_defaults.end(), [&](const ChangedDefault& changed) {
+        return std::none_of(line.options.begin(), line.options.end(),
+                            [&](const std::string& word) { return word.starts_with(std::string(changed.name) + "="); });
+    });
 }
 
 bool is_done(const Item& item, const ResultLine& line) {

@@ -15,6 +15,9 @@ InputFact fact_of(const std::string& path, bool hash, const StopCheck& stop);
 /// not there if it says so (slice within --memory leaves out a table).
 bool is_done(const Item& item, const ResultLine& line);
 
+/// Whether the line does not state what every line of this version does: see changed_defaults.
+bool is_of_older_version(const ResultLine& line);
+
 /// The outputs of an item with their sizes; an output that is not there has none.
 std::vector<OutputFact> outputs_of(const Item& item);
 

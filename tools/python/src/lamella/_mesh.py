@@ -119,6 +119,14 @@ class Mesh:
         """Rows of `vertices` (m, 3)."""
         return np.arange(3 * len(self), dtype=np.int64).reshape(-1, 3) if self._faces is None else self._faces
 
+    def orient_shells(self, *, threads: int = 0, progress: ProgressLike = None) -> Mesh:
+        """The same mesh, each closed shell turned outwards, or inwards where it bounds a cavity: within an odd number of others.
+
+        ``slice(mesh, orient_shells=True)`` does it for one call. Takes as long as `weld` and `check` together. Its ``info`` counts
+        ``shells`` and those ``turned``; ``complete`` is False if a search was cut short, so that cavities may be turned outwards.
+        """
+        return oriented(as_view(self, None, unit=None), threads=threads, progress=progress)
+
     def __len__(self) -> int:
         return len(self._vertices if self._faces is None else self._faces)
 
@@ -200,6 +208,13 @@ def weld(
     options = slice_options({"threads": threads, "progress": progress})
     welded = view.run(_native.weld, number("tolerance", tolerance), options)
     return Mesh(welded["vertices"], welded["faces"], welded["unit"], None, welded["info"])
+
+
+def oriented(view: View, *, threads: int = 0, progress: ProgressLike = None) -> Mesh:
+    turned = view.run(_native.orient_shells, slice_options({"threads": threads, "progress": progress}))
+    if not turned["info"]["complete"]:
+        warn("not all shells could be looked at: some cavities may be turned outwards", MeshWarning)
+    return Mesh(turned["vertices"], turned["faces"], turned["unit"], None, turned["info"])
 
 
 def as_view(mesh: MeshLike, faces: Optional[npt.ArrayLike], *, unit: Union[None, str, float]) -> View:

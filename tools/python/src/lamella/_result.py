@@ -28,7 +28,8 @@ class Certificate:
     """Whether areas and volumes of a result are those of the mesh, by another computation than slicing."""
 
     verdict: str
-    """"holds", "areas differ", "volumes differ", or why it does not apply: "open mesh", "contours not as walked"."""
+    """"holds", "areas differ", "volumes differ", or why it does not apply: "open mesh", "contours not as walked", "solid is
+    not what the mesh encloses"."""
     mesh_volume: float
     """Signed volume of the mesh, mm³; NaN of an open one."""
     slab_volumes: npt.NDArray[np.float64]
@@ -39,6 +40,12 @@ class Certificate:
     """By so many mm²."""
     worst_allowed: float
     """Of so many mm²."""
+    differing_layers: int = 0
+    """Layers in which what is solid is not what the mesh encloses, as shells overlap or are turned inwards."""
+    differing_signed: float = 0
+    """In those, what the mesh encloses by its facets, mm²."""
+    differing_solid: float = 0
+    """In those, what is solid, mm²."""
 
     @property
     def holds(self) -> bool:
@@ -288,6 +295,11 @@ def _restore(state: Tuple[Any, ...], keywords: Dict[str, Any], certificate: Opti
 def finish(native: _native.Result, view: Optional[View], keywords: Dict[str, Any]) -> Result:
     """The result of a call, after warning of what is wrong with it."""
     warn_of_open(native.open_layers())
+    cancelled = native.cancelled_layers
+    if cancelled > 0:
+        where = "1 layer" if cancelled == 1 else f"{cancelled:,} layers"
+        text = f"in {where} shells turned inwards overlap others, and where they do, both cancel: solid is missing there"
+        warn(f"{text}; orient_shells=True turns each shell outwards unless it bounds a cavity", MeshWarning)
     if view is not None and (coarse := native.coarse_grid(view.native)) is not None:
         unit, diagonal, finest = coarse
         help_ = f"grid='auto' takes {finest:g} mm" if finest < unit else "none finer reaches the mesh's coordinates"

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Dict, Optional, Sequence, Tuple, Union
 import numpy.typing as npt
 
 from . import _native
-from ._mesh import MeshLike, as_view, as_views
-from ._options import slice_options
+from ._mesh import MeshLike, as_view, as_views, oriented
+from ._options import slice_options, truth
 from ._progress import ProgressLike
 from ._result import Result, finish
 
@@ -31,7 +31,7 @@ def slice(  # noqa: A001: the word of the field
     grid: Union[None, str, float] = None,
     normal: Optional[npt.ArrayLike] = None,
     transform: Optional[npt.ArrayLike] = None,
-    fill_rule: str = "contours",
+    fill_rule: str = "non-zero",
     fill_from: Sequence[Tuple[int, str]] = (),
     close: float = 0,
     offset: float = 0,
@@ -42,6 +42,7 @@ def slice(  # noqa: A001: the word of the field
     mark_near: float = 0,
     close_gaps: Union[str, float] = "auto",
     gap_sense: str = "kept",
+    orient_shells: bool = False,
     origins: bool = False,
     allow_empty: bool = False,
     memory_limit: int = 0,
@@ -78,19 +79,19 @@ def slice(  # noqa: A001: the word of the field
     transform : array_like of float, shape (4, 4) or (3, 4), optional
         Affine map from the mesh (in mm) to the space of the planes, which are horizontal there.
     fill_rule : {"contours", "even-odd", "non-zero", "positive", "outermost"}
-        What is solid where contours overlap. "contours": they stay as the mesh gives them.
+        What is solid where contours overlap. "non-zero": they are united. "contours": they stay as the mesh gives them.
     fill_from : sequence of (int, str)
         From this layer on, another fill rule.
     close : float
-        Close gaps narrower than twice so many mm. Needs a fill rule.
+        Close gaps narrower than twice so many mm. Not by the fill rule "contours".
     offset : float
-        Grow what is solid by so many mm, or shrink it by a negative number. Needs a fill rule.
+        Grow what is solid by so many mm, or shrink it by a negative number. Not by "contours".
     miter_limit : float
         Cut off corners that `close` or `offset` would move farther than so many times their length.
     largest_only : bool
-        Keep the largest contour of a layer only, with its holes. Needs a fill rule.
+        Keep the largest contour of a layer only, with its holes. Not by "contours".
     drop_collinear : bool
-        Drop points exactly within straight lines. Needs a fill rule.
+        Drop points exactly within straight lines. Not by "contours".
     simplify : float
         Drop points within so many mm of the lines that are left.
     mark_near : float
@@ -100,6 +101,8 @@ def slice(  # noqa: A001: the word of the field
         `Result.closed_gaps`. "auto" is a hundredth of the diagonal of the mesh's box; 0 joins none.
     gap_sense : {"kept", "any"}
         Which ends are joined: those that keep the orientation of both polylines, or any.
+    orient_shells : bool
+        Turn each closed shell outwards first, or inwards where it bounds a cavity: see `Mesh.orient_shells`.
     origins : bool
         Say which triangle each contour edge comes from: `Result.origins`.
     allow_empty : bool
@@ -139,6 +142,8 @@ def slice(  # noqa: A001: the word of the field
     keywords = dict(locals())
     del keywords["mesh"], keywords["faces"]
     view = as_view(mesh, faces, unit=keywords.pop("unit"))
+    if truth("orient_shells", keywords.pop("orient_shells")):
+        view = as_view(oriented(view, threads=threads), None, unit=None)
     return finish(view.run(_native.slice, slice_options(keywords)), view, keywords)
 
 
@@ -157,7 +162,7 @@ def slice_parts(
         Each as `slice` takes it; one of vertices and faces as a pair.
     united : bool
         False: rules of regions are done to each part by itself, and contours of parts may overlap. True: to all parts of a
-        layer together, by a fill rule that must be given.
+        layer together, by a fill rule other than "contours".
     transforms : sequence of array_like, shape (4, 4), optional
         One for each part, or None for those that stay where they are.
     **options

@@ -110,7 +110,7 @@ Result<OpenLayers> find_open_layers(const SliceResult& result, const Control& co
         std::vector<OpenLayers> layers(result.layers.size());
         parallel.run_ranges(layers.size(), layers_at_once, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; ++i) {
-                layers[i] = open_layer(view_of_layer(result, i), result.gap_sense, control.stop);
+                layers[i] = open_layer(view_of_layer(result, i), result.gap_sense, parallel.stop());
             }
         });
         OpenLayers all;

@@ -41,8 +41,8 @@ enum class UnitFit : std::uint8_t {
     coarser_if_needed,  ///< the unit is doubled until it does; SliceSummary::unit_doublings says how often
 };
 
-/// Asked for as the length up to which gaps are closed: a hundredth of the diagonal of the mesh's box (after the transform; of
-/// several parts each has its own), and no joint longer than a tenth of that crosses a contour of its layer or a shorter
+/// Asked for as the length up to which gaps are closed: a hundredth of the diagonal of the mesh's box, after the transform;
+/// of several parts each has its own. No joint longer than a tenth of that crosses a contour of its layer or a shorter
 /// joint. For meshes that lack faces here and there, as most bones of an atlas do:
 ///
 ///       .-------------.     .-------------.      .----------.    Ends are joined nearest first, an end to a start: `ab`.

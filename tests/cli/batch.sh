@@ -145,8 +145,9 @@ test_batch_manifest() {
     expect 0 batch list.csv -o 'out/{stem}.csv' --layer-height 2
     expect_result --layer-height=5 in/s1.stl options 0
     expect_result --layer-height=2 in/s2.stl options 0
-    expect_result --fill-rule=non-zero in/s2.stl options 1
-    expect_result --drop-collinear in/s2.stl options 2
+    expect_result --close-gaps=auto in/s2.stl options 1
+    expect_result --fill-rule=non-zero in/s2.stl options 2
+    expect_result --drop-collinear in/s2.stl options 3
     expect_result 4 in/s1.stl layers
     cat > list.jsonl << 'END'
 {"path": "in/s1.stl", "spacing": [4, 4, 5.5], "frame": "ras", "output": ["m/{stem}.nii.gz", "m/{stem}.csv"]}
@@ -155,7 +156,7 @@ test_batch_manifest() {
 END
     expect 0 batch list.jsonl --results out
     [[ -s m/s1.nii.gz && -s m/s1.csv && -s m/cut.svg ]] || fail "outputs of a manifest"
-    grep -q -- '"options":\["--spacing=4,4,5.5","--frame=ras","--fill-rule=non-zero"\]' out/results.jsonl || fail "options of a manifest"
+    grep -q -- '"options":\["--spacing=4,4,5.5","--frame=ras","--close-gaps=auto","--fill-rule=non-zero"\]' out/results.jsonl || fail "options of a manifest"
     expect_failure 2 "needs --like" batch list.csv -o 'mask/{stem}.nii.gz'
     local line
     while IFS='|' read -r line text; do

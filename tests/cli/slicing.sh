@@ -280,6 +280,10 @@ test_mending() {
         grep -q '<desc>2 gaps of at most' out.svg || fail "the SVG does not show the gap that was closed"
     done
     expect_failure 2 "--close-gaps: 'car' is neither a number of mm" slice cracked.stl --close-gaps car
+    "$lamella" convert cracked.stl -o cracked.ply > /dev/null 2>&1 || fail "no PLY"
+    expect 0 slice cracked.ply --planes 2,5,8 -o whole.svg
+    expect 0 slice cracked.ply --planes 2,5,8 --memory 5M -o ranges.svg
+    cmp whole.svg ranges.svg || fail "--memory closes other gaps"
     expect 0 slice cracked.stl --planes 5 --weld 0.01 --report report.json
     expect_json report.json 0 open_contours
     expect_json report.json 1 weld joined

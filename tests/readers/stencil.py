@@ -86,9 +86,10 @@ def main():
         for shape in ("sphere", "torus", "bone", "gyroid"):
             subprocess.run([lamella, "make", shape, "--triangles", "20000", "--height", "60", "-o", f"{shape}.stl"], cwd=folder,
                            check=True, stdout=subprocess.DEVNULL)
-        # A box whose sides lie on no centre, and one whose sides all do.
+        # A box whose sides lie on no centre, and one whose sides all do: two others place the voxels around them.
         (folder / "box.stl").write_bytes(box_stl((10.2, 20.3, 30.4), (40.7, 41.9, 52.3)))
-        (folder / "on_centres.stl").write_bytes(box_stl((10, 15, 30), (30, 36, 51)))
+        boxes = [box_stl((0, 0, 0), (2, 2, 2)), box_stl((10.5, 15.375, 30.75), (30.5, 36.375, 51.75)), box_stl((38, 43, 58), (40, 45, 60))]
+        (folder / "on_centres.stl").write_bytes(boxes[0][:80] + (36).to_bytes(4, "little") + b"".join(box[84:] for box in boxes))
         for shape in ("sphere", "torus", "bone", "gyroid", "box"):
             assert compare(lamella, folder, shape) <= 2, f"{shape}: more voxels differ than rounding explains"
         # Here the rules differ: with lamella left and bottom sides are inside, right and top ones are not.

@@ -2,6 +2,8 @@
 //
 //     const lamella::Result<lamella::OrientedMesh> oriented = lamella::orient_shells(mesh);
 //     if (oriented && oriented->turned_shells > 0) {
+//         lamella::SliceOptions options;
+//         options.region.fill_rule = lamella::FillRule::non_zero;
 //         const lamella::Result<lamella::SliceResult> sliced = lamella::slice(oriented->mesh, options);
 //     }
 //

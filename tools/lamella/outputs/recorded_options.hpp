@@ -29,7 +29,8 @@ struct ChangedDefault {
     std::string_view now;
     std::string_view before;
 };
-inline constexpr std::array changed_defaults = {ChangedDefault{"--fill-rule", "non-zero", "contours"}};
+inline constexpr std::array changed_defaults = {ChangedDefault{"--fill-rule", "non-zero", "contours"},
+                                                ChangedDefault{"--close-gaps", "auto", "0"}};
 
 /// Those that were given to slice, and those of changed_defaults, in the order of `lamella slice --help`. Left out is what
 /// says only where results go or how they are made.

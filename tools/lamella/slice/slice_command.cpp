@@ -1,7 +1,6 @@
 // lamella slice: read, slice, write, report.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -15,13 +14,13 @@
 #include "commands.hpp"
 #include "files/mesh_input.hpp"
 #include "files/output_path.hpp"
-#include "files/scale_words.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "outputs/recorded_options.hpp"
 #include "outputs/write_outputs.hpp"
 #include "outputs/write_structure_output.hpp"
 #include "slice/image_around.hpp"
+#include "slice/part_warnings.hpp"
 #include "slice/plan_outputs.hpp"
 #include "slice/range_slicing.hpp"
 #include "slice/slice_arguments.hpp"
@@ -197,21 +196,9 @@ private:
             run_.open = done_or_thrown(find_open_layers(part.result));
         }
         part.open = run_.open;
-        if (part.open.layers > 0 && !arguments_.outputs.strict) {  // which says the same
-            note(arguments_.name() + (arguments_.split ? ", " + name : "") + ": " + describe(part.open, "--close-gaps "));
+        for (const std::string& warning : warnings_of(part, run_.contours, arguments_, mesh, job_.image)) {
+            note(warning);
         }
-        if (part.result.summary.segments == 0) {
-            note(why_nothing_is_cut(part.result.summary));
-        }
-        if (part.result.summary.emptied_layers > 0 && run_.contours.value_or(part.result.contours.size()) == 0) {
-            note(why_nothing_is_left(part.result));
-        }
-        if (part.result.summary.cancelled_layers > 0) {
-            note("in " + counted(part.result.summary.cancelled_layers, "layer") +
-                 " shells turned inwards overlap others, and where they do, both cancel: solid is missing there; "
-                 "--orient-shells turns each shell outwards unless it bounds a cavity");
-        }
-        note_doubts_of_scale(part.result, mesh);
         if (wants_records()) {
             part.mesh_sha256 =
                 (first ? add_input(arguments_.mesh, mesh.file_bytes) : std::as_const(job_.inputs.back())).sha256;
@@ -246,28 +233,6 @@ private:
             done_or_thrown(measure_facts(sliced_view(mesh, part), mesh.to_mm(), part.result, control_of(stage)));
         facts.warnings = run_.warnings;
         return facts;
-    }
-
-    void note_doubts_of_scale(const SliceResult& result, const MeshFile& mesh) {
-        const bool moved = !arguments_.transform.empty() || !arguments_.normal.empty();
-        const std::optional<double> distance = least_plane_distance(result.plan);
-        MeasuredMesh measured{.min_mm = result.summary.min_mm,
-                              .max_mm = result.summary.max_mm,
-                              .unit_mm = result.unit_mm,
-                              .plane_distance_mm = distance,
-                              .detail_mm = distance.value_or(common_layer_mm),
-                              .moved = moved};
-        if (job_.image) {
-            measured.detail_mm = std::min({measured.detail_mm, job_.image->spacing_mm[0], job_.image->spacing_mm[1]});
-            for (const auto& corner : {result.summary.min_mm, result.summary.max_mm}) {
-                for (const double at : job_.image->to_lps({corner[0], corner[1], corner[2]})) {
-                    measured.farthest_mm = std::max(measured.farthest_mm.value_or(0), std::abs(at));
-                }
-            }
-        }
-        for (const std::string& doubt : doubts_of_scale(arguments_, mesh, measured)) {
-            note(doubt);
-        }
     }
 
     void note(const std::string& warning) {

@@ -257,20 +257,6 @@ std::string summary(const SliceResult& result, const ReportParts& parts, const T
     return text + wrote(run);
 }
 
-std::string why_nothing_is_cut(const SliceSummary& found) {
-    return "no plane meets the mesh, which reaches from " + exact_text(found.min_mm[2]) + " to " +
-           exact_text(found.max_mm[2]) + " mm along the slicing direction";
-}
-
-std::string why_nothing_is_left(const SliceResult& result) {
-    const double offset_mm = result.region.offset_mm;
-    const std::string what = offset_mm < 0 ? "an offset of " + exact_text(offset_mm) + " mm" : "the fill rule";
-    return what + " leaves nothing: " +
-           (result.summary.emptied_layers == 1
-                ? "the one layer that the mesh crosses is empty"
-                : "all " + counted(result.summary.emptied_layers, "layer") + " that the mesh crosses are empty");
-}
-
 std::string wrote(const ToolRun& run) {
     std::string text;
     for (const std::string& output : run.outputs) {

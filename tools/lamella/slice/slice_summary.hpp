@@ -39,10 +39,6 @@ std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh);
 /// Some lines, each a keyword and what there is to say, with a final newline.
 std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run);
 
-/// Warnings of results without contours: for want of crossings, and by the rules.
-std::string why_nothing_is_cut(const SliceSummary& found);
-std::string why_nothing_is_left(const SliceResult& result);
-
 /// A line an output.
 std::string wrote(const ToolRun& run);
 

@@ -46,13 +46,7 @@ std::vector<std::string> words_for(const Record& record, const std::vector<fs::p
     }
     const std::size_t parts = count_of_parts(record);
     std::size_t input = parts;  // what options name follows
-    const std::vector<RecordedOption> options = parse_record_words(record.options);
-    const bool says_gaps =
-        std::any_of(options.begin(), options.end(), [](const RecordedOption& own) { return own.name == "--close-gaps"; });
-    if (record.command == "slice" && record.close_gaps_mm.empty() && !says_gaps) {
-        words.emplace_back("--close-gaps=0");  // what versions did that did not record it
-    }
-    for (const RecordedOption& option : options) {
+    for (const RecordedOption& option : parse_record_words(record.options)) {
         if (!option.value) {
             words.push_back(option.name);
             continue;

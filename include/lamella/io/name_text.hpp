@@ -9,8 +9,8 @@
 
 namespace lamella {
 
-/// Text from which name_of_text() gives the same bytes. A byte that is no part of UTF-8 becomes \xe4, by its value; a
-/// backslash before what looks like such an escape becomes \x5c. All else stays, and so does nearly every name. O(bytes).
+/// Text from which name_of_text() gives the same bytes. A byte that is no part of UTF-8 becomes `\xe4`, by its value; a
+/// backslash before what looks like such an escape becomes `\x5c`. All else stays, and so does nearly every name. O(bytes).
 std::string text_of_name(std::string_view name);
 std::string name_of_text(std::string_view text);
 

@@ -110,8 +110,10 @@ std::int64_t Fill::keep_or_drop(std::uint32_t contour, std::int64_t around, Fill
 
 void Fill::overlay(FillRule rule, Nester& nester) {
     snapped_.clear();
+    bool any_inwards = false;  // else what is below zero are loops of contours that cross themselves
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
         if (contacts_.meets(c)) {
+            any_inwards = any_inwards || to_int128(items_[c].twice_area) < 0;
             snapped_.add(items_[c], times_[c], contacts_.near_edges(c));
         }
     }
@@ -121,7 +123,7 @@ void Fill::overlay(FillRule rule, Nester& nester) {
     list_pieces();
     nest_pieces(nester);
     find_windings(rule);
-    if (unites_inverted(rule)) {
+    if (unites_inverted(rule) && any_inwards) {
         find_cancelled();
     }
     take_traced(rule);

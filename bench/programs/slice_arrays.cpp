@@ -1,4 +1,5 @@
-// Slices arrays as scripts/python.py has them, in C++, for comparison with the same call in Python.
+// Slices arrays as scripts/python.py has them, in C++ and by what Python does by default, for comparison with the same call
+// there.
 //
 //     lamella_slice_arrays VERTICES FACES THREADS
 //
@@ -77,6 +78,8 @@ void run(const std::string& vertices, const std::string& faces, int threads) {
     const MeshView mesh = MeshView::indexed(xyz, indices);
     SliceOptions options;
     options.control.threads = threads;
+    options.region.fill_rule = FillRule::non_zero;
+    options.close_gaps_mm = gaps_by_mesh;
     double layer_mm = 0;
     int calls = 0;
     std::string how;

@@ -157,11 +157,13 @@ int decimals_of(const std::vector<double>& heights) noexcept {
 std::vector<std::string> labels_of(const std::vector<Cell>& cells, const ImageGeometry* image) {
     static constexpr std::array<const char*, 3> axes = {"L ", "P ", "S "};
     std::vector<double> heights;
+    heights.reserve(cells.size());
     for (const Cell& cell : cells) {
         heights.push_back(image != nullptr ? image->height_lps_mm(cell.height_mm) : cell.height_mm);
     }
     const int decimals = decimals_of(heights);
     std::vector<std::string> labels;
+    labels.reserve(heights.size());
     for (const double height : heights) {
         labels.push_back((image != nullptr ? axes[image->slice_axis()] : "") + decimal_text(height, decimals) + " mm");
     }

@@ -5,7 +5,7 @@
 namespace lamella {
 
 std::string csv_text(const std::string& bytes) {
-    const std::string text = utf8_text(bytes);
+    std::string text = utf8_text(bytes);
     if (text.find_first_of(",\"\r\n") == std::string::npos) {
         return text;
     }

@@ -150,6 +150,7 @@ void write_record_of(const OutputJob& job, const PlannedOutput& output, const Co
 
 void tell_names_apart(std::vector<SlicedPart>& parts, const Note& note) {
     std::vector<std::string> names;
+    names.reserve(parts.size());
     for (const SlicedPart& part : parts) {
         names.push_back(part.name);
     }

@@ -55,6 +55,9 @@ OpenLayers open_layer(const LayerView& view, GapSense sense, const StopCheck& st
     }
     found.crossed = 1;
     found.crossed_mm = view.layer.top_mm - view.layer.bottom_mm;
+    for (const ClosedGap& gap : view.closed_gaps) {
+        found.reach_mm = std::max(found.reach_mm, std::sqrt(squared_distance(gap.from, gap.to)) * view.unit_mm * beyond);
+    }
     std::vector<const Contour*> open;
     for (const Contour& contour : view.contours) {
         if (contour.role == Role::open) {

@@ -263,7 +263,10 @@ Result<VolumeCertificate> certify_or_throw(const MeshView& mesh, const SliceResu
     const Sums sums = sum_faces(mesh, result, planes, scale, parallel);
     parallel.begin_stage(0.99);
     VolumeCertificate certificate = sums.edges == 0 ? Certifier(result, sums, scale, parallel).run() : VolumeCertificate{};
-    const Result<OpenLayers> open = find_open_layers(result, control);
+    Control within = control;
+    within.stop = parallel.stop();
+    within.progress = {};
+    const Result<OpenLayers> open = find_open_layers(result, within);
     if (!open) {
         return open.error();
     }

@@ -52,6 +52,11 @@ TEST_CASE("orient: what is open stays; the answer has the unit, and does not dep
     Soup open = box({0, 0, 0}, {1, 1, 1});
     open.resize(90);
     CHECK(oriented(flipped(open)).turned_shells == 0);
+    const Soup both = joined({open, flipped(box({3, 0, 0}, {4, 1, 1}))});
+    const Result<OrientedMesh> beside = orient_shells(MeshView::soup(std::span<const double>(both)));
+    REQUIRE(beside.ok());
+    CHECK(beside->turned_shells == 1);
+    CHECK_FALSE(beside->complete);
     const Soup many = random_tetrahedra(7, 200, 60);
     const OrientedMesh one = oriented(many, {.mm_per_unit = 10, .unit_mm = 0, .control = {.threads = 1}});
     const OrientedMesh several = oriented(many, {.mm_per_unit = 10, .unit_mm = 0, .control = {.threads = 5}});

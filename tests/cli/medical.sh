@@ -82,6 +82,8 @@ test_open_mesh() {
     [[ $(json_value m.json open closed_by_mm) == 10.0000* ]] || fail "another length"
     expect 0 slice f7_open.stl --close-gaps 10 --layer-height 1 -o c.csv
     [[ $(grep -c '^f7_open,.*,200,60,1,0,0,0,5,10,' c.csv) == 30 && ! -s .stderr ]] || fail "the length that is named closes nothing"
+    expect 0 slice f7_open.stl whole.stl --close-gaps 0 --spacing 1,1,1 --frame lps -o two.csv
+    grep -q '^whole,12,1000,600,certified,$' two.meshes.csv || fail "the closed mesh has a warning of the open one"
     expect 0 slice half.stl --close-gaps 0 --layer-height 2 -o m.csv
     words='half.stl: 15 of 30 layers (50 % of the height) have open contours: their area is not known; --close-gaps 10 would close them'
     grep -qxF "lamella: warning: $words" .stderr || fail "not the half that is open"
@@ -174,7 +176,7 @@ test_frames() {
     expect 0 slice box.stl --spacing 20,20,20 --frame ras --coverage --subslices 8 -o thin.nii
     grep -q thinner .stderr && fail "a warning in spite of the remedy"
     expect 0 slice box.stl --spacing 20,20,20 --frame ras -o thin.nii
-    grep -q "thin.nii: box is thinner than a voxel: its box is 10.0000 x 10.0000 x 10.0000 mm, its walls 5.00000 mm on average; --coverage --subslices 8 writes" .stderr ||
+    grep -q "thin.nii: box is thinner than a voxel: its box is 10.0000 x 10.0000 x 10.0000 mm, its walls 10.0000 mm on average; --coverage --subslices 8 writes" .stderr ||
         fail "no warning of a mesh thinner than a voxel"
 }
 

@@ -37,6 +37,8 @@ test_planes_file() {
     done
     printf '0,5\n1,5\n' > either.txt
     expect_failure 3 "either.txt:1: '0,5' is one number or two: write" slice ball.stl --planes either.txt
+    printf '0,5;1.5\n' > either.txt
+    expect_failure 3 "either.txt:1: '0,5' is one number or two: write" slice ball.stl --planes either.txt
     printf '\xff\xfe1\0\n\0' > wide.txt
     expect_failure 3 "wide.txt: is text in UTF-16: save it as UTF-8" slice ball.stl --planes wide.txt
     printf '\xef\xbb\xbf1 0 0 0\n0 1 0 0\n0 0 1 0\n' > same.txt

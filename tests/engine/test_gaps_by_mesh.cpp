@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "engine/slicing.hpp"
+#include "lamella/audit/open_layers.hpp"
 #include "lamella/prepare.hpp"
 #include "lamella/sink.hpp"
 #include "slicing/repair/crossed_joints.hpp"
@@ -124,6 +125,17 @@ TEST_CASE("a gap with a wall in it stays open by the mesh's length, and not by o
                       [&](const lamella::ClosedGap& gap) { return closed.length_mm(gap) == 10; }));
     CHECK(std::none_of(open.closed_gaps.begin(), open.closed_gaps.end(),
                        [&](const lamella::ClosedGap& gap) { return open.length_mm(gap) == 10; }));
+}
+
+TEST_CASE("the length that closes what is left is no shorter than what was closed", "[engine][gaps][open_layers]") {
+    const shapes::Soup walled =
+        shapes::joined({wall(0, 2000, 495, 2000), wall(501, 2000, 1000, 2000), wall(1000, 2000, 0, 2100),
+                        wall(0, 2100, 0, 2000), wall(498, 1990, 498, 2010), wall(498, 2010, 498, 1990)});
+    const SliceResult result = sliced(shapes::joined({cracked_tube(), walled}), by_mesh());
+    const auto open = lamella::find_open_layers(result);
+    REQUIRE(open);
+    CHECK(open->layers == 2);
+    CHECK(open->reach_mm == Approx(10));
 }
 
 TEST_CASE("parts close gaps by their own boxes; a prepared mesh and a sink by the mesh's", "[engine][gaps]") {

@@ -24,7 +24,7 @@ OpenLayers open_of(const SliceResult& result, int threads = 1) {
 }
 
 Soup without_last_side(Soup box) {
-    box.resize(box.size() - 6);
+    box.resize(box.size() - 18);
     return box;
 }
 

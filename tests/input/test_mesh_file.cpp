@@ -190,11 +190,16 @@ TEST_CASE("solids of text STL, and objects or groups of OBJ, are parts of a mesh
     const std::string rest = solid.substr(solid.find('\n'));
     CHECK(parts_of(read_one(dir.write("a.stl", "solid a  b " + rest + "\nsolid" + rest))) ==
           "a  b solid 0 3; part 2 solid 3 3; ");
+    CHECK(parts_of(read_one(dir.write("a.stl", "solid a\xe4" + rest + "\nsolid a\xe4" + rest))) ==
+          "a\xe4 solid 0 3; a\xe4 solid 3 3; ");
     const std::string begin = "v 0 0 0\nv 1 0 0\nv 0 1 1\no a\ng x\nf 1 2 3\n";
     const MeshFile groups = read_one(dir.write("a.obj", begin + "g y z \nf 3 2 1\nf 1 2 3\ng y z\nf 1 3 2"));
     CHECK(parts_of(groups) == "x solid 0 1; y z solid 1 3; ");
     const MeshFile objects = read_one(dir.write("a.obj", begin + "g y\nf 3 2 1\no b\ng x\nf 1 3 2\n"));
     CHECK(parts_of(objects) == "a solid 0 2; b solid 2 1; ");
+    const MeshFile unnamed =
+        read_one(dir.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\no a\nf 3 2 1\no b\nf 1 3 2\n"));
+    CHECK(parts_of(unnamed) == "part 1 solid 0 1; a solid 1 1; b solid 2 1; ");
     std::string many = begin;
     for (int i = 0; i < 70'000; ++i) {
         many += i % 2 == 0 ? "g x\n" : "g y\n";

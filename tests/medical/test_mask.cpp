@@ -167,7 +167,7 @@ TEST_CASE("mask: shares sum to the volume, and say what the image cuts off", "[m
 TEST_CASE("mask: what is open is summed up for each mesh, and shares are those of areas that are known", "[medical]") {
     const ImageGeometry image = image_of({6, 20, 20}, {1, 1, 1}, {0.5, 0.5, 0.5});
     Soup open = box({0, 0, 10}, {12, 20, 20});
-    open.resize(open.size() - 6);  // without its last side
+    open.resize(open.size() - 18);  // without its last side
     const SliceResult half = cut(joined({box({0, 0, 0}, {12, 20, 10}), open}), image);
     const SliceResult none = cut(open, image);
     const MaskPart parts[] = {{&half, "half"}, {&none, "none"}};
@@ -257,13 +257,16 @@ TEST_CASE("mask: slices that were left out are refused", "[medical]") {
     }
 }
 
-TEST_CASE("mask: twice the area over the perimeter tells of thin walls", "[medical]") {
+TEST_CASE("mask: area and perimeter of slices tell of thin walls", "[medical]") {
     ImageGeometry image;
     image.size = {12, 12, 4};
     image.origin_mm = {-1, -1, -0.5};
     const SliceResult plate = cut(box({0, 0, 0}, {10, 0.25, 3}), image);
+    const SliceResult cube = cut(box({0, 0, 0}, {1.5, 1.5, 3}), image);
     const TempFolder folder;
-    const Result<MaskSummary> written = write_mask(std::vector<MaskPart>{{&plate, "plate"}}, image, folder / "m.nii");
+    const Result<MaskSummary> written =
+        write_mask(std::vector<MaskPart>{{&plate, "plate"}, {&cube, "cube"}}, image, folder / "m.nii");
     REQUIRE(written.ok());
-    CHECK(written->mean_wall_mm[0] == Approx(2 * 2.5 / 20.5));
+    CHECK(written->mean_wall_mm[0] == Approx(0.25));
+    CHECK(written->mean_wall_mm[1] == Approx(1.5));
 }

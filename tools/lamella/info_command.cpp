@@ -54,7 +54,7 @@ std::string parts(const MeshFile& mesh) {
     std::string text = "parts           " + grouped(mesh.parts.size()) + "\n";
     for (const MeshPart& part : mesh.parts) {
         text += "  " + std::string(name_of(part.role)) + (part.role == PartRole::solid ? ", " : " (left out), ") +
-                counted(part.triangle_count, "triangle") + ": " + part.name + "\n";
+                counted(part.triangle_count, "triangle") + ": " + printable(part.name) + "\n";
     }
     return mesh.parts.size() > 1 ? text : "";
 }

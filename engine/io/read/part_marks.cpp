@@ -24,11 +24,14 @@ std::string first_characters(const std::string& text, std::size_t most) {
 
 constexpr std::size_t most_parts = 65'536;
 
-PartMarks of_kind(const PartMarks& all, bool group) {
+PartMarks of_kind(const PartMarks& all, bool group, bool go_on) {
     PartMarks marks;
     std::copy_if(all.begin(), all.end(), std::back_inserter(marks), [&](const PartMark& mark) {
-        return mark.group == group && (marks.empty() || marks.back().name != mark.name);
+        return mark.group == group && (!go_on || marks.empty() || marks.back().name != mark.name);
     });
+    if (!marks.empty() && marks.front().triangle > 0) {
+        marks.insert(marks.begin(), PartMark{0, group, ""});
+    }
     return marks;
 }
 
@@ -73,14 +76,14 @@ void add_marks(PartMarks& marks, const PartMarks& next, std::uint64_t first) {
     }
 }
 
-void give_parts(const PartMarks& all, const std::string& file, MeshFile& mesh) {
+void give_parts(const PartMarks& all, bool go_on, const std::string& file, MeshFile& mesh) {
     if (all.size() > most_parts) {
         mesh.warnings.push_back(file + ": names more than " + std::to_string(most_parts) +
                                 " parts, which are not told apart");
         return;
     }
-    PartMarks marks = of_kind(all, false);
-    if (PartMarks groups = of_kind(all, true); marks.size() < 2 && groups.size() > marks.size()) {
+    PartMarks marks = of_kind(all, false, go_on);
+    if (PartMarks groups = of_kind(all, true, go_on); marks.size() < 2 && groups.size() > marks.size()) {
         marks = std::move(groups);
     }
     std::uint64_t begin = 0;
@@ -88,8 +91,8 @@ void give_parts(const PartMarks& all, const std::string& file, MeshFile& mesh) {
         const std::uint64_t end = i + 1 < marks.size() ? marks[i + 1].triangle : mesh.triangle_count;
         if (end > begin) {
             const std::string number = "part " + std::to_string(mesh.parts.size() + 1);
-            const std::string name = printable(std::string(marks[i].name));
-            mesh.parts.push_back({name.empty() ? number : name, PartRole::solid, begin, end - begin});
+            mesh.parts.push_back(
+                {marks[i].name.empty() ? number : std::string(marks[i].name), PartRole::solid, begin, end - begin});
             begin = end;
         }
     }

@@ -21,8 +21,9 @@ void add_mark(PartMarks& marks, std::uint64_t triangle, bool group, const char* 
 /// Those of the next piece of the text, whose triangles begin at `first`.
 void add_marks(PartMarks& marks, const PartMarks& next, std::uint64_t first);
 
-/// Gives the mesh its parts, or warns that they are too many: those of groups where all else has one name. Marks of one name
-/// that follow each other are one part, those without a triangle none.
-void give_parts(const PartMarks& marks, const std::string& file, MeshFile& mesh);
+/// Gives the mesh its parts, or warns that they are too many: those of groups where all else has one name. What comes before
+/// the first mark is a part of its own, marks without a triangle are none. `go_on`: a mark of the same name as the one
+/// before goes on with its part.
+void give_parts(const PartMarks& marks, bool go_on, const std::string& file, MeshFile& mesh);
 
 }  // namespace lamella

@@ -26,6 +26,14 @@ void fill_span(Label* row, std::size_t first, std::size_t last, std::uint32_t pa
     counts.voxels[part] += last - first;
 }
 
+/// Of a rectangle with that area and perimeter the shorter side: the thickness of a long wall; of what is rounder than a
+/// square the side of a square.
+double width_of(double area, double perimeter) noexcept {
+    const double half = perimeter / 4;
+    const double square = half * half - area;
+    return square > 0 ? half - std::sqrt(square) : std::sqrt(area);
+}
+
 /// Calls use(part, crossings) for each part that crosses a row.
 template <class Use>
 void for_each_part(std::span<const Crossing> crossings, const Use& use) {
@@ -47,7 +55,7 @@ void MaskCounts::add(const MaskCounts& other) {
         voxels[i] += other.voxels[i];
         area[i] += other.area[i];
         inside[i] += other.inside[i];
-        perimeter[i] += other.perimeter[i];
+        length[i] += other.length[i];
     }
 }
 
@@ -89,13 +97,17 @@ void SliceRaster::measure(std::size_t part, const Layer& layer, MaskCounts& coun
     if (std::isnan(result.area_mm2(layer))) {
         return;
     }
+    double perimeter = 0;
     for (const Contour& contour : result.contours_of(layer)) {
         if (contour.role == Role::outer || contour.role == Role::hole) {
             const double area = result.area_mm2(contour);
             counts.area[part] += area;
-            counts.perimeter[part] += perimeter_of(result.points_of(contour)) * result.unit_mm;
+            perimeter += perimeter_of(result.points_of(contour)) * result.unit_mm;
             counts.inside[part] += reaches_beyond(part, contour) ? area_inside(part, contour) : area;
         }
+    }
+    if (const double area = result.area_mm2(layer); area > 0) {
+        counts.length[part] += area / width_of(area, perimeter);
     }
 }
 

@@ -19,11 +19,11 @@ namespace lamella {
 struct MaskCounts {
     std::vector<std::uint64_t> voxels;
     std::uint64_t overlapped = 0;
-    std::vector<double> area;       ///< of each part, mm2
-    std::vector<double> inside;     ///< of it, what lies within the image
-    std::vector<double> perimeter;  ///< of each part, mm
+    std::vector<double> area;    ///< of each part, mm2
+    std::vector<double> inside;  ///< of it, what lies within the image
+    std::vector<double> length;  ///< of each part, mm: area over width, summed over slices
 
-    explicit MaskCounts(std::size_t parts) : voxels(parts), area(parts), inside(parts), perimeter(parts) {}
+    explicit MaskCounts(std::size_t parts) : voxels(parts), area(parts), inside(parts), length(parts) {}
     void add(const MaskCounts& other);
 };
 

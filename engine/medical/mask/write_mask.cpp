@@ -159,8 +159,8 @@ MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts
         if (open->layers > 0 && open->layers == open->crossed) {
             summary.cut_off_share.back() = std::numeric_limits<double>::quiet_NaN();
         }
-        summary.mean_wall_mm.push_back(counts.perimeter[i] > 0 ? 2 * counts.area[i] / counts.perimeter[i]
-                                                               : std::numeric_limits<double>::quiet_NaN());
+        summary.mean_wall_mm.push_back(counts.length[i] > 0 ? counts.area[i] / counts.length[i]
+                                                            : std::numeric_limits<double>::quiet_NaN());
     }
     return summary;
 }
@@ -180,7 +180,10 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
             return file.error();
         }
         const MaskCounts counts = MaskWriter(raster, image, layout, *file).write(parallel);
-        const MaskSummary summary = summary_of(counts, parts, options.control);
+        Control within = options.control;
+        within.stop = parallel.stop();
+        within.progress = {};
+        const MaskSummary summary = summary_of(counts, parts, within);
         if (const Status written = file->commit(); !written) {
             return written.error();
         }

@@ -59,7 +59,9 @@ Result<OrientedMesh> orient_or_throw(const MeshView& view, const OrientOptions& 
     }
     oriented.shells = found.shells.size();
     oriented.turned_shells = static_cast<std::uint64_t>(std::count_if(found.shells.begin(), found.shells.end(), is_turned));
-    oriented.complete = found.nesting_complete;
+    const bool all_closed =
+        std::all_of(found.shells.begin(), found.shells.end(), [](const MeshShell& shell) { return shell.closed; });
+    oriented.complete = found.nesting_complete && (oriented.turned_shells == 0 || all_closed);
     parallel.finish();
     return oriented;
 }

@@ -23,7 +23,7 @@ struct OpenLayers {
     std::uint64_t stuck = 0;    ///< of `layers`: those that stay open however far apart ends may be joined
     double height_mm = 0;       ///< of `layers`, from bottom to top
     double crossed_mm = 0;      ///< of `crossed`
-    double reach_mm = 0;        ///< SliceOptions::close_gaps_mm that closes all but `stuck`; 0 if nothing is open
+    double reach_mm = 0;        ///< SliceOptions::close_gaps_mm that closes all but `stuck`, and what is closed already
 
     /// The share of the crossed height that `layers` stand for; of the crossed layers where these have no height.
     double share() const noexcept;

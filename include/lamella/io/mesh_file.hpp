@@ -57,7 +57,7 @@ std::string_view name_of(PartRole role) noexcept;
 /// Part of a file: a 3MF object, or a volume that a slicer's settings make of its triangles; an OBJ object, or a group where
 /// the file has at most one object; a solid of text STL.
 struct MeshPart {
-    std::string name;  ///< as the file has it, on one line, else "object 7" or "part 2"; names may repeat
+    std::string name;  ///< the file's bytes, else "object 7" or "part 2"; names may repeat
     PartRole role = PartRole::solid;
     std::uint64_t first_triangle = 0;  ///< in the mesh; 0 where the part is left out
     std::uint64_t triangle_count = 0;  ///< those left out too

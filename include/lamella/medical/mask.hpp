@@ -41,8 +41,8 @@ struct MaskSummary {
     /// Of each part: the share of its area in the slices that lies beside the image, of slices without open polylines. NaN
     /// where there are none.
     std::vector<double> cut_off_share;
-    /// Of each part: twice its area over its perimeter, of all slices together. Of walls much longer than thick that is
-    /// their mean thickness, of discs their radius; NaN where no area is known.
+    /// Of each part: how wide its slices are on average, by their areas: the shorter side of a rectangle with a slice's area
+    /// and perimeter. Of a wall that is its thickness. NaN where no area is known.
     std::vector<double> mean_wall_mm;
 };
 

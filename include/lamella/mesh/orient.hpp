@@ -24,7 +24,9 @@ struct OrientedMesh {
     WeldedMesh mesh;           ///< the same triangles in the same order; equal vertices are one
     std::uint64_t shells = 0;  ///< sets of triangles connected over edges
     std::uint64_t turned_shells = 0;
-    bool complete = true;  ///< false: rays through too many triangles; some cavities may be turned outwards
+    /// False: rays through too many triangles, or shells were turned beside open ones, which are around none. Some cavities
+    /// may be turned outwards.
+    bool complete = true;
 };
 
 struct OrientOptions {

@@ -161,6 +161,7 @@ private:
 
     /// `first`: of its file.
     void slice_part(const MeshFile& mesh, const std::string& name, bool first = true) {
+        const std::size_t earlier = run_.warnings.size();  // of meshes before
         SliceOptions options = options_of(arguments_);
         SlicedPart part;
         part.name = name;
@@ -187,7 +188,8 @@ private:
         part.welded = std::move(welded_);
         welded_.reset();
         if (oriented_ && !oriented_->complete) {
-            note("not all shells could be looked at: some cavities may be turned outwards");
+            note("--orient-shells: " + name +
+                 " has open shells, or too many in a row: cavities may have been turned outwards");
         }
         if (job_.image) {
             require_overlap(*job_.image, part.name, part.result.summary);
@@ -205,6 +207,9 @@ private:
         }
         if (wants_facts()) {
             part.facts = facts_of(mesh, part);
+            part.facts->warnings = mesh.warnings;
+            part.facts->warnings.insert(part.facts->warnings.end(),
+                                        run_.warnings.begin() + static_cast<std::ptrdiff_t>(earlier), run_.warnings.end());
         }
         job_.parts.push_back(std::move(part));
     }
@@ -229,10 +234,7 @@ private:
 
     MeshFacts facts_of(const MeshFile& mesh, const SlicedPart& part) {
         const Stage stage(bar_, "measuring");
-        MeshFacts facts =
-            done_or_thrown(measure_facts(sliced_view(mesh, part), mesh.to_mm(), part.result, control_of(stage)));
-        facts.warnings = run_.warnings;
-        return facts;
+        return done_or_thrown(measure_facts(sliced_view(mesh, part), mesh.to_mm(), part.result, control_of(stage)));
     }
 
     void note(const std::string& warning) {
@@ -243,13 +245,14 @@ private:
 
     MeshFile read() {
         MeshFile mesh = in_ranges() ? describe_mesh_of(arguments_) : read_mesh_of(arguments_, bar_);
-        for (const std::string& warning : mesh.warnings) {
-            note(warning);
-        }
         const PatientFrame asked = arguments_.image.frame;
         if (asked != PatientFrame::unstated && mesh.patient_frame != PatientFrame::unstated && mesh.patient_frame != asked) {
-            note(arguments_.name() + ": states the patient frame " + std::string(name_of(mesh.patient_frame)) +
-                 ", which holds instead of --frame " + std::string(name_of(asked)));
+            mesh.warnings.push_back(arguments_.name() + ": states the patient frame " +
+                                    std::string(name_of(mesh.patient_frame)) + ", which holds instead of --frame " +
+                                    std::string(name_of(asked)));
+        }
+        for (const std::string& warning : mesh.warnings) {
+            note(warning);
         }
         return mesh;
     }

@@ -67,10 +67,14 @@ bool has_decimal_commas(const WordList& list, const std::string& path) {
     };
     const auto pair =
         std::find_if(list.words.begin(), list.words.end(), [](const Word& word) { return is_decimal_comma(word.text); });
-    if (pair == list.words.end() || std::any_of(list.words.begin(), list.words.end(), separates)) {
+    if (pair == list.words.end()) {
         return false;
     }
-    if (!list.in_columns) {
+    const bool separated = std::any_of(list.words.begin(), list.words.end(), separates);
+    if (separated && !list.in_columns) {
+        return false;
+    }
+    if (separated || !list.in_columns) {
         throw Failure(bad_input, path + ":" + std::to_string(pair->line) + ": " + quoted(pair->text) +
                                      " is one number or two: write numbers as 0.5, or separate them by ; or blanks");
     }
@@ -155,7 +159,7 @@ double parse_grid(const std::string& text) {
 }
 
 double parse_gaps(const std::string& text) {
-    if (text == "auto") {
+    if (lower_case(text) == "auto") {
         return gaps_by_mesh;
     }
     const std::optional<double> length = parse_number(text);

@@ -20,7 +20,7 @@ void add_facts(nlohmann::ordered_json& json, const SliceFacts& facts) {
 SliceFacts facts_of(const nlohmann::ordered_json& json) {
     return {json.at("triangles").get<std::uint64_t>(), json.at("layers").get<std::uint64_t>(),
             json.at("contours").get<std::uint64_t>(),  json.at("open_contours").get<std::uint64_t>(),
-            json.at("close_gaps_mm").get<double>(),    json.at("warnings").get<std::vector<std::string>>()};
+            json.value("close_gaps_mm", 0.0),          json.at("warnings").get<std::vector<std::string>>()};
 }
 
 std::string text_of(const SliceFacts& facts) {

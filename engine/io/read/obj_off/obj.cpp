@@ -324,7 +324,7 @@ Result<MeshFile> read_obj(FileSource& source) {
         for (std::size_t i = 1; i < names.size(); ++i) {
             add_marks(names.front(), names[i], faces[i].first_triangle);
         }
-        give_parts(names.front(), source.name(), mesh.value());
+        give_parts(names.front(), true, source.name(), mesh.value());
         give_stated_frame(head_comments(text), source, mesh.value());
         const LeftOut ignored = sum_of(skipped);
         const LeftOut with_decimals = sum_of(decimals);

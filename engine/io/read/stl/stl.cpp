@@ -210,7 +210,7 @@ Result<MeshFile> read_ascii(FileSource& file) {
     mesh.stride = 9 * sizeof(float);
     mesh.triangle_count = facets.count;
     mesh.text = true;
-    give_parts(facets.solids, file.name(), mesh);
+    give_parts(facets.solids, false, file.name(), mesh);
     give_stated_frame(text.substr(0, text.find_first_of("\r\n")), file, mesh);
     warn_of_departures(file, whole, facets.departures, mesh);
     if (facets.open_end) {

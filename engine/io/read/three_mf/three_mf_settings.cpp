@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <deque>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "io/read/input_file.hpp"
@@ -122,13 +123,21 @@ private:
         if (object.components.empty()) {
             relabel(object, components_.begin()->second.front());
         }
+        std::set<std::uint32_t> unused;
+        for (const auto& [id, labels] : components_) {
+            unused.insert(id);
+        }
         for (Reference& component : object.components) {
             if (const auto own = components_.find(component.id); own != components_.end()) {
                 component.label = model_.add_label(own->second.front());
+                unused.erase(component.id);
                 if (own->second.size() > 1) {
                     own->second.pop_front();
                 }
             }
+        }
+        for (const std::uint32_t id : object.components.empty() ? std::set<std::uint32_t>() : unused) {
+            warn("settings of part " + std::to_string(id) + ", which object " + std::to_string(object.id) + " has not");
         }
     }
 

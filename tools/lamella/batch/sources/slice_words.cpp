@@ -49,7 +49,8 @@ bool SliceWords::is_flag(const std::string& name) const {
 }
 
 bool SliceWords::takes_length(const std::string& name) const {
-    return option(name)->get_type_name() == "MM";
+    const std::string type = option(name)->get_type_name();
+    return type == "MM" || type == "MM|auto";
 }
 
 bool SliceWords::is_repeatable(const std::string& name) const {

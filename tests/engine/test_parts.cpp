@@ -1,7 +1,9 @@
 // Several meshes in one result.
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <thread>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -241,7 +243,11 @@ TEST_CASE("slicing parts takes memory from the host, gives it back, and can be s
     CHECK(std::is_sorted(seen.begin(), seen.end()));
     CHECK(seen.back() == 1);
     CHECK(std::any_of(seen.begin(), seen.end(), [](double done) { return done > 0.2 && done < 0.4; }));
-    const auto stop_late = [&](double done) noexcept { stop = done > 0.6; };  // in the second part
+    const auto stop_late = [&](double done) noexcept {
+        if (done > 0.6 && !stop.exchange(true)) {  // in the second part; the host is asked again after two milliseconds
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+    };
     options.control.progress = lamella::Progress::to(stop_late);
     CHECK(parts_failure(parts, options).code == ErrorCode::cancelled);
 }

@@ -195,7 +195,7 @@ private:
             require_overlap(*job_.image, part.name, part.result.summary);
         }
         if (!job_.streamed) {
-            run_.open = done_or_thrown(find_open_layers(part.result));
+            run_.open = done_or_thrown(find_open_layers(part.result, {.threads = arguments_.threads}));
         }
         part.open = run_.open;
         for (const std::string& warning : warnings_of(part, run_.contours, arguments_, mesh, job_.image)) {

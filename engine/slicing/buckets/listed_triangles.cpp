@@ -1,9 +1,10 @@
 #include "slicing/buckets/listed_triangles.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
-#include "slicing/buckets/bucket_parts.hpp"
+#include "slicing/buckets/thread_shares.hpp"
 
 namespace lamella {
 
@@ -17,50 +18,47 @@ void count_from(CrossedTriangle& record, PlaneIndex base) noexcept {
 
 }  // namespace
 
-void count_crossings(const ListedTriangles& listed, Buckets& buckets) {
-    buckets.list_begin.resize_discarding(listed.list_begin.size());
-    std::copy(listed.list_begin.begin(), listed.list_begin.end(), buckets.list_begin.begin());
-    buckets.segments.resize_discarding(listed.segments.size());
-    std::copy(listed.segments.begin(), listed.segments.end(), buckets.segments.begin());
-    buckets.segment_count = 0;
-    for (const std::uint32_t segments : listed.segments) {
-        buckets.segment_count += segments;
-    }
-    buckets.degenerate = 0;
-    buckets.touched.set_size(0);
+void ListedSource::count(double /*unit_mm*/) {
+    buckets_.list_begin.resize_discarding(listed_.list_begin.size());
+    std::copy(listed_.list_begin.begin(), listed_.list_begin.end(), buckets_.list_begin.begin());
+    buckets_.segments.resize_discarding(listed_.segments.size());
+    std::copy(listed_.segments.begin(), listed_.segments.end(), buckets_.segments.begin());
+    buckets_.segment_count = std::accumulate(listed_.segments.begin(), listed_.segments.end(), std::uint64_t{0});
+    buckets_.degenerate = 0;
 }
 
-std::size_t scatter_triangles(const ListedTriangles& listed, std::span<const PlaneIndex> reach_end, const Parallel& parallel,
-                              Buckets& buckets, std::span<Reaching> reaching) {
-    std::swap(buckets.records, listed.records);
-    const auto planes = static_cast<PlaneIndex>(listed.segments.size());
-    const std::span<const std::uint32_t> begins = listed.list_begin;
+std::size_t ListedSource::scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool /*origins*/) {
+    std::swap(buckets_.records, listed_.records);
+    const auto planes = static_cast<PlaneIndex>(listed_.segments.size());
+    const std::span<const std::uint32_t> begins = listed_.list_begin;
     const std::size_t count = begins.back() - begins.front();
-    const BucketParts parts(count, parallel);
-    ReachingOutput output(reaching, parts.count);
-    parallel.run(parts.count, [&](std::size_t part, int) {
-        const auto at = [&](std::size_t p) { return begins.front() + static_cast<std::uint32_t>(count * p / parts.count); };
-        const std::uint32_t end = at(part + 1);
-        std::uint32_t next = at(part);
+    const ThreadShares shares(count, parallel_);
+    std::atomic<std::size_t> reaching_count = 0;
+    parallel_.run(shares.count, [&](std::size_t share, int) {
+        const auto at = [&](std::size_t s) { return begins.front() + static_cast<std::uint32_t>(count * s / shares.count); };
+        ReachingWriter writer(reaching, reaching_count);
+        const std::uint32_t end = at(share + 1);
+        std::uint32_t next = at(share);
         const auto own = std::upper_bound(begins.begin(), begins.end(), next) - begins.begin();
         for (auto plane = static_cast<PlaneIndex>(own - 1); next < end; ++plane) {
             for (const std::uint32_t stop = std::min(end, begins[plane + 1]); next < stop; ++next) {
-                CrossedTriangle& record = buckets.records[next];
-                if (listed.base > 0) {
-                    count_from(record, listed.base);
+                CrossedTriangle& record = buckets_.records[next];
+                if (listed_.base > 0) {
+                    count_from(record, listed_.base);
                 }
                 const PlaneIndex last = std::min(record.last, planes);
                 if (last > reach_end[plane]) {
-                    output.add(part, {next, plane, last});
+                    writer.add({next, plane, last});
                 }
             }
         }
+        writer.flush();
     });
-    return output.finish();
+    return reaching_count;
 }
 
-void give_back(const ListedTriangles& listed, Buckets& buckets) noexcept {
-    std::swap(buckets.records, listed.records);
+void ListedSource::give_back() noexcept {
+    std::swap(buckets_.records, listed_.records);
 }
 
 }  // namespace lamella

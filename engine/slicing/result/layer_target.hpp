@@ -7,14 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "base/function_ref.hpp"
 #include "base/parallel.hpp"
-#include "base/progress_meter.hpp"
 #include "lamella/result.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/planes/plane_set.hpp"
-#include "slicing/result/band_target.hpp"
 #include "slicing/result/placement.hpp"
 
 namespace lamella {
@@ -31,41 +28,52 @@ struct OutputScratch {
 struct SweepInput {
     const PlaneSet& planes;
     const Buckets& buckets;
-    std::span<const Band> bands;
+    std::span<const Band> bands;  ///< empty until they are cut
     const Parallel& parallel;
-    ProgressMeter& progress;
     OutputScratch& scratch;
     bool origins;                   ///< SliceOptions::origins
     SliceResult& result;            ///< unit, frame, plan and summary; arrays only where the slice is made for it
     std::uint64_t first_index = 0;  ///< of the first layer, for sinks
+
+    /// How many bands may be begun beyond the first that is not done.
+    std::size_t lead() const noexcept { return 2 * static_cast<std::size_t>(parallel.threads()); }
 };
 
-class SliceOutput {
+/// The functions are called in their order.
+class LayerTarget {
 public:
-    /// The size is known, and nothing of that size is allocated yet: refuses what is too large. `result` holds unit, rules
-    /// and box.
-    virtual Status admit(const PlaneSet& planes, const Buckets& buckets, const SliceResult& result,
-                         std::uint64_t memory_limit) = 0;
+    /// The size is known, and nothing of that size is allocated yet: throws Refused where it is too large. The result holds
+    /// unit, rules and box.
+    virtual void admit(const SweepInput& input, std::uint64_t memory_limit) = 0;
     /// How many segments a band should have at most.
-    virtual std::uint64_t most_band_segments(int /*threads*/) const noexcept {
-        return std::numeric_limits<std::uint64_t>::max();
-    }
-    /// Calls `sweep`, which sweeps all bands, once or more. Throws what it throws.
-    virtual Status take_bands(const SweepInput& input, FunctionRef<void(BandTarget&)> sweep) = 0;
+    virtual std::uint64_t most_band_segments(int /*threads*/) const noexcept { return BandPlan::no_limit; }
+    /// Where the bands go, all of which are then submitted there.
+    virtual BandTarget& begin(const SweepInput& input) = 0;
     /// After the scratch of the sweep has been released: completes result and summary.
-    virtual Status finish(const SweepInput& input) = 0;
+    virtual void finish(const SweepInput& input) = 0;
 
 protected:
-    ~SliceOutput() = default;
+    ~LayerTarget() = default;
+};
+
+/// A slice that is made for SweepInput::result.
+class ResultTarget final : public LayerTarget {
+public:
+    void admit(const SweepInput& input, std::uint64_t memory_limit) override;
+    BandTarget& begin(const SweepInput& input) override;
+    void finish(const SweepInput& input) override;
 };
 
 /// The layer of a plane, without its contours.
-inline Layer describe_layer(const PlaneSet& planes, const Buckets& buckets, PlaneIndex plane) {
-    return {planes.bottom_mm(plane), planes.height_mm(plane),     planes.top_mm(plane), 0, 0,
-            buckets.segments[plane], PlaneHeight(planes.z(plane))};
+inline Layer describe_layer(const PlaneSet& planes, PlaneIndex plane, std::uint64_t segments) {
+    return {planes.bottom_mm(plane),     planes.height_mm(plane), planes.top_mm(plane), 0, 0, segments,
+            PlaneHeight(planes.z(plane))};
 }
 
 /// Writes all layers, without their contours, to `layers`.
 void fill_layers(const SweepInput& input, std::span<Layer> layers);
+
+/// SliceResult::layer_of, first_layer and all_layers.
+void describe_plan(const PlaneSet& planes, SliceResult& result);
 
 }  // namespace lamella

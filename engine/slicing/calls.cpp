@@ -29,32 +29,22 @@ void check_prepared(const PreparedParts& prepared, const SliceOptions& options) 
     }
 }
 
-/// Calls use(source, what the workspace keeps) with the source of a mesh.
-template <class Use>
-void with_source(const MeshView& mesh, const SliceOptions& options, Workspace& workspace, Use use) {
+AnyMeshSource source_of(const MeshView& mesh, const SliceOptions& options, WorkspaceParts& kept) {
     check_options(options);
-    WorkspaceParts& kept = WorkspaceParts::of(workspace, options.control);
-    with_mesh_source(mesh, options.transform, nullptr, kept.source_tools(),
-                     [&](TriangleSource& source) { use(source, kept); });
+    return {mesh, options.transform, nullptr, kept.source_tools()};
 }
-template <class Use>
-void with_source(const PreparedMesh& mesh, const SliceOptions& options, Workspace& workspace, Use use) {
+PreparedSource source_of(const PreparedMesh& mesh, const SliceOptions& options, WorkspaceParts& kept) {
     check_prepared(mesh.parts(), options);
     check_options(options);
-    WorkspaceParts& kept = WorkspaceParts::of(workspace, options.control);
-    PreparedSource source(mesh.parts(), kept.source_tools());
-    use(source, kept);
+    return {mesh.parts(), kept.source_tools()};
 }
 
 template <class Mesh>
-void slice_to_result(const Mesh& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) {
-    with_source(mesh, options, workspace, [&](TriangleSource& source, WorkspaceParts& kept) {
-        if (result.points.memory() != options.control.memory) {
-            result = SliceResult(options.control.memory);
-        }
-        ResultTarget target;
-        slice_layers(source, target, options, kept, result);
-    });
+void slice_for(LayerTarget& target, const Mesh& mesh, const SliceOptions& options, Workspace& workspace,
+               SliceResult& result) {
+    WorkspaceParts& kept = WorkspaceParts::of(workspace, options.control);
+    auto source = source_of(mesh, options, kept);
+    slice_layers(source, target, options, kept, result);
 }
 
 template <class Mesh>
@@ -62,7 +52,8 @@ Result<SliceResult> slice_once(const Mesh& mesh, const SliceOptions& options) no
     return guarded(options.control, [&]() -> Result<SliceResult> {
         Workspace workspace;
         SliceResult result(options.control.memory);
-        slice_to_result(mesh, options, workspace, result);
+        ResultTarget target;
+        slice_for(target, mesh, options, workspace, result);
         return result;
     });
 }
@@ -70,7 +61,11 @@ Result<SliceResult> slice_once(const Mesh& mesh, const SliceOptions& options) no
 template <class Mesh>
 Status slice_again(const Mesh& mesh, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
     return guarded(options.control, [&] {
-        slice_to_result(mesh, options, workspace, result);
+        if (result.points.memory() != options.control.memory) {
+            result = SliceResult(options.control.memory);
+        }
+        ResultTarget target;
+        slice_for(target, mesh, options, workspace, result);
         return Status();
     });
 }
@@ -79,11 +74,10 @@ template <class Mesh>
 Result<SliceTotals> hand_over(const LayerSink& sink, const Mesh& mesh, const SliceOptions& options,
                               Workspace& workspace) noexcept {
     return guarded(options.control, [&]() -> Result<SliceTotals> {
-        SliceTotals totals;
-        with_source(mesh, options, workspace, [&](TriangleSource& source, WorkspaceParts& kept) {
-            totals = slice_to_sink(sink, source, options, kept);
-        });
-        return totals;
+        SinkTarget target(sink);
+        SliceResult result(options.control.memory);
+        slice_for(target, mesh, options, workspace, result);
+        return target.totals(result);
     });
 }
 
@@ -93,9 +87,7 @@ Result<SliceTotals> write_into(const HostOutput& output, const Mesh& mesh, const
     return guarded(options.control, [&]() -> Result<SliceTotals> {
         HostTarget target(output);
         SliceResult result(options.control.memory);
-        with_source(mesh, options, workspace, [&](TriangleSource& source, WorkspaceParts& kept) {
-            slice_layers(source, target, options, kept, result);
-        });
+        slice_for(target, mesh, options, workspace, result);
         return target.totals(result);
     });
 }
@@ -103,19 +95,17 @@ Result<SliceTotals> write_into(const HostOutput& output, const Mesh& mesh, const
 template <class Mesh>
 Result<OutputBounds> count_output(const Mesh& mesh, const SliceOptions& options, Workspace& workspace) noexcept {
     return guarded(options.control, [&]() -> Result<OutputBounds> {
-        OutputBounds bounds;
-        with_source(mesh, options, workspace, [&](TriangleSource& source, WorkspaceParts& kept) {
-            SliceResult result(options.control.memory);
-            count_layers(source, options, kept, result);
-            const std::uint64_t segments = kept.buckets.segment_count;
-            bounds = {.layers = kept.planes.size(),
-                      .contours = segments,
-                      .points = 2 * segments,
-                      .segments = segments,
-                      .are_certain = options.region.keeps_contours(),
-                      .unit_mm = result.unit_mm};
-        });
-        return bounds;
+        WorkspaceParts& kept = WorkspaceParts::of(workspace, options.control);
+        SliceResult result(options.control.memory);
+        auto source = source_of(mesh, options, kept);
+        count_layers(source, options, kept, result);
+        const std::uint64_t segments = kept.buckets.segment_count;
+        return OutputBounds{.layers = kept.planes.size(),
+                            .contours = segments,
+                            .points = 2 * segments,
+                            .segments = segments,
+                            .are_certain = options.region.keeps_contours(),
+                            .unit_mm = result.unit_mm};
     });
 }
 

@@ -22,7 +22,7 @@ std::uint64_t usual_memory_limit();
 struct WorkspaceParts {
     explicit WorkspaceParts(const Memory* host);
 
-    /// What the workspace keeps, for a call that begins on this thread.
+    /// All that the workspace keeps, for a call that begins on this thread.
     static WorkspaceParts& of(Workspace& workspace, const Control& control);
 
     SourceTools source_tools() noexcept { return {*parallel, planes, buckets}; }

@@ -85,7 +85,7 @@ struct OrderNote {
     }
 };
 
-/// What SinkBands takes for granted, with bands of one wide layer after the other.
+/// All that SinkBands takes for granted, with bands of one wide layer after the other.
 struct ManyLayers {
     ManyLayers(std::uint32_t layers, std::uint32_t band_layers, const lamella::Memory* memory)
         : planes(memory), buckets(memory), scratch(memory), result(memory), bands(bands_of(layers, band_layers)) {

@@ -345,7 +345,10 @@ void FileSlicing::cut(const LayerSpan& span) {
     check_options(options);
     detail::WorkspaceParts& kept = detail::WorkspaceParts::of(workspace_, options.control);
     ListedSource source(store_.listed(span.begin, span.end), span.triangles, options.transform, frame_, kept.source_tools());
-    const SliceTotals own = slice_to_sink(sink_, source, options, kept, span.begin);
+    SinkTarget target(sink_);
+    SliceResult result(options.control.memory);
+    slice_layers(source, target, options, kept, result, span.begin);
+    const SliceTotals own = target.totals(result);
     store_.drop_swept(span.begin, span.end);
     done_ = span.end;
     cut_ms_ += milliseconds_since(start);

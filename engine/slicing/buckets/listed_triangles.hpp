@@ -23,7 +23,7 @@ struct ListedTriangles {
     PlaneIndex base = 0;                        ///< the first plane of the range, from which records count on while swept
 };
 
-/// Of `triangles` records. Scattering takes them, and give_back() returns them: planes count from the range's first then.
+/// The `triangles` records. Scattering takes them, and give_back() returns them: planes count from the range's first then.
 class ListedSource final : public TriangleSource {
 public:
     ListedSource(const ListedTriangles& listed, std::uint64_t triangles, const Transform& transform,

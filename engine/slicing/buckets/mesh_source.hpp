@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <variant>
 
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/triangle_source.hpp"
@@ -18,7 +19,7 @@
 
 namespace lamella {
 
-/// What both have. Triangles in memory are of the mesh's own number.
+/// Triangles in the caller's memory, with the numbers of the mesh.
 class MeshSource : public TriangleSource {
 protected:
     MeshSource(const MeshView& mesh, const Transform& transform, const SharedFrame* frame, const SourceTools& tools) noexcept
@@ -50,7 +51,7 @@ public:
                   const SourceTools& tools) noexcept
         : MeshSource(mesh, transform, frame, tools) {}
 
-    /// Whether a mesh's vertices should be placed: it is indexed, most vertices serve several triangles, and they are at
+    /// True where vertices should be placed: the mesh is indexed, most vertices serve several triangles, and they are at
     /// most 2^23, so that they take at most 143 MB.
     static bool pays_for(const MeshView& mesh) noexcept {
         constexpr std::size_t most_vertices = std::size_t{1} << 23;
@@ -70,17 +71,24 @@ private:
     void place_vertices();
 };
 
-/// Calls use(source) with the source that serves the mesh.
-template <class Use>
-void with_mesh_source(const MeshView& mesh, const Transform& transform, const SharedFrame* frame, const SourceTools& tools,
-                      Use use) {
-    if (IndexedSource::pays_for(mesh)) {
-        IndexedSource source(mesh, transform, frame, tools);
-        use(source);
-    } else {
-        SoupSource source(mesh, transform, frame, tools);
-        use(source);
+/// The source that serves a mesh.
+class AnyMeshSource {
+public:
+    AnyMeshSource(const MeshView& mesh, const Transform& transform, const SharedFrame* frame, const SourceTools& tools) {
+        if (IndexedSource::pays_for(mesh)) {
+            source_ = &kinds_.emplace<IndexedSource>(mesh, transform, frame, tools);
+        } else {
+            source_ = &kinds_.emplace<SoupSource>(mesh, transform, frame, tools);
+        }
     }
-}
+    AnyMeshSource(const AnyMeshSource&) = delete;
+    AnyMeshSource& operator=(const AnyMeshSource&) = delete;
+
+    operator TriangleSource&() noexcept { return *source_; }  // NOLINT(google-explicit-constructor): it is one
+
+private:
+    std::variant<std::monostate, SoupSource, IndexedSource> kinds_;
+    TriangleSource* source_;
+};
 
 }  // namespace lamella

@@ -29,7 +29,7 @@ namespace lamella {
 
 namespace detail {
 
-/// What a PreparedMesh holds.
+/// The inside of a PreparedMesh.
 struct PreparedParts {
     explicit PreparedParts(const Memory* memory) : triangles(memory), blocks(memory), super_blocks(memory) {}
 

@@ -1,5 +1,5 @@
-// What sources share, whatever they read triangles from: the shares of threads, their counters, and the prefix sums between
-// the two reads.
+// Both reads, whatever triangles are read from: the shares of threads, their counters, and the prefix sums between the two
+// reads.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What a slice reads its triangles from (Algorithm 2):
+// The sources from which a slice reads its triangles (Algorithm 2):
 //
 //     soup_source       any mesh, corner by corner; blocks between planes are skipped
 //     indexed_source    indexed meshes, each vertex placed once
@@ -18,14 +18,14 @@
 
 namespace lamella {
 
-/// What a source works with, all of which is kept from call to call.
+/// All that a source works with, which is kept from call to call.
 struct SourceTools {
     const Parallel& parallel;
     const PlaneSet& planes;
     Buckets& buckets;
 };
 
-/// What is known of triangles before they are read.
+/// All that is known of triangles before they are read.
 struct SourceInfo {
     std::uint64_t triangles;
     Transform transform{};                        ///< places them

@@ -103,7 +103,7 @@ private:
     const Parallel& parallel_;
 };
 
-/// What a run of indices has. Without branches, so that the compiler makes vectors of it.
+/// The largest index of a run, and which wanted ones it has. Without branches, so that the compiler makes vectors of it.
 template <class Index>
 struct Seen {
     Index largest = 0;
@@ -127,7 +127,7 @@ struct Seen {
     }
 };
 
-/// Whether triangles have all of these vertices, and no index names none. May be false, too, where indices are not packed.
+/// True if triangles have all of these vertices, and no index names none. May be false, too, where indices are not packed.
 template <class Index>
 bool have_all(const MeshView& mesh, const VertexNumbers& wanted, const Parallel& parallel) {
     if (mesh.index_stride != 3 * sizeof(Index)) {

@@ -32,7 +32,7 @@ struct Partial {
     }
 };
 
-/// Whether two vertices of the triangle lie within `reach` of each other on every axis.
+/// True where two vertices of the triangle lie within `reach` of each other on every axis.
 bool has_near_vertices(const RawTriangle& t, double reach) {
     const auto near = [&](const double* a, const double* b) {
         return std::abs(a[0] - b[0]) <= reach && std::abs(a[1] - b[1]) <= reach && std::abs(a[2] - b[2]) <= reach;

@@ -16,7 +16,7 @@ struct Bounds {
     double min_mm[3];
     double max_mm[3];
 
-    /// Of nothing: to be added to.
+    /// The box of nothing, to be added to.
     static constexpr Bounds empty() noexcept {
         constexpr double infinity = std::numeric_limits<double>::infinity();
         return {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};

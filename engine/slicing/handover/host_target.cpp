@@ -113,7 +113,7 @@ void check_scale(const HostOutput& output, double farthest) {
     }
 }
 
-/// Whether the points are those of the grid as they are in memory.
+/// True where the points are those of the grid as they are in memory.
 bool is_plain(const HostOutput& output) noexcept {
     return output.type == PointType::i32 && output.scale == 1 && (output.stride == 0 || output.stride == sizeof(Point)) &&
            reinterpret_cast<std::uintptr_t>(output.points) % alignof(Point) == 0;

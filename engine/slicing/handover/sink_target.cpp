@@ -7,7 +7,6 @@
 
 #include "base/guard.hpp"
 #include "base/stop_pace.hpp"
-#include "slicing/slice_layers.hpp"
 
 namespace lamella {
 
@@ -177,7 +176,7 @@ void SinkBands::put_aside(BandOutput& output) {
     output.make_room(parcel_points);
 }
 
-/// What was put aside, then what the output holds. The band is the head.
+/// First the parcels that were put aside, then the output. The band is the head.
 void SinkBands::hand_over(OwnBand& band) {
     for (BandOutput* const parcel : band.parcels) {
         const std::size_t bytes = parcel->bytes_held();
@@ -252,14 +251,6 @@ SliceTotals SinkTarget::totals(SliceResult& result) const {
     const SinkTotals& totals = bands_->totals();
     return {totals.layers,        totals.contours,    totals.points,     totals.closed_gaps,         result.unit_mm,
             result.close_gaps_mm, result.first_layer, result.all_layers, std::move(result.layer_of), result.summary};
-}
-
-SliceTotals slice_to_sink(const LayerSink& sink, TriangleSource& source, const SliceOptions& options,
-                          detail::WorkspaceParts& kept, std::uint64_t first_index) {
-    SinkTarget target(sink);
-    SliceResult result(options.control.memory);
-    slice_layers(source, target, options, kept, result, first_index);
-    return target.totals(result);
 }
 
 }  // namespace lamella

@@ -22,9 +22,7 @@
 #include <vector>
 
 #include "lamella/sink.hpp"
-#include "slicing/buckets/triangle_source.hpp"
 #include "slicing/result/layer_target.hpp"
-#include "slicing/workspace.hpp"
 
 namespace lamella {
 
@@ -41,7 +39,7 @@ struct SinkTotals {
 };
 
 /// The bands of one sweep.
-class SinkBands final : public BandTarget, private LayerReader {
+class SinkBands final : public BandTarget {
 public:
     SinkBands(const LayerSink& sink, const SweepInput& input);
     SinkBands(const SinkBands&) = delete;
@@ -51,6 +49,7 @@ public:
     void give_back(std::size_t band) override;
     void submit(std::size_t band) override;
     void abort() override;
+    void layer_done(BandOutput& output) override;
 
     const SinkTotals& totals() const noexcept { return totals_; }
 
@@ -65,7 +64,6 @@ private:
         bool done = false;
     };
 
-    void layer_done(BandOutput& output) override;
     void put_aside(BandOutput& output);
     void hand_over(OwnBand& band);
     void hand_over(BandOutput& output, SinkTotals& totals) const;
@@ -110,9 +108,5 @@ private:
     const LayerSink& sink_;
     std::optional<SinkBands> bands_;
 };
-
-/// As slice_to(), from any source; see slice_layers().
-SliceTotals slice_to_sink(const LayerSink& sink, TriangleSource& source, const SliceOptions& options,
-                          detail::WorkspaceParts& kept, std::uint64_t first_index = 0);
 
 }  // namespace lamella

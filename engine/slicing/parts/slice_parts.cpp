@@ -58,10 +58,10 @@ public:
 
 private:
     bool united() const noexcept { return regions_ == PartRegions::united; }
-    /// Of the progress, when all parts are sliced.
+    /// The progress when all parts are sliced.
     double sliced_share() const noexcept { return united() ? 0.5 : 0.95; }
 
-    /// What a part's own progress is of the whole.
+    /// A part's own progress, as a share of the whole.
     struct Share {
         ProgressMeter& whole;
         double from;
@@ -122,11 +122,9 @@ private:
             SliceResult& result = sliced_.emplace_back(options_.control.memory);
             try {
                 detail::WorkspaceParts& kept = detail::WorkspaceParts::of(workspace, options.control);
-                with_mesh_source(parts_[p].mesh, options.transform, &frame_, kept.source_tools(),
-                                 [&](TriangleSource& source) {
-                                     ResultTarget target;
-                                     slice_layers(source, target, options, kept, result);
-                                 });
+                AnyMeshSource source(parts_[p].mesh, options.transform, &frame_, kept.source_tools());
+                ResultTarget target;
+                slice_layers(source, target, options, kept, result);
             } catch (Refused& refused) {
                 throw Refused{blame(std::move(refused.error), p)};
             }
@@ -139,7 +137,7 @@ private:
                            [](const SliceResult& part) { return part.summary.degenerate == part.summary.triangles; });
     }
 
-    /// Of the limit that was asked for; where none was, each part has its own.
+    /// The rest of the limit that was asked for; where none was, each part has its own.
     std::uint64_t memory_left() const noexcept {
         std::uint64_t left = options_.memory_limit_bytes;
         for (const SliceResult& result : sliced_) {

@@ -45,15 +45,27 @@ std::uint64_t count_emptied(std::span<const Layer> layers) noexcept;
 
 struct BandOutput;
 
-/// Takes layers while their band is still being swept.
-class LayerReader {
+/// Thrown where a band is no longer wanted, since another thread has called BandTarget::abort().
+struct BandDropped {};
+
+/// Where bands go when they are swept.
+class BandTarget {
 public:
+    /// Where `band` puts its output; may wait for bands before it. Null after abort(). Bands must be acquired in ascending
+    /// order, each by a thread that then submits it, gives it back or aborts.
+    virtual BandOutput* acquire(std::size_t band) = 0;
+    /// Takes back an unused output.
+    virtual void give_back(std::size_t band) = 0;
+    /// The band is done. Throws Stopped where the host wants the call to end.
+    virtual void submit(std::size_t band) = 0;
+    /// The run has failed: wakes all that wait.
+    virtual void abort() = 0;
     /// A layer has been appended to `output`, whose complete layers may now be taken out: see BandOutput::drop_layers(). On
-    /// the thread that sweeps the band.
-    virtual void layer_done(BandOutput& output) = 0;
+    /// the thread that sweeps the band, where BandOutput::reader asks for it.
+    virtual void layer_done(BandOutput& /*output*/) {}
 
 protected:
-    ~LayerReader() = default;
+    ~BandTarget() = default;
 };
 
 struct BandOutput {
@@ -72,7 +84,7 @@ struct BandOutput {
     Vector<std::uint32_t> layer_contours;  ///< number of contours of each plane
     Vector<ClosedGap> closed_gaps;
     std::uint64_t first_layer = 0;  ///< number of the layer that comes first
-    LayerReader* reader = nullptr;  ///< null: layers stay until the band is done
+    BandTarget* reader = nullptr;   ///< null: layers stay until the band is done
     std::size_t band = 0;           ///< for the reader
 
     /// Empties the output; points go to `room` while it lasts, then to `buffer`. `origin_room` is as large, or empty where
@@ -126,26 +138,6 @@ struct BandOutput {
     std::size_t bytes_held() const noexcept;
     /// Gives all memory back.
     void release() noexcept;
-};
-
-/// Thrown where a band is no longer wanted, since another thread has called BandTarget::abort().
-struct BandDropped {};
-
-/// Where bands go when they are swept.
-class BandTarget {
-public:
-    /// Where `band` puts its output; may wait for bands before it. Null after abort(). Bands must be acquired in ascending
-    /// order, each by a thread that then submits it, gives it back or aborts.
-    virtual BandOutput* acquire(std::size_t band) = 0;
-    /// Takes back an unused output.
-    virtual void give_back(std::size_t band) = 0;
-    /// The band is done. Throws Stopped where the host wants the call to end.
-    virtual void submit(std::size_t band) = 0;
-    /// The run has failed: wakes all that wait.
-    virtual void abort() = 0;
-
-protected:
-    ~BandTarget() = default;
 };
 
 /// Acquires `band`, calls fill(its output) and submits it. No thread is left waiting where something of it throws.

@@ -1,4 +1,5 @@
-// What a slice is made for: a result in memory, a sink, the host's own arrays. The stages before the sweep are the same.
+// The targets that a slice is made for: a result in memory, a sink, the host's own arrays. The stages before the sweep are
+// the same.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +25,7 @@ struct OutputScratch {
     std::vector<std::unique_ptr<BandOutput>> outputs;  ///< of sinks
 };
 
-/// What is known when the sweep begins.
+/// All that is known when the sweep begins.
 struct SweepInput {
     const PlaneSet& planes;
     const Buckets& buckets;

@@ -214,7 +214,7 @@ bool Placement::copy_points(const Placed& placed) const {
     return fits;
 }
 
-/// What is kept is all that comes after some band: the points before it are where they belong.
+/// Kept is all that comes after some band: the points before it are where they belong.
 void Placement::finish(const Parallel& parallel, SliceResult& result) {
     const auto is_kept = [](const Placed& placed) { return placed.output != nullptr; };
     const auto first = std::find_if(placed_.begin(), placed_.end(), is_kept);

@@ -56,7 +56,7 @@ struct PieceCounts {
     }
 };
 
-/// What a thread builds layers with.
+/// The scratch with which a thread builds layers.
 struct SlabWorker {
     explicit SlabWorker(const Memory* memory) : sum(memory), builder(memory), given(memory) {}
     EdgeSum sum;

@@ -2,44 +2,40 @@
 
 #include <limits>
 
+#include "base/guard.hpp"
+
 namespace lamella::bench {
 
 Stages::Stages(const MeshView& mesh, const LayerPlan& plan, int threads)
-    : mesh_(mesh), plan_(plan), parallel_(Control{.threads = threads}) {
+    : plan_(plan), parallel_(Control{.threads = threads}) {
+    narrow_to(mesh);
     for (int i = 0; i < threads; ++i) {
         workers_.push_back(std::make_unique<Worker>());
     }
 }
 
 Status Stages::measure() {
-    const Result<Bounds> bounds = measure_bounds(mesh_, Transform{}, 0, parallel_, blocks_);
-    if (!bounds) {
-        return bounds.error();
-    }
-    bounds_ = *bounds;
-    const Result<ChosenUnit> unit = choose_unit(bounds_, 0);
-    if (!unit) {
-        return unit.error();
-    }
-    unit_mm_ = unit->mm;
-    return {};
+    return guarded([&]() -> Status {
+        bounds_ = source_->measure(0);
+        unit_mm_ = require(choose_unit(bounds_, 0)).mm;
+        return {};
+    });
 }
 
 Status Stages::plan_planes() {
-    return planes_.build(plan_, bounds_, unit_mm_, mesh_.coordinate_type, std::numeric_limits<std::uint64_t>::max());
+    return planes_.build(plan_, bounds_, unit_mm_, source_->info.number, std::numeric_limits<std::uint64_t>::max());
 }
 
 void Stages::count() {
-    count_crossings(mesh_, Transform{}, unit_mm_, blocks_, planes_, parallel_, buckets_);
+    source_->count(unit_mm_);
 }
 
 void Stages::scatter() {
-    reaching_ = scatter_triangles(mesh_, Transform{}, unit_mm_, planes_, bands_.band_end, parallel_, buckets_,
-                                  bands_.reaching.span());
+    reaching_ = source_->scatter(bands_.band_end, bands_.reaching.span(), false);
 }
 
 void Stages::look_at_bounds() {
-    (void)measure_bounds(mesh_, Transform{}, 0, parallel_, blocks_).ok();
+    (void)source_->measure(0);
 }
 
 void Stages::cut_bands() {

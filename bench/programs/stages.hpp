@@ -3,14 +3,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "base/parallel.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/slice.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/buckets/bucket.hpp"
-#include "slicing/grid/bounds.hpp"
+#include "slicing/buckets/mesh_source.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 
@@ -37,7 +37,9 @@ public:
     /// Cuts bands as for another number of threads. scatter() and find_seeds() must follow.
     void cut_bands_for(int threads);
     /// Makes look_at_bounds(), count(), cut_bands() and scatter() use `part` only, on the planes of the whole mesh.
-    void narrow_to(const MeshView& part) { mesh_ = part; }
+    void narrow_to(const MeshView& part) {
+        source_.emplace(part, Transform{}, nullptr, SourceTools{parallel_, planes_, buckets_});
+    }
     /// Does the work of measure(), but keeps only the table of blocks.
     void look_at_bounds();
 
@@ -57,14 +59,13 @@ private:
     };
     void sweep_on(Worker& worker, std::size_t band, ContourForm form);
 
-    MeshView mesh_;
     LayerPlan plan_;
     Parallel parallel_;
     Bounds bounds_{};
     double unit_mm_ = 0;
-    BlockTable blocks_{nullptr};
     PlaneSet planes_{nullptr};
     Buckets buckets_{nullptr};
+    std::optional<SoupSource> source_;
     BandPlan bands_{nullptr};
     std::size_t reaching_ = 0;  // entries of bands_.reaching
     std::vector<std::unique_ptr<Worker>> workers_;

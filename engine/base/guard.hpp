@@ -13,6 +13,20 @@ struct Refused {
     Error error;
 };
 
+/// Throws Refused where a stage has refused the input; else gives what the stage does.
+inline void require(const Status& status) {
+    if (!status) {
+        throw Refused{status.error()};
+    }
+}
+template <class T>
+T require(Result<T> result) {
+    if (!result) {
+        throw Refused{result.error()};
+    }
+    return std::move(result).value();
+}
+
 /// What `call` returns, a Result or a Status, or the Error that its exception stands for.
 template <class Call>
 auto guarded(Call&& call) noexcept -> decltype(call()) {

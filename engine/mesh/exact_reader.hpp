@@ -13,7 +13,7 @@ namespace lamella {
 /// two of 10^9 different vertices share by a chance of 10^-11.
 class ExactReader {
 public:
-    explicit ExactReader(const MeshView& mesh) noexcept : read_(mesh) {}
+    explicit ExactReader(const MeshView& mesh) noexcept : read_(mesh, {}) {}
 
     GridTriangle operator()(std::size_t t) const noexcept {
         const RawTriangle raw = read_(t);
@@ -38,7 +38,7 @@ private:
                 static_cast<std::int32_t>(hash(2))};
     }
 
-    RawReader read_;
+    PlacedReader read_;
 };
 
 }  // namespace lamella

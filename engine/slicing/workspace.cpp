@@ -15,12 +15,16 @@ std::uint64_t usual_memory_limit() {
 
 WorkspaceParts::WorkspaceParts(const Memory* host) : counted(host), usual_limit(usual_memory_limit()) {}
 
-const Parallel& WorkspaceParts::parallel_for(const Control& control) {
-    if (parallel == nullptr || !parallel->serves(control)) {
-        parallel = std::make_unique<Parallel>(control);
+WorkspaceParts& WorkspaceParts::of(Workspace& workspace, const Control& control) {
+    std::unique_ptr<WorkspaceParts>& kept = workspace.parts_;
+    if (kept == nullptr || kept->counted.host() != control.memory) {
+        kept = std::make_unique<WorkspaceParts>(control.memory);
     }
-    parallel->follow(control.stop);
-    return *parallel;
+    if (kept->parallel == nullptr || !kept->parallel->serves(control)) {
+        kept->parallel = std::make_unique<Parallel>(control);
+    }
+    kept->parallel->follow(control.stop);
+    return *kept;
 }
 
 std::size_t WorkspaceParts::bytes() const noexcept {
@@ -43,8 +47,6 @@ void WorkspaceParts::trim() {
     bands.trim();
     buckets.trim();
     planes.trim();
-    vertices.trim();
-    fit(blocks.blocks);
 }
 
 }  // namespace detail

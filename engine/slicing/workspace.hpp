@@ -9,11 +9,9 @@
 #include "base/parallel.hpp"
 #include "lamella/slice.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/buckets/bucket.hpp"
-#include "slicing/buckets/indexed_triangles.hpp"
-#include "slicing/grid/blocks.hpp"
+#include "slicing/buckets/triangle_source.hpp"
 #include "slicing/planes/plane_set.hpp"
-#include "slicing/result/slice_output.hpp"
+#include "slicing/result/layer_target.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 
 namespace lamella::detail {
@@ -24,8 +22,10 @@ std::uint64_t usual_memory_limit();
 struct WorkspaceParts {
     explicit WorkspaceParts(const Memory* host);
 
-    /// Kept, since threads return sooner to an arena that they have just left than to a new one.
-    const Parallel& parallel_for(const Control& control);
+    /// All that the workspace keeps, for a call that begins on this thread.
+    static WorkspaceParts& of(Workspace& workspace, const Control& control);
+
+    SourceTools source_tools() noexcept { return {*parallel, planes, buckets}; }
 
     std::size_t bytes() const noexcept;
     /// See Workspace::trim(). Throws std::bad_alloc.
@@ -34,9 +34,7 @@ struct WorkspaceParts {
     CountedMemory counted;
     const Memory* memory = counted.memory();
     std::uint64_t usual_limit;
-    std::unique_ptr<Parallel> parallel;
-    BlockTable blocks{memory};
-    VertexTable vertices{memory};
+    std::unique_ptr<Parallel> parallel;  // kept, since threads return sooner to an arena that they have just left
     PlaneSet planes{memory};
     Buckets buckets{memory};
     BandPlan bands{memory};

@@ -32,7 +32,6 @@ namespace lamella {
 
 namespace detail {
 struct WorkspaceParts;
-struct PartSlicer;
 }  // namespace detail
 
 /// What is done where the mesh does not fit a grid of the unit asked for.
@@ -86,7 +85,7 @@ public:
     void reset() noexcept;
 
 private:
-    friend struct detail::PartSlicer;
+    friend struct detail::WorkspaceParts;
     std::unique_ptr<detail::WorkspaceParts> parts_;
 };
 

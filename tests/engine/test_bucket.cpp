@@ -11,12 +11,11 @@
 
 #include "engine/slicing.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/buckets/bucket.hpp"
+#include "slicing/buckets/mesh_source.hpp"
 #include "slicing/grid/bounds.hpp"
 #include "slicing/grid/soup_box.hpp"
 
 using lamella::BandPlan;
-using lamella::BlockTable;
 using lamella::Buckets;
 using lamella::MeshView;
 using lamella::PlaneIndex;
@@ -57,21 +56,17 @@ std::vector<std::uint32_t> counting_up(std::size_t count) {
 
 /// The results of bounds, planes, counting, bands and scattering.
 struct Bucketed {
-    BlockTable blocks{nullptr};
     PlaneSet planes{nullptr};
     Buckets buckets{nullptr};
     BandPlan bands{nullptr};
 
     Bucketed(const MeshView& mesh, const lamella::LayerPlan& plan, double unit_mm, int threads, int band_planes) {
         const lamella::Parallel parallel({.threads = threads});
-        const lamella::Transform none;
-        const auto bounds = lamella::measure_bounds(mesh, none, unit_mm, parallel, blocks);
-        REQUIRE(bounds);
-        REQUIRE(planes.build(plan, *bounds, unit_mm, mesh.coordinate_type, no_limit));
-        lamella::count_crossings(mesh, none, unit_mm, blocks, planes, parallel, buckets);
+        lamella::SoupSource source(mesh, {}, nullptr, {parallel, planes, buckets});
+        REQUIRE(planes.build(plan, source.measure(unit_mm), unit_mm, mesh.coordinate_type, no_limit));
+        source.count(unit_mm);
         bands.cut(buckets, planes.size(), band_planes, threads);
-        const std::size_t reaching = lamella::scatter_triangles(mesh, none, unit_mm, planes, bands.band_end, parallel,
-                                                                buckets, bands.reaching.span());
+        const std::size_t reaching = source.scatter(bands.band_end, bands.reaching.span(), false);
         bands.find_seeds(planes.size(), reaching);
     }
 

@@ -10,7 +10,7 @@
 
 #include "engine/rounds.hpp"
 #include "engine/slicing.hpp"
-#include "slicing/buckets/indexed_triangles.hpp"
+#include "slicing/buckets/mesh_source.hpp"
 
 using lamella::Arithmetic;
 using lamella::IndexType;
@@ -105,7 +105,7 @@ std::vector<lamella::SliceOptions> ways_of_slicing() {
 template <class Number>
 void check_against_soup() {
     const Mesh<Number> mesh = tangle<Number>(900, 20000, 5);
-    REQUIRE(lamella::VertexTable::pays_for(mesh.view()));
+    REQUIRE(lamella::IndexedSource::pays_for(mesh.view()));
     const std::vector<Number> corners = mesh.soup();
     const MeshView soup = MeshView::strided_soup(reinterpret_cast<const std::byte*>(corners.data()), corners.size() / 9,
                                                  9 * sizeof(Number), mesh.view().coordinate_type);
@@ -154,7 +154,7 @@ TEST_CASE("vertices that no triangle has bound nothing and may be anything", "[e
     for (const double stray : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
         mesh.xyz.insert(mesh.xyz.end(), 3, stray);
     }
-    REQUIRE(lamella::VertexTable::pays_for(mesh.view()));
+    REQUIRE(lamella::IndexedSource::pays_for(mesh.view()));
     CHECK(outcome_of(mesh.view(), uniform(3)) == expected);
 }
 
@@ -211,6 +211,6 @@ TEST_CASE("what is wrong with an indexed mesh is named by its first triangle", "
 
 TEST_CASE("meshes with vertices of their own are read corner by corner", "[engine][indexed]") {
     const Mesh<float> few = tangle<float>(300, 299, 13);
-    CHECK_FALSE(lamella::VertexTable::pays_for(few.view()));
-    CHECK_FALSE(lamella::VertexTable::pays_for(MeshView::soup(std::span<const float>(few.xyz))));
+    CHECK_FALSE(lamella::IndexedSource::pays_for(few.view()));
+    CHECK_FALSE(lamella::IndexedSource::pays_for(MeshView::soup(std::span<const float>(few.xyz))));
 }

@@ -9,8 +9,7 @@
 #include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"
 #include "models/models.hpp"
-#include "slicing/buckets/prepared_triangles.hpp"
-#include "slicing/prepared_parts.hpp"
+#include "slicing/buckets/prepared_source.hpp"
 
 using lamella::ErrorCode;
 using lamella::MeshView;
@@ -270,7 +269,8 @@ TEST_CASE("a plane reads little more than the triangles that it cuts", "[engine]
     plan.spacing = lamella::ExplicitPlanes{{50.1}};
     REQUIRE(planes.build(plan, parts.frame.bounds, parts.frame.unit.mm, parts.frame.number, 1 << 20));
     lamella::Buckets buckets(nullptr);
-    count_crossings(parts.triangles, planes, lamella::Parallel({.threads = 1}), buckets);
+    const lamella::Parallel parallel({.threads = 1});
+    lamella::PreparedSource(parts, {parallel, planes, buckets}).count(parts.frame.unit.mm);
     CHECK(buckets.segment_count >= 2000);
     CHECK(buckets.touched.size() * 64 <= 2 * buckets.segment_count);
 }

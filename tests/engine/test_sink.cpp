@@ -15,7 +15,7 @@
 #include "engine/rounds.hpp"
 #include "engine/slicing.hpp"
 #include "golden/shape_cases.hpp"
-#include "slicing/handover/sink_bands.hpp"
+#include "slicing/handover/sink_target.hpp"
 
 using lamella::LayerSink;
 using lamella::LayerView;
@@ -85,7 +85,7 @@ struct OrderNote {
     }
 };
 
-/// What AscendingBands takes for granted, with bands of one wide layer after the other.
+/// All that SinkBands takes for granted, with bands of one wide layer after the other.
 struct ManyLayers {
     ManyLayers(std::uint32_t layers, std::uint32_t band_layers, const lamella::Memory* memory)
         : planes(memory), buckets(memory), scratch(memory), result(memory), bands(bands_of(layers, band_layers)) {
@@ -126,8 +126,7 @@ struct ManyLayers {
     lamella::SliceResult result;
     std::vector<lamella::Band> bands;
     lamella::Parallel parallel{lamella::Control{.threads = 2}};
-    lamella::ProgressMeter progress{lamella::Progress{}};
-    lamella::SweepInput input{planes, buckets, bands, parallel, progress, scratch, false, result};
+    lamella::SweepInput input{planes, buckets, bands, parallel, scratch, false, result};
 };
 
 }  // namespace
@@ -234,7 +233,7 @@ TEST_CASE("what is put aside for an ascending sink ends at its window", "[engine
     ManyLayers given(2 * band_layers, band_layers, &memory);
     OrderNote note;
     const LayerSink sink = LayerSink::to(note, SinkOrder::ascending);
-    lamella::AscendingBands bands(sink, given.input);
+    lamella::SinkBands bands(sink, given.input);
     lamella::BandOutput* const head = bands.acquire(0);
     std::atomic<std::uint32_t> put_aside{0};
     std::thread ahead([&] {
@@ -260,7 +259,7 @@ TEST_CASE("what is put aside for an ascending sink ends at its window", "[engine
     ahead.join();
     CHECK(note.next == 2 * band_layers);
     CHECK(note.in_order);
-    CHECK(bands.handed_over().points == std::uint64_t{2} * band_layers * ManyLayers::layer_points);
+    CHECK(bands.totals().points == std::uint64_t{2} * band_layers * ManyLayers::layer_points);
     CHECK(memory.peak() < 80'000'000);
 }
 
@@ -269,7 +268,7 @@ TEST_CASE("a band that is put aside is dropped when another thread fails", "[eng
     ManyLayers given(2 * band_layers, band_layers, nullptr);
     OrderNote note;
     const LayerSink sink = LayerSink::to(note, SinkOrder::ascending);
-    lamella::AscendingBands bands(sink, given.input);
+    lamella::SinkBands bands(sink, given.input);
     REQUIRE(bands.acquire(0) != nullptr);
     std::atomic<bool> dropped{false};
     std::thread ahead([&] {

@@ -15,7 +15,7 @@ import tempfile
 LIBRARIES = ["base", "slicing", "mesh", "audit", "c", "io", "medical", "tools"]
 
 # Folders of engine/slicing, from below to above; those in one line must not include each other. What is above calls what is
-# below: slice.cpp begins the sweeps of bands, a sweep builds layers with contours, contours are repaired, filled and nested,
+# below: slice_layers.cpp begins the sweeps of bands, a sweep builds layers with contours, contours are repaired, filled and nested,
 # and appended to the band's output in result.
 SLICING = [
     ["grid"],
@@ -29,11 +29,11 @@ SLICING = [
     ["simplify"],
     ["contours"],
     ["sweep"],
-    ["part_slicer.hpp", "workspace.hpp"],
-    ["prepared_parts.hpp"],
-    ["triangle_source.hpp"],
-    ["workspace.cpp", "slice.cpp", "prepare.cpp", "triangle_source.cpp"],
+    ["workspace.hpp", "frame.hpp"],
+    ["slice_layers.hpp"],
+    ["workspace.cpp", "slice_layers.cpp", "prepare.cpp"],
     ["parts", "handover", "slabs"],
+    ["calls.cpp"],
 ]
 
 # Two ways to sweep, neither of which knows the other.
@@ -150,7 +150,7 @@ def complaints(root):
 # For each rule: a file, a line to add to it, and a part of the complaint.
 PLANTED = [
     ("engine/base/parallel.cpp", '#include "slicing/grid/bounds.hpp"', "base must not include slicing"),
-    ("engine/slicing/slice.cpp", '#include "mesh/edge_census.hpp"', "slicing must not include mesh"),
+    ("engine/slicing/slice_layers.cpp", '#include "mesh/edge_census.hpp"', "slicing must not include mesh"),
     ("engine/mesh/weld.cpp", '#include "lamella/audit/ledger.hpp"', "mesh must not include audit"),
     ("engine/audit/volume.cpp", '#include "lamella/io/mesh_file.hpp"', "audit must not include io"),
     ("engine/io/write/svg.cpp", '#include "tools/lamella/terminal/console.hpp"', "io must not include tools"),

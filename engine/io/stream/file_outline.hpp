@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "lamella/slice_file.hpp"
+#include "slicing/grid/bounds.hpp"
 #include "slicing/planes/plane_set.hpp"
-#include "slicing/planes/shared_frame.hpp"
 
 namespace lamella {
 

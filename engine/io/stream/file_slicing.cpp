@@ -9,9 +9,10 @@
 #include "base/words.hpp"
 #include "io/stream/file_outline.hpp"
 #include "slicing/grid/placed_reader.hpp"
-#include "slicing/handover/hand_over.hpp"
+#include "slicing/handover/sink_target.hpp"
 #include "slicing/regions/rules.hpp"
 #include "slicing/repair/gap_length.hpp"
+#include "slicing/slice_layers.hpp"
 #include "slicing/workspace.hpp"
 
 namespace lamella {
@@ -341,18 +342,17 @@ void FileSlicing::cut(const LayerSpan& span) {
         most_cut_ = span.triangles;
     }
     const auto start = Clock::now();
-    const ListedTriangles listed = store_.listed(span.begin, span.end);
-    MeshView count_only;
-    count_only.triangle_count = span.triangles;
-    const detail::SliceInput input{.mesh = count_only, .frame = &frame_, .first_index = span.begin, .listed = &listed};
-    Result<SliceTotals> own = hand_over(sink_, input, options, workspace_);
-    if (!own) {
-        throw Refused{own.error()};
-    }
+    check_options(options);
+    detail::WorkspaceParts& kept = detail::WorkspaceParts::of(workspace_, options.control);
+    ListedSource source(store_.listed(span.begin, span.end), span.triangles, options.transform, frame_, kept.source_tools());
+    SinkTarget target(sink_);
+    SliceResult result(options.control.memory);
+    slice_layers(source, target, options, kept, result, span.begin);
+    const SliceTotals own = target.totals(result);
     store_.drop_swept(span.begin, span.end);
     done_ = span.end;
     cut_ms_ += milliseconds_since(start);
-    add(*own);
+    add(own);
 }
 
 void FileSlicing::add(const SliceTotals& own) {

@@ -13,7 +13,7 @@
 #include "io/stream/spill_file.hpp"
 #include "io/stream/triangle_file.hpp"
 #include "lamella/slice_file.hpp"
-#include "slicing/planes/shared_frame.hpp"
+#include "slicing/grid/bounds.hpp"
 #include "slicing/result/hash.hpp"
 
 namespace lamella {

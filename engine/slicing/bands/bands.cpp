@@ -139,35 +139,32 @@ void BandPlan::find_seeds(PlaneIndex planes, std::size_t reaching_count, const S
         give_back_many(reaching);
         return;
     }
-    Vector<std::uint32_t>& band_of = band_of_;
-    Vector<std::int64_t>& change = change_;
-    Vector<std::uint64_t>& next_seed = next_seed_;
-    band_of.resize(planes);
+    band_of_.resize(planes);
     for (std::uint32_t b = 0; b < bands.size(); ++b) {
-        std::fill(band_of.begin() + bands[b].first, band_of.begin() + bands[b].last, b);
+        std::fill(band_of_.begin() + bands[b].first, band_of_.begin() + bands[b].last, b);
     }
     // Count, prefix sum, scatter. A triangle is counted from the band after its first to its last.
-    change.assign(bands.size() + 1, 0);
+    change_.assign(bands.size() + 1, 0);
     pace.in_stretches(0, found.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (const Reaching& triangle : found.subspan(begin, end - begin)) {
-            ++change[band_of[triangle.first] + 1];
-            --change[band_of[triangle.last - 1] + 1];
+            ++change_[band_of_[triangle.first] + 1];
+            --change_[band_of_[triangle.last - 1] + 1];
         }
     });
     std::int64_t seeds_here = 0;
     for (std::size_t b = 0; b < bands.size(); ++b) {
-        seeds_here += change[b];
+        seeds_here += change_[b];
         seed_begin[b + 1] = seed_begin[b] + static_cast<std::uint64_t>(seeds_here);
     }
     seeds.resize_discarding(seed_begin.back());
-    next_seed = seed_begin;
+    next_seed_ = seed_begin;
     pace.in_stretches(0, found.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (const Reaching& triangle : found.subspan(begin, end - begin)) {
-            const std::uint32_t last = band_of[triangle.last - 1];
-            for (std::uint32_t b = band_of[triangle.first] + 1; b <= last; ++b) {
-                seeds[next_seed[b]++] = triangle.record;
+            const std::uint32_t last = band_of_[triangle.last - 1];
+            for (std::uint32_t b = band_of_[triangle.first] + 1; b <= last; ++b) {
+                seeds[next_seed_[b]++] = triangle.record;
             }
-            pace.spend(seed_work * (last - band_of[triangle.first]));
+            pace.spend(seed_work * (last - band_of_[triangle.first]));
         }
     });
     give_back_many(reaching);

@@ -11,8 +11,8 @@
 
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
-#include "slicing/buckets/bucket.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"
+#include "slicing/buckets/triangle_source.hpp"
 
 namespace lamella {
 
@@ -23,12 +23,21 @@ struct ListedTriangles {
     PlaneIndex base = 0;                        ///< the first plane of the range, from which records count on while swept
 };
 
-/// As the functions of bucket.hpp of the same names. Scattering takes the records, which give_back() returns: planes count
-/// from the range's first then.
-void count_crossings(const ListedTriangles& listed, Buckets& buckets);
-std::size_t scatter_triangles(const ListedTriangles& listed, std::span<const PlaneIndex> reach_end, const Parallel& parallel,
-                              Buckets& buckets, std::span<Reaching> reaching);
-void give_back(const ListedTriangles& listed, Buckets& buckets) noexcept;
+/// The `triangles` records. Scattering takes them, and give_back() returns them: planes count from the range's first then.
+class ListedSource final : public TriangleSource {
+public:
+    ListedSource(const ListedTriangles& listed, std::uint64_t triangles, const Transform& transform,
+                 const SharedFrame& frame, const SourceTools& tools) noexcept
+        : TriangleSource({triangles, transform, &frame}, tools), listed_(listed) {}
+
+    Bounds measure(double /*asked_mm*/) override { return info.frame->bounds; }
+    void count(double unit_mm) override;
+    std::size_t scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) override;
+    void give_back() noexcept override;
+
+private:
+    const ListedTriangles listed_;
+};
 
 /// Brings records that begin at planes from `base` on, or below it and then count as such, to their lists, in place.
 /// `list_begin`: of planes from `base` on, and one more; the first is 0, and the last the number of records. O(n), with 8

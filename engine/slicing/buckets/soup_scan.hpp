@@ -16,7 +16,7 @@ class SoupScan {
 public:
     SoupScan(const MeshView& mesh, const Transform& transform, double unit_mm, const PlaneSet& planes) noexcept;
 
-    /// Whether this processor and mesh allow it.
+    /// True where this processor and mesh allow it.
     bool usable() const noexcept { return kernels_ != nullptr; }
 
     /// Planes from first[t] up to, but not with, last[t] cut triangle t.

@@ -8,12 +8,12 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "base/atomic_word.hpp"
+#include "base/guard.hpp"
 #include "base/per_worker.hpp"
-#include "slicing/buckets/bucket_parts.hpp"
-#include "slicing/buckets/indexed_triangles.hpp"
+#include "slicing/buckets/mesh_source.hpp"
+#include "slicing/buckets/thread_shares.hpp"
 #include "slicing/grid/placed_reader.hpp"
 
 namespace lamella {
@@ -24,60 +24,55 @@ constexpr std::size_t faces = 6;  // least x, y, z, greatest x, y, z
 
 using VertexNumbers = std::array<std::uint64_t, faces>;
 
-/// A box, and by face the first vertex of a block with a vertex on it.
+/// A box that grows, and by face the first vertex of a block with a vertex on it.
 struct VertexBox {
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
-    double min[3] = {infinity, infinity, infinity};
-    double max[3] = {-infinity, -infinity, -infinity};
+    Bounds box = Bounds::empty();
     double poison = 0;  ///< times zero: becomes NaN, and stays so, at the first value that is not finite
     VertexNumbers block{};
 
     void add(const std::array<double, 3>& vertex) noexcept {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            min[axis] = std::min(min[axis], vertex[axis]);
-            max[axis] = std::max(max[axis], vertex[axis]);
-            poison += vertex[axis] * 0.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double at = vertex[static_cast<std::size_t>(axis)];
+            box.add(axis, at, at);
+            poison += at * 0.0;
         }
     }
     void add(const VertexBox& other) noexcept {
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            if (other.min[axis] < min[axis]) {
-                min[axis] = other.min[axis];
-                block[axis] = other.block[axis];
-            }
-            if (other.max[axis] > max[axis]) {
-                max[axis] = other.max[axis];
-                block[3 + axis] = other.block[3 + axis];
-            }
+            block[axis] = other.box.min_mm[axis] < box.min_mm[axis] ? other.block[axis] : block[axis];
+            block[3 + axis] = other.box.max_mm[axis] > box.max_mm[axis] ? other.block[3 + axis] : block[3 + axis];
         }
+        box.add(other.box);
         poison += other.poison;
     }
-    bool can_be_used() const noexcept {
-        double largest = 0;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            largest = std::max({largest, std::abs(min[axis]), std::abs(max[axis])});
-        }
-        return poison == 0 && largest <= largest_coordinate_mm;
-    }
-    Bounds bounds() const noexcept {
-        Bounds made{};
-        std::copy_n(min, 3, made.min_mm);
-        std::copy_n(max, 3, made.max_mm);
-        return made;
-    }
+    bool can_be_used() const noexcept { return poison == 0 && box.farthest() <= largest_coordinate_mm; }
 };
+
+/// A value of each share, by use(begin, end, value) for every block of `count` vertices or triangles; all are then added up.
+template <class T, class Use>
+T sum_of_blocks(std::size_t count, const Parallel& parallel, Use use) {
+    const ThreadShares shares(count, parallel);
+    PerWorker<T> values(shares.count);
+    parallel.run(shares.count, [&](std::size_t share, int) {
+        T own;
+        shares.for_each_block(share, parallel, [&](std::size_t begin, std::size_t end) { use(begin, end, own); });
+        values[share] = own;
+    });
+    T all;
+    values.for_each([&all](const T& value) { all.add(value); });
+    return all;
+}
 
 /// The vertices of an indexed mesh, where its transform places them.
 class Vertices {
 public:
-    Vertices(const MeshView& mesh, const Transform& transform, const Parallel& parallel) noexcept
-        : read_(vertices_of(mesh), transform), parts_(mesh.vertex_count, parallel), parallel_(parallel) {}
+    Vertices(const MeshView& vertices, const Transform& transform, const Parallel& parallel) noexcept
+        : read_(vertices, transform), count_(vertices.triangle_count), parallel_(parallel) {}
 
     /// The box of those for which has(vertex) is true.
     template <class Has>
     VertexBox box(Has has) const {
-        PerWorker<VertexBox> boxes(parts_.count);
-        for_each_block(parts_, parallel_, [&](std::size_t part, std::size_t begin, std::size_t end) {
+        return sum_of_blocks<VertexBox>(count_, parallel_, [&](std::size_t begin, std::size_t end, VertexBox& all) {
             VertexBox box;
             box.block.fill(begin);
             for (std::size_t vertex = begin; vertex < end; ++vertex) {
@@ -85,19 +80,16 @@ public:
                     box.add(read_.corner(vertex, 0));
                 }
             }
-            boxes[part].add(box);
+            all.add(box);
         });
-        VertexBox all;
-        boxes.for_each([&all](const VertexBox& box) { all.add(box); });
-        return all;
     }
 
     /// By face, the first vertex of a box of all that lies on it.
-    VertexNumbers on_faces_of(const VertexBox& box) const noexcept {
+    VertexNumbers on_faces_of(const VertexBox& all) const noexcept {
         VertexNumbers found;
         for (std::size_t face = 0; face < faces; ++face) {
-            const double at = face < 3 ? box.min[face] : box.max[face - 3];
-            found[face] = box.block[face];
+            const double at = face < 3 ? all.box.min_mm[face] : all.box.max_mm[face - 3];
+            found[face] = all.block[face];
             while (read_.corner(found[face], 0)[face % 3] != at) {
                 ++found[face];
             }
@@ -107,11 +99,11 @@ public:
 
 private:
     PlacedReader read_;
-    BucketParts parts_;
+    std::size_t count_;
     const Parallel& parallel_;
 };
 
-/// What a run of indices has. Without branches, so that the compiler makes vectors of it.
+/// The largest index of a run, and which wanted ones it has. Without branches, so that the compiler makes vectors of it.
 template <class Index>
 struct Seen {
     Index largest = 0;
@@ -135,7 +127,7 @@ struct Seen {
     }
 };
 
-/// Whether triangles have all of these vertices, and no index names none. May be false, too, where indices are not packed.
+/// True if triangles have all of these vertices, and no index names none. May be false, too, where indices are not packed.
 template <class Index>
 bool have_all(const MeshView& mesh, const VertexNumbers& wanted, const Parallel& parallel) {
     if (mesh.index_stride != 3 * sizeof(Index)) {
@@ -143,15 +135,12 @@ bool have_all(const MeshView& mesh, const VertexNumbers& wanted, const Parallel&
     }
     std::array<Index, faces> on_faces;
     std::transform(wanted.begin(), wanted.end(), on_faces.begin(), [](std::uint64_t v) { return static_cast<Index>(v); });
-    const BucketParts parts(mesh.triangle_count, parallel);
-    PerWorker<Seen<Index>> seen(parts.count);
-    for_each_block(parts, parallel, [&](std::size_t part, std::size_t begin, std::size_t end) {
-        Seen<Index> here;
-        here.look(mesh.indices + begin * mesh.index_stride, 3 * (end - begin), on_faces);
-        seen[part].add(here);
-    });
-    Seen<Index> all;
-    seen.for_each([&all](const Seen<Index>& of_part) { all.add(of_part); });
+    const auto all = sum_of_blocks<Seen<Index>>(
+        mesh.triangle_count, parallel, [&](std::size_t begin, std::size_t end, Seen<Index>& seen) {
+            Seen<Index> here;
+            here.look(mesh.indices + begin * mesh.index_stride, 3 * (end - begin), on_faces);
+            seen.add(here);
+        });
     return all.largest < mesh.vertex_count &&
            std::none_of(all.on_face.begin(), all.on_face.end(), [](Index found) { return found == 0; });
 }
@@ -161,49 +150,49 @@ bool have_all(const MeshView& mesh, const VertexNumbers& wanted, const Parallel&
                                              : have_all<std::uint64_t>(mesh, wanted, parallel);
 }
 
+/// Set where an index names no vertex.
+struct Beyond {
+    bool found = false;
+    void add(const Beyond& other) noexcept { found = found || other.found; }
+};
+
+}  // namespace
+
 /// False where an index names no vertex.
-bool mark_used(const MeshView& mesh, const Parallel& parallel, Array<std::uint8_t>& used) {
-    used.resize_discarding(mesh.vertex_count);
+bool IndexedSource::mark_used() {
+    Array<std::uint8_t>& used = buckets_.used;
+    used.resize_discarding(mesh_.vertex_count);
     std::fill(used.begin(), used.end(), std::uint8_t{0});
-    const BucketParts parts(mesh.triangle_count, parallel);
-    PerWorker<std::uint8_t> beyond(parts.count);
-    for_each_block(parts, parallel, [&, mesh](std::size_t part, std::size_t begin, std::size_t end) {
+    const auto mark = [&used, mesh = mesh_](std::size_t begin, std::size_t end, Beyond& beyond) {
         for (std::size_t t = begin; t < end; ++t) {
             for (std::size_t corner = 0; corner < 3; ++corner) {
                 const std::uint64_t vertex = mesh.vertex_of(t, corner);
                 if (vertex < mesh.vertex_count) {
                     AtomicWord(used[vertex]).store(1);
                 } else {
-                    beyond[part] = 1;
+                    beyond.found = true;
                 }
             }
         }
-    });
-    bool all_within = true;
-    beyond.for_each([&all_within](std::uint8_t of_part) { all_within = all_within && of_part == 0; });
-    return all_within;
+    };
+    return !sum_of_blocks<Beyond>(mesh_.triangle_count, parallel_, mark).found;
 }
 
-}  // namespace
-
-Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, double unit_mm, const Parallel& parallel,
-                              VertexTable& table, BlockTable& blocks) {
-    if (const Status status = check_transform(transform); !status) {
-        return status.error();
+Bounds IndexedSource::measure(double asked_mm) {
+    require(check_transform(info.transform));
+    const Vertices placed(vertices(), info.transform, parallel_);
+    buckets_.used.set_size(0);
+    const VertexBox all = placed.box([](std::size_t) { return true; });
+    if (all.can_be_used() && have_all(mesh_, placed.on_faces_of(all), parallel_)) {
+        return all.box;
     }
-    const Vertices vertices(mesh, transform, parallel);
-    table.used.set_size(0);
-    const VertexBox all = vertices.box([](std::size_t) { return true; });
-    if (all.can_be_used() && have_all(mesh, vertices.on_faces_of(all), parallel)) {
-        return all.bounds();
-    }
-    if (mark_used(mesh, parallel, table.used)) {
-        const VertexBox used = vertices.box([&table](std::size_t vertex) { return table.used[vertex] != 0; });
+    if (mark_used()) {
+        const VertexBox used = placed.box([this](std::size_t vertex) { return buckets_.used[vertex] != 0; });
         if (used.can_be_used()) {
-            return used.bounds();
+            return used.box;
         }
     }
-    return measure_bounds(mesh, transform, unit_mm, parallel, blocks);
+    return require(measure_bounds(mesh_, info.transform, asked_mm, parallel_, buckets_.blocks));
 }
 
 }  // namespace lamella

@@ -16,31 +16,23 @@ namespace lamella {
 namespace {
 
 constexpr std::size_t grain = (1 << 12) / block_triangles;  // blocks per task
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 constexpr std::int64_t no_triangle_yet = std::numeric_limits<std::int64_t>::max();
 
-/// A box that grows, whether something in it was not finite, and the first triangle with an index that names no vertex.
+/// The box of some blocks, whether all in it was finite, and the first triangle with an index that names no vertex.
 struct Partial {
-    double min[3] = {infinity, infinity, infinity};
-    double max[3] = {-infinity, -infinity, -infinity};
+    Bounds box = Bounds::empty();
     bool finite = true;
     std::int64_t bad_index = no_triangle_yet;
 
-    void add(int axis, double low, double high) noexcept {
-        min[axis] = std::min(min[axis], low);
-        max[axis] = std::max(max[axis], high);
-    }
     void add(const Partial& other) noexcept {
-        for (int axis = 0; axis < 3; ++axis) {
-            add(axis, other.min[axis], other.max[axis]);
-        }
+        box.add(other.box);
         finite = finite && other.finite;
         bad_index = std::min(bad_index, other.bad_index);
     }
 };
 
-/// Whether two vertices of the triangle lie within `reach` of each other on every axis.
+/// True where two vertices of the triangle lie within `reach` of each other on every axis.
 bool has_near_vertices(const RawTriangle& t, double reach) {
     const auto near = [&](const double* a, const double* b) {
         return std::abs(a[0] - b[0]) <= reach && std::abs(a[1] - b[1]) <= reach && std::abs(a[2] - b[2]) <= reach;
@@ -55,7 +47,7 @@ Partial measure_general(const MeshView& mesh, const Transform& transform, std::s
     Partial all;
     double poison = 0;  // times zero: becomes NaN, and stays so, at the first value that is not finite
     for (std::size_t block = begin; block < end; ++block) {
-        Partial box;
+        Bounds box = Bounds::empty();
         bool near = false;
         const std::size_t last = std::min(mesh.triangle_count, (block + 1) * block_triangles);
         for (std::size_t t = block * block_triangles; t < last; ++t) {
@@ -66,8 +58,8 @@ Partial measure_general(const MeshView& mesh, const Transform& transform, std::s
             }
             near = near || has_near_vertices(raw, table.near_mm);
         }
-        table.blocks[block] = {box.min[2], box.max[2], near};
-        all.add(box);
+        table.blocks[block] = {box.min_mm[2], box.max_mm[2], near};
+        all.box.add(box);
     }
     all.finite = poison == 0;
     return all;
@@ -77,12 +69,12 @@ Partial measure_general(const MeshView& mesh, const Transform& transform, std::s
 Partial measure_soup(const MeshView& mesh, std::size_t begin, std::size_t end, BlockTable& table) {
     const FloatSoup soup{mesh.vertices, mesh.stride, mesh.triangle_count, static_cast<float>(table.near_mm)};
     const SoupBox found = best_of(measure_soup_forms())(soup, begin, end, table.blocks.data());
-    Partial box;
+    Partial all;
     for (int axis = 0; axis < 3; ++axis) {
-        box.add(axis, static_cast<double>(found.low[axis]), static_cast<double>(found.high[axis]));
+        all.box.add(axis, static_cast<double>(found.low[axis]), static_cast<double>(found.high[axis]));
     }
-    box.finite = !found.has_nan;  // infinity shows in the box
-    return box;
+    all.finite = !found.has_nan;  // infinity shows in the box
+    return all;
 }
 
 std::string axis_text(int i) {
@@ -164,17 +156,10 @@ Result<Bounds> measure_bounds(const MeshView& mesh, const Transform& transform, 
         return Error{ErrorCode::invalid_argument,
                      "triangle " + std::to_string(all.bad_index) + " has an index beyond the last vertex", all.bad_index};
     }
-    Bounds bounds{};
-    double largest = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        bounds.min_mm[axis] = all.min[axis];
-        bounds.max_mm[axis] = all.max[axis];
-        largest = std::max({largest, std::abs(all.min[axis]), std::abs(all.max[axis])});
-    }
-    if (!all.finite || !(largest <= largest_coordinate_mm)) {
+    if (!all.finite || !(all.box.farthest() <= largest_coordinate_mm)) {
         return first_bad_coordinate(mesh, transform);
     }
-    return bounds;
+    return all.box;
 }
 
 Status check_transform(const Transform& transform) {
@@ -194,10 +179,7 @@ double finest_unit(double farthest_mm) noexcept {
 }
 
 Result<ChosenUnit> choose_unit(const Bounds& bounds, double asked_mm, bool coarser, double reach_mm) {
-    double largest = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        largest = std::max({largest, std::abs(bounds.min_mm[axis]), std::abs(bounds.max_mm[axis])});
-    }
+    const double largest = bounds.farthest();
     if (asked_mm == 0) {
         return doubled_while(default_unit_mm, [&](double unit) { return largest > unit * grid_limit; });
     }

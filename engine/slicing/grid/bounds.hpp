@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.hpp"
 #include "lamella/error.hpp"
@@ -15,10 +16,26 @@ struct Bounds {
     double min_mm[3];
     double max_mm[3];
 
-    /// The largest magnitude of x and y.
-    double farthest_in_plane() const noexcept {
+    /// The box of nothing, to be added to.
+    static constexpr Bounds empty() noexcept {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        return {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    }
+    void add(int axis, double low, double high) noexcept {
+        min_mm[axis] = std::min(min_mm[axis], low);
+        max_mm[axis] = std::max(max_mm[axis], high);
+    }
+    void add(const Bounds& other) noexcept {
+        for (int axis = 0; axis < 3; ++axis) {
+            add(axis, other.min_mm[axis], other.max_mm[axis]);
+        }
+    }
+
+    /// The largest magnitude of x and y, or of all three.
+    double farthest_in_plane() const noexcept { return farthest(2); }
+    double farthest(int axes = 3) const noexcept {
         double farthest = 0;
-        for (int axis = 0; axis < 2; ++axis) {
+        for (int axis = 0; axis < axes; ++axis) {
             farthest = std::max({farthest, std::abs(min_mm[axis]), std::abs(max_mm[axis])});
         }
         return farthest;
@@ -37,6 +54,13 @@ Status check_transform(const Transform& transform);
 struct ChosenUnit {
     double mm;
     int doublings;  ///< of the unit asked for, or of the default
+};
+
+/// The grid, and the box by which planes are chosen: of one mesh, or around all that are sliced as parts of one result.
+struct SharedFrame {
+    Bounds bounds;
+    ChosenUnit unit;
+    CoordinateType number;  ///< heights are rounded to it; see PlaneSet::build()
 };
 
 /// The unit to use: `asked_mm`, or if that is 0 the default, doubled until the box fits, or if that is unit_by_box the

@@ -34,12 +34,7 @@ MeshView MeshView::soup(std::span<const double> coordinates) noexcept {
 
 MeshView MeshView::strided_soup(const std::byte* first, std::size_t triangles, std::size_t stride,
                                 CoordinateType coordinate_type) noexcept {
-    MeshView view;
-    view.vertices = first;
-    view.stride = stride;
-    view.triangle_count = triangles;
-    view.coordinate_type = coordinate_type;
-    return view;
+    return {.vertices = first, .stride = stride, .triangle_count = triangles, .coordinate_type = coordinate_type};
 }
 
 MeshView MeshView::indexed(std::span<const float> xyz, std::span<const std::uint32_t> indices) noexcept {
@@ -60,16 +55,14 @@ MeshView MeshView::indexed(const std::byte* first, std::size_t vertices, std::si
 MeshView MeshView::indexed(const std::byte* first, std::size_t vertices, std::size_t stride, CoordinateType coordinate_type,
                            const std::byte* first_index, std::size_t triangles, std::size_t index_stride,
                            IndexType index_type) noexcept {
-    MeshView view;
-    view.vertices = first;
-    view.stride = stride;
-    view.vertex_count = vertices;
-    view.indices = first_index;
-    view.index_stride = index_stride;
-    view.index_type = index_type;
-    view.triangle_count = triangles;
-    view.coordinate_type = coordinate_type;
-    return view;
+    return {.vertices = first,
+            .stride = stride,
+            .vertex_count = vertices,
+            .indices = first_index,
+            .index_stride = index_stride,
+            .index_type = index_type,
+            .triangle_count = triangles,
+            .coordinate_type = coordinate_type};
 }
 
 bool Transform::is_singular() const noexcept {

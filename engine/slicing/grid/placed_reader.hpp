@@ -17,68 +17,6 @@ struct RawTriangle {
     double v[9];
 };
 
-/// Any MeshView, number by number. Precondition: indices have been checked against vertex_count.
-class RawReader {
-public:
-    explicit RawReader(const MeshView& mesh) noexcept : mesh_(mesh) {}
-
-    RawTriangle operator()(std::size_t t) const noexcept {
-        switch (mesh_.coordinate_type) {
-            case CoordinateType::f32:
-                return read<float>(t);
-            case CoordinateType::f64:
-                return read<double>(t);
-            case CoordinateType::i32:
-                return read<std::int32_t>(t);
-            case CoordinateType::i64:
-                break;
-        }
-        return read<std::int64_t>(t);
-    }
-
-    /// One vertex: x, y, z.
-    std::array<double, 3> corner(std::size_t t, std::size_t corner) const noexcept {
-        switch (mesh_.coordinate_type) {
-            case CoordinateType::f32:
-                return read_corner<float>(t, corner);
-            case CoordinateType::f64:
-                return read_corner<double>(t, corner);
-            case CoordinateType::i32:
-                return read_corner<std::int32_t>(t, corner);
-            case CoordinateType::i64:
-                break;
-        }
-        return read_corner<std::int64_t>(t, corner);
-    }
-
-    CoordinateType number() const noexcept { return mesh_.coordinate_type; }
-    /// Where a vertex of `vertex_bytes` lies.
-    const std::byte* at(std::size_t t, std::size_t corner, std::size_t vertex_bytes) const noexcept {
-        return mesh_.indices != nullptr ? mesh_.vertices + mesh_.vertex_of(t, corner) * mesh_.stride
-                                        : mesh_.vertices + t * mesh_.stride + corner * vertex_bytes;
-    }
-
-private:
-    template <class T>
-    RawTriangle read(std::size_t t) const noexcept {
-        RawTriangle raw;
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            const std::array<double, 3> xyz = read_corner<T>(t, corner);
-            std::copy(xyz.begin(), xyz.end(), raw.v + 3 * corner);
-        }
-        return raw;
-    }
-
-    template <class T>
-    std::array<double, 3> read_corner(std::size_t t, std::size_t corner) const noexcept {
-        T xyz[3];
-        std::memcpy(xyz, at(t, corner, 3 * sizeof(T)), sizeof xyz);
-        return {static_cast<double>(xyz[0]), static_cast<double>(xyz[1]), static_cast<double>(xyz[2])};
-    }
-
-    MeshView mesh_;
-};
-
 #ifdef __SSE2__
 /// From any alignment.
 inline __m128d load_double(const std::byte* at) noexcept {
@@ -103,11 +41,12 @@ inline CoordinateType placed_number(const MeshView& mesh, const Transform& trans
 }
 
 /// Any MeshView after its transform. Every product is rounded and sums run from left to right, in vectors as without: the
-/// bytes are those of a host's matrix of the same type times the vertex. Precondition: as RawReader.
+/// bytes are those of a host's matrix of the same type times the vertex. Precondition: indices have been checked against
+/// vertex_count.
 class PlacedReader {
 public:
     PlacedReader(const MeshView& mesh, const Transform& transform) noexcept
-        : read_(mesh),
+        : mesh_(mesh),
           identity_(transform.is_identity()),
           in_floats_(placed_number(mesh, transform) == CoordinateType::f32) {
         for (std::size_t column = 0; column < 4; ++column) {
@@ -118,38 +57,20 @@ public:
         }
     }
 
+    CoordinateType number() const noexcept { return mesh_.coordinate_type; }
+
     RawTriangle operator()(std::size_t t) const noexcept {
-#ifdef __SSE2__
         RawTriangle raw;
         for (std::size_t corner = 0; corner < 3; ++corner) {
-            const Vertex placed = vertex(t, corner);
-            _mm_storeu_pd(raw.v + 3 * corner, placed.xy);
-            _mm_store_sd(raw.v + 3 * corner + 2, placed.z);
+            place(t, corner, raw.v + 3 * corner);
         }
-#else
-        RawTriangle raw = read_(t);
-        if (!identity_) {
-            for (std::size_t corner = 0; corner < 3; ++corner) {
-                in_floats_ ? move(floats_, raw.v + 3 * corner) : move(doubles_, raw.v + 3 * corner);
-            }
-        }
-#endif
         return raw;
     }
 
     /// One vertex: x, y, z.
     std::array<double, 3> corner(std::size_t t, std::size_t corner) const noexcept {
         std::array<double, 3> xyz;
-#ifdef __SSE2__
-        const Vertex placed = vertex(t, corner);
-        _mm_storeu_pd(xyz.data(), placed.xy);
-        _mm_store_sd(xyz.data() + 2, placed.z);
-#else
-        xyz = read_.corner(t, corner);
-        if (!identity_) {
-            in_floats_ ? move(floats_, xyz.data()) : move(doubles_, xyz.data());
-        }
-#endif
+        place(t, corner, xyz.data());
         return xyz;
     }
 
@@ -160,17 +81,17 @@ public:
     };
 
     Vertex vertex(std::size_t t, std::size_t corner) const noexcept {
-        if (read_.number() == CoordinateType::f64) {
-            const std::byte* at = read_.at(t, corner, 3 * sizeof(double));
+        if (number() == CoordinateType::f64) {
+            const std::byte* at = vertex_at(t, corner, 3 * sizeof(double));
             const Vertex given{_mm_loadu_pd(reinterpret_cast<const double*>(at)), load_double(at + 2 * sizeof(double))};
             return identity_ ? given : moved(given);
         }
-        if (read_.number() != CoordinateType::f32) {
-            const Vertex given = read_.number() == CoordinateType::i32 ? of_integers<std::int32_t>(t, corner)
-                                                                       : of_integers<std::int64_t>(t, corner);
+        if (number() != CoordinateType::f32) {
+            const Vertex given = number() == CoordinateType::i32 ? of_integers<std::int32_t>(t, corner)
+                                                                 : of_integers<std::int64_t>(t, corner);
             return identity_ ? given : moved(given);
         }
-        const std::byte* at = read_.at(t, corner, 3 * sizeof(float));
+        const std::byte* at = vertex_at(t, corner, 3 * sizeof(float));
         const __m128 given = _mm_movelh_ps(load_two_floats(at), load_float(at + 2 * sizeof(float)));
         if (in_floats_) {
             return in_doubles(identity_ ? given : moved(given));
@@ -183,11 +104,23 @@ private:
     template <class Number>
     using Columns = std::array<std::array<Number, 4>, 4>;  // the last row is unused
 
+    /// Where a vertex of `vertex_bytes` lies.
+    const std::byte* vertex_at(std::size_t t, std::size_t corner, std::size_t vertex_bytes) const noexcept {
+        return mesh_.indices != nullptr ? mesh_.vertices + mesh_.vertex_of(t, corner) * mesh_.stride
+                                        : mesh_.vertices + t * mesh_.stride + corner * vertex_bytes;
+    }
+
 #ifdef __SSE2__
+    void place(std::size_t t, std::size_t corner, double* to) const noexcept {
+        const Vertex placed = vertex(t, corner);
+        _mm_storeu_pd(to, placed.xy);
+        _mm_store_sd(to + 2, placed.z);
+    }
+
     template <class Integer>
     Vertex of_integers(std::size_t t, std::size_t corner) const noexcept {
         Integer xyz[3];
-        std::memcpy(xyz, read_.at(t, corner, sizeof xyz), sizeof xyz);
+        std::memcpy(xyz, vertex_at(t, corner, sizeof xyz), sizeof xyz);
         return {_mm_set_pd(static_cast<double>(xyz[1]), static_cast<double>(xyz[0])),
                 _mm_set_sd(static_cast<double>(xyz[2]))};
     }
@@ -218,6 +151,33 @@ private:
         return {rows(0), rows(2)};
     }
 #else
+    void place(std::size_t t, std::size_t corner, double* to) const noexcept {
+        switch (number()) {
+            case CoordinateType::f32:
+                read<float>(t, corner, to);
+                break;
+            case CoordinateType::f64:
+                read<double>(t, corner, to);
+                break;
+            case CoordinateType::i32:
+                read<std::int32_t>(t, corner, to);
+                break;
+            case CoordinateType::i64:
+                read<std::int64_t>(t, corner, to);
+                break;
+        }
+        if (!identity_) {
+            in_floats_ ? move(floats_, to) : move(doubles_, to);
+        }
+    }
+
+    template <class T>
+    void read(std::size_t t, std::size_t corner, double* to) const noexcept {
+        T xyz[3];
+        std::memcpy(xyz, vertex_at(t, corner, sizeof xyz), sizeof xyz);
+        std::transform(xyz, xyz + 3, to, [](T number) { return static_cast<double>(number); });
+    }
+
     template <class Number>
     static void move(const Columns<Number>& columns, double* p) noexcept {
         const auto x = static_cast<Number>(p[0]);
@@ -229,7 +189,7 @@ private:
     }
 #endif
 
-    RawReader read_;
+    MeshView mesh_;
     bool identity_;
     bool in_floats_;
     Columns<double> doubles_{};

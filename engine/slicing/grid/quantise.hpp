@@ -1,6 +1,6 @@
 // Triangles read from the caller's memory and rounded to the grid (paper 3.1), one at a time. They are not stored: most
 // triangles of a fine mesh meet no plane, and a rounded copy of them would cost more than slicing. Vertices that triangles
-// share are another matter: see buckets/indexed_triangles.hpp.
+// share are another matter: see buckets/mesh_source.hpp.
 #pragma once
 
 #include <array>

@@ -61,7 +61,7 @@ struct SseBox {
     }
 };
 
-/// Whether the first three lanes are all within `reach` of 0.
+/// True if the first three lanes are all within `reach` of 0.
 bool all_within(__m128 difference, __m128 reach) {
     const __m128 size = _mm_andnot_ps(_mm_set1_ps(-0.0F), difference);
     return (_mm_movemask_ps(_mm_cmple_ps(size, reach)) & 7) == 7;

@@ -3,147 +3,223 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
-#include <tuple>
+#include <memory>
+#include <vector>
 
+#include "base/clock.hpp"
 #include "base/vector.hpp"
+#include "slicing/contours/layer_builder.hpp"
+#include "slicing/result/layer_view.hpp"
+#include "slicing/result/placement.hpp"
 
 namespace lamella {
 
 namespace {
 
-/// A layer's points in a part, or their origins: those of its contours follow one another.
+constexpr std::size_t layers_a_task = 16;
+
+/// A layer's points, or their origins: those of its contours follow one another.
 template <class T>
-std::span<const T> of_layer(const Array<T>& elements, const SliceResult& part, std::size_t layer) {
+std::span<T> of_layer(Array<T>& elements, const SliceResult& part, std::size_t layer) {
     const std::span<const Contour> contours = part.contours_of(part.layers[layer]);
-    if (contours.empty()) {
+    if (contours.empty() || elements.empty()) {
         return {};
     }
     const std::uint64_t first = contours.front().first_point;
     return elements.span().subspan(first, contours.back().first_point + contours.back().point_count - first);
 }
 
-/// Sizes the arrays and says where each layer begins; returns where its points do.
-Vector<std::uint64_t> lay_out(std::span<const SliceResult> parts, const Parallel& parallel, SliceResult& merged) {
-    const std::size_t layers = parts[0].layers.size();
-    Vector<std::uint64_t> first_points(layers, merged.points.memory());
-    merged.layers.resize_discarding(layers);
-    std::uint64_t contours = 0;
-    std::uint64_t points = 0;
-    for (std::size_t l = 0; l < layers; ++l) {
-        Layer& layer = merged.layers[l] = parts[0].layers[l];
-        first_points[l] = points;
-        layer.first_contour = contours;
-        layer.segments = 0;
-        for (const SliceResult& part : parts) {
-            assert(part.layers[l].plane == layer.plane);
-            layer.segments += part.layers[l].segments;
-            contours += part.layers[l].contour_count;
-            points += of_layer(part.points, part, l).size();
-        }
-        layer.contour_count = contours - layer.first_contour;
-        if (l % 1024 == 0) {
-            parallel.stop_if_asked();
-        }
-    }
-    merged.contours.resize_discarding(contours);
-    merged.points.resize_discarding(points);
-    merged.origins.resize_discarding(parts[0].origins.empty() ? 0 : points);
-    return first_points;
+/// As its facets run: a role that overruled them has turned it.
+GivenContour as_given(const SliceResult& part, const Contour& contour) noexcept {
+    const bool turned =
+        (contour.flags & orientation_overruled) != 0 && (contour.orientation > 0) != (contour.role == Role::outer);
+    const auto flags = static_cast<std::uint16_t>(contour.flags & ~orientation_overruled);
+    return {part.points_of(contour),
+            part.origins.empty() ? std::span<const PointOrigin>() : part.origins_of(contour),
+            contour.role != Role::open,
+            turned,
+            contour.segments,
+            flags,
+            contour.part};
 }
 
-void copy_origins(std::span<const PointOrigin> origins, std::uint16_t part, PointOrigin* to) {
-    std::transform(origins.begin(), origins.end(), to, [part](PointOrigin origin) {
-        origin.part = origin.triangle == no_triangle ? std::uint16_t{0} : part;
-        return origin;
-    });
-}
+/// Layers are bands of a placement, a few a task. Contours side by side have as many points as they had, so that they are
+/// copied straight to their place.
+class Merging {
+public:
+    Merging(std::span<SliceResult> parts, bool united, const Control& control, const Parallel& parallel, SliceResult& merged)
+        : parts_(parts),
+          united_(united),
+          control_(control),
+          parallel_(parallel),
+          merged_(merged),
+          builders_(static_cast<std::size_t>(parallel.threads())),
+          placement_(control.memory) {}
 
-void copy_layer(std::span<const SliceResult> parts, std::size_t l, std::uint64_t first_point, SliceResult& merged) {
-    std::uint64_t first_contour = merged.layers[l].first_contour;
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-        const Layer& layer = parts[p].layers[l];
-        const std::span<const Point> points = of_layer(parts[p].points, parts[p], l);
-        std::copy(points.begin(), points.end(), merged.points.data() + first_point);
-        if (!merged.origins.empty()) {
-            copy_origins(of_layer(parts[p].origins, parts[p], l), static_cast<std::uint16_t>(p),
-                         merged.origins.data() + first_point);
+    void run(FunctionRef<void(double)> reach) {
+        cut_tasks();
+        const bool origins = !parts_[0].origins.empty();
+        const std::size_t lead = united_ ? tasks_.size() : 2 * static_cast<std::size_t>(parallel_.threads());
+        placement_.begin(tasks_, lead, origins, merged_, parallel_.stop());
+        parallel_.run(tasks_.size(), [&](std::size_t task, int worker) {
+            fill_band(placement_, task, [&](BandOutput& output) {
+                for (std::size_t layer = tasks_[task].first; layer < tasks_[task].last; ++layer) {
+                    fill_layer(layer, worker, output);
+                }
+            });
+            reach(static_cast<double>(task) / static_cast<double>(tasks_.size()));
+        });
+        placement_.finish(parallel_, merged_);
+        ContourCounts counts = placement_.contour_counts();
+        for (const SliceResult& part : parts_) {
+            counts.cancelled_layers += part.summary.cancelled_layers;
         }
-        for (std::uint64_t c = 0; c < layer.contour_count; ++c) {
-            const Contour& own = parts[p].contours[layer.first_contour + c];
-            Contour& contour = merged.contours[first_contour + c] = own;
-            contour.part = static_cast<std::uint32_t>(p);
-            contour.first_point = first_point + (own.first_point - parts[p].contours[layer.first_contour].first_point);
-            contour.parent = own.parent < 0 ? -1
-                                            : static_cast<std::int64_t>(first_contour) + own.parent -
-                                                  static_cast<std::int64_t>(layer.first_contour);
+        set_counts(counts, merged_);
+    }
+
+private:
+    struct Builder {
+        explicit Builder(const Memory* memory) : layers(memory), given(memory) {}
+        LayerBuilder layers;
+        Vector<GivenContour> given;
+    };
+
+    /// Layers without their contours, the tasks, and where none is united room for all points.
+    void cut_tasks() {
+        const std::size_t layers = parts_[0].layers.size();
+        merged_.layers.resize_discarding(layers);
+        std::uint64_t points = 0;
+        for (std::size_t l = 0; l < layers; ++l) {
+            Layer& layer = merged_.layers[l] = parts_[0].layers[l];
+            layer.segments = 0;
+            if (l % layers_a_task == 0) {
+                parallel_.stop_if_asked();
+                tasks_.push_back({static_cast<PlaneIndex>(l), 0, 0});
+            }
+            tasks_.back().last = static_cast<PlaneIndex>(l + 1);
+            for (SliceResult& part : parts_) {
+                assert(part.layers[l].plane == layer.plane);
+                layer.segments += part.layers[l].segments;
+                tasks_.back().segments += united_ ? 0 : of_layer(part.points, part, l).size();
+            }
         }
-        first_contour += layer.contour_count;
-        first_point += points.size();
+        for (const Band& task : tasks_) {
+            points += task.segments;
+        }
+        merged_.points.resize_discarding(points);
     }
-}
 
-void merge_gaps(std::span<const SliceResult> parts, SliceResult& merged) {
-    std::size_t count = 0;
-    for (const SliceResult& part : parts) {
-        count += part.closed_gaps.size();
+    void fill_layer(std::size_t layer, int worker, BandOutput& output) {
+        for (std::size_t p = 0; p < parts_.size(); ++p) {
+            number(layer, p);
+            for (const ClosedGap& gap : closed_gaps_of(parts_[p], layer)) {
+                output.closed_gaps.push_back({layer - output.first_layer, gap.from, gap.to});
+            }
+        }
+        if (united_) {
+            unite(layer, worker, output);
+        } else {
+            append(layer, output);
+        }
     }
-    merged.closed_gaps.resize_discarding(count);
-    ClosedGap* out = merged.closed_gaps.data();
-    for (const SliceResult& part : parts) {
-        out = std::copy(part.closed_gaps.begin(), part.closed_gaps.end(), out);
-    }
-    std::sort(merged.closed_gaps.begin(), merged.closed_gaps.end(), [](const ClosedGap& a, const ClosedGap& b) {
-        return std::tie(a.layer, a.from, a.to) < std::tie(b.layer, b.from, b.to);
-    });
-}
 
-void add(const SliceSummary& own, SliceSummary& sum) {
-    sum.triangles += own.triangles;
-    sum.degenerate += own.degenerate;
-    sum.crossed += own.crossed;
-    sum.segments += own.segments;
-    sum.holes += own.holes;
-    sum.open_contours += own.open_contours;
-    sum.flat_contours += own.flat_contours;
-    sum.overruled_contours += own.overruled_contours;
-    sum.near_contours += own.near_contours;
-    sum.cancelled_layers += own.cancelled_layers;
-    sum.bands += own.bands;
-    sum.ms.bucket += own.ms.bucket;
-    sum.ms.sweep += own.ms.sweep;
-    sum.ms.contours += own.ms.contours;
-    sum.ms.nesting += own.ms.nesting;
-    sum.ms.fill += own.ms.fill;
-}
+    /// Gives a layer's contours and origins the number of their part.
+    void number(std::size_t layer, std::size_t part_number) {
+        SliceResult& part = parts_[part_number];
+        const Layer& own = part.layers[layer];
+        for (Contour& contour : part.contours.span().subspan(own.first_contour, own.contour_count)) {
+            contour.part = static_cast<std::uint32_t>(part_number);
+        }
+        for (PointOrigin& origin : of_layer(part.origins, part, layer)) {
+            origin.part = origin.triangle == no_triangle ? std::uint16_t{0} : static_cast<std::uint16_t>(part_number);
+        }
+    }
+
+    void append(std::size_t l, BandOutput& output) {
+        const std::size_t contours_before = output.contours.size();
+        for (SliceResult& part : parts_) {
+            const Layer& layer = part.layers[l];
+            const std::span<const Point> points = of_layer(part.points, part, l);
+            const std::span<const PointOrigin> origins = of_layer(part.origins, part, l);
+            std::copy(points.begin(), points.end(), output.reserve_points(points.size()));
+            if (output.with_origins) {
+                std::copy(origins.begin(), origins.end(), output.origins + output.point_count);
+            }
+            const auto first = static_cast<std::int64_t>(output.contours.size());
+            for (const Contour& own : part.contours_of(layer)) {
+                Contour& contour = output.contours.emplace_back(own);
+                contour.first_point += output.point_count - part.contours[layer.first_contour].first_point;
+                contour.parent += own.parent < 0 ? 0 : first - static_cast<std::int64_t>(layer.first_contour);
+                output.counts.add(contour);
+            }
+            output.point_count += points.size();
+        }
+        output.layer_contours.push_back(static_cast<std::uint32_t>(output.contours.size() - contours_before));
+    }
+
+    void unite(std::size_t l, int worker, BandOutput& output) {
+        auto& builder = builders_[static_cast<std::size_t>(worker)];
+        if (builder == nullptr) {
+            builder = std::make_unique<Builder>(control_.memory);
+            builder->layers.follow(parallel_.stop());
+            builder->layers.rules = {
+                .region = &merged_.region, .unit_mm = parts_[0].unit_mm, .first_layer = parts_[0].first_layer};
+        }
+        builder->given.clear();
+        for (const SliceResult& part : parts_) {
+            for (const Contour& contour : part.contours_of(part.layers[l])) {
+                builder->given.push_back(as_given(part, contour));
+            }
+        }
+        builder->layers.build_given(builder->given, output);
+    }
+
+    std::span<SliceResult> parts_;
+    bool united_;
+    const Control& control_;
+    const Parallel& parallel_;
+    SliceResult& merged_;
+    std::vector<std::unique_ptr<Builder>> builders_;  ///< by worker
+    std::vector<Band> tasks_;
+    Placement placement_;
+};
 
 }  // namespace
 
-void merge_parts(std::span<const SliceResult> parts, const Parallel& parallel, SliceResult& merged) {
+void add_summary(const SliceSummary& part, SliceSummary& sum) noexcept {
+    sum.triangles += part.triangles;
+    sum.degenerate += part.degenerate;
+    sum.crossed += part.crossed;
+    sum.segments += part.segments;
+    sum.bands += part.bands;
+    sum.ms.bucket += part.ms.bucket;
+    sum.ms.sweep += part.ms.sweep;
+    sum.ms.contours += part.ms.contours;
+    sum.ms.nesting += part.ms.nesting;
+    sum.ms.fill += part.ms.fill;
+}
+
+void merge_parts(std::span<SliceResult> parts, PartRegions regions, const Control& control, const Parallel& parallel,
+                 FunctionRef<void(double)> reach, SliceResult& merged) {
     assert(!parts.empty());
-    const Vector<std::uint64_t> first_points = lay_out(parts, parallel, merged);
-    parallel.run_ranges(merged.layers.size(), 1, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t l = begin; l < end; ++l) {
-            copy_layer(parts, l, first_points[l], merged);
-        }
-    });
-    merge_gaps(parts, merged);
+    const auto start = Clock::now();
     merged.layer_of.resize_discarding(parts[0].layer_of.size());
     std::copy(parts[0].layer_of.begin(), parts[0].layer_of.end(), merged.layer_of.begin());
     merged.first_layer = parts[0].first_layer;
     merged.all_layers = parts[0].all_layers;
     merged.part_count = static_cast<std::uint32_t>(parts.size());
-    merged.close_gaps_mm = parts[0].close_gaps_mm;
+    merged.part_regions = regions;
     merged.gap_sense = parts[0].gap_sense;
     merged.unit_mm = parts[0].unit_mm;
+    merged.close_gaps_mm = parts[0].close_gaps_mm;
     merged.summary = parts[0].summary;
     for (const SliceResult& part : parts.subspan(1)) {
         merged.close_gaps_mm = std::max(merged.close_gaps_mm, part.close_gaps_mm);
-        add(part.summary, merged.summary);
+        add_summary(part.summary, merged.summary);
     }
-    merged.summary.emptied_layers =
-        static_cast<std::uint64_t>(std::count_if(merged.layers.begin(), merged.layers.end(), [](const Layer& layer) {
-            return layer.segments > 0 && layer.contour_count == 0;
-        }));
+    Merging(parts, regions == PartRegions::united, control, parallel, merged).run(reach);
+    double& ms = regions == PartRegions::united ? merged.summary.ms.fill : merged.summary.ms.contours;
+    ms += milliseconds_since(start);
 }
 
 }  // namespace lamella

@@ -3,17 +3,26 @@
 //     part 0    layer 0 [ a b ]   layer 1 [ c ]
 //     part 1    layer 0 [ d ]     layer 1 [ e ]
 //     merged    layer 0 [ a b d ] layer 1 [ c e ]       contours, and their points in the same order
+//     united    layer 0 [ region of a, b and d ] ...
 #pragma once
 
 #include <span>
 
+#include "base/function_ref.hpp"
 #include "base/parallel.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {
 
-/// Fills in all of `merged` but region, frame and plan. Preconditions: there is a part; all have the same planes. O(n + p k)
-/// for n points and contours, p parts and k planes. Throws std::bad_alloc.
-void merge_parts(std::span<const SliceResult> parts, const Parallel& parallel, SliceResult& merged);
+/// Fills in all of `merged`, whose region is set, but frame and plan. `regions` united: makes regions by merged.region of
+/// the contours that all parts have in a layer, by the orientation of their facets; no layer's rule may be `contours` then.
+/// Contours and origins of `parts` get the number of their part. Preconditions: there is a part; all have the same planes.
+/// O(n + p k) for n points and contours, p parts and k planes, and for regions O(q log q) for a layer of q points. `reach`
+/// is told the share of layers that are done. Throws std::bad_alloc, Stopped.
+void merge_parts(std::span<SliceResult> parts, PartRegions regions, const Control& control, const Parallel& parallel,
+                 FunctionRef<void(double)> reach, SliceResult& merged);
+
+/// Adds what the parts of a slice spend and find in their triangles.
+void add_summary(const SliceSummary& part, SliceSummary& sum) noexcept;
 
 }  // namespace lamella

@@ -2,8 +2,7 @@
 //
 //     choose_frame       the box of all parts, and from it one grid and one set of planes
 //     slice_all          each part by itself, by all threads
-//     merge_parts        contours of all parts, side by side in each layer
-//     unite_parts        one region of them, on request
+//     merge_parts        contours of all parts, side by side in each layer, or one region of them
 #include "lamella/parts.hpp"
 
 #include <algorithm>
@@ -12,17 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "slicing/grid/blocks.hpp"
-#include "slicing/grid/bounds.hpp"
-#include "slicing/grid/placed_reader.hpp"
-#include "slicing/part_slicer.hpp"
+#include "base/progress_meter.hpp"
+#include "slicing/buckets/mesh_source.hpp"
+#include "slicing/frame.hpp"
 #include "slicing/parts/merge_parts.hpp"
-#include "slicing/parts/unite_parts.hpp"
-#include "slicing/planes/shared_frame.hpp"
-#include "slicing/regions/rules.hpp"
+#include "slicing/slice_layers.hpp"
 
 namespace lamella {
 
@@ -33,50 +28,40 @@ public:
     PartSlicing(std::span<const Part> parts, const SliceOptions& options, PartRegions regions)
         : parts_(parts),
           options_(options),
-          united_(regions == PartRegions::united),
+          regions_(regions),
           parallel_(options.control),
           progress_(options.control.progress) {}
 
-    Result<SliceResult> run() {
-        if (Status status = check_rules(options_.region); !status) {
-            return status.error();
+    SliceResult run() {
+        check_options(options_);
+        if (united()) {
+            require(check_uniting(options_.region));
         }
-        if (Status status = united_ ? check_uniting(options_.region) : Status(); !status) {
-            return status.error();
-        }
-        if (Status status = choose_frame(); !status) {
-            return status.error();
-        }
-        if (Status status = slice_all(); !status) {
-            return status.error();
-        }
+        choose_frame();
+        slice_all();
         if (nothing_left()) {  // its box must not choose planes
             frame_.bounds = {};
             sliced_.clear();
-            if (Status status = slice_all(); !status) {
-                return status.error();
-            }
+            slice_all();
         }
-        const auto start = Clock::now();
         SliceResult merged(options_.control.memory);
-        merge_parts(sliced_, parallel_, merged);
+        merged.region = options_.region;
+        merged.frame = options_.transform;
+        merged.plan = options_.plan;
+        const auto reach = [this](double share) { progress_.reach(sliced_share() + (0.99 - sliced_share()) * share); };
+        merge_parts(sliced_, regions_, options_.control, parallel_, reach, merged);
         std::copy_n(frame_.bounds.min_mm, 3, merged.summary.min_mm);
         std::copy_n(frame_.bounds.max_mm, 3, merged.summary.max_mm);
-        merged.summary.ms.contours += milliseconds_since(start);
-        sliced_.clear();
-        SliceResult result = united_ ? unite(merged) : std::move(merged);
-        result.region = options_.region;
-        result.frame = options_.transform;
-        result.plan = options_.plan;
         progress_.finish();
-        return result;
+        return merged;
     }
 
 private:
-    /// Of the progress, when all parts are sliced.
-    double sliced_share() const noexcept { return united_ ? 0.5 : 0.95; }
+    bool united() const noexcept { return regions_ == PartRegions::united; }
+    /// The progress when all parts are sliced.
+    double sliced_share() const noexcept { return united() ? 0.5 : 0.95; }
 
-    /// What a part's own progress is of the whole.
+    /// A part's own progress, as a share of the whole.
     struct Share {
         ProgressMeter& whole;
         double from;
@@ -94,11 +79,10 @@ private:
         return error;
     }
 
-    Status choose_frame() {
+    void choose_frame() {
         BlockTable table(options_.control.memory);
-        constexpr double infinity = std::numeric_limits<double>::infinity();
-        frame_.bounds = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-        frame_.number = CoordinateType::f32;
+        Bounds bounds = Bounds::empty();
+        CoordinateType number = CoordinateType::f32;
         for (std::size_t p = 0; p < parts_.size(); ++p) {
             const Transform transform = transform_of(parts_[p]);
             if (options_.allow_empty && parts_[p].mesh.triangle_count == 0) {
@@ -106,32 +90,22 @@ private:
             }
             const Result<Bounds> own = measure_bounds(parts_[p].mesh, transform, options_.unit_mm, parallel_, table);
             if (!own) {
-                return blame(own.error(), p);
+                throw Refused{blame(own.error(), p)};
             }
-            for (int axis = 0; axis < 3; ++axis) {
-                frame_.bounds.min_mm[axis] = std::min(frame_.bounds.min_mm[axis], own->min_mm[axis]);
-                frame_.bounds.max_mm[axis] = std::max(frame_.bounds.max_mm[axis], own->max_mm[axis]);
-            }
+            bounds.add(*own);
             if (placed_number(parts_[p].mesh, transform) == CoordinateType::f64) {
-                frame_.number = CoordinateType::f64;
+                number = CoordinateType::f64;
             }
             triangles_ += parts_[p].mesh.triangle_count;
         }
-        if (triangles_ == 0) {
-            frame_.bounds = {};
-        }
-        const Result<ChosenUnit> unit = choose_unit_for(frame_.bounds, options_.unit_mm, options_.unit_fit, options_.region);
-        if (!unit) {
-            return unit.error();
-        }
-        frame_.unit = *unit;
-        return {};
+        frame_ = lamella::choose_frame(triangles_ == 0 ? Bounds{} : bounds, number, options_.unit_mm, options_.unit_fit,
+                                       options_.region);
     }
 
-    Status slice_all() {
+    void slice_all() {
         SliceOptions options = options_;
         options.control.stop = parallel_.stop();  // the host's, asked no more often for many parts
-        if (united_) {
+        if (united()) {
             options.region = {};
         }
         Workspace workspace;
@@ -146,12 +120,16 @@ private:
             options.control.progress = Progress::to(sink);
             options.memory_limit_bytes = memory_left();
             SliceResult& result = sliced_.emplace_back(options_.control.memory);
-            if (Status status = detail::PartSlicer::slice({parts_[p].mesh, &frame_}, options, workspace, result); !status) {
-                return blame(status.error(), p);
+            try {
+                detail::WorkspaceParts& kept = detail::WorkspaceParts::of(workspace, options.control);
+                AnyMeshSource source(parts_[p].mesh, options.transform, &frame_, kept.source_tools());
+                ResultTarget target;
+                slice_layers(source, target, options, kept, result);
+            } catch (Refused& refused) {
+                throw Refused{blame(std::move(refused.error), p)};
             }
             before += parts_[p].mesh.triangle_count;
         }
-        return {};
     }
 
     bool nothing_left() const noexcept {
@@ -159,15 +137,7 @@ private:
                            [](const SliceResult& part) { return part.summary.degenerate == part.summary.triangles; });
     }
 
-    SliceResult unite(const SliceResult& apart) {
-        SliceResult united(options_.control.memory);
-        united.region = options_.region;
-        const auto reach = [this](double share) { progress_.reach(sliced_share() + (0.99 - sliced_share()) * share); };
-        unite_parts(apart, options_.control, parallel_, reach, united);
-        return united;
-    }
-
-    /// Of the limit that was asked for; where none was, each part has its own.
+    /// The rest of the limit that was asked for; where none was, each part has its own.
     std::uint64_t memory_left() const noexcept {
         std::uint64_t left = options_.memory_limit_bytes;
         for (const SliceResult& result : sliced_) {
@@ -180,7 +150,7 @@ private:
 
     std::span<const Part> parts_;
     const SliceOptions& options_;
-    bool united_;
+    PartRegions regions_;
     Parallel parallel_;
     ProgressMeter progress_;
     SharedFrame frame_{};

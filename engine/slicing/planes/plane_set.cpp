@@ -252,7 +252,7 @@ void PlaneSet::sort_listed(const std::vector<double>& heights_mm) {
                    [&](PlaneIndex listed) { return heights_mm[listed]; });
 }
 
-/// Of sorted heights with one plane the least stays.
+/// The least of sorted heights with one plane stays.
 void PlaneSet::keep_distinct() {
     plane_of_listed_.resize(heights_mm_.size());
     std::size_t kept = 0;

@@ -82,7 +82,7 @@ public:
     /// Drops all planes but those of `range`, which keep their heights, bottoms and tops. O(k). Errors: bad_planes (there
     /// are planes, but none of these).
     Status keep(const LayerRange& range);
-    /// Of the planes that there were: which is now plane 0, and how many there were.
+    /// The plane that is now plane 0, and how many there were before.
     PlaneIndex first_kept() const noexcept { return first_kept_; }
     PlaneIndex planned() const noexcept { return planned_; }
     /// The planes of a result, with their heights on the grid only. Precondition: they ascend. O(k).

@@ -11,11 +11,6 @@ namespace lamella {
 
 namespace {
 
-std::uint64_t count_emptied(std::span<const Layer> layers) noexcept {
-    return static_cast<std::uint64_t>(std::count_if(
-        layers.begin(), layers.end(), [](const Layer& layer) { return layer.segments > 0 && layer.contour_count == 0; }));
-}
-
 template <class T>
 void copy_paced(const T* from, std::size_t count, StopPace& pace, Array<T>& to) {
     constexpr std::size_t words = (sizeof(T) + 7) / 8;
@@ -36,12 +31,13 @@ void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, Slice
     summary.cancelled_layers = counts.cancelled_layers;
 }
 
-void set_counts(const ContourCounts& counts, std::span<const Layer> layers, SliceResult& result) noexcept {
-    set_counts(counts, result.region.keeps_contours() ? 0 : count_emptied(layers), result.summary);
+void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
+    set_counts(counts, result.region.keeps_contours() ? 0 : count_emptied(result.layers.span()), result.summary);
 }
 
-void set_counts(const ContourCounts& counts, SliceResult& result) noexcept {
-    set_counts(counts, result.layers.span(), result);
+std::uint64_t count_emptied(std::span<const Layer> layers) noexcept {
+    return static_cast<std::uint64_t>(std::count_if(
+        layers.begin(), layers.end(), [](const Layer& layer) { return layer.segments > 0 && layer.contour_count == 0; }));
 }
 
 void BandOutput::trim() {
@@ -51,20 +47,6 @@ void BandOutput::trim() {
     fit(contours);
     fit(layer_contours);
     fit(closed_gaps);
-}
-
-void BandOutput::begin_in_buffer(std::size_t count) {
-    if (buffer.size() < count) {
-        buffer.resize_discarding(count);
-    }
-    begin({buffer.data(), buffer.capacity()});
-    if (with_origins) {
-        if (origin_buffer.size() < count) {
-            origin_buffer.resize_discarding(count);
-        }
-        origins = origin_buffer.data();
-        capacity = std::min(capacity, origin_buffer.capacity());
-    }
 }
 
 void BandOutput::move_to_buffer(std::size_t count) {
@@ -90,13 +72,13 @@ void BandOutput::move_to_buffer(std::size_t count) {
 
 void BandOutput::make_room(std::size_t count) {
     assert(point_count == 0);
-    if (buffer.capacity() < count) {
+    if (buffer.size() < count) {
         buffer.resize_discarding(count);
     }
     points = buffer.data();
     capacity = buffer.capacity();
     if (with_origins) {
-        if (origin_buffer.capacity() < count) {
+        if (origin_buffer.size() < count) {
             origin_buffer.resize_discarding(count);
         }
         origins = origin_buffer.data();
@@ -114,19 +96,12 @@ void BandOutput::drop_layers() noexcept {
 
 void BandOutput::move_layers_to(BandOutput& other) noexcept {
     assert(in_buffer() && other.point_count == 0);
-    other.begin(other.buffer.span());
-    std::swap(buffer, other.buffer);
-    std::swap(points, other.points);
-    std::swap(origin_buffer, other.origin_buffer);
-    std::swap(origins, other.origins);
-    other.with_origins = with_origins;
-    std::swap(point_count, other.point_count);
-    std::swap(capacity, other.capacity);
-    contours.swap(other.contours);
-    layer_contours.swap(other.layer_contours);
-    closed_gaps.swap(other.closed_gaps);
-    other.first_layer = first_layer;
-    first_layer += other.layer_contours.size();
+    std::swap(*this, other);
+    with_origins = other.with_origins;
+    counts = other.counts;
+    first_layer = other.first_layer + other.layer_contours.size();
+    reader = other.reader;
+    band = other.band;
 }
 
 std::size_t BandOutput::bytes_used() const noexcept {

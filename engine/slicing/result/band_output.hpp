@@ -38,21 +38,34 @@ struct ContourCounts {
 
 /// Sets what the summary counts of contours, and of layers that the rules have emptied.
 void set_counts(const ContourCounts& counts, std::uint64_t emptied_layers, SliceSummary& summary) noexcept;
-/// The same, with the emptied ones counted among `layers`. O(k).
-void set_counts(const ContourCounts& counts, std::span<const Layer> layers, SliceResult& result) noexcept;
+/// The same for a result with all its layers. O(k).
 void set_counts(const ContourCounts& counts, SliceResult& result) noexcept;
+/// How many of `layers` planes cut, but have no contour left.
+std::uint64_t count_emptied(std::span<const Layer> layers) noexcept;
 
 struct BandOutput;
 
-/// Takes layers while their band is still being swept.
-class LayerReader {
+/// Thrown where a band is no longer wanted, since another thread has called BandTarget::abort().
+struct BandDropped {};
+
+/// Where bands go when they are swept.
+class BandTarget {
 public:
+    /// Where `band` puts its output; may wait for bands before it. Null after abort(). Bands must be acquired in ascending
+    /// order, each by a thread that then submits it, gives it back or aborts.
+    virtual BandOutput* acquire(std::size_t band) = 0;
+    /// Takes back an unused output.
+    virtual void give_back(std::size_t band) = 0;
+    /// The band is done. Throws Stopped where the host wants the call to end.
+    virtual void submit(std::size_t band) = 0;
+    /// The run has failed: wakes all that wait.
+    virtual void abort() = 0;
     /// A layer has been appended to `output`, whose complete layers may now be taken out: see BandOutput::drop_layers(). On
-    /// the thread that sweeps the band.
-    virtual void layer_done(BandOutput& output) = 0;
+    /// the thread that sweeps the band, where BandOutput::reader asks for it.
+    virtual void layer_done(BandOutput& /*output*/) {}
 
 protected:
-    ~LayerReader() = default;
+    ~BandTarget() = default;
 };
 
 struct BandOutput {
@@ -71,7 +84,7 @@ struct BandOutput {
     Vector<std::uint32_t> layer_contours;  ///< number of contours of each plane
     Vector<ClosedGap> closed_gaps;
     std::uint64_t first_layer = 0;  ///< number of the layer that comes first
-    LayerReader* reader = nullptr;  ///< null: layers stay until the band is done
+    BandTarget* reader = nullptr;   ///< null: layers stay until the band is done
     std::size_t band = 0;           ///< for the reader
 
     /// Empties the output; points go to `room` while it lasts, then to `buffer`. `origin_room` is as large, or empty where
@@ -86,10 +99,13 @@ struct BandOutput {
         layer_contours.clear();
         closed_gaps.clear();
     }
+    /// The same with all points in `buffer`, which takes `count` at once. Throws std::bad_alloc.
+    void begin_in_buffer(std::size_t count) {
+        begin({});
+        make_room(count);
+    }
     /// Between runs: gives back what the last one did not need. Throws std::bad_alloc.
     void trim();
-    /// The same with all points in `buffer`, which takes `count` at once. Throws std::bad_alloc.
-    void begin_in_buffer(std::size_t count);
     bool in_buffer() const noexcept { return points == buffer.data(); }
 
     /// Makes room for `count` more points and returns where they go. Throws std::bad_alloc.
@@ -114,14 +130,30 @@ struct BandOutput {
     void make_room(std::size_t count);
     /// Empties the output, which goes on with the layer that comes next. `counts` stay.
     void drop_layers() noexcept;
-    /// Moves all layers to `other`, which is empty, and takes its memory in exchange. Both in buffers of their own.
+    /// Moves all layers to `other`, which is empty, and takes its memory in exchange; make_room() must follow. Both in
+    /// buffers of their own.
     void move_layers_to(BandOutput& other) noexcept;
-    /// Of its points, contours and gaps.
+    /// The size of points, contours and gaps.
     std::size_t bytes_used() const noexcept;
     std::size_t bytes_held() const noexcept;
     /// Gives all memory back.
     void release() noexcept;
 };
+
+/// Acquires `band`, calls fill(its output) and submits it. No thread is left waiting where something of it throws.
+template <class Fill>
+void fill_band(BandTarget& target, std::size_t band, Fill fill) {
+    try {
+        if (BandOutput* const output = target.acquire(band); output != nullptr) {
+            fill(*output);
+            target.submit(band);
+        }
+    } catch (const BandDropped&) {  // the thread that has failed throws
+    } catch (...) {
+        target.abort();
+        throw;
+    }
+}
 
 /// All contours and points of `output`, in arrays that take their memory from `memory`. Throws std::bad_alloc, and Stopped
 /// where the host that `pace` asks wants the call to end.

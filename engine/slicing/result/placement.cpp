@@ -12,18 +12,33 @@
 
 namespace lamella {
 
-void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
-                      ProgressMeter& progress, const StopCheck& stop, std::span<PointOrigin> origins,
-                      const PointWriter* writer) {
+namespace {
+
+/// Makes `array` hold `count`, the first `kept` of which stay.
+template <class T>
+void extend(Array<T>& array, std::size_t kept, std::size_t count, const StopCheck& stop) {
+    if (count > array.capacity()) {
+        Array<T> larger(array.memory());
+        larger.resize_discarding(count);
+        StopPace pace;
+        pace.follow(stop);
+        pace.in_stretches(0, kept, 1, [&](std::size_t begin, std::size_t end) {
+            std::copy(array.data() + begin, array.data() + end, larger.data() + begin);
+        });
+        array = std::move(larger);
+    }
+    array.set_size(count);
+}
+
+}  // namespace
+
+void Placement::begin(std::span<const Band> bands, std::size_t lead, const PointRoom& room, const StopCheck& stop) {
     stop_ = stop;
-    writer_ = writer;
     bands_ = bands;
-    points_ = points;
-    origins_ = origins;
-    progress_ = &progress;
-    segments_ = segments;
-    segments_placed_ = 0;
-    lead_ = 2 * static_cast<std::size_t>(threads);
+    room_ = room;
+    with_origins_ = !room.origins.empty();
+    keeps_ = false;
+    lead_ = lead;
     outgrown_ = false;
     head_ = 0;
     point_count_ = 0;
@@ -45,6 +60,14 @@ void Placement::begin(std::span<const Band> bands, int threads, std::uint64_t se
     }
 }
 
+void Placement::begin(std::span<const Band> bands, std::size_t lead, bool origins, SliceResult& result,
+                      const StopCheck& stop) {
+    result.origins.resize_discarding(origins ? result.points.size() : 0);
+    begin(bands, lead, {.points = result.points.span(), .origins = result.origins.span()}, stop);
+    with_origins_ = origins;
+    keeps_ = true;
+}
+
 BandOutput* Placement::acquire(std::size_t band) {
     std::unique_lock lock(mutex_);
     head_moved_.wait(lock, [&] { return aborted_ || band <= head_ + lead_; });
@@ -59,11 +82,11 @@ BandOutput* Placement::acquire(std::size_t band) {
     idle_.pop_back();
     placed_[band].output = output;
     output->first_layer = bands_[band].first;
-    output->with_origins = !origins_.empty();
+    output->with_origins = with_origins_;
     if (const auto room = placed_[band].room = find_room(band); room) {
         const std::size_t size = room->end - room->begin;
-        output->begin(points_.subspan(room->begin, size),
-                      output->with_origins ? origins_.subspan(room->begin, size) : origins_);
+        output->begin(room_.points.subspan(room->begin, size),
+                      with_origins_ ? room_.origins.subspan(room->begin, size) : room_.origins);
         return output;
     }
     lock.unlock();
@@ -73,16 +96,16 @@ BandOutput* Placement::acquire(std::size_t band) {
 
 /// Where the band's points will lie if each unfinished band before it has a point for each segment. None if the points of
 /// another band may come to lie there.
-std::optional<Placement::Room> Placement::find_room(std::size_t band) {
-    if (writer_ != nullptr || (outgrown_ && band != head_)) {
+std::optional<Placement::Stretch> Placement::find_room(std::size_t band) {
+    if (room_.writer != nullptr || (outgrown_ && band != head_)) {
         return {};
     }
-    Room room{point_count_, 0};
+    Stretch room{point_count_, 0};
     for (std::size_t b = head_; b < band; ++b) {
         room.begin += bands_[b].segments;
     }
-    room.end = outgrown_ ? points_.size() : room.begin + bands_[band].segments;
-    if (room.begin > room.end || room.end > points_.size()) {
+    room.end = outgrown_ ? room_.points.size() : room.begin + bands_[band].segments;
+    if (room.begin > room.end || room.end > room_.points.size()) {
         return {};
     }
     for (const Placed& other : begun()) {
@@ -121,14 +144,13 @@ void Placement::submit(std::size_t band) {
     if (begin == end) {
         return;
     }
-    const double fraction = segments_ == 0 ? 1.0 : static_cast<double>(segments_placed_) / static_cast<double>(segments_);
     lock.unlock();
     head_moved_.notify_all();
-    progress_->reach(fraction);
     for (std::size_t b = begin; b < end; ++b) {
-        copy_points(placed_[b]);
-        const std::lock_guard relock(mutex_);
-        idle_.push_back(std::exchange(placed_[b].output, nullptr));
+        if (copy_points(placed_[b]) || !keeps_) {
+            const std::lock_guard relock(mutex_);
+            idle_.push_back(std::exchange(placed_[b].output, nullptr));
+        }
     }
 }
 
@@ -158,38 +180,60 @@ void Placement::place_head() {
     if (placed.room && placed.room->begin != point_count_) {
         assert(placed.room->begin > point_count_);
         const std::size_t count = placed.output->point_count;
-        std::memmove(points_.data() + point_count_, placed.output->points, count * sizeof(Point));
+        std::memmove(room_.points.data() + point_count_, placed.output->points, count * sizeof(Point));
         if (placed.output->with_origins) {
-            std::memmove(origins_.data() + point_count_, placed.output->origins, count * sizeof(PointOrigin));
+            std::memmove(room_.origins.data() + point_count_, placed.output->origins, count * sizeof(PointOrigin));
         }
     }
     placed.room.reset();
     point_count_ += placed.output->point_count;
     contour_count_ += placed.contours.size();
     counts_.add(placed.output->counts);
-    segments_placed_ += bands_[head_].segments;
     ++head_;
 }
 
-/// From a buffer to the band's place.
-void Placement::copy_points(const Placed& placed) const {
+/// From a buffer to the band's place. False if they do not fit there.
+bool Placement::copy_points(const Placed& placed) const {
     const BandOutput& output = *placed.output;
-    const std::uint64_t capacity = writer_ != nullptr ? writer_->capacity() : points_.size();
+    const std::uint64_t capacity = room_.writer != nullptr ? room_.writer->capacity() : room_.points.size();
     const bool fits = placed.first_point + output.point_count <= capacity;
     if (fits && output.in_buffer() && output.point_count > 0) {
         StopPace pace;
         pace.follow(stop_);
         pace.in_stretches(0, output.point_count, 1, [&](std::size_t begin, std::size_t end) {
-            if (writer_ != nullptr) {
-                writer_->write(placed.first_point + begin, {output.points + begin, output.points + end});
+            if (room_.writer != nullptr) {
+                room_.writer->write(placed.first_point + begin, {output.points + begin, output.points + end});
             } else {
-                std::copy(output.points + begin, output.points + end, points_.data() + placed.first_point + begin);
+                std::copy(output.points + begin, output.points + end, room_.points.data() + placed.first_point + begin);
             }
             if (output.with_origins) {
-                std::copy(output.origins + begin, output.origins + end, origins_.data() + placed.first_point + begin);
+                std::copy(output.origins + begin, output.origins + end, room_.origins.data() + placed.first_point + begin);
             }
         });
     }
+    return fits;
+}
+
+/// Kept is all that comes after some band: the points before it are where they belong.
+void Placement::finish(const Parallel& parallel, SliceResult& result) {
+    const auto is_kept = [](const Placed& placed) { return placed.output != nullptr; };
+    const auto first = std::find_if(placed_.begin(), placed_.end(), is_kept);
+    const std::uint64_t in_place = first == placed_.end() ? point_count_ : first->first_point;
+    extend(result.points, in_place, point_count_, stop_);
+    extend(result.origins, with_origins_ ? in_place : 0, with_origins_ ? point_count_ : 0, stop_);
+    room_.points = result.points.span();
+    room_.origins = result.origins.span();
+    result.contours.resize_discarding(contour_count_);
+    parallel.run(bands_.size(), [&](std::size_t band, int) {
+        Placed& placed = placed_[band];
+        if (placed.output != nullptr) {
+            copy_points(placed);
+            placed.output->release();
+        }
+        write_band(band, result.contours.span(), result.layers.span(), parallel);
+    });
+    result.closed_gaps.resize_discarding(closed_gap_count());
+    write_closed_gaps(result.closed_gaps.span(), stop_);
 }
 
 void Placement::trim() {
@@ -233,28 +277,31 @@ void Placement::write_closed_gaps(std::span<ClosedGap> gaps, const StopCheck& st
 }
 
 void Placement::write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const {
-    constexpr std::size_t contours_between_stops = std::size_t{1} << 14;
     assert(head_ == bands_.size());
-    parallel.run(bands_.size(), [&](std::size_t b, int) {
-        const Placed& placed = placed_[b];
-        Contour* out = contours.data() + placed.first_contour;
-        for (std::size_t c = 0; c < placed.contours.size(); ++c) {
-            const Contour& contour = placed.contours[c];
-            *out = contour;
-            out->first_point += placed.first_point;
-            out->parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(placed.first_contour);
-            ++out;
-            if (c % contours_between_stops == contours_between_stops - 1) {
-                parallel.stop_if_asked();
-            }
+    parallel.run(bands_.size(), [&](std::size_t band, int) { write_band(band, contours, layers, parallel); });
+}
+
+void Placement::write_band(std::size_t band, std::span<Contour> contours, std::span<Layer> layers,
+                           const Parallel& parallel) const {
+    constexpr std::size_t contours_between_stops = std::size_t{1} << 14;
+    const Placed& placed = placed_[band];
+    Contour* out = contours.data() + placed.first_contour;
+    for (std::size_t c = 0; c < placed.contours.size(); ++c) {
+        const Contour& contour = placed.contours[c];
+        *out = contour;
+        out->first_point += placed.first_point;
+        out->parent += contour.parent < 0 ? 0 : static_cast<std::int64_t>(placed.first_contour);
+        ++out;
+        if (c % contours_between_stops == contours_between_stops - 1) {
+            parallel.stop_if_asked();
         }
-        std::uint64_t first = placed.first_contour;
-        for (PlaneIndex plane = bands_[b].first; plane < bands_[b].last; ++plane) {
-            layers[plane].first_contour = first;
-            layers[plane].contour_count = placed.layer_contours[plane - bands_[b].first];
-            first += layers[plane].contour_count;
-        }
-    });
+    }
+    std::uint64_t first = placed.first_contour;
+    for (PlaneIndex plane = bands_[band].first; plane < bands_[band].last; ++plane) {
+        layers[plane].first_contour = first;
+        layers[plane].contour_count = placed.layer_contours[plane - bands_[band].first];
+        first += layers[plane].contour_count;
+    }
 }
 
 }  // namespace lamella

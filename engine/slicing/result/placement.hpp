@@ -15,6 +15,7 @@
 //     outgrown    begun in a room, finished in a buffer and copied
 //     cleared     done in its room, copied to a buffer since a band below has outgrown its own
 //     converted   swept to a buffer and given to a PointWriter, which all are where there is one
+//     kept        beyond the room that the array has; copied when all bands are done and its size is known
 //
 // A thread waits while it is more than two bands a thread ahead of the first unfinished one, the head.
 #pragma once
@@ -28,26 +29,42 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "base/progress_meter.hpp"
 #include "base/vector.hpp"
 #include "lamella/result.hpp"
 #include "slicing/bands/bands.hpp"
-#include "slicing/result/band_target.hpp"
-#include "slicing/result/point_writer.hpp"
+#include "slicing/result/band_output.hpp"
 
 namespace lamella {
+
+/// Takes points that are not to be kept as they are.
+class PointWriter {
+public:
+    /// How many points there is room for.
+    virtual std::uint64_t capacity() const noexcept = 0;
+    /// The points from number `first` on; by several threads at once, no point twice.
+    virtual void write(std::uint64_t first, std::span<const Point> points) const noexcept = 0;
+
+protected:
+    ~PointWriter() = default;
+};
+
+/// Where points go: to `points`, up to its size, or to `writer`, up to its capacity. Their origins go to `origins`, which is
+/// as large, or empty.
+struct PointRoom {
+    std::span<Point> points{};
+    std::span<PointOrigin> origins{};
+    const PointWriter* writer = nullptr;
+};
 
 class Placement final : public BandTarget {
 public:
     explicit Placement(const Memory* memory) : memory_(memory) {}
 
-    /// For a new run over `bands`; points go to `points`, up to its size, or to `writer`, up to its capacity. Their origins
-    /// go to `origins`, which is as large, or empty where there are none.
-    void begin(std::span<const Band> bands, int threads, std::uint64_t segments, std::span<Point> points,
-               ProgressMeter& progress, const StopCheck& stop = {}, std::span<PointOrigin> origins = {},
-               const PointWriter* writer = nullptr);
+    /// For a new run over `bands`, of which at most `lead` beyond the head may be begun. Points beyond `room` are lost.
+    void begin(std::span<const Band> bands, std::size_t lead, const PointRoom& room, const StopCheck& stop = {});
+    /// The same for finish() with `result`, whose points are the room: no points are lost.
+    void begin(std::span<const Band> bands, std::size_t lead, bool origins, SliceResult& result, const StopCheck& stop);
 
-    /// Waits while the band is too far ahead of the head.
     BandOutput* acquire(std::size_t band) override;
     void give_back(std::size_t band) override;
     /// Places the band and all done bands that follow it. Throws Stopped where begin()'s `stop` asks for it.
@@ -56,21 +73,25 @@ public:
     /// Gives back what the last run did not need. To be called between runs. Throws std::bad_alloc.
     void trim();
 
-    /// Points of all bands. If they exceed the array given to begin(), those beyond it are lost and the run must be repeated
-    /// with a larger one.
+    /// Completes `result` but for what its layers are: contours, points, origins, closed gaps, and which contours each layer
+    /// has. After all bands were submitted. Precondition: `result` was begun with, and has its layers. Throws
+    /// std::bad_alloc, Stopped.
+    void finish(const Parallel& parallel, SliceResult& result);
+
+    /// Points of all bands.
     std::uint64_t point_count() const noexcept { return point_count_; }
     std::uint64_t contour_count() const noexcept { return contour_count_; }
     const ContourCounts& contour_counts() const noexcept { return counts_; }
     std::uint64_t closed_gap_count() const noexcept;
 
-    /// Writes contours and the layers' contour ranges, after all bands were submitted. layers[i] is plane i's.
+    /// In place of finish(): contours and the layers' contour ranges. layers[i] is plane i's.
     void write_contours(const Parallel& parallel, std::span<Contour> contours, std::span<Layer> layers) const;
-    /// Writes the closed gaps, by layer, then by `from` and `to`.
+    /// The same: closed gaps, by layer, then by `from` and `to`.
     void write_closed_gaps(std::span<ClosedGap> gaps, const StopCheck& stop = {}) const;
 
 private:
     /// Points [begin, end) of the result.
-    struct Room {
+    struct Stretch {
         std::uint64_t begin;
         std::uint64_t end;
     };
@@ -92,23 +113,23 @@ private:
         Vector<Contour> contours;
         Vector<std::uint32_t> layer_contours;
         Vector<ClosedGap> closed_gaps;
-        BandOutput* output = nullptr;  // from acquire() until the band is placed
+        BandOutput* output = nullptr;  // from acquire() until the band's points are where they belong
         bool done = false;
-        std::optional<Room> room;  // until the band is placed or moves to a buffer
+        std::optional<Stretch> room;  // until the band is placed or moves to a buffer
     };
 
-    std::optional<Room> find_room(std::size_t band);
+    std::optional<Stretch> find_room(std::size_t band);
     std::span<Placed> begun();
     bool clear_rooms(std::uint64_t end);
     void place_head();
-    void copy_points(const Placed& placed) const;
+    bool copy_points(const Placed& placed) const;
+    void write_band(std::size_t band, std::span<Contour> contours, std::span<Layer> layers, const Parallel& parallel) const;
 
     const Memory* memory_;
     std::span<const Band> bands_;
-    std::span<Point> points_;
-    const PointWriter* writer_ = nullptr;
-    std::span<PointOrigin> origins_;
-    ProgressMeter* progress_ = nullptr;
+    PointRoom room_;
+    bool with_origins_ = false;
+    bool keeps_ = false;  // what the room does not hold
     StopCheck stop_{};
     std::mutex mutex_;
     std::condition_variable head_moved_;
@@ -123,8 +144,6 @@ private:
     std::uint64_t point_count_ = 0;
     std::uint64_t contour_count_ = 0;
     ContourCounts counts_;
-    std::uint64_t segments_ = 0;
-    std::uint64_t segments_placed_ = 0;
     bool aborted_ = false;
 };
 

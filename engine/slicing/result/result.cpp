@@ -1,12 +1,12 @@
 #include "lamella/result.hpp"
 
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "base/int128.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/sink.hpp"
+#include "slicing/result/hash.hpp"
 
 namespace lamella {
 
@@ -27,6 +27,19 @@ double areas_of(std::span<const Contour> contours, double unit_mm) noexcept {
 
 double area_of(const Contour& contour, double unit_mm) noexcept {
     return contour.twice_area.to_double() / 2 * unit_mm * unit_mm;
+}
+
+// The hashed layout is documented with hash_result(). It is made of values, not of memory, so padding and byte order play no
+// part.
+
+std::uint64_t kind_word(const Contour& contour) noexcept {
+    const auto orientation = static_cast<std::uint8_t>(contour.orientation);
+    return static_cast<std::uint64_t>(contour.role) | std::uint64_t{orientation} << 8 | std::uint64_t{contour.flags} << 16 |
+           std::uint64_t{contour.part} << 32;
+}
+
+std::uint64_t point_word(Point point) noexcept {
+    return static_cast<std::uint32_t>(point.x) | std::uint64_t{static_cast<std::uint32_t>(point.y)} << 32;
 }
 
 }  // namespace
@@ -55,6 +68,38 @@ double SliceResult::length_mm(const ClosedGap& gap) const noexcept {
     const double dx = static_cast<double>(gap.to.x) - gap.from.x;
     const double dy = static_cast<double>(gap.to.y) - gap.from.y;
     return std::sqrt(dx * dx + dy * dy) * unit_mm;
+}
+
+void ResultHash::add_contour(const Layer& layer, const Contour& contour, const Point* points) noexcept {
+    add(kind_word(contour));
+    add(contour.segments);
+    add(contour.point_count);
+    add_signed(contour.parent < 0 ? -1 : contour.parent - static_cast<std::int64_t>(layer.first_contour));
+    add(contour.twice_area.low);
+    add_signed(contour.twice_area.high);
+    for (const Point point : std::span(points + contour.first_point, contour.point_count)) {
+        add(point_word(point));
+    }
+}
+
+void ResultHash::add_layer(const Layer& layer, std::span<const Contour> contours, const Point* points) noexcept {
+    add_signed(layer.plane.z());
+    add(layer.contour_count);
+    for (const Contour& contour : contours) {
+        add_contour(layer, contour, points);
+    }
+}
+
+void ResultHash::add_layers(const SliceResult& result) noexcept {
+    for (const Layer& layer : result.layers) {
+        add_layer(layer, result.contours_of(layer), result.points.data());
+    }
+}
+
+std::uint64_t hash_result(const SliceResult& result) noexcept {
+    ResultHash hash(result.layers.size());
+    hash.add_layers(result);
+    return hash.value();
 }
 
 }  // namespace lamella

@@ -43,7 +43,7 @@ PieceRing::PieceRing(const GridTriangle& face, FaceSense sense, bool mirrored, s
     follow(face[3 - second], face[0], below, above);
 }
 
-/// What of an edge lies in the slab, without its end.
+/// The part of an edge that lies in the slab, without its end.
 void PieceRing::follow(const GridVertex& from, const GridVertex& to, std::int32_t below, std::int32_t above) noexcept {
     const std::int32_t first = from.z < to.z ? below : above;
     const std::int32_t second = from.z < to.z ? above : below;

@@ -21,7 +21,7 @@ namespace lamella {
 /// Which way a face looks; the value is also the index of its result.
 enum class FaceSense : std::uint8_t { up, down, none };
 
-/// Whether the transform's linear part mirrors.
+/// True if the transform's linear part mirrors.
 bool mirrors(const Transform& transform) noexcept;
 
 /// By the exact area of its projection.
@@ -33,8 +33,8 @@ struct SlabRange {
     PlaneIndex last;
 };
 
-/// Of an upward face from the plane below its lowest vertex on, of a downward one to the plane above its highest; only those
-/// that there are.
+/// Those of an upward face from the plane below its lowest vertex on, of a downward one to the plane above its highest; only
+/// those that there are.
 SlabRange slabs_of(const GridTriangle& face, FaceSense sense, const PlaneSet& planes) noexcept;
 
 /// A piece, by what it is cut from.

@@ -1,10 +1,10 @@
 // Projecting faces onto layers, as the list of its stages:
 //
-//     choose_grid_and_planes   grid, planes   as slicing does
+//     choose_frame             grid, planes   as slicing does
 //     count_pieces                            faces that look up or down, and the slabs that they reach into
 //     share_pieces                            pieces, by 8 bytes each, to the layers that they project to
 //     build_layers                            for each layer: the border of its pieces, and the region within it
-//     stack_outputs            result         layers to their place
+//     Placement::finish        result         layers to their place
 #include "lamella/slabs.hpp"
 
 #include <algorithm>
@@ -22,12 +22,10 @@
 #include "base/per_worker.hpp"
 #include "base/words.hpp"
 #include "slicing/contours/layer_builder.hpp"
-#include "slicing/grid/blocks.hpp"
-#include "slicing/grid/bounds.hpp"
+#include "slicing/frame.hpp"
 #include "slicing/grid/quantise.hpp"
 #include "slicing/planes/plane_set.hpp"
-#include "slicing/regions/rules.hpp"
-#include "slicing/result/stacked_outputs.hpp"
+#include "slicing/result/layer_target.hpp"
 #include "slicing/slabs/edge_sum.hpp"
 #include "slicing/slabs/face_pieces.hpp"
 #include "slicing/workspace.hpp"
@@ -58,7 +56,7 @@ struct PieceCounts {
     }
 };
 
-/// What a thread builds layers with.
+/// The scratch with which a thread builds layers.
 struct SlabWorker {
     explicit SlabWorker(const Memory* memory) : sum(memory), builder(memory), given(memory) {}
     EdgeSum sum;
@@ -77,17 +75,15 @@ public:
           memory_limit_(options.memory_limit_bytes != 0 ? options.memory_limit_bytes : detail::usual_memory_limit()),
           parallel_(options.control),
           planes_(options.control.memory),
-          slabs_{SliceResult(options.control.memory), SliceResult(options.control.memory)} {}
+          slabs_{SliceResult(options.control.memory), SliceResult(options.control.memory)},
+          placements_{Placement(options.control.memory), Placement(options.control.memory)} {}
 
-    Result<Slabs> run() {
+    Slabs run() {
         parallel_.begin_stage(0.4, 5);
         const auto start = Clock::now();
-        if (Status status = choose_grid_and_planes(); !status) {
-            return status.error();
-        }
-        if (Status status = admit(); !status) {
-            return status.error();
-        }
+        frame_ = choose_frame(mesh_, options_, options_.region, parallel_);
+        build_planes(options_.plan, {}, frame_, memory_limit_, planes_);
+        admit();
         Distributed<FacePiece> pieces = share_pieces();
         const double shared_ms = milliseconds_since(start);
         parallel_.begin_stage(0.95);
@@ -107,15 +103,16 @@ private:
     SliceResult& result_of(FaceSense sense) noexcept { return sense == FaceSense::up ? slabs_.top : slabs_.bottom; }
     bool wants(FaceSense sense) const noexcept { return sense != FaceSense::none && wanted_[index_of(sense)]; }
 
-    Status choose_grid_and_planes();
-    Status build_planes(const Bounds& bounds);
-    Status admit();
+    void admit();
+    template <class Reader, class Use>
+    std::uint64_t for_each_face(const Reader& read, std::size_t begin, std::size_t end, Use use) const;
     PieceCounts count_pieces() const;
     std::size_t tasks() const noexcept { return std::clamp<std::size_t>(planes_.size(), 1, most_tasks); }
     std::size_t task_of(PlaneIndex layer) const noexcept { return part_of_number(layer, planes_.size(), tasks()); }
     Distributed<FacePiece> share_pieces() const;
     void build_layers(Distributed<FacePiece>& pieces);
-    void build_task(FaceSense sense, std::size_t task, std::span<FacePiece> pieces, SlabWorker& worker);
+    void build_task(FaceSense sense, const Band& layers, std::span<FacePiece> pieces, SlabWorker& worker,
+                    BandOutput& output);
     void build_layer(FaceSense sense, std::span<const FacePiece> pieces, SlabWorker& worker, BandOutput& output);
     PieceRing ring_of(const GridTriangle& face, FaceSense sense, PlaneIndex layer) const noexcept;
     void finish(FaceSense sense, double shared_ms, double built_ms);
@@ -130,48 +127,27 @@ private:
     Slabs slabs_;
     PieceCounts counts_;
     RegionRules rules_;
-    double unit_mm_ = default_unit_mm;
-    OfSenses<std::vector<std::unique_ptr<BandOutput>>> outputs_;
+    SharedFrame frame_{};
+    std::vector<Band> tasks_;
+    OfSenses<Placement> placements_;
 };
 
-Status SlabSlicing::choose_grid_and_planes() {
-    Bounds bounds{};
-    if (!options_.allow_empty || mesh_.triangle_count > 0) {
-        BlockTable blocks(options_.control.memory);
-        const Result<Bounds> found = measure_bounds(mesh_, options_.transform, options_.unit_mm, parallel_, blocks);
-        if (!found) {
-            return found.error();
-        }
-        bounds = *found;
-    }
-    const Result<ChosenUnit> unit = choose_unit_for(bounds, options_.unit_mm, options_.unit_fit, options_.region);
-    if (!unit) {
-        return unit.error();
-    }
-    unit_mm_ = unit->mm;
-    for (const FaceSense sense : {FaceSense::up, FaceSense::down}) {
-        SliceSummary& summary = result_of(sense).summary;
-        summary.unit_doublings = unit->doublings;
-        std::copy_n(bounds.min_mm, 3, summary.min_mm);
-        std::copy_n(bounds.max_mm, 3, summary.max_mm);
-    }
-    return build_planes(bounds);
-}
-
-Status SlabSlicing::build_planes(const Bounds& bounds) {
-    return planes_.build(options_.plan, bounds, unit_mm_, placed_number(mesh_, options_.transform), memory_limit_);
-}
-
 /// Counts the pieces, and refuses too many before they are stored.
-Status SlabSlicing::admit() {
+void SlabSlicing::admit() {
     counts_ = count_pieces();
+    const Bounds box = frame_.bounds;
     if (counts_.degenerate == mesh_.triangle_count) {
         if (!options_.allow_empty) {
-            return all_collapsed(mesh_.triangle_count, unit_mm_);
+            throw Refused{all_collapsed(mesh_.triangle_count, frame_.unit.mm)};
         }
-        if (Status status = build_planes({}); !status) {  // the box of nothing chooses no planes
-            return status;
-        }
+        frame_.bounds = {};  // the box of nothing chooses no planes
+        build_planes(options_.plan, {}, frame_, memory_limit_, planes_);
+    }
+    for (const FaceSense sense : {FaceSense::up, FaceSense::down}) {
+        SliceSummary& summary = result_of(sense).summary;
+        summary.unit_doublings = frame_.unit.doublings;
+        std::copy_n(box.min_mm, 3, summary.min_mm);
+        std::copy_n(box.max_mm, 3, summary.max_mm);
     }
     const std::uint64_t senses = (options_.top ? 1U : 0U) + (options_.bottom ? 1U : 0U);
     const std::uint64_t pieces = counts_.pieces[0] + counts_.pieces[1];
@@ -179,31 +155,39 @@ Status SlabSlicing::admit() {
         senses * (planes_.size() * sizeof(Layer) + planes_.plane_of_listed().size() * sizeof(std::uint64_t)) +
         pieces * sizeof(FacePiece);
     if (bytes > memory_limit_) {
-        return Error{ErrorCode::result_too_large,
-                     counted(planes_.size(), "layer") + " with " + counted(pieces, "piece") + " of faces need " +
-                         std::to_string(bytes) + " bytes, more than the memory limit of " + std::to_string(memory_limit_)};
+        throw Refused{{ErrorCode::result_too_large, counted(planes_.size(), "layer") + " with " + counted(pieces, "piece") +
+                                                        " of faces need " + std::to_string(bytes) +
+                                                        " bytes, more than the memory limit of " +
+                                                        std::to_string(memory_limit_)}};
     }
-    return {};
+}
+
+/// Calls use(t, sense, slabs) for each of the faces [begin, end) that a wanted side sees. Returns how many are degenerate.
+template <class Reader, class Use>
+std::uint64_t SlabSlicing::for_each_face(const Reader& read, std::size_t begin, std::size_t end, Use use) const {
+    std::uint64_t degenerate = 0;
+    for (std::size_t t = begin; t < end; ++t) {
+        if ((t - begin) % faces_a_range == 0) {
+            parallel_.stop_if_asked();
+        }
+        const GridTriangle face = read(t);
+        degenerate += is_degenerate(face) ? 1 : 0;
+        if (const FaceSense sense = sense_of(face, mirrored_); wants(sense)) {
+            use(t, sense, slabs_of(face, sense, planes_));
+        }
+    }
+    return degenerate;
 }
 
 PieceCounts SlabSlicing::count_pieces() const {
     PerWorker<PieceCounts> counts(parallel_.workers_for(mesh_.triangle_count / faces_a_range));
-    with_reader(mesh_, options_.transform, unit_mm_, [&](const auto& read) {
+    with_reader(mesh_, options_.transform, frame_.unit.mm, [&](const auto& read) {
         parallel_.run_ranges(mesh_.triangle_count, faces_a_range, [&](std::size_t begin, std::size_t end, int worker) {
             PieceCounts own;
-            for (std::size_t t = begin; t < end; ++t) {
-                if ((t - begin) % faces_a_range == 0) {
-                    parallel_.stop_if_asked();
-                }
-                const GridTriangle face = read(t);
-                own.degenerate += is_degenerate(face) ? 1 : 0;
-                const FaceSense sense = sense_of(face, mirrored_);
-                if (wants(sense)) {
-                    const SlabRange slabs = slabs_of(face, sense, planes_);
-                    own.faces[index_of(sense)] += slabs.first < slabs.last ? 1 : 0;
-                    own.pieces[index_of(sense)] += slabs.last - slabs.first;
-                }
-            }
+            own.degenerate = for_each_face(read, begin, end, [&](std::size_t, FaceSense sense, SlabRange slabs) {
+                own.faces[index_of(sense)] += slabs.first < slabs.last ? 1 : 0;
+                own.pieces[index_of(sense)] += slabs.last - slabs.first;
+            });
             counts[static_cast<std::size_t>(worker)].add(own);
         });
     });
@@ -214,21 +198,13 @@ PieceCounts SlabSlicing::count_pieces() const {
 
 /// Parts of the result: the tasks of upward faces, then those of downward ones.
 Distributed<FacePiece> SlabSlicing::share_pieces() const {
-    return with_reader(mesh_, options_.transform, unit_mm_, [&](const auto& read) {
+    return with_reader(mesh_, options_.transform, frame_.unit.mm, [&](const auto& read) {
         const auto each = [&](std::size_t begin, std::size_t end, const auto& emit) {
-            for (std::size_t t = begin; t < end; ++t) {
-                if ((t - begin) % faces_a_range == 0) {
-                    parallel_.stop_if_asked();
+            for_each_face(read, begin, end, [&](std::size_t t, FaceSense sense, SlabRange slabs) {
+                for (PlaneIndex layer = slabs.first; layer < slabs.last; ++layer) {
+                    emit(index_of(sense) * tasks() + task_of(layer), FacePiece{static_cast<std::uint32_t>(t), layer});
                 }
-                const GridTriangle face = read(t);
-                const FaceSense sense = sense_of(face, mirrored_);
-                if (wants(sense)) {
-                    const SlabRange slabs = slabs_of(face, sense, planes_);
-                    for (PlaneIndex layer = slabs.first; layer < slabs.last; ++layer) {
-                        emit(index_of(sense) * tasks() + task_of(layer), FacePiece{static_cast<std::uint32_t>(t), layer});
-                    }
-                }
-            }
+            });
         };
         return distribute<FacePiece>(mesh_.triangle_count, 2 * tasks(), parallel_, each, options_.control.memory);
     });
@@ -238,10 +214,14 @@ void SlabSlicing::build_layers(Distributed<FacePiece>& pieces) {
     std::vector<std::unique_ptr<SlabWorker>> workers(static_cast<std::size_t>(parallel_.threads()));
     rules_ = options_.region;
     rules_.fill_rule = FillRule::positive;
+    for (std::size_t task = 0; task < tasks(); ++task) {
+        const auto first_of = [&](std::size_t t) { return (t * planes_.size() + tasks() - 1) / tasks(); };
+        tasks_.push_back({static_cast<PlaneIndex>(first_of(task)), static_cast<PlaneIndex>(first_of(task + 1)), 0});
+    }
     for (const FaceSense sense : {FaceSense::up, FaceSense::down}) {
         if (wants(sense)) {
-            outputs_[index_of(sense)].resize(tasks());
             result_of(sense).layers.resize_discarding(planes_.size());
+            placements_[index_of(sense)].begin(tasks_, tasks(), false, result_of(sense), parallel_.stop());
         }
     }
     parallel_.run(2 * tasks(), [&](std::size_t part, int number) {
@@ -254,39 +234,33 @@ void SlabSlicing::build_layers(Distributed<FacePiece>& pieces) {
             worker = std::make_unique<SlabWorker>(options_.control.memory);
             worker->sum.follow(parallel_.stop());
             worker->builder.follow(parallel_.stop());
-            worker->builder.rules = {&rules_, unit_mm_, 0};
+            worker->builder.rules = {&rules_, frame_.unit.mm, 0};
         }
-        build_task(sense, part % tasks(), pieces.of(part), *worker);
+        const std::size_t task = part % tasks();
+        fill_band(placements_[index_of(sense)], task,
+                  [&](BandOutput& output) { build_task(sense, tasks_[task], pieces.of(part), *worker, output); });
     });
 }
 
-void SlabSlicing::build_task(FaceSense sense, std::size_t task, std::span<FacePiece> pieces, SlabWorker& worker) {
-    const std::size_t planes = planes_.size();
-    auto output = std::make_unique<BandOutput>(options_.control.memory);
-    output->begin_in_buffer(0);
-    output->first_layer = (task * planes + tasks() - 1) / tasks();
-    const std::size_t end = ((task + 1) * planes + tasks() - 1) / tasks();
-    if (end - output->first_layer > 1) {
+void SlabSlicing::build_task(FaceSense sense, const Band& layers, std::span<FacePiece> pieces, SlabWorker& worker,
+                             BandOutput& output) {
+    if (layers.last - layers.first > 1) {
         std::sort(pieces.begin(), pieces.end(), [](const FacePiece& a, const FacePiece& b) { return a.layer < b.layer; });
     }
-    for (std::size_t layer = output->first_layer; layer < end; ++layer) {
+    for (PlaneIndex layer = layers.first; layer < layers.last; ++layer) {
         const auto past = std::find_if(pieces.begin(), pieces.end(), [&](const FacePiece& p) { return p.layer != layer; });
         const auto count = static_cast<std::size_t>(past - pieces.begin());
-        build_layer(sense, pieces.first(count), worker, *output);
-        const auto plane = static_cast<PlaneIndex>(layer);
-        result_of(sense).layers[layer] = {
-            planes_.bottom_mm(plane),     planes_.height_mm(plane), planes_.top_mm(plane), 0, 0, count,
-            PlaneHeight(planes_.z(plane))};
+        build_layer(sense, pieces.first(count), worker, output);
+        result_of(sense).layers[layer] = describe_layer(planes_, layer, count);
         pieces = pieces.subspan(count);
     }
-    outputs_[index_of(sense)][task] = std::move(output);
 }
 
 void SlabSlicing::build_layer(FaceSense sense, std::span<const FacePiece> pieces, SlabWorker& worker, BandOutput& output) {
     worker.given.clear();
     if (!pieces.empty()) {
         worker.sum.begin(static_cast<std::size_t>(edges_a_piece * static_cast<double>(pieces.size())));
-        with_reader(mesh_, options_.transform, unit_mm_, [&](const auto& read) {
+        with_reader(mesh_, options_.transform, frame_.unit.mm, [&](const auto& read) {
             for (const FacePiece& piece : pieces) {
                 worker.sum.add(ring_of(read(piece.triangle), sense, piece.layer).points());
             }
@@ -314,14 +288,12 @@ PieceRing SlabSlicing::ring_of(const GridTriangle& face, FaceSense sense, PlaneI
 
 void SlabSlicing::finish(FaceSense sense, double shared_ms, double built_ms) {
     SliceResult& result = result_of(sense);
-    result.unit_mm = unit_mm_;
+    result.unit_mm = frame_.unit.mm;
     result.frame = options_.transform;
     result.plan = options_.plan;
     result.region = rules_;
-    const Vector<PlaneIndex>& listed = planes_.plane_of_listed();
-    result.layer_of.resize_discarding(listed.size());
-    std::copy(listed.begin(), listed.end(), result.layer_of.begin());
-    const ContourCounts counts = stack_outputs(outputs_[index_of(sense)], false, parallel_, result);
+    describe_plan(planes_, result);
+    placements_[index_of(sense)].finish(parallel_, result);
     SliceSummary& summary = result.summary;
     summary.triangles = mesh_.triangle_count;
     summary.degenerate = counts_.degenerate;
@@ -330,30 +302,28 @@ void SlabSlicing::finish(FaceSense sense, double shared_ms, double built_ms) {
     summary.threads = parallel_.threads();
     summary.ms.bucket = shared_ms;
     summary.ms.fill = built_ms;
-    set_counts(counts, result);
+    set_counts(placements_[index_of(sense)].contour_counts(), result);
 }
 
-Status check_slab_options(const SlabOptions& options) {
+void check_slab_options(const SlabOptions& options) {
     if (!options.top && !options.bottom) {
-        return Error{ErrorCode::invalid_argument, "neither top nor bottom is asked for"};
+        throw Refused{{ErrorCode::invalid_argument, "neither top nor bottom is asked for"}};
     }
     if (!options.region.keeps_contours()) {
-        return Error{ErrorCode::invalid_argument,
-                     "the pieces of a slab are united by a fill rule of their own; none can be asked for"};
+        throw Refused{{ErrorCode::invalid_argument,
+                       "the pieces of a slab are united by a fill rule of their own; none can be asked for"}};
     }
     RegionRules rules = options.region;
     rules.fill_rule = FillRule::positive;
     rules.fill_from.clear();
-    return check_rules(rules);
+    require(check_rules(rules));
 }
 
 }  // namespace
 
 Result<Slabs> slice_slabs(const MeshView& mesh, const SlabOptions& options) noexcept {
     return guarded(options.control, [&]() -> Result<Slabs> {
-        if (Status status = check_slab_options(options); !status) {
-            return status.error();
-        }
+        check_slab_options(options);
         return SlabSlicing(mesh, options).run();
     });
 }

@@ -2,7 +2,7 @@
 // origin of a segment that stays from plane to plane is never computed again.
 #include <algorithm>
 
-#include "slicing/buckets/lowest_corners.hpp"
+#include "slicing/buckets/crossed_triangle.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 
 namespace lamella {

@@ -5,7 +5,6 @@
 
 #include "base/atomic_word.hpp"
 #include "lamella/memory.hpp"
-#include "slicing/buckets/lowest_corners.hpp"
 #include "slicing/contours/mesh_edge.hpp"
 #include "slicing/grid/mesh_edge.hpp"
 

@@ -1,0 +1,94 @@
+// Triangles of a mesh in the caller's memory. Six triangles of an indexed mesh meet in a vertex, so each vertex is moved,
+// rounded and looked up among the planes once, and not for each of its corners:
+//
+//     vertices   x y z    on the grid   first plane above
+//        v0      ...      ...           4
+//        v1      ...                                        no triangle has it: it bounds nothing, and may be NaN
+//        v2      ...      ...           6
+//
+//     triangles  v0 v2 v7         its first and last plane are the least and the greatest of three numbers
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <variant>
+
+#include "lamella/mesh.hpp"
+#include "slicing/buckets/triangle_source.hpp"
+#include "slicing/grid/placed_reader.hpp"
+
+namespace lamella {
+
+/// Triangles in the caller's memory, with the numbers of the mesh.
+class MeshSource : public TriangleSource {
+protected:
+    MeshSource(const MeshView& mesh, const Transform& transform, const SharedFrame* frame, const SourceTools& tools) noexcept
+        : TriangleSource({mesh.triangle_count, transform, frame, placed_number(mesh, transform)}, tools), mesh_(mesh) {}
+    ~MeshSource() = default;
+
+    /// Fills in Buckets::lowest_corners by the records. O(n).
+    void find_lowest_corners();
+
+    const MeshView mesh_;
+    double unit_mm_ = 0;  // from count() on
+};
+
+/// Corner by corner. Blocks that lie between two planes and have no degenerate triangle are read by measure() only.
+class SoupSource final : public MeshSource {
+public:
+    SoupSource(const MeshView& mesh, const Transform& transform, const SharedFrame* frame, const SourceTools& tools) noexcept
+        : MeshSource(mesh, transform, frame, tools) {}
+
+    Bounds measure(double asked_mm) override;
+    void count(double unit_mm) override;
+    std::size_t scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) override;
+};
+
+/// Vertex by vertex: 17 bytes each. Gives the lists that SoupSource gives, and its errors.
+class IndexedSource final : public MeshSource {
+public:
+    IndexedSource(const MeshView& mesh, const Transform& transform, const SharedFrame* frame,
+                  const SourceTools& tools) noexcept
+        : MeshSource(mesh, transform, frame, tools) {}
+
+    /// True where vertices should be placed: the mesh is indexed, most vertices serve several triangles, and they are at
+    /// most 2^23, so that they take at most 143 MB.
+    static bool pays_for(const MeshView& mesh) noexcept {
+        constexpr std::size_t most_vertices = std::size_t{1} << 23;
+        return mesh.indices != nullptr && mesh.vertex_count <= mesh.triangle_count && mesh.vertex_count <= most_vertices;
+    }
+
+    Bounds measure(double asked_mm) override;  // in vertex_bounds.cpp
+    void count(double unit_mm) override;
+    std::size_t scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) override;
+
+private:
+    /// The vertices alone, as "triangles" whose first corner they are.
+    MeshView vertices() const noexcept {
+        return MeshView::strided_soup(mesh_.vertices, mesh_.vertex_count, mesh_.stride, mesh_.coordinate_type);
+    }
+    bool mark_used();
+    void place_vertices();
+};
+
+/// The source that serves a mesh.
+class AnyMeshSource {
+public:
+    AnyMeshSource(const MeshView& mesh, const Transform& transform, const SharedFrame* frame, const SourceTools& tools) {
+        if (IndexedSource::pays_for(mesh)) {
+            source_ = &kinds_.emplace<IndexedSource>(mesh, transform, frame, tools);
+        } else {
+            source_ = &kinds_.emplace<SoupSource>(mesh, transform, frame, tools);
+        }
+    }
+    AnyMeshSource(const AnyMeshSource&) = delete;
+    AnyMeshSource& operator=(const AnyMeshSource&) = delete;
+
+    operator TriangleSource&() noexcept { return *source_; }  // NOLINT(google-explicit-constructor): it is one
+
+private:
+    std::variant<std::monostate, SoupSource, IndexedSource> kinds_;
+    TriangleSource* source_;
+};
+
+}  // namespace lamella

@@ -1,0 +1,76 @@
+// Triangles on the grid, ordered so that few planes read little of them: they are sorted into cells by height and by place.
+// A cell of level c is 2^c units high. It holds the triangles that begin in it and are lower than that, though not lower
+// than half of it unless the level is the lowest.
+//
+//     z  ^  |    |        |
+//        |  |    |--------|  t3
+//        |  |----|        |           level c:      cells [ t0 t2 | t1 | ...   of height 2^c
+//        |  | t2 |        |           level c + 1:  cells [ t3 | ...           of height 2^(c+1)
+//        |  |----| t1     |
+//        |  | t0 |        |           A plane meets triangles of two cells at most in each level.
+//
+// Triangles of a cell keep the order of the input, in which neighbours lie close together. Over all of them, from the lowest
+// level up, lie blocks of 64 with their z range, and over these blocks of 64 blocks. Only blocks that a plane passes through
+// are read.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "base/parallel.hpp"
+#include "lamella/array.hpp"
+#include "lamella/memory.hpp"
+#include "lamella/mesh.hpp"
+#include "slicing/buckets/crossed_triangle.hpp"
+#include "slicing/buckets/triangle_source.hpp"
+#include "slicing/grid/bounds.hpp"
+
+namespace lamella {
+
+namespace detail {
+
+/// The inside of a PreparedMesh.
+struct PreparedParts {
+    explicit PreparedParts(const Memory* memory) : triangles(memory), blocks(memory), super_blocks(memory) {}
+
+    /// The least and the greatest z of some triangles.
+    struct Range {
+        std::int32_t low;
+        std::int32_t high;
+    };
+
+    /// Reads the mesh, which is the one of `bounds`, transform and frame, twice and writes it once: O(n). Memory: 48 bytes
+    /// a triangle, and while it is made 8 for each cell and 2^16 triangles. Throws std::bad_alloc, Stopped.
+    void build(const MeshView& mesh, const Parallel& parallel);
+
+    std::size_t bytes() const noexcept;
+
+    Array<CrossedTriangle>
+        triangles;              ///< those that are not degenerate; `last`: which corner is the lowest, in place of planes
+    Array<Range> blocks;        ///< of 64 triangles
+    Array<Range> super_blocks;  ///< of 64 blocks
+    std::uint64_t given = 0;    ///< triangles of the mesh
+    Bounds bounds{};
+    SharedFrame frame{};  ///< its bounds choose the planes: none where nothing is left on the grid
+    Transform transform{};
+    double asked_unit_mm = 0;
+};
+
+}  // namespace detail
+
+/// Gives the lists of a mesh, but for the order within each. O(n / 4096 + the triangles in blocks that planes pass through).
+class PreparedSource final : public TriangleSource {
+public:
+    PreparedSource(const detail::PreparedParts& prepared, const SourceTools& tools) noexcept
+        : TriangleSource({prepared.given, prepared.transform, &prepared.frame}, tools), prepared_(prepared) {}
+
+    Bounds measure(double /*asked_mm*/) override { return prepared_.bounds; }
+    void count(double unit_mm) override;
+    std::size_t scatter(std::span<const PlaneIndex> reach_end, std::span<Reaching> reaching, bool origins) override;
+
+private:
+    void find_touched();
+    const detail::PreparedParts& prepared_;
+};
+
+}  // namespace lamella

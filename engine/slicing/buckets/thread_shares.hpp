@@ -1,0 +1,157 @@
+// Both reads, whatever triangles are read from: the shares of threads, their counters, and the prefix sums between the two
+// reads.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "base/parallel.hpp"
+#include "base/per_worker.hpp"
+#include "slicing/buckets/bucket.hpp"
+#include "slicing/grid/blocks.hpp"
+#include "slicing/planes/plane_set.hpp"
+
+namespace lamella {
+
+/// Triangles in as many shares as there are threads, cut between blocks.
+struct ThreadShares {
+    std::size_t triangles;
+    std::size_t count;
+
+    ThreadShares(std::size_t triangle_count, const Parallel& parallel)
+        : triangles(triangle_count),
+          count(std::min<std::size_t>(static_cast<std::size_t>(parallel.threads()), (triangle_count >> 12) + 1)) {}
+    std::size_t blocks() const noexcept { return block_count(triangles); }
+    std::size_t begin_block(std::size_t share) const noexcept { return blocks() * share / count; }
+
+    /// Calls use(begin, end) for every block of a share. About each millisecond the host is asked whether to end.
+    template <class Use>
+    void for_each_block(std::size_t share, const Parallel& parallel, Use use) const {
+        constexpr std::size_t blocks_between_stops = 512;
+        for (std::size_t block = begin_block(share); block < begin_block(share + 1); ++block) {
+            if (block % blocks_between_stops == 0) {
+                parallel.stop_if_asked();
+            }
+            const std::size_t begin = block * block_triangles;
+            use(begin, std::min(begin + block_triangles, triangles));
+        }
+    }
+};
+
+/// Counters of one share, two rows of them, by plane:
+///
+///     row          while counting                           while scattering
+///     0            triangles that it cuts first             where the share's next such record goes
+///     1            triangles that the plane below cut last  -
+inline std::uint32_t* counters_of(Buckets& buckets, std::size_t share, std::size_t planes, std::size_t row) noexcept {
+    return buckets.counters.data() + (2 * share + row) * (planes + 1);
+}
+
+struct ShareCounts {
+    std::uint32_t* starting;
+    std::uint32_t* ended;
+    std::uint64_t degenerate = 0;
+
+    ShareCounts(Buckets& buckets, std::size_t share, std::size_t planes) noexcept
+        : starting(counters_of(buckets, share, planes, 0)), ended(counters_of(buckets, share, planes, 1)) {
+        std::fill_n(starting, 2 * (planes + 1), 0U);
+    }
+    void add(PlaneIndex first, PlaneIndex last) noexcept {
+        ++starting[first];
+        ++ended[last];
+    }
+};
+
+/// Turns counts into where lists begin, for all and for each share, and sums up the segments.
+inline void sum_up(std::size_t planes, std::size_t shares, Buckets& buckets) {
+    std::uint32_t begin = 0;
+    std::int64_t active = 0;
+    buckets.segment_count = 0;
+    for (std::size_t plane = 0; plane < planes; ++plane) {
+        buckets.list_begin[plane] = begin;
+        for (std::size_t share = 0; share < shares; ++share) {
+            std::uint32_t& starting = counters_of(buckets, share, planes, 0)[plane];
+            active += starting;
+            active -= counters_of(buckets, share, planes, 1)[plane];
+            begin += std::exchange(starting, begin);
+        }
+        buckets.segments[plane] = static_cast<std::uint32_t>(active);
+        buckets.segment_count += static_cast<std::uint64_t>(active);
+    }
+    buckets.list_begin[planes] = begin;
+}
+
+/// The first read: count_block(begin, end, counts) counts triangles [begin, end), at most 64, and returns which of them
+/// planes cut.
+template <class CountBlock>
+void count_blocks(const ThreadShares& shares, const Parallel& parallel, std::size_t planes, Buckets& buckets,
+                  CountBlock count_block) {
+    buckets.crossed_mask.resize_discarding(shares.blocks());
+    buckets.counters.resize_discarding(shares.count * 2 * (planes + 1));
+    buckets.list_begin.resize_discarding(planes + 1);
+    buckets.segments.resize_discarding(planes);
+    PerWorker<std::uint64_t> degenerate(shares.count);
+    parallel.run(shares.count, [&](std::size_t share, int) {
+        ShareCounts counts(buckets, share, planes);
+        shares.for_each_block(share, parallel, [&](std::size_t begin, std::size_t end) {
+            buckets.crossed_mask[begin / block_triangles] = count_block(begin, end, counts);
+        });
+        degenerate[share] = counts.degenerate;
+    });
+    buckets.degenerate = 0;
+    degenerate.for_each([&buckets](std::uint64_t of_share) { buckets.degenerate += of_share; });
+    sum_up(planes, shares.count, buckets);
+}
+
+/// Writes down triangles that reach beyond their bands, a buffer at a time: cores that write side by side wait for each
+/// other's cache lines.
+class ReachingWriter {
+public:
+    /// `count`: of those written by all.
+    ReachingWriter(std::span<Reaching> room, std::atomic<std::size_t>& count) noexcept : room_(room), count_(count) {}
+
+    void add(const Reaching& triangle) noexcept {
+        if (size_ == buffer_.size()) {
+            flush();
+        }
+        buffer_[size_++] = triangle;
+    }
+    void flush() noexcept {
+        const std::size_t at = count_.fetch_add(size_, std::memory_order_relaxed);
+        assert(at + size_ <= room_.size());
+        std::copy_n(buffer_.begin(), size_, room_.begin() + static_cast<std::ptrdiff_t>(at));
+        size_ = 0;
+    }
+
+private:
+    std::array<Reaching, 256> buffer_;
+    std::size_t size_ = 0;
+    std::span<Reaching> room_;
+    std::atomic<std::size_t>& count_;
+};
+
+/// The second read: scatter_block(begin, crossed, next_record, reaching) writes the records of a block's triangles with a
+/// bit in `crossed`, each to next_record[its first plane]++. Returns how many reach beyond their band.
+template <class ScatterBlock>
+std::size_t scatter_blocks(const ThreadShares& shares, const Parallel& parallel, std::size_t planes, Buckets& buckets,
+                           std::span<Reaching> reaching, ScatterBlock scatter_block) {
+    buckets.records.resize_discarding(buckets.list_begin[planes]);
+    std::atomic<std::size_t> reaching_count = 0;
+    parallel.run(shares.count, [&](std::size_t share, int) {
+        ReachingWriter writer(reaching, reaching_count);
+        std::uint32_t* const next_record = counters_of(buckets, share, planes, 0);
+        shares.for_each_block(share, parallel, [&](std::size_t begin, std::size_t) {
+            scatter_block(begin, buckets.crossed_mask[begin / block_triangles], next_record, writer);
+        });
+        writer.flush();
+    });
+    return reaching_count;
+}
+
+}  // namespace lamella

@@ -1,0 +1,244 @@
+// Slicing, as the list of its stages. They call the folders beside this file:
+//
+//     TriangleSource::measure   grid       bounds, unit (paper, 3.1)
+//     build_planes              planes     heights on the grid (Algorithm 3)
+//     TriangleSource::count     buckets    how many triangles each plane is the first to cut (Algorithm 2)
+//     BandPlan::cut             bands      ranges of planes, each swept by one thread
+//     TriangleSource::scatter   buckets    triangles to the first plane that cuts them
+//     BandSweeping              sweep      a band, or a wide plane by all threads (Algorithm 1)
+//       for each plane            contours   links, walk (Algorithm 4)
+//                                   repair     gaps closed, on request
+//                                   regions    fill rule applied, on request
+//                                   nesting    orientation, roles, parents (Fig. 1, step 4)
+//       for each band             result     points to their place
+//     LayerTarget::finish       result     contours and layers to their place, or what the output is
+#include "slicing/slice_layers.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include "base/clock.hpp"
+#include "base/guard.hpp"
+#include "base/parallel.hpp"
+#include "base/progress_meter.hpp"
+#include "slicing/frame.hpp"
+#include "slicing/repair/gap_length.hpp"
+#include "slicing/sweep/band_sweep.hpp"
+#include "slicing/sweep/wide_plane.hpp"
+
+namespace lamella {
+
+namespace {
+
+std::uint64_t memory_limit_of(const SliceOptions& options, const detail::WorkspaceParts& kept) noexcept {
+    return options.memory_limit_bytes != 0 ? options.memory_limit_bytes : kept.usual_limit;
+}
+
+/// Sets what is known of a result before its planes are.
+void describe(const TriangleSource& source, const Bounds& box, const ChosenUnit& unit, const SliceOptions& options,
+              SliceResult& result) {
+    result.unit_mm = unit.mm;
+    result.frame = source.info.transform;
+    result.plan = options.plan;
+    result.part_count = 1;
+    result.part_regions = PartRegions::separate;
+    result.region = options.region;
+    result.close_gaps_mm = gap_length_mm(options.close_gaps_mm, box);
+    result.gap_sense = options.gap_sense;
+    result.summary = {};
+    result.summary.triangles = source.info.triangles;
+    result.summary.unit_doublings = unit.doublings;
+    std::copy_n(box.min_mm, 3, result.summary.min_mm);
+    std::copy_n(box.max_mm, 3, result.summary.max_mm);
+}
+
+/// Sweeps all bands, and splits the time that it takes among its phases.
+class BandSweeping {
+public:
+    BandSweeping(const SliceOptions& options, detail::WorkspaceParts& kept, const Parallel& parallel,
+                 ProgressMeter& progress, BandTarget& target, const SliceResult& result)
+        : options_(options), kept_(kept), parallel_(parallel), progress_(progress), target_(target) {
+        rules_ = {.region = &options.region,
+                  .unit_mm = result.unit_mm,
+                  .close_gaps = result.close_gaps_mm / result.unit_mm,
+                  .crossing_gaps = crossing_gap_mm(options.close_gaps_mm, result.close_gaps_mm) / result.unit_mm,
+                  .gap_sense = options.gap_sense,
+                  .first_layer = kept.planes.first_kept()};
+        kept.last_made_regions = !options.region.leaves_contours();
+        kept.sweeps_made_regions = kept.sweeps_made_regions || kept.last_made_regions;
+        kept.sweeps.resize(std::max(kept.sweeps.size(), static_cast<std::size_t>(parallel.threads())));
+    }
+
+    /// Wide planes by all threads, the bands between them by one thread each.
+    void run() {
+        const auto& bands = kept_.bands.bands;
+        for (std::size_t begin = 0; begin < bands.size();) {
+            parallel_.stop_if_asked();
+            if (bands[begin].wide && options_.tuning.form == ContourForm::swept) {
+                sweep_wide(begin++);
+                continue;
+            }
+            std::size_t end = begin + 1;
+            while (end < bands.size() && !bands[end].wide) {
+                ++end;
+            }
+            parallel_.run(end - begin, [&](std::size_t i, int worker) { sweep_band(begin + i, worker); });
+            begin = end;
+        }
+    }
+
+    /// Splits the wall time of the sweep among its stages, in proportion to the thread time of each in sampled layers.
+    void split_time(double sweep_ms, StageTimes& ms) const {
+        SweepTicks spent = wide_ticks_;
+        for (const auto& sweep : kept_.sweeps) {
+            if (sweep != nullptr) {
+                const SweepTicks own = sweep->take_ticks();
+                spent.sweep += own.sweep;
+                spent.contours += own.contours;
+                spent.nesting += own.nesting;
+                spent.fill += own.fill;
+            }
+        }
+        const auto all =
+            static_cast<double>(std::max<std::uint64_t>(1, spent.sweep + spent.contours + spent.nesting + spent.fill));
+        ms.contours = sweep_ms * static_cast<double>(spent.contours) / all;
+        ms.nesting = sweep_ms * static_cast<double>(spent.nesting) / all;
+        ms.fill = sweep_ms * static_cast<double>(spent.fill) / all;
+        ms.sweep = sweep_ms - ms.contours - ms.nesting - ms.fill;
+    }
+
+private:
+    void sweep_band(std::size_t band, int worker) {
+        fill_band(target_, band, [&](BandOutput& output) {
+            auto& sweep = kept_.sweeps[static_cast<std::size_t>(worker)];
+            if (sweep == nullptr) {
+                sweep = std::make_unique<BandSweep>(kept_.memory);
+            }
+            sweep->set_rules(rules_);
+            sweep->set_origins(output.with_origins);
+            sweep->run(kept_.bands.bands[band], kept_.bands.seeds_of(band), kept_.buckets, kept_.planes,
+                       options_.tuning.form, parallel_.stop(), output);
+        });
+        count_done(band);
+    }
+
+    void sweep_wide(std::size_t band) {
+        WidePlane wide(kept_.memory, parallel_, rules_);
+        BandOutput* const output = target_.acquire(band);
+        if (output == nullptr) {
+            return;
+        }
+        const std::uint64_t start = ticks();
+        if (!wide.build(kept_.bands.bands[band].first, kept_.bands.seeds_of(band), kept_.buckets, kept_.planes, *output)) {
+            target_.give_back(band);
+            sweep_band(band, 0);
+            return;
+        }
+        note_ticks_of(wide, ticks() - start);
+        target_.submit(band);
+        count_done(band);
+    }
+
+    /// As if all threads had swept it, and as one of the layers that stand for others.
+    void note_ticks_of(const WidePlane& wide, std::uint64_t spent) {
+        const auto share = [this](std::uint64_t own) {
+            return own * static_cast<std::uint64_t>(parallel_.threads()) / BandSweep::timing_stride;
+        };
+        wide_ticks_.nesting += share(wide.nesting_ticks());
+        wide_ticks_.fill += share(wide.fill_ticks());
+        wide_ticks_.sweep += share(spent - wide.nesting_ticks() - wide.fill_ticks());
+    }
+
+    void count_done(std::size_t band) {
+        const std::uint64_t done = segments_done_ += kept_.bands.bands[band].segments;
+        progress_.reach(static_cast<double>(done) /
+                        static_cast<double>(std::max<std::uint64_t>(1, kept_.buckets.segment_count)));
+    }
+
+    const SliceOptions& options_;
+    detail::WorkspaceParts& kept_;
+    const Parallel& parallel_;
+    ProgressMeter& progress_;
+    BandTarget& target_;
+    LayerRules rules_;
+    SweepTicks wide_ticks_;
+    std::atomic<std::uint64_t> segments_done_ = 0;
+};
+
+}  // namespace
+
+void check_options(const SliceOptions& options) {
+    if (options.tuning.band_planes < 0) {
+        throw Refused{{ErrorCode::invalid_argument, "the number of planes in a band must not be negative"}};
+    }
+    if (options.close_gaps_mm != gaps_by_mesh && (!(options.close_gaps_mm >= 0) || !std::isfinite(options.close_gaps_mm))) {
+        throw Refused{
+            {ErrorCode::invalid_argument, "the length up to which gaps are closed must be finite and not negative"}};
+    }
+    require(check_rules(options.region));
+}
+
+void count_layers(TriangleSource& source, const SliceOptions& options, detail::WorkspaceParts& kept, SliceResult& result) {
+    const SourceInfo& info = source.info;
+    const double asked_mm = info.frame != nullptr ? info.frame->unit.mm : options.unit_mm;
+    const Bounds box = options.allow_empty && info.triangles == 0 ? Bounds{} : source.measure(asked_mm);
+    SharedFrame frame =
+        info.frame != nullptr ? *info.frame : choose_frame(box, info.number, asked_mm, options.unit_fit, options.region);
+    // A frame's unit may have been chosen without these rules.
+    require(check_reach(options.region, frame.unit.mm, box.farthest_in_plane()));
+    describe(source, box, frame.unit, options, result);
+    build_planes(options.plan, options.layers, frame, memory_limit_of(options, kept), kept.planes);
+    source.count(frame.unit.mm);
+    if (kept.buckets.degenerate == info.triangles) {
+        if (!options.allow_empty) {
+            throw Refused{all_collapsed(info.triangles, frame.unit.mm)};
+        }
+        if (info.frame == nullptr) {
+            frame.bounds = {};  // the box of nothing chooses no planes
+            build_planes(options.plan, options.layers, frame, memory_limit_of(options, kept), kept.planes);
+            source.count(frame.unit.mm);
+        }
+    }
+    describe_plan(kept.planes, result);
+}
+
+void slice_layers(TriangleSource& source, LayerTarget& target, const SliceOptions& options, detail::WorkspaceParts& kept,
+                  SliceResult& result, std::uint64_t first_index) {
+    Clock::time_point start = Clock::now();
+    const Parallel& parallel = *kept.parallel;
+    ProgressMeter progress(options.control.progress);
+    SliceSummary& summary = result.summary;
+    count_layers(source, options, kept, result);
+    SweepInput input{kept.planes, kept.buckets, {}, parallel, kept.output, options.origins, result, first_index};
+    target.admit(input, memory_limit_of(options, kept));
+
+    // Bands are cut between counting and scattering, so that scattering notes the triangles that reach beyond their band.
+    parallel.stop_if_asked();
+    kept.bands.cut(kept.buckets, kept.planes.size(), options.tuning.band_planes, parallel.threads(),
+                   target.most_band_segments(parallel.threads()));
+    input.bands = kept.bands.bands;
+    const std::size_t reaching = source.scatter(kept.bands.band_end, kept.bands.reaching.span(), options.origins);
+    kept.bands.find_seeds(kept.planes.size(), reaching, parallel.stop());
+    summary.crossed = kept.buckets.records.size();
+    summary.degenerate = kept.buckets.degenerate;
+    summary.segments = kept.buckets.segment_count;
+    summary.bands = kept.bands.bands.size();
+    summary.threads = parallel.threads();
+    summary.ms.bucket = milliseconds_since(start);
+
+    start = Clock::now();
+    BandSweeping sweeping(options, kept, parallel, progress, target.begin(input), result);
+    sweeping.run();
+    source.give_back();
+    kept.bands.forget_many_seeds();  // before the result's contours are added to what is held
+    sweeping.split_time(milliseconds_since(start), summary.ms);
+
+    start = Clock::now();
+    target.finish(input);
+    summary.ms.contours += milliseconds_since(start);
+    progress.finish();
+}
+
+}  // namespace lamella

@@ -80,7 +80,7 @@ void check(const Layer& layer, std::int32_t margin, const Pairs& pairs) {
         for (std::size_t q = p; q < layer.size(); ++q) {
             const EdgePath b = layer[q].given(q);
             for (std::size_t i = 0; i < a.edges(); ++i) {
-                const FlatBox grown = FlatBox::around(a[i], a[i + 1]).grown(margin);
+                const FlatBox grown = lamella::grown(FlatBox::around(a[i], a[i + 1]), margin);
                 for (std::size_t j = p == q ? i + 1 : 0; j < b.edges(); ++j) {
                     const bool close = grown.meets(FlatBox::around(b[j], b[j + 1]));
                     const auto at = pairs.find({p, i, q, j});

@@ -8,7 +8,6 @@
 #include "base/vector.hpp"
 #include "layer_sample.hpp"
 #include "slicing/nesting/order.hpp"
-#include "slicing/nesting/start_tree.hpp"
 #include "slicing/nesting/starts.hpp"
 
 using lamella::Point;
@@ -125,14 +124,14 @@ TEST_CASE("the line and the tree of starts find the starts within a box", "[nest
     std::mt19937 random(GENERATE(1U, 2U, 3U));
     const int count = GENERATE(1, 15, 16, 17, 300, 5000);
     const int size = GENERATE(3, 60, 1 << 30);
-    const double slimness = GENERATE(0.0, 1.0, 1e9);
+    const double aspect = GENERATE(0.0, 1.0, 1e9);
     const Keys starts = random_starts(random, count, size);
     StartLine line(nullptr);
     StartTree tree(nullptr);
     line.assign(random_starts(random, 40, size));  // earlier contents must leave no trace
     tree.assign(random_starts(random, 6000, size), 1.0);
     line.assign(starts);
-    tree.assign(starts, slimness);
+    tree.assign(starts, aspect);
     std::vector<bool> taken_off(starts.size(), false);
     for (int round = 0; round < 40; ++round) {
         const auto corner = static_cast<std::uint32_t>(below(random, count));  // the line's boxes begin at a start

@@ -17,8 +17,8 @@
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/edges/flat_box.hpp"
 #include "slicing/edges/run_kernels.hpp"
+#include "slicing/grid/box.hpp"
 
 namespace lamella {
 

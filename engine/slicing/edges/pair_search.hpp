@@ -81,7 +81,7 @@ private:
             const EdgeRun& run = runs_[r];
             const EdgeRun& next = runs_[r + 1];
             const bool joined = run.path == next.path;
-            if (joined ? !leads_away(run, next) : run.box.grown(margin_).meets(next.box)) {
+            if (joined ? !leads_away(run, next) : grown(run.box, margin_).meets(next.box)) {
                 compare_in_order(static_cast<std::uint32_t>(r), static_cast<std::uint32_t>(r + 1), meet);
             }
         }
@@ -143,7 +143,7 @@ private:
     template <class Meet>
     void compare(const Stretch& a, const Stretch& b, std::uint32_t a_path, std::uint32_t b_path, Meet& meet) {
         spend(1);
-        if (cut_short_ || !a.box.grown(margin_).meets(b.box)) {
+        if (cut_short_ || !grown(a.box, margin_).meets(b.box)) {
             return;
         }
         const std::size_t a_edges = a.end - a.begin;

@@ -175,8 +175,8 @@ void RunStrips::choose_strips() {
     for (const EdgeRun& run : runs_) {
         low = std::min(low, run.box.low.x);
         high = std::max(high, run.box.high.x);
-        widths += std::int64_t{run.box.high.x} - run.box.low.x;
-        heights += run.box.height();
+        widths += width_of(run.box);
+        heights += height_of(run.box);
     }
     const auto runs = static_cast<std::int64_t>(runs_.size());
     const auto first_y = static_cast<std::int64_t>(order_.front() >> 32);

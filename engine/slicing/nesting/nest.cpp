@@ -146,7 +146,7 @@ void Nester::find_parents(std::span<const NestItem> items) {
     starts_.assign(by_start_);
     tree_in_use_ = !find_containers(items);
     if (tree_in_use_) {
-        tree_.assign(by_start_, slimness_of(items));
+        tree_.assign(by_start_, aspect_of(items));
         take_all_for_containers();
     }
     sort_containers(items);
@@ -202,21 +202,17 @@ bool Nester::find_containers(std::span<const NestItem> items) {
     return true;
 }
 
-/// The boxes' mean width over their mean height, each as a share of the layer's.
-double Nester::slimness_of(std::span<const NestItem> items) {
-    Point low = items[rings_[0].item].box_min;
-    Point high = items[rings_[0].item].box_max;
+/// The boxes' mean width over their mean height.
+double Nester::aspect_of(std::span<const NestItem> items) {
     double widths = 0;
     double heights = 0;
     for (const nesting::Ring& ring : rings_) {
         const NestItem& contour = items[ring.item];
         pace_.spend(item_work);
-        low = {std::min(low.x, contour.box_min.x), std::min(low.y, contour.box_min.y)};
-        high = {std::max(high.x, contour.box_max.x), std::max(high.y, contour.box_max.y)};
         widths += static_cast<double>(contour.box_max.x) - contour.box_min.x;
         heights += static_cast<double>(contour.box_max.y) - contour.box_min.y;
     }
-    return widths / heights * (static_cast<double>(high.y) - low.y) / (static_cast<double>(high.x) - low.x);
+    return widths / heights;
 }
 
 void Nester::take_all_for_containers() {

@@ -28,7 +28,6 @@
 #include "lamella/result.hpp"
 #include "slicing/nesting/inside.hpp"
 #include "slicing/nesting/order.hpp"
-#include "slicing/nesting/start_tree.hpp"
 #include "slicing/nesting/starts.hpp"
 
 namespace lamella {
@@ -115,7 +114,7 @@ private:
     void sort_by_start(std::span<const NestItem> items);
     void find_parents(std::span<const NestItem> items);
     bool find_containers(std::span<const NestItem> items);
-    double slimness_of(std::span<const NestItem> items);
+    double aspect_of(std::span<const NestItem> items);
     void take_all_for_containers();
     void sort_containers(std::span<const NestItem> items);
     void fetch_ahead(std::span<const NestItem> items, std::size_t place) const;

@@ -1,4 +1,5 @@
-// The starts of a layer's rings, sorted by x, and which of them lie within a box.
+// The starts of a layer's rings, and which of them lie within a box: by a line of all, or by a tree where windows of the
+// line are too long.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
+#include "slicing/grid/box_tree.hpp"
 #include "slicing/nesting/lanes.hpp"
 #include "slicing/nesting/order.hpp"
 
@@ -43,6 +46,26 @@ public:
 private:
     static constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::min();
     Vector<std::int32_t> xs_, ys_;  // `lanes` more than there are starts
+};
+
+/// Starts that are taken off are not visited again.
+class StartTree {
+public:
+    explicit StartTree(const Memory* memory) : starts_(memory), place_of_(memory), boxes_(memory) {}
+
+    /// `aspect`: the mean width of the boxes that will be searched over their mean height. Throws std::bad_alloc.
+    void assign(std::span<const SortKey> by_start, double aspect);
+    /// From here on assign() throws Stopped where the host wants the call to end.
+    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    /// Appends the starts left that lie strictly within the box to `found`, in an unspecified but reproducible order.
+    void find(Point box_min, Point box_max, Vector<std::uint32_t>& found) const;
+    void take_off(std::uint32_t start) noexcept { boxes_.take_off(place_of_[start]); }
+
+private:
+    Vector<SortKey> starts_;          // by place
+    Vector<std::uint32_t> place_of_;  // of each start
+    BoxTree<Point> boxes_;            // of starts_
+    StopPace pace_;
 };
 
 }  // namespace lamella::nesting

@@ -38,7 +38,7 @@ Int128 rounded_half(Int128 value, Int128 divisor) noexcept {
 }  // namespace
 
 bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept {
-    if (!FlatBox::around(a, b).grown(reach).meets({p, p})) {
+    if (!grown(FlatBox::around(a, b), reach).holds(p)) {
         return false;
     }
     const Int128 distance_by_length = side_of_line(a, b, p);

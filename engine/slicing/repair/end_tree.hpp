@@ -1,4 +1,4 @@
-// A k-d tree over the ends of polylines, from which they are taken one by one.
+// A tree over the ends of polylines, from which they are taken one by one.
 #pragma once
 
 #include <cassert>
@@ -8,7 +8,7 @@
 
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
-#include "lamella/grid.hpp"
+#include "slicing/grid/box_tree.hpp"
 
 namespace lamella {
 
@@ -58,9 +58,6 @@ private:
         Point at;
         std::uint32_t next, end;  // the ends left: a range of polylines_
     };
-    struct Box {
-        Point min, max;  // min > max: empty
-    };
     struct Nearest {
         double squared;
         Point at;
@@ -68,18 +65,11 @@ private:
         std::uint32_t but;  // is no answer
     };
 
-    std::uint32_t first_site(std::uint32_t leaf) const noexcept;
-    void order(std::uint32_t first_leaf, std::uint32_t leaf_count);
-    Box box_of(std::uint32_t first, std::uint32_t end) const noexcept;
-    void measure(std::uint32_t node) noexcept;
-    void shrink(std::uint32_t site) noexcept;
-    static double squared_distance_to(const Box& box, Point point) noexcept;
-    void search(std::uint32_t node, Point to, Nearest& best);
+    void search(std::size_t level, std::size_t number, Point to, Nearest& best);
 
     Vector<std::uint32_t> polylines_;  // by where they end, then by number
-    Vector<Site> sites_;               // leaf by leaf
-    Vector<Box> boxes_;                // 1: the root's; 2 i and 2 i + 1: those below i; the last half: the leaves'
-    std::uint32_t leaf_count_ = 0;     // a power of two
+    Vector<Site> sites_;
+    BoxTree<Point> boxes_;  // of sites_, but for those that no end is left at
     StopPace pace_;
 };
 

@@ -2,11 +2,7 @@
 //
 // A stretch of the chain whose box does not hold the point winds around it as the straight line between the stretch's ends
 // does: both lie in the box, and the point outside. So only boxes that hold the point are opened. Boxes are of 8 edges, of
-// two such boxes, and so on:
-//
-//     level 1   [      0      ][      1    ]
-//     level 0   [  0  ][  1  ][  2  ][  3  ]
-//     edges     01234567 ...
+// eight such boxes, and so on.
 #pragma once
 
 #include <cstddef>
@@ -14,16 +10,15 @@
 #include <span>
 
 #include "base/stop_pace.hpp"
-#include "base/vector.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/edges/flat_box.hpp"
+#include "slicing/grid/box_tree.hpp"
 
 namespace lamella {
 
 /// Of one layer after another; its memory is kept.
 class ChainTree {
 public:
-    explicit ChainTree(const Memory* memory) : boxes_(memory), levels_(memory) {}
+    explicit ChainTree(const Memory* memory) : boxes_(memory) {}
 
     /// Edge i leads from points[i] to points[i + 1]. The points must stay. O(n). Throws std::bad_alloc.
     void build(std::span<const Point> points, StopPace& pace);
@@ -35,11 +30,11 @@ public:
 
 private:
     struct Query;
-    void visit(std::size_t level, std::size_t at, Query& query) const;
+    void visit(std::size_t level, std::size_t number, Query& query) const;
+    void visit_edges(std::size_t begin, std::size_t end, Query& query) const;
 
     std::span<const Point> points_;
-    Vector<FlatBox> boxes_;       // level by level
-    Vector<std::size_t> levels_;  // where each level begins in boxes_, and the end
+    BoxTree<Point> boxes_;
 };
 
 }  // namespace lamella

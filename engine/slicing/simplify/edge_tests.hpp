@@ -2,17 +2,13 @@
 #pragma once
 
 #include "lamella/grid.hpp"
-#include "slicing/edges/flat_box.hpp"
+#include "slicing/grid/box.hpp"
 #include "slicing/grid/exact.hpp"
 
 namespace lamella {
 
-inline bool holds(const FlatBox& box, Point p) noexcept {
-    return box.meets({p, p});
-}
-
 inline bool lies_on(Point p, Point a, Point b) noexcept {
-    return holds(FlatBox::around(a, b), p) && sign_of_side(a, b, p) == 0;
+    return FlatBox::around(a, b).holds(p) && sign_of_side(a, b, p) == 0;
 }
 
 /// Whether two edges have a point in common.

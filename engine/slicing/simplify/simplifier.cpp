@@ -216,12 +216,7 @@ void Simplifier::find_jumps(std::size_t path, std::uint64_t most) {
         }
         const std::size_t first = of.begin + left_[of.first_left + edge];
         const std::size_t last = of.begin + end_of_line(path, edge);
-        FlatBox box{points_[first], points_[first]};
-        for (std::size_t i = first + 1; i <= last; ++i) {
-            const Point p = points_[i];
-            box = {{std::min(box.low.x, p.x), std::min(box.low.y, p.y)},
-                   {std::max(box.high.x, p.x), std::max(box.high.y, p.y)}};
-        }
+        const auto box = FlatBox::around(std::span(points_).subspan(first, last + 1 - first));
         const std::uint64_t before = steps_;
         starts_tree_.find_in(box, [&](Point start, std::uint32_t other) {
             ++steps_;

@@ -15,7 +15,6 @@
 #include "audit/pair.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "base/sign.hpp"
 #include "slicing/edges/edge_runs.hpp"
 #include "slicing/edges/pair_search.hpp"
 #include "slicing/edges/run_strips.hpp"
@@ -33,20 +32,17 @@ std::uint64_t most_steps(std::uint64_t edges) noexcept {
     return steps_per_comparison * edges * static_cast<std::uint64_t>(std::bit_width(edges) + 1);
 }
 
-int side(Point from, Point to, Point p) noexcept {
-    return sign_of(side_of_line(from, to, p));
-}
-
 /// Whether the direction from `o` to `p` lies strictly within the turn to the left from that to `a` to that to `b`.
 bool in_turn(Point o, Point a, Point b, Point p) noexcept {
-    const bool left_of_a = side(o, a, p) > 0;
-    const bool right_of_b = side(o, b, p) < 0;
-    return side(o, a, b) > 0 ? left_of_a && right_of_b : left_of_a || right_of_b;
+    const bool left_of_a = side_of(o, a, p) > 0;
+    const bool right_of_b = side_of(o, b, p) < 0;
+    return side_of(o, a, b) > 0 ? left_of_a && right_of_b : left_of_a || right_of_b;
 }
 
 /// Whether `p` lies in the direction from `o` to `a`.
 bool in_line(Point o, Point a, Point p) noexcept {
-    return side(o, a, p) == 0 && (Int128{a.x} - o.x) * (Int128{p.x} - o.x) + (Int128{a.y} - o.y) * (Int128{p.y} - o.y) > 0;
+    return side_of(o, a, p) == 0 &&
+           (Int128{a.x} - o.x) * (Int128{p.x} - o.x) + (Int128{a.y} - o.y) * (Int128{p.y} - o.y) > 0;
 }
 
 /// Two paths pass through `o`: a to b and c to d. Whether they cross there: the four arms alternate around `o`, and none
@@ -111,13 +107,13 @@ private:
     /// A corner belongs to the edge that ends in it, so that each passage is seen in one pair of edges.
     void compare_edges(const LayerPath& a, std::size_t i, const LayerPath& b, std::size_t j) {
         const Point* const p = points_;
-        const int b_from = side(p[i], p[i + 1], p[j]);
-        const int b_to = side(p[i], p[i + 1], p[j + 1]);
+        const int b_from = side_of(p[i], p[i + 1], p[j]);
+        const int b_to = side_of(p[i], p[i + 1], p[j + 1]);
         if (b_from * b_to > 0) {
             return;
         }
-        const int a_from = side(p[j], p[j + 1], p[i]);
-        const int a_to = side(p[j], p[j + 1], p[i + 1]);
+        const int a_from = side_of(p[j], p[j + 1], p[i]);
+        const int a_to = side_of(p[j], p[j + 1], p[i + 1]);
         if (b_from * b_to < 0 && a_from * a_to < 0) {
             note(crossing_of(p[i], p[i + 1], p[j], p[j + 1]), a, b);
         } else if (p[i + 1] == p[j + 1]) {
@@ -134,7 +130,7 @@ private:
     /// The corner in which edge i of `a` ends lies inside edge j of `b`.
     void passes_edge(const LayerPath& a, std::size_t i, const LayerPath& b, std::size_t j) {
         const Point* const p = points_;
-        if (a.goes_on(i) && side(p[j], p[j + 1], p[i]) * side(p[j], p[j + 1], p[i + 2]) < 0) {
+        if (a.goes_on(i) && side_of(p[j], p[j + 1], p[i]) * side_of(p[j], p[j + 1], p[i + 2]) < 0) {
             note(p[i + 1], a, b);
         }
     }

@@ -30,7 +30,7 @@
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/prepared_parts.hpp"
 #include "slicing/regions/rules.hpp"
-#include "slicing/repair/gap_length.hpp"
+#include "slicing/repair/gaps.hpp"
 #include "slicing/result/result_output.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"

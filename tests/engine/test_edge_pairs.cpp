@@ -10,7 +10,7 @@
 
 #include "engine/counting_memory.hpp"
 #include "lamella/control.hpp"
-#include "slicing/edges/edge_pairs.hpp"
+#include "slicing/edges/pair_search.hpp"
 
 using lamella::EdgePath;
 using lamella::FlatBox;

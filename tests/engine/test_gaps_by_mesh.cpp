@@ -11,7 +11,7 @@
 #include "lamella/audit/open_layers.hpp"
 #include "lamella/prepare.hpp"
 #include "lamella/sink.hpp"
-#include "slicing/repair/crossed_joints.hpp"
+#include "slicing/repair/polylines.hpp"
 
 using lamella::Joint;
 using lamella::Point;

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "base/stop_pace.hpp"
-#include "slicing/contours/meetings.hpp"
+#include "slicing/contours/pairing.hpp"
 #include "slicing/contours/slot_table.hpp"
 #include "slicing/contours/walker.hpp"
 

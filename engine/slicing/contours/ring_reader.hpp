@@ -15,7 +15,7 @@
 #include "slicing/contours/kernels.hpp"
 #include "slicing/contours/layer_contour.hpp"
 #include "slicing/contours/link_graph.hpp"
-#include "slicing/contours/slot_origins.hpp"
+#include "slicing/contours/slot_table.hpp"
 
 namespace lamella {
 

@@ -26,6 +26,7 @@
 #include "base/function_ref.hpp"
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "lamella/result.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/contours/mesh_edge.hpp"
 #include "slicing/planes/plane_set.hpp"
@@ -302,6 +303,11 @@ private:
     int shift_ = 0;
     std::uint32_t made_ = 0;
     std::uint32_t limit_ = 0;
+};
+
+/// By port: the origin of the segment there, as its facet runs.
+struct SlotOrigins {
+    PointOrigin by_port[2];
 };
 
 }  // namespace lamella

@@ -13,7 +13,6 @@
 // Contours that no head lies on begin at this plane, and are walked link by link.
 #include <algorithm>
 
-#include "slicing/contours/copy_run.hpp"
 #include "slicing/contours/walker.hpp"
 
 namespace lamella {

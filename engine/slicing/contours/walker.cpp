@@ -4,8 +4,6 @@
 #include <bit>
 #include <cassert>
 
-#include "slicing/contours/copy_run.hpp"
-
 namespace lamella {
 
 Walker::Walker(const Memory* memory, const SlotTable& slots)

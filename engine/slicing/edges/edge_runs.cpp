@@ -5,6 +5,8 @@
 #include <new>
 #include <utility>
 
+#include "base/sign.hpp"
+
 namespace lamella {
 
 namespace {
@@ -174,8 +176,8 @@ void EdgeRuns::write_runs(const Piece& piece, std::span<const std::uint32_t> tur
     const auto write = [&](std::size_t end) {
         const Point from = points[begin];
         const Point to = points[end];
-        const auto right = static_cast<std::int8_t>((to.x > from.x) - (to.x < from.x));
-        const auto up = static_cast<std::int8_t>((to.y > from.y) - (to.y < from.y));
+        const auto right = static_cast<std::int8_t>(sign_of(std::int64_t{to.x} - from.x));
+        const auto up = static_cast<std::int8_t>(sign_of(std::int64_t{to.y} - from.y));
         *out++ = {FlatBox::around(from, to), begin, end, piece.path, right, up};
         begin = end;
     };

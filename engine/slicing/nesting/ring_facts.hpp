@@ -66,8 +66,18 @@ RingFacts facts_of(std::size_t count, const PointAt& point) {
 }
 
 /// The facts of a closed ring of count > 0 points as they lie.
-RingFacts examine_ring(const Point* ring, std::size_t count) noexcept;
+inline RingFacts examine_ring(const Point* ring, std::size_t count) noexcept {
+    return facts_of(count, [ring](std::size_t i) { return ring[i]; });
+}
 /// The same for a long one: calls pause() now and then, which may throw.
-RingFacts examine_ring(const Point* ring, std::size_t count, FunctionRef<void()> pause);
+inline RingFacts examine_ring(const Point* ring, std::size_t count, FunctionRef<void()> pause) {
+    constexpr std::size_t points_between_pauses = std::size_t{1} << 18;
+    return facts_of(count, [ring, pause](std::size_t i) {
+        if (i % points_between_pauses == 0) {
+            pause();
+        }
+        return ring[i];
+    });
+}
 
 }  // namespace lamella

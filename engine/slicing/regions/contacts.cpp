@@ -12,10 +12,6 @@ namespace {
 
 constexpr std::uint64_t any_number = std::numeric_limits<std::uint64_t>::max();
 
-bool cross(Point a, Point b, Point c, Point d) noexcept {
-    return sign_of_side(a, b, c) * sign_of_side(a, b, d) < 0 && sign_of_side(c, d, a) * sign_of_side(c, d, b) < 0;
-}
-
 /// Whether the edge from `joint` to `to` leads back, by more than a right angle, from the one from `from` to `joint`.
 bool turns_back(Point from, Point joint, Point to) noexcept {
     const std::int64_t along_x = (std::int64_t{joint.x} - from.x) * (std::int64_t{to.x} - joint.x);
@@ -25,7 +21,7 @@ bool turns_back(Point from, Point joint, Point to) noexcept {
 
 /// Whether one of the two edges lies on the other.
 bool runs_back(Point from, Point joint, Point to) noexcept {
-    return sign_of_side(from, joint, to) == 0 && turns_back(from, joint, to);
+    return side_of(from, joint, to) == 0 && turns_back(from, joint, to);
 }
 
 /// value / (2 * divisor), rounded; halves up.
@@ -121,7 +117,7 @@ void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::si
         return is_near(a0, b0, b1, reach) || is_near(a1, b0, b1, reach) || is_near(b0, a0, a1, reach) ||
                is_near(b1, a0, a1, reach);
     };
-    const bool crossing = cross(a0, a1, b0, b1);
+    const bool crossing = edges_cross(a0, a1, b0, b1);
     if (!crossing && !touch(rounding_reach)) {
         return;
     }

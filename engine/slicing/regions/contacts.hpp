@@ -6,7 +6,7 @@
 
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
-#include "slicing/edges/edge_pairs.hpp"
+#include "slicing/edges/pair_search.hpp"
 #include "slicing/nesting/nest.hpp"
 
 namespace lamella {

@@ -132,7 +132,7 @@ void SnapRounding::bend(const Source& source, std::uint32_t edge) {
         pace_.spend(1);
         if (p == a || p == b || passes_pixel(a, b, p)) {
             on_edge_.push_back({p, vertex});
-            moved = moved || sign_of_side(a, b, p) != 0;
+            moved = moved || side_of(a, b, p) != 0;
         }
     });
     pace_.spend(query_work);
@@ -153,7 +153,7 @@ void SnapRounding::bend(const Source& source, std::uint32_t edge) {
 void SnapRounding::cut(const Source& source, const Found& from, const Found& to, const PointOrigin& origin) {
     on_strand_.clear();
     tree_.find_along(from.point, to.point, [&](Point p, std::uint32_t vertex) {
-        if (p != from.point && p != to.point && sign_of_side(from.point, to.point, p) == 0) {
+        if (p != from.point && p != to.point && side_of(from.point, to.point, p) == 0) {
             on_strand_.push_back({p, vertex});
         }
     });

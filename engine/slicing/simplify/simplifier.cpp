@@ -7,9 +7,9 @@
 #include <new>
 
 #include "base/int128.hpp"
+#include "base/sign.hpp"
 #include "slicing/nesting/ring_facts.hpp"
 #include "slicing/simplify/chain.hpp"
-#include "slicing/simplify/edge_tests.hpp"
 
 namespace lamella {
 
@@ -17,11 +17,6 @@ namespace {
 
 constexpr std::size_t chain_work = 4;  ///< of a point, as StopPace counts it
 constexpr int rounds_by_distance = 3;  ///< from then on lines are split by halves, which ends soon
-
-template <class Value>
-int sign(Value value) noexcept {
-    return (value > 0) - (value < 0);
-}
 
 /// What O(m log m) allows for.
 std::uint64_t most_steps(std::uint64_t edges) noexcept {
@@ -234,7 +229,8 @@ void Simplifier::keep_orientation(std::size_t path, const NestItem& item) {
     const Path& of = paths_[path];
     const Point* const points = left_points_.data() + of.first_left;
     pace_.spend(of.left);
-    if (!of.closed || (of.left >= 3 && sign(examine_ring(points, of.left).twice_area) == sign(to_int128(item.twice_area)))) {
+    if (!of.closed ||
+        (of.left >= 3 && sign_of(examine_ring(points, of.left).twice_area) == sign_of(to_int128(item.twice_area)))) {
         return;
     }
     for (std::size_t edge = 0; edge < of.left; ++edge) {

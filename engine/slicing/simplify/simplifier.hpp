@@ -31,10 +31,10 @@
 
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
-#include "slicing/edges/edge_pairs.hpp"
+#include "slicing/edges/pair_search.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/regions/point_tree.hpp"
-#include "slicing/simplify/chain_tree.hpp"
+#include "slicing/simplify/chain.hpp"
 
 namespace lamella {
 

@@ -128,7 +128,8 @@ void run_nesting(benchmark::State& state, Prepared& prepared) {
     const Layer& layer = *std::max_element(result.layers.begin(), result.layers.end(),
                                            [](const Layer& a, const Layer& b) { return a.contour_count < b.contour_count; });
     std::vector<NestItem> items = items_of(result, layer);
-    Nester nester(nullptr);
+    lamella::Worker worker;
+    Nester nester(worker);
     nester.nest(items);
     for (std::size_t c = 0; c < items.size(); ++c) {
         const Contour& known = result.contours_of(layer)[c];
@@ -204,7 +205,8 @@ private:
 
 void run_nesting_series(benchmark::State& state, std::uint32_t contours) {
     RingLattice lattice(contours);
-    Nester nester(nullptr);
+    lamella::Worker worker;
+    Nester nester(worker);
     nester.nest(lattice.items());
     if (!lattice.nested()) {
         state.SkipWithError("the rings are not nested as constructed");

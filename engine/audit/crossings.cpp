@@ -87,7 +87,7 @@ struct Found {
 /// Searches one share after another; its memory is kept.
 class CrossingsOfShare {
 public:
-    explicit CrossingsOfShare(const StopCheck& stop) noexcept { search_.follow(stop); }
+    explicit CrossingsOfShare(Worker& worker) noexcept : search_(worker) {}
 
     /// Share `share` of `shares` of all pairs.
     Found run(const EdgeRuns& runs, const RunStrips& strips, std::size_t share, std::size_t shares, Limits limits) {
@@ -189,21 +189,22 @@ private:
     }
 
     void search_others() {
-        struct Worker {
-            CrossingsOfShare search;
-            EdgeRuns runs;
-            RunStrips strips;
+        struct Searcher {
+            explicit Searcher(const StopCheck& stop) noexcept : worker(nullptr, stop) {}
+            Worker worker;
+            CrossingsOfShare search{worker};
+            EdgeRuns runs{worker};
+            RunStrips strips{worker};
             std::vector<LayerCrossings> found;
-            explicit Worker(const StopCheck& stop) : search(stop) { strips.follow(stop); }
         };
-        std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(parallel_.threads()));
+        std::vector<std::unique_ptr<Searcher>> searchers(static_cast<std::size_t>(parallel_.threads()));
         parallel_.run(result_.layers.size(), [&](std::size_t layer, int worker) {
-            std::unique_ptr<Worker>& own = workers[static_cast<std::size_t>(worker)];
+            std::unique_ptr<Searcher>& own = searchers[static_cast<std::size_t>(worker)];
             if (is_wide(result_.layers[layer])) {
                 return;
             }
             if (!own) {
-                own = std::make_unique<Worker>(parallel_.stop());
+                own = std::make_unique<Searcher>(parallel_.stop());
             }
             own->runs.clear();
             for_each_path(layer, [&](const EdgePath& path) { own->runs.add(path); });
@@ -211,7 +212,7 @@ private:
             const Found found = own->search.run(own->runs, own->strips, 0, 1, {.steps = most_steps(own->runs.edges())});
             keep(layer, found, own->found);
         });
-        for (const std::unique_ptr<Worker>& own : workers) {
+        for (const std::unique_ptr<Searcher>& own : searchers) {
             if (own) {
                 all_.insert(all_.end(), own->found.begin(), own->found.end());
             }
@@ -239,9 +240,10 @@ private:
     void search_wide(std::size_t layer) {
         std::vector<EdgePath> paths;
         for_each_path(layer, [&](const EdgePath& path) { paths.push_back(path); });
-        EdgeRuns runs;
+        Worker caller(nullptr, parallel_.stop());
+        EdgeRuns runs(caller);
         runs.assign(paths, parallel_);
-        RunStrips strips;
+        RunStrips strips(caller);
         strips.assign(runs.runs(), 0, parallel_);
         const Limits whole{.steps = most_steps(runs.edges())};
         std::vector<Found> shares(shares_of_wide_layer);
@@ -251,14 +253,15 @@ private:
                 return;
             }
             constexpr std::uint64_t part = 8;  // so that all together take at most so many times what one thread would
-            CrossingsOfShare search(parallel_.stop());
+            Worker worker(nullptr, parallel_.stop());
+            CrossingsOfShare search(worker);
             shares[share] = search.run(runs, strips, share, shares.size(), {whole.steps / part, whole.crossings});
             if (shares[share].count == whole.crossings) {
                 last.store(share, std::memory_order_relaxed);
             }
         });
         Found found;
-        CrossingsOfShare search(parallel_.stop());
+        CrossingsOfShare search(caller);
         for (std::size_t share = 0; share < shares.size() && !found.cut_short; ++share) {
             const Limits left{whole.steps - found.steps, whole.crossings - found.count};
             const Found& own = shares[share];

@@ -226,7 +226,8 @@ inline Comparison simplify_as_given(const Rings& rings, std::int64_t tolerance) 
         items.push_back(lamella::closed_item(ring));
     }
     std::vector<lamella::NestItem> after = items;
-    lamella::Simplifier simplifier(nullptr);
+    lamella::Worker worker;
+    lamella::Simplifier simplifier(worker);
     simplifier.run(after, tolerance);
     std::vector<Before> contours;
     Comparison sizes;

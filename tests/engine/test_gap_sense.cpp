@@ -59,7 +59,8 @@ Joined joined(const std::vector<Line>& lines, double reach, GapSense sense) {
     for (const Line& line : lines) {
         polylines.push_back({line.points, nullptr, {}, static_cast<std::uint32_t>(line.points.size() - 1), line.flags});
     }
-    lamella::PolylineRepair repair(nullptr);
+    lamella::Worker worker;
+    lamella::PolylineRepair repair(worker);
     lamella::Vector<lamella::ClosedGap> gaps(nullptr);
     Joined result;
     if (repair.join(polylines, {}, {reach, reach, sense}, 0, gaps)) {

@@ -79,7 +79,8 @@ lamella::SliceOptions by_mesh() {
 
 TEST_CASE("joints that meet something between their ends are those found edge by edge", "[engine][gaps]") {
     std::mt19937 random(77);
-    lamella::CrossedJoints search(nullptr);
+    lamella::Worker worker;
+    lamella::CrossedJoints search(worker);
     std::size_t found = 0;
     for (int turn = 0; turn < 2000; ++turn) {
         const std::uint32_t size = turn % 2 == 0 ? 8 : 200;  // many touch, or few

@@ -90,7 +90,8 @@ TEST_CASE("simplifying takes no square of time where many contours lie in the bo
         items.push_back(lamella::closed_item(ring));
     }
     const double before = cpu_ms();
-    lamella::Simplifier simplifier(nullptr);
+    lamella::Worker worker;
+    lamella::Simplifier simplifier(worker);
     simplifier.run(items, 100);
     CHECK(items[0].count < 50'000);
     CHECK(cpu_ms() - before < 4000);
@@ -102,7 +103,8 @@ std::size_t points_left(const Rings& rings, std::int64_t tolerance) {
     for (const Ring& ring : rings) {
         items.push_back(lamella::closed_item(ring));
     }
-    lamella::Simplifier simplifier(nullptr);
+    lamella::Worker worker;
+    lamella::Simplifier simplifier(worker);
     simplifier.run(items, tolerance);
     std::size_t points = 0;
     for (std::size_t i = 0; i < items.size(); ++i) {

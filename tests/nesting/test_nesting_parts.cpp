@@ -127,7 +127,8 @@ TEST_CASE("the line and the tree of starts find the starts within a box", "[nest
     const double aspect = GENERATE(0.0, 1.0, 1e9);
     const Keys starts = random_starts(random, count, size);
     StartLine line(nullptr);
-    StartTree tree(nullptr);
+    lamella::Worker worker;
+    StartTree tree(worker);
     line.assign(random_starts(random, 40, size));  // earlier contents must leave no trace
     tree.assign(random_starts(random, 6000, size), 1.0);
     line.assign(starts);
@@ -158,7 +159,8 @@ TEST_CASE("the line and the tree of starts find the starts within a box", "[nest
 
 TEST_CASE("testing many points at once gives the answers of testing them one by one", "[nesting]") {
     std::mt19937 random(GENERATE(5U, 6U));
-    ManyInside many(nullptr);
+    lamella::Worker worker;
+    ManyInside many(worker);
     for (int round = 0; round < 400; ++round) {
         const int size = 2 + (1 << below(random, 25));
         const std::vector<Point> points = lamella::test::random_walk(random, size);
@@ -182,7 +184,8 @@ TEST_CASE("testing many points at once gives the answers of testing them one by 
 TEST_CASE("testing many points at once is exact at the limits of the grid", "[nesting]") {
     constexpr std::int32_t far = lamella::grid_limit;
     const std::vector<Point> points = {{-far, -far}, {far, -far}, {far, far}, {-far, far}};
-    ManyInside many(nullptr);
+    lamella::Worker worker;
+    ManyInside many(worker);
     const Point queries[] = {{0, -far}, {0, 1 - far}, {0, far - 1}, {0, far},
                              {-far, 0}, {far, 0},     {far - 1, 0}, {1 - far, 0}};
     for (std::uint32_t i = 0; i < std::size(queries); ++i) {

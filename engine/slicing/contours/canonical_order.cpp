@@ -50,10 +50,10 @@ void CanonicalOrder::sort_by_start(std::span<const LayerContour> contours) {
     by_start_.clear();
     for (std::uint32_t i = 0; i < contours.size(); ++i) {
         const NestItem& item = contours[i].item;
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         by_start_.push_back({nesting::key_of(item.points[item.start]), i});
     }
-    nesting::sort_keys(by_start_, spare_keys_, pace_);
+    nesting::sort_keys(by_start_, spare_keys_, worker_);
     nesting::sort_equal_keys(by_start_, [contours](const nesting::SortKey& key_a, const nesting::SortKey& key_b) {
         const LayerContour& a = contours[key_a.index];
         const LayerContour& b = contours[key_b.index];
@@ -69,7 +69,7 @@ void CanonicalOrder::put_holes_after_outers(std::span<const NestItem> items) {
     leader_of_.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) {
         const NestItem& item = items[i];
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         assert((item.role != Role::hole || item.parent >= 0) && "a hole lies in something");
         const auto around = static_cast<std::uint32_t>(item.parent);
         assert(item.role != Role::hole || around < i || items[around].role == Role::outer);
@@ -81,7 +81,7 @@ void CanonicalOrder::put_holes_after_outers(std::span<const NestItem> items) {
     place_of_.resize(count);
     item_at_.resize(count);
     for (const bool holes : {false, true}) {
-        pace_.spend(count);
+        worker_.spend(count);
         for (std::uint32_t i = 0; i < count; ++i) {
             if ((items[i].role == Role::hole) == holes) {
                 place_of_[i] = next_place_[leader_of_[i]]++;

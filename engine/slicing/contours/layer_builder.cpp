@@ -26,39 +26,6 @@ Int128 size_of(const NestItem& item) noexcept {
 
 }  // namespace
 
-LayerBuilder::LayerBuilder(const Memory* memory)
-    : rings_(memory),
-      repair_(memory),
-      order_(memory),
-      nester_(memory),
-      regions_(memory),
-      region_nesting_(memory),
-      simplifier_(memory),
-      contours_(memory),
-      items_(memory),
-      polylines_(memory),
-      around_(memory),
-      walked_(memory),
-      closed_(memory),
-      walked_of_(memory),
-      ring_of_(memory),
-      region_(memory),
-      kept_(memory),
-      made_(memory),
-      made_origins_(memory),
-      given_(memory),
-      given_origins_(memory) {}
-
-void LayerBuilder::follow(const StopCheck& host) noexcept {
-    pace_.follow(host);
-    rings_.follow(host);
-    order_.follow(host);
-    repair_.follow(host);
-    nester_.follow(host);
-    regions_.follow(host);
-    simplifier_.follow(host);
-}
-
 void LayerBuilder::build(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, BandOutput& out) {
     rings_.read(graph, points, origins, contours_);
     finish(out);
@@ -76,7 +43,7 @@ void LayerBuilder::build_given(std::span<const GivenContour> contours, BandOutpu
     for (const GivenContour& contour : contours) {
         given_.insert(given_.end(), contour.points.begin(), contour.points.end());
         given_origins_.insert(given_origins_.end(), contour.origins.begin(), contour.origins.end());
-        pace_.spend(contour.points.size());
+        worker_.spend(contour.points.size());
     }
     contours_.clear();
     std::span<Point> rest(given_);
@@ -147,7 +114,7 @@ void LayerBuilder::sort_by_start() {
     items_.clear();
     reserve_more(items_, contours_.size());
     for (std::size_t i = 0; i < contours_.size(); ++i) {
-        pace_.spend(contour_work);
+        worker_.spend(contour_work);
         items_.push_back(contours_[order_.contour_of(i)].item);
     }
 }
@@ -227,7 +194,7 @@ void LayerBuilder::replace_by_rings() {
     made_origins_.resize(with_origins_ ? points : 0);
     Point* made = made_.data();
     for (const Ring& ring : region_) {
-        pace_.spend(contour_work + ring.item.count);
+        worker_.spend(contour_work + ring.item.count);
         if (ring.given >= 0) {
             contours_.push_back(walked_[walked_of_[static_cast<std::size_t>(ring.given)]]);
         }
@@ -295,7 +262,7 @@ void LayerBuilder::keep_some(bool outermost, bool largest) {
 /// From the start on, backwards if need be.
 void LayerBuilder::copy_points(const NestItem& item, Point* to) {
     const auto copy = [&](const Point* from, std::size_t count) {
-        pace_.in_stretches(0, count, 1, [&](std::size_t begin, std::size_t end) {
+        worker_.in_stretches(0, count, 1, [&](std::size_t begin, std::size_t end) {
             if (item.reverse) {
                 std::reverse_copy(from + (count - end), from + (count - begin), to + begin);
             } else {
@@ -325,14 +292,14 @@ void LayerBuilder::copy_origins(const NestItem& item, PointOrigin* to) {
             to[i] = origin_turned_round(walked, place < walked.size() ? place : place - walked.size());
         }
     }
-    pace_.spend(item.count);
+    worker_.spend(item.count);
 }
 
 void LayerBuilder::append(BandOutput& out) {
     const std::size_t base = out.contours.size();
     for (const std::uint32_t i : order_.items()) {
         const NestItem& item = items_[i];
-        pace_.spend(contour_work);
+        worker_.spend(contour_work);
         copy_points(item, out.reserve_points(item.count));
         if (out.with_origins) {
             copy_origins(item, out.origins + out.point_count);

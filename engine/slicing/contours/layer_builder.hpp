@@ -11,8 +11,8 @@
 
 #include <span>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/result.hpp"
 #include "slicing/contours/canonical_order.hpp"
 #include "slicing/contours/layer_contour.hpp"
@@ -51,7 +51,7 @@ struct GivenContour {
 /// Layer after layer; scratch is kept. One per thread.
 class LayerBuilder {
 public:
-    explicit LayerBuilder(const Memory* memory);
+    explicit LayerBuilder(Worker& worker) noexcept : worker_(worker) {}
 
     /// Appends the layer that `graph` holds to `out`; points[slot] is where the slot's edge pierces the plane, and
     /// origins[slot] where its segments come from, null where `out` takes no origins. O(q log q) for q points. Throws
@@ -64,9 +64,6 @@ public:
 
     /// The same for contours that are not walked but given, each with points.
     void build_given(std::span<const GivenContour> contours, BandOutput& out);
-
-    /// From here on building a layer throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept;
 
     /// Of the layers to come.
     LayerRules rules;
@@ -91,31 +88,31 @@ private:
     void copy_points(const NestItem& item, Point* to);
     void copy_origins(const NestItem& item, PointOrigin* to);
 
-    RingReader rings_;
-    PolylineRepair repair_;
-    CanonicalOrder order_;
-    Nester nester_;
-    Regions regions_;
-    RegionNesting region_nesting_;
-    Simplifier simplifier_;
-    Vector<LayerContour> contours_;          // of the plane; a fill rule replaces the closed ones
-    Vector<NestItem> items_;                 // of contours_, by start
-    Vector<Polyline> polylines_;             // the open ones of contours_, for repair
-    Vector<std::span<const Point>> around_;  // the closed ones
+    Worker& worker_;
+    RingReader rings_{worker_};
+    PolylineRepair repair_{worker_};
+    CanonicalOrder order_{worker_};
+    Nester nester_{worker_};
+    Regions regions_{worker_};
+    RegionNesting region_nesting_{worker_.memory()};
+    Simplifier simplifier_{worker_};
+    Vector<LayerContour> contours_{worker_.memory()};          // of the plane; a fill rule replaces the closed ones
+    Vector<NestItem> items_{worker_.memory()};                 // of contours_, by start
+    Vector<Polyline> polylines_{worker_.memory()};             // the open ones of contours_, for repair
+    Vector<std::span<const Point>> around_{worker_.memory()};  // the closed ones
     // For rules of regions:
-    Vector<LayerContour> walked_;      // contours_ before it was replaced
-    Vector<NestItem> closed_;          // the closed ones of items_
-    Vector<std::uint32_t> walked_of_;  // of each of closed_: its number in walked_
-    Vector<std::int64_t> ring_of_;     // of each of items_: its number in the region, -1 for an open polyline
-    Vector<Ring> region_;
-    Vector<Ring> kept_;   // of the region, where only some are wanted
-    Vector<Point> made_;  // points of rings that were made or lost some
-    Vector<PointOrigin> made_origins_;
-    Vector<Point> given_;  // points of contours that were not walked
-    Vector<PointOrigin> given_origins_;
+    Vector<LayerContour> walked_{worker_.memory()};      // contours_ before it was replaced
+    Vector<NestItem> closed_{worker_.memory()};          // the closed ones of items_
+    Vector<std::uint32_t> walked_of_{worker_.memory()};  // of each of closed_: its number in walked_
+    Vector<std::int64_t> ring_of_{worker_.memory()};  // of each of items_: its number in the region, -1 for an open polyline
+    Vector<Ring> region_{worker_.memory()};
+    Vector<Ring> kept_{worker_.memory()};   // of the region, where only some are wanted
+    Vector<Point> made_{worker_.memory()};  // points of rings that were made or lost some
+    Vector<PointOrigin> made_origins_{worker_.memory()};
+    Vector<Point> given_{worker_.memory()};  // points of contours that were not walked
+    Vector<PointOrigin> given_origins_{worker_.memory()};
     bool with_origins_ = false;  // of the layer
     bool cancels_ = false;       // as Fill::cancels(), of the layer
-    StopPace pace_;
 };
 
 }  // namespace lamella

@@ -113,10 +113,10 @@ void RingReader::read(const LinkGraph& graph, const Point* points, const SlotOri
                       Vector<LayerContour>& contours) {
     const std::size_t room = graph.order().size() + padded_count;
     if (rings_.size() < room) {
-        resize_exactly(rings_, room + room / 32, pace_);
+        resize_exactly(rings_, room + room / 32, worker_);
     }
     if (origins != nullptr && origins_.size() < rings_.size()) {
-        resize_exactly(origins_, rings_.size(), pace_);
+        resize_exactly(origins_, rings_.size(), worker_);
     }
     contours.clear();
     reserve_more(contours, graph.contours().size());
@@ -129,7 +129,7 @@ void RingReader::read(const LinkGraph& graph, const Point* points, const SlotOri
         contours.push_back(walked.closed ? read_closed(graph, walked, points, ring, own)
                                          : read_open(graph, walked, points, ring, own));
         ring += walked.count;
-        pace_.spend(ring_work + walked.count);
+        worker_.spend(ring_work + walked.count);
     }
 }
 
@@ -169,10 +169,10 @@ RingFacts RingReader::trace(const Point* points, std::span<const Slot> slots, Po
     if (slots.size() <= most_at_once) {
         return kernels_.trace(points, slots.data(), slots.size(), ring);
     }
-    pace_.in_stretches(0, slots.size(), point_work, [&](std::size_t begin, std::size_t end) {
+    worker_.in_stretches(0, slots.size(), point_work, [&](std::size_t begin, std::size_t end) {
         std::transform(slots.data() + begin, slots.data() + end, ring + begin, [points](Slot slot) { return points[slot]; });
     });
-    return examine_ring(ring, slots.size(), [this] { pace_.ask(); });
+    return examine_ring(ring, slots.size(), [this] { worker_.ask(); });
 }
 
 LayerContour RingReader::read_open(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring,

@@ -10,8 +10,8 @@
 
 #include "base/function_ref.hpp"
 #include "base/parallel.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/contours/layer_contour.hpp"
 #include "slicing/contours/link_graph.hpp"
@@ -36,10 +36,7 @@ LayerContour open_contour(std::span<Point> points, PointOrigin* origins);
 /// One per thread; scratch is kept. Contours point into it until the next call.
 class RingReader {
 public:
-    explicit RingReader(const Memory* memory) : kernels_(best_of(kernel_forms())), rings_(memory), origins_(memory) {}
-
-    /// From here on read() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    explicit RingReader(Worker& worker) noexcept : worker_(worker) {}
 
     /// The contours of `graph`, in walking order; points[slot] is where the slot's edge pierces the plane, origins[slot]
     /// where its segments come from, unless `origins` is null. O(q) for q points. Throws std::bad_alloc.
@@ -54,10 +51,10 @@ private:
     static void read_origins(const LinkGraph& graph, const WalkedContour& walked, const SlotOrigins* by_slot,
                              PointOrigin* origins);
 
-    const Kernels& kernels_;
-    Vector<Point> rings_;          // the plane's points in walking order
-    Vector<PointOrigin> origins_;  // of rings_
-    StopPace pace_;
+    Worker& worker_;
+    const Kernels& kernels_ = best_of(kernel_forms());
+    Vector<Point> rings_{worker_.memory()};          // the plane's points in walking order
+    Vector<PointOrigin> origins_{worker_.memory()};  // of rings_
 };
 
 /// The same for closed contours whose points lie in walking order in `rings` already. key_at(i) is the edge that rings[i]

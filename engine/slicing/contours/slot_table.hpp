@@ -24,8 +24,8 @@
 #include <type_traits>
 
 #include "base/function_ref.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/result.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/contours/mesh_edge.hpp"
@@ -113,10 +113,7 @@ void gather_slots(Vector<T>& array, std::span<const Slot> new_to_old, Vector<std
 
 class SlotTable {
 public:
-    explicit SlotTable(const Memory* memory);
-
-    /// From here on what grows the table throws Stopped where the host wants the call to end; clear() must follow then.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    explicit SlotTable(Worker& worker) noexcept : worker_(worker) {}
 
     /// Frees all slots.
     void clear() { free_from(0); }
@@ -201,15 +198,16 @@ private:
     void grow_map(std::uint32_t made);
     void take_spares(std::uint32_t count);
 
-    const Kernels& kernels_;
+    Worker& worker_;
+    const Kernels& kernels_ = best_of(kernel_forms());
 
     // slots
-    Vector<MeshEdge> edges_;
-    Vector<Port> ports_;           // see PortRef
-    Vector<PlaneIndex> ends_;      // the plane at which the edge will have ended; no_plane: the slot is free
-    Vector<std::uint16_t> flags_;  // 0 if free. A byte would alias all that the loops keep in registers
-    Vector<Slot> free_;
-    Vector<std::uint64_t> moving_;  // scratch: an array on its way to new slots
+    Vector<MeshEdge> edges_{worker_.memory()};
+    Vector<Port> ports_{worker_.memory()};       // see PortRef
+    Vector<PlaneIndex> ends_{worker_.memory()};  // the plane at which the edge will have ended; no_plane: the slot is free
+    Vector<std::uint16_t> flags_{worker_.memory()};  // 0 if free. A byte would alias all that the loops keep in registers
+    Vector<Slot> free_{worker_.memory()};
+    Vector<std::uint64_t> moving_{worker_.memory()};  // scratch: an array on its way to new slots
     std::size_t free_count_ = 0;
     std::size_t fresh_count_ = 0;
     Slot slot_end_ = 0;
@@ -217,14 +215,13 @@ private:
     std::size_t mixed_ = 0;
 
     // the map, of the edges that start at this plane
-    Vector<Slot> map_;  // no_slot: nothing is there
+    Vector<Slot> map_{worker_.memory()};  // no_slot: nothing is there
     std::size_t map_mask_ = 0;
     std::uint32_t map_limit_ = 0;  // edges that there is room for
     int map_shift_ = 63;
 
-    Vector<LateEnd> late_ends_;
+    Vector<LateEnd> late_ends_{worker_.memory()};
     bool one_sided_ = false;
-    StopPace pace_;
 };
 
 /// The ends of a plane's new links on their way to their slots. What each of them changes is a member here and not of the

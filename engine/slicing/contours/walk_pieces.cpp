@@ -65,7 +65,7 @@ void Walker::walk_four_at_once() {
     };
     const std::size_t room = slots_.live() + run_padding;
     if (lanes_.size() < 4 * room) {
-        resize_exactly(lanes_, 4 * room, pace_);
+        resize_exactly(lanes_, 4 * room, worker_);
     }
     const Port* const ports = slots_.ports();
     const std::uint64_t* const is_head = is_head_.data();
@@ -76,7 +76,7 @@ void Walker::walk_four_at_once() {
         if (lane.piece == nullptr) {
             return false;
         }
-        pace_.spend(slot_work * slots_per_piece);
+        worker_.spend(slot_work * slots_per_piece);
         lane.piece->slots = lane.out;
         lane.next = lane.piece->head;
         return true;
@@ -134,7 +134,7 @@ void Walker::join_pieces() {
             copy_run(piece->slots, piece->count, out + filled_);
             number_run(piece->slots, piece->count, filled_ + 1, position_.data());
             filled_ += piece->count;
-            pace_.spend(slot_work * piece->count);
+            worker_.spend(slot_work * piece->count);
             piece->count = 0;
             piece = &pieces_[piece->next];
         } while (piece != &first);

@@ -28,17 +28,6 @@ void resize_keeping(Array<T>& array, std::size_t kept, std::size_t count) {
 
 }  // namespace
 
-EdgeRuns::EdgeRuns(const Memory* memory)
-    : kernels_(best_of(run_kernel_forms())),
-      paths_(memory),
-      points_(memory),
-      runs_(memory),
-      turns_(memory),
-      pieces_(memory),
-      tasks_(memory),
-      turns_of_tasks_(memory),
-      runs_of_pieces_(memory) {}
-
 void EdgeRuns::clear() noexcept {
     paths_.clear();
     edges_ = 0;

@@ -15,6 +15,7 @@
 
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/array.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/edges/run_kernels.hpp"
@@ -66,7 +67,7 @@ struct EdgeRun {
 /// The runs of one layer after another; its memory is kept. O(m) for m edges.
 class EdgeRuns {
 public:
-    explicit EdgeRuns(const Memory* memory = nullptr);
+    explicit EdgeRuns(Worker& worker) noexcept : worker_(worker) {}
 
     /// No paths.
     void clear() noexcept;
@@ -96,17 +97,18 @@ private:
     std::size_t find_turns(const Piece& piece, Vector<std::uint32_t>& turns) const;
     void write_runs(const Piece& piece, std::span<const std::uint32_t> turns, EdgeRun* out) const noexcept;
 
-    const RunKernels& kernels_;
-    Vector<LayerPath> paths_;
+    Worker& worker_;
+    const RunKernels& kernels_ = best_of(run_kernel_forms());
+    Vector<LayerPath> paths_{worker_.memory()};
     std::uint64_t edges_ = 0;
     std::size_t point_count_ = 0;
-    Array<Point> points_;
-    Array<EdgeRun> runs_;
-    Vector<std::uint32_t> turns_;
-    Vector<Piece> pieces_;
-    Vector<std::size_t> tasks_;                     // first piece of each, and the number of pieces
-    Vector<Vector<std::uint32_t>> turns_of_tasks_;  // piece by piece
-    Vector<std::size_t> runs_of_pieces_;            // how many, then the first
+    Array<Point> points_{worker_.memory()};
+    Array<EdgeRun> runs_{worker_.memory()};
+    Vector<std::uint32_t> turns_{worker_.memory()};
+    Vector<Piece> pieces_{worker_.memory()};
+    Vector<std::size_t> tasks_{worker_.memory()};                     // first piece of each, and the number of pieces
+    Vector<Vector<std::uint32_t>> turns_of_tasks_{worker_.memory()};  // piece by piece
+    Vector<std::size_t> runs_of_pieces_{worker_.memory()};            // how many, then the first
 };
 
 }  // namespace lamella

@@ -20,10 +20,7 @@ namespace lamella {
 /// Searches one layer, or one share of a layer, after another; its memory is kept. Several may search the same layer.
 class PairSearch {
 public:
-    explicit PairSearch(const Memory* memory = nullptr) : kernels_(best_of(run_kernel_forms())), meeting_(memory) {}
-
-    /// From here on find() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { host_ = host; }
+    explicit PairSearch(Worker& worker) noexcept : worker_(worker) {}
 
     /// To be called in `meet`: find() ends, and returns false.
     void stop() noexcept { cut_short_ = true; }
@@ -65,12 +62,8 @@ private:
     };
 
     void spend(std::uint64_t steps) {
-        constexpr std::uint64_t steps_between_stops = std::uint64_t{1} << 16;
-        const std::uint64_t before = steps_;
         steps_ += steps;
-        if ((before ^ steps_) >= steps_between_stops && host_.stop_requested()) {
-            throw Stopped();
-        }
+        worker_.spend(steps);
         cut_short_ = cut_short_ || steps_ > most_steps_;
     }
 
@@ -163,8 +156,8 @@ private:
         return {FlatBox::around(points_[begin], points_[end]), begin, end};
     }
 
-    const RunKernels& kernels_;
-    StopCheck host_;
+    Worker& worker_;
+    const RunKernels& kernels_ = best_of(run_kernel_forms());
     const EdgeRuns* layer_ = nullptr;
     const EdgeRun* runs_ = nullptr;
     const Point* points_ = nullptr;
@@ -172,13 +165,13 @@ private:
     std::uint64_t most_steps_ = 0;
     std::uint64_t steps_ = 0;
     bool cut_short_ = false;
-    Vector<std::uint32_t> meeting_;
+    Vector<std::uint32_t> meeting_{worker_.memory()};
 };
 
 /// Pairs of edges of paths in a plane, on one thread. Searches one layer after another; its memory is kept.
 class EdgePairs {
 public:
-    explicit EdgePairs(const Memory* memory = nullptr) : runs_(memory), strips_(memory), search_(memory) {}
+    explicit EdgePairs(Worker& worker) noexcept : worker_(worker) {}
 
     void clear() noexcept { runs_.clear(); }
 
@@ -189,12 +182,6 @@ public:
 
     /// To be called in `meet`: find() ends, and returns false.
     void stop() noexcept { search_.stop(); }
-
-    /// From here on find() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept {
-        strips_.follow(host);
-        search_.follow(host);
-    }
 
     /// Calls meet(a, i, b, j) once for each pair, in no order, of edge i of path a and edge j of path b whose boxes come
     /// within `margin` of each other: all such pairs of two paths, and of one path all that meet elsewhere than in the joint
@@ -212,9 +199,10 @@ public:
     }
 
 private:
-    EdgeRuns runs_;
-    RunStrips strips_;
-    PairSearch search_;
+    Worker& worker_;
+    EdgeRuns runs_{worker_};
+    RunStrips strips_{worker_};
+    PairSearch search_{worker_};
 };
 
 }  // namespace lamella

@@ -29,18 +29,6 @@ void make_room(Array<T>& array, std::size_t count) {
 
 }  // namespace
 
-RunStrips::RunStrips(const Memory* memory)
-    : order_(memory),
-      unordered_(memory),
-      places_(memory),
-      firsts_(memory),
-      cursors_(memory),
-      low_x_(memory),
-      low_y_(memory),
-      high_x_(memory),
-      high_y_(memory),
-      run_at_(memory) {}
-
 void RunStrips::assign(std::span<const EdgeRun> runs, std::int32_t margin) {
     runs_ = runs;
     margin_ = margin;
@@ -53,7 +41,7 @@ void RunStrips::assign(std::span<const EdgeRun> runs, std::int32_t margin) {
     if (count() == 1) {
         firsts_[1] = runs.size();
         make_entries(runs.size());
-        pace_.in_stretches(0, runs.size(), run_work, [&](std::size_t begin, std::size_t end) {
+        worker_.in_stretches(0, runs.size(), run_work, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 write_entry(i, static_cast<std::uint32_t>(order_[i]));
             }
@@ -61,8 +49,8 @@ void RunStrips::assign(std::span<const EdgeRun> runs, std::int32_t margin) {
         return;
     }
     const auto for_each_entry = [&](const auto& work) {
-        pace_.in_stretches(0, runs.size(), run_work,
-                           [&](std::size_t begin, std::size_t end) { each_entry(begin, end, cursors_.data(), work); });
+        worker_.in_stretches(0, runs.size(), run_work,
+                             [&](std::size_t begin, std::size_t end) { each_entry(begin, end, cursors_.data(), work); });
     };
     cursors_.assign(count(), 0);
     for_each_entry([](std::size_t, std::uint32_t) {});
@@ -143,7 +131,7 @@ void RunStrips::spread_keys() {
     for (const std::uint64_t key : unordered_) {
         order_[places_[bucket_of(key)]++] = key;
     }
-    pace_.spend(run_work * runs_.size());
+    worker_.spend(run_work * runs_.size());
 }
 
 /// Insertion sort; falls back to std::sort where the keys are not nearly in order.
@@ -158,7 +146,7 @@ void RunStrips::insert_in_order() {
         order_[place] = key;
         if (patience == 0) {
             std::sort(order_.begin(), order_.end(), [this](std::uint64_t a, std::uint64_t b) {
-                pace_.spend(1);
+                worker_.spend(1);
                 return a < b;
             });
             return;

@@ -17,8 +17,8 @@
 #include <utility>
 
 #include "base/parallel.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/array.hpp"
 #include "slicing/edges/edge_runs.hpp"
 #include "slicing/edges/run_kernels.hpp"
@@ -28,10 +28,7 @@ namespace lamella {
 /// The strips of one layer after another; its memory is kept.
 class RunStrips {
 public:
-    explicit RunStrips(const Memory* memory = nullptr);
-
-    /// From here on assign() on one thread throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    explicit RunStrips(Worker& worker) noexcept : worker_(worker) {}
 
     /// On one thread. O(r log r) for r runs, O(r) where their heights are spread. `margin` is below grid_limit. Throws
     /// std::bad_alloc.
@@ -69,21 +66,22 @@ private:
     void make_entries(std::size_t count);
     void write_entry(std::size_t at, std::uint32_t run) noexcept;
 
-    StopPace pace_;
+    Worker& worker_;
     std::span<const EdgeRun> runs_;
     std::int32_t margin_ = 0;
-    Vector<std::uint64_t> order_;  // of runs by low.y; the lower 32 bits are a run's index
-    Vector<std::uint64_t> unordered_;
-    Vector<std::uint32_t> places_;  // by bucket of low.y
+    Vector<std::uint64_t> order_{worker_.memory()};  // of runs by low.y; the lower 32 bits are a run's index
+    Vector<std::uint64_t> unordered_{worker_.memory()};
+    Vector<std::uint32_t> places_{worker_.memory()};  // by bucket of low.y
     std::int64_t low_ = 0;
     int shift_ = 0;
-    Vector<std::size_t> firsts_;   // of each strip, and the end of the last
-    Vector<std::size_t> cursors_;  // by range of runs and strip: first a count, then where the next run goes
-    Array<std::int32_t> low_x_;
-    Array<std::int32_t> low_y_;
-    Array<std::int32_t> high_x_;
-    Array<std::int32_t> high_y_;
-    Array<std::uint32_t> run_at_;
+    Vector<std::size_t> firsts_{worker_.memory()};  // of each strip, and the end of the last
+    Vector<std::size_t> cursors_{
+        worker_.memory()};  // by range of runs and strip: first a count, then where the next run goes
+    Array<std::int32_t> low_x_{worker_.memory()};
+    Array<std::int32_t> low_y_{worker_.memory()};
+    Array<std::int32_t> high_x_{worker_.memory()};
+    Array<std::int32_t> high_y_{worker_.memory()};
+    Array<std::uint32_t> run_at_{worker_.memory()};
 };
 
 }  // namespace lamella

@@ -302,7 +302,7 @@ void ManyInside::add_edges(const QuerySteps& steps, const Point* points, std::ui
             add_edge(edge[0], edge[1], reaches.begin[i], reaches.end[i]);
             met += reaches.end[i] - reaches.begin[i];
         }
-        pace_.spend(Reaches::most + met);
+        worker_.spend(Reaches::most + met);
     }
 }
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/dispatch.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/grid/exact.hpp"
 
@@ -92,8 +92,7 @@ inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32
 /// O(points log points + edges log points + pairs of a point and an edge that share a y).
 class ManyInside {
 public:
-    explicit ManyInside(const Memory* memory)
-        : sift_edges_(best_of(sift_edges_forms())), queries_(memory), by_y_(memory), ends_(memory) {}
+    explicit ManyInside(Worker& worker) noexcept : worker_(worker) {}
 
     void clear() noexcept { queries_.clear(); }
     /// Throws std::bad_alloc.
@@ -101,8 +100,6 @@ public:
     /// Appends the numbers of the points added that lie strictly inside to `inside`, in an unspecified but reproducible
     /// order. Throws std::bad_alloc.
     void test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside);
-    /// From here on test() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
 
 private:
     struct Query {
@@ -115,10 +112,10 @@ private:
     void add_edges(const QuerySteps& steps, const Point* points, std::uint32_t count);
     void add_edge(Point a, Point b, std::uint32_t begin, std::uint32_t end);
 
-    SiftEdges sift_edges_;
-    Vector<Query> queries_, by_y_;
-    Vector<std::uint32_t> ends_;  // of by_y_; see QuerySteps
-    StopPace pace_;
+    Worker& worker_;
+    SiftEdges sift_edges_ = best_of(sift_edges_forms());
+    Vector<Query> queries_{worker_.memory()}, by_y_{worker_.memory()};
+    Vector<std::uint32_t> ends_{worker_.memory()};  // of by_y_; see QuerySteps
 };
 
 }  // namespace lamella::nesting

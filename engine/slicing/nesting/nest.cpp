@@ -77,19 +77,6 @@ void NestItem::reset() noexcept {
     role = closed ? Role::flat : Role::open;
 }
 
-Nester::Nester(const Memory* memory)
-    : memory_(memory),
-      add_edges_(best_of(nesting::add_edges_forms())),
-      by_start_(memory_),
-      by_size_(memory_),
-      spare_keys_(memory_),
-      rings_(memory_),
-      starts_(memory_),
-      tree_(memory_),
-      containers_(memory_),
-      found_(memory_),
-      many_inside_(memory_) {}
-
 void Nester::nest(std::span<NestItem> items) {
     assert(items.size() <= std::size_t{std::numeric_limits<std::int32_t>::max()});
     collect(items);
@@ -106,7 +93,7 @@ void Nester::collect(std::span<NestItem> items) {
     by_start_.clear();
     for (std::size_t i = 0; i < items.size(); ++i) {
         NestItem& item = items[i];
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         item.reset();
         if (item.orientation != 0) {
             assert(item.start < item.count && item.points[item.start].x == item.box_min.x);
@@ -129,14 +116,14 @@ void Nester::reserve_keys(std::size_t count) {
 
 /// Rings in the order of starts, of equal starts the smaller first.
 void Nester::sort_by_start(std::span<const NestItem> items) {
-    nesting::sort_keys(by_start_, spare_keys_, pace_);
+    nesting::sort_keys(by_start_, spare_keys_, worker_);
     nesting::sort_equal_keys(by_start_, [items](const SortKey& a, const SortKey& b) {
         const std::strong_ordering order = compare_size(items[a.index], items[b.index]);
         return std::is_neq(order) ? std::is_lt(order) : a.index < b.index;
     });
     rings_.clear();
     for (const SortKey& key : by_start_) {
-        pace_.spend(1);
+        worker_.spend(1);
         rings_.emplace_back().item = key.index;
     }
 }
@@ -187,7 +174,7 @@ bool Nester::find_containers(std::span<const NestItem> items) {
     std::size_t steps = 0;
     std::uint32_t right = 0;  // the first start with a larger x than the ring's
     for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         const NestItem& contour = items[rings_[ring].item];
         right = right > ring ? right : starts_.first_right_of(ring, ring + 1);
         const StartLine::Window window = starts_.window(right, contour.box_max.x, contour.box_min.y, contour.box_max.y);
@@ -208,7 +195,7 @@ double Nester::aspect_of(std::span<const NestItem> items) {
     double heights = 0;
     for (const nesting::Ring& ring : rings_) {
         const NestItem& contour = items[ring.item];
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         widths += static_cast<double>(contour.box_max.x) - contour.box_min.x;
         heights += static_cast<double>(contour.box_max.y) - contour.box_min.y;
     }
@@ -228,10 +215,10 @@ void Nester::sort_containers(std::span<const NestItem> items) {
     by_size_.clear();
     for (std::uint32_t i = 0; i < containers_.size(); ++i) {
         const NestItem& contour = items[containers_[i].item];
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         by_size_.push_back({area_key(contour.twice_area), i});
     }
-    nesting::sort_keys(by_size_, spare_keys_, pace_);
+    nesting::sort_keys(by_size_, spare_keys_, worker_);
     auto huge = by_size_.end();
     while (huge != by_size_.begin() && std::prev(huge)->key == std::numeric_limits<std::uint64_t>::max()) {
         --huge;
@@ -246,7 +233,7 @@ void Nester::sort_containers(std::span<const NestItem> items) {
 void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
     constexpr std::size_t many = 8;
     constexpr std::size_t points_per_step = 4;
-    pace_.spend(item_work + found_.size() * (found_.size() < many ? contour.count / points_per_step : 1));
+    worker_.spend(item_work + found_.size() * (found_.size() < many ? contour.count / points_per_step : 1));
     if (found_.size() < many) {
         for (const std::uint32_t child : found_) {
             if (nesting::strictly_inside(add_edges_, contour.points, contour.count, starts_.at(child))) {
@@ -280,7 +267,7 @@ void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
 void Nester::assign_roles(std::span<NestItem> items) {
     for (nesting::Ring& ring : rings_) {
         NestItem& item = items[ring.item];
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         ring.winding = item.orientation > 0 ? 1 : -1;
         if (ring.parent >= 0) {
             const nesting::Ring& around = rings_[static_cast<std::size_t>(ring.parent)];

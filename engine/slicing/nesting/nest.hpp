@@ -22,8 +22,8 @@
 #include <span>
 #include <vector>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/result.hpp"
 #include "slicing/nesting/inside.hpp"
@@ -95,14 +95,7 @@ namespace lamella {
 /// Nests layer after layer; scratch is kept, so that a steady state allocates nothing. One per thread.
 class Nester {
 public:
-    explicit Nester(const Memory* memory);
-
-    /// From here on nest() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept {
-        pace_.follow(host);
-        many_inside_.follow(host);
-        tree_.follow(host);
-    }
+    explicit Nester(Worker& worker) noexcept : worker_(worker) {}
 
     /// Fills in the outputs of `items`, which are at most 2^31 - 1. Outputs do not depend on the order of the items, except
     /// that of contours equal in every point the first is the parent. Throws std::bad_alloc.
@@ -122,19 +115,18 @@ private:
     void adopt(std::uint32_t ring, std::uint32_t child);
     void assign_roles(std::span<NestItem> items);
 
-    const Memory* memory_;
-    nesting::AddEdges add_edges_;
-    Vector<nesting::SortKey> by_start_;  // of rings_: their starts
-    Vector<nesting::SortKey> by_size_;   // of containers_: their areas
-    Vector<nesting::SortKey> spare_keys_;
-    Vector<nesting::Ring> rings_;
-    nesting::StartLine starts_;
-    nesting::StartTree tree_;
+    Worker& worker_;
+    nesting::AddEdges add_edges_ = best_of(nesting::add_edges_forms());
+    Vector<nesting::SortKey> by_start_{worker_.memory()};  // of rings_: their starts
+    Vector<nesting::SortKey> by_size_{worker_.memory()};   // of containers_: their areas
+    Vector<nesting::SortKey> spare_keys_{worker_.memory()};
+    Vector<nesting::Ring> rings_{worker_.memory()};
+    nesting::StartLine starts_{worker_.memory()};
+    nesting::StartTree tree_{worker_};
     bool tree_in_use_ = false;  // instead of windows
-    Vector<nesting::Container> containers_;
-    Vector<std::uint32_t> found_;  // starts in a container's box
-    nesting::ManyInside many_inside_;
-    StopPace pace_;
+    Vector<nesting::Container> containers_{worker_.memory()};
+    Vector<std::uint32_t> found_{worker_.memory()};  // starts in a container's box
+    nesting::ManyInside many_inside_{worker_};
 };
 
 }  // namespace lamella

@@ -56,13 +56,13 @@ void StartTree::assign(std::span<const SortKey> by_start, double aspect) {
     const auto at = [](const SortKey& start) { return Point{x_of(start.key), y_of(start.key)}; };
     starts_.clear();
     for (std::uint32_t start = 0; start < by_start.size(); ++start) {
-        pace_.spend(1);
+        worker_.spend(1);
         starts_.push_back({by_start[start].key, start});
     }
-    order_by_place(std::span(starts_), at, pace_, aspect);
+    order_by_place(std::span(starts_), at, worker_, aspect);
     place_of_.resize(starts_.size());
     for (std::uint32_t place = 0; place < starts_.size(); ++place) {
-        pace_.spend(2);
+        worker_.spend(2);
         place_of_[starts_[place].index] = place;
     }
     boxes_.assign(
@@ -70,7 +70,7 @@ void StartTree::assign(std::span<const SortKey> by_start, double aspect) {
         [&](std::size_t place) {
             return FlatBox{at(starts_[place]), at(starts_[place])};
         },
-        pace_);
+        worker_);
 }
 
 void StartTree::find(Point box_min, Point box_max, Vector<std::uint32_t>& found) const {

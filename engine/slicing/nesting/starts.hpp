@@ -11,8 +11,8 @@
 #include <emmintrin.h>
 #endif
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/grid/box_tree.hpp"
 #include "slicing/nesting/order.hpp"
@@ -76,21 +76,19 @@ private:
 /// Starts that are taken off are not visited again.
 class StartTree {
 public:
-    explicit StartTree(const Memory* memory) : starts_(memory), place_of_(memory), boxes_(memory) {}
+    explicit StartTree(Worker& worker) noexcept : worker_(worker) {}
 
     /// `aspect`: the mean width of the boxes that will be searched over their mean height. Throws std::bad_alloc.
     void assign(std::span<const SortKey> by_start, double aspect);
-    /// From here on assign() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
     /// Appends the starts left that lie strictly within the box to `found`, in an unspecified but reproducible order.
     void find(Point box_min, Point box_max, Vector<std::uint32_t>& found) const;
     void take_off(std::uint32_t start) noexcept { boxes_.take_off(place_of_[start]); }
 
 private:
-    Vector<SortKey> starts_;          // by place
-    Vector<std::uint32_t> place_of_;  // of each start
-    BoxTree<Point> boxes_;            // of starts_
-    StopPace pace_;
+    Worker& worker_;
+    Vector<SortKey> starts_{worker_.memory()};          // by place
+    Vector<std::uint32_t> place_of_{worker_.memory()};  // of each start
+    BoxTree<Point> boxes_{worker_.memory()};            // of starts_
 };
 
 }  // namespace lamella::nesting

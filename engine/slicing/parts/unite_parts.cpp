@@ -24,7 +24,7 @@ public:
           control_(control),
           parallel_(parallel),
           united_(united),
-          workers_(static_cast<std::size_t>(parallel.threads())) {}
+          builders_(static_cast<std::size_t>(parallel.threads())) {}
 
     void build_all(FunctionRef<void(double)> reach) {
         const std::size_t layers = apart_.layers.size();
@@ -44,18 +44,19 @@ public:
     const ContourCounts& counts() const noexcept { return counts_; }
 
 private:
-    struct Worker {
-        explicit Worker(const Memory* memory) : builder(memory), given(memory) {}
-        LayerBuilder builder;
+    /// What a thread builds layers with.
+    struct Builder {
+        Builder(const Memory* memory, const StopCheck& stop) : worker(memory, stop), given(memory) {}
+        Worker worker;
+        LayerBuilder layers{worker};
         Vector<GivenContour> given;
     };
 
     void build(std::size_t task, int number) {
-        auto& worker = workers_[static_cast<std::size_t>(number)];
-        if (worker == nullptr) {
-            worker = std::make_unique<Worker>(control_.memory);
-            worker->builder.follow(parallel_.stop());
-            worker->builder.rules = {
+        auto& builder = builders_[static_cast<std::size_t>(number)];
+        if (builder == nullptr) {
+            builder = std::make_unique<Builder>(control_.memory, parallel_.stop());
+            builder->layers.rules = {
                 .region = &united_.region, .unit_mm = apart_.unit_mm, .first_layer = apart_.first_layer};
         }
         auto output = std::make_unique<BandOutput>(control_.memory);
@@ -64,11 +65,11 @@ private:
         output->first_layer = task * layers_a_task;
         const std::size_t end = std::min<std::size_t>(apart_.layers.size(), output->first_layer + layers_a_task);
         for (std::size_t l = output->first_layer; l < end; ++l) {
-            worker->given.clear();
+            builder->given.clear();
             for (const Contour& contour : apart_.contours_of(apart_.layers[l])) {
-                worker->given.push_back(as_given(contour));
+                builder->given.push_back(as_given(contour));
             }
-            worker->builder.build_given(worker->given, *output);
+            builder->layers.build_given(builder->given, *output);
         }
         outputs_[task] = std::move(output);
     }
@@ -95,7 +96,7 @@ private:
     const Control& control_;
     const Parallel& parallel_;
     SliceResult& united_;
-    std::vector<std::unique_ptr<Worker>> workers_;
+    std::vector<std::unique_ptr<Builder>> builders_;
     std::vector<std::unique_ptr<BandOutput>> outputs_;
     ContourCounts counts_;
 };

@@ -20,8 +20,8 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/region.hpp"
 #include "slicing/regions/snap_rounding.hpp"
 
@@ -37,18 +37,7 @@ class Arrangement {
 public:
     using Half = std::uint32_t;
 
-    explicit Arrangement(const Memory* memory)
-        : first_halves_(memory),
-          halves_(memory),
-          place_of_(memory),
-          face_of_(memory),
-          faces_(memory),
-          components_(memory),
-          component_of_(memory),
-          contour_of_(memory),
-          stack_(memory) {}
-
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    explicit Arrangement(Worker& worker) noexcept : worker_(worker) {}
 
     /// A face of a component, by one half on whose left it is.
     struct Face {
@@ -128,17 +117,17 @@ private:
     std::int64_t touched_at(std::int64_t contour, std::int64_t base, std::span<const End> first_ends) const noexcept;
     bool is_boundary(Half half) const noexcept { return contour_of_[half] != no_boundary; }
 
+    Worker& worker_;
     const SnapRounding* snapped_ = nullptr;
-    Vector<std::uint32_t> first_halves_;  // of each vertex, in halves_
-    Vector<Half> halves_;                 // by vertex that they leave, counter-clockwise from the left
-    Vector<std::uint32_t> place_of_;      // of each half in halves_
-    Vector<std::uint32_t> face_of_;       // of each half
-    Vector<Face> faces_;                  // by component
-    Vector<Component> components_;
-    Vector<std::uint32_t> component_of_;  // of each vertex
-    Vector<std::int64_t> contour_of_;     // of each half, while contours are traced
-    Vector<std::uint32_t> stack_;
-    StopPace pace_;
+    Vector<std::uint32_t> first_halves_{worker_.memory()};  // of each vertex, in halves_
+    Vector<Half> halves_{worker_.memory()};                 // by vertex that they leave, counter-clockwise from the left
+    Vector<std::uint32_t> place_of_{worker_.memory()};      // of each half in halves_
+    Vector<std::uint32_t> face_of_{worker_.memory()};       // of each half
+    Vector<Face> faces_{worker_.memory()};                  // by component
+    Vector<Component> components_{worker_.memory()};
+    Vector<std::uint32_t> component_of_{worker_.memory()};  // of each vertex
+    Vector<std::int64_t> contour_of_{worker_.memory()};     // of each half, while contours are traced
+    Vector<std::uint32_t> stack_{worker_.memory()};
 };
 
 }  // namespace lamella

@@ -71,7 +71,7 @@ void Contacts::find(std::span<const NestItem> contours) {
     first_edges_.push_back(0);
     any_meets_ = false;
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
-        pace_.spend(contours[c].count);
+        worker_.spend(contours[c].count);
         near_.add({{contours[c].points, contours[c].count}, c, true, contours[c].start});
         first_edges_.push_back(first_edges_.back() + contours[c].count);
     }
@@ -88,7 +88,7 @@ void Contacts::find(std::span<const NestItem> contours) {
 /// Where an edge runs back along the one before, so near that either may be bent through an end of the other.
 void Contacts::mark_sharp_corners(const NestItem& contour, std::uint32_t number) {
     const std::span<std::uint8_t> near = std::span(near_edges_).subspan(first_edges_[number], contour.count);
-    pace_.spend(contour.count);
+    worker_.spend(contour.count);
     for (std::uint32_t i = 0; i < contour.count; ++i) {
         const Point from = contour.from_start(i);
         const Point joint = contour.from_start(i + 1);

@@ -26,27 +26,6 @@ bool are_opposite(const NestItem& a, const NestItem& b) noexcept {
 
 }  // namespace
 
-Fill::Fill(const Memory* memory)
-    : contacts_(memory),
-      snapped_(memory),
-      arrangement_(memory),
-      items_(memory),
-      firsts_(memory),
-      times_(memory),
-      inside_(memory),
-      pieces_(memory),
-      piece_items_(memory),
-      face_points_(memory),
-      face_ends_(memory),
-      order_(memory),
-      around_(memory),
-      around_known_(memory),
-      below_zero_(memory),
-      traced_(memory),
-      region_(memory),
-      points_(memory),
-      origins_(memory) {}
-
 void Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester) {
     assert(rule != FillRule::contours);
     region_.clear();
@@ -70,7 +49,7 @@ void Fill::merge_equal_ones(std::span<const NestItem> contours) {
     firsts_.clear();
     times_.clear();
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         if (c > 0 && std::is_eq(compare_points(contours[c - 1], contours[c]))) {
             ++times_.back();
             items_.back().part = part_of_both(items_.back().part, contours[c].part);
@@ -100,7 +79,7 @@ void Fill::keep_or_drop_all(FillRule rule, Nester& nester) {
 
 /// Returns the winding number just inside the contour.
 std::int64_t Fill::keep_or_drop(std::uint32_t contour, std::int64_t around, FillRule rule) {
-    pace_.spend(item_work);
+    worker_.spend(item_work);
     const std::int64_t inside = around + items_[contour].orientation * times_[contour];
     if (fills(rule, inside) != fills(rule, around)) {
         region_.push_back({.kept = firsts_[contour], .hole = !fills(rule, inside), .part = items_[contour].part});
@@ -160,7 +139,7 @@ void Fill::nest_pieces(Nester& nester) {
     piece_items_.clear();
     piece_items_.reserve(pieces_.size());
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         const std::size_t begin = p == 0 ? 0 : face_ends_[p - 1];
         piece_items_.push_back(pieces_[p].contour >= 0
                                    ? items_[static_cast<std::size_t>(pieces_[p].contour)]
@@ -174,7 +153,7 @@ void Fill::find_windings(FillRule rule) {
     order_.resize(pieces_.size());
     std::iota(order_.begin(), order_.end(), 0U);
     std::sort(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {
-        pace_.spend(1);
+        worker_.spend(1);
         return piece_items_[a].from_start(0) < piece_items_[b].from_start(0);
     });
     inside_.resize(pieces_.size());

@@ -21,8 +21,8 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/regions/arrangement.hpp"
 #include "slicing/regions/contacts.hpp"
@@ -43,15 +43,7 @@ struct RegionContour {
 /// Layer after layer; scratch is kept. One per thread.
 class Fill {
 public:
-    explicit Fill(const Memory* memory);
-
-    /// From here on run() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept {
-        pace_.follow(host);
-        contacts_.follow(host);
-        snapped_.follow(host);
-        arrangement_.follow(host);
-    }
+    explicit Fill(Worker& worker) noexcept : worker_(worker) {}
 
     /// Computes the region. `contours` are closed and sorted by start, equal ones side by side. Throws std::bad_alloc.
     void run(std::span<const NestItem> contours, FillRule rule, Nester& nester);
@@ -89,29 +81,29 @@ private:
     bool is_wide(const Arrangement::Face& face);
     void take_traced(FillRule rule);
 
-    Contacts contacts_;
-    SnapRounding snapped_;
-    Arrangement arrangement_;
-    Vector<NestItem> items_;        // one of each group of equal contours
-    Vector<std::uint32_t> firsts_;  // of each item: the index of the first of the equal contours
-    Vector<std::int64_t> times_;    // of each item: how many there are
-    Vector<std::int64_t> inside_;   // of each item or piece: the winding number just inside
-    Vector<Piece> pieces_;
-    Vector<NestItem> piece_items_;
-    Vector<Point> face_points_;
-    Vector<std::size_t> face_ends_;      // of each piece, in face_points_
-    Vector<std::uint32_t> order_;        // of pieces, by start
-    Vector<std::int64_t> around_;        // of each component: the winding number around it
-    Vector<std::uint8_t> around_known_;  // of each component
-    Vector<std::uint8_t> below_zero_;    // of each component: whether it has a wide face below zero
-    Vector<Arrangement::Traced> traced_;
-    Vector<RegionContour> region_;
-    Vector<Point> points_;
-    Vector<PointOrigin> origins_;  // of points_
+    Worker& worker_;
+    Contacts contacts_{worker_};
+    SnapRounding snapped_{worker_};
+    Arrangement arrangement_{worker_};
+    Vector<NestItem> items_{worker_.memory()};        // one of each group of equal contours
+    Vector<std::uint32_t> firsts_{worker_.memory()};  // of each item: the index of the first of the equal contours
+    Vector<std::int64_t> times_{worker_.memory()};    // of each item: how many there are
+    Vector<std::int64_t> inside_{worker_.memory()};   // of each item or piece: the winding number just inside
+    Vector<Piece> pieces_{worker_.memory()};
+    Vector<NestItem> piece_items_{worker_.memory()};
+    Vector<Point> face_points_{worker_.memory()};
+    Vector<std::size_t> face_ends_{worker_.memory()};      // of each piece, in face_points_
+    Vector<std::uint32_t> order_{worker_.memory()};        // of pieces, by start
+    Vector<std::int64_t> around_{worker_.memory()};        // of each component: the winding number around it
+    Vector<std::uint8_t> around_known_{worker_.memory()};  // of each component
+    Vector<std::uint8_t> below_zero_{worker_.memory()};    // of each component: whether it has a wide face below zero
+    Vector<Arrangement::Traced> traced_{worker_.memory()};
+    Vector<RegionContour> region_{worker_.memory()};
+    Vector<Point> points_{worker_.memory()};
+    Vector<PointOrigin> origins_{worker_.memory()};  // of points_
     bool with_origins_ = false;
     bool unchanged_ = false;
     bool cancels_ = false;
-    StopPace pace_;
 };
 
 }  // namespace lamella

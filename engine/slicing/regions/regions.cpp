@@ -32,35 +32,6 @@ void refuse_beyond_grid(const RawCurve& curve) {
 
 }  // namespace
 
-Regions::Regions(const Memory* memory)
-    : rings_(memory),
-      input_(memory),
-      items_(memory),
-      curves_(memory),
-      parts_(memory),
-      is_alone_(memory),
-      alone_(memory),
-      turned_edges_(memory),
-      from_start_(memory),
-      folded_(memory),
-      folded_origins_(memory),
-      folded_of_(memory),
-      folded_ends_(memory),
-      turned_(memory),
-      turned_origins_(memory),
-      filled_(memory),
-      moved_(memory),
-      closed_(memory),
-      moved_curves_(memory),
-      closed_curves_(memory) {}
-
-void Regions::follow(const StopCheck& host) noexcept {
-    pace_.follow(host);
-    for (Fill* fill : {&filled_, &moved_, &closed_}) {
-        fill->follow(host);
-    }
-}
-
 void Regions::run(std::span<const NestItem> contours, const RegionSteps& steps, Nester& nester) {
     filled_.run(contours, steps.rule, nester);
     unchanged_ = filled_.is_unchanged();
@@ -93,7 +64,7 @@ void Regions::take_given(std::span<const NestItem> contours) {
 void Regions::take(Fill& fill) {
     rings_.clear();
     for (const RegionContour& contour : fill.region()) {
-        pace_.spend(ring_work);
+        worker_.spend(ring_work);
         if (contour.kept >= 0) {
             Ring& ring = rings_.emplace_back(input_[static_cast<std::size_t>(contour.kept)]);
             ring.hole = contour.hole;
@@ -158,7 +129,7 @@ void Regions::list_dilated(const RegionSteps& steps) {
         const std::span<const Point> points = points_of(ring.item);
         curves_.push_back(moved_curves_.append(points, steps.close, steps.miter_limit, RawOffset::Turned::omitted));
         parts_.push_back(ring.item.part);
-        pace_.spend(curve_work * points.size());
+        worker_.spend(curve_work * points.size());
         if (!curves_.back().directions_kept && !fold(ring.item, steps)) {
             curves_.back() = moved_curves_.append(points, steps.close, steps.miter_limit);
         }
@@ -282,7 +253,7 @@ void Regions::append_curve(std::span<const Point> points, std::uint32_t part, do
     curves_.push_back(curves.append(points, distance, miter_limit));
     parts_.push_back(part);
     refuse_beyond_grid(curves_.back());
-    pace_.spend(curve_work * points.size());
+    worker_.spend(curve_work * points.size());
 }
 
 /// Adds the curves to input_, but for those that have vanished.
@@ -291,7 +262,7 @@ void Regions::list_curves(RawOffset& curves) {
         if (curves_[c].count > 0) {
             input_.push_back({.item = closed_item(curves.points_of(curves_[c])), .source = c});
             input_.back().item.part = parts_[c];
-            pace_.spend(curves_[c].count);
+            worker_.spend(curves_[c].count);
         }
     }
 }
@@ -299,7 +270,7 @@ void Regions::list_curves(RawOffset& curves) {
 /// What input_ bounds by the positive rule.
 void Regions::fill_positive(Fill& fill, Nester& nester) {
     std::sort(input_.begin(), input_.end(), [this](const Ring& a, const Ring& b) {
-        pace_.spend(1);
+        worker_.spend(1);
         return std::pair(a.item.from_start(0), a.source) < std::pair(b.item.from_start(0), b.source);
     });
     items_.clear();

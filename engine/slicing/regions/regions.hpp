@@ -17,8 +17,8 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/region.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/offset/raw_offset.hpp"
@@ -47,10 +47,7 @@ struct Ring {
 /// Layer after layer; scratch is kept. One per thread.
 class Regions {
 public:
-    explicit Regions(const Memory* memory);
-
-    /// From here on run() and mark_near() throw Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept;
+    explicit Regions(Worker& worker) noexcept : worker_(worker) {}
 
     /// Computes the region. `contours` are closed and sorted by start, equal ones side by side. O((q + c) log (q + c)) for q
     /// points and c contacts. Throws std::bad_alloc.
@@ -86,29 +83,29 @@ private:
     void fill_positive(Fill& fill, Nester& nester);
     void take(Fill& fill);
 
-    Vector<Ring> rings_;
-    Vector<Ring> input_;             // of a stage's fill, by start
-    Vector<NestItem> items_;         // of input_
-    Vector<RawCurve> curves_;        // of a stage's rings
-    Vector<std::uint32_t> parts_;    // of curves_
-    Vector<std::uint8_t> is_alone_;  // of each ring: closing leaves it alone
-    Vector<Ring> alone_;
-    Vector<std::uint32_t> turned_edges_;  // of a ring
-    Vector<Point> from_start_;            // points of a ring
-    Vector<Point> folded_;
-    Vector<PointOrigin> folded_origins_;
-    Vector<std::uint32_t> folded_of_;  // of a folded ring's points: which they were before
-    Vector<std::size_t> folded_ends_;  // of each ring, in folded_
-    Vector<Point> turned_;             // points of rings that were walked with the solid on their right
-    Vector<PointOrigin> turned_origins_;
+    Worker& worker_;
+    Vector<Ring> rings_{worker_.memory()};
+    Vector<Ring> input_{worker_.memory()};             // of a stage's fill, by start
+    Vector<NestItem> items_{worker_.memory()};         // of input_
+    Vector<RawCurve> curves_{worker_.memory()};        // of a stage's rings
+    Vector<std::uint32_t> parts_{worker_.memory()};    // of curves_
+    Vector<std::uint8_t> is_alone_{worker_.memory()};  // of each ring: closing leaves it alone
+    Vector<Ring> alone_{worker_.memory()};
+    Vector<std::uint32_t> turned_edges_{worker_.memory()};  // of a ring
+    Vector<Point> from_start_{worker_.memory()};            // points of a ring
+    Vector<Point> folded_{worker_.memory()};
+    Vector<PointOrigin> folded_origins_{worker_.memory()};
+    Vector<std::uint32_t> folded_of_{worker_.memory()};  // of a folded ring's points: which they were before
+    Vector<std::size_t> folded_ends_{worker_.memory()};  // of each ring, in folded_
+    Vector<Point> turned_{worker_.memory()};             // points of rings that were walked with the solid on their right
+    Vector<PointOrigin> turned_origins_{worker_.memory()};
     bool unchanged_ = false;
 
-    Fill filled_;
-    Fill moved_;  // dilated for closing, or offset
-    Fill closed_;
-    RawOffset moved_curves_;
-    RawOffset closed_curves_;
-    StopPace pace_;
+    Fill filled_{worker_};
+    Fill moved_{worker_};  // dilated for closing, or offset
+    Fill closed_{worker_};
+    RawOffset moved_curves_{worker_.memory()};
+    RawOffset closed_curves_{worker_.memory()};
 };
 
 }  // namespace lamella

@@ -24,8 +24,8 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/regions/point_tree.hpp"
@@ -52,11 +52,7 @@ struct Strand {
 /// One layer after another; scratch is kept. One per thread.
 class SnapRounding {
 public:
-    explicit SnapRounding(const Memory* memory)
-        : contours_(memory), vertices_(memory), tree_(memory), strands_(memory), on_edge_(memory), on_strand_(memory) {}
-
-    /// From here on run() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    explicit SnapRounding(Worker& worker) noexcept : worker_(worker) {}
 
     /// Forgets all contours.
     void clear() noexcept { contours_.clear(); }
@@ -108,14 +104,14 @@ private:
     void add_strand(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin);
     void merge_strands();
 
-    Vector<Source> contours_;
-    Vector<Point> vertices_;
-    PointTree tree_;
-    Vector<Strand> strands_;
-    Vector<Found> on_edge_;  // vertices that an edge passes, in its direction
-    Vector<Found> on_strand_;
+    Worker& worker_;
+    Vector<Source> contours_{worker_.memory()};
+    Vector<Point> vertices_{worker_.memory()};
+    PointTree tree_{worker_.memory()};
+    Vector<Strand> strands_{worker_.memory()};
+    Vector<Found> on_edge_{worker_.memory()};  // vertices that an edge passes, in its direction
+    Vector<Found> on_strand_{worker_.memory()};
     bool any_cancelled_ = false;
-    StopPace pace_;
 };
 
 }  // namespace lamella

@@ -25,7 +25,7 @@ void EndTree::assign(std::span<const PolylineEnds> polylines, Point PolylineEnds
     polylines_.resize(polylines.size());
     std::iota(polylines_.begin(), polylines_.end(), 0U);
     std::sort(polylines_.begin(), polylines_.end(), [polylines, end, this](std::uint32_t a, std::uint32_t b) {
-        pace_.spend(1);
+        worker_.spend(1);
         return std::tie(polylines[a].*end, a) < std::tie(polylines[b].*end, b);
     });
     sites_.clear();
@@ -37,13 +37,13 @@ void EndTree::assign(std::span<const PolylineEnds> polylines, Point PolylineEnds
         ++sites_.back().end;
     }
     order_by_place(
-        std::span(sites_), [](const Site& site) { return site.at; }, pace_);
+        std::span(sites_), [](const Site& site) { return site.at; }, worker_);
     boxes_.assign(
         sites_.size(),
         [this](std::size_t site) {
             return FlatBox{sites_[site].at, sites_[site].at};
         },
-        pace_);
+        worker_);
 }
 
 std::uint32_t EndTree::nearest(Point to, double most_squared, std::uint32_t but) {
@@ -56,7 +56,7 @@ std::uint32_t EndTree::nearest(Point to, double most_squared, std::uint32_t but)
 /// The boxes of a block, the nearest first.
 void EndTree::search(std::size_t level, std::size_t number, Point to, Nearest& best) {
     constexpr std::size_t fan = BoxTree<Point>::fan;
-    pace_.spend(fan);
+    worker_.spend(fan);
     std::array<std::pair<double, std::size_t>, fan> near;
     std::size_t count = 0;
     for (std::size_t lane = 0; lane < fan; ++lane) {
@@ -210,7 +210,7 @@ std::span<const Gap> GapCloser::leave_open(std::span<const std::uint8_t> crossed
 /// By distance; see close().
 void GapCloser::sort_gaps(std::span<const PolylineEnds> polylines) {
     std::sort(gaps_.begin(), gaps_.end(), [polylines, this](const Gap& a, const Gap& b) {
-        pace_.spend(1);
+        worker_.spend(1);
         const auto key = [polylines](const Gap& gap) {
             const Point from = polylines[gap.from.polyline()].at(gap.from.last());
             const Point to = polylines[gap.to.polyline()].at(gap.to.last());

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
 #include "slicing/grid/bounds.hpp"
@@ -56,10 +56,7 @@ inline double squared_distance(Point a, Point b) noexcept {
 /// as ends are taken.
 class EndTree {
 public:
-    explicit EndTree(const Memory* memory) : polylines_(memory), sites_(memory), boxes_(memory) {}
-
-    /// From here on assign() and nearest() throw Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    explicit EndTree(Worker& worker) noexcept : worker_(worker) {}
 
     /// Fills the tree with one end of each polyline, the first or the last point. O(n log n). Throws std::bad_alloc.
     void assign(std::span<const PolylineEnds> polylines, Point PolylineEnds::*end);
@@ -93,10 +90,10 @@ private:
 
     void search(std::size_t level, std::size_t number, Point to, Nearest& best);
 
-    Vector<std::uint32_t> polylines_;  // by where they end, then by number
-    Vector<Site> sites_;
-    BoxTree<Point> boxes_;  // of sites_, but for those that no end is left at
-    StopPace pace_;
+    Worker& worker_;
+    Vector<std::uint32_t> polylines_{worker_.memory()};  // by where they end, then by number
+    Vector<Site> sites_{worker_.memory()};
+    BoxTree<Point> boxes_{worker_.memory()};  // of sites_, but for those that no end is left at
 };
 
 /// The first or the last point of a polyline.
@@ -133,15 +130,7 @@ struct GapRules {
 /// One per thread; scratch is kept.
 class GapCloser {
 public:
-    explicit GapCloser(const Memory* memory)
-        : ends_(memory), starts_(memory), chain_(memory), joined_to_(memory), gaps_(memory) {}
-
-    /// From here on close() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept {
-        pace_.follow(host);
-        ends_.follow(host);
-        starts_.follow(host);
-    }
+    explicit GapCloser(Worker& worker) noexcept : worker_(worker) {}
 
     /// Which of `polylines`, fewer than 2^31, follow each other over gaps of at most `rules.reach`. Pairs of ends are joined
     /// by distance, the nearest first, if neither is joined yet; at equal distances those that turn no polyline come first,
@@ -173,13 +162,13 @@ private:
     void join(Site a, Site b);
     void sort_gaps(std::span<const PolylineEnds> polylines);
 
+    Worker& worker_;
     double reach_squared_ = 0;
     GapSense sense_ = GapSense::kept;
-    EndTree ends_, starts_;          // those not joined yet
-    Vector<Site> chain_;             // each the nearest to its predecessor
-    Vector<PolylineEnd> joined_to_;  // by number
-    Vector<Gap> gaps_;
-    StopPace pace_;
+    EndTree ends_{worker_}, starts_{worker_};          // those not joined yet
+    Vector<Site> chain_{worker_.memory()};             // each the nearest to its predecessor
+    Vector<PolylineEnd> joined_to_{worker_.memory()};  // by number
+    Vector<Gap> gaps_{worker_.memory()};
 };
 
 }  // namespace lamella

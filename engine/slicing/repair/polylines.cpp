@@ -141,7 +141,7 @@ void PolylineRepair::join_rings() {
 void PolylineRepair::sort(std::span<const Polyline> polylines) {
     sorted_.assign(polylines.begin(), polylines.end());
     std::sort(sorted_.begin(), sorted_.end(), [this](const Polyline& a, const Polyline& b) {
-        pace_.spend(1);
+        worker_.spend(1);
         return before(a, b);
     });
     ends_.clear();
@@ -200,7 +200,7 @@ void PolylineRepair::join_from(PolylineEnd first) {
 /// Appends the points of a polyline from `entered` to its other end.
 void PolylineRepair::append(PolylineEnd entered) {
     const std::span<const Point> points = sorted_[entered.polyline()].points;
-    pace_.spend(points.size());
+    worker_.spend(points.size());
     if (entered.last()) {
         points_.insert(points_.end(), points.rbegin(), points.rend());
     } else {

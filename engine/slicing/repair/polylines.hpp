@@ -6,8 +6,8 @@
 #include <span>
 #include <utility>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/result.hpp"
 #include "slicing/edges/pair_search.hpp"
@@ -29,11 +29,7 @@ struct Joint {
 ///        '---------++---------'
 class CrossedJoints {
 public:
-    explicit CrossedJoints(const Memory* memory)
-        : pairs_(memory), ends_(memory), crossed_(memory), between_joints_(memory) {}
-
-    /// From here on find() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { pairs_.follow(host); }
+    explicit CrossedJoints(Worker& worker) noexcept : worker_(worker) {}
 
     /// Forgets what was added.
     void clear() noexcept { pairs_.clear(); }
@@ -46,10 +42,11 @@ public:
     std::span<const std::uint8_t> find(std::span<const Joint> joints, std::size_t free);
 
 private:
-    EdgePairs pairs_;
-    Vector<Point> ends_;  // of the joints, two by two
-    Vector<std::uint8_t> crossed_;
-    Vector<std::pair<std::uint32_t, std::uint32_t>> between_joints_;  // the later, the earlier
+    Worker& worker_;
+    EdgePairs pairs_{worker_};
+    Vector<Point> ends_{worker_.memory()};  // of the joints, two by two
+    Vector<std::uint8_t> crossed_{worker_.memory()};
+    Vector<std::pair<std::uint32_t, std::uint32_t>> between_joints_{worker_.memory()};  // the later, the earlier
 };
 
 struct Polyline {
@@ -74,23 +71,7 @@ struct JoinedPolyline {
 /// One per thread; scratch is kept.
 class PolylineRepair {
 public:
-    explicit PolylineRepair(const Memory* memory)
-        : gap_closer_(memory),
-          crossed_joints_(memory),
-          joints_(memory),
-          sorted_(memory),
-          ends_(memory),
-          used_(memory),
-          points_(memory),
-          origins_(memory),
-          joined_(memory) {}
-
-    /// From here on join() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept {
-        pace_.follow(host);
-        gap_closer_.follow(host);
-        crossed_joints_.follow(host);
-    }
+    explicit PolylineRepair(Worker& worker) noexcept : worker_(worker) {}
 
     /// Joins open polylines over gaps by these rules, nearest first, and appends the gaps that were closed to
     /// `closed_gaps`, as of `layer`. Gaps longer than the crossing reach stay open where the joint would cross a polyline, a
@@ -117,16 +98,16 @@ private:
     bool leads_on_from(PolylineEnd last) const;
     void turn_round(JoinedPolyline& whole) const;
 
-    GapCloser gap_closer_;
-    CrossedJoints crossed_joints_;
-    Vector<Joint> joints_;
-    Vector<Polyline> sorted_;    // as given, in canonical order
-    Vector<PolylineEnds> ends_;  // of sorted_
-    Vector<std::uint8_t> used_;  // of sorted_: whether it is part of a joined one
-    Vector<Point> points_;       // of joined_
-    Vector<PointOrigin> origins_;
-    Vector<JoinedPolyline> joined_;
-    StopPace pace_;
+    Worker& worker_;
+    GapCloser gap_closer_{worker_};
+    CrossedJoints crossed_joints_{worker_};
+    Vector<Joint> joints_{worker_.memory()};
+    Vector<Polyline> sorted_{worker_.memory()};    // as given, in canonical order
+    Vector<PolylineEnds> ends_{worker_.memory()};  // of sorted_
+    Vector<std::uint8_t> used_{worker_.memory()};  // of sorted_: whether it is part of a joined one
+    Vector<Point> points_{worker_.memory()};       // of joined_
+    Vector<PointOrigin> origins_{worker_.memory()};
+    Vector<JoinedPolyline> joined_{worker_.memory()};
 };
 
 }  // namespace lamella

@@ -26,19 +26,6 @@ std::uint64_t most_steps(std::uint64_t edges) noexcept {
 
 }  // namespace
 
-Simplifier::Simplifier(const Memory* memory)
-    : paths_(memory),
-      points_(memory),
-      is_left_(memory),
-      in_conflict_(memory),
-      left_(memory),
-      left_points_(memory),
-      left_origins_(memory),
-      starts_(memory),
-      starts_tree_(memory),
-      chains_(memory),
-      pairs_(memory) {}
-
 void Simplifier::run(std::span<NestItem> items, std::int64_t tolerance) {
     tolerance_ = tolerance;
     list(items);
@@ -49,8 +36,8 @@ void Simplifier::run(std::span<NestItem> items, std::int64_t tolerance) {
     if (std::all_of(paths_.begin(), paths_.end(), [](const Path& path) { return path.left == path.count(); })) {
         return;
     }
-    starts_tree_.build(starts_, pace_);
-    chains_.build(points_, pace_);
+    starts_tree_.build(starts_, worker_);
+    chains_.build(points_, worker_);
     for (int round = 1;; ++round) {
         if (!find_conflicts(items)) {
             is_left_.assign(points_.size(), 1);
@@ -82,7 +69,7 @@ void Simplifier::list(std::span<const NestItem> items) {
                           .last = points_.size() - 1,
                           .closed = item.closed,
                           .stays = is_flat || item.count <= (item.closed ? 3U : 2U)});
-        pace_.spend(item.count);
+        worker_.spend(item.count);
     }
     if (points_.size() > std::numeric_limits<Index>::max()) {
         throw std::bad_alloc();
@@ -112,7 +99,7 @@ void Simplifier::reduce_chain(std::size_t first, std::size_t last, int splits_le
     if (last - first < 2) {
         return;
     }
-    pace_.spend(chain_work * (last - first));
+    worker_.spend(chain_work * (last - first));
     const ChainReach reach = measure_chain(points_.data(), first, last, tolerance_);
     if (reach.within) {
         return;
@@ -131,7 +118,7 @@ void Simplifier::list_left() {
     for (Path& path : paths_) {
         path.first_left = left_.size();
         const std::size_t end = path.closed ? path.last : path.last + 1;
-        pace_.in_stretches(path.begin, end, 1, [&](std::size_t from, std::size_t to) {
+        worker_.in_stretches(path.begin, end, 1, [&](std::size_t from, std::size_t to) {
             for (std::size_t i = from; i < to; ++i) {
                 if (is_left_[i] != 0) {
                     left_.push_back(static_cast<Index>(i - path.begin));
@@ -150,7 +137,7 @@ bool Simplifier::find_conflicts(std::span<const NestItem> items) {
         const Path& path = paths_[p];
         pairs_.add(
             {.points = std::span(left_points_).subspan(path.first_left, path.left), .contour = p, .closed = path.closed});
-        pace_.spend(path.left);
+        worker_.spend(path.left);
     }
     const std::uint64_t most = most_steps(points_.size());
     if (!pairs_.find(0, most,
@@ -220,7 +207,7 @@ void Simplifier::find_jumps(std::size_t path, std::uint64_t most) {
             }
             return in_conflict_[first] == 0 && steps_ <= most;
         });
-        pace_.spend(last - first + chain_work * (steps_ - before));
+        worker_.spend(last - first + chain_work * (steps_ - before));
     }
 }
 
@@ -228,7 +215,7 @@ void Simplifier::find_jumps(std::size_t path, std::uint64_t most) {
 void Simplifier::keep_orientation(std::size_t path, const NestItem& item) {
     const Path& of = paths_[path];
     const Point* const points = left_points_.data() + of.first_left;
-    pace_.spend(of.left);
+    worker_.spend(of.left);
     if (!of.closed ||
         (of.left >= 3 && sign_of(examine_ring(points, of.left).twice_area) == sign_of(to_int128(item.twice_area)))) {
         return;
@@ -263,7 +250,7 @@ void Simplifier::split(std::size_t first, std::size_t last, int times, bool by_h
         reduce_chain(first, last);
         return;
     }
-    pace_.spend(chain_work * (last - first));
+    worker_.spend(chain_work * (last - first));
     const std::size_t at =
         by_halves ? first + (last - first) / 2 : measure_chain(points_.data(), first, last, tolerance_).furthest;
     is_left_[at] = 1;
@@ -292,7 +279,7 @@ void Simplifier::write(std::span<NestItem> items) {
             item.box_min = facts.box_min;
             item.box_max = facts.box_max;
         }
-        pace_.spend(path.left);
+        worker_.spend(path.left);
     }
 }
 

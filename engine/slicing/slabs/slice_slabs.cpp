@@ -60,9 +60,10 @@ struct PieceCounts {
 
 /// What a thread builds layers with.
 struct SlabWorker {
-    explicit SlabWorker(const Memory* memory) : sum(memory), builder(memory), given(memory) {}
+    SlabWorker(const Memory* memory, const StopCheck& stop) : worker(memory, stop), sum(memory), given(memory) {}
+    Worker worker;
     EdgeSum sum;
-    LayerBuilder builder;
+    LayerBuilder builder{worker};
     Vector<GivenContour> given;
 };
 
@@ -251,9 +252,8 @@ void SlabSlicing::build_layers(Distributed<FacePiece>& pieces) {
         }
         auto& worker = workers[static_cast<std::size_t>(number)];
         if (worker == nullptr) {
-            worker = std::make_unique<SlabWorker>(options_.control.memory);
+            worker = std::make_unique<SlabWorker>(options_.control.memory, parallel_.stop());
             worker->sum.follow(parallel_.stop());
-            worker->builder.follow(parallel_.stop());
             worker->builder.rules = {&rules_, unit_mm_, 0};
         }
         build_task(sense, part % tasks(), pieces.of(part), *worker);

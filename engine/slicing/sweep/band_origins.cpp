@@ -23,14 +23,14 @@ PointOrigin above_middle(const CrossedTriangle& t, PointOrigin below) noexcept {
 /// Of the plane's links: to both ports of each.
 void BandSweep::put_origins(PlaneIndex plane) {
     if (origins_.size() < graph_.capacity()) {
-        resize_exactly(origins_, graph_.capacity(), pace_);
+        resize_exactly(origins_, graph_.capacity(), worker_);
     }
     const auto put = [this](const Link& link, const PointOrigin& origin) {
         for (const PortRef ref : link.ends) {
             origins_[slot_of(ref)].by_port[ref & 1] = origin;
         }
     };
-    pace_.in_stretches(0, link_count_, origin_work, [&](std::size_t begin, std::size_t end) {
+    worker_.in_stretches(0, link_count_, origin_work, [&](std::size_t begin, std::size_t end) {
         for (auto link = static_cast<std::uint32_t>(begin); link < end; ++link) {
             put(links_[link], origin_of_link(link, plane));
         }

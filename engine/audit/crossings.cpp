@@ -94,7 +94,7 @@ public:
         points_ = runs.points();
         most_crossings_ = limits.crossings;
         found_ = {};
-        const std::span<const LayerPath> paths = runs.paths();
+        const std::span<const EdgePath> paths = runs.paths();
         found_.cut_short = !search_.find(runs, strips, share, shares, limits.steps,
                                          [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
                                              compare_edges(paths[a], i, paths[b], j);
@@ -105,7 +105,7 @@ public:
 
 private:
     /// A corner belongs to the edge that ends in it, so that each passage is seen in one pair of edges.
-    void compare_edges(const LayerPath& a, std::size_t i, const LayerPath& b, std::size_t j) {
+    void compare_edges(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
         const Point* const p = points_;
         const int b_from = side_of(p[i], p[i + 1], p[j]);
         const int b_to = side_of(p[i], p[i + 1], p[j + 1]);
@@ -128,7 +128,7 @@ private:
     }
 
     /// The corner in which edge i of `a` ends lies inside edge j of `b`.
-    void passes_edge(const LayerPath& a, std::size_t i, const LayerPath& b, std::size_t j) {
+    void passes_edge(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
         const Point* const p = points_;
         if (a.goes_on(i) && side_of(p[j], p[j + 1], p[i]) * side_of(p[j], p[j + 1], p[i + 2]) < 0) {
             note(p[i + 1], a, b);
@@ -144,8 +144,8 @@ private:
                 static_cast<std::int32_t>(std::lround(a.y + part * (static_cast<double>(b.y) - a.y)))};
     }
 
-    void note(Point place, const LayerPath& a, const LayerPath& b) {
-        const auto [lower, upper] = std::minmax(a.given.contour, b.given.contour);
+    void note(Point place, const EdgePath& a, const EdgePath& b) {
+        const auto [lower, upper] = std::minmax(a.contour, b.contour);
         found_.add({1, place, {lower, upper}});
         if (found_.count == most_crossings_) {
             search_.stop();

@@ -16,7 +16,7 @@
 
 #include "base/int128.hpp"
 #include "engine/region_checks.hpp"
-#include "slicing/regions/closed_item.hpp"
+#include "slicing/nesting/path.hpp"
 #include "slicing/simplify/simplifier.hpp"
 
 namespace simplify_checks {

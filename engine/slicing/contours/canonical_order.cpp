@@ -22,17 +22,17 @@ bool comes_from_less(const NestItem& a, const NestItem& b) {
 }
 
 /// Decides between contours that start on the same edge.
-bool holds_less(const LayerContour& contour_a, const LayerContour& contour_b) {
-    const NestItem& a = contour_a.item;
-    const NestItem& b = contour_b.item;
+bool holds_less(const Path& path_a, const Path& path_b) {
+    const NestItem& a = path_a.item;
+    const NestItem& b = path_b.item;
     if (a.closed != b.closed) {
         return a.closed;
     }
     if (a.count != b.count) {
         return a.count < b.count;
     }
-    if (contour_a.segments != contour_b.segments) {
-        return contour_a.segments < contour_b.segments;
+    if (path_a.segments != path_b.segments) {
+        return path_a.segments < path_b.segments;
     }
     for (std::uint32_t i = 0; i < a.count; ++i) {
         const Point& point_a = a.from_start(i);
@@ -46,7 +46,7 @@ bool holds_less(const LayerContour& contour_a, const LayerContour& contour_b) {
 
 }  // namespace
 
-void CanonicalOrder::sort_by_start(std::span<const LayerContour> contours) {
+void CanonicalOrder::sort_by_start(std::span<const Path> contours) {
     by_start_.clear();
     for (std::uint32_t i = 0; i < contours.size(); ++i) {
         const NestItem& item = contours[i].item;
@@ -55,8 +55,8 @@ void CanonicalOrder::sort_by_start(std::span<const LayerContour> contours) {
     }
     nesting::sort_keys(by_start_, spare_keys_, worker_);
     nesting::sort_equal_keys(by_start_, [contours](const nesting::SortKey& key_a, const nesting::SortKey& key_b) {
-        const LayerContour& a = contours[key_a.index];
-        const LayerContour& b = contours[key_b.index];
+        const Path& a = contours[key_a.index];
+        const Path& b = contours[key_b.index];
         return a.start_key != b.start_key ? a.start_key < b.start_key : holds_less(a, b);
     });
 }

@@ -9,8 +9,8 @@
 #include <span>
 
 #include "base/vector.hpp"
-#include "slicing/contours/layer_contour.hpp"
 #include "slicing/nesting/order.hpp"
+#include "slicing/nesting/path.hpp"
 
 namespace lamella {
 
@@ -21,9 +21,9 @@ public:
 
     /// Sorts by the start point, then by its edge, then by content, origins last. Contours equal in all of that are
     /// interchangeable. O(q log q). Throws std::bad_alloc.
-    void sort_by_start(std::span<const LayerContour> contours);
-    /// The contour that comes `item`-th by start.
-    std::uint32_t contour_of(std::size_t item) const noexcept { return by_start_[item].index; }
+    void sort_by_start(std::span<const Path> contours);
+    /// The path that comes `item`-th by start.
+    std::uint32_t path_of(std::size_t item) const noexcept { return by_start_[item].index; }
     std::size_t size() const noexcept { return by_start_.size(); }
 
     /// Finds the place in the result of each item; `items` are by start and nested. O(q). Throws std::bad_alloc.

@@ -1,8 +1,8 @@
 #include "slicing/contours/layer_builder.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
-#include <iterator>
 
 #include "base/clock.hpp"
 #include "base/int128.hpp"
@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t contour_work = 32;  ///< as StopPace counts it
 
-bool is_closed(const LayerContour& contour) noexcept {
-    return contour.item.closed;
+bool is_closed(const Path& path) noexcept {
+    return path.item.closed;
 }
 
 Int128 size_of(const NestItem& item) noexcept {
@@ -27,42 +27,43 @@ Int128 size_of(const NestItem& item) noexcept {
 }  // namespace
 
 void LayerBuilder::build(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, BandOutput& out) {
-    rings_.read(graph, points, origins, contours_);
+    rings_.read(graph, points, origins, paths_);
     finish(out);
 }
 
 void LayerBuilder::build_traced(Point* rings, PointOrigin* origins, std::span<const WalkedContour> walked, KeyAt key_at,
                                 const Parallel& parallel, BandOutput& out) {
-    read_traced(rings, origins, walked, key_at, parallel, contours_);
+    read_traced(rings, origins, walked, key_at, parallel, paths_);
     finish(out);
 }
 
-void LayerBuilder::build_given(std::span<const GivenContour> contours, BandOutput& out) {
+void LayerBuilder::build_given(std::span<const Path> contours, BandOutput& out) {
     given_.clear();
     given_origins_.clear();
-    for (const GivenContour& contour : contours) {
-        given_.insert(given_.end(), contour.points.begin(), contour.points.end());
-        given_origins_.insert(given_origins_.end(), contour.origins.begin(), contour.origins.end());
-        worker_.spend(contour.points.size());
+    for (const Path& given : contours) {
+        const NestItem& item = given.item;
+        given_.insert(given_.end(), item.points, item.points + item.count);
+        given_origins_.insert(given_origins_.end(), item.origins, item.origins + (item.origins != nullptr ? item.count : 0));
+        worker_.spend(item.count);
     }
-    contours_.clear();
+    paths_.clear();
     std::span<Point> rest(given_);
-    for (const GivenContour& given : contours) {
-        const std::span<Point> points = rest.first(given.points.size());
-        rest = rest.subspan(given.points.size());
+    for (const Path& given : contours) {
+        const NestItem& item = given.item;
+        const std::span<Point> points = rest.first(item.count);
+        rest = rest.subspan(item.count);
         PointOrigin* const origins =
             given_origins_.empty() ? nullptr : given_origins_.data() + (points.data() - given_.data());
-        if (given.turned) {
+        if (item.reverse) {
             std::reverse(points.begin(), points.end());
-            for (std::size_t i = 0; i < given.origins.size(); ++i) {
-                origins[i] = origin_turned_round(given.origins, i);
+            for (std::size_t i = 0; origins != nullptr && i < item.count; ++i) {
+                origins[i] = origin_turned_round({item.origins, item.count}, i);
             }
         }
-        LayerContour& contour =
-            contours_.emplace_back(given.closed ? closed_contour(points, origins) : open_contour(points, origins));
-        contour.segments = given.segments;
-        contour.item.flags = given.flags;
-        contour.item.part = given.part;
+        Path& path = paths_.emplace_back(item.closed ? closed_path(points, origins) : open_path(points, origins));
+        path.segments = given.segments;
+        path.item.flags = item.flags;
+        path.item.part = item.part;
     }
     finish(out);
 }
@@ -86,36 +87,22 @@ void LayerBuilder::finish(BandOutput& out) {
 
 /// Replaces the open contours by what they are joined to.
 void LayerBuilder::close_gaps(BandOutput& out) {
-    const auto first_open = std::stable_partition(contours_.begin(), contours_.end(), is_closed);
-    polylines_.clear();
-    std::transform(first_open, contours_.end(), std::back_inserter(polylines_), [](const LayerContour& open) {
-        return Polyline{
-            {open.item.points, open.item.count}, open.item.origins, open.start_key, open.segments, open.item.flags};
-    });
-    around_.clear();
-    std::transform(contours_.begin(), first_open, std::back_inserter(around_),
-                   [](const LayerContour& closed) { return std::span<const Point>(closed.item.points, closed.item.count); });
-    if (!repair_.join(polylines_, around_, {rules.close_gaps, rules.crossing_gaps, rules.gap_sense},
-                      out.layer_contours.size(), out.closed_gaps)) {
-        return;
-    }
-    contours_.erase(first_open, contours_.end());
-    for (const JoinedPolyline& joined : repair_.joined()) {
-        LayerContour& contour = contours_.emplace_back(joined.closed ? closed_contour(joined.points, joined.origins)
-                                                                     : open_contour(joined.points, joined.origins));
-        contour.start_key = joined.closed ? EndKey{} : joined.start_key;
-        contour.segments = joined.segments;
-        contour.item.flags = joined.flags;
+    const auto first_open = std::stable_partition(paths_.begin(), paths_.end(), is_closed);
+    const auto closed = std::span(paths_).first(static_cast<std::size_t>(first_open - paths_.begin()));
+    if (repair_.join(std::span(paths_).subspan(closed.size()), closed,
+                     {rules.close_gaps, rules.crossing_gaps, rules.gap_sense}, out.layer_contours.size(), out.closed_gaps)) {
+        paths_.erase(first_open, paths_.end());
+        paths_.insert(paths_.end(), repair_.joined().begin(), repair_.joined().end());
     }
 }
 
 void LayerBuilder::sort_by_start() {
-    order_.sort_by_start(contours_);
+    order_.sort_by_start(paths_);
     items_.clear();
-    reserve_more(items_, contours_.size());
-    for (std::size_t i = 0; i < contours_.size(); ++i) {
+    reserve_more(items_, paths_.size());
+    for (std::size_t i = 0; i < paths_.size(); ++i) {
         worker_.spend(contour_work);
-        items_.push_back(contours_[order_.contour_of(i)].item);
+        items_.push_back(path_of(i).item);
     }
 }
 
@@ -144,8 +131,8 @@ void LayerBuilder::simplify() {
     constexpr double most = 2.0 * grid_limit;
     simplifier_.run(items_, static_cast<std::int64_t>(std::min(units, most)));
     for (std::size_t i = 0; i < items_.size(); ++i) {
-        LayerContour& contour = contours_[order_.contour_of(i)];
-        contour.segments = contour.made ? items_[i].count : contour.segments;
+        Path& path = paths_[order_.path_of(i)];
+        path.segments = path.made ? items_[i].count : path.segments;
     }
 }
 
@@ -153,11 +140,9 @@ void LayerBuilder::apply_rules(FillRule rule) {
     const RegionRules& region = *rules.region;
     const bool rewrites = region.drop_collinear || region.largest_only || rule == FillRule::outermost;
     closed_.clear();
-    walked_of_.clear();
     for (std::size_t i = 0; i < items_.size(); ++i) {
         if (items_[i].closed) {
-            closed_.push_back(items_[i]);
-            walked_of_.push_back(order_.contour_of(i));
+            closed_.push_back(path_of(i));
         }
     }
     regions_.run(closed_,
@@ -168,77 +153,110 @@ void LayerBuilder::apply_rules(FillRule rule) {
                   .always_list = rewrites || closed_.size() != items_.size()},
                  nester_);
     cancels_ = regions_.cancels();
-    if (regions_.is_unchanged() && regions_.rings().empty()) {
+    if (regions_.is_unchanged() && regions_.paths().empty()) {
         std::copy(regions_.nested().begin(), regions_.nested().end(), items_.begin());
         return;
     }
-    walked_.swap(contours_);
-    region_.assign(regions_.rings().begin(), regions_.rings().end());
-    replace_by_rings();
+    std::erase_if(paths_, is_closed);
+    const auto polylines = static_cast<std::int64_t>(paths_.size());
+    for (const Path& path : regions_.paths()) {
+        paths_.push_back(path);
+        paths_.back().touched += path.touched < 0 ? 0 : polylines;
+    }
+    rewrite_paths();
+    sort_by_start();
+    nest_region();
     if (region.largest_only || rule == FillRule::outermost) {
         keep_some(rule == FillRule::outermost, region.largest_only);
-        replace_by_rings();
+        sort_by_start();
+        nest_region();
     }
 }
 
-/// contours_ becomes the open polylines as they were walked, then the contours of the region.
-void LayerBuilder::replace_by_rings() {
-    contours_.clear();
-    std::remove_copy_if(walked_.begin(), walked_.end(), std::back_inserter(contours_), is_closed);
-    const auto polylines = static_cast<std::int64_t>(contours_.size());
+/// Those that were made, or may lose points, get points of their own.
+void LayerBuilder::rewrite_paths() {
     std::size_t points = 0;
-    for (const Ring& ring : region_) {
-        points += is_rewritten(ring) ? ring.item.count : 0;
+    for (const Path& path : paths_) {
+        points += is_rewritten(path) ? path.item.count : 0;
     }
     made_.resize(points);
     made_origins_.resize(with_origins_ ? points : 0);
-    Point* made = made_.data();
-    for (const Ring& ring : region_) {
-        worker_.spend(contour_work + ring.item.count);
-        if (ring.given >= 0) {
-            contours_.push_back(walked_[walked_of_[static_cast<std::size_t>(ring.given)]]);
+    std::span<Point> rest(made_);
+    for (Path& path : paths_) {
+        worker_.spend(contour_work + path.item.count);
+        if (is_rewritten(path)) {
+            const std::span<Point> own = rest.first(path.item.count);
+            rest = rest.subspan(own.size());
+            rewrite(path, own, with_origins_ ? made_origins_.data() + (own.data() - made_.data()) : nullptr);
         }
-        if (is_rewritten(ring)) {
-            const std::span<Point> all(made, ring.item.count);
-            PointOrigin* const origins = with_origins_ ? made_origins_.data() + (made - made_.data()) : nullptr;
-            made += ring.item.count;
-            const LayerContour contour = closed_contour(all.first(rewrite(ring, all, origins)), origins);
-            if (ring.given >= 0) {
-                const std::uint16_t flags = contours_.back().item.flags;
-                contours_.back().item = contour.item;
-                contours_.back().item.flags = flags;
-            } else {
-                contours_.push_back(contour);
-                contours_.back().made = true;
-            }
-        }
-        contours_.back().item.part = ring.item.part;
     }
-    sort_by_start();
-    ring_of_.clear();
-    for (std::size_t i = 0; i < items_.size(); ++i) {
-        ring_of_.push_back(std::max<std::int64_t>(-1, order_.contour_of(i) - polylines));
-    }
-    region_nesting_.nest(items_, ring_of_, region_, nester_);
 }
 
-/// Writes the ring's points, and their origins unless null; returns how many points are left.
-std::size_t LayerBuilder::rewrite(const Ring& ring, std::span<Point> points, PointOrigin* origins) const {
-    std::copy_n(ring.item.points, ring.item.count, points.data());
-    if (origins != nullptr && ring.item.origins != nullptr) {
-        std::copy_n(ring.item.origins, ring.item.count, origins);
+/// To these points, and origins unless null.
+void LayerBuilder::rewrite(Path& path, std::span<Point> points, PointOrigin* origins) const {
+    const NestItem before = path.item;
+    std::copy_n(before.points, before.count, points.data());
+    if (origins != nullptr && before.origins != nullptr) {
+        std::copy_n(before.origins, before.count, origins);
     } else if (origins != nullptr) {
-        std::fill_n(origins, ring.item.count, PointOrigin());
+        std::fill_n(origins, before.count, PointOrigin());
     }
-    const bool will_turn = (to_int128(ring.item.twice_area) > 0) == ring.hole;
-    return rules.region->drop_collinear ? drop_collinear(points, origins, will_turn) : points.size();
+    const bool will_turn = (to_int128(before.twice_area) > 0) == path.hole;
+    const std::size_t left = rules.region->drop_collinear ? drop_collinear(points, origins, will_turn) : points.size();
+    const Path rewritten = closed_path(points.first(left), origins);
+    path.item = rewritten.item;
+    path.item.flags = before.flags;
+    path.item.part = before.part;
+    if (path.made) {
+        path.start_key = rewritten.start_key;
+        path.segments = rewritten.segments;
+    }
 }
 
-bool LayerBuilder::is_rewritten(const Ring& ring) const noexcept {
-    return ring.given < 0 || rules.region->drop_collinear;
+bool LayerBuilder::is_rewritten(const Path& path) const noexcept {
+    return path.item.closed && (path.made || rules.region->drop_collinear);
 }
 
-/// Of region_ only those that lie in no other, or only the largest of these with its holes.
+/// Parents and roles of a region's contours. Those that were made may touch in points, so that a start may lie on what
+/// encloses it, and nesting finds something larger. Only an outer one can: a hole touches nothing that its own piece of
+/// solid ends at, since it would be part of it. What it touches at its start then says where it lies, as nothing solid is
+/// between them: within a hole, or beside an outer one that has the same parent.
+void LayerBuilder::nest_region() {
+    item_of_.resize(paths_.size());
+    for (std::uint32_t i = 0; i < items_.size(); ++i) {
+        item_of_[order_.path_of(i)] = i;
+    }
+    nester_.nest(items_);
+    for (std::uint32_t i = 0; i < items_.size(); ++i) {
+        NestItem& item = items_[i];
+        if (item.orientation == 0) {
+            continue;
+        }
+        const bool hole = path_of(i).hole;
+        item.reverse = hole == (item.orientation > 0);
+        item.orientation = static_cast<std::int8_t>(hole ? -1 : 1);  // as stored, whatever the facets say
+        item.role = hole ? Role::hole : Role::outer;
+        item.flags &= static_cast<std::uint16_t>(~orientation_overruled);
+    }
+    is_settled_.assign(items_.size(), 0);
+    // What is touched starts before, or at the same point: the way to one that is settled is short.
+    for (std::uint32_t i = 0; i < items_.size(); ++i) {
+        std::uint32_t at = i;
+        while (is_settled_[at] == 0 && items_[at].role == Role::outer && path_of(at).touched >= 0) {
+            at = item_of_[static_cast<std::size_t>(path_of(at).touched)];
+        }
+        if (at != i) {
+            items_[i].parent = items_[at].role == Role::hole ? static_cast<std::int32_t>(at) : items_[at].parent;
+        }
+        is_settled_[i] = 1;
+    }
+    assert(std::all_of(items_.begin(), items_.end(), [this](const NestItem& item) {
+        const Role around = item.parent < 0 ? Role::hole : items_[static_cast<std::size_t>(item.parent)].role;
+        return item.orientation == 0 || (around == Role::hole) == (item.role == Role::outer);
+    }));
+}
+
+/// Of the region only those that lie in no other, or only the largest of these with its holes.
 void LayerBuilder::keep_some(bool outermost, bool largest) {
     std::int32_t first = -1;
     for (std::size_t i = 0; i < items_.size() && largest; ++i) {
@@ -246,17 +264,16 @@ void LayerBuilder::keep_some(bool outermost, bool largest) {
                                (first < 0 || size_of(items_[i]) > size_of(items_[static_cast<std::size_t>(first)]));
         first = is_larger ? static_cast<std::int32_t>(i) : first;
     }
-    Vector<Ring>& kept = kept_;
-    kept.clear();
+    kept_.clear();
     for (std::size_t i = 0; i < items_.size(); ++i) {
         const NestItem& item = items_[i];
         const bool in_largest = static_cast<std::int32_t>(i) == first || (item.role == Role::hole && item.parent == first);
-        if (ring_of_[i] >= 0 && (!outermost || item.parent < 0) && (!largest || in_largest)) {
-            kept.push_back(region_[static_cast<std::size_t>(ring_of_[i])]);
-            kept.back().touched = -1;  // holes and what lies in them have gone
+        if (!item.closed || ((!outermost || item.parent < 0) && (!largest || in_largest))) {
+            kept_.push_back(path_of(i));
+            kept_.back().touched = -1;  // holes and what lies in them have gone
         }
     }
-    region_.swap(kept);
+    paths_.swap(kept_);
 }
 
 /// From the start on, backwards if need be.
@@ -310,7 +327,7 @@ void LayerBuilder::append(BandOutput& out) {
         contour.parent =
             item.parent < 0 ? -1 : static_cast<std::int64_t>(base + order_.place_of(static_cast<std::size_t>(item.parent)));
         contour.point_count = item.count;
-        contour.segments = contours_[order_.contour_of(i)].segments;
+        contour.segments = path_of(i).segments;
         contour.role = item.role;
         contour.orientation = item.orientation;
         contour.flags = item.flags;

@@ -15,11 +15,10 @@
 #include "base/worker.hpp"
 #include "lamella/result.hpp"
 #include "slicing/contours/canonical_order.hpp"
-#include "slicing/contours/layer_contour.hpp"
 #include "slicing/contours/link_graph.hpp"
 #include "slicing/contours/ring_reader.hpp"
 #include "slicing/nesting/nest.hpp"
-#include "slicing/regions/region_nesting.hpp"
+#include "slicing/nesting/path.hpp"
 #include "slicing/regions/regions.hpp"
 #include "slicing/repair/polylines.hpp"
 #include "slicing/result/band_output.hpp"
@@ -37,17 +36,6 @@ struct LayerRules {
     std::uint64_t first_layer = 0;  ///< of the plan's layers, which the rules count; see SliceOptions::layers
 };
 
-/// A contour that is not walked.
-struct GivenContour {
-    std::span<const Point> points;
-    std::span<const PointOrigin> origins{};  ///< of each point, or empty for all contours
-    bool closed = true;
-    bool turned = false;         ///< the facets run the other way
-    std::uint32_t segments = 0;  ///< as Contour::segments
-    std::uint16_t flags = 0;
-    std::uint32_t part = 0;
-};
-
 /// Layer after layer; scratch is kept. One per thread.
 class LayerBuilder {
 public:
@@ -62,8 +50,9 @@ public:
     void build_traced(Point* rings, PointOrigin* origins, std::span<const WalkedContour> walked, KeyAt key_at,
                       const Parallel& parallel, BandOutput& out);
 
-    /// The same for contours that are not walked but given, each with points.
-    void build_given(std::span<const GivenContour> contours, BandOutput& out);
+    /// The same for contours that are not walked but given, each with points: see given_path(). Where NestItem::reverse is
+    /// set, the facets run the other way.
+    void build_given(std::span<const Path> contours, BandOutput& out);
 
     /// Of the layers to come.
     LayerRules rules;
@@ -80,10 +69,12 @@ private:
     void nest(FillRule rule);
     void apply_rules(FillRule rule);
     void simplify();
-    void replace_by_rings();
-    std::size_t rewrite(const Ring& ring, std::span<Point> points, PointOrigin* origins) const;
-    bool is_rewritten(const Ring& ring) const noexcept;
+    void rewrite_paths();
+    void rewrite(Path& path, std::span<Point> points, PointOrigin* origins) const;
+    bool is_rewritten(const Path& path) const noexcept;
+    void nest_region();
     void keep_some(bool outermost, bool largest);
+    const Path& path_of(std::size_t item) const noexcept { return paths_[order_.path_of(item)]; }
     void append(BandOutput& out);
     void copy_points(const NestItem& item, Point* to);
     void copy_origins(const NestItem& item, PointOrigin* to);
@@ -94,20 +85,15 @@ private:
     CanonicalOrder order_{worker_};
     Nester nester_{worker_};
     Regions regions_{worker_};
-    RegionNesting region_nesting_{worker_.memory()};
     Simplifier simplifier_{worker_};
-    Vector<LayerContour> contours_{worker_.memory()};          // of the plane; a fill rule replaces the closed ones
-    Vector<NestItem> items_{worker_.memory()};                 // of contours_, by start
-    Vector<Polyline> polylines_{worker_.memory()};             // the open ones of contours_, for repair
-    Vector<std::span<const Point>> around_{worker_.memory()};  // the closed ones
+    Vector<Path> paths_{worker_.memory()};      // of the plane; a fill rule replaces the closed ones
+    Vector<NestItem> items_{worker_.memory()};  // of paths_, by start
     // For rules of regions:
-    Vector<LayerContour> walked_{worker_.memory()};      // contours_ before it was replaced
-    Vector<NestItem> closed_{worker_.memory()};          // the closed ones of items_
-    Vector<std::uint32_t> walked_of_{worker_.memory()};  // of each of closed_: its number in walked_
-    Vector<std::int64_t> ring_of_{worker_.memory()};  // of each of items_: its number in the region, -1 for an open polyline
-    Vector<Ring> region_{worker_.memory()};
-    Vector<Ring> kept_{worker_.memory()};   // of the region, where only some are wanted
-    Vector<Point> made_{worker_.memory()};  // points of rings that were made or lost some
+    Vector<Path> closed_{worker_.memory()};              // the closed ones of paths_, by start
+    Vector<Path> kept_{worker_.memory()};                // of paths_, where only some are wanted
+    Vector<std::uint32_t> item_of_{worker_.memory()};    // of each of paths_
+    Vector<std::uint8_t> is_settled_{worker_.memory()};  // of each item: its parent is what it lies in
+    Vector<Point> made_{worker_.memory()};               // points of paths that were made or lost some
     Vector<PointOrigin> made_origins_{worker_.memory()};
     Vector<Point> given_{worker_.memory()};  // points of contours that were not walked
     Vector<PointOrigin> given_origins_{worker_.memory()};

@@ -69,13 +69,13 @@ Status check_all(ContoursView contours, const RegionRules& rules, double unit_mm
 }
 
 /// Those that have points.
-Vector<GivenContour> list_given(ContoursView contours, Worker& worker) {
-    Vector<GivenContour> given(worker.memory());
+Vector<Path> list_given(ContoursView contours, Worker& worker) {
+    Vector<Path> given(worker.memory());
     given.reserve(contours.size());
     for (const std::span<const Point> contour : contours) {
         worker.spend(1);
         if (!contour.empty()) {
-            given.push_back({.points = contour, .origins = {}, .segments = static_cast<std::uint32_t>(contour.size())});
+            given.push_back(given_path(contour));
         }
     }
     return given;

@@ -8,30 +8,15 @@
 #include <cstdint>
 #include <span>
 
-#include "base/function_ref.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "slicing/contours/kernels.hpp"
-#include "slicing/contours/layer_contour.hpp"
 #include "slicing/contours/link_graph.hpp"
 #include "slicing/contours/slot_table.hpp"
+#include "slicing/nesting/path.hpp"
 
 namespace lamella {
-
-/// The edge that the i-th point of a contour lies on.
-using KeyAt = FunctionRef<EndKey(std::uint32_t)>;
-
-/// A closed contour of `count` points. Its start is the smallest (x, y, edge key); where the contour passes through one edge
-/// twice, the smaller of the two rotations, by points and then by origins. If consecutive points are equal, the ring is
-/// rewritten without repeats. `origins`: of each point, or null.
-LayerContour closed_contour(Point* ring, std::uint32_t count, const RingFacts& facts, KeyAt key_at, PointOrigin* origins);
-
-/// A closed contour whose points lie on no mesh edge.
-LayerContour closed_contour(std::span<Point> ring, PointOrigin* origins);
-
-/// An open contour. One of equal consecutive points is kept.
-LayerContour open_contour(std::span<Point> points, PointOrigin* origins);
 
 /// One per thread; scratch is kept. Contours point into it until the next call.
 class RingReader {
@@ -40,14 +25,14 @@ public:
 
     /// The contours of `graph`, in walking order; points[slot] is where the slot's edge pierces the plane, origins[slot]
     /// where its segments come from, unless `origins` is null. O(q) for q points. Throws std::bad_alloc.
-    void read(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, Vector<LayerContour>& contours);
+    void read(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, Vector<Path>& contours);
 
 private:
-    LayerContour read_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring,
-                             PointOrigin* origins);
+    Path read_closed(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring,
+                     PointOrigin* origins);
     RingFacts trace(const Point* points, std::span<const Slot> slots, Point* ring);
-    static LayerContour read_open(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring,
-                                  PointOrigin* origins);
+    static Path read_open(const LinkGraph& graph, const WalkedContour& walked, const Point* points, Point* ring,
+                          PointOrigin* origins);
     static void read_origins(const LinkGraph& graph, const WalkedContour& walked, const SlotOrigins* by_slot,
                              PointOrigin* origins);
 
@@ -60,6 +45,6 @@ private:
 /// The same for closed contours whose points lie in walking order in `rings` already. key_at(i) is the edge that rings[i]
 /// lies on; `origins` are those of `rings`, or null.
 void read_traced(Point* rings, PointOrigin* origins, std::span<const WalkedContour> walked, KeyAt key_at,
-                 const Parallel& parallel, Vector<LayerContour>& contours);
+                 const Parallel& parallel, Vector<Path>& contours);
 
 }  // namespace lamella

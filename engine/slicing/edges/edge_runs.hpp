@@ -29,6 +29,10 @@ struct EdgePath {
     std::uint64_t contour = 0;
     bool closed = true;
     std::size_t start = 0;  ///< an index of points; 0 if open
+    /// Of paths(): edges [begin, end) of the layer; edge e leads from point e to point e + 1. After the edges' starts come
+    /// two points more, which are the first two of a closed path.
+    std::size_t begin = 0;
+    std::size_t end = 0;
 
     std::size_t edges() const noexcept { return points.size() < 2 ? 0 : (closed ? points.size() : points.size() - 1); }
     /// `at` may lie up to a round beyond the last.
@@ -36,19 +40,8 @@ struct EdgePath {
         at = at < points.size() ? at : at - points.size();
         return points[at + start < points.size() ? at + start : at + start - points.size()];
     }
-    /// Whether there is an edge after edge `e`.
-    bool goes_on(std::size_t e) const noexcept { return closed || e + 1 < edges(); }
-};
-
-/// Where a path's points lie among those of the layer: the edges' starts, and two points more, which are the first two of a
-/// closed path.
-struct LayerPath {
-    EdgePath given;
-    std::size_t begin;  ///< edges [begin, end) of the layer; edge e leads from point e to point e + 1
-    std::size_t end;
-
     /// Whether there is an edge after edge `e` of the layer.
-    bool goes_on(std::size_t e) const noexcept { return given.closed || e + 1 < end; }
+    bool goes_on(std::size_t e) const noexcept { return closed || e + 1 < end; }
 };
 
 /// Edges [begin, end) of a path.
@@ -78,8 +71,8 @@ public:
 
     std::uint64_t edges() const noexcept { return edges_; }
     const Point* points() const noexcept { return points_.data(); }
-    std::span<const LayerPath> paths() const noexcept { return paths_; }
-    const LayerPath& path_of(const EdgeRun& run) const noexcept { return paths_[run.path]; }
+    std::span<const EdgePath> paths() const noexcept { return paths_; }
+    const EdgePath& path_of(const EdgeRun& run) const noexcept { return paths_[run.path]; }
     /// Path by path, each from its start.
     std::span<const EdgeRun> runs() const noexcept { return runs_.span(); }
 
@@ -99,7 +92,7 @@ private:
 
     Worker& worker_;
     const RunKernels& kernels_ = best_of(run_kernel_forms());
-    Vector<LayerPath> paths_{worker_.memory()};
+    Vector<EdgePath> paths_{worker_.memory()};
     std::uint64_t edges_ = 0;
     std::size_t point_count_ = 0;
     Array<Point> points_{worker_.memory()};

@@ -110,8 +110,8 @@ private:
         if (run.path != next.path) {
             return false;
         }
-        const LayerPath& path = layer_->path_of(run);
-        return run.end == next.begin || (path.given.closed && run.end == path.end && next.begin == path.begin);
+        const EdgePath& path = layer_->path_of(run);
+        return run.end == next.begin || (path.closed && run.end == path.end && next.begin == path.begin);
     }
 
     /// Whether `next`, which follows `run`, meets it nowhere but in their joint: one direction goes on, and the edges at the
@@ -192,9 +192,9 @@ public:
         strips_.assign(runs_.runs(), margin);
         return search_.find(runs_, strips_, 0, 1, steps,
                             [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
-                                const LayerPath& a_path = runs_.paths()[a];
-                                const LayerPath& b_path = runs_.paths()[b];
-                                meet(a_path.given, i - a_path.begin, b_path.given, j - b_path.begin);
+                                const EdgePath& a_path = runs_.paths()[a];
+                                const EdgePath& b_path = runs_.paths()[b];
+                                meet(a_path, i - a_path.begin, b_path, j - b_path.begin);
                             });
     }
 

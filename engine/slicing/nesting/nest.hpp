@@ -37,9 +37,9 @@ struct NestItem {
     const Point* points = nullptr;  ///< consecutive ones distinct; closed: the first is not repeated; any may come first
     const PointOrigin* origins = nullptr;  ///< of each point; null: none. Nesting does not look at them
     std::uint32_t count = 0;
-    std::uint32_t start = 0;  ///< closed: index of its smallest (x, y)
-    Integer128 twice_area;    ///< closed: as walked, square grid units
-    Point box_min, box_max;   ///< closed: of its points
+    std::uint32_t start = 0;     ///< closed: index of its smallest (x, y)
+    Integer128 twice_area{};     ///< closed: as walked, square grid units
+    Point box_min{}, box_max{};  ///< closed: of its points
     bool closed = false;
 
     bool reverse = false;         ///< out: the points must be stored backwards (outer counter-clockwise, hole clockwise)

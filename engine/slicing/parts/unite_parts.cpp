@@ -49,7 +49,7 @@ private:
         Builder(const Memory* memory, const StopCheck& stop) : worker(memory, stop), given(memory) {}
         Worker worker;
         LayerBuilder layers{worker};
-        Vector<GivenContour> given;
+        Vector<Path> given;
     };
 
     void build(std::size_t task, int number) {
@@ -75,21 +75,15 @@ private:
     }
 
     /// As its facets run: a role that overruled them has turned it.
-    GivenContour as_given(const Contour& contour) const noexcept {
-        const bool turned =
+    Path as_given(const Contour& contour) const noexcept {
+        const PointOrigin* const origins = apart_.origins.empty() ? nullptr : apart_.origins_of(contour).data();
+        Path given = given_path(apart_.points_of(contour), origins, contour.role != Role::open);
+        given.segments = contour.segments;
+        given.item.reverse =
             (contour.flags & orientation_overruled) != 0 && (contour.orientation > 0) != (contour.role == Role::outer);
-        const auto flags = static_cast<std::uint16_t>(contour.flags & ~orientation_overruled);
-        return {apart_.points_of(contour),
-                origins_of(contour),
-                contour.role != Role::open,
-                turned,
-                contour.segments,
-                flags,
-                contour.part};
-    }
-
-    std::span<const PointOrigin> origins_of(const Contour& contour) const noexcept {
-        return apart_.origins.empty() ? std::span<const PointOrigin>() : apart_.origins_of(contour);
+        given.item.flags = static_cast<std::uint16_t>(contour.flags & ~orientation_overruled);
+        given.item.part = contour.part;
+        return given;
     }
 
     const SliceResult& apart_;

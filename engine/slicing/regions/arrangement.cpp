@@ -175,7 +175,7 @@ void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {
     } while (half != face.first);
 }
 
-void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Traced>& contours,
+void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Path>& contours,
                         Vector<Point>& points, Vector<PointOrigin>* origins) {
     contour_of_.resize(halves_.size());
     worker_.ask();
@@ -191,10 +191,13 @@ void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_comp
     Vector<End> first_ends(faces_.get_allocator());
     for (Half half = 0; half < halves_.size(); ++half) {
         if (contour_of_[half] == untraced) {
-            const auto first_point = static_cast<std::uint32_t>(points.size());
+            const std::size_t first_point = points.size();
             std::uint32_t part = strand_of(half).part;
             first_ends.push_back(follow_boundary(half, static_cast<std::int64_t>(contours.size()), points, origins, part));
-            contours.push_back({first_point, static_cast<std::uint32_t>(points.size()) - first_point, -1, part});
+            Path& path = contours.emplace_back();
+            path.item.count = static_cast<std::uint32_t>(points.size() - first_point);
+            path.item.part = part;
+            path.made = true;
         }
     }
     for (std::size_t c = base; c < contours.size(); ++c) {

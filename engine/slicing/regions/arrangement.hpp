@@ -23,6 +23,7 @@
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/region.hpp"
+#include "slicing/nesting/path.hpp"
 #include "slicing/regions/snap_rounding.hpp"
 
 namespace lamella {
@@ -59,18 +60,12 @@ public:
     /// Appends the points around a face that does not lie around its component: counter-clockwise.
     void append_points_of(const Face& face, Vector<Point>& points);
 
-    /// A contour of the region, as it was traced.
-    struct Traced {
-        std::uint32_t first_point;  ///< index into the points
-        std::uint32_t count;
-        std::int64_t touched;  ///< index of the contour that is met first from the contour's smallest point clockwise, with
-                               ///< nothing solid in between; -1 if there is none
-        std::uint32_t part;    ///< of its strands, as Contour::part
-    };
     /// Appends the contours of the region where `rule` holds for the sum of a component's winding numbers and of the one
-    /// around it; their points to `points`, and the origins of these to `origins`. It is null where the strands have none.
-    void trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Traced>& contours,
-               Vector<Point>& points, Vector<PointOrigin>* origins);
+    /// around it: how many points each has, and its part. Path::touched becomes the index of the contour that is met first
+    /// from the contour's smallest point clockwise, with nothing solid in between; -1 if there is none. Points go to
+    /// `points`, and their origins to `origins`, which is null where the strands have none.
+    void trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Path>& contours, Vector<Point>& points,
+               Vector<PointOrigin>* origins);
 
 private:
     static constexpr std::uint32_t none = 0xffffffff;

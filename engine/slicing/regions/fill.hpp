@@ -23,39 +23,27 @@
 
 #include "base/vector.hpp"
 #include "base/worker.hpp"
-#include "slicing/nesting/nest.hpp"
+#include "slicing/nesting/path.hpp"
 #include "slicing/regions/arrangement.hpp"
 #include "slicing/regions/contacts.hpp"
 #include "slicing/regions/snap_rounding.hpp"
 
 namespace lamella {
 
-/// A contour of a region.
-struct RegionContour {
-    std::int64_t kept = -1;     ///< index of the given contour that it is, unchanged; -1: overlaying made it
-    bool hole = false;          ///< kept: its role; solid is on the left of one that was made
-    std::uint32_t first = 0;    ///< made: index of its first point
-    std::uint32_t count = 0;    ///< made: number of its points
-    std::int64_t touched = -1;  ///< made: see Arrangement::Traced, an index into the region
-    std::uint32_t part = 0;     ///< as Contour::part
-};
-
 /// Layer after layer; scratch is kept. One per thread.
 class Fill {
 public:
     explicit Fill(Worker& worker) noexcept : worker_(worker) {}
 
-    /// Computes the region. `contours` are closed and sorted by start, equal ones side by side. Throws std::bad_alloc.
-    void run(std::span<const NestItem> contours, FillRule rule, Nester& nester);
+    /// Computes the region. `contours` are closed and sorted by start, equal ones side by side; they must stay. Throws
+    /// std::bad_alloc.
+    void run(std::span<const Path> contours, FillRule rule, Nester& nester);
 
-    std::span<const RegionContour> region() const noexcept { return region_; }
-    std::span<Point> points_of(const RegionContour& made) noexcept {
-        return std::span(points_).subspan(made.first, made.count);
-    }
-    /// Null where no given contour has origins.
-    const PointOrigin* origins_of(const RegionContour& made) const noexcept {
-        return with_origins_ ? origins_.data() + made.first : nullptr;
-    }
+    /// First kept(), then made(), of which points stay until the next call.
+    std::span<const Path> region() const noexcept { return region_; }
+    /// The given contours that belong to the region as they are, but for Path::hole.
+    std::span<const Path> kept() const noexcept { return region().first(kept_); }
+    std::span<const Path> made() const noexcept { return region().subspan(kept_); }
     /// Whether the region is the contours as they are. Then nested() are they, with the outputs of nesting.
     bool is_unchanged() const noexcept { return unchanged_; }
     std::span<const NestItem> nested() const noexcept { return items_; }
@@ -70,7 +58,7 @@ private:
         std::int64_t face;     // of the arrangement, or -1
     };
 
-    void merge_equal_ones(std::span<const NestItem> contours);
+    void merge_equal_ones();
     void keep_or_drop_all(FillRule rule, Nester& nester);
     std::int64_t keep_or_drop(std::uint32_t contour, std::int64_t around, FillRule rule);
     void overlay(FillRule rule, Nester& nester);
@@ -82,6 +70,7 @@ private:
     void take_traced(FillRule rule);
 
     Worker& worker_;
+    std::span<const Path> contours_;  // the given ones
     Contacts contacts_{worker_};
     SnapRounding snapped_{worker_};
     Arrangement arrangement_{worker_};
@@ -97,8 +86,8 @@ private:
     Vector<std::int64_t> around_{worker_.memory()};        // of each component: the winding number around it
     Vector<std::uint8_t> around_known_{worker_.memory()};  // of each component
     Vector<std::uint8_t> below_zero_{worker_.memory()};    // of each component: whether it has a wide face below zero
-    Vector<Arrangement::Traced> traced_{worker_.memory()};
-    Vector<RegionContour> region_{worker_.memory()};
+    Vector<Path> region_{worker_.memory()};
+    std::size_t kept_ = 0;  // of region_
     Vector<Point> points_{worker_.memory()};
     Vector<PointOrigin> origins_{worker_.memory()};  // of points_
     bool with_origins_ = false;

@@ -20,7 +20,7 @@
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/region.hpp"
-#include "slicing/nesting/nest.hpp"
+#include "slicing/nesting/path.hpp"
 #include "slicing/offset/raw_offset.hpp"
 #include "slicing/regions/fill.hpp"
 
@@ -32,16 +32,7 @@ struct RegionSteps {
     double close = 0;
     double offset = 0;
     double miter_limit = 3;
-    bool always_list = false;  ///< rings() also where the region is unchanged
-};
-
-/// A contour of a region.
-struct Ring {
-    NestItem item;              ///< points, start and area
-    std::int64_t given = -1;    ///< index of the given contour that it is, unchanged; -1: a stage made it
-    std::int64_t touched = -1;  ///< made: see Arrangement::Traced, an index into the rings
-    bool hole = false;
-    std::uint32_t source = 0;  ///< of a curve: index of its ring; of a ring that is only marked: of its contour
+    bool always_list = false;  ///< paths() also where the region is unchanged
 };
 
 /// Layer after layer; scratch is kept. One per thread.
@@ -51,11 +42,11 @@ public:
 
     /// Computes the region. `contours` are closed and sorted by start, equal ones side by side. O((q + c) log (q + c)) for q
     /// points and c contacts. Throws std::bad_alloc.
-    void run(std::span<const NestItem> contours, const RegionSteps& steps, Nester& nester);
+    void run(std::span<const Path> contours, const RegionSteps& steps, Nester& nester);
 
-    /// In no order; empty where is_unchanged(), unless RegionSteps::always_list. Points that are not those of a given
-    /// contour stay until the next call.
-    std::span<const Ring> rings() const noexcept { return rings_; }
+    /// In no order; empty where is_unchanged(), unless RegionSteps::always_list. Path::made tells those apart that are given
+    /// contours; points of the others stay until the next call. Path::touched counts from the first of these paths.
+    std::span<const Path> paths() const noexcept { return rings_; }
     /// Whether the region is the contours as they are. Then nested() are they, with the outputs of nesting.
     bool is_unchanged() const noexcept { return unchanged_; }
     std::span<const NestItem> nested() const noexcept { return filled_.nested(); }
@@ -65,32 +56,29 @@ public:
     void mark_near(std::span<NestItem> contours, double distance, double miter_limit, Nester& nester);
 
 private:
-    void take_given(std::span<const NestItem> contours);
     void turn_backward_ones();
     void close(const RegionSteps& steps, Nester& nester);
     void list_dilated(const RegionSteps& steps);
     bool fold(const NestItem& ring, const RegionSteps& steps);
     void keep_origins(const NestItem& ring);
-    Ring as_folded(std::uint32_t ring) const;
+    Path as_folded(std::uint32_t ring) const;
     bool find_alone();
     void offset(const RegionSteps& steps, Nester& nester);
     void list_eroded(const RegionSteps& steps);
-    void append_curve(std::span<const Point> points, std::uint32_t part, double distance, double miter_limit,
-                      RawOffset& curves);
+    void append_curve(const NestItem& ring, double distance, double miter_limit, RawOffset& curves);
     void list_moved(double distance, double miter_limit);
     void clear_curves(RawOffset& curves);
     void list_curves(RawOffset& curves);
     void fill_positive(Fill& fill, Nester& nester);
-    void take(Fill& fill);
+    void take(const Fill& fill);
 
     Worker& worker_;
-    Vector<Ring> rings_{worker_.memory()};
-    Vector<Ring> input_{worker_.memory()};             // of a stage's fill, by start
-    Vector<NestItem> items_{worker_.memory()};         // of input_
+    Vector<Path> rings_{worker_.memory()};
+    Vector<Path> input_{worker_.memory()};             // of a stage's fill, by start
     Vector<RawCurve> curves_{worker_.memory()};        // of a stage's rings
     Vector<std::uint32_t> parts_{worker_.memory()};    // of curves_
     Vector<std::uint8_t> is_alone_{worker_.memory()};  // of each ring: closing leaves it alone
-    Vector<Ring> alone_{worker_.memory()};
+    Vector<Path> alone_{worker_.memory()};
     Vector<std::uint32_t> turned_edges_{worker_.memory()};  // of a ring
     Vector<Point> from_start_{worker_.memory()};            // points of a ring
     Vector<Point> folded_{worker_.memory()};

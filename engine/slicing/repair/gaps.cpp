@@ -62,10 +62,13 @@ void EndTree::search(std::size_t level, std::size_t number, Point to, Nearest& b
     for (std::size_t lane = 0; lane < fan; ++lane) {
         const double squared = squared_distance_to(boxes_.block(level, number)[lane], to);
         if (squared <= best.squared) {
-            near[count++] = {squared, number * fan + lane};
+            std::size_t at = count++;
+            for (; at > 0 && squared < near[at - 1].first; --at) {
+                near[at] = near[at - 1];
+            }
+            near[at] = {squared, number * fan + lane};
         }
     }
-    std::sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count));
     for (std::size_t i = 0; i < count && near[i].first <= best.squared; ++i) {
         const auto [squared, child] = near[i];
         if (level > 0) {

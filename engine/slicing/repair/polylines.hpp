@@ -8,9 +8,9 @@
 
 #include "base/vector.hpp"
 #include "base/worker.hpp"
-#include "lamella/assemble.hpp"
 #include "lamella/result.hpp"
 #include "slicing/edges/pair_search.hpp"
+#include "slicing/nesting/path.hpp"
 #include "slicing/repair/gaps.hpp"
 
 namespace lamella {
@@ -49,25 +49,6 @@ private:
     Vector<std::pair<std::uint32_t, std::uint32_t>> between_joints_{worker_.memory()};  // the later, the earlier
 };
 
-struct Polyline {
-    std::span<const Point> points;         ///< not empty
-    const PointOrigin* origins = nullptr;  ///< of each point, or null for all polylines
-    EndKey start_key;                      ///< the edge that the first point lies on
-    std::uint32_t segments = 0;
-    std::uint16_t flags = 0;  ///< ContourFlag bits
-};
-
-/// What takes the place of polylines that follow each other.
-struct JoinedPolyline {
-    std::span<Point> points;         ///< of all of them; repeated points are left in
-    PointOrigin* origins = nullptr;  ///< of each point, or null
-    EndKey start_key;                ///< of the first of them; zero if that one was turned round
-    std::uint32_t segments = 0;
-    std::uint16_t flags = 0;  ///< with gap_closed, but for a polyline that nothing was joined to; with orientation_mixed
-                              ///< where some run against the others
-    bool closed = false;      ///< its end was joined to its own start
-};
-
 /// One per thread; scratch is kept.
 class PolylineRepair {
 public:
@@ -80,15 +61,16 @@ public:
     /// does not depend on the order of polylines and contours. O(o log o + q) for o polylines with q points, unless gaps lie
     /// so that searches are slow; where gaps may stay open, also what CrossedJoints::find() takes for all edges. Throws
     /// std::bad_alloc.
-    bool join(std::span<const Polyline> polylines, std::span<const std::span<const Point>> around, const GapRules& rules,
-              std::uint64_t layer, Vector<ClosedGap>& closed_gaps);
+    bool join(std::span<const Path> polylines, std::span<const Path> around, const GapRules& rules, std::uint64_t layer,
+              Vector<ClosedGap>& closed_gaps);
 
-    /// Valid until the next call.
-    std::span<const JoinedPolyline> joined() const noexcept { return joined_; }
+    /// Each with the flag gap_closed, but for a polyline that nothing was joined to, and with orientation_mixed where some
+    /// run against the others. Valid until the next call.
+    std::span<const Path> joined() const noexcept { return joined_; }
 
 private:
-    void sort(std::span<const Polyline> polylines);
-    std::span<const Gap> choose_gaps(std::span<const std::span<const Point>> around, const GapRules& rules);
+    void sort(std::span<const Path> polylines);
+    std::span<const Gap> choose_gaps(std::span<const Path> around, const GapRules& rules);
     void join_open_from(bool last);
     void join_rings();
     void join_from(PolylineEnd first);
@@ -96,18 +78,18 @@ private:
     void append_origins(PolylineEnd entered);
     Point at(PolylineEnd end) const noexcept { return ends_[end.polyline()].at(end.last()); }
     bool leads_on_from(PolylineEnd last) const;
-    void turn_round(JoinedPolyline& whole) const;
+    static void turn_round(std::span<Point> points, PointOrigin* origins, bool closed);
 
     Worker& worker_;
     GapCloser gap_closer_{worker_};
     CrossedJoints crossed_joints_{worker_};
     Vector<Joint> joints_{worker_.memory()};
-    Vector<Polyline> sorted_{worker_.memory()};    // as given, in canonical order
+    Vector<Path> sorted_{worker_.memory()};        // as given, in canonical order
     Vector<PolylineEnds> ends_{worker_.memory()};  // of sorted_
     Vector<std::uint8_t> used_{worker_.memory()};  // of sorted_: whether it is part of a joined one
     Vector<Point> points_{worker_.memory()};       // of joined_
     Vector<PointOrigin> origins_{worker_.memory()};
-    Vector<JoinedPolyline> joined_{worker_.memory()};
+    Vector<Path> joined_{worker_.memory()};
 };
 
 }  // namespace lamella

@@ -29,11 +29,11 @@ std::uint64_t most_steps(std::uint64_t edges) noexcept {
 void Simplifier::run(std::span<NestItem> items, std::int64_t tolerance) {
     tolerance_ = tolerance;
     list(items);
-    for (Path& path : paths_) {
+    for (Reduction& path : paths_) {
         reduce(path);
     }
     list_left();
-    if (std::all_of(paths_.begin(), paths_.end(), [](const Path& path) { return path.left == path.count(); })) {
+    if (std::all_of(paths_.begin(), paths_.end(), [](const Reduction& path) { return path.left == path.count(); })) {
         return;
     }
     starts_tree_.build(starts_, worker_);
@@ -79,7 +79,7 @@ void Simplifier::list(std::span<const NestItem> items) {
 }
 
 /// A closed path is two chains: from its start to the point that is furthest from there, and back.
-void Simplifier::reduce(Path& path) {
+void Simplifier::reduce(Reduction& path) {
     path.has_changed = !path.stays;
     if (path.stays) {
         std::fill(is_left_.begin() + static_cast<std::ptrdiff_t>(path.begin),
@@ -115,7 +115,7 @@ void Simplifier::reduce_chain(std::size_t first, std::size_t last, int splits_le
 void Simplifier::list_left() {
     left_.clear();
     left_points_.clear();
-    for (Path& path : paths_) {
+    for (Reduction& path : paths_) {
         path.first_left = left_.size();
         const std::size_t end = path.closed ? path.last : path.last + 1;
         worker_.in_stretches(path.begin, end, 1, [&](std::size_t from, std::size_t to) {
@@ -134,7 +134,7 @@ void Simplifier::list_left() {
 bool Simplifier::find_conflicts(std::span<const NestItem> items) {
     pairs_.clear();
     for (std::size_t p = 0; p < paths_.size(); ++p) {
-        const Path& path = paths_[p];
+        const Reduction& path = paths_[p];
         pairs_.add(
             {.points = std::span(left_points_).subspan(path.first_left, path.left), .contour = p, .closed = path.closed});
         worker_.spend(path.left);
@@ -162,7 +162,7 @@ bool Simplifier::is_line(std::size_t path, std::size_t edge) const noexcept {
 
 /// The number of the point where an edge of what is left ends.
 std::size_t Simplifier::end_of_line(std::size_t path, std::size_t edge) const noexcept {
-    const Path& of = paths_[path];
+    const Reduction& of = paths_[path];
     return edge + 1 < of.left ? left_[of.first_left + edge + 1] : of.last - of.begin;
 }
 
@@ -191,7 +191,7 @@ void Simplifier::compare(const EdgePath& a, std::size_t i, const EdgePath& b, st
 
 /// Ends early where steps_ comes to more than `most`.
 void Simplifier::find_jumps(std::size_t path, std::uint64_t most) {
-    const Path& of = paths_[path];
+    const Reduction& of = paths_[path];
     for (std::size_t edge = 0; edge + (of.closed ? 0 : 1) < of.left && steps_ <= most; ++edge) {
         if (!is_line(path, edge)) {
             continue;
@@ -213,7 +213,7 @@ void Simplifier::find_jumps(std::size_t path, std::uint64_t most) {
 
 /// Objects to all lines where fewer than three points would be left, or the area would change its sign.
 void Simplifier::keep_orientation(std::size_t path, const NestItem& item) {
-    const Path& of = paths_[path];
+    const Reduction& of = paths_[path];
     const Point* const points = left_points_.data() + of.first_left;
     worker_.spend(of.left);
     if (!of.closed ||
@@ -231,7 +231,7 @@ void Simplifier::keep_orientation(std::size_t path, const NestItem& item) {
 bool Simplifier::give_back(int round) {
     bool any = false;
     for (std::size_t p = 0; p < paths_.size(); ++p) {
-        Path& path = paths_[p];
+        Reduction& path = paths_[p];
         for (std::size_t edge = 0; edge < path.left; ++edge) {
             const std::size_t first = path.begin + left_[path.first_left + edge];
             if (in_conflict_[first] != 0) {
@@ -261,7 +261,7 @@ void Simplifier::split(std::size_t first, std::size_t last, int times, bool by_h
 void Simplifier::write(std::span<NestItem> items) {
     left_origins_.resize(items.empty() || items[0].origins == nullptr ? 0 : left_.size());
     for (std::size_t i = 0; i < items.size(); ++i) {
-        const Path& path = paths_[i];
+        const Reduction& path = paths_[i];
         NestItem& item = items[i];
         if (path.left == path.count()) {
             continue;
@@ -285,7 +285,7 @@ void Simplifier::write(std::span<NestItem> items) {
 
 /// Lines come from no triangle, nor does the end of a polyline that a line leads to.
 void Simplifier::write_origins(std::size_t path, const NestItem& item) noexcept {
-    const Path& of = paths_[path];
+    const Reduction& of = paths_[path];
     bool after_line = false;
     for (std::size_t edge = 0; edge < of.left; ++edge) {
         const bool is_end = !of.closed && edge + 1 == of.left;

@@ -56,7 +56,7 @@ public:
 
 private:
     /// An item. Its points among points_: [begin, last], of a closed one with its start at both ends.
-    struct Path {
+    struct Reduction {
         std::size_t begin = 0;
         std::size_t last = 0;        ///< where its last edge ends
         std::size_t first_left = 0;  ///< in left_ and left_points_
@@ -70,7 +70,7 @@ private:
     using Index = std::uint32_t;
 
     void list(std::span<const NestItem> items);
-    void reduce(Path& path);
+    void reduce(Reduction& path);
     void reduce_chain(std::size_t first, std::size_t last);
     void reduce_chain(std::size_t first, std::size_t last, int splits_left);
     void list_left();
@@ -88,7 +88,7 @@ private:
 
     Worker& worker_;
     std::int64_t tolerance_ = 0;
-    Vector<Path> paths_{worker_.memory()};                // of each item
+    Vector<Reduction> paths_{worker_.memory()};           // of each item
     Vector<Point> points_{worker_.memory()};              // of all paths, from their starts
     Vector<std::uint8_t> is_left_{worker_.memory()};      // of points_
     Vector<std::uint8_t> in_conflict_{worker_.memory()};  // of points_: the line that begins there

@@ -64,7 +64,7 @@ struct SlabWorker {
     Worker worker;
     EdgeSum sum;
     LayerBuilder builder{worker};
-    Vector<GivenContour> given;
+    Vector<Path> given;
 };
 
 /// One call of slice_slabs().
@@ -295,7 +295,7 @@ void SlabSlicing::build_layer(FaceSense sense, std::span<const FacePiece> pieces
         std::size_t begin = 0;
         for (const std::size_t end : worker.sum.ring_ends()) {
             const std::span<const Point> ring = worker.sum.points().subspan(begin, end - begin);
-            worker.given.push_back({.points = ring, .origins = {}, .segments = static_cast<std::uint32_t>(ring.size())});
+            worker.given.push_back(given_path(ring));
             begin = end;
         }
     }

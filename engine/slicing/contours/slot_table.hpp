@@ -68,15 +68,9 @@ union Port {
     PortRef across;        ///< the port at the other end of its segment
 };
 
-/// A vector left to itself takes twice the memory to grow by one element; these are large, one each a thread.
-template <class T>
-void resize_exactly(Vector<T>& array, std::size_t size, const T& value = {}) {
-    array.reserve(size);
-    array.resize(size, value);
-}
-
-/// The same, so that a stop that is asked for meanwhile is noticed: pages that are touched first cost more than their bytes.
-/// What is thrown leaves the array somewhat larger.
+/// A vector left to itself takes twice the memory to grow by one element; these are large, one each a thread. In stretches,
+/// so that a stop that is asked for meanwhile is noticed: pages that are touched first cost more than their bytes. What is
+/// thrown leaves the array somewhat larger.
 template <class T>
 void resize_exactly(Vector<T>& array, std::size_t size, StopPace& pace, const T& value = {}) {
     constexpr std::size_t words = (sizeof(T) + 7) / 8;

@@ -22,6 +22,7 @@
 #include "lamella/array.hpp"
 #include "slicing/edges/edge_runs.hpp"
 #include "slicing/edges/run_kernels.hpp"
+#include "slicing/nesting/order.hpp"
 
 namespace lamella {
 
@@ -30,7 +31,7 @@ class RunStrips {
 public:
     explicit RunStrips(Worker& worker) noexcept : worker_(worker) {}
 
-    /// On one thread. O(r log r) for r runs, O(r) where their heights are spread. `margin` is below grid_limit. Throws
+    /// On one thread. O(r) for many runs. `margin` is below grid_limit. Throws
     /// std::bad_alloc.
     void assign(std::span<const EdgeRun> runs, std::int32_t margin);
     /// In a few calls of run(). The strips do not depend on the number of threads.
@@ -55,10 +56,7 @@ public:
 
 private:
     std::size_t strip_of(std::int64_t x) const noexcept { return static_cast<std::size_t>((x - low_) >> shift_); }
-    std::uint64_t key_of(std::size_t run) const noexcept;
-    void order_few();
-    void spread_keys();
-    void insert_in_order();
+    nesting::SortKey key_of(std::size_t run) const noexcept;
     void choose_strips();
     template <class Work>
     void each_entry(std::size_t begin, std::size_t end, std::size_t* cursors, const Work& work) const;
@@ -69,9 +67,8 @@ private:
     Worker& worker_;
     std::span<const EdgeRun> runs_;
     std::int32_t margin_ = 0;
-    Vector<std::uint64_t> order_{worker_.memory()};  // of runs by low.y; the lower 32 bits are a run's index
-    Vector<std::uint64_t> unordered_{worker_.memory()};
-    Vector<std::uint32_t> places_{worker_.memory()};  // by bucket of low.y
+    Vector<nesting::SortKey> order_{worker_.memory()};  // of runs by low.y
+    Vector<nesting::SortKey> spare_{worker_.memory()};
     std::int64_t low_ = 0;
     int shift_ = 0;
     Vector<std::size_t> firsts_{worker_.memory()};  // of each strip, and the end of the last

@@ -48,12 +48,6 @@ std::uint64_t area_key(const Integer128& twice_area) noexcept {
     return high != 0 ? std::numeric_limits<std::uint64_t>::max() : low;
 }
 
-void fetch([[maybe_unused]] const void* address) noexcept {
-#if defined(__GNUC__)
-    __builtin_prefetch(address);
-#endif
-}
-
 }  // namespace
 
 std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexcept {
@@ -160,10 +154,10 @@ void Nester::fetch_ahead(std::span<const NestItem> items, std::size_t place) con
     if (place + items_ahead >= by_size_.size()) {
         return;
     }
-    fetch(&items[containers_[by_size_[place + items_ahead].index].item]);
+    __builtin_prefetch(&items[containers_[by_size_[place + items_ahead].index].item]);
     const NestItem& contour = items[containers_[by_size_[place + points_ahead].index].item];
     for (std::uint32_t i = 0; i < std::min(contour.count, most_points); i += line_points) {
-        fetch(contour.points + i);
+        __builtin_prefetch(contour.points + i);
     }
 }
 

@@ -1,7 +1,8 @@
 #include "slicing/simplify/chain.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "base/int128.hpp"
 
 namespace lamella {
 
@@ -45,21 +46,6 @@ struct Greatest {
 
 }  // namespace
 
-std::uint64_t floor_of_root(Int128 value) noexcept {
-    auto root = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(value)));
-    const auto is_above = [value](std::uint64_t candidate) { return Int128{candidate} * candidate > value; };
-    if (root > 0 && (is_above(root) || !is_above(root + 1))) {
-        root = (root + static_cast<std::uint64_t>(value / root)) / 2;  // one step of Newton's leaves a unit or two
-    }
-    while (is_above(root)) {
-        --root;
-    }
-    while (!is_above(root + 1)) {
-        ++root;
-    }
-    return root;
-}
-
 /// A point beside the line is as far from it as its triangle with the ends is large; one beyond an end is as far as the end.
 /// Those beyond an end, if too far, are split off first: they are where the chain leads back.
 ChainReach measure_chain(const Point* points, std::size_t first, std::size_t last, std::int64_t tolerance) noexcept {
@@ -84,7 +70,7 @@ ChainReach measure_chain(const Point* points, std::size_t first, std::size_t las
     if (a == b || Int128{beyond.value} > squared) {
         return {beyond.value > 0 ? beyond.at : middle, false};
     }
-    const bool within = beside.value <= floor_of_root(squared * square(line));
+    const bool within = Int128{beside.value} * beside.value <= squared * square(line);  // at most 2^124 and 2^125
     return {beside.value > 0 ? beside.at : middle, within};
 }
 

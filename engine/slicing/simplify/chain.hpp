@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <span>
 
-#include "base/int128.hpp"
 #include "base/stop_pace.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/grid/box.hpp"
@@ -24,9 +23,6 @@ struct ChainReach {
 /// Of points[first] to points[last], last > first + 1. Distances are to the line from end to end, which stops there; a line
 /// between equal ends replaces nothing. `tolerance` is in grid units, at most 2 grid_limit. O(last - first).
 ChainReach measure_chain(const Point* points, std::size_t first, std::size_t last, std::int64_t tolerance) noexcept;
-
-/// The largest whole number of which the square is at most `value`, which is below 2^126.
-std::uint64_t floor_of_root(Int128 value) noexcept;
 
 inline bool lies_on(Point p, Point a, Point b) noexcept {
     return FlatBox::around(a, b).holds(p) && side_of(a, b, p) == 0;

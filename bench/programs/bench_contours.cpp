@@ -109,11 +109,7 @@ std::vector<NestItem> items_of(const SliceResult& result, const Layer& layer) {
         const Int128 area = to_int128(contour.twice_area);
         item.twice_area = to_integer128((area < 0) == (contour.orientation < 0) ? area : -area);
         item.closed = contour.role != Role::open;
-        item.box_min = item.box_max = points.front();
-        for (const Point& point : points) {
-            item.box_min = {std::min(item.box_min.x, point.x), std::min(item.box_min.y, point.y)};
-            item.box_max = {std::max(item.box_max.x, point.x), std::max(item.box_max.y, point.y)};
-        }
+        item.box = FlatBox::around(points);
     }
     return items;
 }
@@ -194,8 +190,7 @@ private:
         item.points = ring;
         item.count = ring_points;
         item.twice_area = to_integer128((hole ? -2 : 2) * Int128{length} * length);
-        item.box_min = low;
-        item.box_max = {low.x + length, low.y + length};
+        item.box = {low, {low.x + length, low.y + length}};
         item.closed = true;
     }
 

@@ -107,7 +107,7 @@ inline bool smaller(const Size& a, const Size& b) {
 inline Size size_of(const NestItem& item) {
     std::vector<Point> points(item.points, item.points + item.count);
     const Int128 area = twice_area(points);
-    return {area < 0 ? -area : area, item.box_min, item.box_max, from_start(points)};
+    return {area < 0 ? -area : area, item.box.low, item.box.high, from_start(points)};
 }
 
 inline void expect_role(std::vector<NestItem>& items, std::size_t index) {
@@ -195,11 +195,7 @@ inline std::vector<NestItem> LayerSample::items() const {
             item.start = static_cast<std::uint32_t>(oracle::start_of(contour.points));
             const oracle::Int128 area = oracle::twice_area(contour.points);
             item.twice_area = {static_cast<std::uint64_t>(area), static_cast<std::int64_t>(area >> 64)};
-            item.box_min = item.box_max = contour.points[0];
-            for (const Point p : contour.points) {
-                item.box_min = {std::min(item.box_min.x, p.x), std::min(item.box_min.y, p.y)};
-                item.box_max = {std::max(item.box_max.x, p.x), std::max(item.box_max.y, p.y)};
-            }
+            item.box = lamella::FlatBox::around(contour.points);
         }
         items.push_back(item);
     }

@@ -142,7 +142,7 @@ TEST_CASE("the line and the tree of starts find the starts within a box", "[nest
         Vector<std::uint32_t> in_line;
         Vector<std::uint32_t> in_tree;
         line.find(window, box.min.y, box.max.y, in_line);
-        tree.find(box.min, box.max, in_tree);
+        tree.find({box.min, box.max}, in_tree);
         const std::vector<std::uint32_t> expected = expected_within(starts, taken_off, box);
         REQUIRE(sorted(in_line) == expected);
         REQUIRE(sorted(in_tree) == expected);

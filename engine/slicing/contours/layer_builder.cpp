@@ -19,11 +19,6 @@ bool is_closed(const Path& path) noexcept {
     return path.item.closed;
 }
 
-Int128 size_of(const NestItem& item) noexcept {
-    const Int128 area = to_int128(item.twice_area);
-    return area < 0 ? -area : area;
-}
-
 }  // namespace
 
 void LayerBuilder::build(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, BandOutput& out) {

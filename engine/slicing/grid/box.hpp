@@ -78,7 +78,7 @@ struct GridBox {
     };
     constexpr Numbers numbers() const noexcept { return std::bit_cast<Numbers>(*this); }
 
-    friend constexpr bool operator==(const GridBox&, const GridBox&) = default;
+    friend constexpr auto operator<=>(const GridBox&, const GridBox&) = default;
 };
 
 using Box = GridBox<GridVertex>;

@@ -18,23 +18,15 @@ using nesting::Container;
 using nesting::SortKey;
 using nesting::StartLine;
 
-std::pair<std::uint64_t, std::uint64_t> magnitude(const Integer128& area) noexcept {
-    const auto high = static_cast<std::uint64_t>(area.high);
-    if (area.high >= 0) {
-        return {high, area.low};
-    }
-    return {~high + (area.low == 0 ? 1 : 0), ~area.low + 1};
-}
-
 /// From small to large. Equal only if all points are equal.
 std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept {
-    if (const auto order = magnitude(a.twice_area) <=> magnitude(b.twice_area); std::is_neq(order)) {
-        return order;
+    if (size_of(a) != size_of(b)) {
+        return size_of(a) < size_of(b) ? std::strong_ordering::less : std::strong_ordering::greater;
     }
     if (const auto order = a.points[a.start] <=> b.points[b.start]; std::is_neq(order)) {
         return order;
     }
-    if (const auto order = std::pair(a.box_min, a.box_max) <=> std::pair(b.box_min, b.box_max); std::is_neq(order)) {
+    if (const auto order = a.box <=> b.box; std::is_neq(order)) {
         return order;
     }
     return compare_points(a, b);
@@ -43,12 +35,16 @@ std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept
 constexpr std::size_t item_work = 16;  ///< as StopPace counts it
 
 /// Orders by area. Areas beyond 64 bits share the highest key.
-std::uint64_t area_key(const Integer128& twice_area) noexcept {
-    const auto [high, low] = magnitude(twice_area);
-    return high != 0 ? std::numeric_limits<std::uint64_t>::max() : low;
+std::uint64_t area_key(const NestItem& item) noexcept {
+    return static_cast<std::uint64_t>(std::min<Int128>(size_of(item), std::numeric_limits<std::uint64_t>::max()));
 }
 
 }  // namespace
+
+Int128 size_of(const NestItem& item) noexcept {
+    const Int128 area = to_int128(item.twice_area);
+    return area < 0 ? -area : area;
+}
 
 std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexcept {
     if (a.count != b.count) {
@@ -90,7 +86,7 @@ void Nester::collect(std::span<NestItem> items) {
         worker_.spend(item_work);
         item.reset();
         if (item.orientation != 0) {
-            assert(item.start < item.count && item.points[item.start].x == item.box_min.x);
+            assert(item.start < item.count && item.points[item.start].x == item.box.low.x);
             const Point start = item.points[item.start];
             by_start_.push_back({nesting::key_of(start), static_cast<std::uint32_t>(i)});
         }
@@ -137,9 +133,9 @@ void Nester::find_parents(std::span<const NestItem> items) {
         const NestItem& contour = items[container.item];
         found_.clear();
         if (tree_in_use_) {
-            tree_.find(contour.box_min, contour.box_max, found_);
+            tree_.find(contour.box, found_);
         } else {
-            starts_.find(container.window, contour.box_min.y, contour.box_max.y, found_);
+            starts_.find(container.window, contour.box.low.y, contour.box.high.y, found_);
         }
         take_in(contour, container.ring);
     }
@@ -171,7 +167,7 @@ bool Nester::find_containers(std::span<const NestItem> items) {
         worker_.spend(item_work);
         const NestItem& contour = items[rings_[ring].item];
         right = right > ring ? right : starts_.first_right_of(ring, ring + 1);
-        const StartLine::Window window = starts_.window(right, contour.box_max.x, contour.box_min.y, contour.box_max.y);
+        const StartLine::Window window = starts_.window(right, contour.box.high.x, contour.box.low.y, contour.box.high.y);
         if (window.occupied) {
             containers_.push_back({ring, rings_[ring].item, window});
         }
@@ -190,8 +186,8 @@ double Nester::aspect_of(std::span<const NestItem> items) {
     for (const nesting::Ring& ring : rings_) {
         const NestItem& contour = items[ring.item];
         worker_.spend(item_work);
-        widths += static_cast<double>(contour.box_max.x) - contour.box_min.x;
-        heights += static_cast<double>(contour.box_max.y) - contour.box_min.y;
+        widths += static_cast<double>(width_of(contour.box));
+        heights += static_cast<double>(height_of(contour.box));
     }
     return widths / heights;
 }
@@ -210,7 +206,7 @@ void Nester::sort_containers(std::span<const NestItem> items) {
     for (std::uint32_t i = 0; i < containers_.size(); ++i) {
         const NestItem& contour = items[containers_[i].item];
         worker_.spend(item_work);
-        by_size_.push_back({area_key(contour.twice_area), i});
+        by_size_.push_back({area_key(contour), i});
     }
     nesting::sort_keys(by_size_, spare_keys_, worker_);
     auto huge = by_size_.end();

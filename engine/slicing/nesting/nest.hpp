@@ -22,10 +22,12 @@
 #include <span>
 #include <vector>
 
+#include "base/int128.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/result.hpp"
+#include "slicing/grid/box.hpp"
 #include "slicing/nesting/inside.hpp"
 #include "slicing/nesting/order.hpp"
 #include "slicing/nesting/starts.hpp"
@@ -37,9 +39,9 @@ struct NestItem {
     const Point* points = nullptr;  ///< consecutive ones distinct; closed: the first is not repeated; any may come first
     const PointOrigin* origins = nullptr;  ///< of each point; null: none. Nesting does not look at them
     std::uint32_t count = 0;
-    std::uint32_t start = 0;     ///< closed: index of its smallest (x, y)
-    Integer128 twice_area{};     ///< closed: as walked, square grid units
-    Point box_min{}, box_max{};  ///< closed: of its points
+    std::uint32_t start = 0;  ///< closed: index of its smallest (x, y)
+    Integer128 twice_area{};  ///< closed: as walked, square grid units
+    FlatBox box{};            ///< closed: of its points
     bool closed = false;
 
     bool reverse = false;         ///< out: the points must be stored backwards (outer counter-clockwise, hole clockwise)
@@ -63,6 +65,9 @@ struct NestItem {
 constexpr std::uint32_t part_of_both(std::uint32_t a, std::uint32_t b) noexcept {
     return a == b ? a : several_parts;
 }
+
+/// Twice the area, whichever way the contour runs.
+Int128 size_of(const NestItem& item) noexcept;
 
 /// By the number of points, then by the points from the starts on.
 std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexcept;

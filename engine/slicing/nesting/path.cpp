@@ -15,8 +15,7 @@ NestItem closed_item(const Point* ring, std::uint32_t count, const RingFacts& fa
             .count = count,
             .start = static_cast<std::uint32_t>(facts.smallest),
             .twice_area = to_integer128(facts.twice_area),
-            .box_min = facts.box_min,
-            .box_max = facts.box_max,
+            .box = facts.box,
             .closed = true};
 }
 

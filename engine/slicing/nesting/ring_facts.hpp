@@ -1,20 +1,18 @@
 // What order and nesting need of a closed contour: its start, box and area.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
 #include "base/function_ref.hpp"
 #include "base/int128.hpp"
-#include "lamella/grid.hpp"
+#include "slicing/grid/box.hpp"
 
 namespace lamella {
 
 /// Found in one pass over a closed contour.
 struct RingFacts {
-    Point box_min;
-    Point box_max;
+    FlatBox box;
     Int128 twice_area;     ///< positive if counter-clockwise; exact
     std::size_t smallest;  ///< index of the first occurrence of the smallest (x, y)
     bool many_smallest;    ///< it occurs again
@@ -40,15 +38,14 @@ private:
 template <class PointAt>
 RingFacts facts_of(std::size_t count, const PointAt& point) {
     const Point first = point(0);
-    RingFacts facts{first, first, 0, 0, false, false};
+    RingFacts facts{{first, first}, 0, 0, false, false};
     Point smallest = first;
     ProductSum sum;
     Point before = point(count - 1);
     Point here = first;
     for (std::size_t i = 0; i < count; ++i) {
         const Point next = i + 1 < count ? point(i + 1) : first;
-        facts.box_min = {std::min(facts.box_min.x, here.x), std::min(facts.box_min.y, here.y)};
-        facts.box_max = {std::max(facts.box_max.x, here.x), std::max(facts.box_max.y, here.y)};
+        facts.box.include({here, here});
         facts.has_repeats = facts.has_repeats || here == next;
         if (here < smallest) {
             smallest = here;

@@ -73,10 +73,9 @@ void StartTree::assign(std::span<const SortKey> by_start, double aspect) {
         worker_);
 }
 
-void StartTree::find(Point box_min, Point box_max, Vector<std::uint32_t>& found) const {
+void StartTree::find(const FlatBox& box, Vector<std::uint32_t>& found) const {
     constexpr std::size_t all = std::numeric_limits<std::size_t>::max();
-    const FlatBox within{{box_min.x + 1, box_min.y + 1}, {box_max.x - 1, box_max.y - 1}};
-    boxes_.search(within, all, [&](std::size_t place) { found.push_back(starts_[place].index); });
+    boxes_.search(grown(box, -1), all, [&](std::size_t place) { found.push_back(starts_[place].index); });
 }
 
 }  // namespace lamella::nesting

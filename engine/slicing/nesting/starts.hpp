@@ -81,7 +81,7 @@ public:
     /// `aspect`: the mean width of the boxes that will be searched over their mean height. Throws std::bad_alloc.
     void assign(std::span<const SortKey> by_start, double aspect);
     /// Appends the starts left that lie strictly within the box to `found`, in an unspecified but reproducible order.
-    void find(Point box_min, Point box_max, Vector<std::uint32_t>& found) const;
+    void find(const FlatBox& box, Vector<std::uint32_t>& found) const;
     void take_off(std::uint32_t start) noexcept { boxes_.take_off(place_of_[start]); }
 
 private:

@@ -276,8 +276,7 @@ void Simplifier::write(std::span<NestItem> items) {
         if (item.closed) {
             const RingFacts facts = examine_ring(item.points, item.count);
             item.twice_area = to_integer128(facts.twice_area);
-            item.box_min = facts.box_min;
-            item.box_max = facts.box_max;
+            item.box = facts.box;
         }
         worker_.spend(path.left);
     }

@@ -7,7 +7,7 @@
 
 #include "base/clock.hpp"
 #include "base/vector.hpp"
-#include "slicing/contours/layer_builder.hpp"
+#include "slicing/layer/layer_builder.hpp"
 #include "slicing/result/band_output.hpp"
 #include "slicing/result/stacked_outputs.hpp"
 

@@ -21,8 +21,8 @@
 #include "lamella/slice.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
-#include "slicing/contours/layer_builder.hpp"
 #include "slicing/contours/link_graph.hpp"
+#include "slicing/layer/layer_builder.hpp"
 #include "slicing/sweep/active_edges.hpp"
 
 namespace lamella {

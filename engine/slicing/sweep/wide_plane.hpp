@@ -19,7 +19,7 @@
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "slicing/buckets/bucket.hpp"
-#include "slicing/contours/layer_builder.hpp"
+#include "slicing/layer/layer_builder.hpp"
 
 namespace lamella {
 

@@ -1,4 +1,4 @@
-#include "slicing/contours/layer_builder.hpp"
+#include "slicing/layer/layer_builder.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "slicing/contours/ring_reader.hpp"
+#include "slicing/layer/ring_reader.hpp"
 
 #include <algorithm>
 

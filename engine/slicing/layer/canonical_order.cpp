@@ -1,4 +1,4 @@
-#include "slicing/contours/canonical_order.hpp"
+#include "slicing/layer/canonical_order.hpp"
 
 #include <cassert>
 #include <numeric>

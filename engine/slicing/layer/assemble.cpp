@@ -11,8 +11,8 @@
 #include "base/progress_meter.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
-#include "slicing/contours/layer_builder.hpp"
 #include "slicing/contours/link_graph.hpp"
+#include "slicing/layer/layer_builder.hpp"
 
 namespace lamella {
 

@@ -11,7 +11,7 @@
 #include "base/words.hpp"
 #include "base/worker.hpp"
 #include "lamella/assemble.hpp"
-#include "slicing/contours/layer_builder.hpp"
+#include "slicing/layer/layer_builder.hpp"
 #include "slicing/regions/rules.hpp"
 #include "slicing/result/band_output.hpp"
 

@@ -63,7 +63,7 @@ LAMELLA_AVX2 __m256i load_points(const Point* at) {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
 }
 
-/// Whether all differences within the box fit the 32-bit halves that vector multiplication takes.
+/// True if all differences within the box fit the 32-bit halves that vector multiplication takes.
 bool fits_halves(const RingFacts& facts) {
     return width_of(facts.box) <= INT32_MAX && height_of(facts.box) <= INT32_MAX;
 }

@@ -68,7 +68,7 @@ public:
         const PortRef across = slots_.ports()[source].across;
         return across != no_port && slot_of(across) == next ? source : port_of(slot, target_port);
     }
-    /// Whether the facet of the segment at a port runs from there.
+    /// True if the facet of the segment at a port runs from there.
     bool runs_from(PortRef ref) const noexcept {
         return static_cast<int>(ref & 1) == source_port ? !slots_.has_any(slot_of(ref), SlotTable::mixed_source_is_target)
                                                         : slots_.has_any(slot_of(ref), SlotTable::mixed_target_is_source);

@@ -57,7 +57,7 @@ struct Link {
     PortRef ends[2];
 };
 
-/// What a port holds. The two share memory, as a second array adds 2 % of cache misses on dense meshes:
+/// The content of a port. The two share memory, as a second array adds 2 % of cache misses on dense meshes:
 ///
 ///     release_ended()   end_attaching()    settle()            connect()
 ///     |                 |                  |                   |
@@ -68,11 +68,11 @@ union Port {
     PortRef across;        ///< the port at the other end of its segment
 };
 
-/// A vector left to itself takes twice the memory to grow by one element; these are large, one each a thread. In stretches,
-/// so that a stop that is asked for meanwhile is noticed: pages that are touched first cost more than their bytes. What is
-/// thrown leaves the array somewhat larger.
+/// To at least `size`. A vector left to itself takes twice the memory to grow by one element; these are large, one each a
+/// thread. In stretches, so that a stop that is asked for meanwhile is noticed: pages that are touched first cost more than
+/// their bytes. What is thrown leaves the array somewhat larger.
 template <class T>
-void resize_exactly(Vector<T>& array, std::size_t size, StopPace& pace, const T& value = {}) {
+void grow_exactly(Vector<T>& array, std::size_t size, StopPace& pace, const T& value = {}) {
     constexpr std::size_t words = (sizeof(T) + 7) / 8;
     array.reserve(size);
     pace.in_stretches(array.size(), size, words, [&](std::size_t, std::size_t end) { array.resize(end, value); });
@@ -133,7 +133,7 @@ public:
     };
     /// Since begin_attaching().
     std::span<LateEnd> late_ends() noexcept { return late_ends_; }
-    /// Whether some fresh slot has an end on one side only.
+    /// True if some fresh slot has an end on one side only.
     bool one_sided() const noexcept { return one_sided_; }
     /// The link whose end came first to a port of a fresh slot, or no_link.
     LinkIndex first_link(Slot slot, int port) const noexcept { return ports_[port_of(slot, port)].first_link; }
@@ -178,7 +178,7 @@ public:
 
     // --- Compaction
 
-    /// Whether many slots have ended.
+    /// True if many slots have ended.
     bool is_sparse() const noexcept { return slot_end_ >= 256 && slot_end_ > 2 * live(); }
     /// Slot new_to_old[i] becomes slot i; `moved` says what a port becomes. free_from() must follow.
     void renumber(std::span<const Slot> new_to_old, FunctionRef<PortRef(PortRef)> moved);
@@ -224,7 +224,7 @@ class SlotTable::Attaching {
 public:
     explicit Attaching(SlotTable& table) noexcept : table_(table) { load(); }
 
-    /// Whether the map is so large that most look-ups wait for it.
+    /// True if the map is so large that most look-ups wait for it.
     bool beyond_caches() const noexcept { return mask_ >= std::size_t{1} << 16; }
     /// Fetches where find_or_add() begins to look.
     void prefetch(std::uint64_t hash) const noexcept { __builtin_prefetch(map_ + (hash >> shift_), 1); }

@@ -52,8 +52,8 @@ void Walker::follow_any_orientation(Slot start, int leave_by, bool closed) {
     }
 }
 
-/// Whether most segments of the walk run against it. Where as many do as do not: whether the walk backwards is the smaller
-/// sequence of edges, a closed one from its smallest edge on.
+/// True if most segments of the walk run against it, or as many as along it where the walk backwards is the smaller sequence
+/// of edges, a closed one from its smallest edge on.
 bool Walker::runs_backwards(std::uint32_t begin, bool closed) {
     const std::uint32_t count = filled_ - begin;
     const Slot* slots = order_next_.data() + 1 + begin;

@@ -64,9 +64,7 @@ void Walker::walk_four_at_once() {
         Piece* piece;
     };
     const std::size_t room = slots_.live() + run_padding;
-    if (lanes_.size() < 4 * room) {
-        resize_exactly(lanes_, 4 * room, worker_);
-    }
+    grow_exactly(lanes_, 4 * room, worker_);
     const Port* const ports = slots_.ports();
     const std::uint64_t* const is_head = is_head_.data();
     Piece* waiting = pieces_.data();

@@ -26,9 +26,7 @@ void Walker::note_ended(std::span<const Slot> ended) {
 }
 
 void Walker::note_connected(std::span<const Link> links, std::size_t made) {
-    if (position_.size() < slots_.capacity()) {
-        resize_exactly(position_, slots_.capacity(), worker_, no_position);
-    }
+    grow_exactly(position_, slots_.capacity(), worker_, no_position);
     changes_ += made + links.size();
     if (!most_changed()) {  // else the walk does not ask for runs
         for (const Link& link : links) {
@@ -70,7 +68,7 @@ void Walker::walk() {
 void Walker::begin_order() {
     const std::size_t live = slots_.live();
     if (order_next_.size() < live + 1 + run_padding) {
-        resize_exactly(order_next_, std::max(live + live / 32 + 1 + run_padding, order_next_.size()), worker_);
+        grow_exactly(order_next_, std::max(live + live / 32 + 1 + run_padding, order_next_.size()), worker_);
     }
     filled_ = 0;
     old_contours_.swap(contours_);

@@ -29,7 +29,7 @@ struct EdgePath {
     std::uint64_t contour = 0;
     bool closed = true;
     std::size_t start = 0;  ///< an index of points; 0 if open
-    /// Of paths(): edges [begin, end) of the layer; edge e leads from point e to point e + 1. After the edges' starts come
+    /// In paths(): edges [begin, end) of the layer; edge e leads from point e to point e + 1. After the edges' starts come
     /// two points more, which are the first two of a closed path.
     std::size_t begin = 0;
     std::size_t end = 0;
@@ -40,7 +40,7 @@ struct EdgePath {
         at = at < points.size() ? at : at - points.size();
         return points[at + start < points.size() ? at + start : at + start - points.size()];
     }
-    /// Whether there is an edge after edge `e` of the layer.
+    /// True if there is an edge after edge `e` of the layer.
     bool goes_on(std::size_t e) const noexcept { return closed || e + 1 < end; }
 };
 
@@ -53,7 +53,7 @@ struct EdgeRun {
     std::int8_t right;  ///< 1, -1, or 0 if all edges are upright
     std::int8_t up;
 
-    /// Whether one direction goes on.
+    /// True if one direction goes on.
     bool goes_on_in(const EdgeRun& next) const noexcept { return right * next.right >= 0 || up * next.up >= 0; }
 };
 
@@ -77,7 +77,7 @@ public:
     std::span<const EdgeRun> runs() const noexcept { return runs_.span(); }
 
 private:
-    /// Of a path: few enough edges for one task.
+    /// A stretch of a path: few enough edges for one task.
     struct Piece {
         std::uint32_t path;
         std::size_t begin;

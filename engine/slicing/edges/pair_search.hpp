@@ -50,7 +50,7 @@ public:
         return !cut_short_;
     }
 
-    /// Of the last call.
+    /// Steps of the last call.
     std::uint64_t steps() const noexcept { return steps_; }
 
 private:
@@ -87,7 +87,7 @@ private:
             meeting_.resize(end - begin);
         }
         const BoxArrays boxes = strips.boxes();
-        // What meets further left is found there. A single strip leaves nothing out.
+        // Boxes that meet further left are found there. A single strip leaves nothing out.
         const std::int32_t left = strips.count() == 1 ? std::numeric_limits<std::int32_t>::min() : strips.left_of(strip);
         for (std::size_t i = begin; i < end && !cut_short_; ++i) {
             const BoxesMet meeting = kernels_.find_meeting(boxes, i, end, left, meeting_.data());
@@ -114,7 +114,7 @@ private:
         return run.end == next.begin || (path.closed && run.end == path.end && next.begin == path.begin);
     }
 
-    /// Whether `next`, which follows `run`, meets it nowhere but in their joint: one direction goes on, and the edges at the
+    /// True if `next`, which follows `run`, meets it nowhere but in their joint: one direction goes on, and the edges at the
     /// joint do not lie on each other along a horizontal or vertical line.
     bool leads_away(const EdgeRun& run, const EdgeRun& next) const noexcept {
         const Point before = points_[run.end - 1];

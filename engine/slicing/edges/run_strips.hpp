@@ -43,7 +43,7 @@ public:
     std::int32_t left_of(std::size_t strip) const noexcept {
         return static_cast<std::int32_t>(low_ + (static_cast<std::int64_t>(strip) << shift_));
     }
-    /// What stands in a strip: [first, second), as indices into boxes(), ordered by low_y.
+    /// The entries of a strip: [first, second), as indices into boxes(), ordered by low_y.
     std::pair<std::size_t, std::size_t> entries_of(std::size_t strip) const noexcept {
         return {firsts_[strip], firsts_[strip + 1]};
     }

@@ -27,7 +27,7 @@ constexpr GridVertex high_corner(const GridVertex& a, const GridVertex& b) noexc
     return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
 }
 
-/// Whether `a` has the larger number of some axis.
+/// True if `a` has the larger number of some axis.
 constexpr bool exceeds(Point a, Point b) noexcept {
     return a.x > b.x || a.y > b.y;
 }

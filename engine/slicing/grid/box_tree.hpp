@@ -98,7 +98,7 @@ public:
 
     std::size_t size() const noexcept { return size_; }
     std::size_t levels() const noexcept { return levels_; }
-    /// Of level 0: the boxes of eight items.
+    /// On level 0: the boxes of eight items.
     const Block& block(std::size_t level, std::size_t number) const noexcept { return blocks_[firsts_[level] + number]; }
 
     /// From here on the item meets nothing; the boxes around it shrink. O(log n).
@@ -114,7 +114,7 @@ public:
         }
     }
 
-    /// What visit() costs in comparisons of boxes: an exact test of two triangles takes as long.
+    /// The cost of visit() in comparisons of boxes: an exact test of two triangles takes as long.
     static constexpr std::size_t visit_cost = 64;
 
     /// Calls visit(item) for each box that meets the query, until that has cost `limit`; returns what it cost.

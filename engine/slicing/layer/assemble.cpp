@@ -37,7 +37,7 @@ public:
         progress_.reach(0);
         SlotTable::Attaching attaching = graph_.begin_attaching(2 * segments_.size());
         links_.reserve(segments_.size());
-        resize_exactly(points_, graph_.capacity(), worker_);  // an edge has one slot where two segments meet
+        grow_exactly(points_, graph_.capacity(), worker_);  // an edge has one slot where two segments meet
         worker_.in_stretches(0, segments_.size(), segment_work, [&](std::size_t begin, std::size_t end) {
             attach_all(attaching, begin, end);
             progress_.reach(attached_share * static_cast<double>(end) / static_cast<double>(segments_.size()));
@@ -62,7 +62,7 @@ public:
     }
 
 private:
-    // Of the progress, when the step is done.
+    // Progress when the step is done.
     static constexpr double attached_share = 0.5;
     static constexpr double walked_share = 0.7;
     static constexpr double built_share = 0.9;

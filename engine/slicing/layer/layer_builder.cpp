@@ -234,7 +234,7 @@ void LayerBuilder::nest_region() {
         item.flags &= static_cast<std::uint16_t>(~orientation_overruled);
     }
     is_settled_.assign(items_.size(), 0);
-    // What is touched starts before, or at the same point: the way to one that is settled is short.
+    // A touched path starts before, or at the same point: the way to one that is settled is short.
     for (std::uint32_t i = 0; i < items_.size(); ++i) {
         std::uint32_t at = i;
         while (is_settled_[at] == 0 && items_[at].role == Role::outer && path_of(at).touched >= 0) {
@@ -251,7 +251,7 @@ void LayerBuilder::nest_region() {
     }));
 }
 
-/// Of the region only those that lie in no other, or only the largest of these with its holes.
+/// Keeps only those of the region that lie in no other, or only the largest of these with its holes.
 void LayerBuilder::keep_some(bool outermost, bool largest) {
     std::int32_t first = -1;
     for (std::size_t i = 0; i < items_.size() && largest; ++i) {

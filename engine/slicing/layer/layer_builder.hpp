@@ -26,7 +26,7 @@
 
 namespace lamella {
 
-/// What is done to a plane's contours beyond walking them.
+/// Everything that is done to a plane's contours beyond walking them.
 struct LayerRules {
     const RegionRules* region = nullptr;  ///< null: contours stay as they are
     double unit_mm = default_unit_mm;
@@ -54,7 +54,7 @@ public:
     /// set, the facets run the other way.
     void build_given(std::span<const Path> contours, BandOutput& out);
 
-    /// Of the layers to come.
+    /// Apply to layers built after this.
     LayerRules rules;
 
     /// Time spent in nesting and with the fill rule since construction, for layers built with `timed`; see StageTimes.

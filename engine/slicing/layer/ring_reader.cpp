@@ -21,10 +21,10 @@ std::uint16_t flags_of(const WalkedContour& walked) noexcept {
 void RingReader::read(const LinkGraph& graph, const Point* points, const SlotOrigins* origins, Vector<Path>& contours) {
     const std::size_t room = graph.order().size() + padded_count;
     if (rings_.size() < room) {
-        resize_exactly(rings_, room + room / 32, worker_);
+        grow_exactly(rings_, room + room / 32, worker_);
     }
-    if (origins != nullptr && origins_.size() < rings_.size()) {
-        resize_exactly(origins_, rings_.size(), worker_);
+    if (origins != nullptr) {
+        grow_exactly(origins_, rings_.size(), worker_);
     }
     contours.clear();
     reserve_more(contours, graph.contours().size());

@@ -156,7 +156,7 @@ LAMELLA_AVX2 void add_edges_avx2(Winding& winding, const Point* points, std::uin
     _mm256_zeroupper();  // the caller runs the narrow instructions of the baseline
 }
 
-/// Of up to 64 points, bit i for point i: whether it lies above the query's y, and whether at it.
+/// For up to 64 points, bit i for point i: whether it lies above the query's y, and whether at it.
 struct Levels {
     std::uint64_t above = 0;
     std::uint64_t at = 0;
@@ -178,7 +178,7 @@ LAMELLA_AVX512_INLINE Levels levels_of_64(const Point* points, __m512i level) no
     return levels;
 }
 
-/// Of fewer than 64.
+/// Fewer than 64.
 LAMELLA_AVX512_INLINE Levels levels_of_few(const Point* points, unsigned count, __m512i level) noexcept {
     Levels levels;
     for (unsigned i = 0; i < count; i += 16) {

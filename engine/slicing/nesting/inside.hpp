@@ -80,7 +80,7 @@ using AddEdges = void (*)(Winding& winding, const Point* points, std::uint32_t c
 /// All forms, the fastest first.
 std::span<const Form<AddEdges>> add_edges_forms() noexcept;
 
-/// Whether the non-zero winding interior of a closed contour contains `query`. O(count).
+/// True if the non-zero winding interior of a closed contour contains `query`. O(count).
 inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32_t count, Point query) noexcept {
     Winding winding(query);
     add_edges(winding, points, count - 1);

@@ -61,7 +61,7 @@ struct NestItem {
     void reset() noexcept;
 };
 
-/// Of what is made of two: Contour::part.
+/// The Contour::part of a contour made of two.
 constexpr std::uint32_t part_of_both(std::uint32_t a, std::uint32_t b) noexcept {
     return a == b ? a : several_parts;
 }

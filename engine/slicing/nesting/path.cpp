@@ -19,7 +19,7 @@ NestItem closed_item(const Point* ring, std::uint32_t count, const RingFacts& fa
             .closed = true};
 }
 
-/// Whether the closed ring read from `a` on is smaller than read from `b` on.
+/// True if the closed ring read from `a` on is smaller than read from `b` on.
 bool rotation_before(const Point* ring, const PointOrigin* origins, std::uint32_t count, std::uint32_t a, std::uint32_t b) {
     const auto compare = [=](const auto* elements) {
         for (std::uint32_t i = 0; i < count; ++i) {
@@ -33,7 +33,7 @@ bool rotation_before(const Point* ring, const PointOrigin* origins, std::uint32_
     return by_points == 0 && origins != nullptr ? compare(origins) < 0 : by_points < 0;
 }
 
-/// Of equal consecutive points the last begins an edge that has a length.
+/// The last of equal consecutive points begins an edge that has a length.
 void keep_last_origins(const Point* points, PointOrigin* origins, std::uint32_t count) {
     std::uint32_t kept = 0;
     for (std::uint32_t i = 0; i < count; ++i) {

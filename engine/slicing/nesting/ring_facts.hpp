@@ -1,4 +1,4 @@
-// What order and nesting need of a closed contour: its start, box and area.
+// Facts of a closed contour for order and nesting: its start, box and area.
 #pragma once
 
 #include <cstddef>

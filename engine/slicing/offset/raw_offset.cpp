@@ -10,7 +10,7 @@ namespace lamella {
 
 namespace {
 
-/// What an inner corner too sharp to trim takes off: longer than any edge.
+/// The length that an inner corner too sharp to trim takes off: longer than any edge.
 constexpr double beyond_any_edge = 1e12;
 
 bool reach_beyond_grid(const Point* first, const Point* last) noexcept {

@@ -97,7 +97,7 @@ void Arrangement::find_faces() {
     }
 }
 
-/// Of the component that has the vertex, its smallest. The last half around it has the left side on its left.
+/// Begins at the smallest vertex of a component. The last half around it has the left side on its left.
 void Arrangement::spread_windings(std::uint32_t vertex) {
     const auto component = static_cast<std::uint32_t>(components_.size());
     const Half last = halves_[first_halves_[vertex + 1] - 1];
@@ -156,7 +156,7 @@ void Arrangement::append_points(Half half, Vector<Point>& points) {
     worker_.spend(half_work + strand.edges);
 }
 
-/// Of the edges from these points on.
+/// The origins of the edges from these points on.
 void Arrangement::append_origins(Half half, Vector<PointOrigin>& origins) const {
     const Strand& strand = strand_of(half);
     const bool backwards = half % 2 == 1;

@@ -28,7 +28,7 @@
 
 namespace lamella {
 
-/// Whether a point with the winding number is inside by `rule`, which is not `contours`.
+/// True if a point with the winding number is inside by `rule`, which is not `contours`.
 constexpr bool fills(FillRule rule, std::int64_t winding) noexcept {
     return rule == FillRule::even_odd ? winding % 2 != 0 : (rule == FillRule::positive ? winding > 0 : winding != 0);
 }

@@ -12,14 +12,14 @@ namespace {
 
 constexpr std::uint64_t any_number = std::numeric_limits<std::uint64_t>::max();
 
-/// Whether the edge from `joint` to `to` leads back, by more than a right angle, from the one from `from` to `joint`.
+/// True if the edge from `joint` to `to` leads back, by more than a right angle, from the one from `from` to `joint`.
 bool turns_back(Point from, Point joint, Point to) noexcept {
     const std::int64_t along_x = (std::int64_t{joint.x} - from.x) * (std::int64_t{to.x} - joint.x);
     const std::int64_t along_y = (std::int64_t{joint.y} - from.y) * (std::int64_t{to.y} - joint.y);
     return along_x < -along_y;
 }
 
-/// Whether one of the two edges lies on the other.
+/// True if one of the two edges lies on the other.
 bool runs_back(Point from, Point joint, Point to) noexcept {
     return side_of(from, joint, to) == 0 && turns_back(from, joint, to);
 }

@@ -32,7 +32,7 @@ public:
     /// edges with close boxes. Throws std::bad_alloc.
     void find(std::span<const NestItem> contours);
 
-    /// Whether the contour meets another or itself.
+    /// True if the contour meets another or itself.
     bool meets(std::uint32_t contour) const noexcept { return meets_[contour] != 0; }
     bool any_meets() const noexcept { return any_meets_; }
     /// For each edge of a contour from its start whether it comes within rounding_reach of an edge of another contour, or

@@ -17,7 +17,7 @@ bool unites_inverted(FillRule rule) noexcept {
     return rule == FillRule::non_zero || rule == FillRule::outermost;
 }
 
-/// Whether one is the other walked backwards, as of a shell and its copy turned inside out.
+/// True if one is the other walked backwards, as of a shell and its copy turned inside out.
 bool are_opposite(const NestItem& a, const NestItem& b) noexcept {
     return a.from_start(0) == b.from_start(0) && a.count == b.count && to_int128(a.twice_area) == -to_int128(b.twice_area) &&
            to_int128(a.twice_area) != 0;
@@ -183,7 +183,7 @@ void Fill::find_windings(FillRule rule) {
     }
 }
 
-/// What opposite edges have cancelled may have hung together.
+/// Edges that opposite ones have cancelled may have hung together.
 void Fill::find_cancelled() {
     const auto winding = [this](const Arrangement::Face& face) { return around_[face.component] + face.winding; };
     const auto below = [this](const Arrangement::Face& face) -> std::uint8_t& {

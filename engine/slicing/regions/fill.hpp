@@ -44,15 +44,15 @@ public:
     /// The given contours that belong to the region as they are, but for Path::hole.
     std::span<const Path> kept() const noexcept { return region().first(kept_); }
     std::span<const Path> made() const noexcept { return region().subspan(kept_); }
-    /// Whether the region is the contours as they are. Then nested() are they, with the outputs of nesting.
+    /// True if the region is the contours as they are. Then nested() are they, with the outputs of nesting.
     bool is_unchanged() const noexcept { return unchanged_; }
     std::span<const NestItem> nested() const noexcept { return items_; }
-    /// Whether contours that meet have winding numbers below and above zero, in faces wider than what rounding makes: shells
+    /// True if contours that meet have winding numbers below and above zero, in faces wider than what rounding makes: shells
     /// turned inwards and outwards overlap there, and cancel by the rules non_zero and outermost.
     bool cancels() const noexcept { return cancels_; }
 
 private:
-    /// What nesting is about: a contour that meets no other, or a face.
+    /// Something to be nested: a contour that meets no other, or a face.
     struct Piece {
         std::int64_t contour;  // of items_, or -1
         std::int64_t face;     // of the arrangement, or -1

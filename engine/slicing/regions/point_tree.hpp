@@ -60,7 +60,7 @@ private:
         std::uint32_t number;
     };
 
-    /// Whether all of `box`, with a unit around it, lies on one side of the edge from `a` to `b`. In double precision, with
+    /// True if all of `box`, with a unit around it, lies on one side of the edge from `a` to `b`. In double precision, with
     /// room for its rounding: products of 33 bits and 31 have an error of less than 2^13.
     static bool passes_by(Point a, Point b, const FlatBox& box) noexcept {
         const double dx = static_cast<double>(b.x) - a.x;

@@ -145,7 +145,7 @@ bool Regions::fold(const NestItem& ring, const RegionSteps& steps) {
     return true;
 }
 
-/// Of the edges of the ring that folding has left as they were.
+/// Only for edges of the ring that folding has left as they were.
 void Regions::keep_origins(const NestItem& ring) {
     const std::uint32_t count = ring.count;
     for (std::size_t i = 0; i < folded_of_.size(); ++i) {
@@ -181,7 +181,7 @@ Path Regions::as_folded(std::uint32_t ring) const {
     return folded;
 }
 
-/// Of the dilated region, but for the rings left alone, which stay as they were or folded.
+/// Curves of the dilated region, but for the rings left alone, which stay as they were or folded.
 void Regions::list_eroded(const RegionSteps& steps) {
     clear_curves(closed_curves_);
     alone_.clear();
@@ -238,7 +238,7 @@ void Regions::list_curves(RawOffset& curves) {
     }
 }
 
-/// What input_ bounds by the positive rule.
+/// Fills the region that input_ bounds by the positive rule.
 void Regions::fill_positive(Fill& fill, Nester& nester) {
     std::sort(input_.begin(), input_.end(), [this](const Path& a, const Path& b) {
         worker_.spend(1);

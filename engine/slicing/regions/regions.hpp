@@ -26,7 +26,7 @@
 
 namespace lamella {
 
-/// What is done to the contours of a layer; lengths in grid units.
+/// The steps from a layer's contours to its region; lengths in grid units.
 struct RegionSteps {
     FillRule rule = FillRule::non_zero;
     double close = 0;
@@ -47,7 +47,7 @@ public:
     /// In no order; empty where is_unchanged(), unless RegionSteps::always_list. Path::made tells those apart that are given
     /// contours; points of the others stay until the next call. Path::touched counts from the first of these paths.
     std::span<const Path> paths() const noexcept { return rings_; }
-    /// Whether the region is the contours as they are. Then nested() are they, with the outputs of nesting.
+    /// True if the region is the contours as they are. Then nested() are they, with the outputs of nesting.
     bool is_unchanged() const noexcept { return unchanged_; }
     std::span<const NestItem> nested() const noexcept { return filled_.nested(); }
     bool cancels() const noexcept { return filled_.cancels(); }

@@ -9,7 +9,7 @@
 //          . .`-o-'. .
 //         c-'´ . `-. b
 //
-// What remains are strands between vertices that meet nowhere but in vertices (Hobby 1999; Guibas and Marimont 1998):
+// Strands remain between vertices that meet nowhere but in vertices (Hobby 1999; Guibas and Marimont 1998):
 // bending never moves an edge across a vertex. It can move an edge onto one, where the strand is cut without a further move.
 // So every vertex lies within half a unit per axis of the exact one, and every point of a strand within half a unit of its
 // edge.
@@ -32,7 +32,7 @@
 
 namespace lamella {
 
-/// Whether the edge from `a` to `b` meets the pixel of `p`.
+/// True if the edge from `a` to `b` meets the pixel of `p`.
 bool passes_pixel(Point a, Point b, Point p) noexcept;
 
 /// Leads from vertex to vertex, straight or along a stretch of a contour.
@@ -79,7 +79,7 @@ public:
 
     /// Appends the points strictly between a chain's ends, from its first on or from its last.
     void append_points_within(const Strand& chain, bool backwards, Vector<Point>& points) const;
-    /// Whether opposite contours have taken strands off each other.
+    /// True if opposite contours have taken strands off each other.
     bool any_cancelled() const noexcept { return any_cancelled_; }
 
 private:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t no_joint = std::numeric_limits<std::uint64_t>::max();
 
-/// Whether the edge from `c` to `d` meets the joint between the joint's ends, and does not run along it.
+/// True if the edge from `c` to `d` meets the joint between the joint's ends, and does not run along it.
 bool meets_between_ends(Point from, Point to, Point c, Point d) noexcept {
     return side_of(c, d, from) * side_of(c, d, to) < 0 && side_of(from, to, c) * side_of(from, to, d) <= 0;
 }
@@ -156,7 +156,7 @@ void PolylineRepair::sort(std::span<const Path> polylines) {
     }
 }
 
-/// Whether an edge that has a length leads on from the end of a polyline.
+/// True if an edge that has a length leads on from the end of a polyline.
 bool PolylineRepair::leads_on_from(PolylineEnd last) const {
     if (!gap_closer_.is_joined(last)) {
         return false;
@@ -166,7 +166,7 @@ bool PolylineRepair::leads_on_from(PolylineEnd last) const {
 }
 
 /// Joins all polylines that follow each other from `first` on, up to an end that is not joined or until they meet `first`.
-/// What joins two of them comes from no triangle.
+/// An edge that joins two of them comes from no triangle.
 void PolylineRepair::join_from(PolylineEnd first) {
     const std::size_t begin = points_.size();
     const bool closed = gap_closer_.is_joined(first);

@@ -22,7 +22,7 @@ constexpr std::uint64_t square(Vector2 v) noexcept {
     return static_cast<std::uint64_t>(v.x * v.x) + static_cast<std::uint64_t>(v.y * v.y);
 }
 
-/// Whether the two point the same way by less than a right angle. The sum of the products could take 65 bits.
+/// True if the two point the same way by less than a right angle. The sum of the products could take 65 bits.
 constexpr bool leads_along(Vector2 u, Vector2 v) noexcept {
     return u.x * v.x > -(u.y * v.y);
 }

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t chain_work = 4;  ///< of a point, as StopPace counts it
 constexpr int rounds_by_distance = 3;  ///< from then on lines are split by halves, which ends soon
 
-/// What O(m log m) allows for.
+/// The most that O(m log m) allows for.
 std::uint64_t most_steps(std::uint64_t edges) noexcept {
     constexpr std::uint64_t steps_per_comparison = 64;
     return steps_per_comparison * edges * static_cast<std::uint64_t>(std::bit_width(edges) + 1);
@@ -111,7 +111,7 @@ void Simplifier::reduce_chain(std::size_t first, std::size_t last, int splits_le
     reduce_chain(at, last, left);
 }
 
-/// Of closed paths without the start that stands at the end.
+/// Closed paths without the start that stands at the end.
 void Simplifier::list_left() {
     left_.clear();
     left_points_.clear();
@@ -130,7 +130,7 @@ void Simplifier::list_left() {
     }
 }
 
-/// Whether all were found, in no more steps than may be.
+/// True if all were found, in no more steps than may be.
 bool Simplifier::find_conflicts(std::span<const NestItem> items) {
     pairs_.clear();
     for (std::size_t p = 0; p < paths_.size(); ++p) {
@@ -155,7 +155,7 @@ bool Simplifier::find_conflicts(std::span<const NestItem> items) {
     return steps_ <= most;
 }
 
-/// Whether edge `edge` of what is left of a path replaces points.
+/// True if edge `edge` of what is left of a path replaces points.
 bool Simplifier::is_line(std::size_t path, std::size_t edge) const noexcept {
     return end_of_line(path, edge) - left_[paths_[path].first_left + edge] > 1;
 }
@@ -227,7 +227,7 @@ void Simplifier::keep_orientation(std::size_t path, const NestItem& item) {
     }
 }
 
-/// Whether there was something to give back.
+/// True if there was something to give back.
 bool Simplifier::give_back(int round) {
     bool any = false;
     for (std::size_t p = 0; p < paths_.size(); ++p) {

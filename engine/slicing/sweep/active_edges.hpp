@@ -20,7 +20,7 @@ public:
     void reserve(std::size_t slots, StopPace& pace) {
         if (slots > capacity()) {
             const std::size_t padded = (slots + padded_count - 1) / padded_count * padded_count;
-            for_each_array([&](auto& array) { resize_exactly(array, padded, pace); });
+            for_each_array([&](auto& array) { grow_exactly(array, padded, pace); });
         }
     }
     std::size_t capacity() const noexcept { return x_.size(); }

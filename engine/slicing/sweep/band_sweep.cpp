@@ -214,7 +214,7 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
 /// which were last read when they entered.
 std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
     if (passing_at_.size() < pending_count_ + select_padding) {
-        resize_exactly(passing_at_, pending_plane_.size() + select_padding, worker_);
+        grow_exactly(passing_at_, pending_plane_.size() + select_padding, worker_);
     }
     const std::size_t count = kernels_.select_equal(pending_plane_.data(), pending_count_, plane, passing_at_.data());
     if (passing_.size() < count) {
@@ -251,12 +251,10 @@ std::size_t BandSweep::most_middles(PlaneIndex plane, std::span<const std::uint3
 }
 
 void BandSweep::reserve_events(std::size_t links, std::size_t middles) {
-    if (links_.size() < links) {
-        resize_exactly(links_, links, worker_);
-    }
+    grow_exactly(links_, links, worker_);
     if (const std::size_t pending = pending_count_ + middles + 1; pending_.size() < pending) {
-        resize_exactly(pending_plane_, pending + pending / 8, worker_);
-        resize_exactly(pending_, pending_plane_.size(), worker_);  // the last, by whose size there is room
+        grow_exactly(pending_plane_, pending + pending / 8, worker_);
+        grow_exactly(pending_, pending_plane_.size(), worker_);  // the last, by whose size there is room
     }
 }
 
@@ -367,9 +365,7 @@ void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) 
         out.add_empty_layer();
         return;
     }
-    if (points_.size() < edges_.capacity()) {
-        resize_exactly(points_, edges_.capacity(), worker_);
-    }
+    grow_exactly(points_, edges_.capacity(), worker_);
     worker_.in_stretches(0, graph_.slot_end(), 1, [&](std::size_t begin, std::size_t end) {
         kernels_.pierce(edges_.arrays(begin), planes.z(plane), end - begin, points_.data() + begin);
     });

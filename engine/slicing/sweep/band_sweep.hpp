@@ -48,12 +48,12 @@ public:
     void run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
              ContourForm form, const StopCheck& stop, BandOutput& out);
 
-    /// Of the bands to come.
+    /// Applies to bands swept after this call.
     void set_rules(const LayerRules& rules) noexcept { layers_.rules = rules; }
     /// The same: whether contours say where their edges come from.
     void set_origins(bool wanted) noexcept { with_origins_ = wanted; }
 
-    /// Of a plane, since construction: what the scratch was made for.
+    /// The most segments of a plane since construction: the size of the scratch.
     std::size_t most_segments() const noexcept { return most_segments_; }
 
     /// Time since the last call.

@@ -195,7 +195,7 @@ void WidePlane::cut_into_pieces() {
             }
         }
     }
-    // What is left are long contours in which no number is divisible by 64.
+    // Long contours are left in which no number is divisible by 64.
     worker_.in_stretches(0, count_, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t segment = begin; segment < end; ++segment) {
             if (on_piece_[segment] == 0) {

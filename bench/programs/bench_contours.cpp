@@ -109,11 +109,7 @@ std::vector<NestItem> items_of(const SliceResult& result, const Layer& layer) {
         const Int128 area = to_int128(contour.twice_area);
         item.twice_area = to_integer128((area < 0) == (contour.orientation < 0) ? area : -area);
         item.closed = contour.role != Role::open;
-        item.box_min = item.box_max = points.front();
-        for (const Point& point : points) {
-            item.box_min = {std::min(item.box_min.x, point.x), std::min(item.box_min.y, point.y)};
-            item.box_max = {std::max(item.box_max.x, point.x), std::max(item.box_max.y, point.y)};
-        }
+        item.box = FlatBox::around(points);
     }
     return items;
 }
@@ -128,7 +124,8 @@ void run_nesting(benchmark::State& state, Prepared& prepared) {
     const Layer& layer = *std::max_element(result.layers.begin(), result.layers.end(),
                                            [](const Layer& a, const Layer& b) { return a.contour_count < b.contour_count; });
     std::vector<NestItem> items = items_of(result, layer);
-    Nester nester(nullptr);
+    lamella::Worker worker;
+    Nester nester(worker);
     nester.nest(items);
     for (std::size_t c = 0; c < items.size(); ++c) {
         const Contour& known = result.contours_of(layer)[c];
@@ -193,8 +190,7 @@ private:
         item.points = ring;
         item.count = ring_points;
         item.twice_area = to_integer128((hole ? -2 : 2) * Int128{length} * length);
-        item.box_min = low;
-        item.box_max = {low.x + length, low.y + length};
+        item.box = {low, {low.x + length, low.y + length}};
         item.closed = true;
     }
 
@@ -204,7 +200,8 @@ private:
 
 void run_nesting_series(benchmark::State& state, std::uint32_t contours) {
     RingLattice lattice(contours);
-    Nester nester(nullptr);
+    lamella::Worker worker;
+    Nester nester(worker);
     nester.nest(lattice.items());
     if (!lattice.nested()) {
         state.SkipWithError("the rings are not nested as constructed");

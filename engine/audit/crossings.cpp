@@ -15,7 +15,6 @@
 #include "audit/pair.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "base/sign.hpp"
 #include "slicing/edges/edge_runs.hpp"
 #include "slicing/edges/pair_search.hpp"
 #include "slicing/edges/run_strips.hpp"
@@ -33,20 +32,17 @@ std::uint64_t most_steps(std::uint64_t edges) noexcept {
     return steps_per_comparison * edges * static_cast<std::uint64_t>(std::bit_width(edges) + 1);
 }
 
-int side(Point from, Point to, Point p) noexcept {
-    return sign_of(side_of_line(from, to, p));
-}
-
 /// Whether the direction from `o` to `p` lies strictly within the turn to the left from that to `a` to that to `b`.
 bool in_turn(Point o, Point a, Point b, Point p) noexcept {
-    const bool left_of_a = side(o, a, p) > 0;
-    const bool right_of_b = side(o, b, p) < 0;
-    return side(o, a, b) > 0 ? left_of_a && right_of_b : left_of_a || right_of_b;
+    const bool left_of_a = side_of(o, a, p) > 0;
+    const bool right_of_b = side_of(o, b, p) < 0;
+    return side_of(o, a, b) > 0 ? left_of_a && right_of_b : left_of_a || right_of_b;
 }
 
 /// Whether `p` lies in the direction from `o` to `a`.
 bool in_line(Point o, Point a, Point p) noexcept {
-    return side(o, a, p) == 0 && (Int128{a.x} - o.x) * (Int128{p.x} - o.x) + (Int128{a.y} - o.y) * (Int128{p.y} - o.y) > 0;
+    return side_of(o, a, p) == 0 &&
+           (Int128{a.x} - o.x) * (Int128{p.x} - o.x) + (Int128{a.y} - o.y) * (Int128{p.y} - o.y) > 0;
 }
 
 /// Two paths pass through `o`: a to b and c to d. Whether they cross there: the four arms alternate around `o`, and none
@@ -91,14 +87,14 @@ struct Found {
 /// Searches one share after another; its memory is kept.
 class CrossingsOfShare {
 public:
-    explicit CrossingsOfShare(const StopCheck& stop) noexcept { search_.follow(stop); }
+    explicit CrossingsOfShare(Worker& worker) noexcept : search_(worker) {}
 
     /// Share `share` of `shares` of all pairs.
     Found run(const EdgeRuns& runs, const RunStrips& strips, std::size_t share, std::size_t shares, Limits limits) {
         points_ = runs.points();
         most_crossings_ = limits.crossings;
         found_ = {};
-        const std::span<const LayerPath> paths = runs.paths();
+        const std::span<const EdgePath> paths = runs.paths();
         found_.cut_short = !search_.find(runs, strips, share, shares, limits.steps,
                                          [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
                                              compare_edges(paths[a], i, paths[b], j);
@@ -109,15 +105,15 @@ public:
 
 private:
     /// A corner belongs to the edge that ends in it, so that each passage is seen in one pair of edges.
-    void compare_edges(const LayerPath& a, std::size_t i, const LayerPath& b, std::size_t j) {
+    void compare_edges(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
         const Point* const p = points_;
-        const int b_from = side(p[i], p[i + 1], p[j]);
-        const int b_to = side(p[i], p[i + 1], p[j + 1]);
+        const int b_from = side_of(p[i], p[i + 1], p[j]);
+        const int b_to = side_of(p[i], p[i + 1], p[j + 1]);
         if (b_from * b_to > 0) {
             return;
         }
-        const int a_from = side(p[j], p[j + 1], p[i]);
-        const int a_to = side(p[j], p[j + 1], p[i + 1]);
+        const int a_from = side_of(p[j], p[j + 1], p[i]);
+        const int a_to = side_of(p[j], p[j + 1], p[i + 1]);
         if (b_from * b_to < 0 && a_from * a_to < 0) {
             note(crossing_of(p[i], p[i + 1], p[j], p[j + 1]), a, b);
         } else if (p[i + 1] == p[j + 1]) {
@@ -132,9 +128,9 @@ private:
     }
 
     /// The corner in which edge i of `a` ends lies inside edge j of `b`.
-    void passes_edge(const LayerPath& a, std::size_t i, const LayerPath& b, std::size_t j) {
+    void passes_edge(const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
         const Point* const p = points_;
-        if (a.goes_on(i) && side(p[j], p[j + 1], p[i]) * side(p[j], p[j + 1], p[i + 2]) < 0) {
+        if (a.goes_on(i) && side_of(p[j], p[j + 1], p[i]) * side_of(p[j], p[j + 1], p[i + 2]) < 0) {
             note(p[i + 1], a, b);
         }
     }
@@ -148,8 +144,8 @@ private:
                 static_cast<std::int32_t>(std::lround(a.y + part * (static_cast<double>(b.y) - a.y)))};
     }
 
-    void note(Point place, const LayerPath& a, const LayerPath& b) {
-        const auto [lower, upper] = std::minmax(a.given.contour, b.given.contour);
+    void note(Point place, const EdgePath& a, const EdgePath& b) {
+        const auto [lower, upper] = std::minmax(a.contour, b.contour);
         found_.add({1, place, {lower, upper}});
         if (found_.count == most_crossings_) {
             search_.stop();
@@ -193,21 +189,22 @@ private:
     }
 
     void search_others() {
-        struct Worker {
-            CrossingsOfShare search;
-            EdgeRuns runs;
-            RunStrips strips;
+        struct Searcher {
+            explicit Searcher(const StopCheck& stop) noexcept : worker(nullptr, stop) {}
+            Worker worker;
+            CrossingsOfShare search{worker};
+            EdgeRuns runs{worker};
+            RunStrips strips{worker};
             std::vector<LayerCrossings> found;
-            explicit Worker(const StopCheck& stop) : search(stop) { strips.follow(stop); }
         };
-        std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(parallel_.threads()));
+        std::vector<std::unique_ptr<Searcher>> searchers(static_cast<std::size_t>(parallel_.threads()));
         parallel_.run(result_.layers.size(), [&](std::size_t layer, int worker) {
-            std::unique_ptr<Worker>& own = workers[static_cast<std::size_t>(worker)];
+            std::unique_ptr<Searcher>& own = searchers[static_cast<std::size_t>(worker)];
             if (is_wide(result_.layers[layer])) {
                 return;
             }
             if (!own) {
-                own = std::make_unique<Worker>(parallel_.stop());
+                own = std::make_unique<Searcher>(parallel_.stop());
             }
             own->runs.clear();
             for_each_path(layer, [&](const EdgePath& path) { own->runs.add(path); });
@@ -215,7 +212,7 @@ private:
             const Found found = own->search.run(own->runs, own->strips, 0, 1, {.steps = most_steps(own->runs.edges())});
             keep(layer, found, own->found);
         });
-        for (const std::unique_ptr<Worker>& own : workers) {
+        for (const std::unique_ptr<Searcher>& own : searchers) {
             if (own) {
                 all_.insert(all_.end(), own->found.begin(), own->found.end());
             }
@@ -243,9 +240,10 @@ private:
     void search_wide(std::size_t layer) {
         std::vector<EdgePath> paths;
         for_each_path(layer, [&](const EdgePath& path) { paths.push_back(path); });
-        EdgeRuns runs;
+        Worker caller(nullptr, parallel_.stop());
+        EdgeRuns runs(caller);
         runs.assign(paths, parallel_);
-        RunStrips strips;
+        RunStrips strips(caller);
         strips.assign(runs.runs(), 0, parallel_);
         const Limits whole{.steps = most_steps(runs.edges())};
         std::vector<Found> shares(shares_of_wide_layer);
@@ -255,14 +253,15 @@ private:
                 return;
             }
             constexpr std::uint64_t part = 8;  // so that all together take at most so many times what one thread would
-            CrossingsOfShare search(parallel_.stop());
+            Worker worker(nullptr, parallel_.stop());
+            CrossingsOfShare search(worker);
             shares[share] = search.run(runs, strips, share, shares.size(), {whole.steps / part, whole.crossings});
             if (shares[share].count == whole.crossings) {
                 last.store(share, std::memory_order_relaxed);
             }
         });
         Found found;
-        CrossingsOfShare search(parallel_.stop());
+        CrossingsOfShare search(caller);
         for (std::size_t share = 0; share < shares.size() && !found.cut_short; ++share) {
             const Limits left{whole.steps - found.steps, whole.crossings - found.count};
             const Found& own = shares[share];

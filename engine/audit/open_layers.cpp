@@ -70,8 +70,8 @@ OpenLayers open_layer(const LayerView& view, GapSense sense, const StopCheck& st
     found.layers = 1;
     found.height_mm = found.crossed_mm;
     std::stable_sort(open.begin(), open.end(), [](const Contour* a, const Contour* b) { return a->part < b->part; });
-    GapCloser closer(nullptr);
-    closer.follow(stop);
+    Worker worker(nullptr, stop);
+    GapCloser closer(worker);
     bool stuck = false;
     std::vector<PolylineEnds> ends;
     for (std::size_t i = 0; i < open.size(); ++i) {

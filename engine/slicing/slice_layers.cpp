@@ -24,7 +24,7 @@
 #include "base/parallel.hpp"
 #include "base/progress_meter.hpp"
 #include "slicing/frame.hpp"
-#include "slicing/repair/gap_length.hpp"
+#include "slicing/repair/gaps.hpp"
 #include "slicing/sweep/band_sweep.hpp"
 #include "slicing/sweep/wide_plane.hpp"
 

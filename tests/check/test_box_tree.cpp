@@ -7,17 +7,19 @@
 #include <catch2/catch.hpp>
 
 #include "base/distribute.hpp"
-#include "mesh/check/box_tree.hpp"
 #include "mesh/check/morton.hpp"
+#include "slicing/grid/box_tree.hpp"
 
 namespace lamella::check_test {
 
 namespace {
 
 bool overlap(const Box& a, const Box& b) {
+    const auto [a_low, a_high] = a.numbers();
+    const auto [b_low, b_high] = b.numbers();
     bool met = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        met = met && a.low[axis] <= b.high[axis] && b.low[axis] <= a.high[axis];
+        met = met && a_low[axis] <= b_high[axis] && b_low[axis] <= a_high[axis];
     }
     return met;
 }
@@ -27,16 +29,20 @@ std::vector<Box> drawn_boxes(std::size_t count, int size) {
     std::mt19937 random(static_cast<std::mt19937::result_type>(count));
     std::vector<Box> boxes(count);
     for (Box& box : boxes) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            box.low[axis] = static_cast<std::int32_t>(random() % 100) - 50;
-            box.high[axis] = box.low[axis] + static_cast<std::int32_t>(random() % static_cast<unsigned>(size));
-        }
+        const auto drawn = [&](int numbers) { return static_cast<std::int32_t>(random() % static_cast<unsigned>(numbers)); };
+        box.low = {drawn(100) - 50, drawn(100) - 50, drawn(100) - 50};
+        box.high = {box.low.x + drawn(size), box.low.y + drawn(size), box.low.z + drawn(size)};
     }
     return boxes;
 }
 
-BoxTree tree_of(const std::vector<Box>& boxes, int threads) {
-    return {boxes.size(), [&](std::size_t i) { return boxes[i]; }, Parallel({.threads = threads})};
+using Tree = BoxTree<GridVertex>;
+
+Tree tree_of(const std::vector<Box>& boxes, int threads) {
+    Tree tree;
+    tree.assign(
+        boxes.size(), [&](std::size_t i) { return boxes[i]; }, Parallel({.threads = threads}));
+    return tree;
 }
 
 }  // namespace
@@ -44,7 +50,7 @@ BoxTree tree_of(const std::vector<Box>& boxes, int threads) {
 TEST_CASE("the tree finds the boxes that meet a box", "[check]") {
     const std::size_t count = GENERATE(as<std::size_t>(), 0, 1, 7, 8, 9, 64, 65, 700, 5000);
     const std::vector<Box> boxes = drawn_boxes(count, 20);
-    const BoxTree tree = tree_of(boxes, 2);
+    const Tree tree = tree_of(boxes, 2);
     for (const Box& query : drawn_boxes(50, 30)) {
         std::vector<std::size_t> found;
         tree.search(query, ~std::size_t{0}, [&](std::size_t item) { found.push_back(item); });
@@ -62,7 +68,7 @@ TEST_CASE("the tree finds the boxes that meet a box", "[check]") {
 TEST_CASE("the tree finds every pair of boxes that meet once", "[check]") {
     const std::size_t count = GENERATE(as<std::size_t>(), 1, 8, 9, 63, 600, 1500);
     const std::vector<Box> boxes = drawn_boxes(count, 12);
-    const BoxTree tree = tree_of(boxes, 1);
+    const Tree tree = tree_of(boxes, 1);
     std::vector<std::pair<std::size_t, std::size_t>> found;
     for (std::size_t group = 0; group < tree.groups(); ++group) {
         tree.search_pairs(group, ~std::size_t{0}, [&](std::size_t item, LaneBits bits) {
@@ -83,11 +89,11 @@ TEST_CASE("the tree finds every pair of boxes that meet once", "[check]") {
 
 TEST_CASE("a search of the tree ends soon after its limit", "[check]") {
     const std::vector<Box> boxes(5000, Box{{0, 0, 0}, {1, 1, 1}});
-    const BoxTree tree = tree_of(boxes, 1);
+    const Tree tree = tree_of(boxes, 1);
     std::size_t visits = 0;
     const std::size_t cost = tree.search(boxes[0], 1000, [&](std::size_t) { ++visits; });
     CHECK(cost >= 1000);
-    CHECK(cost < 1000 + 2 * BoxTree::fan * BoxTree::visit_cost);
+    CHECK(cost < 1000 + 2 * Tree::fan * Tree::visit_cost);
     CHECK(visits >= 8);
     CHECK(visits < 24);
 }

@@ -10,13 +10,17 @@
 
 #include "engine/counting_memory.hpp"
 #include "lamella/control.hpp"
-#include "slicing/edges/edge_pairs.hpp"
+#include "oracle/plane.hpp"
+#include "slicing/edges/pair_search.hpp"
 
 using lamella::EdgePath;
 using lamella::FlatBox;
 using lamella::Point;
 
 namespace {
+
+using oracle::side;
+using oracle::sign;
 
 struct Path {
     std::vector<Point> points;
@@ -46,15 +50,9 @@ Pairs found(lamella::EdgePairs& search, const Layer& layer, std::int32_t margin)
     return pairs;
 }
 
-std::int64_t side(Point a, Point b, Point p) {
-    const std::int64_t turn =
-        (std::int64_t{b.x} - a.x) * (std::int64_t{p.y} - a.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{p.x} - a.x);
-    return (turn > 0) - (turn < 0);
-}
-
 bool have_common_point(Point a, Point b, Point c, Point d) {
-    return FlatBox::around(a, b).meets(FlatBox::around(c, d)) && side(a, b, c) * side(a, b, d) <= 0 &&
-           side(c, d, a) * side(c, d, b) <= 0;
+    return FlatBox::around(a, b).meets(FlatBox::around(c, d)) && sign(side(a, b, c)) * sign(side(a, b, d)) <= 0 &&
+           sign(side(c, d, a)) * sign(side(c, d, b)) <= 0;
 }
 
 /// Whether two edges of one path meet elsewhere than in a corner between them.
@@ -80,7 +78,7 @@ void check(const Layer& layer, std::int32_t margin, const Pairs& pairs) {
         for (std::size_t q = p; q < layer.size(); ++q) {
             const EdgePath b = layer[q].given(q);
             for (std::size_t i = 0; i < a.edges(); ++i) {
-                const FlatBox grown = FlatBox::around(a[i], a[i + 1]).grown(margin);
+                const FlatBox grown = lamella::grown(FlatBox::around(a[i], a[i + 1]), margin);
                 for (std::size_t j = p == q ? i + 1 : 0; j < b.edges(); ++j) {
                     const bool close = grown.meets(FlatBox::around(b[j], b[j + 1]));
                     const auto at = pairs.find({p, i, q, j});
@@ -151,7 +149,8 @@ void check_between_paths(lamella::EdgePairs& search, const Layer& layer, std::in
 
 TEST_CASE("edge pairs: random layers agree with a test of all pairs", "[engine][pairs]") {
     std::mt19937 random(21);
-    lamella::EdgePairs search;
+    lamella::Worker worker;
+    lamella::EdgePairs search(worker);
     for (int round = 0; round < 6000; ++round) {
         const Kind kind{4, 20, round % 2 == 0 ? 8 : 200, round % 2 == 0 ? 3 : 20, false};
         const Layer layer = random_layer(random, kind);
@@ -163,7 +162,8 @@ TEST_CASE("edge pairs: random layers agree with a test of all pairs", "[engine][
 
 TEST_CASE("edge pairs: edges without length are found near other paths", "[engine][pairs]") {
     std::mt19937 random(22);
-    lamella::EdgePairs search;
+    lamella::Worker worker;
+    lamella::EdgePairs search(worker);
     for (int round = 0; round < 1000; ++round) {
         const Layer layer = random_layer(random, {4, 12, 10, 3, true});
         INFO("round " << round);
@@ -173,7 +173,8 @@ TEST_CASE("edge pairs: edges without length are found near other paths", "[engin
 
 TEST_CASE("edge pairs: layers of thousands of edges agree with a test of all pairs", "[engine][pairs]") {
     std::mt19937 random(23);
-    lamella::EdgePairs search;
+    lamella::Worker worker;
+    lamella::EdgePairs search(worker);
     for (int round = 0; round < 12; ++round) {
         const bool many = round % 2 == 0;
         const Kind kind{many ? std::size_t{300} : 6, many ? std::size_t{8} : 600, 1'000'000, 20'000, false};
@@ -202,7 +203,8 @@ TEST_CASE("edge pairs: neighbouring runs that lead away from each other are not 
         const std::int32_t right = std::min((i + 10) % 40, 40 - (i + 10) % 40);
         layer[0].points.push_back({1000 * right, 1000 * up});
     }
-    lamella::EdgePairs search;
+    lamella::Worker worker;
+    lamella::EdgePairs search(worker);
     for (const std::size_t start : {0U, 7U, 39U}) {
         layer[0].start = start;
         const Pairs pairs = found(search, layer, 0);
@@ -212,7 +214,8 @@ TEST_CASE("edge pairs: neighbouring runs that lead away from each other are not 
 
 TEST_CASE("edge pairs: a path may begin at any of its points", "[engine][pairs]") {
     std::mt19937 random(24);
-    lamella::EdgePairs search;
+    lamella::Worker worker;
+    lamella::EdgePairs search(worker);
     for (int round = 0; round < 500; ++round) {
         Layer layer = random_layer(random, {3, 80, 30, 4, false});
         const Pairs pairs = found(search, layer, 1);
@@ -232,7 +235,8 @@ TEST_CASE("edge pairs: a search ends where it is told to, and at its limit", "[e
     for (std::int32_t i = 0; i < 100; ++i) {
         layer.push_back({{{0, i}, {1000, 100 - i}}, false, 0});
     }
-    lamella::EdgePairs search;
+    lamella::Worker worker;
+    lamella::EdgePairs search(worker);
     const std::size_t all = found(search, layer, 0).size();
     CHECK(all == 100 * 99 / 2);
     std::size_t met = 0;
@@ -247,7 +251,7 @@ TEST_CASE("edge pairs: a search ends where it is told to, and at its limit", "[e
         }
     }));
     CHECK(met == 17);
-    search.follow({[](void*) noexcept { return true; }, nullptr});
+    worker.follow({[](void*) noexcept { return true; }, nullptr});
     layer.resize(4000, layer[0]);
     search.clear();
     for (std::size_t p = 0; p < layer.size(); ++p) {
@@ -261,7 +265,8 @@ TEST_CASE("edge pairs: memory comes from the host, once for layers alike", "[eng
     const Layer layer = random_layer(random, {200, 60, 3000, 20, false});
     const CountingMemory memory;
     {
-        lamella::EdgePairs search(&memory);
+        lamella::Worker worker(&memory);
+        lamella::EdgePairs search(worker);
         const Pairs pairs = found(search, layer, 2);
         const std::size_t held = memory.held();
         CHECK(held > sizeof(Point) * search.edges());

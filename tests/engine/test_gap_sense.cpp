@@ -55,16 +55,20 @@ struct Joined {
 };
 
 Joined joined(const std::vector<Line>& lines, double reach, GapSense sense) {
-    std::vector<lamella::Polyline> polylines;
+    std::vector<lamella::Path> polylines;
     for (const Line& line : lines) {
-        polylines.push_back({line.points, nullptr, {}, static_cast<std::uint32_t>(line.points.size() - 1), line.flags});
+        lamella::Path& path = polylines.emplace_back(lamella::given_path(line.points, nullptr, false));
+        path.segments = static_cast<std::uint32_t>(line.points.size() - 1);
+        path.item.flags = line.flags;
     }
-    lamella::PolylineRepair repair(nullptr);
+    lamella::Worker worker;
+    lamella::PolylineRepair repair(worker);
     lamella::Vector<lamella::ClosedGap> gaps(nullptr);
     Joined result;
     if (repair.join(polylines, {}, {reach, reach, sense}, 0, gaps)) {
-        for (const lamella::JoinedPolyline& whole : repair.joined()) {
-            result.wholes.push_back({{whole.points.begin(), whole.points.end()}, whole.segments, whole.flags, whole.closed});
+        for (const lamella::Path& whole : repair.joined()) {
+            const lamella::NestItem& item = whole.item;
+            result.wholes.push_back({{item.points, item.points + item.count}, whole.segments, item.flags, item.closed});
         }
     }
     for (const lamella::ClosedGap& gap : gaps) {

@@ -94,7 +94,8 @@ std::vector<PolylineEnds> random_polylines(std::mt19937& random, std::size_t cou
 
 TEST_CASE("the joined pairs and their order are those of a list of all pairs", "[engine][gaps]") {
     std::mt19937 random(21);
-    GapCloser closer(nullptr);
+    lamella::Worker worker;
+    GapCloser closer(worker);
     std::size_t joined[2] = {0, 0};
     for (int turn = 0; turn < 6000; ++turn) {
         const std::int32_t side = 1 << random() % 9;  // few positions: many equal points and equal distances
@@ -117,7 +118,8 @@ TEST_CASE("the joined pairs and their order are those of a list of all pairs", "
 
 TEST_CASE("ends in two distant clusters are joined as from a list of all pairs", "[engine][gaps]") {
     std::mt19937 random(22);
-    GapCloser closer(nullptr);
+    lamella::Worker worker;
+    GapCloser closer(worker);
     for (const std::int32_t apart : {3, 100, 1 << 29}) {
         auto polylines = random_polylines(random, 300, 0, 1, 20);
         for (PolylineEnds& polyline : polylines) {
@@ -133,7 +135,8 @@ TEST_CASE("closing gaps takes memory in proportion to the ends, not to their pai
     std::mt19937 random(23);
     constexpr std::size_t count = 20'000;
     CountingMemory memory;
-    GapCloser closer(&memory);
+    lamella::Worker worker(&memory);
+    GapCloser closer(worker);
     for (const GapSense sense : {GapSense::kept, GapSense::any}) {
         const GapRules rules{1 << 30, 1 << 30, sense};
         CHECK(closer.close(random_polylines(random, count, 0, 1, 1 << 20), rules).size() == count);

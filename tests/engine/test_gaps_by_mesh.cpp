@@ -11,7 +11,8 @@
 #include "lamella/audit/open_layers.hpp"
 #include "lamella/prepare.hpp"
 #include "lamella/sink.hpp"
-#include "slicing/repair/crossed_joints.hpp"
+#include "oracle/plane.hpp"
+#include "slicing/repair/polylines.hpp"
 
 using lamella::Joint;
 using lamella::Point;
@@ -19,13 +20,11 @@ using lamella::SliceResult;
 
 namespace {
 
-std::int64_t side(Point a, Point b, Point p) {
-    return (std::int64_t{b.x} - a.x) * (std::int64_t{p.y} - a.y) - (std::int64_t{b.y} - a.y) * (std::int64_t{p.x} - a.x);
-}
+using oracle::side;
+using oracle::sign;
 
 /// Whether the edge meets the joint at a place that is no end of the joint, and does not run along it.
 bool lies_between(const Joint& joint, Point c, Point d) {
-    const auto sign = [](std::int64_t value) { return (value > 0) - (value < 0); };
     const bool apart = sign(side(joint.from, joint.to, c)) * sign(side(joint.from, joint.to, d)) > 0;
     return !apart && sign(side(c, d, joint.from)) * sign(side(c, d, joint.to)) < 0;
 }
@@ -79,7 +78,8 @@ lamella::SliceOptions by_mesh() {
 
 TEST_CASE("joints that meet something between their ends are those found edge by edge", "[engine][gaps]") {
     std::mt19937 random(77);
-    lamella::CrossedJoints search(nullptr);
+    lamella::Worker worker;
+    lamella::CrossedJoints search(worker);
     std::size_t found = 0;
     for (int turn = 0; turn < 2000; ++turn) {
         const std::uint32_t size = turn % 2 == 0 ? 8 : 200;  // many touch, or few

@@ -44,19 +44,6 @@ TEST_CASE("the distance of a chain is compared exactly", "[engine][simplify]") {
     CHECK(within > rounds(20'000) / 10);
 }
 
-TEST_CASE("roots are rounded down, at squares and beside them", "[engine][simplify]") {
-    for (int bits = 0; bits < 63; ++bits) {
-        for (const std::uint64_t near : {0U, 1U, 2U, 12'345U}) {
-            const std::uint64_t root = (std::uint64_t{1} << bits) + (bits > 14 ? near : 0);
-            const Wide square = Wide{root} * root;
-            CHECK(lamella::floor_of_root(square) == root);
-            CHECK(lamella::floor_of_root(square - 1) == root - 1);
-            CHECK(lamella::floor_of_root(square + 2 * Wide{root}) == root);
-        }
-    }
-    CHECK(lamella::floor_of_root(0) == 0);
-}
-
 TEST_CASE("simplifying takes no square of time where each furthest point peels off one", "[engine][simplify]") {
     constexpr int count = 300'000;
     Ring ring;
@@ -90,7 +77,8 @@ TEST_CASE("simplifying takes no square of time where many contours lie in the bo
         items.push_back(lamella::closed_item(ring));
     }
     const double before = cpu_ms();
-    lamella::Simplifier simplifier(nullptr);
+    lamella::Worker worker;
+    lamella::Simplifier simplifier(worker);
     simplifier.run(items, 100);
     CHECK(items[0].count < 50'000);
     CHECK(cpu_ms() - before < 4000);
@@ -102,7 +90,8 @@ std::size_t points_left(const Rings& rings, std::int64_t tolerance) {
     for (const Ring& ring : rings) {
         items.push_back(lamella::closed_item(ring));
     }
-    lamella::Simplifier simplifier(nullptr);
+    lamella::Worker worker;
+    lamella::Simplifier simplifier(worker);
     simplifier.run(items, tolerance);
     std::size_t points = 0;
     for (std::size_t i = 0; i < items.size(); ++i) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "oracle/plane.hpp"
 #include "slicing/nesting/nest.hpp"
 
 namespace lamella::test {
@@ -37,20 +38,10 @@ private:
 
 namespace oracle {
 
-__extension__ using Int128 = __int128;
-
-inline Int128 cross(Point a, Point b, Point q) {
-    return Int128{std::int64_t{b.x} - a.x} * (std::int64_t{q.y} - a.y) -
-           Int128{std::int64_t{b.y} - a.y} * (std::int64_t{q.x} - a.x);
-}
-
-inline Int128 twice_area(const std::vector<Point>& points) {
-    Int128 sum = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        sum += cross({0, 0}, points[i], points[(i + 1) % points.size()]);
-    }
-    return sum;
-}
+using ::oracle::Int128;
+using ::oracle::on_edge;
+using ::oracle::side;
+using ::oracle::twice_area;
 
 inline std::size_t start_of(const std::vector<Point>& points) {
     return static_cast<std::size_t>(std::min_element(points.begin(), points.end()) - points.begin());
@@ -61,24 +52,19 @@ inline std::vector<Point> from_start(std::vector<Point> points) {
     return points;
 }
 
-inline bool on_edge(Point a, Point b, Point q) {
-    return cross(a, b, q) == 0 && std::min(a.x, b.x) <= q.x && q.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= q.y &&
-           q.y <= std::max(a.y, b.y);
-}
-
 /// Whether the contour contains the point, by a ray towards -y and all edges.
 inline bool contains(const std::vector<Point>& points, Point q) {
     int winding = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Point a = points[i];
         const Point b = points[(i + 1) % points.size()];
-        if (on_edge(a, b, q)) {
+        if (on_edge(q, a, b)) {
             return false;
         }
         if (a.x <= q.x && q.x < b.x) {
-            winding += cross(a, b, q) > 0;
+            winding += side(a, b, q) > 0;
         } else if (b.x <= q.x && q.x < a.x) {
-            winding -= cross(b, a, q) > 0;
+            winding -= side(b, a, q) > 0;
         }
     }
     return winding != 0;
@@ -107,7 +93,7 @@ inline bool smaller(const Size& a, const Size& b) {
 inline Size size_of(const NestItem& item) {
     std::vector<Point> points(item.points, item.points + item.count);
     const Int128 area = twice_area(points);
-    return {area < 0 ? -area : area, item.box_min, item.box_max, from_start(points)};
+    return {area < 0 ? -area : area, item.box.low, item.box.high, from_start(points)};
 }
 
 inline void expect_role(std::vector<NestItem>& items, std::size_t index) {
@@ -195,11 +181,7 @@ inline std::vector<NestItem> LayerSample::items() const {
             item.start = static_cast<std::uint32_t>(oracle::start_of(contour.points));
             const oracle::Int128 area = oracle::twice_area(contour.points);
             item.twice_area = {static_cast<std::uint64_t>(area), static_cast<std::int64_t>(area >> 64)};
-            item.box_min = item.box_max = contour.points[0];
-            for (const Point p : contour.points) {
-                item.box_min = {std::min(item.box_min.x, p.x), std::min(item.box_min.y, p.y)};
-                item.box_max = {std::max(item.box_max.x, p.x), std::max(item.box_max.y, p.y)};
-            }
+            item.box = lamella::FlatBox::around(contour.points);
         }
         items.push_back(item);
     }

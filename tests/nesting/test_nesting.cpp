@@ -15,10 +15,15 @@ using lamella::test::LayerSample;
 
 namespace {
 
+void nest_by_itself(std::span<NestItem> items) {
+    lamella::Worker worker;
+    Nester(worker).nest(items);
+}
+
 /// Nests `sample` and compares every output with the oracle's.
 void check_against_oracle(const LayerSample& sample) {
     std::vector<NestItem> items = sample.items();
-    Nester(nullptr).nest(items);
+    nest_by_itself(items);
     REQUIRE(lamella::test::first_difference(items, sample.expected()) == -1);
 }
 
@@ -43,7 +48,8 @@ std::vector<NestItem> nest_permuted(const LayerSample& sample, const std::vector
 }  // namespace
 
 TEST_CASE("an empty layer is accepted, and a single contour is an outer without parent", "[nesting]") {
-    Nester nester(nullptr);
+    lamella::Worker worker;
+    Nester nester(worker);
     nester.nest({});
     LayerSample sample;
     sample.add_box({0, 0}, {10, 10}, false);
@@ -63,7 +69,7 @@ TEST_CASE("the parent of a hole is the smallest contour around it", "[nesting]")
     sample.add_box({20, 20}, {50, 50}, false);
     sample.add_box({10, 10}, {90, 90}, true);
     std::vector<NestItem> items = sample.items();
-    Nester(nullptr).nest(items);
+    nest_by_itself(items);
     CHECK(items[0].parent == 2);
     CHECK(items[1].parent == -1);
     CHECK(items[2].parent == 3);
@@ -81,7 +87,7 @@ TEST_CASE("an inverted shell is reversed and marked", "[nesting]") {
     sample.add_box({200, 0}, {300, 100}, false);
     std::vector<NestItem> items = sample.items();
     items[0].flags = lamella::orientation_mixed;
-    Nester(nullptr).nest(items);
+    nest_by_itself(items);
     CHECK(items[0].role == Role::outer);
     CHECK(items[0].orientation == -1);
     CHECK(items[0].reverse);
@@ -102,7 +108,7 @@ TEST_CASE("shells of equal orientation nest without being reversed", "[nesting]"
     sample.add_box({30, 30}, {70, 70}, true);
     sample.add_box({40, 40}, {60, 60}, true);
     std::vector<NestItem> items = sample.items();
-    Nester(nullptr).nest(items);
+    nest_by_itself(items);
     const Role roles[] = {Role::outer, Role::outer, Role::hole, Role::hole, Role::outer};
     for (std::size_t i = 0; i < items.size(); ++i) {
         CHECK(items[i].parent == static_cast<std::int32_t>(i) - 1);
@@ -119,7 +125,7 @@ TEST_CASE("open and flat contours have no parent and no children", "[nesting]") 
     sample.add({{20, 10}, {80, 10}, {80, 90}}, false);
     sample.add_box({40, 12}, {60, 20}, true);
     std::vector<NestItem> items = sample.items();
-    Nester(nullptr).nest(items);
+    nest_by_itself(items);
     CHECK(items[1].role == Role::flat);
     CHECK(items[2].role == Role::open);
     CHECK(items[1].parent == -1);
@@ -141,7 +147,7 @@ TEST_CASE("a start on a boundary is not inside", "[nesting]") {
     sample.add({{45, 35}, {52, 35}, {50, 40}}, true);  // starts on an edge of the last two
     sample.add({{50, 50}, {60, 60}, {40, 60}}, true);  // starts on their corner and on the edge of contour 3
     std::vector<NestItem> items = sample.items();
-    Nester(nullptr).nest(items);
+    nest_by_itself(items);
     const std::int32_t parents[] = {-1, -1, -1, -1, 3, 3, 3, 0};
     for (std::size_t i = 0; i < items.size(); ++i) {
         CAPTURE(i);
@@ -211,7 +217,7 @@ TEST_CASE("areas beyond 64 bits are compared exactly", "[nesting]") {
     sample.add(turns(far - 2, 4), true);  // larger in area than the contour around it
     sample.add_box({0, 0}, {1, 1}, true);
     std::vector<NestItem> items = sample.items();
-    Nester(nullptr).nest(items);
+    nest_by_itself(items);
     CHECK(items[3].parent == 1);
     CHECK(items[2].parent == 1);
     CHECK(items[1].parent == 0);
@@ -238,7 +244,8 @@ TEST_CASE("a long contour with many contours inside agrees with the oracle", "[n
 
 TEST_CASE("ten thousand contours nest as constructed", "[nesting]") {
     constexpr int count = 10000;
-    Nester nester(nullptr);
+    lamella::Worker worker;
+    Nester nester(worker);
     LayerSample sample = lamella::test::concentric_rings(count, 8);
     std::vector<NestItem> items = sample.items();
     nester.nest(items);
@@ -272,7 +279,8 @@ TEST_CASE("scratch memory is reused from layer to layer", "[nesting]") {
     const LayerSample concentric = lamella::test::concentric_rings(40, 500);
     std::vector<NestItem> rings = concentric.items();
     Counter counter;
-    Nester nester(&counter);
+    lamella::Worker worker(&counter);
+    Nester nester(worker);
     nester.nest(many);
     nester.nest(rings);
     const int first = counter.allocations;
@@ -284,7 +292,8 @@ TEST_CASE("scratch memory is reused from layer to layer", "[nesting]") {
 
 TEST_CASE("nesting does not depend on the order of contours or on earlier layers", "[nesting]") {
     std::mt19937 random(7);
-    Nester nester(nullptr);
+    lamella::Worker worker;
+    Nester nester(worker);
     for (int round = 0; round < 300; ++round) {
         LayerSample sample = lamella::test::random_layer(random);
         sample.drop_repeated();  // only their index distinguishes equal contours

@@ -8,7 +8,6 @@
 #include "base/vector.hpp"
 #include "layer_sample.hpp"
 #include "slicing/nesting/order.hpp"
-#include "slicing/nesting/start_tree.hpp"
 #include "slicing/nesting/starts.hpp"
 
 using lamella::Point;
@@ -125,14 +124,15 @@ TEST_CASE("the line and the tree of starts find the starts within a box", "[nest
     std::mt19937 random(GENERATE(1U, 2U, 3U));
     const int count = GENERATE(1, 15, 16, 17, 300, 5000);
     const int size = GENERATE(3, 60, 1 << 30);
-    const double slimness = GENERATE(0.0, 1.0, 1e9);
+    const double aspect = GENERATE(0.0, 1.0, 1e9);
     const Keys starts = random_starts(random, count, size);
     StartLine line(nullptr);
-    StartTree tree(nullptr);
+    lamella::Worker worker;
+    StartTree tree(worker);
     line.assign(random_starts(random, 40, size));  // earlier contents must leave no trace
     tree.assign(random_starts(random, 6000, size), 1.0);
     line.assign(starts);
-    tree.assign(starts, slimness);
+    tree.assign(starts, aspect);
     std::vector<bool> taken_off(starts.size(), false);
     for (int round = 0; round < 40; ++round) {
         const auto corner = static_cast<std::uint32_t>(below(random, count));  // the line's boxes begin at a start
@@ -142,7 +142,7 @@ TEST_CASE("the line and the tree of starts find the starts within a box", "[nest
         Vector<std::uint32_t> in_line;
         Vector<std::uint32_t> in_tree;
         line.find(window, box.min.y, box.max.y, in_line);
-        tree.find(box.min, box.max, in_tree);
+        tree.find({box.min, box.max}, in_tree);
         const std::vector<std::uint32_t> expected = expected_within(starts, taken_off, box);
         REQUIRE(sorted(in_line) == expected);
         REQUIRE(sorted(in_tree) == expected);
@@ -159,7 +159,8 @@ TEST_CASE("the line and the tree of starts find the starts within a box", "[nest
 
 TEST_CASE("testing many points at once gives the answers of testing them one by one", "[nesting]") {
     std::mt19937 random(GENERATE(5U, 6U));
-    ManyInside many(nullptr);
+    lamella::Worker worker;
+    ManyInside many(worker);
     for (int round = 0; round < 400; ++round) {
         const int size = 2 + (1 << below(random, 25));
         const std::vector<Point> points = lamella::test::random_walk(random, size);
@@ -183,7 +184,8 @@ TEST_CASE("testing many points at once gives the answers of testing them one by 
 TEST_CASE("testing many points at once is exact at the limits of the grid", "[nesting]") {
     constexpr std::int32_t far = lamella::grid_limit;
     const std::vector<Point> points = {{-far, -far}, {far, -far}, {far, far}, {-far, far}};
-    ManyInside many(nullptr);
+    lamella::Worker worker;
+    ManyInside many(worker);
     const Point queries[] = {{0, -far}, {0, 1 - far}, {0, far - 1}, {0, far},
                              {-far, 0}, {far, 0},     {far - 1, 0}, {1 - far, 0}};
     for (std::uint32_t i = 0; i < std::size(queries); ++i) {

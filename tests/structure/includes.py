@@ -15,19 +15,19 @@ import tempfile
 LIBRARIES = ["base", "slicing", "mesh", "audit", "c", "io", "medical", "tools"]
 
 # Folders of engine/slicing, from below to above; those in one line must not include each other. What is above calls what is
-# below: slice_layers.cpp begins the sweeps of bands, a sweep builds layers with contours, contours are repaired, filled and nested,
-# and appended to the band's output in result.
+# below: slice_layers.cpp begins the sweeps of bands, a sweep links and walks contours, and the layer has them repaired, filled and
+# nested, and appends them to the band's output in result.
 SLICING = [
     ["grid"],
     ["planes"],
     ["buckets"],
     ["bands"],
     ["result", "nesting"],
-    ["edges"],
+    ["edges", "contours"],
     ["repair", "offset"],
     ["regions"],
     ["simplify"],
-    ["contours"],
+    ["layer"],
     ["sweep"],
     ["workspace.hpp", "frame.hpp"],
     ["slice_layers.hpp"],
@@ -156,7 +156,7 @@ PLANTED = [
     ("engine/io/write/svg.cpp", '#include "tools/lamella/terminal/console.hpp"', "io must not include tools"),
     ("engine/base/parallel.hpp", '#include "lamella/result.hpp"', "base must not include slicing"),
     ("engine/slicing/grid/bounds.hpp", '#include "slicing/planes/plane_set.hpp"', "slicing/planes, which is beside or above"),
-    ("engine/slicing/result/placement.cpp", '#include "slicing/contours/layer_builder.hpp"', "slicing/contours, which"),
+    ("engine/slicing/result/placement.cpp", '#include "slicing/layer/layer_builder.hpp"', "slicing/layer, which"),
     ("engine/slicing/contours/kernels.cpp", '#include "slicing/sweep/band_sweep.hpp"', "slicing/sweep, which"),
     ("engine/slicing/nesting/nest.cpp", '#include "slicing/regions/fill.hpp"', "slicing/regions, which"),
     ("engine/slicing/offset/raw_offset.cpp", '#include "slicing/regions/fill.hpp"', "slicing/regions, which"),

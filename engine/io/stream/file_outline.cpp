@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "slicing/repair/gap_length.hpp"
+#include "slicing/repair/gaps.hpp"
 
 namespace lamella {
 

@@ -11,7 +11,7 @@
 #include "slicing/grid/placed_reader.hpp"
 #include "slicing/handover/sink_target.hpp"
 #include "slicing/regions/rules.hpp"
-#include "slicing/repair/gap_length.hpp"
+#include "slicing/repair/gaps.hpp"
 #include "slicing/slice_layers.hpp"
 #include "slicing/workspace.hpp"
 

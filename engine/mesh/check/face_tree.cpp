@@ -18,9 +18,9 @@ Array<std::uint32_t> distinct_faces(const GridMesh& mesh, const EmbeddedStars& s
 }  // namespace
 
 FaceTree::FaceTree(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel)
-    : faces(distinct_faces(mesh, stars, parallel)),
-      boxes(
-          faces.size(), [&](std::size_t item) { return Box::around(mesh.corners(mesh.faces[faces[item]])); }, parallel,
-          mesh.memory) {}
+    : faces(distinct_faces(mesh, stars, parallel)), boxes(mesh.memory) {
+    boxes.assign(
+        faces.size(), [&](std::size_t item) { return Box::around(mesh.corners(mesh.faces[faces[item]])); }, parallel);
+}
 
 }  // namespace lamella

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "mesh/check/box_tree.hpp"
 #include "mesh/check/embedded_stars.hpp"
 #include "mesh/check/grid_mesh.hpp"
+#include "slicing/grid/box_tree.hpp"
 
 namespace lamella {
 
@@ -13,7 +13,7 @@ namespace lamella {
 /// first: so a body that was exported a thousand times costs no more than once.
 struct FaceTree {
     Array<std::uint32_t> faces;  ///< ascending
-    BoxTree boxes;               ///< items as in `faces`
+    BoxTree<GridVertex> boxes;   ///< items as in `faces`
 
     /// O(n), in at most 13 calls of run(). Throws std::bad_alloc.
     FaceTree(const GridMesh& mesh, const EmbeddedStars& stars, const Parallel& parallel);

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/parallel_sort.hpp"
-#include "mesh/check/box_tree.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/check/pair_search.hpp"
+#include "slicing/grid/box_tree.hpp"
 #include "slicing/grid/grid_vector.hpp"
 
 namespace lamella {
@@ -31,14 +31,14 @@ double length(const GridVector& v) {
 }
 
 Box widened(const GridVertex& p, double reach) {
-    const std::array<std::int32_t, 3> xyz = {p.x, p.y, p.z};
     const auto by = static_cast<std::int64_t>(std::ceil(std::min(reach, 4.0 * grid_limit)));
-    Box box{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.low[axis] = static_cast<std::int32_t>(std::max<std::int64_t>(xyz[axis] - by, -grid_limit));
-        box.high[axis] = static_cast<std::int32_t>(std::min<std::int64_t>(xyz[axis] + by, grid_limit));
-    }
-    return box;
+    const auto below = [by](std::int32_t at) {
+        return static_cast<std::int32_t>(std::max<std::int64_t>(at - by, -grid_limit));
+    };
+    const auto above = [by](std::int32_t at) {
+        return static_cast<std::int32_t>(std::min<std::int64_t>(at + by, grid_limit));
+    };
+    return {{below(p.x), below(p.y), below(p.z)}, {above(p.x), above(p.y), above(p.z)}};
 }
 
 /// From p to the line through a and b, where the foot lies strictly between them; else -1. On the line exactly 0.
@@ -75,11 +75,12 @@ public:
     }
 
     void find_t_junctions() {
-        const BoxTree tree(
+        BoxTree<GridVertex> tree;
+        tree.assign(
             boundary_.size(),
             [&](std::size_t item) {
                 const EdgeTable::Edge edge = edges_[boundary_[item]];
-                return Box::around(std::array{mesh_.vertices[edge.lower], mesh_.vertices[edge.upper]});
+                return Box::around(mesh_.vertices[edge.lower], mesh_.vertices[edge.upper]);
             },
             parallel_);
         search(
@@ -93,8 +94,12 @@ public:
     }
 
     void find_cracks() {
-        const BoxTree tree(
-            vertices_.size(), [&](std::size_t item) { return Box::around(std::array{mesh_.vertices[vertices_[item]]}); },
+        BoxTree<GridVertex> tree;
+        tree.assign(
+            vertices_.size(),
+            [&](std::size_t item) {
+                return Box{at_grid(item), at_grid(item)};
+            },
             parallel_);
         search(
             Fault::crack, tree,
@@ -113,10 +118,11 @@ public:
 
 private:
     GridVector at(std::uint32_t vertex) const { return half(mesh_.vertices[vertex]); }
+    const GridVertex& at_grid(std::size_t item) const { return mesh_.vertices[vertices_[item]]; }
 
     /// Calls visit() for every vertex of the boundary and every item whose box is within reach; it adds to what is found.
     template <class Visit, class MakePlace>
-    void search(Fault fault, const BoxTree& tree, Visit visit, MakePlace make_place) {
+    void search(Fault fault, const BoxTree<GridVertex>& tree, Visit visit, MakePlace make_place) {
         std::vector<Tally<Near>> tallies(static_cast<std::size_t>(parallel_.threads()), Tally<Near>(notes_.most()));
         FaultFinding& finding = notes_.of(fault);
         BudgetedSearch<Near> search(vertices_.size(), search_budget(vertices_.size()), parallel_);

@@ -80,7 +80,7 @@ public:
         blocks_.resize_discarding(tree.boxes.groups());
         parallel.run_ranges(blocks_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t item = tree.boxes.group_begin(begin); item != tree.boxes.group_end(end - 1); ++item) {
-                blocks_[item / BoxTree::fan].set(item % BoxTree::fan, mesh.faces[tree.faces[item]], stars);
+                blocks_[item / fan].set(item % fan, mesh.faces[tree.faces[item]], stars);
             }
         });
     }
@@ -109,17 +109,18 @@ public:
     std::vector<std::uint8_t> meets_other() const { return {meets_other_.begin(), meets_other_.end()}; }
 
 private:
+    static constexpr std::size_t fan = BoxTree<GridVertex>::fan;
     static constexpr std::size_t grain = 1024;  ///< groups
 
     /// Compares the faces of a group with all after them in the tree. Returns what it cost.
     std::size_t meet_group(std::size_t group, std::size_t limit, std::vector<Met>& found) const {
-        std::array<RealFace, BoxTree::fan> own;
+        std::array<RealFace, fan> own;
         const std::size_t begin = tree_.boxes.group_begin(group);
         for (std::size_t item = begin; item != tree_.boxes.group_end(group); ++item) {
             own[item - begin] = real(mesh_, tree_.faces[item]);
         }
         return tree_.boxes.search_pairs(group, limit, [&](std::size_t item, LaneBits bits) {
-            bits &= ~blocks_[group].share(blocks_[item / BoxTree::fan], item % BoxTree::fan);
+            bits &= ~blocks_[group].share(blocks_[item / fan], item % fan);
             if (bits == 0) {
                 return;
             }
@@ -180,10 +181,9 @@ FaultPlace place_of(const GridMesh& mesh, const FacePair& pair, Meeting meeting)
     }
     const Box a = Box::around(mesh.corners(mesh.faces[pair[0]]));
     const Box b = Box::around(mesh.corners(mesh.faces[pair[1]]));
+    const auto [low, high] = Box{high_corner(a.low, b.low), low_corner(a.high, b.high)}.numbers();
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::int64_t low = std::max(a.low[axis], b.low[axis]);
-        const std::int64_t high = std::min(a.high[axis], b.high[axis]);
-        place.points_mm[0][axis] = static_cast<double>(low + high) / 2 * mesh.unit_mm;
+        place.points_mm[0][axis] = static_cast<double>(std::int64_t{low[axis]} + high[axis]) / 2 * mesh.unit_mm;
     }
     return place;
 }

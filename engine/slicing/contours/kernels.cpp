@@ -63,10 +63,9 @@ LAMELLA_AVX2 __m256i load_points(const Point* at) {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
 }
 
-/// Whether all differences within the box fit the 32-bit halves that vector multiplication takes.
+/// True if all differences within the box fit the 32-bit halves that vector multiplication takes.
 bool fits_halves(const RingFacts& facts) {
-    return std::int64_t{facts.box_max.x} - facts.box_min.x <= INT32_MAX &&
-           std::int64_t{facts.box_max.y} - facts.box_min.y <= INT32_MAX;
+    return width_of(facts.box) <= INT32_MAX && height_of(facts.box) <= INT32_MAX;
 }
 
 /// Folds four lanes of lowest and highest points and of sums into `facts`.
@@ -74,8 +73,8 @@ LAMELLA_AVX2 void finish_facts(RingFacts& facts, __m256i low, __m256i high, __m2
     const auto point = [](__m128i lane) { return std::bit_cast<Point>(_mm_cvtsi128_si64(lane)); };
     const __m128i low2 = _mm_min_epi32(_mm256_castsi256_si128(low), _mm256_extracti128_si256(low, 1));
     const __m128i high2 = _mm_max_epi32(_mm256_castsi256_si128(high), _mm256_extracti128_si256(high, 1));
-    facts.box_min = point(_mm_min_epi32(low2, _mm_unpackhi_epi64(low2, low2)));
-    facts.box_max = point(_mm_max_epi32(high2, _mm_unpackhi_epi64(high2, high2)));
+    facts.box.low = point(_mm_min_epi32(low2, _mm_unpackhi_epi64(low2, low2)));
+    facts.box.high = point(_mm_max_epi32(high2, _mm_unpackhi_epi64(high2, high2)));
     const __m128i low_sum2 = _mm_add_epi64(_mm256_castsi256_si128(low_sum), _mm256_extracti128_si256(low_sum, 1));
     const __m128i high_sum2 = _mm_add_epi64(_mm256_castsi256_si128(high_sum), _mm256_extracti128_si256(high_sum, 1));
     const std::int64_t low_half = _mm_cvtsi128_si64(_mm_add_epi64(low_sum2, _mm_unpackhi_epi64(low_sum2, low_sum2)));
@@ -105,7 +104,7 @@ LAMELLA_AVX2 std::size_t find_x(const Point* ring, std::size_t from, std::size_t
 }
 
 LAMELLA_AVX2 void find_smallest(const Point* ring, std::size_t count, RingFacts& facts) {
-    const std::int32_t x = facts.box_min.x;
+    const std::int32_t x = facts.box.low.x;
     facts.smallest = find_x(ring, 0, count, x);
     for (std::size_t i = find_x(ring, facts.smallest + 1, count, x); i < count; i = find_x(ring, i + 1, count, x)) {
         if (ring[i].y <= ring[facts.smallest].y) {
@@ -158,8 +157,7 @@ LAMELLA_AVX2 RingFacts trace_avx2(const Point* points, const std::uint32_t* slot
         const Point point = points[slots[i]];
         const Point next = i + 1 < count ? points[slots[i + 1]] : first;
         ring[i] = point;
-        facts.box_min = {std::min(facts.box_min.x, point.x), std::min(facts.box_min.y, point.y)};
-        facts.box_max = {std::max(facts.box_max.x, point.x), std::max(facts.box_max.y, point.y)};
+        facts.box.include({point, point});
         facts.has_repeats = facts.has_repeats || point == next;
         facts.twice_area += Int128{std::int64_t{point.x} - first.x} * (std::int64_t{next.y} - last.y);
         last = point;

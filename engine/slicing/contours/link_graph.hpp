@@ -9,7 +9,7 @@
 #include <span>
 
 #include "base/stop_pace.hpp"
-#include "slicing/contours/meetings.hpp"
+#include "slicing/contours/pairing.hpp"
 #include "slicing/contours/slot_table.hpp"
 #include "slicing/contours/walker.hpp"
 
@@ -17,16 +17,9 @@ namespace lamella {
 
 class LinkGraph {
 public:
-    explicit LinkGraph(const Memory* memory) : slots_(memory), meetings_(memory), walker_(memory, slots_) {}
+    explicit LinkGraph(Worker& worker) : worker_(worker) {}
     LinkGraph(const LinkGraph&) = delete;  // the walker refers to the slots
     LinkGraph& operator=(const LinkGraph&) = delete;
-
-    /// From here on what changes the graph throws Stopped where the host wants the call to end; clear() must follow then.
-    void follow(const StopCheck& host) noexcept {
-        pace_.follow(host);
-        slots_.follow(host);
-        walker_.follow(host);
-    }
 
     /// Forgets all slots.
     void clear() {
@@ -56,8 +49,8 @@ public:
     /// Joins the two ports of each link.
     void connect(std::span<const Link> links) {
         constexpr std::size_t link_work = 2;
-        pace_.in_stretches(0, links.size(), link_work,
-                           [&](std::size_t begin, std::size_t end) { slots_.connect(links.subspan(begin, end - begin)); });
+        worker_.in_stretches(0, links.size(), link_work,
+                             [&](std::size_t begin, std::size_t end) { slots_.connect(links.subspan(begin, end - begin)); });
         walker_.note_connected(links, slots_.fresh().size());
     }
 
@@ -75,7 +68,7 @@ public:
         const PortRef across = slots_.ports()[source].across;
         return across != no_port && slot_of(across) == next ? source : port_of(slot, target_port);
     }
-    /// Whether the facet of the segment at a port runs from there.
+    /// True if the facet of the segment at a port runs from there.
     bool runs_from(PortRef ref) const noexcept {
         return static_cast<int>(ref & 1) == source_port ? !slots_.has_any(slot_of(ref), SlotTable::mixed_source_is_target)
                                                         : slots_.has_any(slot_of(ref), SlotTable::mixed_target_is_source);
@@ -106,10 +99,10 @@ public:
     PortRef moved(PortRef ref) const noexcept { return port_of(walker_.place_of(slot_of(ref)), static_cast<int>(ref & 1)); }
 
 private:
-    SlotTable slots_;
-    Meetings meetings_;
-    Walker walker_;
-    StopPace pace_;
+    Worker& worker_;
+    SlotTable slots_{worker_};
+    Meetings meetings_{worker_.memory()};
+    Walker walker_{worker_, slots_};
 };
 
 }  // namespace lamella

@@ -20,8 +20,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/function_ref.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
+#include "slicing/contours/slot_table.hpp"
 
 namespace lamella {
 
@@ -62,5 +64,28 @@ struct FaceAtEdge {
 /// opposite order, so that brackets nest. Faces that are the same in all of this are interchangeable; the triangle's index
 /// only keeps each of them in the same place at all its edges. Exact.
 void sort_round_edge(const GridVertex& lower, const GridVertex& upper, std::span<FaceAtEdge> faces);
+
+/// Edges where more than two ends meet, or two of one orientation: which segment goes on as which. A rare step between
+/// attaching and connecting.
+class Meetings {
+public:
+    explicit Meetings(const Memory* memory) : ends_(memory), pairing_(memory) {}
+
+    /// Sorts the ends that meet at a slot counter-clockwise round its edge.
+    using Order = FunctionRef<void(Slot, std::span<MeetingEnd>)>;
+    /// Called with (to, from) when a slot is made for the edge of another.
+    using Copied = FunctionRef<void(Slot, Slot)>;
+
+    /// Pairs what meets at the fresh slots, marks open ends, corrects `links` where it gives an end another slot; true if
+    /// there is such an end. Precondition: end_attaching().
+    bool settle(SlotTable& slots, std::span<Link> links, Order order, Copied copied);
+
+private:
+    void settle_irregular(SlotTable& slots, std::span<Link> links, Order order, Copied copied);
+    void seat_pairs(SlotTable& slots, Slot slot, std::span<Link> links, Copied copied) const;
+
+    Vector<MeetingEnd> ends_;  // that meet at one slot
+    Pairing pairing_;
+};
 
 }  // namespace lamella

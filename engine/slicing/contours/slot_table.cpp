@@ -6,28 +6,17 @@
 
 namespace lamella {
 
-SlotTable::SlotTable(const Memory* memory)
-    : kernels_(best_of(kernel_forms())),
-      edges_(memory),
-      ports_(memory),
-      ends_(memory),
-      flags_(memory),
-      free_(memory),
-      moving_(memory),
-      map_(memory),
-      late_ends_(memory) {}
-
 void SlotTable::reserve(std::size_t slots) {
     const std::size_t before = capacity();
     if (slots <= before) {
         return;
     }
-    resize_exactly(ports_, 2 * slots, pace_);
-    resize_exactly(ends_, slots, pace_, no_plane);
-    resize_exactly(flags_, slots, pace_);
-    resize_exactly(free_, slots + select_padding, pace_);
-    resize_exactly(edges_, slots, pace_);  // the last: a table that could not grow has the capacity that it had
-    // What was added goes beneath the stack. The slots that are being made lie above its top and come along.
+    grow_exactly(ports_, 2 * slots, worker_);
+    grow_exactly(ends_, slots, worker_, no_plane);
+    grow_exactly(flags_, slots, worker_);
+    grow_exactly(free_, slots + select_padding, worker_);
+    grow_exactly(edges_, slots, worker_);  // the last: a table that could not grow has the capacity that it had
+    // New slots go beneath the stack. The slots that are being made lie above its top and come along.
     const std::size_t added = slots - before;
     std::copy_backward(free_.begin(), free_.begin() + static_cast<std::ptrdiff_t>(before),
                        free_.begin() + static_cast<std::ptrdiff_t>(slots));
@@ -88,10 +77,8 @@ SlotTable::Attaching SlotTable::begin_attaching(std::size_t attachments) {
 }
 
 void SlotTable::clear_map(std::size_t size) {
-    if (map_.size() < size) {
-        resize_exactly(map_, size, pace_);
-    }
-    pace_.in_stretches(
+    grow_exactly(map_, size, worker_);
+    worker_.in_stretches(
         0, size, 1, [this](std::size_t begin, std::size_t end) { std::fill_n(map_.data() + begin, end - begin, no_slot); });
 }
 

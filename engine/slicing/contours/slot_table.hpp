@@ -24,8 +24,9 @@
 #include <type_traits>
 
 #include "base/function_ref.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
+#include "lamella/result.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/contours/mesh_edge.hpp"
 #include "slicing/planes/plane_set.hpp"
@@ -56,7 +57,7 @@ struct Link {
     PortRef ends[2];
 };
 
-/// What a port holds. The two share memory, as a second array adds 2 % of cache misses on dense meshes:
+/// The content of a port. The two share memory, as a second array adds 2 % of cache misses on dense meshes:
 ///
 ///     release_ended()   end_attaching()    settle()            connect()
 ///     |                 |                  |                   |
@@ -67,17 +68,11 @@ union Port {
     PortRef across;        ///< the port at the other end of its segment
 };
 
-/// A vector left to itself takes twice the memory to grow by one element; these are large, one each a thread.
+/// To at least `size`. A vector left to itself takes twice the memory to grow by one element; these are large, one each a
+/// thread. In stretches, so that a stop that is asked for meanwhile is noticed: pages that are touched first cost more than
+/// their bytes. What is thrown leaves the array somewhat larger.
 template <class T>
-void resize_exactly(Vector<T>& array, std::size_t size, const T& value = {}) {
-    array.reserve(size);
-    array.resize(size, value);
-}
-
-/// The same, so that a stop that is asked for meanwhile is noticed: pages that are touched first cost more than their bytes.
-/// What is thrown leaves the array somewhat larger.
-template <class T>
-void resize_exactly(Vector<T>& array, std::size_t size, StopPace& pace, const T& value = {}) {
+void grow_exactly(Vector<T>& array, std::size_t size, StopPace& pace, const T& value = {}) {
     constexpr std::size_t words = (sizeof(T) + 7) / 8;
     array.reserve(size);
     pace.in_stretches(array.size(), size, words, [&](std::size_t, std::size_t end) { array.resize(end, value); });
@@ -112,10 +107,7 @@ void gather_slots(Vector<T>& array, std::span<const Slot> new_to_old, Vector<std
 
 class SlotTable {
 public:
-    explicit SlotTable(const Memory* memory);
-
-    /// From here on what grows the table throws Stopped where the host wants the call to end; clear() must follow then.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    explicit SlotTable(Worker& worker) noexcept : worker_(worker) {}
 
     /// Frees all slots.
     void clear() { free_from(0); }
@@ -141,7 +133,7 @@ public:
     };
     /// Since begin_attaching().
     std::span<LateEnd> late_ends() noexcept { return late_ends_; }
-    /// Whether some fresh slot has an end on one side only.
+    /// True if some fresh slot has an end on one side only.
     bool one_sided() const noexcept { return one_sided_; }
     /// The link whose end came first to a port of a fresh slot, or no_link.
     LinkIndex first_link(Slot slot, int port) const noexcept { return ports_[port_of(slot, port)].first_link; }
@@ -186,7 +178,7 @@ public:
 
     // --- Compaction
 
-    /// Whether many slots have ended.
+    /// True if many slots have ended.
     bool is_sparse() const noexcept { return slot_end_ >= 256 && slot_end_ > 2 * live(); }
     /// Slot new_to_old[i] becomes slot i; `moved` says what a port becomes. free_from() must follow.
     void renumber(std::span<const Slot> new_to_old, FunctionRef<PortRef(PortRef)> moved);
@@ -200,15 +192,16 @@ private:
     void grow_map(std::uint32_t made);
     void take_spares(std::uint32_t count);
 
-    const Kernels& kernels_;
+    Worker& worker_;
+    const Kernels& kernels_ = best_of(kernel_forms());
 
     // slots
-    Vector<MeshEdge> edges_;
-    Vector<Port> ports_;           // see PortRef
-    Vector<PlaneIndex> ends_;      // the plane at which the edge will have ended; no_plane: the slot is free
-    Vector<std::uint16_t> flags_;  // 0 if free. A byte would alias all that the loops keep in registers
-    Vector<Slot> free_;
-    Vector<std::uint64_t> moving_;  // scratch: an array on its way to new slots
+    Vector<MeshEdge> edges_{worker_.memory()};
+    Vector<Port> ports_{worker_.memory()};       // see PortRef
+    Vector<PlaneIndex> ends_{worker_.memory()};  // the plane at which the edge will have ended; no_plane: the slot is free
+    Vector<std::uint16_t> flags_{worker_.memory()};  // 0 if free. A byte would alias all that the loops keep in registers
+    Vector<Slot> free_{worker_.memory()};
+    Vector<std::uint64_t> moving_{worker_.memory()};  // scratch: an array on its way to new slots
     std::size_t free_count_ = 0;
     std::size_t fresh_count_ = 0;
     Slot slot_end_ = 0;
@@ -216,14 +209,13 @@ private:
     std::size_t mixed_ = 0;
 
     // the map, of the edges that start at this plane
-    Vector<Slot> map_;  // no_slot: nothing is there
+    Vector<Slot> map_{worker_.memory()};  // no_slot: nothing is there
     std::size_t map_mask_ = 0;
     std::uint32_t map_limit_ = 0;  // edges that there is room for
     int map_shift_ = 63;
 
-    Vector<LateEnd> late_ends_;
+    Vector<LateEnd> late_ends_{worker_.memory()};
     bool one_sided_ = false;
-    StopPace pace_;
 };
 
 /// The ends of a plane's new links on their way to their slots. What each of them changes is a member here and not of the
@@ -232,7 +224,7 @@ class SlotTable::Attaching {
 public:
     explicit Attaching(SlotTable& table) noexcept : table_(table) { load(); }
 
-    /// Whether the map is so large that most look-ups wait for it.
+    /// True if the map is so large that most look-ups wait for it.
     bool beyond_caches() const noexcept { return mask_ >= std::size_t{1} << 16; }
     /// Fetches where find_or_add() begins to look.
     void prefetch(std::uint64_t hash) const noexcept { __builtin_prefetch(map_ + (hash >> shift_), 1); }
@@ -302,6 +294,11 @@ private:
     int shift_ = 0;
     std::uint32_t made_ = 0;
     std::uint32_t limit_ = 0;
+};
+
+/// By port: the origin of the segment there, as its facet runs.
+struct SlotOrigins {
+    PointOrigin by_port[2];
 };
 
 }  // namespace lamella

@@ -39,7 +39,7 @@ void Walker::walk_polyline(Slot start, int leave_by, bool closed) {
 void Walker::follow_any_orientation(Slot start, int leave_by, bool closed) {
     Slot slot = start;
     for (;;) {
-        pace_.spend(slot_work);
+        worker_.spend(slot_work);
         order_next_[filled_ + 1] = slot;
         leave_by_[filled_] = static_cast<std::uint8_t>(leave_by);
         position_[slot] = ++filled_;
@@ -52,8 +52,8 @@ void Walker::follow_any_orientation(Slot start, int leave_by, bool closed) {
     }
 }
 
-/// Whether most segments of the walk run against it. Where as many do as do not: whether the walk backwards is the smaller
-/// sequence of edges, a closed one from its smallest edge on.
+/// True if most segments of the walk run against it, or as many as along it where the walk backwards is the smaller sequence
+/// of edges, a closed one from its smallest edge on.
 bool Walker::runs_backwards(std::uint32_t begin, bool closed) {
     const std::uint32_t count = filled_ - begin;
     const Slot* slots = order_next_.data() + 1 + begin;
@@ -70,7 +70,7 @@ bool Walker::runs_backwards(std::uint32_t begin, bool closed) {
     const auto key_at = [&](std::uint32_t i) { return to_key(slots_.edge(slots[i % count])); };
     const auto smaller = [&](std::uint32_t a, bool a_back, std::uint32_t b, bool b_back) {
         for (std::uint32_t i = 0; i < count; ++i) {
-            pace_.spend(slot_work);
+            worker_.spend(slot_work);
             const EndKey key_a = key_at(a_back ? a + count - i : a + i);
             const EndKey key_b = key_at(b_back ? b + count - i : b + i);
             if (key_a != key_b) {

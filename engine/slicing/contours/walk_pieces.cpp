@@ -13,7 +13,6 @@
 // Contours that no head lies on begin at this plane, and are walked link by link.
 #include <algorithm>
 
-#include "slicing/contours/copy_run.hpp"
 #include "slicing/contours/walker.hpp"
 
 namespace lamella {
@@ -65,9 +64,7 @@ void Walker::walk_four_at_once() {
         Piece* piece;
     };
     const std::size_t room = slots_.live() + run_padding;
-    if (lanes_.size() < 4 * room) {
-        resize_exactly(lanes_, 4 * room, pace_);
-    }
+    grow_exactly(lanes_, 4 * room, worker_);
     const Port* const ports = slots_.ports();
     const std::uint64_t* const is_head = is_head_.data();
     Piece* waiting = pieces_.data();
@@ -77,7 +74,7 @@ void Walker::walk_four_at_once() {
         if (lane.piece == nullptr) {
             return false;
         }
-        pace_.spend(slot_work * slots_per_piece);
+        worker_.spend(slot_work * slots_per_piece);
         lane.piece->slots = lane.out;
         lane.next = lane.piece->head;
         return true;
@@ -135,7 +132,7 @@ void Walker::join_pieces() {
             copy_run(piece->slots, piece->count, out + filled_);
             number_run(piece->slots, piece->count, filled_ + 1, position_.data());
             filled_ += piece->count;
-            pace_.spend(slot_work * piece->count);
+            worker_.spend(slot_work * piece->count);
             piece->count = 0;
             piece = &pieces_[piece->next];
         } while (piece != &first);

@@ -4,24 +4,7 @@
 #include <bit>
 #include <cassert>
 
-#include "slicing/contours/copy_run.hpp"
-
 namespace lamella {
-
-Walker::Walker(const Memory* memory, const SlotTable& slots)
-    : slots_(slots),
-      position_(memory),
-      order_(memory),
-      order_next_(memory),
-      breaks_(memory),
-      contours_(memory),
-      old_contours_(memory),
-      pieces_(memory),
-      is_head_(memory),
-      lanes_(memory),
-      leave_by_(memory) {
-    clear();
-}
 
 void Walker::clear() {
     const std::size_t numbered = std::min<std::size_t>(slots_.slot_end(), position_.size());
@@ -43,9 +26,7 @@ void Walker::note_ended(std::span<const Slot> ended) {
 }
 
 void Walker::note_connected(std::span<const Link> links, std::size_t made) {
-    if (position_.size() < slots_.capacity()) {
-        resize_exactly(position_, slots_.capacity(), pace_, no_position);
-    }
+    grow_exactly(position_, slots_.capacity(), worker_, no_position);
     changes_ += made + links.size();
     if (!most_changed()) {  // else the walk does not ask for runs
         for (const Link& link : links) {
@@ -87,7 +68,7 @@ void Walker::walk() {
 void Walker::begin_order() {
     const std::size_t live = slots_.live();
     if (order_next_.size() < live + 1 + run_padding) {
-        resize_exactly(order_next_, std::max(live + live / 32 + 1 + run_padding, order_next_.size()), pace_);
+        grow_exactly(order_next_, std::max(live + live / 32 + 1 + run_padding, order_next_.size()), worker_);
     }
     filled_ = 0;
     old_contours_.swap(contours_);
@@ -170,7 +151,7 @@ void Walker::walk_from(Slot start) {
     const std::uint32_t begin = filled_;
     const bool closed = by_links_ ? follow_links(start) : follow_runs(start);
     add_contour(begin, closed, false);
-    pace_.spend(slot_work * (filled_ - begin));
+    worker_.spend(slot_work * (filled_ - begin));
 }
 
 /// Appends the contour from `start` on, run by run; true if it closed.
@@ -232,7 +213,7 @@ bool Walker::follow_links(Slot start) {
             filled_ = filled;
             return next != no_port;
         }
-        pace_.ask();
+        worker_.ask();
     }
 }
 

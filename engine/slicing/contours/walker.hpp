@@ -16,10 +16,11 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <span>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "slicing/contours/slot_table.hpp"
 
 namespace lamella {
@@ -34,10 +35,7 @@ struct WalkedContour {
 
 class Walker {
 public:
-    Walker(const Memory* memory, const SlotTable& slots);
-
-    /// From here on walk() throws Stopped where the host wants the call to end; clear() must follow then.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    Walker(Worker& worker, const SlotTable& slots) : worker_(worker), slots_(slots) { clear(); }
 
     /// Forgets the order. To be called before the slots are freed.
     void clear();
@@ -105,23 +103,47 @@ private:
     void follow_any_orientation(Slot start, int leave_by, bool closed);
     bool runs_backwards(std::uint32_t begin, bool closed);
 
+    Worker& worker_;
     const SlotTable& slots_;
-    Vector<std::uint32_t> position_;
-    Vector<Slot> order_;  // from 1
-    Vector<Slot> order_next_;
-    Vector<std::uint64_t> breaks_;  // bit p: the walk does not go on from position p to p + 1
-    Vector<WalkedContour> contours_;
-    Vector<WalkedContour> old_contours_;  // the last plane's, while walking
-    Vector<Piece> pieces_;
-    Vector<std::uint64_t> is_head_;  // by slot: a piece begins there
-    Vector<Slot> lanes_;             // what pieces are walked into
-    Vector<std::uint8_t> leave_by_;  // of a walk in any orientation: the port by which each slot was left
+    Vector<std::uint32_t> position_{worker_.memory()};
+    Vector<Slot> order_{worker_.memory()};  // from 1
+    Vector<Slot> order_next_{worker_.memory()};
+    Vector<std::uint64_t> breaks_{worker_.memory()};  // bit p: the walk does not go on from position p to p + 1
+    Vector<WalkedContour> contours_{worker_.memory()};
+    Vector<WalkedContour> old_contours_{worker_.memory()};  // the last plane's, while walking
+    Vector<Piece> pieces_{worker_.memory()};
+    Vector<std::uint64_t> is_head_{worker_.memory()};  // by slot: a piece begins there
+    Vector<Slot> lanes_{worker_.memory()};             // what pieces are walked into
+    Vector<std::uint8_t> leave_by_{worker_.memory()};  // of a walk in any orientation: the port by which each slot was left
     std::uint32_t ordered_ = 0;
     std::uint32_t filled_ = 0;  // of order_next_
     std::size_t changes_ = 0;   // links written, slots made and freed since the last walk
     bool by_links_ = false;     // this walk follows links rather than runs
     bool order_known_ = true;   // order_ can be patched
-    StopPace pace_;
 };
+
+/// Room beyond the order's end that copy_run() may write and read.
+inline constexpr std::size_t run_padding = 16;
+
+/// Copies 64 bytes a step and writes beyond the end: most runs are short, and an exact length mispredicts.
+inline void copy_run(const Slot* run, std::uint32_t length, Slot* to) {
+    for (std::uint32_t i = 0; i < length; i += run_padding) {
+        std::memcpy(to + i, run + i, run_padding * sizeof(Slot));
+    }
+}
+
+/// positions[run[i]] = first + i.
+inline void number_run(const Slot* run, std::uint32_t length, std::uint32_t first, std::uint32_t* positions) {
+    std::uint32_t i = 0;
+    for (; i + 4 <= length; i += 4) {
+        positions[run[i]] = first + i;
+        positions[run[i + 1]] = first + i + 1;
+        positions[run[i + 2]] = first + i + 2;
+        positions[run[i + 3]] = first + i + 3;
+    }
+    for (; i < length; ++i) {
+        positions[run[i]] = first + i;
+    }
+}
 
 }  // namespace lamella

@@ -5,6 +5,8 @@
 #include <new>
 #include <utility>
 
+#include "base/sign.hpp"
+
 namespace lamella {
 
 namespace {
@@ -26,17 +28,6 @@ void resize_keeping(Array<T>& array, std::size_t kept, std::size_t count) {
 
 }  // namespace
 
-EdgeRuns::EdgeRuns(const Memory* memory)
-    : kernels_(best_of(run_kernel_forms())),
-      paths_(memory),
-      points_(memory),
-      runs_(memory),
-      turns_(memory),
-      pieces_(memory),
-      tasks_(memory),
-      turns_of_tasks_(memory),
-      runs_of_pieces_(memory) {}
-
 void EdgeRuns::clear() noexcept {
     paths_.clear();
     edges_ = 0;
@@ -48,7 +39,9 @@ void EdgeRuns::list(const EdgePath& path) {
     if (paths_.size() == std::numeric_limits<std::uint32_t>::max()) {
         throw std::bad_alloc();
     }
-    paths_.push_back({path, point_count_, point_count_ + path.edges()});
+    EdgePath& listed = paths_.emplace_back(path);
+    listed.begin = point_count_;
+    listed.end = point_count_ + path.edges();
     edges_ += path.edges();
     point_count_ += path.edges() + 2;
 }
@@ -141,12 +134,11 @@ void EdgeRuns::list_pieces() {
 
 /// The last piece of a path also copies the two points after it; an open path has one.
 void EdgeRuns::copy_points(const Piece& piece) noexcept {
-    const LayerPath& path = paths_[piece.path];
-    const EdgePath& given = path.given;
-    const std::size_t first = piece.begin - path.begin + given.start;
-    const std::size_t end = piece.end - path.begin + given.start;
-    const std::size_t count = given.points.size();
-    const Point* const from = given.points.data();
+    const EdgePath& path = paths_[piece.path];
+    const std::size_t first = piece.begin - path.begin + path.start;
+    const std::size_t end = piece.end - path.begin + path.start;
+    const std::size_t count = path.points.size();
+    const Point* const from = path.points.data();
     Point* out = points_.data() + piece.begin;
     if (first < count) {
         out = std::copy(from + first, from + std::min(end, count), out);
@@ -155,8 +147,8 @@ void EdgeRuns::copy_points(const Piece& piece) noexcept {
         std::copy(from + (std::max(first, count) - count), from + (end - count), out);
     }
     if (piece.end == path.end) {
-        points_[path.end] = given.closed ? given[0] : given[count - 1];
-        points_[path.end + 1] = given[given.closed ? 1 : 0];
+        points_[path.end] = path.closed ? path[0] : path[count - 1];
+        points_[path.end + 1] = path[path.closed ? 1 : 0];
     }
 }
 
@@ -174,8 +166,8 @@ void EdgeRuns::write_runs(const Piece& piece, std::span<const std::uint32_t> tur
     const auto write = [&](std::size_t end) {
         const Point from = points[begin];
         const Point to = points[end];
-        const auto right = static_cast<std::int8_t>((to.x > from.x) - (to.x < from.x));
-        const auto up = static_cast<std::int8_t>((to.y > from.y) - (to.y < from.y));
+        const auto right = static_cast<std::int8_t>(sign_of(std::int64_t{to.x} - from.x));
+        const auto up = static_cast<std::int8_t>(sign_of(std::int64_t{to.y} - from.y));
         *out++ = {FlatBox::around(from, to), begin, end, piece.path, right, up};
         begin = end;
     };

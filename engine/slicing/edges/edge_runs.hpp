@@ -15,10 +15,11 @@
 
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/array.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/edges/flat_box.hpp"
 #include "slicing/edges/run_kernels.hpp"
+#include "slicing/grid/box.hpp"
 
 namespace lamella {
 
@@ -28,6 +29,10 @@ struct EdgePath {
     std::uint64_t contour = 0;
     bool closed = true;
     std::size_t start = 0;  ///< an index of points; 0 if open
+    /// In paths(): edges [begin, end) of the layer; edge e leads from point e to point e + 1. After the edges' starts come
+    /// two points more, which are the first two of a closed path.
+    std::size_t begin = 0;
+    std::size_t end = 0;
 
     std::size_t edges() const noexcept { return points.size() < 2 ? 0 : (closed ? points.size() : points.size() - 1); }
     /// `at` may lie up to a round beyond the last.
@@ -35,19 +40,8 @@ struct EdgePath {
         at = at < points.size() ? at : at - points.size();
         return points[at + start < points.size() ? at + start : at + start - points.size()];
     }
-    /// Whether there is an edge after edge `e`.
-    bool goes_on(std::size_t e) const noexcept { return closed || e + 1 < edges(); }
-};
-
-/// Where a path's points lie among those of the layer: the edges' starts, and two points more, which are the first two of a
-/// closed path.
-struct LayerPath {
-    EdgePath given;
-    std::size_t begin;  ///< edges [begin, end) of the layer; edge e leads from point e to point e + 1
-    std::size_t end;
-
-    /// Whether there is an edge after edge `e` of the layer.
-    bool goes_on(std::size_t e) const noexcept { return given.closed || e + 1 < end; }
+    /// True if there is an edge after edge `e` of the layer.
+    bool goes_on(std::size_t e) const noexcept { return closed || e + 1 < end; }
 };
 
 /// Edges [begin, end) of a path.
@@ -59,14 +53,14 @@ struct EdgeRun {
     std::int8_t right;  ///< 1, -1, or 0 if all edges are upright
     std::int8_t up;
 
-    /// Whether one direction goes on.
+    /// True if one direction goes on.
     bool goes_on_in(const EdgeRun& next) const noexcept { return right * next.right >= 0 || up * next.up >= 0; }
 };
 
 /// The runs of one layer after another; its memory is kept. O(m) for m edges.
 class EdgeRuns {
 public:
-    explicit EdgeRuns(const Memory* memory = nullptr);
+    explicit EdgeRuns(Worker& worker) noexcept : worker_(worker) {}
 
     /// No paths.
     void clear() noexcept;
@@ -77,13 +71,13 @@ public:
 
     std::uint64_t edges() const noexcept { return edges_; }
     const Point* points() const noexcept { return points_.data(); }
-    std::span<const LayerPath> paths() const noexcept { return paths_; }
-    const LayerPath& path_of(const EdgeRun& run) const noexcept { return paths_[run.path]; }
+    std::span<const EdgePath> paths() const noexcept { return paths_; }
+    const EdgePath& path_of(const EdgeRun& run) const noexcept { return paths_[run.path]; }
     /// Path by path, each from its start.
     std::span<const EdgeRun> runs() const noexcept { return runs_.span(); }
 
 private:
-    /// Of a path: few enough edges for one task.
+    /// A stretch of a path: few enough edges for one task.
     struct Piece {
         std::uint32_t path;
         std::size_t begin;
@@ -96,17 +90,18 @@ private:
     std::size_t find_turns(const Piece& piece, Vector<std::uint32_t>& turns) const;
     void write_runs(const Piece& piece, std::span<const std::uint32_t> turns, EdgeRun* out) const noexcept;
 
-    const RunKernels& kernels_;
-    Vector<LayerPath> paths_;
+    Worker& worker_;
+    const RunKernels& kernels_ = best_of(run_kernel_forms());
+    Vector<EdgePath> paths_{worker_.memory()};
     std::uint64_t edges_ = 0;
     std::size_t point_count_ = 0;
-    Array<Point> points_;
-    Array<EdgeRun> runs_;
-    Vector<std::uint32_t> turns_;
-    Vector<Piece> pieces_;
-    Vector<std::size_t> tasks_;                     // first piece of each, and the number of pieces
-    Vector<Vector<std::uint32_t>> turns_of_tasks_;  // piece by piece
-    Vector<std::size_t> runs_of_pieces_;            // how many, then the first
+    Array<Point> points_{worker_.memory()};
+    Array<EdgeRun> runs_{worker_.memory()};
+    Vector<std::uint32_t> turns_{worker_.memory()};
+    Vector<Piece> pieces_{worker_.memory()};
+    Vector<std::size_t> tasks_{worker_.memory()};                     // first piece of each, and the number of pieces
+    Vector<Vector<std::uint32_t>> turns_of_tasks_{worker_.memory()};  // piece by piece
+    Vector<std::size_t> runs_of_pieces_{worker_.memory()};            // how many, then the first
 };
 
 }  // namespace lamella

@@ -20,10 +20,7 @@ namespace lamella {
 /// Searches one layer, or one share of a layer, after another; its memory is kept. Several may search the same layer.
 class PairSearch {
 public:
-    explicit PairSearch(const Memory* memory = nullptr) : kernels_(best_of(run_kernel_forms())), meeting_(memory) {}
-
-    /// From here on find() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { host_ = host; }
+    explicit PairSearch(Worker& worker) noexcept : worker_(worker) {}
 
     /// To be called in `meet`: find() ends, and returns false.
     void stop() noexcept { cut_short_ = true; }
@@ -53,7 +50,7 @@ public:
         return !cut_short_;
     }
 
-    /// Of the last call.
+    /// Steps of the last call.
     std::uint64_t steps() const noexcept { return steps_; }
 
 private:
@@ -65,12 +62,8 @@ private:
     };
 
     void spend(std::uint64_t steps) {
-        constexpr std::uint64_t steps_between_stops = std::uint64_t{1} << 16;
-        const std::uint64_t before = steps_;
         steps_ += steps;
-        if ((before ^ steps_) >= steps_between_stops && host_.stop_requested()) {
-            throw Stopped();
-        }
+        worker_.spend(steps);
         cut_short_ = cut_short_ || steps_ > most_steps_;
     }
 
@@ -81,7 +74,7 @@ private:
             const EdgeRun& run = runs_[r];
             const EdgeRun& next = runs_[r + 1];
             const bool joined = run.path == next.path;
-            if (joined ? !leads_away(run, next) : run.box.grown(margin_).meets(next.box)) {
+            if (joined ? !leads_away(run, next) : grown(run.box, margin_).meets(next.box)) {
                 compare_in_order(static_cast<std::uint32_t>(r), static_cast<std::uint32_t>(r + 1), meet);
             }
         }
@@ -94,7 +87,7 @@ private:
             meeting_.resize(end - begin);
         }
         const BoxArrays boxes = strips.boxes();
-        // What meets further left is found there. A single strip leaves nothing out.
+        // Boxes that meet further left are found there. A single strip leaves nothing out.
         const std::int32_t left = strips.count() == 1 ? std::numeric_limits<std::int32_t>::min() : strips.left_of(strip);
         for (std::size_t i = begin; i < end && !cut_short_; ++i) {
             const BoxesMet meeting = kernels_.find_meeting(boxes, i, end, left, meeting_.data());
@@ -117,11 +110,11 @@ private:
         if (run.path != next.path) {
             return false;
         }
-        const LayerPath& path = layer_->path_of(run);
-        return run.end == next.begin || (path.given.closed && run.end == path.end && next.begin == path.begin);
+        const EdgePath& path = layer_->path_of(run);
+        return run.end == next.begin || (path.closed && run.end == path.end && next.begin == path.begin);
     }
 
-    /// Whether `next`, which follows `run`, meets it nowhere but in their joint: one direction goes on, and the edges at the
+    /// True if `next`, which follows `run`, meets it nowhere but in their joint: one direction goes on, and the edges at the
     /// joint do not lie on each other along a horizontal or vertical line.
     bool leads_away(const EdgeRun& run, const EdgeRun& next) const noexcept {
         const Point before = points_[run.end - 1];
@@ -143,7 +136,7 @@ private:
     template <class Meet>
     void compare(const Stretch& a, const Stretch& b, std::uint32_t a_path, std::uint32_t b_path, Meet& meet) {
         spend(1);
-        if (cut_short_ || !a.box.grown(margin_).meets(b.box)) {
+        if (cut_short_ || !grown(a.box, margin_).meets(b.box)) {
             return;
         }
         const std::size_t a_edges = a.end - a.begin;
@@ -163,8 +156,8 @@ private:
         return {FlatBox::around(points_[begin], points_[end]), begin, end};
     }
 
-    const RunKernels& kernels_;
-    StopCheck host_;
+    Worker& worker_;
+    const RunKernels& kernels_ = best_of(run_kernel_forms());
     const EdgeRuns* layer_ = nullptr;
     const EdgeRun* runs_ = nullptr;
     const Point* points_ = nullptr;
@@ -172,7 +165,44 @@ private:
     std::uint64_t most_steps_ = 0;
     std::uint64_t steps_ = 0;
     bool cut_short_ = false;
-    Vector<std::uint32_t> meeting_;
+    Vector<std::uint32_t> meeting_{worker_.memory()};
+};
+
+/// Pairs of edges of paths in a plane, on one thread. Searches one layer after another; its memory is kept.
+class EdgePairs {
+public:
+    explicit EdgePairs(Worker& worker) noexcept : worker_(worker) {}
+
+    void clear() noexcept { runs_.clear(); }
+
+    /// The points must stay until find() has returned. Throws std::bad_alloc.
+    void add(const EdgePath& path) { runs_.add(path); }
+
+    std::uint64_t edges() const noexcept { return runs_.edges(); }
+
+    /// To be called in `meet`: find() ends, and returns false.
+    void stop() noexcept { search_.stop(); }
+
+    /// Calls meet(a, i, b, j) once for each pair, in no order, of edge i of path a and edge j of path b whose boxes come
+    /// within `margin` of each other: all such pairs of two paths, and of one path all that meet elsewhere than in the joint
+    /// of two runs, and some that do not. Edge i leads from a[i] to a[i + 1]. `margin` is below grid_limit. False if it
+    /// would take more than `steps`, and not all were found. Throws std::bad_alloc.
+    template <class Meet>
+    bool find(std::int32_t margin, std::uint64_t steps, Meet meet) {
+        strips_.assign(runs_.runs(), margin);
+        return search_.find(runs_, strips_, 0, 1, steps,
+                            [&](std::uint32_t a, std::size_t i, std::uint32_t b, std::size_t j) {
+                                const EdgePath& a_path = runs_.paths()[a];
+                                const EdgePath& b_path = runs_.paths()[b];
+                                meet(a_path, i - a_path.begin, b_path, j - b_path.begin);
+                            });
+    }
+
+private:
+    Worker& worker_;
+    EdgeRuns runs_{worker_};
+    RunStrips strips_{worker_};
+    PairSearch search_{worker_};
 };
 
 }  // namespace lamella

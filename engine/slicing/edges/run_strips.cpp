@@ -1,8 +1,6 @@
 #include "slicing/edges/run_strips.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <functional>
 
 #include "base/parallel_sort.hpp"
 
@@ -29,18 +27,6 @@ void make_room(Array<T>& array, std::size_t count) {
 
 }  // namespace
 
-RunStrips::RunStrips(const Memory* memory)
-    : order_(memory),
-      unordered_(memory),
-      places_(memory),
-      firsts_(memory),
-      cursors_(memory),
-      low_x_(memory),
-      low_y_(memory),
-      high_x_(memory),
-      high_y_(memory),
-      run_at_(memory) {}
-
 void RunStrips::assign(std::span<const EdgeRun> runs, std::int32_t margin) {
     runs_ = runs;
     margin_ = margin;
@@ -48,21 +34,25 @@ void RunStrips::assign(std::span<const EdgeRun> runs, std::int32_t margin) {
     if (runs.empty()) {
         return;
     }
-    order_few();
+    order_.clear();
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        order_.push_back(key_of(r));
+    }
+    nesting::sort_keys(order_, spare_, worker_);
     choose_strips();
     if (count() == 1) {
         firsts_[1] = runs.size();
         make_entries(runs.size());
-        pace_.in_stretches(0, runs.size(), run_work, [&](std::size_t begin, std::size_t end) {
+        worker_.in_stretches(0, runs.size(), run_work, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                write_entry(i, static_cast<std::uint32_t>(order_[i]));
+                write_entry(i, order_[i].index);
             }
         });
         return;
     }
     const auto for_each_entry = [&](const auto& work) {
-        pace_.in_stretches(0, runs.size(), run_work,
-                           [&](std::size_t begin, std::size_t end) { each_entry(begin, end, cursors_.data(), work); });
+        worker_.in_stretches(0, runs.size(), run_work,
+                             [&](std::size_t begin, std::size_t end) { each_entry(begin, end, cursors_.data(), work); });
     };
     cursors_.assign(count(), 0);
     for_each_entry([](std::size_t, std::uint32_t) {});
@@ -83,7 +73,7 @@ void RunStrips::assign(std::span<const EdgeRun> runs, std::int32_t margin, const
             order_[r] = key_of(r);
         }
     });
-    sort_in_parallel(std::span<std::uint64_t>(order_), std::less<>(), parallel);
+    sort_in_parallel(std::span(order_), nesting::before, parallel);
     choose_strips();
     const std::size_t ranges = std::clamp<std::size_t>(runs.size() / runs_of_range, 1, most_ranges);
     const auto for_each_entry = [&](const auto& work) {
@@ -98,72 +88,9 @@ void RunStrips::assign(std::span<const EdgeRun> runs, std::int32_t margin, const
     for_each_entry([&](std::size_t at, std::uint32_t run) { write_entry(at, run); });
 }
 
-std::uint64_t RunStrips::key_of(std::size_t run) const noexcept {
-    const std::uint32_t low_y = static_cast<std::uint32_t>(runs_[run].box.low.y) ^ 0x80000000U;
-    return std::uint64_t{low_y} << 32 | run;
-}
-
-void RunStrips::order_few() {
-    constexpr std::size_t very_few = 16;
-    order_.resize(runs_.size());
-    if (runs_.size() <= very_few) {
-        for (std::size_t r = 0; r < runs_.size(); ++r) {
-            order_[r] = key_of(r);
-        }
-    } else {
-        spread_keys();
-    }
-    insert_in_order();
-}
-
-/// Into about as many buckets as there are runs, which leaves them nearly in order.
-void RunStrips::spread_keys() {
-    unordered_.resize(runs_.size());
-    std::uint64_t lowest = key_of(0);
-    std::uint64_t highest = lowest;
-    for (std::size_t r = 0; r < runs_.size(); ++r) {
-        const std::uint64_t key = key_of(r);
-        unordered_[r] = key;
-        lowest = std::min(lowest, key);
-        highest = std::max(highest, key);
-    }
-    const int shift =
-        std::max(0, static_cast<int>(std::bit_width(highest - lowest)) - static_cast<int>(std::bit_width(runs_.size())));
-    const auto bucket_of = [&](std::uint64_t key) { return static_cast<std::size_t>((key - lowest) >> shift); };
-    places_.assign(bucket_of(highest) + 1, 0);
-    for (const std::uint64_t key : unordered_) {
-        ++places_[bucket_of(key)];
-    }
-    std::uint32_t sum = 0;
-    for (std::uint32_t& place : places_) {
-        const std::uint32_t count = place;
-        place = sum;
-        sum += count;
-    }
-    for (const std::uint64_t key : unordered_) {
-        order_[places_[bucket_of(key)]++] = key;
-    }
-    pace_.spend(run_work * runs_.size());
-}
-
-/// Insertion sort; falls back to std::sort where the keys are not nearly in order.
-void RunStrips::insert_in_order() {
-    std::size_t patience = 16 * order_.size();
-    for (std::size_t i = 1; i < order_.size(); ++i) {
-        const std::uint64_t key = order_[i];
-        std::size_t place = i;
-        for (; place > 0 && key < order_[place - 1] && patience > 0; --place, --patience) {
-            order_[place] = order_[place - 1];
-        }
-        order_[place] = key;
-        if (patience == 0) {
-            std::sort(order_.begin(), order_.end(), [this](std::uint64_t a, std::uint64_t b) {
-                pace_.spend(1);
-                return a < b;
-            });
-            return;
-        }
-    }
+/// By the lower side.
+nesting::SortKey RunStrips::key_of(std::size_t run) const noexcept {
+    return {static_cast<std::uint32_t>(runs_[run].box.low.y) ^ 0x80000000U, static_cast<std::uint32_t>(run)};
 }
 
 /// About twice as wide as runs are on average, so that few reach into many. One strip where few runs lie side by side.
@@ -175,12 +102,12 @@ void RunStrips::choose_strips() {
     for (const EdgeRun& run : runs_) {
         low = std::min(low, run.box.low.x);
         high = std::max(high, run.box.high.x);
-        widths += std::int64_t{run.box.high.x} - run.box.low.x;
-        heights += run.box.height();
+        widths += width_of(run.box);
+        heights += height_of(run.box);
     }
     const auto runs = static_cast<std::int64_t>(runs_.size());
-    const auto first_y = static_cast<std::int64_t>(order_.front() >> 32);
-    const auto last_y = static_cast<std::int64_t>(order_.back() >> 32);
+    const auto first_y = static_cast<std::int64_t>(order_.front().key);
+    const auto last_y = static_cast<std::int64_t>(order_.back().key);
     low_ = low;
     shift_ = 0;
     const std::int64_t all = std::int64_t{high} + margin_ - low;
@@ -197,7 +124,7 @@ void RunStrips::choose_strips() {
 template <class Work>
 void RunStrips::each_entry(std::size_t begin, std::size_t end, std::size_t* cursors, const Work& work) const {
     for (std::size_t i = begin; i < end; ++i) {
-        const auto run = static_cast<std::uint32_t>(order_[i]);
+        const std::uint32_t run = order_[i].index;
         const FlatBox& box = runs_[run].box;
         const std::size_t last = strip_of(std::int64_t{box.high.x} + margin_);
         for (std::size_t s = strip_of(box.low.x); s <= last; ++s) {

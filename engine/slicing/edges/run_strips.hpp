@@ -17,23 +17,21 @@
 #include <utility>
 
 #include "base/parallel.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/array.hpp"
 #include "slicing/edges/edge_runs.hpp"
 #include "slicing/edges/run_kernels.hpp"
+#include "slicing/nesting/order.hpp"
 
 namespace lamella {
 
 /// The strips of one layer after another; its memory is kept.
 class RunStrips {
 public:
-    explicit RunStrips(const Memory* memory = nullptr);
+    explicit RunStrips(Worker& worker) noexcept : worker_(worker) {}
 
-    /// From here on assign() on one thread throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
-
-    /// On one thread. O(r log r) for r runs, O(r) where their heights are spread. `margin` is below grid_limit. Throws
+    /// On one thread. O(r) for many runs. `margin` is below grid_limit. Throws
     /// std::bad_alloc.
     void assign(std::span<const EdgeRun> runs, std::int32_t margin);
     /// In a few calls of run(). The strips do not depend on the number of threads.
@@ -45,7 +43,7 @@ public:
     std::int32_t left_of(std::size_t strip) const noexcept {
         return static_cast<std::int32_t>(low_ + (static_cast<std::int64_t>(strip) << shift_));
     }
-    /// What stands in a strip: [first, second), as indices into boxes(), ordered by low_y.
+    /// The entries of a strip: [first, second), as indices into boxes(), ordered by low_y.
     std::pair<std::size_t, std::size_t> entries_of(std::size_t strip) const noexcept {
         return {firsts_[strip], firsts_[strip + 1]};
     }
@@ -58,10 +56,7 @@ public:
 
 private:
     std::size_t strip_of(std::int64_t x) const noexcept { return static_cast<std::size_t>((x - low_) >> shift_); }
-    std::uint64_t key_of(std::size_t run) const noexcept;
-    void order_few();
-    void spread_keys();
-    void insert_in_order();
+    nesting::SortKey key_of(std::size_t run) const noexcept;
     void choose_strips();
     template <class Work>
     void each_entry(std::size_t begin, std::size_t end, std::size_t* cursors, const Work& work) const;
@@ -69,21 +64,21 @@ private:
     void make_entries(std::size_t count);
     void write_entry(std::size_t at, std::uint32_t run) noexcept;
 
-    StopPace pace_;
+    Worker& worker_;
     std::span<const EdgeRun> runs_;
     std::int32_t margin_ = 0;
-    Vector<std::uint64_t> order_;  // of runs by low.y; the lower 32 bits are a run's index
-    Vector<std::uint64_t> unordered_;
-    Vector<std::uint32_t> places_;  // by bucket of low.y
+    Vector<nesting::SortKey> order_{worker_.memory()};  // of runs by low.y
+    Vector<nesting::SortKey> spare_{worker_.memory()};
     std::int64_t low_ = 0;
     int shift_ = 0;
-    Vector<std::size_t> firsts_;   // of each strip, and the end of the last
-    Vector<std::size_t> cursors_;  // by range of runs and strip: first a count, then where the next run goes
-    Array<std::int32_t> low_x_;
-    Array<std::int32_t> low_y_;
-    Array<std::int32_t> high_x_;
-    Array<std::int32_t> high_y_;
-    Array<std::uint32_t> run_at_;
+    Vector<std::size_t> firsts_{worker_.memory()};  // of each strip, and the end of the last
+    Vector<std::size_t> cursors_{
+        worker_.memory()};  // by range of runs and strip: first a count, then where the next run goes
+    Array<std::int32_t> low_x_{worker_.memory()};
+    Array<std::int32_t> low_y_{worker_.memory()};
+    Array<std::int32_t> high_x_{worker_.memory()};
+    Array<std::int32_t> high_y_{worker_.memory()};
+    Array<std::uint32_t> run_at_{worker_.memory()};
 };
 
 }  // namespace lamella

@@ -2,28 +2,48 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "base/dispatch.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/nesting/query_steps.hpp"
+#include "slicing/grid/exact.hpp"
 
 namespace lamella::nesting {
 
-static_assert(grid_limit <= 1 << 30,
-              "products of two coordinate differences must fit 63 bits, so that they compare exactly");
+/// The range of y in steps of 2^shift; the first and the last hold no point and take all y below and above.
+///
+///     ends     step s holds points ends[s] to ends[s + 1], in the order of y
+struct QuerySteps {
+    std::int32_t low, high;
+    int shift;
+    const std::uint32_t* ends;
 
-/// Sign of the turn a -> b -> q: +1 where q lies left of a -> b, 0 on its line, -1 right. The products are compared, never
-/// subtracted: their difference could overflow.
-inline int side_of(Point a, Point b, Point q) noexcept {
-    const std::int64_t left = (std::int64_t{b.x} - a.x) * (std::int64_t{q.y} - a.y);
-    const std::int64_t right = (std::int64_t{b.y} - a.y) * (std::int64_t{q.x} - a.x);
-    return (left > right) - (left < right);
-}
+    std::uint32_t of(std::int32_t y) const noexcept {
+        const std::int32_t within = y < low ? low : (y < high ? y : high);
+        return (static_cast<std::uint32_t>(within) - static_cast<std::uint32_t>(low)) >> shift;
+    }
+};
+
+/// Edges points[edge[i]], points[edge[i] + 1] that reach the steps of points begin[i] to end[i].
+struct Reaches {
+    static constexpr std::uint32_t most = 128;
+    static constexpr std::uint32_t padding = 16;  // a form may write beyond what it finds
+    std::uint32_t edge[most + padding];
+    std::uint32_t begin[most + padding];
+    std::uint32_t end[most + padding];
+};
+
+/// Those of the `count` <= Reaches::most edges from points[0] to points[count] that reach a step with a point; how many.
+using SiftEdges = std::size_t (*)(const QuerySteps& steps, const Point* points, std::uint32_t count,
+                                  Reaches& reaches) noexcept;
+
+/// All forms, the fastest first.
+std::span<const Form<SiftEdges>> sift_edges_forms() noexcept;
 
 /// Winding number of a contour around a point, by the ray from the point towards +x: an edge that crosses it upwards counts
 /// one, downwards minus one. Only edges that straddle the point's y, or begin at it, need be added.
@@ -60,7 +80,7 @@ using AddEdges = void (*)(Winding& winding, const Point* points, std::uint32_t c
 /// All forms, the fastest first.
 std::span<const Form<AddEdges>> add_edges_forms() noexcept;
 
-/// Whether the non-zero winding interior of a closed contour contains `query`. O(count).
+/// True if the non-zero winding interior of a closed contour contains `query`. O(count).
 inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32_t count, Point query) noexcept {
     Winding winding(query);
     add_edges(winding, points, count - 1);
@@ -72,8 +92,7 @@ inline bool strictly_inside(AddEdges add_edges, const Point* points, std::uint32
 /// O(points log points + edges log points + pairs of a point and an edge that share a y).
 class ManyInside {
 public:
-    explicit ManyInside(const Memory* memory)
-        : sift_edges_(best_of(sift_edges_forms())), queries_(memory), by_y_(memory), ends_(memory) {}
+    explicit ManyInside(Worker& worker) noexcept : worker_(worker) {}
 
     void clear() noexcept { queries_.clear(); }
     /// Throws std::bad_alloc.
@@ -81,8 +100,6 @@ public:
     /// Appends the numbers of the points added that lie strictly inside to `inside`, in an unspecified but reproducible
     /// order. Throws std::bad_alloc.
     void test(const Point* points, std::uint32_t count, Vector<std::uint32_t>& inside);
-    /// From here on test() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
 
 private:
     struct Query {
@@ -95,10 +112,10 @@ private:
     void add_edges(const QuerySteps& steps, const Point* points, std::uint32_t count);
     void add_edge(Point a, Point b, std::uint32_t begin, std::uint32_t end);
 
-    SiftEdges sift_edges_;
-    Vector<Query> queries_, by_y_;
-    Vector<std::uint32_t> ends_;  // of by_y_; see QuerySteps
-    StopPace pace_;
+    Worker& worker_;
+    SiftEdges sift_edges_ = best_of(sift_edges_forms());
+    Vector<Query> queries_{worker_.memory()}, by_y_{worker_.memory()};
+    Vector<std::uint32_t> ends_{worker_.memory()};  // of by_y_; see QuerySteps
 };
 
 }  // namespace lamella::nesting

@@ -18,23 +18,15 @@ using nesting::Container;
 using nesting::SortKey;
 using nesting::StartLine;
 
-std::pair<std::uint64_t, std::uint64_t> magnitude(const Integer128& area) noexcept {
-    const auto high = static_cast<std::uint64_t>(area.high);
-    if (area.high >= 0) {
-        return {high, area.low};
-    }
-    return {~high + (area.low == 0 ? 1 : 0), ~area.low + 1};
-}
-
 /// From small to large. Equal only if all points are equal.
 std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept {
-    if (const auto order = magnitude(a.twice_area) <=> magnitude(b.twice_area); std::is_neq(order)) {
-        return order;
+    if (size_of(a) != size_of(b)) {
+        return size_of(a) < size_of(b) ? std::strong_ordering::less : std::strong_ordering::greater;
     }
     if (const auto order = a.points[a.start] <=> b.points[b.start]; std::is_neq(order)) {
         return order;
     }
-    if (const auto order = std::pair(a.box_min, a.box_max) <=> std::pair(b.box_min, b.box_max); std::is_neq(order)) {
+    if (const auto order = a.box <=> b.box; std::is_neq(order)) {
         return order;
     }
     return compare_points(a, b);
@@ -43,18 +35,16 @@ std::strong_ordering compare_size(const NestItem& a, const NestItem& b) noexcept
 constexpr std::size_t item_work = 16;  ///< as StopPace counts it
 
 /// Orders by area. Areas beyond 64 bits share the highest key.
-std::uint64_t area_key(const Integer128& twice_area) noexcept {
-    const auto [high, low] = magnitude(twice_area);
-    return high != 0 ? std::numeric_limits<std::uint64_t>::max() : low;
-}
-
-void fetch([[maybe_unused]] const void* address) noexcept {
-#if defined(__GNUC__)
-    __builtin_prefetch(address);
-#endif
+std::uint64_t area_key(const NestItem& item) noexcept {
+    return static_cast<std::uint64_t>(std::min<Int128>(size_of(item), std::numeric_limits<std::uint64_t>::max()));
 }
 
 }  // namespace
+
+Int128 size_of(const NestItem& item) noexcept {
+    const Int128 area = to_int128(item.twice_area);
+    return area < 0 ? -area : area;
+}
 
 std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexcept {
     if (a.count != b.count) {
@@ -77,19 +67,6 @@ void NestItem::reset() noexcept {
     role = closed ? Role::flat : Role::open;
 }
 
-Nester::Nester(const Memory* memory)
-    : memory_(memory),
-      add_edges_(best_of(nesting::add_edges_forms())),
-      by_start_(memory_),
-      by_size_(memory_),
-      spare_keys_(memory_),
-      rings_(memory_),
-      starts_(memory_),
-      tree_(memory_),
-      containers_(memory_),
-      found_(memory_),
-      many_inside_(memory_) {}
-
 void Nester::nest(std::span<NestItem> items) {
     assert(items.size() <= std::size_t{std::numeric_limits<std::int32_t>::max()});
     collect(items);
@@ -106,10 +83,10 @@ void Nester::collect(std::span<NestItem> items) {
     by_start_.clear();
     for (std::size_t i = 0; i < items.size(); ++i) {
         NestItem& item = items[i];
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         item.reset();
         if (item.orientation != 0) {
-            assert(item.start < item.count && item.points[item.start].x == item.box_min.x);
+            assert(item.start < item.count && item.points[item.start].x == item.box.low.x);
             const Point start = item.points[item.start];
             by_start_.push_back({nesting::key_of(start), static_cast<std::uint32_t>(i)});
         }
@@ -129,14 +106,14 @@ void Nester::reserve_keys(std::size_t count) {
 
 /// Rings in the order of starts, of equal starts the smaller first.
 void Nester::sort_by_start(std::span<const NestItem> items) {
-    nesting::sort_keys(by_start_, spare_keys_, pace_);
+    nesting::sort_keys(by_start_, spare_keys_, worker_);
     nesting::sort_equal_keys(by_start_, [items](const SortKey& a, const SortKey& b) {
         const std::strong_ordering order = compare_size(items[a.index], items[b.index]);
         return std::is_neq(order) ? std::is_lt(order) : a.index < b.index;
     });
     rings_.clear();
     for (const SortKey& key : by_start_) {
-        pace_.spend(1);
+        worker_.spend(1);
         rings_.emplace_back().item = key.index;
     }
 }
@@ -146,7 +123,7 @@ void Nester::find_parents(std::span<const NestItem> items) {
     starts_.assign(by_start_);
     tree_in_use_ = !find_containers(items);
     if (tree_in_use_) {
-        tree_.assign(by_start_, slimness_of(items));
+        tree_.assign(by_start_, aspect_of(items));
         take_all_for_containers();
     }
     sort_containers(items);
@@ -156,9 +133,9 @@ void Nester::find_parents(std::span<const NestItem> items) {
         const NestItem& contour = items[container.item];
         found_.clear();
         if (tree_in_use_) {
-            tree_.find(contour.box_min, contour.box_max, found_);
+            tree_.find(contour.box, found_);
         } else {
-            starts_.find(container.window, contour.box_min.y, contour.box_max.y, found_);
+            starts_.find(container.window, contour.box.low.y, contour.box.high.y, found_);
         }
         take_in(contour, container.ring);
     }
@@ -173,10 +150,10 @@ void Nester::fetch_ahead(std::span<const NestItem> items, std::size_t place) con
     if (place + items_ahead >= by_size_.size()) {
         return;
     }
-    fetch(&items[containers_[by_size_[place + items_ahead].index].item]);
+    __builtin_prefetch(&items[containers_[by_size_[place + items_ahead].index].item]);
     const NestItem& contour = items[containers_[by_size_[place + points_ahead].index].item];
     for (std::uint32_t i = 0; i < std::min(contour.count, most_points); i += line_points) {
-        fetch(contour.points + i);
+        __builtin_prefetch(contour.points + i);
     }
 }
 
@@ -187,10 +164,10 @@ bool Nester::find_containers(std::span<const NestItem> items) {
     std::size_t steps = 0;
     std::uint32_t right = 0;  // the first start with a larger x than the ring's
     for (std::uint32_t ring = 0; ring < rings_.size(); ++ring) {
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         const NestItem& contour = items[rings_[ring].item];
         right = right > ring ? right : starts_.first_right_of(ring, ring + 1);
-        const StartLine::Window window = starts_.window(right, contour.box_max.x, contour.box_min.y, contour.box_max.y);
+        const StartLine::Window window = starts_.window(right, contour.box.high.x, contour.box.low.y, contour.box.high.y);
         if (window.occupied) {
             containers_.push_back({ring, rings_[ring].item, window});
         }
@@ -202,21 +179,17 @@ bool Nester::find_containers(std::span<const NestItem> items) {
     return true;
 }
 
-/// The boxes' mean width over their mean height, each as a share of the layer's.
-double Nester::slimness_of(std::span<const NestItem> items) {
-    Point low = items[rings_[0].item].box_min;
-    Point high = items[rings_[0].item].box_max;
+/// The boxes' mean width over their mean height.
+double Nester::aspect_of(std::span<const NestItem> items) {
     double widths = 0;
     double heights = 0;
     for (const nesting::Ring& ring : rings_) {
         const NestItem& contour = items[ring.item];
-        pace_.spend(item_work);
-        low = {std::min(low.x, contour.box_min.x), std::min(low.y, contour.box_min.y)};
-        high = {std::max(high.x, contour.box_max.x), std::max(high.y, contour.box_max.y)};
-        widths += static_cast<double>(contour.box_max.x) - contour.box_min.x;
-        heights += static_cast<double>(contour.box_max.y) - contour.box_min.y;
+        worker_.spend(item_work);
+        widths += static_cast<double>(width_of(contour.box));
+        heights += static_cast<double>(height_of(contour.box));
     }
-    return widths / heights * (static_cast<double>(high.y) - low.y) / (static_cast<double>(high.x) - low.x);
+    return widths / heights;
 }
 
 void Nester::take_all_for_containers() {
@@ -232,10 +205,10 @@ void Nester::sort_containers(std::span<const NestItem> items) {
     by_size_.clear();
     for (std::uint32_t i = 0; i < containers_.size(); ++i) {
         const NestItem& contour = items[containers_[i].item];
-        pace_.spend(item_work);
-        by_size_.push_back({area_key(contour.twice_area), i});
+        worker_.spend(item_work);
+        by_size_.push_back({area_key(contour), i});
     }
-    nesting::sort_keys(by_size_, spare_keys_, pace_);
+    nesting::sort_keys(by_size_, spare_keys_, worker_);
     auto huge = by_size_.end();
     while (huge != by_size_.begin() && std::prev(huge)->key == std::numeric_limits<std::uint64_t>::max()) {
         --huge;
@@ -250,7 +223,7 @@ void Nester::sort_containers(std::span<const NestItem> items) {
 void Nester::take_in(const NestItem& contour, std::uint32_t ring) {
     constexpr std::size_t many = 8;
     constexpr std::size_t points_per_step = 4;
-    pace_.spend(item_work + found_.size() * (found_.size() < many ? contour.count / points_per_step : 1));
+    worker_.spend(item_work + found_.size() * (found_.size() < many ? contour.count / points_per_step : 1));
     if (found_.size() < many) {
         for (const std::uint32_t child : found_) {
             if (nesting::strictly_inside(add_edges_, contour.points, contour.count, starts_.at(child))) {
@@ -284,7 +257,7 @@ void Nester::adopt(std::uint32_t ring, std::uint32_t child) {
 void Nester::assign_roles(std::span<NestItem> items) {
     for (nesting::Ring& ring : rings_) {
         NestItem& item = items[ring.item];
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         ring.winding = item.orientation > 0 ? 1 : -1;
         if (ring.parent >= 0) {
             const nesting::Ring& around = rings_[static_cast<std::size_t>(ring.parent)];

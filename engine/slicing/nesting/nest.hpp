@@ -22,13 +22,14 @@
 #include <span>
 #include <vector>
 
-#include "base/stop_pace.hpp"
+#include "base/int128.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/grid.hpp"
 #include "lamella/result.hpp"
+#include "slicing/grid/box.hpp"
 #include "slicing/nesting/inside.hpp"
 #include "slicing/nesting/order.hpp"
-#include "slicing/nesting/start_tree.hpp"
 #include "slicing/nesting/starts.hpp"
 
 namespace lamella {
@@ -39,8 +40,8 @@ struct NestItem {
     const PointOrigin* origins = nullptr;  ///< of each point; null: none. Nesting does not look at them
     std::uint32_t count = 0;
     std::uint32_t start = 0;  ///< closed: index of its smallest (x, y)
-    Integer128 twice_area;    ///< closed: as walked, square grid units
-    Point box_min, box_max;   ///< closed: of its points
+    Integer128 twice_area{};  ///< closed: as walked, square grid units
+    FlatBox box{};            ///< closed: of its points
     bool closed = false;
 
     bool reverse = false;         ///< out: the points must be stored backwards (outer counter-clockwise, hole clockwise)
@@ -60,10 +61,13 @@ struct NestItem {
     void reset() noexcept;
 };
 
-/// Of what is made of two: Contour::part.
+/// The Contour::part of a contour made of two.
 constexpr std::uint32_t part_of_both(std::uint32_t a, std::uint32_t b) noexcept {
     return a == b ? a : several_parts;
 }
+
+/// Twice the area, whichever way the contour runs.
+Int128 size_of(const NestItem& item) noexcept;
 
 /// By the number of points, then by the points from the starts on.
 std::strong_ordering compare_points(const NestItem& a, const NestItem& b) noexcept;
@@ -96,14 +100,7 @@ namespace lamella {
 /// Nests layer after layer; scratch is kept, so that a steady state allocates nothing. One per thread.
 class Nester {
 public:
-    explicit Nester(const Memory* memory);
-
-    /// From here on nest() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept {
-        pace_.follow(host);
-        many_inside_.follow(host);
-        tree_.follow(host);
-    }
+    explicit Nester(Worker& worker) noexcept : worker_(worker) {}
 
     /// Fills in the outputs of `items`, which are at most 2^31 - 1. Outputs do not depend on the order of the items, except
     /// that of contours equal in every point the first is the parent. Throws std::bad_alloc.
@@ -115,7 +112,7 @@ private:
     void sort_by_start(std::span<const NestItem> items);
     void find_parents(std::span<const NestItem> items);
     bool find_containers(std::span<const NestItem> items);
-    double slimness_of(std::span<const NestItem> items);
+    double aspect_of(std::span<const NestItem> items);
     void take_all_for_containers();
     void sort_containers(std::span<const NestItem> items);
     void fetch_ahead(std::span<const NestItem> items, std::size_t place) const;
@@ -123,19 +120,18 @@ private:
     void adopt(std::uint32_t ring, std::uint32_t child);
     void assign_roles(std::span<NestItem> items);
 
-    const Memory* memory_;
-    nesting::AddEdges add_edges_;
-    Vector<nesting::SortKey> by_start_;  // of rings_: their starts
-    Vector<nesting::SortKey> by_size_;   // of containers_: their areas
-    Vector<nesting::SortKey> spare_keys_;
-    Vector<nesting::Ring> rings_;
-    nesting::StartLine starts_;
-    nesting::StartTree tree_;
+    Worker& worker_;
+    nesting::AddEdges add_edges_ = best_of(nesting::add_edges_forms());
+    Vector<nesting::SortKey> by_start_{worker_.memory()};  // of rings_: their starts
+    Vector<nesting::SortKey> by_size_{worker_.memory()};   // of containers_: their areas
+    Vector<nesting::SortKey> spare_keys_{worker_.memory()};
+    Vector<nesting::Ring> rings_{worker_.memory()};
+    nesting::StartLine starts_{worker_.memory()};
+    nesting::StartTree tree_{worker_};
     bool tree_in_use_ = false;  // instead of windows
-    Vector<nesting::Container> containers_;
-    Vector<std::uint32_t> found_;  // starts in a container's box
-    nesting::ManyInside many_inside_;
-    StopPace pace_;
+    Vector<nesting::Container> containers_{worker_.memory()};
+    Vector<std::uint32_t> found_{worker_.memory()};  // starts in a container's box
+    nesting::ManyInside many_inside_{worker_};
 };
 
 }  // namespace lamella

@@ -9,10 +9,6 @@ namespace lamella::nesting {
 
 namespace {
 
-bool before(const SortKey& a, const SortKey& b) noexcept {
-    return a.key != b.key ? a.key < b.key : a.index < b.index;
-}
-
 /// The smallest upper half and the smallest lower half. Keys minus this have few digits, wherever the layer lies.
 std::uint64_t smallest_halves(const Vector<SortKey>& keys) noexcept {
     std::uint64_t upper = keys[0].key >> 32;

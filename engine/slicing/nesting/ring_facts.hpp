@@ -1,20 +1,18 @@
-// What order and nesting need of a closed contour: its start, box and area.
+// Facts of a closed contour for order and nesting: its start, box and area.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
 #include "base/function_ref.hpp"
 #include "base/int128.hpp"
-#include "lamella/grid.hpp"
+#include "slicing/grid/box.hpp"
 
 namespace lamella {
 
 /// Found in one pass over a closed contour.
 struct RingFacts {
-    Point box_min;
-    Point box_max;
+    FlatBox box;
     Int128 twice_area;     ///< positive if counter-clockwise; exact
     std::size_t smallest;  ///< index of the first occurrence of the smallest (x, y)
     bool many_smallest;    ///< it occurs again
@@ -40,15 +38,14 @@ private:
 template <class PointAt>
 RingFacts facts_of(std::size_t count, const PointAt& point) {
     const Point first = point(0);
-    RingFacts facts{first, first, 0, 0, false, false};
+    RingFacts facts{{first, first}, 0, 0, false, false};
     Point smallest = first;
     ProductSum sum;
     Point before = point(count - 1);
     Point here = first;
     for (std::size_t i = 0; i < count; ++i) {
         const Point next = i + 1 < count ? point(i + 1) : first;
-        facts.box_min = {std::min(facts.box_min.x, here.x), std::min(facts.box_min.y, here.y)};
-        facts.box_max = {std::max(facts.box_max.x, here.x), std::max(facts.box_max.y, here.y)};
+        facts.box.include({here, here});
         facts.has_repeats = facts.has_repeats || here == next;
         if (here < smallest) {
             smallest = here;
@@ -66,8 +63,18 @@ RingFacts facts_of(std::size_t count, const PointAt& point) {
 }
 
 /// The facts of a closed ring of count > 0 points as they lie.
-RingFacts examine_ring(const Point* ring, std::size_t count) noexcept;
+inline RingFacts examine_ring(const Point* ring, std::size_t count) noexcept {
+    return facts_of(count, [ring](std::size_t i) { return ring[i]; });
+}
 /// The same for a long one: calls pause() now and then, which may throw.
-RingFacts examine_ring(const Point* ring, std::size_t count, FunctionRef<void()> pause);
+inline RingFacts examine_ring(const Point* ring, std::size_t count, FunctionRef<void()> pause) {
+    constexpr std::size_t points_between_pauses = std::size_t{1} << 18;
+    return facts_of(count, [ring, pause](std::size_t i) {
+        if (i % points_between_pauses == 0) {
+            pause();
+        }
+        return ring[i];
+    });
+}
 
 }  // namespace lamella

@@ -1,4 +1,5 @@
-// The starts of a layer's rings, sorted by x, and which of them lie within a box.
+// The starts of a layer's rings, and which of them lie within a box: by a line of all, or by a tree where windows of the
+// line are too long.
 #pragma once
 
 #include <cstdint>
@@ -6,12 +7,39 @@
 #include <span>
 #include <vector>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/grid.hpp"
-#include "slicing/nesting/lanes.hpp"
+#include "slicing/grid/box_tree.hpp"
 #include "slicing/nesting/order.hpp"
 
 namespace lamella::nesting {
+
+inline constexpr std::uint32_t lanes = 16;
+
+/// Bit i: low < values[i] < high, for sixteen values.
+inline unsigned between(const std::int32_t* values, std::int32_t low, std::int32_t high) noexcept {
+#if defined(__SSE2__)
+    const __m128i lows = _mm_set1_epi32(low);
+    const __m128i highs = _mm_set1_epi32(high);
+    const auto four = [&](int i) {
+        const __m128i value = _mm_loadu_si128(reinterpret_cast<const __m128i*>(values + i));
+        return _mm_and_si128(_mm_cmpgt_epi32(value, lows), _mm_cmpgt_epi32(highs, value));
+    };
+    const __m128i eight = _mm_packs_epi32(four(0), four(4));
+    return static_cast<unsigned>(_mm_movemask_epi8(_mm_packs_epi16(eight, _mm_packs_epi32(four(8), four(12)))));
+#else
+    unsigned bits = 0;
+    for (int i = 0; i < static_cast<int>(lanes); ++i) {
+        bits |= static_cast<unsigned>(low < values[i] && values[i] < high) << i;
+    }
+    return bits;
+#endif
+}
 
 /// The starts by x, compared sixteen at a time. The window of a box is the range of starts whose x lies within the box's:
 ///
@@ -43,6 +71,24 @@ public:
 private:
     static constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::min();
     Vector<std::int32_t> xs_, ys_;  // `lanes` more than there are starts
+};
+
+/// Starts that are taken off are not visited again.
+class StartTree {
+public:
+    explicit StartTree(Worker& worker) noexcept : worker_(worker) {}
+
+    /// `aspect`: the mean width of the boxes that will be searched over their mean height. Throws std::bad_alloc.
+    void assign(std::span<const SortKey> by_start, double aspect);
+    /// Appends the starts left that lie strictly within the box to `found`, in an unspecified but reproducible order.
+    void find(const FlatBox& box, Vector<std::uint32_t>& found) const;
+    void take_off(std::uint32_t start) noexcept { boxes_.take_off(place_of_[start]); }
+
+private:
+    Worker& worker_;
+    Vector<SortKey> starts_{worker_.memory()};          // by place
+    Vector<std::uint32_t> place_of_{worker_.memory()};  // of each start
+    BoxTree<Point> boxes_{worker_.memory()};            // of starts_
 };
 
 }  // namespace lamella::nesting

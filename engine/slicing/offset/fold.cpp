@@ -60,7 +60,7 @@ double shrinking(Point a, Point b, Point c, Point d) noexcept {
     return -(before.turn_to(edge) + edge.turn_to(after)) / edge.length;
 }
 
-/// Whether the outer corner `b` passes the miter limit. Between the moved edges then runs a third one, which stays where one
+/// True if the outer corner `b` passes the miter limit. Between the moved edges then runs a third one, which stays where one
 /// of them shrinks to a point.
 bool is_cut(Point a, Point b, Point c, double miter_limit) noexcept {
     const Step before(a, b);
@@ -69,7 +69,7 @@ bool is_cut(Point a, Point b, Point c, double miter_limit) noexcept {
            before.cosine1_to(after) < std::max(2.0 / (miter_limit * miter_limit), sharpest_cosine1);
 }
 
-/// Whether the edge from `a` to `b`, an end of which was rounded, still has its direction: when it moves by `distance`, its
+/// True if the edge from `a` to `b`, an end of which was rounded, still has its direction: when it moves by `distance`, its
 /// ends may slip along it by a few units.
 bool is_steady(Point a, Point b, double distance) noexcept {
     constexpr double slip = 8;

@@ -19,7 +19,7 @@
 
 namespace lamella {
 
-/// Of a point that is none of the contour's.
+/// The index of a point that is none of the contour's.
 inline constexpr std::uint32_t no_point = 0xffffffff;
 
 /// Appends to `points` the contour with the edges `turned`, ascending, replaced by points where the lines of their

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstdint>
 
+#include "slicing/grid/exact.hpp"
+
 namespace lamella {
 
 namespace {
 
-/// What an inner corner too sharp to trim takes off: longer than any edge.
+/// The length that an inner corner too sharp to trim takes off: longer than any edge.
 constexpr double beyond_any_edge = 1e12;
 
 bool reach_beyond_grid(const Point* first, const Point* last) noexcept {
@@ -19,14 +21,6 @@ bool reach_beyond_grid(const Point* first, const Point* last) noexcept {
         lowest = std::min(lowest, std::min(first->x, first->y));
     }
     return highest > grid_limit || lowest < -grid_limit;
-}
-
-/// The sign of the turn at b: 1 to the left. A difference has 32 bits and a sign, and two steps in a row stay on the grid:
-/// 63 bits and a sign hold the difference of the products.
-int turn_sign(Point a, Point b, Point c) noexcept {
-    const std::int64_t left = (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - b.y);
-    const std::int64_t right = (std::int64_t{b.y} - a.y) * (std::int64_t{c.x} - b.x);
-    return static_cast<int>(left > right) - static_cast<int>(left < right);
 }
 
 /// Leaves one of equal consecutive points; the first follows the last.
@@ -60,7 +54,7 @@ void RawOffset::settle_sharp_corners(std::span<const Point> contour, const Shape
         if (corners_.cosine1[i] >= shape.least_cosine1) {
             continue;
         }
-        const int turn = turn_sign(contour[i > 0 ? i - 1 : count - 1], contour[i], contour[i + 1 < count ? i + 1 : 0]);
+        const int turn = side_of(contour[i > 0 ? i - 1 : count - 1], contour[i], contour[i + 1 < count ? i + 1 : 0]);
         if (turn * shape.distance < 0) {
             curve.reflex_cut = true;
             corners_.added[i] = corners_.cosine1[i] < sharpest_cosine1 ? -beyond_any_edge : corners_.added[i];

@@ -89,7 +89,7 @@ public:
     explicit RawOffset(const Memory* memory)
         : kernels_(best_of(offset_kernel_forms())), numbers_(memory), miters_(memory), points_(memory) {}
 
-    /// What becomes of a curve with edges that turn round: omitted, it has no points.
+    /// The fate of a curve with edges that turn round: omitted, it has no points.
     enum class Turned : bool { written, omitted };
 
     /// Forgets the curves: for the next layer.
@@ -101,11 +101,11 @@ public:
     /// std::bad_alloc.
     RawCurve append(std::span<const Point> contour, double distance, double miter_limit, Turned turned = Turned::written);
 
-    /// Of the contour that append() had last: its edges that do not keep their direction, ascending. Edge i leads from point
-    /// i to the next.
+    /// For the contour that append() had last: its edges that do not keep their direction, ascending. Edge i leads from
+    /// point i to the next.
     void list_turned_edges(std::size_t edges, Vector<std::uint32_t>& turned) const;
 
-    /// Of all curves since clear().
+    /// Points of all curves since clear().
     std::span<const Point> points() const noexcept { return points_; }
     std::span<Point> points_of(const RawCurve& curve) noexcept {
         return std::span(points_).subspan(curve.first_point, curve.count);

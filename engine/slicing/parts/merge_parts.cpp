@@ -8,7 +8,7 @@
 
 #include "base/clock.hpp"
 #include "base/vector.hpp"
-#include "slicing/contours/layer_builder.hpp"
+#include "slicing/layer/layer_builder.hpp"
 #include "slicing/result/layer_view.hpp"
 #include "slicing/result/placement.hpp"
 
@@ -30,17 +30,15 @@ std::span<T> of_layer(Array<T>& elements, const SliceResult& part, std::size_t l
 }
 
 /// As its facets run: a role that overruled them has turned it.
-GivenContour as_given(const SliceResult& part, const Contour& contour) noexcept {
-    const bool turned =
+Path as_given(const SliceResult& part, const Contour& contour) noexcept {
+    const PointOrigin* const origins = part.origins.empty() ? nullptr : part.origins_of(contour).data();
+    Path given = given_path(part.points_of(contour), origins, contour.role != Role::open);
+    given.segments = contour.segments;
+    given.item.reverse =
         (contour.flags & orientation_overruled) != 0 && (contour.orientation > 0) != (contour.role == Role::outer);
-    const auto flags = static_cast<std::uint16_t>(contour.flags & ~orientation_overruled);
-    return {part.points_of(contour),
-            part.origins.empty() ? std::span<const PointOrigin>() : part.origins_of(contour),
-            contour.role != Role::open,
-            turned,
-            contour.segments,
-            flags,
-            contour.part};
+    given.item.flags = static_cast<std::uint16_t>(contour.flags & ~orientation_overruled);
+    given.item.part = contour.part;
+    return given;
 }
 
 /// Layers are bands of a placement, a few a task. Contours side by side have as many points as they had, so that they are
@@ -78,10 +76,12 @@ public:
     }
 
 private:
+    /// What a thread builds layers with.
     struct Builder {
-        explicit Builder(const Memory* memory) : layers(memory), given(memory) {}
-        LayerBuilder layers;
-        Vector<GivenContour> given;
+        Builder(const Memory* memory, const StopCheck& stop) : worker(memory, stop), given(memory) {}
+        Worker worker;
+        LayerBuilder layers{worker};
+        Vector<Path> given;
     };
 
     /// Layers without their contours, the tasks, and where none is united room for all points.
@@ -160,8 +160,7 @@ private:
     void unite(std::size_t l, int worker, BandOutput& output) {
         auto& builder = builders_[static_cast<std::size_t>(worker)];
         if (builder == nullptr) {
-            builder = std::make_unique<Builder>(control_.memory);
-            builder->layers.follow(parallel_.stop());
+            builder = std::make_unique<Builder>(control_.memory, parallel_.stop());
             builder->layers.rules = {
                 .region = &merged_.region, .unit_mm = parts_[0].unit_mm, .first_layer = parts_[0].first_layer};
         }

@@ -52,7 +52,7 @@ void Arrangement::build(const SnapRounding& snapped) {
 void Arrangement::sort_halves() {
     const auto count = static_cast<std::uint32_t>(2 * snapped_->strands().size());
     first_halves_.assign(snapped_->vertices().size() + 1, 0);
-    pace_.in_stretches(0, count, scatter_work, [&](std::size_t begin, std::size_t end) {
+    worker_.in_stretches(0, count, scatter_work, [&](std::size_t begin, std::size_t end) {
         for (auto half = static_cast<Half>(begin); half < end; ++half) {
             ++first_halves_[from(half) + 1];
         }
@@ -60,10 +60,10 @@ void Arrangement::sort_halves() {
     for (std::size_t v = 1; v < first_halves_.size(); ++v) {
         first_halves_[v] += first_halves_[v - 1];
     }
-    pace_.spend(first_halves_.size());
+    worker_.spend(first_halves_.size());
     stack_.assign(first_halves_.begin(), first_halves_.end());  // where the next half of each vertex goes
     halves_.resize(count);
-    pace_.in_stretches(0, count, scatter_work, [&](std::size_t begin, std::size_t end) {
+    worker_.in_stretches(0, count, scatter_work, [&](std::size_t begin, std::size_t end) {
         for (auto half = static_cast<Half>(begin); half < end; ++half) {
             halves_[stack_[from(half)]++] = half;
         }
@@ -77,7 +77,7 @@ void Arrangement::sort_halves() {
         for (auto half = begin; half != end; ++half) {
             place_of_[*half] = static_cast<std::uint32_t>(half - halves_.begin());
         }
-        pace_.spend(half_work * static_cast<std::size_t>(end - begin));
+        worker_.spend(half_work * static_cast<std::size_t>(end - begin));
     }
 }
 
@@ -92,12 +92,12 @@ void Arrangement::find_faces() {
         faces_.push_back({first, none, 0});
         for (Half half = first; face_of_[half] == none; half = next_around_face(half)) {
             face_of_[half] = face;
-            pace_.spend(half_work);
+            worker_.spend(half_work);
         }
     }
 }
 
-/// Of the component that has the vertex, its smallest. The last half around it has the left side on its left.
+/// Begins at the smallest vertex of a component. The last half around it has the left side on its left.
 void Arrangement::spread_windings(std::uint32_t vertex) {
     const auto component = static_cast<std::uint32_t>(components_.size());
     const Half last = halves_[first_halves_[vertex + 1] - 1];
@@ -117,7 +117,7 @@ void Arrangement::spread_windings(std::uint32_t vertex) {
                 stack_.push_back(face_of_[half ^ 1]);
             }
             half = next_around_face(half);
-            pace_.spend(half_work);
+            worker_.spend(half_work);
         } while (half != face.first);
     }
 }
@@ -139,7 +139,7 @@ void Arrangement::find_lowest_points() {
                 moved = true;
             }
         }
-        pace_.spend(strand.edges);
+        worker_.spend(strand.edges);
     }
     for (std::size_t f = 0; f < faces_.size() && moved; ++f) {
         faces_[f].winding -= less[faces_[f].component];
@@ -153,10 +153,10 @@ void Arrangement::append_points(Half half, Vector<Point>& points) {
     if (strand.is_chain()) {
         snapped_->append_points_within(strand, half % 2 == 1, points);
     }
-    pace_.spend(half_work + strand.edges);
+    worker_.spend(half_work + strand.edges);
 }
 
-/// Of the edges from these points on.
+/// The origins of the edges from these points on.
 void Arrangement::append_origins(Half half, Vector<PointOrigin>& origins) const {
     const Strand& strand = strand_of(half);
     const bool backwards = half % 2 == 1;
@@ -175,11 +175,11 @@ void Arrangement::append_points_of(const Face& face, Vector<Point>& points) {
     } while (half != face.first);
 }
 
-void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Traced>& contours,
+void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Path>& contours,
                         Vector<Point>& points, Vector<PointOrigin>* origins) {
     contour_of_.resize(halves_.size());
-    pace_.ask();
-    pace_.in_stretches(0, halves_.size(), scatter_work, [&](std::size_t begin, std::size_t end) {
+    worker_.ask();
+    worker_.in_stretches(0, halves_.size(), scatter_work, [&](std::size_t begin, std::size_t end) {
         for (auto half = static_cast<Half>(begin); half < end; ++half) {
             const std::int64_t around = around_components[component_of_[from(half)]];
             const bool solid_left = fills(rule, around + faces_[face_of_[half]].winding);
@@ -191,10 +191,13 @@ void Arrangement::trace(FillRule rule, std::span<const std::int64_t> around_comp
     Vector<End> first_ends(faces_.get_allocator());
     for (Half half = 0; half < halves_.size(); ++half) {
         if (contour_of_[half] == untraced) {
-            const auto first_point = static_cast<std::uint32_t>(points.size());
+            const std::size_t first_point = points.size();
             std::uint32_t part = strand_of(half).part;
             first_ends.push_back(follow_boundary(half, static_cast<std::int64_t>(contours.size()), points, origins, part));
-            contours.push_back({first_point, static_cast<std::uint32_t>(points.size()) - first_point, -1, part});
+            Path& path = contours.emplace_back();
+            path.item.count = static_cast<std::uint32_t>(points.size() - first_point);
+            path.item.part = part;
+            path.made = true;
         }
     }
     for (std::size_t c = base; c < contours.size(); ++c) {
@@ -220,7 +223,7 @@ Arrangement::End Arrangement::follow_boundary(Half first, std::int64_t contour, 
         half = next_around_face(half);
         while (!is_boundary(half)) {
             half = clockwise_of(half);
-            pace_.spend(1);
+            worker_.spend(1);
         }
     } while (half != first);
     const Point lowest = snapped_->vertices()[smallest.vertex];

@@ -20,14 +20,15 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/region.hpp"
+#include "slicing/nesting/path.hpp"
 #include "slicing/regions/snap_rounding.hpp"
 
 namespace lamella {
 
-/// Whether a point with the winding number is inside by `rule`, which is not `contours`.
+/// True if a point with the winding number is inside by `rule`, which is not `contours`.
 constexpr bool fills(FillRule rule, std::int64_t winding) noexcept {
     return rule == FillRule::even_odd ? winding % 2 != 0 : (rule == FillRule::positive ? winding > 0 : winding != 0);
 }
@@ -37,18 +38,7 @@ class Arrangement {
 public:
     using Half = std::uint32_t;
 
-    explicit Arrangement(const Memory* memory)
-        : first_halves_(memory),
-          halves_(memory),
-          place_of_(memory),
-          face_of_(memory),
-          faces_(memory),
-          components_(memory),
-          component_of_(memory),
-          contour_of_(memory),
-          stack_(memory) {}
-
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    explicit Arrangement(Worker& worker) noexcept : worker_(worker) {}
 
     /// A face of a component, by one half on whose left it is.
     struct Face {
@@ -70,18 +60,12 @@ public:
     /// Appends the points around a face that does not lie around its component: counter-clockwise.
     void append_points_of(const Face& face, Vector<Point>& points);
 
-    /// A contour of the region, as it was traced.
-    struct Traced {
-        std::uint32_t first_point;  ///< index into the points
-        std::uint32_t count;
-        std::int64_t touched;  ///< index of the contour that is met first from the contour's smallest point clockwise, with
-                               ///< nothing solid in between; -1 if there is none
-        std::uint32_t part;    ///< of its strands, as Contour::part
-    };
     /// Appends the contours of the region where `rule` holds for the sum of a component's winding numbers and of the one
-    /// around it; their points to `points`, and the origins of these to `origins`. It is null where the strands have none.
-    void trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Traced>& contours,
-               Vector<Point>& points, Vector<PointOrigin>* origins);
+    /// around it: how many points each has, and its part. Path::touched becomes the index of the contour that is met first
+    /// from the contour's smallest point clockwise, with nothing solid in between; -1 if there is none. Points go to
+    /// `points`, and their origins to `origins`, which is null where the strands have none.
+    void trace(FillRule rule, std::span<const std::int64_t> around_components, Vector<Path>& contours, Vector<Point>& points,
+               Vector<PointOrigin>* origins);
 
 private:
     static constexpr std::uint32_t none = 0xffffffff;
@@ -128,17 +112,17 @@ private:
     std::int64_t touched_at(std::int64_t contour, std::int64_t base, std::span<const End> first_ends) const noexcept;
     bool is_boundary(Half half) const noexcept { return contour_of_[half] != no_boundary; }
 
+    Worker& worker_;
     const SnapRounding* snapped_ = nullptr;
-    Vector<std::uint32_t> first_halves_;  // of each vertex, in halves_
-    Vector<Half> halves_;                 // by vertex that they leave, counter-clockwise from the left
-    Vector<std::uint32_t> place_of_;      // of each half in halves_
-    Vector<std::uint32_t> face_of_;       // of each half
-    Vector<Face> faces_;                  // by component
-    Vector<Component> components_;
-    Vector<std::uint32_t> component_of_;  // of each vertex
-    Vector<std::int64_t> contour_of_;     // of each half, while contours are traced
-    Vector<std::uint32_t> stack_;
-    StopPace pace_;
+    Vector<std::uint32_t> first_halves_{worker_.memory()};  // of each vertex, in halves_
+    Vector<Half> halves_{worker_.memory()};                 // by vertex that they leave, counter-clockwise from the left
+    Vector<std::uint32_t> place_of_{worker_.memory()};      // of each half in halves_
+    Vector<std::uint32_t> face_of_{worker_.memory()};       // of each half
+    Vector<Face> faces_{worker_.memory()};                  // by component
+    Vector<Component> components_{worker_.memory()};
+    Vector<std::uint32_t> component_of_{worker_.memory()};  // of each vertex
+    Vector<std::int64_t> contour_of_{worker_.memory()};     // of each half, while contours are traced
+    Vector<std::uint32_t> stack_{worker_.memory()};
 };
 
 }  // namespace lamella

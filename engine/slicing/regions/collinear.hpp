@@ -16,19 +16,19 @@ template <class Merge, class Move>
 std::size_t drop_collinear(std::span<Point> ring, const Merge& merge, const Move& move) noexcept {
     std::size_t left = 0;
     for (std::size_t i = 0; i < ring.size(); ++i) {
-        while (left >= 2 && sign_of_side(ring[left - 2], ring[left - 1], ring[i]) == 0) {
+        while (left >= 2 && side_of(ring[left - 2], ring[left - 1], ring[i]) == 0) {
             --left;
             merge(left - 1, left);
         }
         ring[left] = ring[i];
         move(i, left++);
     }
-    while (left > 3 && sign_of_side(ring[left - 2], ring[left - 1], ring[0]) == 0) {
+    while (left > 3 && side_of(ring[left - 2], ring[left - 1], ring[0]) == 0) {
         --left;
         merge(left - 1, left);
     }
     std::size_t first = 0;
-    while (left - first > 3 && sign_of_side(ring[left - 1], ring[first], ring[first + 1]) == 0) {
+    while (left - first > 3 && side_of(ring[left - 1], ring[first], ring[first + 1]) == 0) {
         merge(left - 1, first++);
     }
     for (std::size_t i = first; i < left && first > 0; ++i) {

@@ -12,20 +12,16 @@ namespace {
 
 constexpr std::uint64_t any_number = std::numeric_limits<std::uint64_t>::max();
 
-bool cross(Point a, Point b, Point c, Point d) noexcept {
-    return sign_of_side(a, b, c) * sign_of_side(a, b, d) < 0 && sign_of_side(c, d, a) * sign_of_side(c, d, b) < 0;
-}
-
-/// Whether the edge from `joint` to `to` leads back, by more than a right angle, from the one from `from` to `joint`.
+/// True if the edge from `joint` to `to` leads back, by more than a right angle, from the one from `from` to `joint`.
 bool turns_back(Point from, Point joint, Point to) noexcept {
     const std::int64_t along_x = (std::int64_t{joint.x} - from.x) * (std::int64_t{to.x} - joint.x);
     const std::int64_t along_y = (std::int64_t{joint.y} - from.y) * (std::int64_t{to.y} - joint.y);
     return along_x < -along_y;
 }
 
-/// Whether one of the two edges lies on the other.
+/// True if one of the two edges lies on the other.
 bool runs_back(Point from, Point joint, Point to) noexcept {
-    return sign_of_side(from, joint, to) == 0 && turns_back(from, joint, to);
+    return side_of(from, joint, to) == 0 && turns_back(from, joint, to);
 }
 
 /// value / (2 * divisor), rounded; halves up.
@@ -38,7 +34,7 @@ Int128 rounded_half(Int128 value, Int128 divisor) noexcept {
 }  // namespace
 
 bool is_near(Point p, Point a, Point b, std::int32_t reach) noexcept {
-    if (!FlatBox::around(a, b).grown(reach).meets({p, p})) {
+    if (!grown(FlatBox::around(a, b), reach).holds(p)) {
         return false;
     }
     const Int128 distance_by_length = side_of_line(a, b, p);
@@ -75,7 +71,7 @@ void Contacts::find(std::span<const NestItem> contours) {
     first_edges_.push_back(0);
     any_meets_ = false;
     for (std::uint32_t c = 0; c < contours.size(); ++c) {
-        pace_.spend(contours[c].count);
+        worker_.spend(contours[c].count);
         near_.add({{contours[c].points, contours[c].count}, c, true, contours[c].start});
         first_edges_.push_back(first_edges_.back() + contours[c].count);
     }
@@ -92,7 +88,7 @@ void Contacts::find(std::span<const NestItem> contours) {
 /// Where an edge runs back along the one before, so near that either may be bent through an end of the other.
 void Contacts::mark_sharp_corners(const NestItem& contour, std::uint32_t number) {
     const std::span<std::uint8_t> near = std::span(near_edges_).subspan(first_edges_[number], contour.count);
-    pace_.spend(contour.count);
+    worker_.spend(contour.count);
     for (std::uint32_t i = 0; i < contour.count; ++i) {
         const Point from = contour.from_start(i);
         const Point joint = contour.from_start(i + 1);
@@ -121,7 +117,7 @@ void Contacts::meet(const EdgePath& a, std::size_t i, const EdgePath& b, std::si
         return is_near(a0, b0, b1, reach) || is_near(a1, b0, b1, reach) || is_near(b0, a0, a1, reach) ||
                is_near(b1, a0, a1, reach);
     };
-    const bool crossing = cross(a0, a1, b0, b1);
+    const bool crossing = edges_cross(a0, a1, b0, b1);
     if (!crossing && !touch(rounding_reach)) {
         return;
     }

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
-#include "slicing/edges/edge_pairs.hpp"
+#include "base/worker.hpp"
+#include "slicing/edges/pair_search.hpp"
 #include "slicing/nesting/nest.hpp"
 
 namespace lamella {
@@ -26,20 +26,13 @@ Point rounded_crossing(Point a, Point b, Point c, Point d) noexcept;
 /// edges have a common point that is not the end of one and the start of the next.
 class Contacts {
 public:
-    explicit Contacts(const Memory* memory)
-        : near_(memory), meets_(memory), first_edges_(memory), near_edges_(memory), crossings_(memory) {}
-
-    /// From here on find() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept {
-        near_.follow(host);
-        pace_.follow(host);
-    }
+    explicit Contacts(Worker& worker) noexcept : worker_(worker) {}
 
     /// Compares closed contours. O(q log q) for q points whose edges lie apart, plus a step for each pair of
     /// edges with close boxes. Throws std::bad_alloc.
     void find(std::span<const NestItem> contours);
 
-    /// Whether the contour meets another or itself.
+    /// True if the contour meets another or itself.
     bool meets(std::uint32_t contour) const noexcept { return meets_[contour] != 0; }
     bool any_meets() const noexcept { return any_meets_; }
     /// For each edge of a contour from its start whether it comes within rounding_reach of an edge of another contour, or
@@ -55,13 +48,13 @@ private:
     void mark(const EdgePath& path, std::size_t edge, bool meets) noexcept;
     void mark_sharp_corners(const NestItem& contour, std::uint32_t number);
 
-    EdgePairs near_;
-    Vector<std::uint8_t> meets_;       // of each contour
-    Vector<std::size_t> first_edges_;  // of each contour
-    Vector<std::uint8_t> near_edges_;
-    Vector<Point> crossings_;
+    Worker& worker_;
+    EdgePairs near_{worker_};
+    Vector<std::uint8_t> meets_{worker_.memory()};       // of each contour
+    Vector<std::size_t> first_edges_{worker_.memory()};  // of each contour
+    Vector<std::uint8_t> near_edges_{worker_.memory()};
+    Vector<Point> crossings_{worker_.memory()};
     bool any_meets_ = false;
-    StopPace pace_;
 };
 
 }  // namespace lamella

@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "base/int128.hpp"
-#include "slicing/regions/closed_item.hpp"
 
 namespace lamella {
 
@@ -18,7 +17,7 @@ bool unites_inverted(FillRule rule) noexcept {
     return rule == FillRule::non_zero || rule == FillRule::outermost;
 }
 
-/// Whether one is the other walked backwards, as of a shell and its copy turned inside out.
+/// True if one is the other walked backwards, as of a shell and its copy turned inside out.
 bool are_opposite(const NestItem& a, const NestItem& b) noexcept {
     return a.from_start(0) == b.from_start(0) && a.count == b.count && to_int128(a.twice_area) == -to_int128(b.twice_area) &&
            to_int128(a.twice_area) != 0;
@@ -26,35 +25,16 @@ bool are_opposite(const NestItem& a, const NestItem& b) noexcept {
 
 }  // namespace
 
-Fill::Fill(const Memory* memory)
-    : contacts_(memory),
-      snapped_(memory),
-      arrangement_(memory),
-      items_(memory),
-      firsts_(memory),
-      times_(memory),
-      inside_(memory),
-      pieces_(memory),
-      piece_items_(memory),
-      face_points_(memory),
-      face_ends_(memory),
-      order_(memory),
-      around_(memory),
-      around_known_(memory),
-      below_zero_(memory),
-      traced_(memory),
-      region_(memory),
-      points_(memory),
-      origins_(memory) {}
-
-void Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester) {
+void Fill::run(std::span<const Path> contours, FillRule rule, Nester& nester) {
     assert(rule != FillRule::contours);
+    contours_ = contours;
     region_.clear();
     points_.clear();
     origins_.clear();
-    with_origins_ = std::any_of(contours.begin(), contours.end(), [](const NestItem& c) { return c.origins != nullptr; });
+    with_origins_ =
+        std::any_of(contours.begin(), contours.end(), [](const Path& path) { return path.item.origins != nullptr; });
     cancels_ = false;
-    merge_equal_ones(contours);
+    merge_equal_ones();
     cancels_ = cancels_ && unites_inverted(rule);
     contacts_.find(items_);
     unchanged_ = !contacts_.any_meets() && items_.size() == contours.size();
@@ -62,21 +42,23 @@ void Fill::run(std::span<const NestItem> contours, FillRule rule, Nester& nester
         overlay(rule, nester);
     } else {
         keep_or_drop_all(rule, nester);
+        kept_ = region_.size();
     }
 }
 
-void Fill::merge_equal_ones(std::span<const NestItem> contours) {
+void Fill::merge_equal_ones() {
     items_.clear();
     firsts_.clear();
     times_.clear();
-    for (std::uint32_t c = 0; c < contours.size(); ++c) {
-        pace_.spend(item_work);
-        if (c > 0 && std::is_eq(compare_points(contours[c - 1], contours[c]))) {
+    for (std::uint32_t c = 0; c < contours_.size(); ++c) {
+        worker_.spend(item_work);
+        const NestItem& item = contours_[c].item;
+        if (c > 0 && std::is_eq(compare_points(contours_[c - 1].item, item))) {
             ++times_.back();
-            items_.back().part = part_of_both(items_.back().part, contours[c].part);
+            items_.back().part = part_of_both(items_.back().part, item.part);
         } else {
-            cancels_ = cancels_ || (!items_.empty() && are_opposite(items_.back(), contours[c]));
-            items_.push_back(contours[c]);
+            cancels_ = cancels_ || (!items_.empty() && are_opposite(items_.back(), item));
+            items_.push_back(item);
             firsts_.push_back(c);
             times_.push_back(1);
         }
@@ -90,8 +72,9 @@ void Fill::keep_or_drop_all(FillRule rule, Nester& nester) {
     for (std::uint32_t c = 0; c < items_.size(); ++c) {
         const std::int32_t parent = items_[c].parent;
         assert(parent < static_cast<std::int32_t>(c) && "a parent starts before its children");
+        const std::size_t kept = region_.size();
         inside_[c] = keep_or_drop(c, parent < 0 ? 0 : inside_[static_cast<std::size_t>(parent)], rule);
-        const bool as_nested = !region_.empty() && region_.back().kept == c && !items_[c].reverse &&
+        const bool as_nested = region_.size() > kept && !items_[c].reverse &&
                                region_.back().hole == (items_[c].role == Role::hole) &&
                                (items_[c].flags & orientation_overruled) == 0;
         unchanged_ = unchanged_ && as_nested;
@@ -100,10 +83,13 @@ void Fill::keep_or_drop_all(FillRule rule, Nester& nester) {
 
 /// Returns the winding number just inside the contour.
 std::int64_t Fill::keep_or_drop(std::uint32_t contour, std::int64_t around, FillRule rule) {
-    pace_.spend(item_work);
+    worker_.spend(item_work);
     const std::int64_t inside = around + items_[contour].orientation * times_[contour];
     if (fills(rule, inside) != fills(rule, around)) {
-        region_.push_back({.kept = firsts_[contour], .hole = !fills(rule, inside), .part = items_[contour].part});
+        Path& kept = region_.emplace_back(contours_[firsts_[contour]]);
+        kept.item.part = items_[contour].part;
+        kept.hole = !fills(rule, inside);
+        kept.touched = -1;
     }
     return inside;
 }
@@ -160,7 +146,7 @@ void Fill::nest_pieces(Nester& nester) {
     piece_items_.clear();
     piece_items_.reserve(pieces_.size());
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         const std::size_t begin = p == 0 ? 0 : face_ends_[p - 1];
         piece_items_.push_back(pieces_[p].contour >= 0
                                    ? items_[static_cast<std::size_t>(pieces_[p].contour)]
@@ -174,7 +160,7 @@ void Fill::find_windings(FillRule rule) {
     order_.resize(pieces_.size());
     std::iota(order_.begin(), order_.end(), 0U);
     std::sort(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {
-        pace_.spend(1);
+        worker_.spend(1);
         return piece_items_[a].from_start(0) < piece_items_[b].from_start(0);
     });
     inside_.resize(pieces_.size());
@@ -197,7 +183,7 @@ void Fill::find_windings(FillRule rule) {
     }
 }
 
-/// What opposite edges have cancelled may have hung together.
+/// Edges that opposite ones have cancelled may have hung together.
 void Fill::find_cancelled() {
     const auto winding = [this](const Arrangement::Face& face) { return around_[face.component] + face.winding; };
     const auto below = [this](const Arrangement::Face& face) -> std::uint8_t& {
@@ -228,12 +214,15 @@ bool Fill::is_wide(const Arrangement::Face& face) {
 }
 
 void Fill::take_traced(FillRule rule) {
-    traced_.clear();
-    arrangement_.trace(rule, around_, traced_, points_, with_origins_ ? &origins_ : nullptr);
-    const auto base = static_cast<std::int64_t>(region_.size());
-    for (const Arrangement::Traced& contour : traced_) {
-        region_.push_back({-1, false, contour.first_point, contour.count, contour.touched < 0 ? -1 : base + contour.touched,
-                           contour.part});
+    kept_ = region_.size();
+    arrangement_.trace(rule, around_, region_, points_, with_origins_ ? &origins_ : nullptr);
+    std::size_t first = 0;  // of a contour's points
+    for (Path& made : std::span(region_).subspan(kept_)) {
+        const std::size_t count = made.item.count;
+        made.item = closed_item(std::span(points_).subspan(first, count), with_origins_ ? origins_.data() + first : nullptr,
+                                made.item.part);
+        made.hole = to_int128(made.item.twice_area) <= 0;
+        first += count;
     }
 }
 

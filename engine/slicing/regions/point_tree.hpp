@@ -1,135 +1,81 @@
-// Points of a plane in a tree, to find those in the bounding box of an edge that lie near the edge. The points are halved by
-// x or by y, whichever they spread more in, then each half, and so on. The point that divides a range stands in its middle:
-//
-//       0   1   2   3   4   5   6
-//     [ p | p | p | p | p | p | p ]      3 divides all by x: what stands before it is not right of it
-//       `---------'   `---------'        1 divides the first half by y, 5 the second by x or y
-//
-// O(n log n) to build, O(sqrt n) and what is found for a query along an edge; usually O(log n).
+// Points of a plane in a tree, to find those in the bounding box of an edge that lie near the edge. O(n log n) to build,
+// O(sqrt n) and what is found for a query along an edge; usually O(log n).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 
 #include "base/stop_pace.hpp"
 #include "base/vector.hpp"
-#include "lamella/grid.hpp"
-#include "slicing/edges/flat_box.hpp"
+#include "slicing/grid/box_tree.hpp"
 
 namespace lamella {
 
 class PointTree {
 public:
-    explicit PointTree(const Memory* memory) : nodes_(memory) {}
+    explicit PointTree(const Memory* memory) : points_(memory), boxes_(memory) {}
 
-    /// Numbers points[i] i, below 2^31. Throws std::bad_alloc.
+    /// Numbers points[i] i, below 2^32. Throws std::bad_alloc.
     void build(std::span<const Point> points, StopPace& pace) {
-        nodes_.clear();
-        nodes_.reserve(points.size());
+        points_.clear();
+        points_.reserve(points.size());
         pace.in_stretches(0, points.size(), 4, [&](std::size_t first, std::size_t last) {
-            for (auto i = static_cast<std::uint32_t>(first); i < last; ++i) {
-                nodes_.push_back({points[i], i & 0x7fffffff, 0});
+            for (std::size_t i = first; i < last; ++i) {
+                points_.push_back({points[i], static_cast<std::uint32_t>(i)});
             }
         });
-        divide(0, nodes_.size(), pace);
+        const auto at = [](const Numbered& numbered) { return numbered.point; };
+        order_by_place(std::span(points_), at, pace);
+        const auto box_at = [this](std::size_t i) { return FlatBox{points_[i].point, points_[i].point}; };
+        boxes_.assign(points_.size(), box_at, pace);
     }
 
     /// Calls see(point, number) for each point in the bounding box of the edge from `a` to `b`, its sides included, but for
     /// some that lie two units and more off the edge.
     template <class See>
     void find_along(Point a, Point b, See see) const {
-        const Edge edge{a, b, FlatBox::around(a, b)};
-        constexpr Point least{-(grid_limit + 2), -(grid_limit + 2)};
-        constexpr Point most{grid_limit + 2, grid_limit + 2};
-        find(0, nodes_.size(), {least, most}, edge, see);
+        const FlatBox box = FlatBox::around(a, b);
+        const auto enter = [&](const BoxBlock<Point>& block) {
+            LaneBits met = block.meets(box);
+            each_lane(met, [&](std::size_t lane) { met &= ~(LaneBits{passes_by(a, b, block[lane])} << lane); });
+            return met;
+        };
+        boxes_.search_if(enter, [&](std::size_t i) {
+            see(points_[i].point, points_[i].number);
+            return true;
+        });
     }
 
     /// Calls see(point, number) for each point in `box`, its sides included, until it returns false.
     template <class See>
     void find_in(const FlatBox& box, See see) const {
-        find_in(0, nodes_.size(), box, see);
+        boxes_.search_if([&](const BoxBlock<Point>& block) { return block.meets(box); },
+                         [&](std::size_t i) { return see(points_[i].point, points_[i].number); });
     }
 
 private:
-    struct Node {
+    struct Numbered {
         Point point;
-        std::uint32_t number : 31;
-        std::uint32_t by_x : 1;  ///< the point divides its range by x
+        std::uint32_t number;
     };
-    struct Edge {
-        Point a;
-        Point b;
-        FlatBox box;
 
-        bool is_longer_than(const FlatBox& region) const noexcept {
-            return box.height() > region.height() ||
-                   std::int64_t{box.high.x} - box.low.x > std::int64_t{region.high.x} - region.low.x;
-        }
-        /// Whether all of `region`, with a unit around it, lies on one side.
-        bool passes_by(const FlatBox& region) const noexcept;
-    };
-    static constexpr std::size_t leaf = 8;
-
-    void divide(std::size_t begin, std::size_t end, StopPace& pace);
-
-    /// `region` contains the points of [begin, end).
-    template <class See>
-    void find(std::size_t begin, std::size_t end, const FlatBox& region, const Edge& edge, See& see) const {
-        if (end - begin <= leaf) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const Point p = nodes_[i].point;
-                if (edge.box.meets({p, p})) {
-                    see(p, nodes_[i].number);
-                }
-            }
-            return;
-        }
-        if (edge.is_longer_than(region) && edge.passes_by(region)) {
-            return;
-        }
-        const std::size_t middle = begin + (end - begin) / 2;
-        const Point p = nodes_[middle].point;
-        const bool by_x = nodes_[middle].by_x != 0;
-        FlatBox below = region;
-        FlatBox above = region;
-        (by_x ? below.high.x : below.high.y) = by_x ? p.x : p.y;
-        (by_x ? above.low.x : above.low.y) = by_x ? p.x : p.y;
-        if (edge.box.meets(below)) {
-            find(begin, middle, below, edge, see);
-        }
-        if (edge.box.meets({p, p})) {
-            see(p, nodes_[middle].number);
-        }
-        if (edge.box.meets(above)) {
-            find(middle + 1, end, above, edge, see);
-        }
+    /// True if all of `box`, with a unit around it, lies on one side of the edge from `a` to `b`. In double precision, with
+    /// room for its rounding: products of 33 bits and 31 have an error of less than 2^13.
+    static bool passes_by(Point a, Point b, const FlatBox& box) noexcept {
+        const double dx = static_cast<double>(b.x) - a.x;
+        const double dy = static_cast<double>(b.y) - a.y;
+        const double middle_x = (static_cast<double>(box.low.x) + box.high.x) / 2 - a.x;
+        const double middle_y = (static_cast<double>(box.low.y) + box.high.y) / 2 - a.y;
+        const double half_x = static_cast<double>(width_of(box)) / 2 + 2;
+        const double half_y = static_cast<double>(height_of(box)) / 2 + 2;
+        const double distance = std::abs(dx * middle_y - dy * middle_x);
+        constexpr double room = 1 << 14;
+        return distance > std::abs(dx) * half_y + std::abs(dy) * half_x + room;
     }
 
-    /// Whether to go on.
-    template <class See>
-    bool find_in(std::size_t begin, std::size_t end, const FlatBox& box, See& see) const {
-        if (end - begin <= leaf) {
-            for (std::size_t i = begin; i < end; ++i) {
-                if (!see_in(nodes_[i], box, see)) {
-                    return false;
-                }
-            }
-            return true;
-        }
-        const std::size_t middle = begin + (end - begin) / 2;
-        const Node& node = nodes_[middle];
-        const bool below = node.by_x != 0 ? box.low.x <= node.point.x : box.low.y <= node.point.y;
-        const bool above = node.by_x != 0 ? node.point.x <= box.high.x : node.point.y <= box.high.y;
-        return (!below || find_in(begin, middle, box, see)) && see_in(node, box, see) &&
-               (!above || find_in(middle + 1, end, box, see));
-    }
-
-    template <class See>
-    static bool see_in(const Node& node, const FlatBox& box, See& see) {
-        return !box.meets({node.point, node.point}) || see(node.point, node.number);
-    }
-
-    Vector<Node> nodes_;
+    Vector<Numbered> points_;
+    BoxTree<Point> boxes_;  // of points_
 };
 
 }  // namespace lamella

@@ -67,7 +67,7 @@ Status check_layers(const RegionRules& rules) {
     return {};
 }
 
-/// What only a region can be given, by its name; empty if nothing of it is asked for.
+/// The name of a rule that only a region can be given; empty if nothing of it is asked for.
 std::string_view needs_region(const RegionRules& rules) {
     if (rules.close_mm > 0) {
         return "closing";

@@ -1,4 +1,4 @@
-// What RegionRules may ask for. A caller learns of everything that cannot be done before anything is: what a rule says by
+// Bounds of RegionRules. A caller learns of everything that cannot be done before anything is: what a rule says by
 // itself before the mesh is read, what the grid cannot hold once its unit is known.
 #pragma once
 
@@ -16,12 +16,12 @@ Status check_rules(const RegionRules& rules);
 /// The unit for meshes within `bounds` and for what the rules make of their contours: choose_unit(), then check_reach().
 Result<ChosenUnit> choose_unit_for(const Bounds& bounds, double asked_mm, UnitFit fit, const RegionRules& rules);
 
-/// Whether the lengths of `rules` are at least a unit, and the grid holds them around contours whose farthest coordinate is
+/// True if the lengths of `rules` are at least a unit, and the grid holds them around contours whose farthest coordinate is
 /// `farthest_mm`. Precondition: check_rules() is content.
 /// Error: invalid_argument, one line that names the rule and what is possible.
 Status check_reach(const RegionRules& rules, double unit_mm, double farthest_mm);
 
-/// Whether every layer has a region, which parts are united in. Error: invalid_argument.
+/// True if every layer has a region, which parts are united in. Error: invalid_argument.
 Status check_uniting(const RegionRules& rules);
 
 }  // namespace lamella

@@ -64,7 +64,7 @@ bool SnapRounding::Source::is_active(std::uint32_t edge) const noexcept {
 void SnapRounding::run(std::span<const Point> crossings) {
     strands_.clear();
     collect_vertices(crossings);
-    tree_.build(vertices_, pace_);
+    tree_.build(vertices_, worker_);
     strands_.reserve(2 * vertices_.size());  // copying many strands for room would keep a stop waiting
     for (std::uint32_t c = 0; c < contours_.size(); ++c) {
         add_strands_of(c);
@@ -75,7 +75,7 @@ void SnapRounding::run(std::span<const Point> crossings) {
 void SnapRounding::collect_vertices(std::span<const Point> crossings) {
     vertices_.assign(crossings.begin(), crossings.end());
     for (const Source& source : contours_) {
-        pace_.spend(source.near.size());
+        worker_.spend(source.near.size());
         bool active_before = true;  // a contour's start is a vertex
         for (std::uint32_t e = 0; e < source.near.size(); ++e) {
             const bool active = source.is_active(e);
@@ -86,7 +86,7 @@ void SnapRounding::collect_vertices(std::span<const Point> crossings) {
         }
     }
     std::sort(vertices_.begin(), vertices_.end(), [this](const Point& a, const Point& b) {
-        pace_.spend(1);
+        worker_.spend(1);
         return a < b;
     });
     vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
@@ -129,13 +129,13 @@ void SnapRounding::bend(const Source& source, std::uint32_t edge) {
     on_edge_.clear();
     bool moved = false;
     tree_.find_along(a, b, [&](Point p, std::uint32_t vertex) {
-        pace_.spend(1);
+        worker_.spend(1);
         if (p == a || p == b || passes_pixel(a, b, p)) {
             on_edge_.push_back({p, vertex});
-            moved = moved || sign_of_side(a, b, p) != 0;
+            moved = moved || side_of(a, b, p) != 0;
         }
     });
-    pace_.spend(query_work);
+    worker_.spend(query_work);
     std::sort(on_edge_.begin(), on_edge_.end(), Along(a, b));
     assert(on_edge_.size() >= 2 && on_edge_.front().point == a && on_edge_.back().point == b);
     const PointOrigin whole = source.item->origin_from_start(edge);
@@ -153,11 +153,11 @@ void SnapRounding::bend(const Source& source, std::uint32_t edge) {
 void SnapRounding::cut(const Source& source, const Found& from, const Found& to, const PointOrigin& origin) {
     on_strand_.clear();
     tree_.find_along(from.point, to.point, [&](Point p, std::uint32_t vertex) {
-        if (p != from.point && p != to.point && sign_of_side(from.point, to.point, p) == 0) {
+        if (p != from.point && p != to.point && side_of(from.point, to.point, p) == 0) {
             on_strand_.push_back({p, vertex});
         }
     });
-    pace_.spend(query_work);
+    worker_.spend(query_work);
     std::sort(on_strand_.begin(), on_strand_.end(), Along(from.point, to.point));
     std::uint32_t last = from.vertex;
     bool is_first = true;
@@ -179,14 +179,14 @@ void SnapRounding::add_strand(const Source& source, std::uint32_t from, std::uin
 /// Straight strands between the same vertices become one. A chain is the only one of its kind.
 void SnapRounding::merge_strands() {
     std::sort(strands_.begin(), strands_.end(), [this](const Strand& a, const Strand& b) {
-        pace_.spend(1);
+        worker_.spend(1);
         return std::tuple(a.is_chain(), a.from, a.to, a.contour, a.first) <
                std::tuple(b.is_chain(), b.from, b.to, b.contour, b.first);
     });
     any_cancelled_ = false;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < strands_.size();) {
-        pace_.spend(1);
+        worker_.spend(1);
         Strand strand = strands_[i++];
         while (!strand.is_chain() && i < strands_.size() && !strands_[i].is_chain() && strands_[i].from == strand.from &&
                strands_[i].to == strand.to) {

@@ -9,7 +9,7 @@
 //          . .`-o-'. .
 //         c-'´ . `-. b
 //
-// What remains are strands between vertices that meet nowhere but in vertices (Hobby 1999; Guibas and Marimont 1998):
+// Strands remain between vertices that meet nowhere but in vertices (Hobby 1999; Guibas and Marimont 1998):
 // bending never moves an edge across a vertex. It can move an edge onto one, where the strand is cut without a further move.
 // So every vertex lies within half a unit per axis of the exact one, and every point of a strand within half a unit of its
 // edge.
@@ -24,15 +24,15 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/regions/point_tree.hpp"
 
 namespace lamella {
 
-/// Whether the edge from `a` to `b` meets the pixel of `p`.
+/// True if the edge from `a` to `b` meets the pixel of `p`.
 bool passes_pixel(Point a, Point b, Point p) noexcept;
 
 /// Leads from vertex to vertex, straight or along a stretch of a contour.
@@ -52,11 +52,7 @@ struct Strand {
 /// One layer after another; scratch is kept. One per thread.
 class SnapRounding {
 public:
-    explicit SnapRounding(const Memory* memory)
-        : contours_(memory), vertices_(memory), tree_(memory), strands_(memory), on_edge_(memory), on_strand_(memory) {}
-
-    /// From here on run() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    explicit SnapRounding(Worker& worker) noexcept : worker_(worker) {}
 
     /// Forgets all contours.
     void clear() noexcept { contours_.clear(); }
@@ -83,7 +79,7 @@ public:
 
     /// Appends the points strictly between a chain's ends, from its first on or from its last.
     void append_points_within(const Strand& chain, bool backwards, Vector<Point>& points) const;
-    /// Whether opposite contours have taken strands off each other.
+    /// True if opposite contours have taken strands off each other.
     bool any_cancelled() const noexcept { return any_cancelled_; }
 
 private:
@@ -108,14 +104,14 @@ private:
     void add_strand(const Source& source, std::uint32_t from, std::uint32_t to, const PointOrigin& origin);
     void merge_strands();
 
-    Vector<Source> contours_;
-    Vector<Point> vertices_;
-    PointTree tree_;
-    Vector<Strand> strands_;
-    Vector<Found> on_edge_;  // vertices that an edge passes, in its direction
-    Vector<Found> on_strand_;
+    Worker& worker_;
+    Vector<Source> contours_{worker_.memory()};
+    Vector<Point> vertices_{worker_.memory()};
+    PointTree tree_{worker_.memory()};
+    Vector<Strand> strands_{worker_.memory()};
+    Vector<Found> on_edge_{worker_.memory()};  // vertices that an edge passes, in its direction
+    Vector<Found> on_strand_{worker_.memory()};
     bool any_cancelled_ = false;
-    StopPace pace_;
 };
 
 }  // namespace lamella

@@ -2,15 +2,99 @@
 // faces gives open polylines.
 #pragma once
 
+#include <cassert>
+#include <cmath>
 #include <cstdint>
 #include <span>
+#include <vector>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/result.hpp"
-#include "slicing/repair/end_tree.hpp"
+#include "lamella/slice.hpp"
+#include "slicing/grid/bounds.hpp"
+#include "slicing/grid/box_tree.hpp"
 
 namespace lamella {
+
+/// The length asked for, or if that is gaps_by_mesh what the mesh's own box makes of it. By operations that round alike
+/// everywhere.
+inline double gap_length_mm(double asked_mm, const Bounds& mesh) noexcept {
+    if (asked_mm != gaps_by_mesh) {
+        return asked_mm;
+    }
+    double squares = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double side = mesh.max_mm[axis] - mesh.min_mm[axis];
+        squares += side * side;
+    }
+    return std::sqrt(squares) / 100;
+}
+
+/// The length up to which joints may cross contours. By the mesh, cracks are closed whatever crosses them, since surfaces
+/// overlap a little there; what lies within a wider gap may be a wall.
+inline double crossing_gap_mm(double asked_mm, double length_mm) noexcept {
+    return asked_mm == gaps_by_mesh ? length_mm / 10 : length_mm;
+}
+
+/// Where a polyline starts and ends, in grid units.
+struct PolylineEnds {
+    Point first;
+    Point last;
+
+    Point at(bool at_last) const noexcept { return at_last ? last : first; }
+};
+
+inline double squared_distance(Point a, Point b) noexcept {
+    const double dx = static_cast<double>(a.x) - b.x;
+    const double dy = static_cast<double>(a.y) - b.y;
+    return dx * dx + dy * dy;
+}
+
+/// The ends of polylines, from which they are taken one by one. Those at the same point share one site, so that they cost a
+/// search no more than one end does. A site is named by its place in the tree. Boxes cover the ends that are left and shrink
+/// as ends are taken.
+class EndTree {
+public:
+    explicit EndTree(Worker& worker) noexcept : worker_(worker) {}
+
+    /// Fills the tree with one end of each polyline, the first or the last point. O(n log n). Throws std::bad_alloc.
+    void assign(std::span<const PolylineEnds> polylines, Point PolylineEnds::*end);
+
+    std::uint32_t site_count() const noexcept { return static_cast<std::uint32_t>(sites_.size()); }
+    Point at(std::uint32_t site) const noexcept { return sites_[site].at; }
+    bool holds(std::uint32_t site) const noexcept { return sites_[site].next != sites_[site].end; }
+    std::uint32_t count_at(std::uint32_t site) const noexcept { return sites_[site].end - sites_[site].next; }
+
+    static constexpr std::uint32_t none = ~0U;
+    /// The nearest site that has an end left, at most the square root of `most_squared` away, or none. At equal distances
+    /// the smallest point. The site `but` is passed over.
+    std::uint32_t nearest(Point to, double most_squared, std::uint32_t but = none);
+
+    /// Takes an end off the site and returns its polyline, the first by number. O(log n).
+    std::uint32_t take(std::uint32_t site) noexcept;
+    /// Takes all ends off the site.
+    void take_all(std::uint32_t site) noexcept;
+
+private:
+    struct Site {
+        Point at;
+        std::uint32_t next, end;  // the ends left: a range of polylines_
+    };
+    struct Nearest {
+        double squared;
+        Point at;
+        std::uint32_t site;
+        std::uint32_t but;  // is no answer
+    };
+
+    void search(std::size_t level, std::size_t number, Point to, Nearest& best);
+
+    Worker& worker_;
+    Vector<std::uint32_t> polylines_{worker_.memory()};  // by where they end, then by number
+    Vector<Site> sites_{worker_.memory()};
+    BoxTree<Point> boxes_{worker_.memory()};  // of sites_, but for those that no end is left at
+};
 
 /// The first or the last point of a polyline.
 class PolylineEnd {
@@ -46,19 +130,11 @@ struct GapRules {
 /// One per thread; scratch is kept.
 class GapCloser {
 public:
-    explicit GapCloser(const Memory* memory)
-        : ends_(memory), starts_(memory), chain_(memory), joined_to_(memory), gaps_(memory) {}
-
-    /// From here on close() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept {
-        pace_.follow(host);
-        ends_.follow(host);
-        starts_.follow(host);
-    }
+    explicit GapCloser(Worker& worker) noexcept : worker_(worker) {}
 
     /// Which of `polylines`, fewer than 2^31, follow each other over gaps of at most `rules.reach`. Pairs of ends are joined
     /// by distance, the nearest first, if neither is joined yet; at equal distances those that turn no polyline come first,
-    /// then by coordinates. At most about three searches in a k-d tree, or two of them, for each end: O(o log o) for o
+    /// then by coordinates. At most about three searches in a tree, or two of them, for each end: O(o log o) for o
     /// polylines unless they lie so that searches are slow. O(o) memory.
     std::span<const Gap> close(std::span<const PolylineEnds> polylines, const GapRules& rules);
 
@@ -86,13 +162,13 @@ private:
     void join(Site a, Site b);
     void sort_gaps(std::span<const PolylineEnds> polylines);
 
+    Worker& worker_;
     double reach_squared_ = 0;
     GapSense sense_ = GapSense::kept;
-    EndTree ends_, starts_;          // those not joined yet
-    Vector<Site> chain_;             // each the nearest to its predecessor
-    Vector<PolylineEnd> joined_to_;  // by number
-    Vector<Gap> gaps_;
-    StopPace pace_;
+    EndTree ends_{worker_}, starts_{worker_};          // those not joined yet
+    Vector<Site> chain_{worker_.memory()};             // each the nearest to its predecessor
+    Vector<PolylineEnd> joined_to_{worker_.memory()};  // by number
+    Vector<Gap> gaps_{worker_.memory()};
 };
 
 }  // namespace lamella

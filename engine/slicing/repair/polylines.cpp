@@ -1,38 +1,85 @@
 #include "slicing/repair/polylines.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <tuple>
 
+#include "slicing/grid/exact.hpp"
 #include "slicing/grid/origins.hpp"
 
 namespace lamella {
 
 namespace {
 
-/// By the start and its edge, then by content.
-bool before(const Polyline& a, const Polyline& b) {
-    if (a.points[0] != b.points[0]) {
-        return a.points[0] < b.points[0];
-    }
-    if (a.start_key != b.start_key) {
-        return a.start_key < b.start_key;
-    }
-    if (a.points.size() != b.points.size()) {
-        return a.points.size() < b.points.size();
-    }
-    if (a.segments != b.segments) {
-        return a.segments < b.segments;
-    }
-    const auto [at_a, at_b] = std::mismatch(a.points.begin(), a.points.end(), b.points.begin());
-    if (at_a != a.points.end() || a.flags != b.flags || a.origins == nullptr) {
-        return at_a != a.points.end() ? *at_a < *at_b : a.flags < b.flags;
-    }
-    return std::lexicographical_compare(a.origins, a.origins + a.points.size(), b.origins, b.origins + b.points.size());
+constexpr std::uint64_t no_joint = std::numeric_limits<std::uint64_t>::max();
+
+/// True if the edge from `c` to `d` meets the joint between the joint's ends, and does not run along it.
+bool meets_between_ends(Point from, Point to, Point c, Point d) noexcept {
+    return side_of(c, d, from) * side_of(c, d, to) < 0 && side_of(from, to, c) * side_of(from, to, d) <= 0;
 }
 
 }  // namespace
 
-bool PolylineRepair::join(std::span<const Polyline> polylines, std::span<const std::span<const Point>> around,
-                          const GapRules& rules, std::uint64_t layer, Vector<ClosedGap>& closed_gaps) {
+void CrossedJoints::add(std::span<const Point> contour, bool closed) {
+    pairs_.add({.points = contour, .contour = no_joint, .closed = closed});
+}
+
+std::span<const std::uint8_t> CrossedJoints::find(std::span<const Joint> joints, std::size_t free) {
+    ends_.clear();
+    ends_.reserve(2 * joints.size());
+    for (const Joint& joint : joints) {
+        ends_.insert(ends_.end(), {joint.from, joint.to});
+        pairs_.add({.points = std::span(ends_).last(2), .contour = ends_.size() / 2 - 1, .closed = false});
+    }
+    crossed_.assign(joints.size(), 0);
+    between_joints_.clear();
+    pairs_.find(0, no_joint, [&](const EdgePath& a, std::size_t i, const EdgePath& b, std::size_t j) {
+        const auto [joint, path, edge] =
+            a.contour <= b.contour ? std::tuple(a.contour, &b, j) : std::tuple(b.contour, &a, i);
+        if (joint == no_joint ||
+            !meets_between_ends(joints[joint].from, joints[joint].to, (*path)[edge], (*path)[edge + 1])) {
+            return;
+        }
+        if (path->contour == no_joint) {
+            crossed_[joint] = joint >= free ? 1 : 0;
+        } else if (path->contour >= free) {
+            between_joints_.emplace_back(static_cast<std::uint32_t>(path->contour), static_cast<std::uint32_t>(joint));
+        }
+    });
+    std::sort(between_joints_.begin(), between_joints_.end());
+    for (const auto& [later, earlier] : between_joints_) {
+        crossed_[later] |= static_cast<std::uint8_t>(crossed_[earlier] == 0);
+    }
+    return crossed_;
+}
+
+namespace {
+
+/// By the start and its edge, then by content.
+bool before(const Path& path_a, const Path& path_b) {
+    const NestItem& a = path_a.item;
+    const NestItem& b = path_b.item;
+    const auto key = [](const Path& path) {
+        return std::tie(path.item.points[0], path.start_key, path.item.count, path.segments);
+    };
+    if (key(path_a) != key(path_b)) {
+        return key(path_a) < key(path_b);
+    }
+    const auto [at_a, at_b] = std::mismatch(a.points, a.points + a.count, b.points);
+    if (at_a != a.points + a.count || a.flags != b.flags || a.origins == nullptr) {
+        return at_a != a.points + a.count ? *at_a < *at_b : a.flags < b.flags;
+    }
+    return std::lexicographical_compare(a.origins, a.origins + a.count, b.origins, b.origins + b.count);
+}
+
+std::span<const Point> points_of(const Path& path) noexcept {
+    return {path.item.points, path.item.count};
+}
+
+}  // namespace
+
+bool PolylineRepair::join(std::span<const Path> polylines, std::span<const Path> around, const GapRules& rules,
+                          std::uint64_t layer, Vector<ClosedGap>& closed_gaps) {
     sort(polylines);
     const std::span<const Gap> gaps = choose_gaps(around, rules);
     for (const Gap& gap : gaps) {
@@ -51,7 +98,7 @@ bool PolylineRepair::join(std::span<const Polyline> polylines, std::span<const s
     return true;
 }
 
-std::span<const Gap> PolylineRepair::choose_gaps(std::span<const std::span<const Point>> around, const GapRules& rules) {
+std::span<const Gap> PolylineRepair::choose_gaps(std::span<const Path> around, const GapRules& rules) {
     const std::span<const Gap> gaps = gap_closer_.close(ends_, rules);
     joints_.clear();
     std::size_t free = 0;
@@ -63,11 +110,11 @@ std::span<const Gap> PolylineRepair::choose_gaps(std::span<const std::span<const
         return gaps;
     }
     crossed_joints_.clear();
-    for (const Polyline& polyline : sorted_) {
-        crossed_joints_.add(polyline.points, false);
+    for (const Path& polyline : sorted_) {
+        crossed_joints_.add(points_of(polyline), false);
     }
-    for (const std::span<const Point> contour : around) {
-        crossed_joints_.add(contour, true);
+    for (const Path& contour : around) {
+        crossed_joints_.add(points_of(contour), true);
     }
     return gap_closer_.leave_open(crossed_joints_.find(joints_, free));
 }
@@ -91,25 +138,25 @@ void PolylineRepair::join_rings() {
     }
 }
 
-void PolylineRepair::sort(std::span<const Polyline> polylines) {
+void PolylineRepair::sort(std::span<const Path> polylines) {
     sorted_.assign(polylines.begin(), polylines.end());
-    std::sort(sorted_.begin(), sorted_.end(), [this](const Polyline& a, const Polyline& b) {
-        pace_.spend(1);
+    std::sort(sorted_.begin(), sorted_.end(), [this](const Path& a, const Path& b) {
+        worker_.spend(1);
         return before(a, b);
     });
     ends_.clear();
     std::size_t points = 0;
-    for (const Polyline& polyline : sorted_) {
-        ends_.push_back({polyline.points.front(), polyline.points.back()});
-        points += polyline.points.size();
+    for (const Path& polyline : sorted_) {
+        ends_.push_back({points_of(polyline).front(), points_of(polyline).back()});
+        points += polyline.item.count;
     }
     points_.reserve(points);  // joined polylines point into it, and into origins_
-    if (!polylines.empty() && polylines.front().origins != nullptr) {
+    if (!polylines.empty() && polylines.front().item.origins != nullptr) {
         origins_.reserve(points);
     }
 }
 
-/// Whether an edge that has a length leads on from the end of a polyline.
+/// True if an edge that has a length leads on from the end of a polyline.
 bool PolylineRepair::leads_on_from(PolylineEnd last) const {
     if (!gap_closer_.is_joined(last)) {
         return false;
@@ -119,55 +166,56 @@ bool PolylineRepair::leads_on_from(PolylineEnd last) const {
 }
 
 /// Joins all polylines that follow each other from `first` on, up to an end that is not joined or until they meet `first`.
-/// What joins two of them comes from no triangle.
+/// An edge that joins two of them comes from no triangle.
 void PolylineRepair::join_from(PolylineEnd first) {
     const std::size_t begin = points_.size();
-    JoinedPolyline whole;
-    whole.closed = gap_closer_.is_joined(first);
+    const bool closed = gap_closer_.is_joined(first);
     std::uint64_t segments[2] = {0, 0};  // along the walk, against it
     bool runs[2] = {false, false};
-    bool is_joined = whole.closed;
+    bool is_joined = closed;
+    std::uint16_t flags = 0;
     PolylineEnd last = first;
     for (PolylineEnd entered = first; used_[entered.polyline()] == 0; entered = gap_closer_.joined_to(last)) {
-        const Polyline& part = sorted_[entered.polyline()];
+        const Path& part = sorted_[entered.polyline()];
         append(entered);
         segments[entered.last() ? 1 : 0] += part.segments;
         runs[entered.last() ? 1 : 0] = true;
-        whole.flags |= part.flags;
+        flags |= part.item.flags;
         last = entered.other();
         is_joined |= gap_closer_.is_joined(last);
     }
-    whole.segments = static_cast<std::uint32_t>(segments[0] + segments[1]);
-    whole.points = std::span(points_).subspan(begin);
-    whole.origins = origins_.empty() ? nullptr : origins_.data() + begin;
+    const auto points = std::span(points_).subspan(begin);
+    PointOrigin* const origins = origins_.empty() ? nullptr : origins_.data() + begin;
     const bool turned = segments[1] > segments[0] || !runs[0];
     if (turned) {
-        turn_round(whole);
+        turn_round(points, origins, closed);
     }
     const PolylineEnd start = turned ? last : first;
-    whole.start_key = start.last() ? EndKey{} : sorted_[start.polyline()].start_key;
-    whole.flags |= (is_joined ? gap_closed : 0) | (runs[0] && runs[1] ? orientation_mixed : 0);
-    joined_.push_back(whole);
+    Path& whole = joined_.emplace_back(closed ? closed_path(points, origins) : open_path(points, origins));
+    whole.start_key = closed || start.last() ? EndKey{} : sorted_[start.polyline()].start_key;
+    whole.segments = static_cast<std::uint32_t>(segments[0] + segments[1]);
+    whole.item.flags =
+        static_cast<std::uint16_t>(flags | (is_joined ? gap_closed : 0) | (runs[0] && runs[1] ? orientation_mixed : 0));
 }
 
 /// Appends the points of a polyline from `entered` to its other end.
 void PolylineRepair::append(PolylineEnd entered) {
-    const std::span<const Point> points = sorted_[entered.polyline()].points;
-    pace_.spend(points.size());
+    const std::span<const Point> points = points_of(sorted_[entered.polyline()]);
+    worker_.spend(points.size());
     if (entered.last()) {
         points_.insert(points_.end(), points.rbegin(), points.rend());
     } else {
         points_.insert(points_.end(), points.begin(), points.end());
     }
-    if (sorted_[entered.polyline()].origins != nullptr) {
+    if (sorted_[entered.polyline()].item.origins != nullptr) {
         append_origins(entered);
     }
     used_[entered.polyline()] = 1;
 }
 
 void PolylineRepair::append_origins(PolylineEnd entered) {
-    const Polyline& part = sorted_[entered.polyline()];
-    const std::size_t count = part.points.size();
+    const NestItem& part = sorted_[entered.polyline()].item;
+    const std::size_t count = part.count;
     if (entered.last()) {
         for (std::size_t i = count - 1; i > 0; --i) {
             origins_.push_back(turned(part.origins[i - 1]));
@@ -182,16 +230,15 @@ void PolylineRepair::append_origins(PolylineEnd entered) {
 }
 
 /// The points and the origins of a polyline walked the other way. A closed one keeps the origin of the edge that closes it.
-void PolylineRepair::turn_round(JoinedPolyline& whole) const {
-    const std::span<Point> points = whole.points;
+void PolylineRepair::turn_round(std::span<Point> points, PointOrigin* origins, bool closed) {
     std::reverse(points.begin(), points.end());
-    if (whole.origins == nullptr) {
+    if (origins == nullptr) {
         return;
     }
-    PointOrigin* const last = whole.origins + (points.size() - 1);
-    std::reverse(whole.origins, last);
-    std::transform(whole.origins, last, whole.origins, turned);
-    if (whole.closed) {
+    PointOrigin* const last = origins + (points.size() - 1);
+    std::reverse(origins, last);
+    std::transform(origins, last, origins, turned);
+    if (closed) {
         *last = turned(*last);
     } else if (points.size() > 1) {
         *last = end_of(last[-1]);

@@ -4,55 +4,55 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
-#include "lamella/assemble.hpp"
+#include "base/worker.hpp"
 #include "lamella/result.hpp"
-#include "slicing/repair/crossed_joints.hpp"
+#include "slicing/edges/pair_search.hpp"
+#include "slicing/nesting/path.hpp"
 #include "slicing/repair/gaps.hpp"
 
 namespace lamella {
 
-struct Polyline {
-    std::span<const Point> points;         ///< not empty
-    const PointOrigin* origins = nullptr;  ///< of each point, or null for all polylines
-    EndKey start_key;                      ///< the edge that the first point lies on
-    std::uint32_t segments = 0;
-    std::uint16_t flags = 0;  ///< ContourFlag bits
+/// A line that is to join two ends.
+struct Joint {
+    Point from;
+    Point to;
 };
 
-/// What takes the place of polylines that follow each other.
-struct JoinedPolyline {
-    std::span<Point> points;         ///< of all of them; repeated points are left in
-    PointOrigin* origins = nullptr;  ///< of each point, or null
-    EndKey start_key;                ///< of the first of them; zero if that one was turned round
-    std::uint32_t segments = 0;
-    std::uint16_t flags = 0;  ///< with gap_closed, but for a polyline that nothing was joined to; with orientation_mixed
-                              ///< where some run against the others
-    bool closed = false;      ///< its end was joined to its own start
+/// Which joints would cross a contour of their layer. One per thread; scratch is kept.
+///
+///        .--------.  .--------.      `a` and `b` are the nearest ends, but a wall lies between them: they are not joined.
+///        |        a||b        |
+///        |         ||         |
+///        '---------++---------'
+class CrossedJoints {
+public:
+    explicit CrossedJoints(Worker& worker) noexcept : worker_(worker) {}
+
+    /// Forgets what was added.
+    void clear() noexcept { pairs_.clear(); }
+    /// The points must stay until find() has returned.
+    void add(std::span<const Point> contour, bool closed);
+
+    /// For each joint, the shortest first: 1 if between its ends it meets an edge of what was added, or a joint before it
+    /// that is marked 0; edges along its line do not count. The first `free` joints are marked 0, whatever they meet.
+    /// O((m + c) log (m + c)) for m edges of which c pairs come near one another. Valid until the next call.
+    std::span<const std::uint8_t> find(std::span<const Joint> joints, std::size_t free);
+
+private:
+    Worker& worker_;
+    EdgePairs pairs_{worker_};
+    Vector<Point> ends_{worker_.memory()};  // of the joints, two by two
+    Vector<std::uint8_t> crossed_{worker_.memory()};
+    Vector<std::pair<std::uint32_t, std::uint32_t>> between_joints_{worker_.memory()};  // the later, the earlier
 };
 
 /// One per thread; scratch is kept.
 class PolylineRepair {
 public:
-    explicit PolylineRepair(const Memory* memory)
-        : gap_closer_(memory),
-          crossed_joints_(memory),
-          joints_(memory),
-          sorted_(memory),
-          ends_(memory),
-          used_(memory),
-          points_(memory),
-          origins_(memory),
-          joined_(memory) {}
-
-    /// From here on join() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept {
-        pace_.follow(host);
-        gap_closer_.follow(host);
-        crossed_joints_.follow(host);
-    }
+    explicit PolylineRepair(Worker& worker) noexcept : worker_(worker) {}
 
     /// Joins open polylines over gaps by these rules, nearest first, and appends the gaps that were closed to
     /// `closed_gaps`, as of `layer`. Gaps longer than the crossing reach stay open where the joint would cross a polyline, a
@@ -61,15 +61,16 @@ public:
     /// does not depend on the order of polylines and contours. O(o log o + q) for o polylines with q points, unless gaps lie
     /// so that searches are slow; where gaps may stay open, also what CrossedJoints::find() takes for all edges. Throws
     /// std::bad_alloc.
-    bool join(std::span<const Polyline> polylines, std::span<const std::span<const Point>> around, const GapRules& rules,
-              std::uint64_t layer, Vector<ClosedGap>& closed_gaps);
+    bool join(std::span<const Path> polylines, std::span<const Path> around, const GapRules& rules, std::uint64_t layer,
+              Vector<ClosedGap>& closed_gaps);
 
-    /// Valid until the next call.
-    std::span<const JoinedPolyline> joined() const noexcept { return joined_; }
+    /// Each with the flag gap_closed, but for a polyline that nothing was joined to, and with orientation_mixed where some
+    /// run against the others. Valid until the next call.
+    std::span<const Path> joined() const noexcept { return joined_; }
 
 private:
-    void sort(std::span<const Polyline> polylines);
-    std::span<const Gap> choose_gaps(std::span<const std::span<const Point>> around, const GapRules& rules);
+    void sort(std::span<const Path> polylines);
+    std::span<const Gap> choose_gaps(std::span<const Path> around, const GapRules& rules);
     void join_open_from(bool last);
     void join_rings();
     void join_from(PolylineEnd first);
@@ -77,18 +78,18 @@ private:
     void append_origins(PolylineEnd entered);
     Point at(PolylineEnd end) const noexcept { return ends_[end.polyline()].at(end.last()); }
     bool leads_on_from(PolylineEnd last) const;
-    void turn_round(JoinedPolyline& whole) const;
+    static void turn_round(std::span<Point> points, PointOrigin* origins, bool closed);
 
-    GapCloser gap_closer_;
-    CrossedJoints crossed_joints_;
-    Vector<Joint> joints_;
-    Vector<Polyline> sorted_;    // as given, in canonical order
-    Vector<PolylineEnds> ends_;  // of sorted_
-    Vector<std::uint8_t> used_;  // of sorted_: whether it is part of a joined one
-    Vector<Point> points_;       // of joined_
-    Vector<PointOrigin> origins_;
-    Vector<JoinedPolyline> joined_;
-    StopPace pace_;
+    Worker& worker_;
+    GapCloser gap_closer_{worker_};
+    CrossedJoints crossed_joints_{worker_};
+    Vector<Joint> joints_{worker_.memory()};
+    Vector<Path> sorted_{worker_.memory()};        // as given, in canonical order
+    Vector<PolylineEnds> ends_{worker_.memory()};  // of sorted_
+    Vector<std::uint8_t> used_{worker_.memory()};  // of sorted_: whether it is part of a joined one
+    Vector<Point> points_{worker_.memory()};       // of joined_
+    Vector<PointOrigin> origins_{worker_.memory()};
+    Vector<Path> joined_{worker_.memory()};
 };
 
 }  // namespace lamella

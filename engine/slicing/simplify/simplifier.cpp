@@ -7,9 +7,9 @@
 #include <new>
 
 #include "base/int128.hpp"
+#include "base/sign.hpp"
 #include "slicing/nesting/ring_facts.hpp"
 #include "slicing/simplify/chain.hpp"
-#include "slicing/simplify/edge_tests.hpp"
 
 namespace lamella {
 
@@ -18,12 +18,7 @@ namespace {
 constexpr std::size_t chain_work = 4;  ///< of a point, as StopPace counts it
 constexpr int rounds_by_distance = 3;  ///< from then on lines are split by halves, which ends soon
 
-template <class Value>
-int sign(Value value) noexcept {
-    return (value > 0) - (value < 0);
-}
-
-/// What O(m log m) allows for.
+/// The most that O(m log m) allows for.
 std::uint64_t most_steps(std::uint64_t edges) noexcept {
     constexpr std::uint64_t steps_per_comparison = 64;
     return steps_per_comparison * edges * static_cast<std::uint64_t>(std::bit_width(edges) + 1);
@@ -31,31 +26,18 @@ std::uint64_t most_steps(std::uint64_t edges) noexcept {
 
 }  // namespace
 
-Simplifier::Simplifier(const Memory* memory)
-    : paths_(memory),
-      points_(memory),
-      is_left_(memory),
-      in_conflict_(memory),
-      left_(memory),
-      left_points_(memory),
-      left_origins_(memory),
-      starts_(memory),
-      starts_tree_(memory),
-      chains_(memory),
-      pairs_(memory) {}
-
 void Simplifier::run(std::span<NestItem> items, std::int64_t tolerance) {
     tolerance_ = tolerance;
     list(items);
-    for (Path& path : paths_) {
+    for (Reduction& path : paths_) {
         reduce(path);
     }
     list_left();
-    if (std::all_of(paths_.begin(), paths_.end(), [](const Path& path) { return path.left == path.count(); })) {
+    if (std::all_of(paths_.begin(), paths_.end(), [](const Reduction& path) { return path.left == path.count(); })) {
         return;
     }
-    starts_tree_.build(starts_, pace_);
-    chains_.build(points_, pace_);
+    starts_tree_.build(starts_, worker_);
+    chains_.build(points_, worker_);
     for (int round = 1;; ++round) {
         if (!find_conflicts(items)) {
             is_left_.assign(points_.size(), 1);
@@ -87,7 +69,7 @@ void Simplifier::list(std::span<const NestItem> items) {
                           .last = points_.size() - 1,
                           .closed = item.closed,
                           .stays = is_flat || item.count <= (item.closed ? 3U : 2U)});
-        pace_.spend(item.count);
+        worker_.spend(item.count);
     }
     if (points_.size() > std::numeric_limits<Index>::max()) {
         throw std::bad_alloc();
@@ -97,7 +79,7 @@ void Simplifier::list(std::span<const NestItem> items) {
 }
 
 /// A closed path is two chains: from its start to the point that is furthest from there, and back.
-void Simplifier::reduce(Path& path) {
+void Simplifier::reduce(Reduction& path) {
     path.has_changed = !path.stays;
     if (path.stays) {
         std::fill(is_left_.begin() + static_cast<std::ptrdiff_t>(path.begin),
@@ -117,7 +99,7 @@ void Simplifier::reduce_chain(std::size_t first, std::size_t last, int splits_le
     if (last - first < 2) {
         return;
     }
-    pace_.spend(chain_work * (last - first));
+    worker_.spend(chain_work * (last - first));
     const ChainReach reach = measure_chain(points_.data(), first, last, tolerance_);
     if (reach.within) {
         return;
@@ -129,14 +111,14 @@ void Simplifier::reduce_chain(std::size_t first, std::size_t last, int splits_le
     reduce_chain(at, last, left);
 }
 
-/// Of closed paths without the start that stands at the end.
+/// Closed paths without the start that stands at the end.
 void Simplifier::list_left() {
     left_.clear();
     left_points_.clear();
-    for (Path& path : paths_) {
+    for (Reduction& path : paths_) {
         path.first_left = left_.size();
         const std::size_t end = path.closed ? path.last : path.last + 1;
-        pace_.in_stretches(path.begin, end, 1, [&](std::size_t from, std::size_t to) {
+        worker_.in_stretches(path.begin, end, 1, [&](std::size_t from, std::size_t to) {
             for (std::size_t i = from; i < to; ++i) {
                 if (is_left_[i] != 0) {
                     left_.push_back(static_cast<Index>(i - path.begin));
@@ -148,14 +130,14 @@ void Simplifier::list_left() {
     }
 }
 
-/// Whether all were found, in no more steps than may be.
+/// True if all were found, in no more steps than may be.
 bool Simplifier::find_conflicts(std::span<const NestItem> items) {
     pairs_.clear();
     for (std::size_t p = 0; p < paths_.size(); ++p) {
-        const Path& path = paths_[p];
+        const Reduction& path = paths_[p];
         pairs_.add(
             {.points = std::span(left_points_).subspan(path.first_left, path.left), .contour = p, .closed = path.closed});
-        pace_.spend(path.left);
+        worker_.spend(path.left);
     }
     const std::uint64_t most = most_steps(points_.size());
     if (!pairs_.find(0, most,
@@ -173,14 +155,14 @@ bool Simplifier::find_conflicts(std::span<const NestItem> items) {
     return steps_ <= most;
 }
 
-/// Whether edge `edge` of what is left of a path replaces points.
+/// True if edge `edge` of what is left of a path replaces points.
 bool Simplifier::is_line(std::size_t path, std::size_t edge) const noexcept {
     return end_of_line(path, edge) - left_[paths_[path].first_left + edge] > 1;
 }
 
 /// The number of the point where an edge of what is left ends.
 std::size_t Simplifier::end_of_line(std::size_t path, std::size_t edge) const noexcept {
-    const Path& of = paths_[path];
+    const Reduction& of = paths_[path];
     return edge + 1 < of.left ? left_[of.first_left + edge + 1] : of.last - of.begin;
 }
 
@@ -209,19 +191,14 @@ void Simplifier::compare(const EdgePath& a, std::size_t i, const EdgePath& b, st
 
 /// Ends early where steps_ comes to more than `most`.
 void Simplifier::find_jumps(std::size_t path, std::uint64_t most) {
-    const Path& of = paths_[path];
+    const Reduction& of = paths_[path];
     for (std::size_t edge = 0; edge + (of.closed ? 0 : 1) < of.left && steps_ <= most; ++edge) {
         if (!is_line(path, edge)) {
             continue;
         }
         const std::size_t first = of.begin + left_[of.first_left + edge];
         const std::size_t last = of.begin + end_of_line(path, edge);
-        FlatBox box{points_[first], points_[first]};
-        for (std::size_t i = first + 1; i <= last; ++i) {
-            const Point p = points_[i];
-            box = {{std::min(box.low.x, p.x), std::min(box.low.y, p.y)},
-                   {std::max(box.high.x, p.x), std::max(box.high.y, p.y)}};
-        }
+        const auto box = FlatBox::around(std::span(points_).subspan(first, last + 1 - first));
         const std::uint64_t before = steps_;
         starts_tree_.find_in(box, [&](Point start, std::uint32_t other) {
             ++steps_;
@@ -230,16 +207,17 @@ void Simplifier::find_jumps(std::size_t path, std::uint64_t most) {
             }
             return in_conflict_[first] == 0 && steps_ <= most;
         });
-        pace_.spend(last - first + chain_work * (steps_ - before));
+        worker_.spend(last - first + chain_work * (steps_ - before));
     }
 }
 
 /// Objects to all lines where fewer than three points would be left, or the area would change its sign.
 void Simplifier::keep_orientation(std::size_t path, const NestItem& item) {
-    const Path& of = paths_[path];
+    const Reduction& of = paths_[path];
     const Point* const points = left_points_.data() + of.first_left;
-    pace_.spend(of.left);
-    if (!of.closed || (of.left >= 3 && sign(examine_ring(points, of.left).twice_area) == sign(to_int128(item.twice_area)))) {
+    worker_.spend(of.left);
+    if (!of.closed ||
+        (of.left >= 3 && sign_of(examine_ring(points, of.left).twice_area) == sign_of(to_int128(item.twice_area)))) {
         return;
     }
     for (std::size_t edge = 0; edge < of.left; ++edge) {
@@ -249,11 +227,11 @@ void Simplifier::keep_orientation(std::size_t path, const NestItem& item) {
     }
 }
 
-/// Whether there was something to give back.
+/// True if there was something to give back.
 bool Simplifier::give_back(int round) {
     bool any = false;
     for (std::size_t p = 0; p < paths_.size(); ++p) {
-        Path& path = paths_[p];
+        Reduction& path = paths_[p];
         for (std::size_t edge = 0; edge < path.left; ++edge) {
             const std::size_t first = path.begin + left_[path.first_left + edge];
             if (in_conflict_[first] != 0) {
@@ -272,7 +250,7 @@ void Simplifier::split(std::size_t first, std::size_t last, int times, bool by_h
         reduce_chain(first, last);
         return;
     }
-    pace_.spend(chain_work * (last - first));
+    worker_.spend(chain_work * (last - first));
     const std::size_t at =
         by_halves ? first + (last - first) / 2 : measure_chain(points_.data(), first, last, tolerance_).furthest;
     is_left_[at] = 1;
@@ -283,7 +261,7 @@ void Simplifier::split(std::size_t first, std::size_t last, int times, bool by_h
 void Simplifier::write(std::span<NestItem> items) {
     left_origins_.resize(items.empty() || items[0].origins == nullptr ? 0 : left_.size());
     for (std::size_t i = 0; i < items.size(); ++i) {
-        const Path& path = paths_[i];
+        const Reduction& path = paths_[i];
         NestItem& item = items[i];
         if (path.left == path.count()) {
             continue;
@@ -298,16 +276,15 @@ void Simplifier::write(std::span<NestItem> items) {
         if (item.closed) {
             const RingFacts facts = examine_ring(item.points, item.count);
             item.twice_area = to_integer128(facts.twice_area);
-            item.box_min = facts.box_min;
-            item.box_max = facts.box_max;
+            item.box = facts.box;
         }
-        pace_.spend(path.left);
+        worker_.spend(path.left);
     }
 }
 
 /// Lines come from no triangle, nor does the end of a polyline that a line leads to.
 void Simplifier::write_origins(std::size_t path, const NestItem& item) noexcept {
-    const Path& of = paths_[path];
+    const Reduction& of = paths_[path];
     bool after_line = false;
     for (std::size_t edge = 0; edge < of.left; ++edge) {
         const bool is_end = !of.closed && edge + 1 == of.left;

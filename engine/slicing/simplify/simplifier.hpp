@@ -29,25 +29,19 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
-#include "slicing/edges/edge_pairs.hpp"
+#include "base/worker.hpp"
+#include "slicing/edges/pair_search.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/regions/point_tree.hpp"
-#include "slicing/simplify/chain_tree.hpp"
+#include "slicing/simplify/chain.hpp"
 
 namespace lamella {
 
 /// Simplifies layer after layer; scratch is kept. One per thread.
 class Simplifier {
 public:
-    explicit Simplifier(const Memory* memory);
-
-    /// From here on run() throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept {
-        pace_.follow(host);
-        pairs_.follow(host);
-    }
+    explicit Simplifier(Worker& worker) noexcept : worker_(worker) {}
 
     /// Takes points off `items`: points, count, start, area and box of those that lose some become others, which stay until
     /// the next call. Contours that are flat stay; closed ones keep three points and the sign of their area, open ones their
@@ -62,7 +56,7 @@ public:
 
 private:
     /// An item. Its points among points_: [begin, last], of a closed one with its start at both ends.
-    struct Path {
+    struct Reduction {
         std::size_t begin = 0;
         std::size_t last = 0;        ///< where its last edge ends
         std::size_t first_left = 0;  ///< in left_ and left_points_
@@ -76,7 +70,7 @@ private:
     using Index = std::uint32_t;
 
     void list(std::span<const NestItem> items);
-    void reduce(Path& path);
+    void reduce(Reduction& path);
     void reduce_chain(std::size_t first, std::size_t last);
     void reduce_chain(std::size_t first, std::size_t last, int splits_left);
     void list_left();
@@ -92,20 +86,20 @@ private:
     void write(std::span<NestItem> items);
     void write_origins(std::size_t path, const NestItem& item) noexcept;
 
+    Worker& worker_;
     std::int64_t tolerance_ = 0;
-    Vector<Path> paths_;                // of each item
-    Vector<Point> points_;              // of all paths, from their starts
-    Vector<std::uint8_t> is_left_;      // of points_
-    Vector<std::uint8_t> in_conflict_;  // of points_: the line that begins there
-    Vector<Index> left_;                // numbers of the points that are left, path by path
-    Vector<Point> left_points_;         // the same points
-    Vector<PointOrigin> left_origins_;  // of left_points_, where items have origins
-    Vector<Point> starts_;              // of paths_
-    PointTree starts_tree_;
-    ChainTree chains_;         // of points_
-    std::uint64_t steps_ = 0;  // in search of jumps, in a round
-    EdgePairs pairs_;
-    StopPace pace_;
+    Vector<Reduction> paths_{worker_.memory()};           // of each item
+    Vector<Point> points_{worker_.memory()};              // of all paths, from their starts
+    Vector<std::uint8_t> is_left_{worker_.memory()};      // of points_
+    Vector<std::uint8_t> in_conflict_{worker_.memory()};  // of points_: the line that begins there
+    Vector<Index> left_{worker_.memory()};                // numbers of the points that are left, path by path
+    Vector<Point> left_points_{worker_.memory()};         // the same points
+    Vector<PointOrigin> left_origins_{worker_.memory()};  // of left_points_, where items have origins
+    Vector<Point> starts_{worker_.memory()};              // of paths_
+    PointTree starts_tree_{worker_.memory()};
+    ChainTree chains_{worker_.memory()};  // of points_
+    std::uint64_t steps_ = 0;             // in search of jumps, in a round
+    EdgePairs pairs_{worker_};
 };
 
 }  // namespace lamella

@@ -21,9 +21,9 @@
 #include "base/parallel.hpp"
 #include "base/per_worker.hpp"
 #include "base/words.hpp"
-#include "slicing/contours/layer_builder.hpp"
 #include "slicing/frame.hpp"
 #include "slicing/grid/quantise.hpp"
+#include "slicing/layer/layer_builder.hpp"
 #include "slicing/planes/plane_set.hpp"
 #include "slicing/result/layer_target.hpp"
 #include "slicing/slabs/edge_sum.hpp"
@@ -58,10 +58,11 @@ struct PieceCounts {
 
 /// The scratch with which a thread builds layers.
 struct SlabWorker {
-    explicit SlabWorker(const Memory* memory) : sum(memory), builder(memory), given(memory) {}
+    SlabWorker(const Memory* memory, const StopCheck& stop) : worker(memory, stop), sum(memory), given(memory) {}
+    Worker worker;
     EdgeSum sum;
-    LayerBuilder builder;
-    Vector<GivenContour> given;
+    LayerBuilder builder{worker};
+    Vector<Path> given;
 };
 
 /// One call of slice_slabs().
@@ -231,9 +232,8 @@ void SlabSlicing::build_layers(Distributed<FacePiece>& pieces) {
         }
         auto& worker = workers[static_cast<std::size_t>(number)];
         if (worker == nullptr) {
-            worker = std::make_unique<SlabWorker>(options_.control.memory);
+            worker = std::make_unique<SlabWorker>(options_.control.memory, parallel_.stop());
             worker->sum.follow(parallel_.stop());
-            worker->builder.follow(parallel_.stop());
             worker->builder.rules = {&rules_, frame_.unit.mm, 0};
         }
         const std::size_t task = part % tasks();
@@ -269,7 +269,7 @@ void SlabSlicing::build_layer(FaceSense sense, std::span<const FacePiece> pieces
         std::size_t begin = 0;
         for (const std::size_t end : worker.sum.ring_ends()) {
             const std::span<const Point> ring = worker.sum.points().subspan(begin, end - begin);
-            worker.given.push_back({.points = ring, .origins = {}, .segments = static_cast<std::uint32_t>(ring.size())});
+            worker.given.push_back(given_path(ring));
             begin = end;
         }
     }

@@ -17,7 +17,12 @@ public:
         : x_(memory), y_(memory), z_(memory), slope_x_(memory), slope_y_(memory), moving_(memory) {}
 
     /// Makes room for at least `slots` slots.
-    void reserve(std::size_t slots, StopPace& pace);
+    void reserve(std::size_t slots, StopPace& pace) {
+        if (slots > capacity()) {
+            const std::size_t padded = (slots + padded_count - 1) / padded_count * padded_count;
+            for_each_array([&](auto& array) { grow_exactly(array, padded, pace); });
+        }
+    }
     std::size_t capacity() const noexcept { return x_.size(); }
 
     void put(Slot slot, const MeshEdge& edge) {
@@ -32,7 +37,9 @@ public:
     }
 
     /// Renumbers after LinkGraph::compact().
-    void compact(std::span<const Slot> new_to_old);
+    void compact(std::span<const Slot> new_to_old) {
+        for_each_array([&](auto& array) { gather_slots(array, new_to_old, moving_); });
+    }
 
     /// From slot `first` on.
     EdgeArrays arrays(std::size_t first) const noexcept {

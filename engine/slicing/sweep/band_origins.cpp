@@ -20,17 +20,15 @@ PointOrigin above_middle(const CrossedTriangle& t, PointOrigin below) noexcept {
 
 }  // namespace
 
-/// Of the plane's links: to both ports of each.
+/// Writes the origins of the plane's links to both ports of each.
 void BandSweep::put_origins(PlaneIndex plane) {
-    if (origins_.size() < graph_.capacity()) {
-        resize_exactly(origins_, graph_.capacity(), pace_);
-    }
+    grow_exactly(origins_, graph_.capacity(), worker_);
     const auto put = [this](const Link& link, const PointOrigin& origin) {
         for (const PortRef ref : link.ends) {
             origins_[slot_of(ref)].by_port[ref & 1] = origin;
         }
     };
-    pace_.in_stretches(0, link_count_, origin_work, [&](std::size_t begin, std::size_t end) {
+    worker_.in_stretches(0, link_count_, origin_work, [&](std::size_t begin, std::size_t end) {
         for (auto link = static_cast<std::uint32_t>(begin); link < end; ++link) {
             put(links_[link], origin_of_link(link, plane));
         }
@@ -51,7 +49,7 @@ PointOrigin BandSweep::origin_of_link(std::uint32_t link, PlaneIndex plane) cons
     return origin_of(t, buckets_->lowest_corners[record], t.middle_plane() <= plane);
 }
 
-/// Of faces with the same corners and orientation, which lie side by side in faces_, the one with the smallest index stands
+/// Faces with the same corners and orientation lie side by side in faces_. The one with the smallest index stands
 /// for all. They enter together, and keep the origin where they pass their middle vertex.
 void BandSweep::note_substitutes() {
     const auto is_same = [](const FaceAtEdge& a, const FaceAtEdge& b) {
@@ -71,7 +69,8 @@ void BandSweep::note_substitutes() {
     }
 }
 
-/// Of a link by a record with the same corners. They may be ordered by height in another way where two are equally high.
+/// The origin of a link by a record with the same corners. They may be ordered by height in another way where two are
+/// equally high.
 PointOrigin BandSweep::origin_by(std::uint32_t record, const Link& link) const noexcept {
     const CrossedTriangle& t = buckets_->records[record];
     const EdgeNumbers numbers(t, buckets_->lowest_corners[record]);

@@ -18,31 +18,12 @@ constexpr std::size_t plane_work = 64;
 
 }  // namespace
 
-BandSweep::BandSweep(const Memory* memory)
-    : kernels_(best_of(kernel_forms())),
-      graph_(memory),
-      edges_(memory),
-      layers_(memory),
-      links_(memory),
-      pending_(memory),
-      pending_plane_(memory),
-      passing_(memory),
-      passing_at_(memory),
-      active_(memory),
-      faces_(memory),
-      points_(memory),
-      origins_(memory),
-      substitutes_(memory),
-      moving_(memory) {}
-
 void BandSweep::run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
                     ContourForm form, const StopCheck& stop, BandOutput& out) {
-    pace_.follow(stop);
-    graph_.follow(stop);
-    layers_.follow(stop);
+    worker_.follow(stop);
     begin(band, buckets);
     for (PlaneIndex plane = band.first; plane < band.last; ++plane) {
-        pace_.spend(plane_work);
+        worker_.spend(plane_work);
         const bool timed = plane % timing_stride == 0;
         layers_.timed = timed;
         const std::uint64_t start = timed ? ticks() : 0;
@@ -212,16 +193,16 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
     }
     reserve_events(entering + passing.size(), most_middles(plane, seeds));
     Events events(*this, 2 * entering + passing.size());
-    pace_.in_stretches(0, passing.size(), event_work, [&](std::size_t begin, std::size_t end) {
+    worker_.in_stretches(0, passing.size(), event_work, [&](std::size_t begin, std::size_t end) {
         events.pass_middles(passing.subspan(begin, end - begin));
     });
     first_entering_ = events.link_count();
     entering_seeds_ = seeds;
     entering_list_ = list_begin;
-    pace_.in_stretches(0, seeds.size(), event_work, [&](std::size_t begin, std::size_t end) {
+    worker_.in_stretches(0, seeds.size(), event_work, [&](std::size_t begin, std::size_t end) {
         events.enter(begin, end, plane, [seeds](std::size_t i) { return seeds[i]; });
     });
-    pace_.in_stretches(list_begin, list_end, event_work, [&](std::size_t begin, std::size_t end) {
+    worker_.in_stretches(list_begin, list_end, event_work, [&](std::size_t begin, std::size_t end) {
         events.enter(begin, end, plane, [](std::size_t i) { return static_cast<std::uint32_t>(i); });
     });
     link_count_ = events.link_count();
@@ -233,7 +214,7 @@ void BandSweep::take_events(PlaneIndex plane, std::span<const std::uint32_t> see
 /// which were last read when they entered.
 std::span<const BandSweep::Pending> BandSweep::take_passing(PlaneIndex plane) {
     if (passing_at_.size() < pending_count_ + select_padding) {
-        resize_exactly(passing_at_, pending_plane_.size() + select_padding, pace_);
+        grow_exactly(passing_at_, pending_plane_.size() + select_padding, worker_);
     }
     const std::size_t count = kernels_.select_equal(pending_plane_.data(), pending_count_, plane, passing_at_.data());
     if (passing_.size() < count) {
@@ -270,12 +251,10 @@ std::size_t BandSweep::most_middles(PlaneIndex plane, std::span<const std::uint3
 }
 
 void BandSweep::reserve_events(std::size_t links, std::size_t middles) {
-    if (links_.size() < links) {
-        resize_exactly(links_, links, pace_);
-    }
+    grow_exactly(links_, links, worker_);
     if (const std::size_t pending = pending_count_ + middles + 1; pending_.size() < pending) {
-        resize_exactly(pending_plane_, pending + pending / 8, pace_);
-        resize_exactly(pending_, pending_plane_.size(), pace_);  // the last, by whose size there is room
+        grow_exactly(pending_plane_, pending + pending / 8, worker_);
+        grow_exactly(pending_, pending_plane_.size(), worker_);  // the last, by whose size there is room
     }
 }
 
@@ -303,13 +282,13 @@ void BandSweep::gather_active(PlaneIndex plane, std::span<const std::uint32_t> s
     const std::uint32_t list_end = buckets_->list_begin[plane + 1];
     reserve_more(active_, active_.size() + seeds.size() + (list_end - list_begin));
     active_.insert(active_.end(), seeds.begin(), seeds.end());
-    pace_.in_stretches(list_begin, list_end, 1, [&](std::size_t begin, std::size_t end) {
+    worker_.in_stretches(list_begin, list_end, 1, [&](std::size_t begin, std::size_t end) {
         for (auto record = static_cast<std::uint32_t>(begin); record < end; ++record) {
             active_.push_back(record);
         }
     });
     std::erase_if(active_, [&](std::uint32_t record) {
-        pace_.spend(1);
+        worker_.spend(1);
         return buckets_->records[record].last <= plane;
     });
 }
@@ -319,7 +298,7 @@ void BandSweep::enter_active(PlaneIndex plane) {
     reserve_events(active_.size(), active_.size());
     entering_seeds_ = active_;
     Events events(*this, 2 * active_.size());
-    pace_.in_stretches(0, active_.size(), event_work, [&](std::size_t begin, std::size_t end) {
+    worker_.in_stretches(0, active_.size(), event_work, [&](std::size_t begin, std::size_t end) {
         events.enter(begin, end, plane, [this](std::size_t i) { return active_[i]; });
     });
     link_count_ = events.link_count();
@@ -336,9 +315,9 @@ void BandSweep::link_events(PlaneIndex plane) {
         correct_pending();
     }
     graph_.connect(links);
-    edges_.reserve(graph_.capacity(), pace_);
+    edges_.reserve(graph_.capacity(), worker_);
     const std::span<const Slot> fresh = graph_.fresh();
-    pace_.in_stretches(0, fresh.size(), edge_work, [&](std::size_t begin, std::size_t end) {
+    worker_.in_stretches(0, fresh.size(), edge_work, [&](std::size_t begin, std::size_t end) {
         for (const Slot slot : fresh.subspan(begin, end - begin)) {
             edges_.put(slot, graph_.edge(slot));
         }
@@ -362,7 +341,7 @@ void BandSweep::correct_pending() {
 
 /// Sorts the ends at an irregular edge by their faces' angles round it.
 void BandSweep::sort_meeting(Slot slot, std::span<MeetingEnd> ends) {
-    pace_.spend(event_work * ends.size());
+    worker_.spend(event_work * ends.size());
     faces_.clear();
     const GridVertex lower = graph_.edge(slot).lower();
     const GridVertex upper = graph_.edge(slot).upper();
@@ -386,10 +365,8 @@ void BandSweep::emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out) 
         out.add_empty_layer();
         return;
     }
-    if (points_.size() < edges_.capacity()) {
-        resize_exactly(points_, edges_.capacity(), pace_);
-    }
-    pace_.in_stretches(0, graph_.slot_end(), 1, [&](std::size_t begin, std::size_t end) {
+    grow_exactly(points_, edges_.capacity(), worker_);
+    worker_.in_stretches(0, graph_.slot_end(), 1, [&](std::size_t begin, std::size_t end) {
         kernels_.pierce(edges_.arrays(begin), planes.z(plane), end - begin, points_.data() + begin);
     });
     layers_.build(graph_, points_.data(), with_origins_ ? origins_.data() : nullptr, out);

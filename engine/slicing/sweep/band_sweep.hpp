@@ -16,13 +16,13 @@
 #include <span>
 #include <vector>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/slice.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"
-#include "slicing/contours/layer_builder.hpp"
 #include "slicing/contours/link_graph.hpp"
+#include "slicing/layer/layer_builder.hpp"
 #include "slicing/sweep/active_edges.hpp"
 
 namespace lamella {
@@ -38,7 +38,7 @@ struct SweepTicks {
 /// One per thread; scratch is kept from band to band.
 class BandSweep {
 public:
-    explicit BandSweep(const Memory* memory);
+    explicit BandSweep(const Memory* memory) : worker_(memory) {}
 
     /// One layer in so many is timed: reading clocks at every layer would slow small ones.
     static constexpr PlaneIndex timing_stride = 8;
@@ -48,12 +48,12 @@ public:
     void run(const Band& band, std::span<const std::uint32_t> seeds, const Buckets& buckets, const PlaneSet& planes,
              ContourForm form, const StopCheck& stop, BandOutput& out);
 
-    /// Of the bands to come.
+    /// Applies to bands swept after this call.
     void set_rules(const LayerRules& rules) noexcept { layers_.rules = rules; }
     /// The same: whether contours say where their edges come from.
     void set_origins(bool wanted) noexcept { with_origins_ = wanted; }
 
-    /// Of a plane, since construction: what the scratch was made for.
+    /// The most segments of a plane since construction: the size of the scratch.
     std::size_t most_segments() const noexcept { return most_segments_; }
 
     /// Time since the last call.
@@ -91,32 +91,32 @@ private:
     void compact();
     void emit(PlaneIndex plane, const PlaneSet& planes, BandOutput& out);
 
-    const Kernels& kernels_;
-    LinkGraph graph_;
-    ActiveEdges edges_;
-    LayerBuilder layers_;
+    Worker worker_;
+    const Kernels& kernels_ = best_of(kernel_forms());
+    LinkGraph graph_{worker_};
+    ActiveEdges edges_{worker_.memory()};
+    LayerBuilder layers_{worker_};
     Band band_{};
     const Buckets* buckets_ = nullptr;
     std::size_t most_segments_ = 0;
-    Vector<Link> links_;  // of the plane's events: triangles that pass their middle vertex, then ...
+    Vector<Link> links_{worker_.memory()};  // of the plane's events: triangles that pass their middle vertex, then ...
     std::uint32_t link_count_ = 0;
     std::uint32_t first_entering_ = 0;  // ... from here on, triangles that enter
     std::span<const std::uint32_t> entering_seeds_;
     std::uint32_t entering_list_ = 0;
-    Vector<Pending> pending_;
-    Vector<PlaneIndex> pending_plane_;  // the first plane above each one's middle vertex
+    Vector<Pending> pending_{worker_.memory()};
+    Vector<PlaneIndex> pending_plane_{worker_.memory()};  // the first plane above each one's middle vertex
     std::uint32_t pending_count_ = 0;
     std::uint32_t first_new_pending_ = 0;
-    Vector<Pending> passing_;           // scratch: those that pass at a plane, ...
-    Vector<std::uint32_t> passing_at_;  // ... and where they were
-    Vector<std::uint32_t> active_;      // assembled form: records that the plane cuts
-    Vector<FaceAtEdge> faces_;
-    Vector<Point> points_;  // by slot
+    Vector<Pending> passing_{worker_.memory()};           // scratch: those that pass at a plane, ...
+    Vector<std::uint32_t> passing_at_{worker_.memory()};  // ... and where they were
+    Vector<std::uint32_t> active_{worker_.memory()};      // assembled form: records that the plane cuts
+    Vector<FaceAtEdge> faces_{worker_.memory()};
+    Vector<Point> points_{worker_.memory()};  // by slot
     bool with_origins_ = false;
-    Vector<SlotOrigins> origins_;     // by slot
-    Vector<Substitute> substitutes_;  // of the plane's links
-    Vector<std::uint64_t> moving_;    // scratch
-    StopPace pace_;
+    Vector<SlotOrigins> origins_{worker_.memory()};     // by slot
+    Vector<Substitute> substitutes_{worker_.memory()};  // of the plane's links
+    Vector<std::uint64_t> moving_{worker_.memory()};    // scratch
     SweepTicks ticks_;
 };
 

@@ -118,7 +118,7 @@ MeshEdge WidePlane::edge_at(std::uint32_t segment, bool source) const noexcept {
 /// next_[i] = the segment that leaves the edge which segment i enters. False if an edge has not exactly one face either way.
 bool WidePlane::link() {
     next_.resize_discarding(count_);
-    Table table(count_, memory_, parallel_);
+    Table table(count_, worker_.memory(), parallel_);
     std::atomic<bool> regular{true};
     std::atomic<std::uint64_t> linked{0};
     parallel_.run_ranges(count_, grain, [&](std::size_t begin, std::size_t end, int) {
@@ -187,15 +187,15 @@ void WidePlane::cut_into_pieces() {
     for (const auto& found : small) {
         pieces_.insert(pieces_.end(), found.begin(), found.end());
         for (const Piece& piece : found) {
-            pace_.spend(segment_work * piece.count);
+            worker_.spend(segment_work * piece.count);
             std::uint32_t segment = piece.first;
             for (std::uint32_t i = 0; i < piece.count; ++i, segment = next_[segment]) {
                 on_piece_[segment] = 1;
             }
         }
     }
-    // What is left are long contours in which no number is divisible by 64.
-    pace_.in_stretches(0, count_, 1, [&](std::size_t begin, std::size_t end) {
+    // Long contours are left in which no number is divisible by 64.
+    worker_.in_stretches(0, count_, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t segment = begin; segment < end; ++segment) {
             if (on_piece_[segment] == 0) {
                 add_contour_as_piece(static_cast<std::uint32_t>(segment));
@@ -211,7 +211,7 @@ void WidePlane::add_contour_as_piece(std::uint32_t first) {
         on_piece_[segment] = 1;
         segment = next_[segment];
         ++piece.count;
-        pace_.spend(segment_work);
+        worker_.spend(segment_work);
     } while (segment != first);
     pieces_.push_back(piece);
 }
@@ -266,7 +266,7 @@ void WidePlane::string_together() {
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
         const std::uint64_t begin = offset;
         for (std::size_t at = p; pieces_[at].offset == ~std::uint64_t{0};) {
-            pace_.spend(segment_work);
+            worker_.spend(segment_work);
             pieces_[at].offset = offset;
             offset += pieces_[at].count;
             at = at < numbered ? pieces_[at].next / piece_stride : at;

@@ -16,30 +16,19 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "slicing/buckets/bucket.hpp"
-#include "slicing/contours/layer_builder.hpp"
+#include "slicing/layer/layer_builder.hpp"
 
 namespace lamella {
 
 class WidePlane {
 public:
     WidePlane(const Memory* memory, const Parallel& parallel, const LayerRules& rules)
-        : parallel_(parallel),
-          next_(memory),
-          on_piece_(memory),
-          order_(memory),
-          rings_(memory),
-          origins_(memory),
-          pieces_(memory),
-          contours_(memory),
-          layer_(memory),
-          memory_(memory) {
+        : worker_(memory, parallel.stop()), parallel_(parallel) {
         layer_.rules = rules;
         layer_.timed = true;
-        layer_.follow(parallel.stop());
-        pace_.follow(parallel.stop());
     }
 
     /// Appends the layer of `plane` to `out`; `seeds` are the triangles that cut it besides those of its own list. False,
@@ -79,22 +68,21 @@ private:
     void trace(std::int32_t z);
     void trace_origins();
 
+    Worker worker_;  // the calling thread
     const Parallel& parallel_;
     const Buckets* buckets_ = nullptr;
     std::span<const std::uint32_t> seeds_;
     std::uint32_t list_begin_ = 0;
     std::uint32_t count_ = 0;  // segments
     PlaneIndex plane_ = 0;
-    Array<std::uint32_t> next_;     // by segment: the one that follows
-    Array<std::uint8_t> on_piece_;  // by segment: it lies on a piece found
-    Array<std::uint32_t> order_;    // segments in walking order
-    Array<Point> rings_;
-    Array<PointOrigin> origins_;  // of rings_, where asked for
-    Vector<Piece> pieces_;
-    Vector<WalkedContour> contours_;
-    LayerBuilder layer_;
-    StopPace pace_;  // of the calling thread
-    const Memory* memory_;
+    Array<std::uint32_t> next_{worker_.memory()};     // by segment: the one that follows
+    Array<std::uint8_t> on_piece_{worker_.memory()};  // by segment: it lies on a piece found
+    Array<std::uint32_t> order_{worker_.memory()};    // segments in walking order
+    Array<Point> rings_{worker_.memory()};
+    Array<PointOrigin> origins_{worker_.memory()};  // of rings_, where asked for
+    Vector<Piece> pieces_{worker_.memory()};
+    Vector<WalkedContour> contours_{worker_.memory()};
+    LayerBuilder layer_{worker_};
 };
 
 }  // namespace lamella

@@ -9,31 +9,21 @@
 #include <span>
 
 #include "base/vector.hpp"
-#include "slicing/contours/layer_contour.hpp"
 #include "slicing/nesting/order.hpp"
+#include "slicing/nesting/path.hpp"
 
 namespace lamella {
 
 /// One per thread; scratch is kept.
 class CanonicalOrder {
 public:
-    explicit CanonicalOrder(const Memory* memory)
-        : by_start_(memory),
-          spare_keys_(memory),
-          leader_of_(memory),
-          group_size_(memory),
-          next_place_(memory),
-          place_of_(memory),
-          item_at_(memory) {}
-
-    /// From here on both calls throw Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept { pace_.follow(host); }
+    explicit CanonicalOrder(Worker& worker) noexcept : worker_(worker) {}
 
     /// Sorts by the start point, then by its edge, then by content, origins last. Contours equal in all of that are
     /// interchangeable. O(q log q). Throws std::bad_alloc.
-    void sort_by_start(std::span<const LayerContour> contours);
-    /// The contour that comes `item`-th by start.
-    std::uint32_t contour_of(std::size_t item) const noexcept { return by_start_[item].index; }
+    void sort_by_start(std::span<const Path> contours);
+    /// The path that comes `item`-th by start.
+    std::uint32_t path_of(std::size_t item) const noexcept { return by_start_[item].index; }
     std::size_t size() const noexcept { return by_start_.size(); }
 
     /// Finds the place in the result of each item; `items` are by start and nested. O(q). Throws std::bad_alloc.
@@ -43,13 +33,14 @@ public:
     std::span<const std::uint32_t> items() const noexcept { return item_at_; }
 
 private:
-    Vector<nesting::SortKey> by_start_, spare_keys_;
-    Vector<std::uint32_t> leader_of_;   // of each item: the outer of its group; see put_holes_after_outers()
-    Vector<std::uint32_t> group_size_;  // of each leader
-    Vector<std::uint32_t> next_place_;  // of each leader: where the next of its group goes
-    Vector<std::uint32_t> place_of_;    // of each item
-    Vector<std::uint32_t> item_at_;     // at each place
-    StopPace pace_;
+    Worker& worker_;
+    Vector<nesting::SortKey> by_start_{worker_.memory()}, spare_keys_{worker_.memory()};
+    Vector<std::uint32_t> leader_of_{
+        worker_.memory()};  // of each item: the outer of its group; see put_holes_after_outers()
+    Vector<std::uint32_t> group_size_{worker_.memory()};  // of each leader
+    Vector<std::uint32_t> next_place_{worker_.memory()};  // of each leader: where the next of its group goes
+    Vector<std::uint32_t> place_of_{worker_.memory()};    // of each item
+    Vector<std::uint32_t> item_at_{worker_.memory()};     // at each place
 };
 
 }  // namespace lamella

@@ -11,15 +11,14 @@
 
 #include <span>
 
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
+#include "base/worker.hpp"
 #include "lamella/result.hpp"
-#include "slicing/contours/canonical_order.hpp"
-#include "slicing/contours/layer_contour.hpp"
 #include "slicing/contours/link_graph.hpp"
-#include "slicing/contours/ring_reader.hpp"
+#include "slicing/layer/canonical_order.hpp"
+#include "slicing/layer/ring_reader.hpp"
 #include "slicing/nesting/nest.hpp"
-#include "slicing/regions/region_nesting.hpp"
+#include "slicing/nesting/path.hpp"
 #include "slicing/regions/regions.hpp"
 #include "slicing/repair/polylines.hpp"
 #include "slicing/result/band_output.hpp"
@@ -27,7 +26,7 @@
 
 namespace lamella {
 
-/// What is done to a plane's contours beyond walking them.
+/// Everything that is done to a plane's contours beyond walking them.
 struct LayerRules {
     const RegionRules* region = nullptr;  ///< null: contours stay as they are
     double unit_mm = default_unit_mm;
@@ -37,21 +36,10 @@ struct LayerRules {
     std::uint64_t first_layer = 0;  ///< of the plan's layers, which the rules count; see SliceOptions::layers
 };
 
-/// A contour that is not walked.
-struct GivenContour {
-    std::span<const Point> points;
-    std::span<const PointOrigin> origins{};  ///< of each point, or empty for all contours
-    bool closed = true;
-    bool turned = false;         ///< the facets run the other way
-    std::uint32_t segments = 0;  ///< as Contour::segments
-    std::uint16_t flags = 0;
-    std::uint32_t part = 0;
-};
-
 /// Layer after layer; scratch is kept. One per thread.
 class LayerBuilder {
 public:
-    explicit LayerBuilder(const Memory* memory);
+    explicit LayerBuilder(Worker& worker) noexcept : worker_(worker) {}
 
     /// Appends the layer that `graph` holds to `out`; points[slot] is where the slot's edge pierces the plane, and
     /// origins[slot] where its segments come from, null where `out` takes no origins. O(q log q) for q points. Throws
@@ -62,13 +50,11 @@ public:
     void build_traced(Point* rings, PointOrigin* origins, std::span<const WalkedContour> walked, KeyAt key_at,
                       const Parallel& parallel, BandOutput& out);
 
-    /// The same for contours that are not walked but given, each with points.
-    void build_given(std::span<const GivenContour> contours, BandOutput& out);
+    /// The same for contours that are not walked but given, each with points: see given_path(). Where NestItem::reverse is
+    /// set, the facets run the other way.
+    void build_given(std::span<const Path> contours, BandOutput& out);
 
-    /// From here on building a layer throws Stopped where the host wants the call to end.
-    void follow(const StopCheck& host) noexcept;
-
-    /// Of the layers to come.
+    /// Apply to layers built after this.
     LayerRules rules;
 
     /// Time spent in nesting and with the fill rule since construction, for layers built with `timed`; see StageTimes.
@@ -83,39 +69,36 @@ private:
     void nest(FillRule rule);
     void apply_rules(FillRule rule);
     void simplify();
-    void replace_by_rings();
-    std::size_t rewrite(const Ring& ring, std::span<Point> points, PointOrigin* origins) const;
-    bool is_rewritten(const Ring& ring) const noexcept;
+    void rewrite_paths();
+    void rewrite(Path& path, std::span<Point> points, PointOrigin* origins) const;
+    bool is_rewritten(const Path& path) const noexcept;
+    void nest_region();
     void keep_some(bool outermost, bool largest);
+    const Path& path_of(std::size_t item) const noexcept { return paths_[order_.path_of(item)]; }
     void append(BandOutput& out);
     void copy_points(const NestItem& item, Point* to);
     void copy_origins(const NestItem& item, PointOrigin* to);
 
-    RingReader rings_;
-    PolylineRepair repair_;
-    CanonicalOrder order_;
-    Nester nester_;
-    Regions regions_;
-    RegionNesting region_nesting_;
-    Simplifier simplifier_;
-    Vector<LayerContour> contours_;          // of the plane; a fill rule replaces the closed ones
-    Vector<NestItem> items_;                 // of contours_, by start
-    Vector<Polyline> polylines_;             // the open ones of contours_, for repair
-    Vector<std::span<const Point>> around_;  // the closed ones
+    Worker& worker_;
+    RingReader rings_{worker_};
+    PolylineRepair repair_{worker_};
+    CanonicalOrder order_{worker_};
+    Nester nester_{worker_};
+    Regions regions_{worker_};
+    Simplifier simplifier_{worker_};
+    Vector<Path> paths_{worker_.memory()};      // of the plane; a fill rule replaces the closed ones
+    Vector<NestItem> items_{worker_.memory()};  // of paths_, by start
     // For rules of regions:
-    Vector<LayerContour> walked_;      // contours_ before it was replaced
-    Vector<NestItem> closed_;          // the closed ones of items_
-    Vector<std::uint32_t> walked_of_;  // of each of closed_: its number in walked_
-    Vector<std::int64_t> ring_of_;     // of each of items_: its number in the region, -1 for an open polyline
-    Vector<Ring> region_;
-    Vector<Ring> kept_;   // of the region, where only some are wanted
-    Vector<Point> made_;  // points of rings that were made or lost some
-    Vector<PointOrigin> made_origins_;
-    Vector<Point> given_;  // points of contours that were not walked
-    Vector<PointOrigin> given_origins_;
+    Vector<Path> closed_{worker_.memory()};              // the closed ones of paths_, by start
+    Vector<Path> kept_{worker_.memory()};                // of paths_, where only some are wanted
+    Vector<std::uint32_t> item_of_{worker_.memory()};    // of each of paths_
+    Vector<std::uint8_t> is_settled_{worker_.memory()};  // of each item: its parent is what it lies in
+    Vector<Point> made_{worker_.memory()};               // points of paths that were made or lost some
+    Vector<PointOrigin> made_origins_{worker_.memory()};
+    Vector<Point> given_{worker_.memory()};  // points of contours that were not walked
+    Vector<PointOrigin> given_origins_{worker_.memory()};
     bool with_origins_ = false;  // of the layer
     bool cancels_ = false;       // as Fill::cancels(), of the layer
-    StopPace pace_;
 };
 
 }  // namespace lamella

@@ -1,4 +1,4 @@
-#include "slicing/contours/canonical_order.hpp"
+#include "slicing/layer/canonical_order.hpp"
 
 #include <cassert>
 #include <numeric>
@@ -22,17 +22,17 @@ bool comes_from_less(const NestItem& a, const NestItem& b) {
 }
 
 /// Decides between contours that start on the same edge.
-bool holds_less(const LayerContour& contour_a, const LayerContour& contour_b) {
-    const NestItem& a = contour_a.item;
-    const NestItem& b = contour_b.item;
+bool holds_less(const Path& path_a, const Path& path_b) {
+    const NestItem& a = path_a.item;
+    const NestItem& b = path_b.item;
     if (a.closed != b.closed) {
         return a.closed;
     }
     if (a.count != b.count) {
         return a.count < b.count;
     }
-    if (contour_a.segments != contour_b.segments) {
-        return contour_a.segments < contour_b.segments;
+    if (path_a.segments != path_b.segments) {
+        return path_a.segments < path_b.segments;
     }
     for (std::uint32_t i = 0; i < a.count; ++i) {
         const Point& point_a = a.from_start(i);
@@ -46,17 +46,17 @@ bool holds_less(const LayerContour& contour_a, const LayerContour& contour_b) {
 
 }  // namespace
 
-void CanonicalOrder::sort_by_start(std::span<const LayerContour> contours) {
+void CanonicalOrder::sort_by_start(std::span<const Path> contours) {
     by_start_.clear();
     for (std::uint32_t i = 0; i < contours.size(); ++i) {
         const NestItem& item = contours[i].item;
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         by_start_.push_back({nesting::key_of(item.points[item.start]), i});
     }
-    nesting::sort_keys(by_start_, spare_keys_, pace_);
+    nesting::sort_keys(by_start_, spare_keys_, worker_);
     nesting::sort_equal_keys(by_start_, [contours](const nesting::SortKey& key_a, const nesting::SortKey& key_b) {
-        const LayerContour& a = contours[key_a.index];
-        const LayerContour& b = contours[key_b.index];
+        const Path& a = contours[key_a.index];
+        const Path& b = contours[key_b.index];
         return a.start_key != b.start_key ? a.start_key < b.start_key : holds_less(a, b);
     });
 }
@@ -69,7 +69,7 @@ void CanonicalOrder::put_holes_after_outers(std::span<const NestItem> items) {
     leader_of_.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) {
         const NestItem& item = items[i];
-        pace_.spend(item_work);
+        worker_.spend(item_work);
         assert((item.role != Role::hole || item.parent >= 0) && "a hole lies in something");
         const auto around = static_cast<std::uint32_t>(item.parent);
         assert(item.role != Role::hole || around < i || items[around].role == Role::outer);
@@ -81,7 +81,7 @@ void CanonicalOrder::put_holes_after_outers(std::span<const NestItem> items) {
     place_of_.resize(count);
     item_at_.resize(count);
     for (const bool holes : {false, true}) {
-        pace_.spend(count);
+        worker_.spend(count);
         for (std::uint32_t i = 0; i < count; ++i) {
             if ((items[i].role == Role::hole) == holes) {
                 place_of_[i] = next_place_[leader_of_[i]]++;

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "base/guard.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "base/words.hpp"
+#include "base/worker.hpp"
 #include "lamella/assemble.hpp"
-#include "slicing/contours/layer_builder.hpp"
+#include "slicing/layer/layer_builder.hpp"
 #include "slicing/regions/rules.hpp"
 #include "slicing/result/band_output.hpp"
 
@@ -23,7 +23,7 @@ constexpr std::size_t most_points = std::size_t{1} << 30;
 
 using ContoursView = std::span<const std::span<const Point>>;
 
-Status check_points(ContoursView contours, StopPace& pace) {
+Status check_points(ContoursView contours, Worker& worker) {
     std::size_t points = 0;
     for (std::size_t c = 0; c < contours.size(); ++c) {
         points += contours[c].size();
@@ -39,7 +39,7 @@ Status check_points(ContoursView contours, StopPace& pace) {
                                                               std::to_string(grid_limit) + " units"};
             }
         }
-        pace.spend(contours[c].size());
+        worker.spend(contours[c].size());
     }
     return {};
 }
@@ -54,7 +54,7 @@ double farthest(ContoursView contours) {
     return most;
 }
 
-Status check_all(ContoursView contours, const RegionRules& rules, double unit_mm, StopPace& pace) {
+Status check_all(ContoursView contours, const RegionRules& rules, double unit_mm, Worker& worker) {
     if (!(unit_mm > 0) || !std::isfinite(unit_mm)) {
         return Error{ErrorCode::invalid_argument,
                      "the grid unit must be finite and above 0, not " + exact_text(unit_mm) + " mm"};
@@ -62,20 +62,20 @@ Status check_all(ContoursView contours, const RegionRules& rules, double unit_mm
     if (Status status = check_rules(rules); !status) {
         return status;
     }
-    if (Status status = check_points(contours, pace); !status) {
+    if (Status status = check_points(contours, worker); !status) {
         return status;
     }
     return check_reach(rules, unit_mm, farthest(contours) * unit_mm);
 }
 
 /// Those that have points.
-Vector<GivenContour> list_given(ContoursView contours, const Memory* memory, StopPace& pace) {
-    Vector<GivenContour> given(memory);
+Vector<Path> list_given(ContoursView contours, Worker& worker) {
+    Vector<Path> given(worker.memory());
     given.reserve(contours.size());
     for (const std::span<const Point> contour : contours) {
-        pace.spend(1);
+        worker.spend(1);
         if (!contour.empty()) {
-            given.push_back({.points = contour, .origins = {}, .segments = static_cast<std::uint32_t>(contour.size())});
+            given.push_back(given_path(contour));
         }
     }
     return given;
@@ -87,19 +87,17 @@ Result<LayerContours> region_of(std::span<const std::span<const Point>> contours
                                 const Control& control) noexcept {
     return guarded(control, [&]() -> Result<LayerContours> {
         const PacedStop stop(control.stop);
-        StopPace pace;
-        pace.follow(stop.check());
-        pace.ask();
-        if (Status status = check_all(contours, rules, unit_mm, pace); !status) {
+        Worker worker(control.memory, stop.check());
+        worker.ask();
+        if (Status status = check_all(contours, rules, unit_mm, worker); !status) {
             return status.error();
         }
-        LayerBuilder builder(control.memory);
-        builder.follow(stop.check());
+        LayerBuilder builder(worker);
         builder.rules = {&rules, unit_mm, 0};
         BandOutput output(control.memory);
         output.begin(output.buffer.span());
-        builder.build_given(list_given(contours, control.memory, pace), output);
-        LayerContours region = copy_layer(output, pace, control.memory);
+        builder.build_given(list_given(contours, worker), output);
+        LayerContours region = copy_layer(output, worker, control.memory);
         region.unit_mm = unit_mm;
         return region;
     });

@@ -9,10 +9,10 @@
 
 #include "base/guard.hpp"
 #include "base/progress_meter.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
-#include "slicing/contours/layer_builder.hpp"
+#include "base/worker.hpp"
 #include "slicing/contours/link_graph.hpp"
+#include "slicing/layer/layer_builder.hpp"
 
 namespace lamella {
 
@@ -24,17 +24,12 @@ class Assembly {
 public:
     Assembly(std::span<const Segment> segments, const Control& control)
         : segments_(segments),
-          graph_(control.memory),
-          layer_(control.memory),
           output_(control.memory),
           links_(control.memory),
           points_(control.memory),
           stop_(control.stop),
-          progress_(control.progress) {
-        pace_.follow(stop_.check());
-        graph_.follow(stop_.check());
-        layer_.follow(stop_.check());
-    }
+          worker_(control.memory, stop_.check()),
+          progress_(control.progress) {}
 
     void link() {
         constexpr std::size_t segment_work = 32;  // two ends are looked up
@@ -42,8 +37,8 @@ public:
         progress_.reach(0);
         SlotTable::Attaching attaching = graph_.begin_attaching(2 * segments_.size());
         links_.reserve(segments_.size());
-        resize_exactly(points_, graph_.capacity(), pace_);  // an edge has one slot where two segments meet
-        pace_.in_stretches(0, segments_.size(), segment_work, [&](std::size_t begin, std::size_t end) {
+        grow_exactly(points_, graph_.capacity(), worker_);  // an edge has one slot where two segments meet
+        worker_.in_stretches(0, segments_.size(), segment_work, [&](std::size_t begin, std::size_t end) {
             attach_all(attaching, begin, end);
             progress_.reach(attached_share * static_cast<double>(end) / static_cast<double>(segments_.size()));
         });
@@ -56,18 +51,18 @@ public:
         progress_.reach(walked_share);
     }
 
-    LayerContours build(const Memory* memory) {
+    LayerContours build() {
         output_.buffer.resize_discarding(segments_.size() + segments_.size() / 64 + 64);  // seldom more, see slice()
         output_.begin(output_.buffer.span());
         layer_.build(graph_, points_.data(), nullptr, output_);
         progress_.reach(built_share);
-        LayerContours layer = copy_layer(output_, pace_, memory);
+        LayerContours layer = copy_layer(output_, worker_, worker_.memory());
         progress_.finish();
         return layer;
     }
 
 private:
-    // Of the progress, when the step is done.
+    // Progress when the step is done.
     static constexpr double attached_share = 0.5;
     static constexpr double walked_share = 0.7;
     static constexpr double built_share = 0.9;
@@ -106,7 +101,7 @@ private:
             return end.is_source ? segments_[end.link].to_key : segments_[end.link].from_key;
         };
         std::sort(ends.begin(), ends.end(), [&](const MeetingEnd& a, const MeetingEnd& b) {
-            pace_.spend(comparison_work);
+            worker_.spend(comparison_work);
             if (rank(a) != rank(b)) {
                 return rank(a) < rank(b);
             }
@@ -120,13 +115,13 @@ private:
     }
 
     std::span<const Segment> segments_;
-    LinkGraph graph_;
-    LayerBuilder layer_;
     BandOutput output_;
     Vector<Link> links_;
     Vector<Point> points_;  // by slot
     PacedStop stop_;
-    StopPace pace_;
+    Worker worker_;
+    LinkGraph graph_{worker_};
+    LayerBuilder layer_{worker_};
     ProgressMeter progress_;
 };
 
@@ -144,7 +139,7 @@ Result<LayerContours> assemble(std::span<const Segment> segments, const Control&
         }
         Assembly assembly(segments, control);
         assembly.link();
-        return assembly.build(control.memory);
+        return assembly.build();
     });
 }
 

@@ -1,0 +1,269 @@
+// Boxes on the grid, found by where they lie: a tree without pointers, eight boxes to a node. Points are boxes too.
+//
+//     level 1   [      0      |      1    ]
+//     level 0   [ 0 1 2 3 ... | 8 9 ...   ]      a box of a level holds a block of eight of the level below
+//
+// Items come in an order in which neighbours lie close: that of the vertices of a GridMesh, that along a chain of edges, or
+// that of order_by_place(). Whoever searches goes down from the root and leaves out what it need not see.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "base/eight.hpp"
+#include "base/parallel.hpp"
+#include "base/stop_pace.hpp"
+#include "lamella/array.hpp"
+#include "slicing/grid/box.hpp"
+
+namespace lamella {
+
+/// Eight boxes side by side, so that all are compared at once.
+template <class Corner>
+class BoxBlock {
+public:
+    static constexpr std::size_t lanes = Eight::lanes;
+    static constexpr std::size_t axes = GridBox<Corner>::axes;
+
+    void set(std::size_t lane, const GridBox<Corner>& box) noexcept {
+        const auto [low, high] = box.numbers();
+        for (std::size_t axis = 0; axis < axes; ++axis) {
+            low_[axis][lane] = low[axis];
+            high_[axis][lane] = high[axis];
+        }
+    }
+    GridBox<Corner> operator[](std::size_t lane) const noexcept {
+        typename GridBox<Corner>::Numbers numbers;
+        for (std::size_t axis = 0; axis < axes; ++axis) {
+            numbers.low[axis] = low_[axis][lane];
+            numbers.high[axis] = high_[axis][lane];
+        }
+        return std::bit_cast<GridBox<Corner>>(numbers);
+    }
+
+    /// Which meet the other.
+    LaneBits meets(const GridBox<Corner>& other) const noexcept {
+        const auto [low, high] = other.numbers();
+        Eight apart(0);
+        for (std::size_t axis = 0; axis < axes; ++axis) {
+            apart = apart | (Eight(low_[axis]) > Eight(high[axis])) | (Eight(low[axis]) > Eight(high_[axis]));
+        }
+        return ~apart.bits() & all_eight;
+    }
+
+    /// Where it has fewer than eight, the others meet nothing.
+    GridBox<Corner> all() const noexcept {
+        typename GridBox<Corner>::Numbers numbers;
+        for (std::size_t axis = 0; axis < axes; ++axis) {
+            numbers.low[axis] = *std::min_element(low_[axis].begin(), low_[axis].end());
+            numbers.high[axis] = *std::max_element(high_[axis].begin(), high_[axis].end());
+        }
+        return std::bit_cast<GridBox<Corner>>(numbers);
+    }
+
+private:
+    std::array<Eight::Stored, axes> low_;
+    std::array<Eight::Stored, axes> high_;
+};
+
+/// Its memory is kept from use to use.
+template <class Corner>
+class BoxTree {
+public:
+    using Block = BoxBlock<Corner>;
+    static constexpr std::size_t fan = Block::lanes;  ///< boxes of a node
+
+    explicit BoxTree(const Memory* memory = nullptr) noexcept : blocks_(memory) {}
+
+    /// Items [0, count), of which box_at(item) is called once for each. O(n). Throws std::bad_alloc.
+    template <class BoxAt>
+    void assign(std::size_t count, const BoxAt& box_at, StopPace& pace) {
+        constexpr std::size_t block_work = 4 * fan;
+        build(count, box_at, [&](std::size_t blocks, const auto& fill) { pace.in_stretches(0, blocks, block_work, fill); });
+    }
+    /// The same in at most 11 calls of run().
+    template <class BoxAt>
+    void assign(std::size_t count, const BoxAt& box_at, const Parallel& parallel) {
+        constexpr std::size_t grain = 1024;
+        build(count, box_at, [&](std::size_t blocks, const auto& fill) {
+            parallel.run_ranges(blocks, grain, [&](std::size_t begin, std::size_t end, int) { fill(begin, end); });
+        });
+    }
+
+    std::size_t size() const noexcept { return size_; }
+    std::size_t levels() const noexcept { return levels_; }
+    /// On level 0: the boxes of eight items.
+    const Block& block(std::size_t level, std::size_t number) const noexcept { return blocks_[firsts_[level] + number]; }
+
+    /// From here on the item meets nothing; the boxes around it shrink. O(log n).
+    void take_off(std::size_t item) noexcept {
+        GridBox<Corner> left = GridBox<Corner>::nothing();
+        for (std::size_t level = 0; level < levels_; ++level, item /= fan) {
+            Block& block = blocks_[firsts_[level] + item / fan];
+            if (block[item % fan] == left) {
+                return;
+            }
+            block.set(item % fan, left);
+            left = block.all();
+        }
+    }
+
+    /// The cost of visit() in comparisons of boxes: an exact test of two triangles takes as long.
+    static constexpr std::size_t visit_cost = 64;
+
+    /// Calls visit(item) for each box that meets the query, until that has cost `limit`; returns what it cost.
+    template <class Visit>
+    std::size_t search(const GridBox<Corner>& query, std::size_t limit, Visit visit) const {
+        const auto enter = [&](const Block& block) { return block.meets(query); };
+        return descend(enter, 0, limit, [&](std::size_t leaf, LaneBits met) {
+            each_lane(met, [&](std::size_t lane) { visit(leaf * fan + lane); });
+            return visit_cost * static_cast<std::size_t>(std::popcount(met));
+        });
+    }
+
+    /// Calls visit(item) for each item that enter() lets pass with all that lies around it, until visit() returns false.
+    /// enter(block) gives a bit for each box of the block to go on in.
+    template <class Enter, class Visit>
+    void search_if(const Enter& enter, Visit visit) const {
+        constexpr std::size_t endless = std::size_t{1} << 62;
+        descend(enter, 0, endless, [&](std::size_t leaf, LaneBits met) {
+            bool goes_on = true;
+            each_lane(met, [&](std::size_t lane) { goes_on = goes_on && visit(leaf * fan + lane); });
+            return goes_on ? 0 : endless;
+        });
+    }
+
+    /// Neighbouring positions, of which a group holds eight, the last one what is left.
+    std::size_t groups() const noexcept { return (size() + fan - 1) / fan; }
+    std::size_t group_begin(std::size_t group) const noexcept { return group * fan; }
+    std::size_t group_end(std::size_t group) const noexcept { return std::min(size(), (group + 1) * fan); }
+
+    /// Calls visit(other, bits) for boxes that meet boxes of the group at positions before them: a bit for each of these.
+    /// Ends when that has cost `limit`; returns what it cost.
+    template <class Visit>
+    std::size_t search_pairs(std::size_t group, std::size_t limit, Visit visit) const {
+        const Block& own = block(0, group);
+        const GridBox<Corner> query = own.all();
+        const auto enter = [&](const Block& block) { return block.meets(query); };
+        return descend(enter, group, limit, [&](std::size_t leaf, LaneBits met) {
+            std::size_t pairs = 0;
+            each_lane(met, [&](std::size_t lane) {
+                const LaneBits before = leaf == group ? (LaneBits{1} << lane) - 1 : all_eight;
+                if (const LaneBits bits = own.meets(block(0, leaf)[lane]) & before; bits != 0) {
+                    visit(leaf * fan + lane, bits);
+                    pairs += static_cast<std::size_t>(std::popcount(bits));
+                }
+            });
+            return fan * fan + visit_cost * pairs;
+        });
+    }
+
+private:
+    static constexpr std::size_t deepest = 11;  ///< 8^11 exceeds 2^32
+
+    /// run(blocks, fill) calls fill(begin, end) for ranges of all blocks of a level.
+    template <class BoxAt, class Run>
+    void build(std::size_t count, const BoxAt& box_at, const Run& run) {
+        assert(count < std::numeric_limits<std::uint32_t>::max());
+        size_ = count;
+        levels_ = 0;
+        firsts_[0] = 0;
+        std::size_t blocks = count;
+        do {
+            blocks = std::max<std::size_t>((blocks + fan - 1) / fan, 1);
+            firsts_[levels_ + 1] = firsts_[levels_] + blocks;
+            ++levels_;
+        } while (blocks > 1);
+        const std::size_t all = firsts_[levels_];
+        if (all > blocks_.capacity()) {  // the first layer says little about the next ones
+            blocks_.resize_discarding(blocks_.capacity() == 0 ? all : all + all / 2);
+        }
+        blocks_.set_size(all);
+        const auto fill_level = [&](std::size_t level, std::size_t boxes, const auto& box_of) {
+            Block* const to = blocks_.data() + firsts_[level];
+            run(firsts_[level + 1] - firsts_[level], [=, &box_of](std::size_t begin, std::size_t end) {
+                for (std::size_t box = begin * fan; box < end * fan; ++box) {
+                    to[box / fan].set(box % fan, box < boxes ? box_of(box) : GridBox<Corner>::nothing());
+                }
+            });
+        };
+        fill_level(0, count, box_at);
+        for (std::size_t level = 1; level < levels_; ++level) {
+            const Block* const below = blocks_.data() + firsts_[level - 1];
+            fill_level(level, firsts_[level] - firsts_[level - 1], [below](std::size_t box) { return below[box].all(); });
+        }
+    }
+
+    /// Calls visit(leaf, bits) for each leaf from `first` on of which enter() lets boxes pass, a bit for each; visit()
+    /// returns what it cost. Ends when all has cost `limit`; returns that cost.
+    template <class Enter, class Visit>
+    std::size_t descend(const Enter& enter, std::size_t first, std::size_t limit, Visit visit) const {
+        struct Node {
+            std::size_t level;
+            std::size_t block;
+        };
+        std::array<Node, deepest * fan> stack;
+        std::size_t depth = 0;
+        std::size_t cost = 0;
+        stack[depth++] = {levels_ - 1, 0};
+        while (depth > 0 && cost < limit) {
+            const auto [level, number] = stack[--depth];
+            cost += fan;
+            const LaneBits met = enter(block(level, number));
+            if (level == 0) {
+                cost += visit(number, met);
+                continue;
+            }
+            each_lane(met, [&, level = level, number = number](std::size_t lane) {
+                const std::size_t child = number * fan + lane;
+                if (child >= first >> (3 * (level - 1))) {
+                    stack[depth++] = {level - 1, child};
+                }
+            });
+        }
+        return cost;
+    }
+
+    std::size_t size_ = 0;
+    std::size_t levels_ = 0;
+    std::array<std::size_t, deepest + 1> firsts_{};  ///< of each level, and the end of the last
+    Array<Block> blocks_;                            ///< level by level
+};
+
+/// Orders items with places at(item) for a tree: halves them across the side of their box that is the longer one, in boxes
+/// `aspect` times as wide as high, until eight are left. The first half fills whole nodes. O(n log n).
+template <class Item, class At>
+void order_by_place(std::span<Item> items, const At& at, StopPace& pace, double aspect = 1) {
+    constexpr std::size_t fan = BoxTree<Point>::fan;
+    if (items.size() <= fan) {
+        return;
+    }
+    FlatBox box = FlatBox::nothing();
+    for (const Item& item : items) {
+        box.include({at(item), at(item)});
+    }
+    std::size_t node = fan;
+    while (node * fan < items.size()) {
+        node *= fan;
+    }
+    const std::size_t half = (items.size() + node - 1) / node / 2 * node;
+    pace.spend(4 * items.size());
+    const auto middle = items.begin() + static_cast<std::ptrdiff_t>(half);
+    if (static_cast<double>(width_of(box)) > aspect * static_cast<double>(height_of(box))) {
+        std::nth_element(items.begin(), middle, items.end(),
+                         [&](const Item& a, const Item& b) { return at(a).x < at(b).x; });
+    } else {
+        std::nth_element(items.begin(), middle, items.end(),
+                         [&](const Item& a, const Item& b) { return at(a).y < at(b).y; });
+    }
+    order_by_place(items.first(half), at, pace, aspect);
+    order_by_place(items.subspan(half), at, pace, aspect);
+}
+
+}  // namespace lamella

@@ -32,6 +32,13 @@ public:
     /// The host's stop request, paced by time: for whatever works within the call.
     const StopCheck& stop() const noexcept { return stop_.check(); }
 
+    /// For a call within the call that `control` is of: it ends with this one, and reports no progress of its own.
+    Control within(Control control) const noexcept {
+        control.stop = stop();
+        control.progress = {};
+        return control;
+    }
+
     /// How many workers run() may have for so many indices; at least one.
     std::size_t workers_for(std::size_t count) const noexcept {
         return std::clamp<std::size_t>(count, 1, static_cast<std::size_t>(threads_));

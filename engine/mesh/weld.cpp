@@ -113,52 +113,6 @@ Result<Array<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory*
     return corners;
 }
 
-/// [0, count) in ranges, of which each has an array of its own where counts become first numbers: two calls of run().
-class NumberedRanges {
-public:
-    NumberedRanges(std::size_t count, const Parallel& parallel)
-        : count_(count), parallel_(parallel), firsts_(std::clamp<std::size_t>(count / range_size, 1, most_ranges) + 1) {}
-
-    /// Numbers the items for which is_counted(i) in ascending order: calls see(i, the number of the last one up to i,
-    /// whether i is one), and before all of them room(how many there are).
-    template <class IsCounted, class Room, class See>
-    void number(const IsCounted& is_counted, const Room& room, const See& see) {
-        for_each_range([&](std::size_t range, std::size_t begin, std::size_t end) {
-            std::uint32_t own = 0;
-            for (std::size_t i = begin; i < end; ++i) {
-                own += is_counted(i) ? 1 : 0;
-            }
-            firsts_[range] = own;
-        });
-        firsts_.back() = 0;
-        std::exclusive_scan(firsts_.begin(), firsts_.end(), firsts_.begin(), 0U);
-        room(firsts_.back());
-        for_each_range([&](std::size_t range, std::size_t begin, std::size_t end) {
-            std::uint32_t next = firsts_[range];
-            for (std::size_t i = begin; i < end; ++i) {
-                const bool counted = is_counted(i);
-                next += counted ? 1 : 0;
-                see(i, next - 1, counted);
-            }
-        });
-    }
-
-private:
-    static constexpr std::size_t range_size = std::size_t{1} << 15;
-    static constexpr std::size_t most_ranges = std::size_t{1} << 12;
-
-    template <class Body>
-    void for_each_range(const Body& body) const {
-        const std::size_t ranges = firsts_.size() - 1;
-        parallel_.run(ranges,
-                      [&](std::size_t range, int) { body(range, count_ * range / ranges, count_ * (range + 1) / ranges); });
-    }
-
-    std::size_t count_;
-    const Parallel& parallel_;
-    std::vector<std::uint32_t> firsts_;
-};
-
 /// The mesh's distinct vertices, ascending; `of_corners` gets the number of each corner's.
 template <class Number>
 Result<Array<Place<Number>>> distinct_places(const MeshView& mesh, std::span<std::uint32_t> of_corners,
@@ -171,15 +125,15 @@ Result<Array<Place<Number>>> distinct_places(const MeshView& mesh, std::span<std
     const std::span<const Corner<Number>> corners = sorted->span();
     parallel.begin_stage(numbered_share, 2);
     Array<Place<Number>> places(memory);
-    NumberedRanges(corners.size(), parallel)
-        .number([&](std::size_t i) { return i == 0 || !(corners[i - 1].place == corners[i].place); },
-                [&](std::size_t count) { places.resize_discarding(count); },
-                [&](std::size_t i, std::uint32_t number, bool is_new) {
-                    of_corners[corners[i].index] = number;
-                    if (is_new) {
-                        places[number] = corners[i].place;
-                    }
-                });
+    number_where(
+        corners.size(), parallel, [&](std::size_t i) { return i == 0 || !(corners[i - 1].place == corners[i].place); },
+        [&](std::size_t count) { places.resize_discarding(count); },
+        [&](std::size_t i, std::uint32_t number, bool is_new) {
+            of_corners[corners[i].index] = number;
+            if (is_new) {
+                places[number] = corners[i].place;
+            }
+        });
     return places;
 }
 
@@ -242,18 +196,18 @@ void keep(std::span<const Place<Number>> places, const Joining& joining, const P
           WeldedMesh& welded) {
     Array<std::uint32_t> number_of(memory);
     number_of.resize_discarding(places.size());
-    NumberedRanges(places.size(), parallel)
-        .number([&](std::size_t v) { return joining.is_kept(v); },
-                [&](std::size_t count) {
-                    welded.vertex_count = count;
-                    welded.coordinates.resize_discarding(count * sizeof(Place<Number>));
-                },
-                [&](std::size_t v, std::uint32_t number, bool kept) {
-                    if (kept) {
-                        number_of[v] = number;
-                        std::memcpy(welded.coordinates.data() + number * sizeof places[v], &places[v], sizeof places[v]);
-                    }
-                });
+    number_where(
+        places.size(), parallel, [&](std::size_t v) { return joining.is_kept(v); },
+        [&](std::size_t count) {
+            welded.vertex_count = count;
+            welded.coordinates.resize_discarding(count * sizeof(Place<Number>));
+        },
+        [&](std::size_t v, std::uint32_t number, bool kept) {
+            if (kept) {
+                number_of[v] = number;
+                std::memcpy(welded.coordinates.data() + number * sizeof places[v], &places[v], sizeof places[v]);
+            }
+        });
     const std::span<const std::uint32_t> target = joining.target();
     parallel.run_ranges(welded.indices.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {

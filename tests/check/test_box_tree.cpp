@@ -8,7 +8,7 @@
 
 #include "base/distribute.hpp"
 #include "mesh/check/box_tree.hpp"
-#include "mesh/check/morton.hpp"
+#include "mesh/check/grid_mesh.hpp"
 
 namespace lamella::check_test {
 

@@ -74,8 +74,7 @@ public:
           shells_(shells),
           parallel_(parallel),
           blocks_(mesh.memory),
-          tallies_(static_cast<std::size_t>(parallel.threads()),
-                   {Tally<FacePair>(most), Tally<FacePair>(most), Tally<FacePair>(most)}),
+          tallies_(kinds.size(), Tally<FacePair>(most, parallel)),
           meets_other_(shells.size()) {
         blocks_.resize_discarding(tree.boxes.groups());
         parallel.run_ranges(blocks_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
@@ -99,12 +98,7 @@ public:
             });
     }
 
-    Tally<FacePair>& total(std::size_t kind) {
-        for (std::size_t worker = 1; worker < tallies_.size(); ++worker) {
-            tallies_[0][kind].add(tallies_[worker][kind]);
-        }
-        return tallies_[0][kind];
-    }
+    const Tally<FacePair>& of(std::size_t kind) const { return tallies_[kind]; }
 
     std::vector<std::uint8_t> meets_other() const { return {meets_other_.begin(), meets_other_.end()}; }
 
@@ -142,7 +136,7 @@ private:
     void note(const Met& met, int worker) {
         for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
             if (kinds[kind].first == met.meeting) {
-                tallies_[static_cast<std::size_t>(worker)][kind].add(met.faces);
+                tallies_[kind].add(met.faces, worker);
             }
         }
         const auto [face, other] = met.faces;
@@ -159,8 +153,8 @@ private:
     const Array<std::uint32_t>& shell_of_;
     const std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
-    Array<StarBlock> blocks_;  ///< by group
-    std::vector<std::array<Tally<FacePair>, kinds.size()>> tallies_;
+    Array<StarBlock> blocks_;                             ///< by group
+    std::vector<Tally<FacePair>> tallies_;                ///< by kind
     std::vector<std::atomic<std::uint8_t>> meets_other_;  ///< by shell
 };
 
@@ -196,14 +190,10 @@ std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTre
     MeetingSearch search(mesh, tree, stars, shell_of, shells, notes.most(), parallel);
     const bool complete = search.run(progress);
     for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
-        const auto& [meeting, fault] = kinds[kind];
-        Tally<FacePair>& total = search.total(kind);
+        const auto [meeting, fault] = kinds[kind];
         FaultFinding& finding = notes.of(fault);
-        finding.count = total.count();
         finding.at_least = !complete;
-        for (const FacePair& pair : total.smallest()) {
-            finding.places.push_back(place_of(mesh, pair, meeting));
-        }
+        search.of(kind).fill_in(finding, [&, as = meeting](const FacePair& pair) { return place_of(mesh, pair, as); });
     }
     return search.meets_other();
 }

@@ -21,19 +21,17 @@ bool is_turned(const MeshShell& shell) noexcept {
 }
 
 Result<OrientedMesh> orient_or_throw(const MeshView& view, const OrientOptions& options) {
-    Control quiet = options.control;
-    quiet.progress = {};
-    Result<WeldedMesh> welded = weld(view, {.tolerance_mm = 0, .mm_per_unit = options.mm_per_unit, .control = quiet});
+    const Parallel parallel(options.control);
+    Result<WeldedMesh> welded =
+        weld(view, {.tolerance_mm = 0, .mm_per_unit = options.mm_per_unit, .control = parallel.within(options.control)});
     if (!welded) {
         return welded.error();
     }
     OrientedMesh oriented{.mesh = std::move(welded).value()};
-    const Parallel parallel(options.control);
     const Recycler recycler;
-    parallel.begin_stage(0.3, 2);
     const Transform to_mm = oriented.mesh.to_mm();
     MeshCheck found;
-    const Result<MeshInfo> measured = measure_mesh(oriented.mesh.view(), to_mm, options.unit_mm, parallel, [] {});
+    const Result<MeshInfo> measured = measure_mesh(oriented.mesh.view(), to_mm, options.unit_mm, parallel, 0.3);
     if (!measured) {
         return measured.error();
     }

@@ -1,5 +1,4 @@
-#include "mesh/check/vertex_numbers.hpp"
-
+// The distinct vertices of a mesh on the grid, numbered.
 #include <algorithm>
 #include <bit>
 #include <functional>
@@ -7,9 +6,8 @@
 
 #include "base/distribute.hpp"
 #include "base/parallel_sort.hpp"
-#include "mesh/check/morton.hpp"
+#include "mesh/check/grid_mesh.hpp"
 #include "mesh/exact_reader.hpp"
-#include "slicing/grid/quantise.hpp"
 #include "slicing/grid/vertex_hash.hpp"
 
 namespace lamella {
@@ -93,14 +91,13 @@ public:
           of_found_(memory),
           tables_(static_cast<std::size_t>(parallel.threads())) {}
 
-    VertexNumbers run() {
+    Array<std::uint32_t> run(GridMesh& grid) {
         number_ranges();
         Distributed<Item> parts = distribute_found();
-        Array<GridVertex> vertices = number_parts(parts);
+        grid.vertices = number_parts(parts);
         rename_corners();
-        const bool joined =
-            std::any_of(tables_.begin(), tables_.end(), [](const VertexTable& table) { return table.joined(); });
-        return {std::move(vertices), std::move(of_corners_), joined};
+        grid.joined = std::any_of(tables_.begin(), tables_.end(), [](const VertexTable& table) { return table.joined(); });
+        return std::move(of_corners_);
     }
 
 private:
@@ -237,9 +234,9 @@ private:
 
 }  // namespace
 
-VertexNumbers number_vertices(const MeshView& mesh, const Transform& transform, const MeshInfo& info,
-                              const Parallel& parallel, const Memory* memory) {
-    return Numbering(mesh, transform, info, parallel, memory).run();
+Array<std::uint32_t> number_vertices(const MeshView& mesh, const Transform& transform, const MeshInfo& info,
+                                     const Parallel& parallel, GridMesh& grid) {
+    return Numbering(mesh, transform, info, parallel, grid.memory).run(grid);
 }
 
 }  // namespace lamella

@@ -140,7 +140,12 @@ std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTre
                                              const Array<std::uint32_t>& shell_of, const std::vector<MeshShell>& shells,
                                              Notes& notes, double progress, const Parallel& parallel);
 
-/// Shells whose orientation contradicts their depth, where the depth is conclusive (shells.cpp).
+/// Whether the orientation contradicts the depth: outwards is right within an even number of others.
+inline bool is_misoriented(const MeshShell& shell) noexcept {
+    return shell.orientation != 0 && shell.orientation != (shell.depth % 2 == 0 ? 1 : -1);
+}
+
+/// Misoriented shells, where the depth is conclusive (shells.cpp).
 void find_misoriented_shells(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other,
                              bool all_known, Notes& notes);
 

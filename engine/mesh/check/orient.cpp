@@ -16,10 +16,6 @@ namespace lamella {
 
 namespace {
 
-bool is_turned(const MeshShell& shell) noexcept {
-    return shell.orientation != 0 && shell.orientation != (shell.depth % 2 == 0 ? 1 : -1);
-}
-
 Result<OrientedMesh> orient_or_throw(const MeshView& view, const OrientOptions& options) {
     const Parallel parallel(options.control);
     Result<WeldedMesh> welded =
@@ -49,14 +45,15 @@ Result<OrientedMesh> orient_or_throw(const MeshView& view, const OrientOptions& 
         const Notes notes(grid, 0, found.findings);
         const Array<std::uint32_t> shell_of = find_shells(grid, edges, tree, notes, found, parallel, true);
         for (std::size_t face = 0; face < grid.faces.size(); ++face) {
-            if (is_turned(found.shells[shell_of[face]])) {
+            if (is_misoriented(found.shells[shell_of[face]])) {
                 const std::size_t first = 3 * std::size_t{grid.faces[face].source};
                 std::swap(oriented.mesh.indices[first + 1], oriented.mesh.indices[first + 2]);
             }
         }
     }
     oriented.shells = found.shells.size();
-    oriented.turned_shells = static_cast<std::uint64_t>(std::count_if(found.shells.begin(), found.shells.end(), is_turned));
+    oriented.turned_shells =
+        static_cast<std::uint64_t>(std::count_if(found.shells.begin(), found.shells.end(), is_misoriented));
     const bool all_closed =
         std::all_of(found.shells.begin(), found.shells.end(), [](const MeshShell& shell) { return shell.closed; });
     oriented.complete = found.nesting_complete && (oriented.turned_shells == 0 || all_closed);

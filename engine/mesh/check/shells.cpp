@@ -230,8 +230,7 @@ void find_misoriented_shells(const std::vector<MeshShell>& shells, const std::ve
     notes.of(Fault::misoriented_shell).at_least = !all_known;
     for (std::size_t i = 0; all_known && i < shells.size(); ++i) {
         const MeshShell& shell = shells[i];
-        const bool fits = shell.orientation == 0 || shell.orientation == (shell.depth % 2 == 0 ? 1 : -1);
-        if (!fits && (shell.depth == 0 || lies_apart(shells, meets_other, i))) {
+        if (is_misoriented(shell) && (shell.depth == 0 || lies_apart(shells, meets_other, i))) {
             notes.add(Fault::misoriented_shell, [&] {
                 FaultPlace place;
                 place.points_mm[0] = shell.first_mm;

@@ -14,8 +14,8 @@
 
 #include "audit/pair.hpp"
 #include "base/guard.hpp"
+#include "base/numbers.hpp"
 #include "base/parallel.hpp"
-#include "base/sign.hpp"
 #include "slicing/edges/edge_runs.hpp"
 #include "slicing/edges/pair_search.hpp"
 #include "slicing/edges/run_strips.hpp"

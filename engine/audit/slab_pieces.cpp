@@ -4,8 +4,8 @@
 #include <bit>
 #include <tuple>
 
-#include "audit/folded.hpp"
 #include "slicing/grid/exact.hpp"
+#include "slicing/grid/vertex_hash.hpp"
 
 namespace lamella {
 
@@ -93,7 +93,7 @@ std::uint32_t SlabPieces::node_at(const GridVertex& vertex, PlaneIndex slab) {
 
 SlabPieces::Place& SlabPieces::place_of(const GridVertex& vertex) noexcept {
     const std::size_t mask = table_.size() - 1;
-    std::size_t at = static_cast<std::size_t>(folded(vertex)) & mask;
+    std::size_t at = static_cast<std::size_t>(quick_hash_of(vertex)) & mask;
     while (table_[at].node != none && !(table_[at].vertex == vertex)) {
         at = (at + 1) & mask;
     }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/disjoint_sets.hpp"
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "lamella/audit/ledger.hpp"
 #include "slicing/grid/quantise.hpp"
 #include "slicing/planes/plane_set.hpp"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "lamella/result.hpp"
 
 namespace lamella {

@@ -2,7 +2,7 @@
 
 #include <cfloat>
 
-#include "base/mixed.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella::models {
 
@@ -45,7 +45,7 @@ SinCos sincos_turns(double turns) noexcept {
 
 std::uint64_t Random::next() noexcept {
     state_ += 0x9e3779b97f4a7c15U;
-    return mixed(state_);
+    return mix64(state_);
 }
 
 }  // namespace lamella::models

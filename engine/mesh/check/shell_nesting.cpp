@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "base/sign.hpp"
+#include "base/numbers.hpp"
 #include "mesh/check/finders.hpp"
 #include "mesh/check/meeting.hpp"
 #include "mesh/check/pair_search.hpp"

@@ -7,8 +7,8 @@
 
 #include "base/disjoint_sets.hpp"
 #include "base/distribute.hpp"
+#include "base/numbers.hpp"
 #include "base/parallel_sort.hpp"
-#include "base/sign.hpp"
 #include "mesh/check/finders.hpp"
 #include "slicing/grid/grid_vector.hpp"
 

@@ -5,7 +5,7 @@
 #include <cassert>
 #include <utility>
 
-#include "base/per_worker.hpp"
+#include "base/parallel.hpp"
 #include "slicing/buckets/bucket_parts.hpp"
 #include "slicing/buckets/soup_scan.hpp"
 

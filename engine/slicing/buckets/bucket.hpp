@@ -12,8 +12,8 @@
 #include <cstdint>
 #include <span>
 
-#include "base/fit.hpp"
 #include "base/parallel.hpp"
+#include "base/vector.hpp"
 #include "lamella/array.hpp"
 #include "lamella/memory.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"

@@ -5,7 +5,7 @@
 #include <bit>
 #include <span>
 
-#include "base/per_worker.hpp"
+#include "base/parallel.hpp"
 #include "slicing/buckets/bucket_parts.hpp"
 #include "slicing/grid/quantise.hpp"
 

@@ -12,8 +12,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/fit.hpp"
 #include "base/parallel.hpp"
+#include "base/vector.hpp"
 #include "lamella/array.hpp"
 #include "lamella/error.hpp"
 #include "lamella/memory.hpp"

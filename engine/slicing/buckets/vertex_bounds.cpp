@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "base/atomic_word.hpp"
-#include "base/per_worker.hpp"
+#include "base/parallel.hpp"
 #include "slicing/buckets/bucket_parts.hpp"
 #include "slicing/buckets/indexed_triangles.hpp"
 #include "slicing/grid/placed_reader.hpp"

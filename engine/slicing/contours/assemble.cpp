@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "base/guard.hpp"
-#include "base/progress_meter.hpp"
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "slicing/contours/layer_builder.hpp"
 #include "slicing/contours/link_graph.hpp"

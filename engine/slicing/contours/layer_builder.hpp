@@ -11,7 +11,7 @@
 
 #include <span>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/result.hpp"
 #include "slicing/contours/canonical_order.hpp"

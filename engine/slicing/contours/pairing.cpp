@@ -4,8 +4,7 @@
 #include <array>
 #include <cassert>
 
-#include "base/int128.hpp"
-#include "base/sign.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/guard.hpp"
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/words.hpp"
 #include "lamella/assemble.hpp"

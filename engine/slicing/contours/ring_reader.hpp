@@ -10,7 +10,6 @@
 
 #include "base/function_ref.hpp"
 #include "base/parallel.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/contours/layer_contour.hpp"

@@ -24,7 +24,7 @@
 #include <type_traits>
 
 #include "base/function_ref.hpp"
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "slicing/contours/kernels.hpp"
 #include "slicing/contours/mesh_edge.hpp"

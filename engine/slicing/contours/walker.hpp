@@ -18,7 +18,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "slicing/contours/slot_table.hpp"
 

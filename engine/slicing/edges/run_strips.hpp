@@ -17,7 +17,6 @@
 #include <utility>
 
 #include "base/parallel.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
 #include "slicing/edges/edge_runs.hpp"

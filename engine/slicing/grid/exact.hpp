@@ -1,7 +1,7 @@
 // Exact products of points in 128 bits: simpler than the faster ones in nesting/inside.hpp.
 #pragma once
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {

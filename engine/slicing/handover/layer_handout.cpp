@@ -4,7 +4,7 @@
 #include <span>
 #include <tuple>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 
 namespace lamella {
 

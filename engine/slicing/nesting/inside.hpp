@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/dispatch.hpp"
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/nesting/query_steps.hpp"

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "base/function_ref.hpp"
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {

@@ -20,7 +20,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/region.hpp"
 #include "slicing/regions/snap_rounding.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/nesting/ring_facts.hpp"
 

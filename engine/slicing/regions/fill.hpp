@@ -21,7 +21,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "slicing/nesting/nest.hpp"
 #include "slicing/regions/arrangement.hpp"

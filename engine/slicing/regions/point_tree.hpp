@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/edges/flat_box.hpp"

@@ -17,7 +17,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/region.hpp"
 #include "slicing/nesting/nest.hpp"

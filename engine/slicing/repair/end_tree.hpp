@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 

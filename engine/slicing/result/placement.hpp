@@ -28,7 +28,6 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "base/progress_meter.hpp"
 #include "base/vector.hpp"
 #include "lamella/result.hpp"
 #include "slicing/bands/bands.hpp"

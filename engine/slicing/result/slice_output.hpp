@@ -9,7 +9,6 @@
 
 #include "base/function_ref.hpp"
 #include "base/parallel.hpp"
-#include "base/progress_meter.hpp"
 #include "lamella/result.hpp"
 #include "slicing/bands/bands.hpp"
 #include "slicing/buckets/bucket.hpp"

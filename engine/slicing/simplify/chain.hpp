@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {

@@ -29,7 +29,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "slicing/edges/edge_pairs.hpp"
 #include "slicing/nesting/nest.hpp"

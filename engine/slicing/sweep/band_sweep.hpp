@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/slice.hpp"
 #include "slicing/bands/bands.hpp"

@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "base/stop_pace.hpp"
 #include "base/vector.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/contours/layer_builder.hpp"

@@ -8,6 +8,7 @@
 
 #include "base/disjoint_sets.hpp"
 #include "base/distribute.hpp"
+#include "base/number_table.hpp"
 #include "mesh/exact_reader.hpp"
 #include "mesh/measure.hpp"
 #include "slicing/grid/mesh_edge.hpp"
@@ -94,8 +95,8 @@ private:
     };
 
     struct Scratch {
-        Array<Edge> edges;
-        Array<std::uint32_t> slots;  ///< open addressing: 1 + index into edges, or 0
+        std::vector<Edge> edges;  ///< of a partition
+        NumberTable numbers;
         Counts counts;
     };
 
@@ -103,7 +104,10 @@ private:
         return {triangle[corner], triangle[(corner + 1) % 3]};
     }
 
-    /// By the highest bits of their edges' hashes; the slots within a partition are taken by those after them.
+    /// Without the bits by which partitions are chosen.
+    std::uint64_t hash_within(const MeshEdge& edge) const { return edge.hash() << partition_bits_; }
+
+    /// By the highest bits of their edges' hashes.
     Distributed<Index> partition_sides() const {
         const auto emit_sides = [this](std::size_t begin, std::size_t end, const auto& emit) {
             for (std::size_t t = begin; t != end; ++t) {
@@ -129,9 +133,9 @@ private:
         std::vector<Scratch> scratch(static_cast<std::size_t>(parallel_.threads()));
         parallel_.run(sides.size(), [&](std::size_t partition, int worker) {
             Scratch& own = scratch[static_cast<std::size_t>(worker)];
-            const std::size_t distinct = link(sides.of(partition), own);
-            for (std::size_t e = 0; e < distinct; ++e) {
-                tally(own.edges[e], own.counts);
+            link(sides.of(partition), own);
+            for (const Edge& edge : own.edges) {
+                tally(edge, own.counts);
             }
         });
         Counts total;
@@ -141,38 +145,24 @@ private:
         return total;
     }
 
-    /// Gathers the sides of a partition into own.edges and unites the triangles that meet; the number of edges.
-    std::size_t link(std::span<const Index> sides, Scratch& own) {
-        own.edges.resize_discarding(sides.size());
-        own.slots.resize_discarding(std::bit_ceil(2 * sides.size() + 1));
-        std::fill(own.slots.begin(), own.slots.end(), 0U);
-        std::uint32_t distinct = 0;
+    /// Gathers the sides of a partition into own.edges and unites the triangles that meet.
+    void link(std::span<const Index> sides, Scratch& own) {
+        own.edges.clear();
+        own.numbers.clear(sides.size());
         for (const Index number : sides) {
             const Side side = side_of(reader_(number / 3), number % 3);
             const Index triangle = static_cast<Index>(number / 3);
-            std::uint32_t& slot = find(side.edge, own);
             const std::uint64_t exact = exact_ends(number);
-            if (slot == 0) {
-                own.edges[distinct] = {side.edge, 0, 0, triangle, exact, false};
-                slot = ++distinct;
+            const std::uint32_t found = own.numbers.number(
+                hash_within(side.edge), [&](std::uint32_t i) { return own.edges[i].edge == side.edge; },
+                [&](std::uint32_t i) { return hash_within(own.edges[i].edge); });
+            if (found == own.edges.size()) {
+                own.edges.push_back({side.edge, 0, 0, triangle, exact, false});
             }
-            Edge& edge = own.edges[slot - 1];
+            Edge& edge = own.edges[found];
             edge.joined = edge.joined || edge.exact != exact;
             ++(side.forward ? edge.forward : edge.backward);
             shells_.unite(edge.triangle, triangle);
-        }
-        return distinct;
-    }
-
-    /// The slot of the edge, or the free one where it belongs.
-    std::uint32_t& find(const MeshEdge& edge, Scratch& own) const {
-        const std::size_t mask = own.slots.size() - 1;
-        const std::uint64_t within = edge.hash() << partition_bits_;
-        for (std::size_t slot = within >> (64 - std::countr_zero(own.slots.size()));; slot = (slot + 1) & mask) {
-            const std::uint32_t entry = own.slots[slot];
-            if (entry == 0 || own.edges[entry - 1].edge == edge) {
-                return own.slots[slot];
-            }
         }
     }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/distribute.hpp"
+#include "base/number_table.hpp"
 #include "base/parallel_sort.hpp"
 #include "mesh/check/grid_mesh.hpp"
 #include "mesh/exact_reader.hpp"
@@ -26,22 +27,19 @@ struct Vertex {
 class VertexTable {
 public:
     void clear() {
+        numbers_.clear(std::max(found_.size(), least_room));  // as many as last time are to be expected
         found_.clear();
-        slots_.assign(std::max<std::size_t>(slots_.size(), 1024), 0);
     }
 
     std::uint32_t number(const Vertex& vertex) {
-        std::uint32_t& slot = find(vertex.place);
-        if (slot != 0) {
-            joined_ = joined_ || found_[slot - 1].exact != vertex.exact;
-            return slot - 1;
+        const std::uint32_t number = numbers_.number(
+            hash_of(vertex.place), [&](std::uint32_t i) { return found_[i].place == vertex.place; },
+            [&](std::uint32_t i) { return hash_of(found_[i].place); });
+        if (number == found_.size()) {
+            found_.push_back(vertex);
         }
-        found_.push_back(vertex);
-        slot = static_cast<std::uint32_t>(found_.size());
-        if (2 * found_.size() > slots_.size()) {
-            grow();
-        }
-        return static_cast<std::uint32_t>(found_.size() - 1);
+        joined_ = joined_ || found_[number].exact != vertex.exact;
+        return number;
     }
 
     const std::vector<Vertex>& found() const noexcept { return found_; }
@@ -49,25 +47,10 @@ public:
     bool joined() const noexcept { return joined_; }
 
 private:
-    /// The slot of the vertex, or the free one where it belongs.
-    std::uint32_t& find(const GridVertex& place) {
-        const std::size_t mask = slots_.size() - 1;
-        for (std::size_t slot = hash_of(place) & mask;; slot = (slot + 1) & mask) {
-            if (slots_[slot] == 0 || found_[slots_[slot] - 1].place == place) {
-                return slots_[slot];
-            }
-        }
-    }
-
-    void grow() {
-        slots_.assign(2 * slots_.size(), 0);
-        for (std::uint32_t i = 0; i < found_.size(); ++i) {
-            find(found_[i].place) = i + 1;
-        }
-    }
+    static constexpr std::size_t least_room = 512;
 
     std::vector<Vertex> found_;
-    std::vector<std::uint32_t> slots_;  ///< open addressing: 1 + index into found_, or 0
+    NumberTable numbers_;
     bool joined_ = false;
 };
 

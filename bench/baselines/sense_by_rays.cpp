@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella::baselines {
 

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <span>
 
-#include "base/mixed.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella::bench {
 
@@ -15,7 +15,7 @@ std::uint64_t hash_of(Point p) noexcept {
 }
 
 std::uint64_t hash_of(Point from, Point to) noexcept {
-    return mixed(mixed(hash_of(from) + 0x9E3779B97F4A7C15U) + hash_of(to));
+    return mix64(mix64(hash_of(from) + 0x9E3779B97F4A7C15U) + hash_of(to));
 }
 
 /// Skips segments of no length, because a contour stores two equal successive points as one.
@@ -34,7 +34,7 @@ void add_contour(PlaneAnswer& plane, std::span<const Point> points, bool closed)
         steps += from != to ? hash_of(from, to) : 0;
     }
     if (closed) {
-        plane.closed.push_back(mixed(steps));
+        plane.closed.push_back(mix64(steps));
     }
 }
 

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <vector>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "base/rounding.hpp"
 #include "lamella/assemble.hpp"
 #include "measure.hpp"

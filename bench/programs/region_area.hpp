@@ -1,7 +1,7 @@
 // The area of a region of one layer.
 #pragma once
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "lamella/assemble.hpp"
 
 namespace lamella::bench {

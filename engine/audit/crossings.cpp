@@ -14,6 +14,7 @@
 
 #include "audit/pair.hpp"
 #include "base/guard.hpp"
+#include "base/numbers.hpp"
 #include "base/parallel.hpp"
 #include "slicing/edges/edge_runs.hpp"
 #include "slicing/edges/pair_search.hpp"

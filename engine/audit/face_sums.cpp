@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "audit/folded.hpp"
 #include "slicing/grid/grid_vector.hpp"
+#include "slicing/grid/vertex_hash.hpp"
 
 namespace lamella {
 
@@ -19,12 +19,12 @@ static_assert(CornerSums::limb_bits + 18 + 1 + 1 < 63, "a limb holds its sum unt
 
 /// Of the edge from one to the other; that of its opposite is the negative.
 std::uint64_t directed(std::uint64_t from, std::uint64_t to) noexcept {
-    const std::uint64_t edge = folded((from + to) ^ 0x94D049BB133111EBU, (from ^ to) ^ 0xD6E8FEB86659FD93U);
+    const std::uint64_t edge = mul_fold((from + to) ^ 0x94D049BB133111EBU, (from ^ to) ^ 0xD6E8FEB86659FD93U);
     return (std::uint64_t{from < to} - std::uint64_t{from > to}) * edge;
 }
 
 std::uint64_t boundary_of(const GridTriangle& t) noexcept {
-    const std::array<std::uint64_t, 3> corners = {folded(t[0]), folded(t[1]), folded(t[2])};
+    const std::array<std::uint64_t, 3> corners = {quick_hash_of(t[0]), quick_hash_of(t[1]), quick_hash_of(t[2])};
     return directed(corners[0], corners[1]) + directed(corners[1], corners[2]) + directed(corners[2], corners[0]);
 }
 

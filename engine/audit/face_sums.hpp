@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/dispatch.hpp"
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "slicing/grid/quantise.hpp"
 #include "slicing/planes/plane_set.hpp"
 

@@ -108,8 +108,7 @@ Result<OpenLayers> find_open_layer(const LayerView& layer, GapSense sense, const
 
 Result<OpenLayers> find_open_layers(const SliceResult& result, const Control& control) noexcept {
     return guarded(control, [&]() -> Result<OpenLayers> {
-        Parallel parallel(control);
-        parallel.follow(control.stop);
+        const Parallel parallel(control);
         std::vector<OpenLayers> layers(result.layers.size());
         parallel.run_ranges(layers.size(), layers_at_once, [&](std::size_t begin, std::size_t end, int) {
             for (std::size_t i = begin; i < end; ++i) {

@@ -1,11 +1,10 @@
 #include "audit/slab_pieces.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <tuple>
 
-#include "audit/folded.hpp"
 #include "slicing/grid/exact.hpp"
+#include "slicing/grid/vertex_hash.hpp"
 
 namespace lamella {
 
@@ -35,7 +34,7 @@ void SlabPieces::begin(PlaneIndex first, PlaneIndex last, std::size_t triangles)
     first_ = first;
     last_ = last;
     // A closed surface has half as many vertices as triangles.
-    table_.assign(std::bit_ceil(triangles + 2), {{}, none});
+    numbers_.clear(triangles / 2);
     nodes_.clear();
     pieces_.clear();
     sets_.assign(0);
@@ -77,34 +76,14 @@ void SlabPieces::add(const SlabTriangle& triangle) {
 }
 
 std::uint32_t SlabPieces::node_at(const GridVertex& vertex, PlaneIndex slab) {
-    Place* place = &place_of(vertex);
-    if (place->node != none) {
-        return place->node;
-    }
-    const auto node = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.push_back({vertex, slab, 0, none, 0});
-    sets_.add();
-    *place = {vertex, node};
-    if (2 * nodes_.size() > table_.size()) {
-        grow();
+    const std::uint32_t node = numbers_.number(
+        quick_hash_of(vertex), [&](std::uint32_t i) { return nodes_[i].vertex == vertex; },
+        [&](std::uint32_t i) { return quick_hash_of(nodes_[i].vertex); });
+    if (node == nodes_.size()) {
+        nodes_.push_back({vertex, slab, 0, none, 0});
+        sets_.add();
     }
     return node;
-}
-
-SlabPieces::Place& SlabPieces::place_of(const GridVertex& vertex) noexcept {
-    const std::size_t mask = table_.size() - 1;
-    std::size_t at = static_cast<std::size_t>(folded(vertex)) & mask;
-    while (table_[at].node != none && !(table_[at].vertex == vertex)) {
-        at = (at + 1) & mask;
-    }
-    return table_[at];
-}
-
-void SlabPieces::grow() {
-    table_.assign(2 * table_.size(), {{}, none});
-    for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
-        place_of(nodes_[node].vertex) = {nodes_[node].vertex, node};
-    }
 }
 
 /// Gathers the sets that do not join two planes; a set's root is its first node.

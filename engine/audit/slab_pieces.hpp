@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "base/disjoint_sets.hpp"
-#include "base/int128.hpp"
+#include "base/number_table.hpp"
+#include "base/numbers.hpp"
 #include "lamella/audit/ledger.hpp"
 #include "slicing/grid/quantise.hpp"
 #include "slicing/planes/plane_set.hpp"
@@ -59,11 +60,6 @@ private:
         std::uint8_t meets;
         std::uint64_t triangles;
     };
-    /// Of the table: the vertex stands beside its node, so that a look-up touches one cache line.
-    struct Place {
-        GridVertex vertex;
-        std::uint32_t node;
-    };
     struct Total {
         std::uint64_t triangles = 0;
         Int128 up = 0;  ///< twice the areas of horizontal faces, square units
@@ -75,9 +71,6 @@ private:
 
     bool holds(PlaneIndex slab) const noexcept { return first_ <= slab && slab <= last_; }
     std::uint32_t node_at(const GridVertex& vertex, PlaneIndex slab);
-    /// Where the vertex stands, or is to stand.
-    Place& place_of(const GridVertex& vertex) noexcept;
-    void grow();
     void gather();
     SurfacePiece entry_of(const Piece& piece);
 
@@ -85,7 +78,7 @@ private:
     double unit_mm_;
     PlaneIndex first_ = 0;
     PlaneIndex last_ = 0;
-    std::vector<Place> table_;  // open addressing; a power of two, at most half full
+    NumberTable numbers_;  // of nodes, by their vertices
     std::vector<Node> nodes_;
     std::vector<Piece> pieces_;
     DisjointSets sets_;  // of nodes, united over the edges within a slab

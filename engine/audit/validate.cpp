@@ -1,11 +1,10 @@
 // Checks what SliceResult promises, by plain methods that share nothing with the slicing stages.
 #include <algorithm>
-#include <new>
-#include <numeric>
-#include <vector>
+#include <span>
+#include <string>
+#include <utility>
 
-#include "audit/containment.hpp"
-#include "audit/validate_origins.hpp"
+#include "audit/validate.hpp"
 #include "base/guard.hpp"
 #include "lamella/audit/validate.hpp"
 #include "slicing/grid/exact.hpp"
@@ -14,23 +13,8 @@ namespace lamella {
 
 namespace {
 
-/// The broken promise in words, or empty.
-using Complaint = std::string;
-
 bool is_closed(const Contour& contour) {
     return contour.role != Role::open;
-}
-
-bool has_area(const Contour& contour) {
-    return contour.role == Role::outer || contour.role == Role::hole;
-}
-
-std::string place(std::size_t layer) {
-    return "layer " + std::to_string(layer) + ": ";
-}
-
-std::string place(std::size_t layer, std::size_t contour) {
-    return "layer " + std::to_string(layer) + ", contour " + std::to_string(contour) + ": ";
 }
 
 /// Contours of consecutive layers and points of consecutive contours follow each other without gap, to the end.
@@ -40,18 +24,18 @@ Complaint check_offsets(const SliceResult& result) {
     for (std::size_t l = 0; l < result.layers.size(); ++l) {
         const Layer& layer = result.layers[l];
         if (layer.first_contour != next_contour) {
-            return place(l) + "does not begin where the layer before ends";
+            return layer_place(l) + "does not begin where the layer before ends";
         }
         if (layer.contour_count > result.contours.size() - next_contour) {
-            return place(l) + "reaches past the last contour";
+            return layer_place(l) + "reaches past the last contour";
         }
         for (; next_contour < layer.first_contour + layer.contour_count; ++next_contour) {
             const Contour& contour = result.contours[next_contour];
             if (contour.first_point != next_point) {
-                return place(l, next_contour) + "does not begin where the contour before ends";
+                return layer_place(l, next_contour) + "does not begin where the contour before ends";
             }
             if (contour.point_count > result.points.size() - next_point) {
-                return place(l, next_contour) + "reaches past the last point";
+                return layer_place(l, next_contour) + "reaches past the last point";
             }
             next_point += contour.point_count;
         }
@@ -66,13 +50,13 @@ Complaint check_planes(const SliceResult& result) {
     for (std::size_t l = 0; l < result.layers.size(); ++l) {
         const Layer& layer = result.layers[l];
         if (layer.plane.z() % 2 == 0) {
-            return place(l) + "the plane lies on an even height, where vertices are";
+            return layer_place(l) + "the plane lies on an even height, where vertices are";
         }
         if (l > 0 && layer.plane <= result.layers[l - 1].plane) {
-            return place(l) + "the plane is not above the one before";
+            return layer_place(l) + "the plane is not above the one before";
         }
         if (!(layer.bottom_mm <= layer.plane_mm && layer.plane_mm <= layer.top_mm)) {
-            return place(l) + "the plane is not between bottom and top";
+            return layer_place(l) + "the plane is not between bottom and top";
         }
     }
     return {};
@@ -153,189 +137,6 @@ Complaint check_contour(const Contour& contour, std::span<const Point> points) {
     return complaint.empty() ? check_orientation(contour) : complaint;
 }
 
-/// One layer's contours of one part, their own promises already checked. Indices are the layer's.
-class LayerCheck {
-public:
-    LayerCheck(const SliceResult& result, std::size_t index, const Layer& layer)
-        : result_(result), index_(index), layer_(layer), contours_(result.contours_of(layer_)) {}
-
-    Complaint run() const {
-        for (const auto check : {&LayerCheck::parents, &LayerCheck::roles, &LayerCheck::order}) {
-            Complaint complaint = (this->*check)();
-            if (!complaint.empty()) {
-                return complaint;
-            }
-        }
-        return {};
-    }
-
-private:
-    static constexpr std::size_t none = static_cast<std::size_t>(-1);
-
-    std::string at(std::size_t c) const { return place(index_, layer_.first_contour + c); }
-
-    std::size_t parent(std::size_t c) const {
-        return contours_[c].parent < 0 ? none : static_cast<std::size_t>(contours_[c].parent) - layer_.first_contour;
-    }
-
-    Point start(std::size_t c) const { return result_.points[contours_[c].first_point]; }
-
-    Int128 size(std::size_t c) const {
-        const Int128 twice_area = to_int128(contours_[c].twice_area);
-        return twice_area < 0 ? -twice_area : twice_area;
-    }
-
-    Complaint parents() const {
-        Complaint complaint;
-        if (!keeps_contours()) {
-            return complaint;  // contours of a region may touch: a start may lie on the contour around it
-        }
-        for_each_enclosure(result_, layer_, [&](std::size_t c, std::span<const std::size_t> around) {
-            if (complaint.empty() && !is_parent(c, around)) {
-                complaint = at(c) + "the parent is not the smallest contour around its start";
-            }
-        });
-        return complaint;
-    }
-
-    bool keeps_contours() const noexcept {
-        return result_.region.rule_of(result_.first_layer + index_) == FillRule::contours;
-    }
-
-    /// Any of several equally small ones will do.
-    bool is_parent(std::size_t c, std::span<const std::size_t> around) const {
-        if (around.empty() || parent(c) == none) {
-            return around.empty() && contours_[c].parent == -1;
-        }
-        const auto smallest =
-            std::min_element(around.begin(), around.end(), [&](auto a, auto b) { return size(a) < size(b); });
-        return std::find(around.begin(), around.end(), parent(c)) != around.end() && size(parent(c)) == size(*smallest);
-    }
-
-    struct Standing {
-        std::int64_t winding = 0;
-        std::size_t ancestors = 0;
-        bool facets_stand = true;  ///< no winding number from the outside in to here is negative
-    };
-
-    /// Parents start strictly left of their children, so in the order of starts they come first.
-    Complaint roles() const {
-        if (!keeps_contours()) {
-            return roles_of_region();
-        }
-        std::vector<std::size_t> by_start(contours_.size());
-        std::iota(by_start.begin(), by_start.end(), std::size_t{0});
-        std::sort(by_start.begin(), by_start.end(), [&](std::size_t a, std::size_t b) { return start(a) < start(b); });
-        std::vector<Standing> standing(contours_.size());
-        for (const std::size_t c : by_start) {
-            if (!has_area(contours_[c])) {
-                continue;
-            }
-            if (parent(c) != none) {
-                standing[c] = standing[parent(c)];
-                ++standing[c].ancestors;
-            }
-            standing[c].winding += contours_[c].orientation;
-            standing[c].facets_stand = standing[c].facets_stand && standing[c].winding >= 0;
-            if (!suits(contours_[c], standing[c])) {
-                return at(c) + "the role or its overruled mark does not follow from what lies around";
-            }
-        }
-        return {};
-    }
-
-    /// For a region that a fill rule leaves: outers lie in nothing or in holes, holes in outers.
-    Complaint roles_of_region() const {
-        for (std::size_t c = 0; c < contours_.size(); ++c) {
-            if (!has_area(contours_[c])) {
-                continue;
-            }
-            const bool hole = contours_[c].role == Role::hole;
-            const bool stands = parent(c) == none ? !hole : contours_[parent(c)].role == (hole ? Role::outer : Role::hole);
-            if (!stands || (contours_[c].flags & orientation_overruled) != 0) {
-                return at(c) + "the role does not follow from what lies around";
-            }
-        }
-        return {};
-    }
-
-    static bool suits(const Contour& contour, const Standing& standing) {
-        const bool overruled = (contour.flags & orientation_overruled) != 0;
-        const bool outer = standing.facets_stand ? contour.orientation > 0 : standing.ancestors % 2 == 0;
-        return overruled == !standing.facets_stand && contour.role == (outer ? Role::outer : Role::hole);
-    }
-
-    /// Outers, flats and open ones by start; after each outer its holes by start.
-    Complaint order() const {
-        std::size_t head = none;  // the last contour that is no hole
-        for (std::size_t c = 0; c < contours_.size(); ++c) {
-            const bool hole = contours_[c].role == Role::hole;
-            if (hole && owner(c) != head) {
-                return at(c) + "a hole that does not follow its outer";
-            }
-            const std::size_t before = hole ? c - 1 : head;
-            if (before != none && (!hole || before != head) && start(c) < start(before)) {
-                return at(c) + "contours are not in the order of their starts";
-            }
-            head = hole ? head : c;
-        }
-        return {};
-    }
-
-    /// The nearest ancestor that is an outer. Every hole has one: the outermost contour around it.
-    std::size_t owner(std::size_t hole) const {
-        std::size_t c = parent(hole);
-        while (c != none && contours_[c].role != Role::outer) {
-            c = parent(c);
-        }
-        return c;
-    }
-
-    const SliceResult& result_;
-    std::size_t index_;
-    const Layer& layer_;
-    std::span<const Contour> contours_;
-};
-
-/// The same for every part of a layer, whose contours lie side by side.
-Complaint check_parts(const SliceResult& result, std::size_t index) {
-    const Layer& layer = result.layers[index];
-    const std::uint64_t end = layer.first_contour + layer.contour_count;
-    std::int64_t last_part = -1;
-    Layer own = layer;
-    for (std::uint64_t first = layer.first_contour; first < end; first += own.contour_count) {
-        const std::uint32_t part = result.contours[first].part;
-        if (part >= result.part_count || std::int64_t{part} <= last_part) {
-            return place(index, first) + "the part is none, or not in the order of parts";
-        }
-        last_part = part;
-        own.first_contour = first;
-        own.contour_count = 1;
-        while (first + own.contour_count < end && result.contours[first + own.contour_count].part == part) {
-            ++own.contour_count;
-        }
-        for (const Contour& contour : result.contours_of(own)) {
-            if (contour.parent >= 0 && result.contours[static_cast<std::size_t>(contour.parent)].part != part) {
-                return place(index, first) + "the parent is of another part";
-            }
-        }
-        if (Complaint complaint = LayerCheck(result, index, own).run(); !complaint.empty()) {
-            return complaint;
-        }
-    }
-    return {};
-}
-
-Complaint check_united(const SliceResult& result, std::size_t index) {
-    const Layer& layer = result.layers[index];
-    for (const Contour& contour : result.contours_of(layer)) {
-        if (contour.part >= result.part_count && contour.part != several_parts) {
-            return place(index, static_cast<std::size_t>(&contour - result.contours.data())) + "there is no such part";
-        }
-    }
-    return LayerCheck(result, index, layer).run();
-}
-
 Complaint check_layer(const SliceResult& result, std::size_t index) {
     const Layer& layer = result.layers[index];
     std::uint64_t segments = 0;
@@ -343,20 +144,20 @@ Complaint check_layer(const SliceResult& result, std::size_t index) {
         const Contour& contour = result.contours[c];
         Complaint complaint = check_contour(contour, result.points_of(contour));
         if (!complaint.empty()) {
-            return place(index, c) + complaint;
+            return layer_place(index, c) + complaint;
         }
         const std::int64_t first = static_cast<std::int64_t>(layer.first_contour);
         const std::int64_t last = first + static_cast<std::int64_t>(layer.contour_count);
         if (contour.parent != -1 && (contour.parent < first || contour.parent >= last)) {
-            return place(index, c) + "the parent lies in another layer";
+            return layer_place(index, c) + "the parent lies in another layer";
         }
         segments += contour.segments;
     }
     // A fill rule drops some and cuts others in two.
     if (segments != layer.segments && result.region.rule_of(result.first_layer + index) == FillRule::contours) {
-        return place(index) + "contours do not use every segment once";
+        return layer_place(index) + "contours do not use every segment once";
     }
-    return result.part_regions == PartRegions::united ? check_united(result, index) : check_parts(result, index);
+    return complaint_about_nesting(result, index);
 }
 
 Complaint check_summary(const SliceResult& result) {
@@ -406,6 +207,14 @@ Status check(const SliceResult& result) {
 }
 
 }  // namespace
+
+std::string layer_place(std::size_t layer) {
+    return "layer " + std::to_string(layer) + ": ";
+}
+
+std::string layer_place(std::size_t layer, std::size_t contour) {
+    return "layer " + std::to_string(layer) + ", contour " + std::to_string(contour) + ": ";
+}
 
 Status validate(const SliceResult& result) noexcept {
     return guarded([&] { return check(result); });

@@ -1,10 +1,10 @@
-#include "audit/validate_origins.hpp"
-
+// Whether origins are where points came from, for validate().
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "audit/pair.hpp"
+#include "audit/validate.hpp"
 #include "base/guard.hpp"
 #include "lamella/audit/validate.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -21,7 +21,7 @@ bool has_edge(std::uint8_t edge) {
     return edge < 3;
 }
 
-std::string complaint_about(const PointOrigin& origin, const Contour& contour, const SliceResult& result) {
+Complaint complaint_about(const PointOrigin& origin, const Contour& contour, const SliceResult& result) {
     if (origin.triangle == no_triangle) {
         return origin == PointOrigin() ? "" : "an origin without a triangle, yet with an edge or a part";
     }
@@ -107,7 +107,7 @@ public:
             for (std::uint64_t c = layer.first_contour; c < layer.first_contour + layer.contour_count; ++c) {
                 const Contour& contour = result_.contours[c];
                 for (std::uint32_t i = 0; i < contour.point_count; ++i) {
-                    std::string complaint = complaint_at(l, contour, i);
+                    Complaint complaint = complaint_at(l, contour, i);
                     if (!complaint.empty()) {
                         Error error;
                         error.message = "layer " + std::to_string(l) + ", " + point_place(c, i) + std::move(complaint);
@@ -125,7 +125,7 @@ private:
     static constexpr double on_edge = 0.75;
     static constexpr double on_segment = 3;
 
-    std::string complaint_at(std::size_t layer, const Contour& contour, std::uint32_t i) const {
+    Complaint complaint_at(std::size_t layer, const Contour& contour, std::uint32_t i) const {
         const PointOrigin& origin = result_.origins_of(contour)[i];
         const bool is_plain = result_.region.rule_of(result_.first_layer + layer) == FillRule::contours;
         if (origin.triangle == no_triangle) {
@@ -142,7 +142,7 @@ private:
         if (!section.is_cut()) {
             return "the plane does not cut the origin's triangle";
         }
-        std::string complaint = complaint_about_ends(section, origin, contour, i);
+        Complaint complaint = complaint_about_ends(section, origin, contour, i);
         const bool runs_as_facet = is_plain && (contour.flags & (orientation_mixed | orientation_overruled)) == 0;
         if (complaint.empty() && runs_as_facet && !is_last(contour, i) && !section.begins(origin.edge)) {
             complaint = "the contour edge runs against its facet";
@@ -155,8 +155,8 @@ private:
         return contour.point_count == 1 || (contour.role == Role::open && i + 1 == contour.point_count);
     }
 
-    std::string complaint_about_ends(const Section& section, const PointOrigin& origin, const Contour& contour,
-                                     std::uint32_t i) const {
+    Complaint complaint_about_ends(const Section& section, const PointOrigin& origin, const Contour& contour,
+                                   std::uint32_t i) const {
         const std::span<const Point> points = result_.points_of(contour);
         const Point next = points[i + 1 < points.size() ? i + 1 : 0];
         const auto is_off = [&](std::uint8_t edge, Point point) {
@@ -207,7 +207,7 @@ Status check(const SliceResult& result, std::span<const Part> parts) {
 
 }  // namespace
 
-std::string complaint_about_origins(const SliceResult& result) {
+Complaint complaint_about_origins(const SliceResult& result) {
     if (result.origins.empty()) {
         return {};
     }
@@ -217,7 +217,7 @@ std::string complaint_about_origins(const SliceResult& result) {
     for (std::size_t c = 0; c < result.contours.size(); ++c) {
         const Contour& contour = result.contours[c];
         for (std::uint32_t i = 0; i < contour.point_count; ++i) {
-            std::string complaint = complaint_about(result.origins_of(contour)[i], contour, result);
+            Complaint complaint = complaint_about(result.origins_of(contour)[i], contour, result);
             if (!complaint.empty()) {
                 return point_place(c, i) + complaint;
             }

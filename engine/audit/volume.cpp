@@ -263,10 +263,7 @@ Result<VolumeCertificate> certify_or_throw(const MeshView& mesh, const SliceResu
     const Sums sums = sum_faces(mesh, result, planes, scale, parallel);
     parallel.begin_stage(0.99);
     VolumeCertificate certificate = sums.edges == 0 ? Certifier(result, sums, scale, parallel).run() : VolumeCertificate{};
-    Control within = control;
-    within.stop = parallel.stop();
-    within.progress = {};
-    const Result<OpenLayers> open = find_open_layers(result, within);
+    const Result<OpenLayers> open = find_open_layers(result, parallel.within(control));
     if (!open) {
         return open.error();
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -109,6 +110,35 @@ Array<std::uint32_t> indices_where(std::size_t count, const Parallel& parallel, 
     }
     found.set_size(all);
     return found;
+}
+
+/// Two calls of run(): numbers the items under `count` for which is_counted(item) holds in ascending order. Calls room(how
+/// many there are), and then see(item, number of the last one up to it, whether it is one) for all. Throws std::bad_alloc.
+template <class IsCounted, class Room, class See>
+void number_where(std::size_t count, const Parallel& parallel, const IsCounted& is_counted, const Room& room,
+                  const See& see) {
+    constexpr std::size_t range_size = std::size_t{1} << 15;
+    constexpr std::size_t most_ranges = std::size_t{1} << 12;
+    const std::size_t ranges = std::clamp<std::size_t>(count / range_size, 1, most_ranges);
+    const auto first = [&](std::size_t range) { return count * range / ranges; };
+    std::vector<std::uint32_t> firsts(ranges + 1, 0);  // how many a range has, then the first of them
+    parallel.run(ranges, [&](std::size_t range, int) {
+        std::uint32_t own = 0;
+        for (std::size_t i = first(range); i != first(range + 1); ++i) {
+            own += is_counted(i) ? 1 : 0;
+        }
+        firsts[range] = own;
+    });
+    std::exclusive_scan(firsts.begin(), firsts.end(), firsts.begin(), 0U);
+    room(firsts.back());
+    parallel.run(ranges, [&](std::size_t range, int) {
+        std::uint32_t next = firsts[range];
+        for (std::size_t i = first(range); i != first(range + 1); ++i) {
+            const bool counted = is_counted(i);
+            next += counted ? 1 : 0;
+            see(i, next - 1, counted);
+        }
+    });
 }
 
 /// Sorts the items of a part by a number that each has, where these lie close together, and then by `less`; its memory is

@@ -1,17 +1,116 @@
-// All parallelism of the library. oneTBB is included in parallel.cpp and nowhere else; the thread-sanitizer build runs the
-// same interface on std::thread, because Debian's oneTBB is not instrumented.
+// What a call uses of its host: threads, stop requests and progress. oneTBB is included in parallel.cpp and nowhere else;
+// the thread-sanitizer build runs the same interface on std::thread, because Debian's oneTBB is not instrumented.
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
 #include <cstddef>
+#include <limits>
 #include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
 
+#include "base/clock.hpp"
 #include "base/function_ref.hpp"
-#include "base/paced_stop.hpp"
-#include "base/progress_meter.hpp"
 #include "lamella/control.hpp"
 
 namespace lamella {
+
+/// Thrown where the host wants the call to end.
+struct Stopped {};
+
+/// Asks the host at the first look, and then at most once in `interval` on the thread that made the call and once on the
+/// others together. The calling thread has an interval of its own because some hosts, such as Python, answer only there.
+/// Once the host has said yes, every look says so: of many threads each would else wait until it is its turn to ask.
+class PacedStop {
+public:
+    static constexpr std::chrono::milliseconds interval{2};
+
+    explicit PacedStop(const StopCheck& host = {}) noexcept { follow(host); }
+    PacedStop(const PacedStop&) = delete;
+    PacedStop& operator=(const PacedStop&) = delete;
+
+    /// A call begins, on this thread.
+    void follow(const StopCheck& host) noexcept {
+        host_ = host;
+        caller_ = std::this_thread::get_id();
+        next_[0] = next_[1] = 0;
+        const auto look = [](void* self) noexcept { return static_cast<PacedStop*>(self)->look(); };
+        check_ = host.requested == nullptr ? StopCheck{} : StopCheck{look, this};
+    }
+
+    /// For any thread. A look that does not ask the host costs a look at the clock.
+    const StopCheck& check() const noexcept { return check_; }
+    void stop_if_asked() const { stop_if(check_); }
+    /// Asks the host whatever the time: one of its own functions has just run, and may have found a reason to stop.
+    void ask_host() const { stop_if(host_); }
+
+private:
+    static void stop_if(const StopCheck& check) {
+        if (check.stop_requested()) {
+            throw Stopped();
+        }
+    }
+    static Clock::rep now() noexcept { return Clock::now().time_since_epoch().count(); }
+
+    bool look() noexcept {
+        constexpr Clock::rep while_asking = std::numeric_limits<Clock::rep>::max();
+        constexpr Clock::rep said_yes = -1;
+        std::atomic<Clock::rep>& next = next_[std::this_thread::get_id() == caller_ ? 0 : 1];
+        Clock::rep due = next.load(std::memory_order_relaxed);
+        if (due == said_yes) {
+            return true;
+        }
+        if (now() < due || !next.compare_exchange_strong(due, while_asking, std::memory_order_relaxed)) {
+            return false;
+        }
+        if (!host_.stop_requested()) {
+            next.store(now() + Clock::duration(interval).count(), std::memory_order_relaxed);
+            return false;
+        }
+        next_[0] = next_[1] = said_yes;
+        return true;
+    }
+
+    StopCheck host_;
+    StopCheck check_;
+    std::thread::id caller_;
+    std::array<std::atomic<Clock::rep>, 2> next_{};  ///< when the host is asked again: on the calling thread, on others
+};
+
+/// Progress reported to the host: by one thread at a time, and never falling.
+class ProgressMeter {
+public:
+    explicit ProgressMeter(const Progress& sink) noexcept : sink_(sink) {}
+
+    /// From any thread, which does not wait: while another one reports, this is left out. So is what is not below 1, since
+    /// the call may still fail.
+    void reach(double fraction) noexcept {
+        if (sink_.report == nullptr) {
+            return;
+        }
+        const std::unique_lock lock(mutex_, std::try_to_lock);
+        if (lock.owns_lock() && fraction > reported_ && fraction < 1) {
+            reported_ = fraction;
+            sink_.report(sink_.context, fraction);
+        }
+    }
+
+    /// The call has succeeded, and no thread works on it any more.
+    void finish() noexcept {
+        if (sink_.report != nullptr) {
+            sink_.report(sink_.context, 1);
+        }
+    }
+
+private:
+    Progress sink_;
+    std::mutex mutex_;
+    double reported_ = -1;
+};
 
 /// Runs tasks on at most `threads()` threads of the host's executor or of oneTBB. Holds no threads of its own.
 class Parallel {
@@ -31,6 +130,13 @@ public:
     void follow(const StopCheck& stop) noexcept { stop_.follow(stop); }
     /// The host's stop request, paced by time: for whatever works within the call.
     const StopCheck& stop() const noexcept { return stop_.check(); }
+
+    /// For a call within the call that `control` is of: it ends with this one, and reports no progress of its own.
+    Control within(Control control) const noexcept {
+        control.stop = stop();
+        control.progress = {};
+        return control;
+    }
 
     /// How many workers run() may have for so many indices; at least one.
     std::size_t workers_for(std::size_t count) const noexcept {
@@ -91,6 +197,76 @@ private:
     PacedStop stop_;
     mutable Stages stages_;
     int threads_;
+};
+
+/// A value for each worker of a run, of which the first needs no memory: small work has one worker.
+template <class T>
+class PerWorker {
+public:
+    /// `workers` values, at least one. Throws std::bad_alloc.
+    explicit PerWorker(std::size_t workers) : rest_(workers > 1 ? workers - 1 : 0) {}
+
+    T& operator[](std::size_t worker) noexcept { return worker == 0 ? first_ : rest_[worker - 1]; }
+
+    /// Calls use(value) for each.
+    template <class Use>
+    void for_each(Use&& use) const {
+        use(first_);
+        for (const T& value : rest_) {
+            use(value);
+        }
+    }
+
+private:
+    T first_{};
+    std::vector<T> rest_;
+};
+
+/// Stop requests within work that one thread does by itself, such as a plane of a slice: the host is asked by the work done,
+/// so that small pieces of work cost next to nothing and long ones end soon. A unit of work is one of the steps that are
+/// done for every point or edge: 1 to 10 ns where memory is read in order. Steps that wait for memory count for several.
+class StopPace {
+public:
+    /// From here on the host is asked.
+    void follow(const StopCheck& host) noexcept {
+        host_ = host;
+        left_ = work_between_asks;
+    }
+
+    /// After `work` units: throws Stopped where the host wants the call to end.
+    void spend(std::size_t work) {
+        if (work < left_) {
+            left_ -= work;
+        } else {
+            ask();
+        }
+    }
+
+    /// Calls body(begin, end) for one stretch of [begin, end) after another; an index costs `work` units.
+    template <class Body>
+    void in_stretches(std::size_t begin, std::size_t end, std::size_t work, Body body) {
+        const std::size_t most = work_between_asks / work;
+        while (begin < end) {
+            const std::size_t next = begin + std::min(most, end - begin);
+            body(begin, next);
+            spend(work * (next - begin));
+            begin = next;
+        }
+    }
+
+    /// At once.
+    void ask() {
+        left_ = work_between_asks;
+        if (host_.stop_requested()) {
+            throw Stopped();
+        }
+    }
+
+private:
+    static constexpr std::size_t work_between_asks = std::size_t{1} << 17;
+
+    StopCheck host_{};
+    std::size_t left_ = work_between_asks;
 };
 
 }  // namespace lamella

@@ -5,6 +5,7 @@
 #include <limits>
 #include <new>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "lamella/array.hpp"
@@ -44,5 +45,20 @@ private:
 
 template <class T>
 using Vector = std::vector<T, Allocator<T>>;
+
+/// Gives back what lies beyond the size; the elements are lost. Throws std::bad_alloc.
+template <class T>
+void fit(Array<T>& array) {
+    if (array.capacity() > array.size()) {
+        const std::size_t size = array.size();
+        array = Array<T>(array.memory());  // first, so that both are never held at once
+        array.resize_discarding(size);
+    }
+}
+
+template <class T>
+void fit(Vector<T>& array) {
+    array.shrink_to_fit();
+}
 
 }  // namespace lamella

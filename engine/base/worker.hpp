@@ -1,7 +1,7 @@
 // A thread of a call, as what works on it sees it.
 #pragma once
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "lamella/memory.hpp"
 
 namespace lamella {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <initializer_list>
 #include <string>
 
 #include "c/handles.hpp"
@@ -24,55 +24,16 @@ Status read_choice(std::int32_t given, Enum last, const char* name, Enum& choice
     return {};
 }
 
-Error missing(const char* what) {
-    return {ErrorCode::invalid_argument, std::string(what) + " is NULL, but its count is not 0"};
+/// The first of several that went wrong.
+Status first_failure(std::initializer_list<Status> of) {
+    const auto failed = std::find_if(of.begin(), of.end(), [](const Status& status) { return !status; });
+    return failed == of.end() ? Status{} : *failed;
 }
 
 }  // namespace
 
-lamella_control default_control() noexcept {
-    lamella_control control{};
-    control.struct_size = sizeof control;
-    control.executor_threads = 1;
-    return control;
-}
-
-lamella_mesh default_mesh() noexcept {
-    lamella_mesh mesh{};
-    mesh.struct_size = sizeof mesh;
-    mesh.coordinate_mm = 1;
-    return mesh;
-}
-
-lamella_region_rules default_rules() noexcept {
-    const RegionRules defaults;
-    lamella_region_rules rules{};
-    rules.struct_size = sizeof rules;
-    rules.miter_limit = defaults.miter_limit;
-    return rules;
-}
-
-lamella_options default_options() noexcept {
-    const SliceOptions defaults;
-    lamella_options options{};
-    options.struct_size = sizeof options;
-    options.layer_height_mm = UniformLayers{}.layer_height_mm;
-    options.first_height_mm = std::numeric_limits<double>::quiet_NaN();
-    std::copy(defaults.transform.m.begin(), defaults.transform.m.end(), options.transform);
-    return options;
-}
-
-lamella_host_output default_host_output() noexcept {
-    lamella_host_output output{};
-    output.struct_size = sizeof output;
-    output.scale = 1;
-    return output;
-}
-
-lamella_totals default_totals() noexcept {
-    lamella_totals totals{};
-    totals.struct_size = sizeof totals;
-    return totals;
+Error missing(const char* what) {
+    return {ErrorCode::invalid_argument, std::string(what) + " is NULL, but its count is not 0"};
 }
 
 Status read_mesh(const lamella_mesh* given, MeshView& view, double& in_mm) {
@@ -80,15 +41,14 @@ Status read_mesh(const lamella_mesh* given, MeshView& view, double& in_mm) {
         return Error{ErrorCode::invalid_argument, "the mesh is NULL"};
     }
     lamella_mesh c;
-    if (Status status = read_sized(given, default_mesh(), "lamella_mesh", c); !status) {
+    if (Status status = read_sized(given, "lamella_mesh", c); !status) {
         return status;
     }
     CoordinateType type{};
-    if (Status status = read_choice(c.coordinate_type, CoordinateType::i64, "coordinate_type", type); !status) {
-        return status;
-    }
     IndexType index_type{};
-    if (Status status = read_choice(c.index_type, IndexType::u64, "index_type", index_type); !status) {
+    if (Status status = first_failure({read_choice(c.coordinate_type, CoordinateType::i64, "coordinate_type", type),
+                                       read_choice(c.index_type, IndexType::u64, "index_type", index_type)});
+        !status) {
         return status;
     }
     if (c.vertices == nullptr && c.triangle_count != 0) {
@@ -114,7 +74,7 @@ Status read_mesh(const lamella_mesh* given, MeshView& view, double& in_mm) {
 
 /// The functions of C go by way of the struct, since those of C++ promise not to throw, which C cannot say.
 Status CallOptions::read_control(const lamella_control* given) {
-    if (Status status = read_sized(given, default_control(), "lamella_control", control_); !status) {
+    if (Status status = read_sized(given, "lamella_control", control_); !status) {
         return status;
     }
     Control& control = options.control;
@@ -147,7 +107,7 @@ Status CallOptions::read_control(const lamella_control* given) {
 
 Status CallOptions::read_rules(const lamella_region_rules* given) {
     lamella_region_rules c;
-    if (Status status = read_sized(given, default_rules(), "lamella_region_rules", c); !status) {
+    if (Status status = read_sized(given, "lamella_region_rules", c); !status) {
         return status;
     }
     RegionRules& rules = options.region;
@@ -207,23 +167,15 @@ Status CallOptions::read_plan(const lamella_options& given) {
 
 Status CallOptions::read(const lamella_options* given) {
     lamella_options c;
-    if (Status status = read_sized(given, default_options(), "lamella_options", c); !status) {
+    if (Status status = read_sized(given, "lamella_options", c); !status) {
         return status;
     }
-    if (Status status = read_plan(c); !status) {
-        return status;
-    }
-    if (Status status = read_rules(c.region); !status) {
-        return status;
-    }
-    if (Status status = read_choice(c.arithmetic, Arithmetic::as_mesh, "arithmetic", options.transform.arithmetic);
+    if (Status status =
+            first_failure({read_plan(c), read_rules(c.region),
+                           read_choice(c.arithmetic, Arithmetic::as_mesh, "arithmetic", options.transform.arithmetic),
+                           read_choice(c.unit_fit, UnitFit::coarser_if_needed, "unit_fit", options.unit_fit),
+                           read_choice(c.gap_sense, GapSense::any, "gap_sense", options.gap_sense)});
         !status) {
-        return status;
-    }
-    if (Status status = read_choice(c.unit_fit, UnitFit::coarser_if_needed, "unit_fit", options.unit_fit); !status) {
-        return status;
-    }
-    if (Status status = read_choice(c.gap_sense, GapSense::any, "gap_sense", options.gap_sense); !status) {
         return status;
     }
     options.allow_empty = c.allow_empty != 0;

@@ -35,12 +35,7 @@ private:
 /// `in_mm`: what brings the mesh's coordinates to mm.
 Status read_mesh(const lamella_mesh* given, MeshView& view, double& in_mm);
 
-/// The defaults of each struct.
-lamella_control default_control() noexcept;
-lamella_mesh default_mesh() noexcept;
-lamella_region_rules default_rules() noexcept;
-lamella_options default_options() noexcept;
-lamella_host_output default_host_output() noexcept;
-lamella_totals default_totals() noexcept;
+/// For a list that is NULL though it has a length.
+Error missing(const char* what);
 
 }  // namespace lamella::c

@@ -1,8 +1,10 @@
 // What the opaque handles hold, and the C structs that are views of C++ ones: same bytes, another name.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 
 #include "c/call_options.hpp"
 #include "lamella/assemble.hpp"
@@ -30,40 +32,17 @@ namespace lamella::c {
 /// lies in the same bytes.
 template <class C>
 struct Same;
-template <>
-struct Same<lamella_point> {
-    using type = Point;
-};
-template <>
-struct Same<lamella_contour> {
-    using type = Contour;
-};
-template <>
-struct Same<lamella_layer> {
-    using type = Layer;
-};
-template <>
-struct Same<lamella_closed_gap> {
-    using type = ClosedGap;
-};
-template <>
-struct Same<lamella_point_origin> {
-    using type = PointOrigin;
-};
-template <>
-struct Same<lamella_segment> {
-    using type = Segment;
-};
-template <>
-struct Same<lamella_memory> {
-    using type = Memory;
-};
-
+#define LAMELLA_SAME(C, Cpp) \
+    template <>              \
+    struct Same<C> {         \
+        using type = Cpp;    \
+    };                       \
+    static_assert(sizeof(C) == sizeof(Cpp))
 #define LAMELLA_SAME_PLACE(C, c_field, Cpp, field) \
     static_assert(offsetof(C, c_field) == offsetof(Cpp, field), #C "." #c_field " and its C++ field lie in one place")
-static_assert(sizeof(lamella_point) == sizeof(Point));
+LAMELLA_SAME(lamella_point, Point);
 LAMELLA_SAME_PLACE(lamella_point, y, Point, y);
-static_assert(sizeof(lamella_contour) == sizeof(Contour));
+LAMELLA_SAME(lamella_contour, Contour);
 LAMELLA_SAME_PLACE(lamella_contour, twice_area_low, Contour, twice_area);
 LAMELLA_SAME_PLACE(lamella_contour, parent, Contour, parent);
 LAMELLA_SAME_PLACE(lamella_contour, point_count, Contour, point_count);
@@ -72,28 +51,29 @@ LAMELLA_SAME_PLACE(lamella_contour, role, Contour, role);
 LAMELLA_SAME_PLACE(lamella_contour, orientation, Contour, orientation);
 LAMELLA_SAME_PLACE(lamella_contour, flags, Contour, flags);
 LAMELLA_SAME_PLACE(lamella_contour, part, Contour, part);
-static_assert(sizeof(lamella_layer) == sizeof(Layer));
+LAMELLA_SAME(lamella_layer, Layer);
 LAMELLA_SAME_PLACE(lamella_layer, top_mm, Layer, top_mm);
 LAMELLA_SAME_PLACE(lamella_layer, first_contour, Layer, first_contour);
 LAMELLA_SAME_PLACE(lamella_layer, segments, Layer, segments);
 LAMELLA_SAME_PLACE(lamella_layer, plane, Layer, plane);
-static_assert(sizeof(lamella_closed_gap) == sizeof(ClosedGap));
+LAMELLA_SAME(lamella_closed_gap, ClosedGap);
 LAMELLA_SAME_PLACE(lamella_closed_gap, from, ClosedGap, from);
 LAMELLA_SAME_PLACE(lamella_closed_gap, to, ClosedGap, to);
-static_assert(sizeof(lamella_point_origin) == sizeof(PointOrigin));
+LAMELLA_SAME(lamella_point_origin, PointOrigin);
 LAMELLA_SAME_PLACE(lamella_point_origin, part, PointOrigin, part);
 LAMELLA_SAME_PLACE(lamella_point_origin, edge, PointOrigin, edge);
 LAMELLA_SAME_PLACE(lamella_point_origin, end_edge, PointOrigin, end_edge);
 static_assert(LAMELLA_NO_TRIANGLE == no_triangle && LAMELLA_NO_EDGE == no_edge && LAMELLA_SEVERAL_PARTS == several_parts);
 static_assert(LAMELLA_DEFAULT_UNIT_MM == default_unit_mm && LAMELLA_UNIT_BY_BOX == unit_by_box &&
               LAMELLA_GAPS_BY_MESH == gaps_by_mesh && LAMELLA_GRID_LIMIT == grid_limit);
-static_assert(sizeof(lamella_segment) == sizeof(Segment));
+LAMELLA_SAME(lamella_segment, Segment);
 LAMELLA_SAME_PLACE(lamella_segment, to_key, Segment, to_key);
 LAMELLA_SAME_PLACE(lamella_segment, from, Segment, from);
 LAMELLA_SAME_PLACE(lamella_segment, from_rank, Segment, from_rank);
-static_assert(sizeof(lamella_memory) == sizeof(Memory));
+LAMELLA_SAME(lamella_memory, Memory);
 LAMELLA_SAME_PLACE(lamella_memory, release, Memory, release);
 LAMELLA_SAME_PLACE(lamella_memory, context, Memory, context);
+#undef LAMELLA_SAME
 #undef LAMELLA_SAME_PLACE
 
 template <class C>
@@ -107,6 +87,23 @@ typename Same<C>::type* as_cpp(C* c) noexcept {
 template <class C>
 const C* as_c(const typename Same<C>::type* cpp) noexcept {
     return reinterpret_cast<const C*>(cpp);
+}
+
+/// The counts and the box that views and totals of a result have in common.
+template <class C>
+void copy_summary(const SliceSummary& summary, C& c) noexcept {
+    c.unit_doublings = static_cast<std::int32_t>(summary.unit_doublings);
+    c.triangles = summary.triangles;
+    c.degenerate = summary.degenerate;
+    c.segments = summary.segments;
+    c.holes = summary.holes;
+    c.open_contours = summary.open_contours;
+    c.flat_contours = summary.flat_contours;
+    c.overruled_contours = summary.overruled_contours;
+    c.near_contours = summary.near_contours;
+    c.emptied_layers = summary.emptied_layers;
+    std::copy(std::begin(summary.min_mm), std::end(summary.min_mm), c.min_mm);
+    std::copy(std::begin(summary.max_mm), std::end(summary.max_mm), c.max_mm);
 }
 
 }  // namespace lamella::c

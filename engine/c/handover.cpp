@@ -8,7 +8,6 @@
 #include "c/call_options.hpp"
 #include "c/handles.hpp"
 #include "c/sized.hpp"
-#include "c/slice_call.hpp"
 #include "lamella/host_output.hpp"
 #include "lamella/sink.hpp"
 
@@ -17,25 +16,13 @@ namespace lamella::c {
 namespace {
 
 lamella_totals totals_of(const SliceTotals& totals) noexcept {
-    const SliceSummary& summary = totals.summary;
     lamella_totals c{};
-    c.unit_doublings = static_cast<std::int32_t>(summary.unit_doublings);
     c.unit_mm = totals.unit_mm;
     c.layers = totals.layers;
     c.contours = totals.contours;
     c.points = totals.points;
     c.closed_gaps = totals.closed_gaps;
-    c.open_contours = summary.open_contours;
-    c.triangles = summary.triangles;
-    c.degenerate = summary.degenerate;
-    c.segments = summary.segments;
-    c.holes = summary.holes;
-    c.flat_contours = summary.flat_contours;
-    c.overruled_contours = summary.overruled_contours;
-    c.near_contours = summary.near_contours;
-    c.emptied_layers = summary.emptied_layers;
-    std::copy(std::begin(summary.min_mm), std::end(summary.min_mm), c.min_mm);
-    std::copy(std::begin(summary.max_mm), std::end(summary.max_mm), c.max_mm);
+    copy_summary(totals.summary, c);
     return c;
 }
 
@@ -45,7 +32,7 @@ public:
     explicit TotalsPlace(lamella_totals* out) : out_(out) {}
 
     Status read(const SliceOptions& options) {
-        if (Status status = read_sized(out_, default_totals(), "lamella_totals", place_); !status) {
+        if (Status status = read_sized(out_, "lamella_totals", place_); !status) {
             return status;
         }
         const auto* const heights = std::get_if<ExplicitPlanes>(&options.plan.spacing);
@@ -114,7 +101,7 @@ Status check_sink(const lamella_sink* sink) {
 
 Status read_output(const lamella_host_output* given, HostOutput& output) {
     lamella_host_output c;
-    if (Status status = read_sized(given, default_host_output(), "lamella_host_output", c); !status) {
+    if (Status status = read_sized(given, "lamella_host_output", c); !status) {
         return status;
     }
     switch (c.point_type) {
@@ -200,11 +187,7 @@ Status bound(const Mesh& mesh, Call& call, lamella_output_bounds* bounds) {
 }  // namespace
 }  // namespace lamella::c
 
-using lamella::MeshView;
-using lamella::PreparedMesh;
-using lamella::Status;
 using lamella::c::bound;
-using lamella::c::Call;
 using lamella::c::called_with;
 using lamella::c::hand_over;
 using lamella::c::write_into;
@@ -212,39 +195,36 @@ using lamella::c::write_into;
 int32_t lamella_slice_to(const lamella_sink* sink, const lamella_mesh* mesh, const lamella_options* options,
                          lamella_workspace* workspace, lamella_totals* totals, lamella_error* error) {
     return called_with(mesh, options, workspace, error,
-                       [&](const MeshView& view, Call& call) -> Status { return hand_over(sink, view, call, totals); });
+                       [&](const auto& view, auto& call) { return hand_over(sink, view, call, totals); });
 }
 
 int32_t lamella_slice_prepared_to(const lamella_sink* sink, const lamella_prepared* prepared, const lamella_options* options,
                                   lamella_workspace* workspace, lamella_totals* totals, lamella_error* error) {
-    return called_with(prepared, options, workspace, error, [&](const PreparedMesh& prepared_mesh, Call& call) -> Status {
-        return hand_over(sink, prepared_mesh, call, totals);
-    });
+    return called_with(prepared, options, workspace, error,
+                       [&](const auto& made, auto& call) { return hand_over(sink, made, call, totals); });
 }
 
 int32_t lamella_bound_output(const lamella_mesh* mesh, const lamella_options* options, lamella_workspace* workspace,
                              lamella_output_bounds* bounds, lamella_error* error) {
     return called_with(mesh, options, workspace, error,
-                       [&](const MeshView& view, Call& call) -> Status { return bound(view, call, bounds); });
+                       [&](const auto& view, auto& call) { return bound(view, call, bounds); });
 }
 
 int32_t lamella_bound_prepared_output(const lamella_prepared* prepared, const lamella_options* options,
                                       lamella_workspace* workspace, lamella_output_bounds* bounds, lamella_error* error) {
-    return called_with(prepared, options, workspace, error, [&](const PreparedMesh& prepared_mesh, Call& call) -> Status {
-        return bound(prepared_mesh, call, bounds);
-    });
+    return called_with(prepared, options, workspace, error,
+                       [&](const auto& made, auto& call) { return bound(made, call, bounds); });
 }
 
 int32_t lamella_slice_into(const lamella_host_output* output, const lamella_mesh* mesh, const lamella_options* options,
                            lamella_workspace* workspace, lamella_totals* totals, lamella_error* error) {
     return called_with(mesh, options, workspace, error,
-                       [&](const MeshView& view, Call& call) -> Status { return write_into(output, view, call, totals); });
+                       [&](const auto& view, auto& call) { return write_into(output, view, call, totals); });
 }
 
 int32_t lamella_slice_prepared_into(const lamella_host_output* output, const lamella_prepared* prepared,
                                     const lamella_options* options, lamella_workspace* workspace, lamella_totals* totals,
                                     lamella_error* error) {
-    return called_with(prepared, options, workspace, error, [&](const PreparedMesh& prepared_mesh, Call& call) -> Status {
-        return write_into(output, prepared_mesh, call, totals);
-    });
+    return called_with(prepared, options, workspace, error,
+                       [&](const auto& made, auto& call) { return write_into(output, made, call, totals); });
 }

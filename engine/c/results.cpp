@@ -36,18 +36,8 @@ static_assert(LAMELLA_INVALID_ARGUMENT == static_cast<int>(ErrorCode::invalid_ar
 static_assert(LAMELLA_BAD_PLANES == static_cast<int>(ErrorCode::bad_planes) + 1);
 static_assert(LAMELLA_UNWRITABLE_FILE == static_cast<int>(ErrorCode::unwritable_file) + 1);
 
-lamella_error empty_error() noexcept {
-    lamella_error error{};
-    error.struct_size = sizeof error;
-    error.triangle = -1;
-    error.plane = -1;
-    error.byte_offset = -1;
-    return error;
-}
-
 lamella_view view_of(const SliceResult& result) noexcept {
     lamella_view view{};
-    view.unit_doublings = static_cast<std::int32_t>(result.summary.unit_doublings);
     view.unit_mm = result.unit_mm;
     view.layers = as_c<lamella_layer>(result.layers.data());
     view.layer_count = result.layers.size();
@@ -59,18 +49,7 @@ lamella_view view_of(const SliceResult& result) noexcept {
     view.closed_gap_count = result.closed_gaps.size();
     view.layer_of = result.layer_of.data();
     view.layer_of_count = result.layer_of.size();
-    const SliceSummary& summary = result.summary;
-    view.triangles = summary.triangles;
-    view.degenerate = summary.degenerate;
-    view.segments = summary.segments;
-    view.holes = summary.holes;
-    view.open_contours = summary.open_contours;
-    view.flat_contours = summary.flat_contours;
-    view.overruled_contours = summary.overruled_contours;
-    view.near_contours = summary.near_contours;
-    view.emptied_layers = summary.emptied_layers;
-    std::copy(std::begin(summary.min_mm), std::end(summary.min_mm), view.min_mm);
-    std::copy(std::begin(summary.max_mm), std::end(summary.max_mm), view.max_mm);
+    copy_summary(result.summary, view);
     view.origins = result.origins.empty() ? nullptr : as_c<lamella_point_origin>(result.origins.data());
     return view;
 }
@@ -102,7 +81,7 @@ Status give_layer(Result<LayerContours> given, double unit_mm, const Memory* mem
 }  // namespace
 
 std::int32_t report(const Status& status, lamella_error* error) noexcept {
-    lamella_error c = empty_error();
+    lamella_error c = defaults<lamella_error>();
     if (!status) {
         const Error& what = status.error();
         c.status = status_of(what.code);
@@ -120,22 +99,14 @@ std::int32_t report(const Status& status, lamella_error* error) noexcept {
 using lamella::Contour;
 using lamella::Control;
 using lamella::default_unit_mm;
-using lamella::Error;
-using lamella::ErrorCode;
 using lamella::Point;
 using lamella::Status;
 using lamella::c::as_c;
 using lamella::c::as_cpp;
 using lamella::c::called;
 using lamella::c::CallOptions;
-using lamella::c::default_control;
-using lamella::c::default_host_output;
-using lamella::c::default_mesh;
-using lamella::c::default_options;
-using lamella::c::default_rules;
-using lamella::c::empty_error;
 using lamella::c::give_layer;
-using lamella::c::init_sized;
+using lamella::c::missing;
 using lamella::c::status_names;
 using lamella::c::view_of;
 using lamella::c::write_sized;
@@ -218,7 +189,7 @@ int32_t lamella_region_of(const lamella_path* contours, size_t count, const lame
             return status;
         }
         if (contours == nullptr && count != 0) {
-            return Error{ErrorCode::invalid_argument, "contours is NULL, but its count is not 0"};
+            return missing("contours");
         }
         std::vector<std::span<const Point>> paths;
         for (std::size_t i = 0; i < count; ++i) {
@@ -238,7 +209,7 @@ int32_t lamella_assemble(const lamella_segment* segments, size_t count, const la
             return status;
         }
         if (segments == nullptr && count != 0) {
-            return Error{ErrorCode::invalid_argument, "segments is NULL, but its count is not 0"};
+            return missing("segments");
         }
         const Control& host = call.options.control;
         return give_layer(lamella::assemble({as_cpp(segments), count}, host), default_unit_mm, host.memory, result);
@@ -254,38 +225,17 @@ const char* lamella_status_name(int32_t status) {
     return known ? status_names[status] : "unknown";
 }
 
-void lamella_error_init_sized(lamella_error* error, size_t size) {
-    init_sized(error, size, empty_error());
-}
-
-void lamella_control_init_sized(lamella_control* control, size_t size) {
-    init_sized(control, size, default_control());
-}
-
-void lamella_mesh_init_sized(lamella_mesh* mesh, size_t size) {
-    init_sized(mesh, size, default_mesh());
-}
-
-void lamella_region_rules_init_sized(lamella_region_rules* rules, size_t size) {
-    init_sized(rules, size, default_rules());
-}
-
-void lamella_options_init_sized(lamella_options* options, size_t size) {
-    init_sized(options, size, default_options());
-}
-
-void lamella_view_init_sized(lamella_view* view, size_t size) {
-    init_sized(view, size, lamella_view{});
-}
-
-void lamella_totals_init_sized(lamella_totals* totals, size_t size) {
-    init_sized(totals, size, lamella_totals{});
-}
-
-void lamella_output_bounds_init_sized(lamella_output_bounds* bounds, size_t size) {
-    init_sized(bounds, size, lamella_output_bounds{});
-}
-
-void lamella_host_output_init_sized(lamella_host_output* output, size_t size) {
-    init_sized(output, size, default_host_output());
-}
+#define LAMELLA_INIT_SIZED(T)                  \
+    void T##_init_sized(T* out, size_t size) { \
+        lamella::c::init_sized(out, size);     \
+    }
+LAMELLA_INIT_SIZED(lamella_error)
+LAMELLA_INIT_SIZED(lamella_control)
+LAMELLA_INIT_SIZED(lamella_mesh)
+LAMELLA_INIT_SIZED(lamella_region_rules)
+LAMELLA_INIT_SIZED(lamella_options)
+LAMELLA_INIT_SIZED(lamella_view)
+LAMELLA_INIT_SIZED(lamella_totals)
+LAMELLA_INIT_SIZED(lamella_output_bounds)
+LAMELLA_INIT_SIZED(lamella_host_output)
+#undef LAMELLA_INIT_SIZED

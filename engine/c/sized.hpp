@@ -11,11 +11,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <type_traits>
 
 #include "lamella/error.hpp"
 #include "lamella/lamella.h"
+#include "lamella/slice.hpp"
 #include "lamella/version.hpp"
 
 namespace lamella::c {
@@ -27,26 +29,44 @@ inline constexpr std::size_t largest_struct = 4096;
 template <class T>
 inline constexpr std::size_t end_of_fields = 0;
 
-#define LAMELLA_END_OF(T, field) (offsetof(T, field) + sizeof(T::field))
-template <>
-inline constexpr std::size_t end_of_fields<lamella_error> = LAMELLA_END_OF(lamella_error, message);
-template <>
-inline constexpr std::size_t end_of_fields<lamella_control> = LAMELLA_END_OF(lamella_control, progress_context);
-template <>
-inline constexpr std::size_t end_of_fields<lamella_mesh> = LAMELLA_END_OF(lamella_mesh, coordinate_mm);
-template <>
-inline constexpr std::size_t end_of_fields<lamella_region_rules> = LAMELLA_END_OF(lamella_region_rules, simplify_mm);
-template <>
-inline constexpr std::size_t end_of_fields<lamella_options> = LAMELLA_END_OF(lamella_options, reserved);
-template <>
-inline constexpr std::size_t end_of_fields<lamella_view> = LAMELLA_END_OF(lamella_view, origins);
-template <>
-inline constexpr std::size_t end_of_fields<lamella_totals> = LAMELLA_END_OF(lamella_totals, layer_of_capacity);
-template <>
-inline constexpr std::size_t end_of_fields<lamella_output_bounds> = LAMELLA_END_OF(lamella_output_bounds, unit_mm);
-template <>
-inline constexpr std::size_t end_of_fields<lamella_host_output> = LAMELLA_END_OF(lamella_host_output, origins);
-#undef LAMELLA_END_OF
+#define LAMELLA_LAST_FIELD(T, field) \
+    template <>                      \
+    inline constexpr std::size_t end_of_fields<T> = offsetof(T, field) + sizeof(T::field)
+LAMELLA_LAST_FIELD(lamella_error, message);
+LAMELLA_LAST_FIELD(lamella_control, progress_context);
+LAMELLA_LAST_FIELD(lamella_mesh, coordinate_mm);
+LAMELLA_LAST_FIELD(lamella_region_rules, simplify_mm);
+LAMELLA_LAST_FIELD(lamella_options, reserved);
+LAMELLA_LAST_FIELD(lamella_view, origins);
+LAMELLA_LAST_FIELD(lamella_totals, layer_of_capacity);
+LAMELLA_LAST_FIELD(lamella_output_bounds, unit_mm);
+LAMELLA_LAST_FIELD(lamella_host_output, origins);
+#undef LAMELLA_LAST_FIELD
+
+/// Sets the defaults that are not 0.
+struct Defaults {
+    template <class T>
+    static void set(T&) noexcept {}
+    static void set(lamella_error& error) noexcept { error.triangle = error.plane = error.byte_offset = -1; }
+    static void set(lamella_control& control) noexcept { control.executor_threads = 1; }
+    static void set(lamella_mesh& mesh) noexcept { mesh.coordinate_mm = 1; }
+    static void set(lamella_region_rules& rules) noexcept { rules.miter_limit = RegionRules{}.miter_limit; }
+    static void set(lamella_host_output& output) noexcept { output.scale = 1; }
+    static void set(lamella_options& options) noexcept {
+        options.layer_height_mm = UniformLayers{}.layer_height_mm;
+        options.first_height_mm = std::numeric_limits<double>::quiet_NaN();
+        const Transform identity;
+        std::copy(identity.m.begin(), identity.m.end(), options.transform);
+    }
+};
+
+template <class T>
+T defaults() noexcept {
+    T all{};
+    all.struct_size = sizeof all;
+    Defaults::set(all);
+    return all;
+}
 
 template <class T>
 constexpr void check_sized() {
@@ -58,10 +78,11 @@ constexpr void check_sized() {
 
 /// The defaults, into a struct of `size` bytes.
 template <class T>
-void init_sized(T* out, std::size_t size, const T& defaults) noexcept {
+void init_sized(T* out, std::size_t size) noexcept {
     check_sized<T>();
+    const T all = defaults<T>();
     std::memset(out, 0, size);
-    std::memcpy(out, &defaults, std::min(size, sizeof(T)));
+    std::memcpy(out, &all, std::min(size, sizeof(T)));
     out->struct_size = static_cast<std::uint32_t>(size);
 }
 
@@ -83,9 +104,9 @@ Status check_unknown(const T* given, std::size_t size, const T& known, const cha
 
 /// What the program gave, and the defaults beyond; all defaults where it gave nothing.
 template <class T>
-Status read_sized(const T* given, const T& defaults, const char* name, T& whole) {
+Status read_sized(const T* given, const char* name, T& whole) {
     check_sized<T>();
-    whole = defaults;
+    whole = defaults<T>();
     if (given == nullptr) {
         return {};
     }

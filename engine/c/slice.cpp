@@ -6,7 +6,6 @@
 #include "c/call.hpp"
 #include "c/call_options.hpp"
 #include "c/handles.hpp"
-#include "c/slice_call.hpp"
 #include "lamella/parts.hpp"
 #include "lamella/prepare.hpp"
 #include "lamella/slabs.hpp"
@@ -14,19 +13,12 @@
 
 namespace lamella::c {
 
-Status check_prepared(const lamella_prepared* prepared) {
-    if (prepared == nullptr) {
-        return Error{ErrorCode::invalid_argument, "the prepared mesh is NULL"};
-    }
-    return {};
-}
-
 namespace {
 
 /// `transforms`: twelve numbers a mesh, or null.
 Status read_parts(const lamella_mesh* const* meshes, const double* transforms, std::size_t count, std::vector<Part>& parts) {
     if (meshes == nullptr && count != 0) {
-        return Error{ErrorCode::invalid_argument, "meshes is NULL, but its count is not 0"};
+        return missing("meshes");
     }
     for (std::size_t p = 0; p < count; ++p) {
         Part& part = parts.emplace_back();
@@ -60,12 +52,17 @@ Status slab_options_of(const SliceOptions& given, SlabOptions& options) {
     return {};
 }
 
+/// `mesh` is a MeshView or a PreparedMesh.
+template <class Mesh>
+Status slice_result(const Mesh& mesh, Call& call, lamella_result** result) {
+    return fill_result(result, [&](SliceResult& filled) { return slice(mesh, call.options(), call.workspace(), filled); });
+}
+
 }  // namespace
 }  // namespace lamella::c
 
 using lamella::Error;
 using lamella::ErrorCode;
-using lamella::MeshView;
 using lamella::Part;
 using lamella::PartRegions;
 using lamella::PreparedMesh;
@@ -79,17 +76,15 @@ using lamella::c::Call;
 using lamella::c::called;
 using lamella::c::called_with;
 using lamella::c::CallOptions;
-using lamella::c::fill_result;
 using lamella::c::give_result;
 using lamella::c::read_parts;
 using lamella::c::slab_options_of;
+using lamella::c::slice_result;
 
 int32_t lamella_slice(const lamella_mesh* mesh, const lamella_options* options, lamella_workspace* workspace,
                       lamella_result** result, lamella_error* error) {
-    return called_with(mesh, options, workspace, error, [&](const MeshView& view, Call& call) -> Status {
-        return fill_result(
-            result, [&](SliceResult& filled) { return lamella::slice(view, call.options(), call.workspace(), filled); });
-    });
+    return called_with(mesh, options, workspace, error,
+                       [&](const auto& view, auto& call) { return slice_result(view, call, result); });
 }
 
 int32_t lamella_slice_parts(const lamella_mesh* const* meshes, const double* transforms, size_t count,
@@ -177,11 +172,8 @@ int32_t lamella_prepare(const lamella_mesh* mesh, const lamella_options* options
 
 int32_t lamella_slice_prepared(const lamella_prepared* prepared, const lamella_options* options,
                                lamella_workspace* workspace, lamella_result** result, lamella_error* error) {
-    return called_with(prepared, options, workspace, error, [&](const PreparedMesh& prepared_mesh, Call& call) -> Status {
-        return fill_result(result, [&](SliceResult& filled) {
-            return lamella::slice(prepared_mesh, call.options(), call.workspace(), filled);
-        });
-    });
+    return called_with(prepared, options, workspace, error,
+                       [&](const auto& made, auto& call) { return slice_result(made, call, result); });
 }
 
 uint64_t lamella_prepared_bytes(const lamella_prepared* prepared) {

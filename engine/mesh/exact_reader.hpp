@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "base/mixed.hpp"
+#include "base/numbers.hpp"
 #include "slicing/grid/quantise.hpp"
 
 namespace lamella {
@@ -30,8 +30,8 @@ private:
             return {bits(x), bits(y), bits(z)};
         }
         const auto hash = [&](std::uint64_t seed) {
-            return mixed(std::bit_cast<std::uint64_t>(x) ^
-                         mixed(std::bit_cast<std::uint64_t>(y) ^ mixed(std::bit_cast<std::uint64_t>(z) ^ seed)));
+            return mix64(std::bit_cast<std::uint64_t>(x) ^
+                         mix64(std::bit_cast<std::uint64_t>(y) ^ mix64(std::bit_cast<std::uint64_t>(z) ^ seed)));
         };
         const std::uint64_t first = hash(1);
         return {static_cast<std::int32_t>(first), static_cast<std::int32_t>(first >> 32),

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "base/distribute.hpp"
-#include "base/mixed.hpp"
+#include "base/numbers.hpp"
 #include "base/parallel.hpp"
 #include "base/vector.hpp"
 
@@ -126,7 +126,7 @@ private:
     static std::uint64_t hash_of(const CellNumbers& cell) noexcept {
         std::uint64_t hash = 0;
         for (const std::int64_t number : cell) {
-            hash = mixed(hash ^ static_cast<std::uint64_t>(number));
+            hash = mix64(hash ^ static_cast<std::uint64_t>(number));
         }
         return hash;
     }

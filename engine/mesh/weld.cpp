@@ -1,6 +1,7 @@
 #include "lamella/mesh/weld.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,7 @@
 #include "lamella/grid.hpp"
 #include "lamella/memory.hpp"
 #include "mesh/near_vertices.hpp"
+#include "slicing/grid/placed_reader.hpp"
 
 namespace lamella {
 
@@ -37,48 +39,28 @@ constexpr double joined_share = 0.9;
 
 constexpr std::size_t weld_grain = 8192;
 
-/// False if a coordinate cannot be used.
+/// Whether corner `i` names a vertex that there is not.
+bool is_dangling(const MeshView& mesh, std::size_t i) {
+    return mesh.indices != nullptr && mesh.vertex_of(i / 3, i % 3) >= mesh.vertex_count;
+}
+
+/// Reads corner `i` alone, as the triangle's other corners may be dangling. False if a coordinate cannot be used.
 template <class Number>
-bool finish_corner(std::size_t i, Corner<Number>& corner) {
-    corner.index = static_cast<std::uint32_t>(i);
+bool read_corner(const RawReader& read, std::size_t i, Corner<Number>& corner) {
+    const std::array<double, 3> xyz = read.corner(i / 3, i % 3);
     bool usable = true;
-    for (Number& coordinate : corner.place.at) {
-        usable = usable && std::abs(coordinate) <= static_cast<Number>(largest_coordinate_mm);
-        coordinate += Number{0};  // one zero, not two
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        usable = usable && std::abs(xyz[axis]) <= largest_coordinate_mm;
+        corner.place.at[axis] = static_cast<Number>(xyz[axis]) + Number{0};  // one zero, not two
     }
+    corner.index = static_cast<std::uint32_t>(i);
     return usable;
-}
-
-/// Of corner `i` alone: the triangle's other corners may name no vertex.
-template <class Stored, class Number>
-void read_place(const MeshView& mesh, std::size_t i, Place<Number>& place) {
-    const std::byte* at = mesh.indices != nullptr ? mesh.vertices + mesh.vertex_of(i / 3, i % 3) * mesh.stride
-                                                  : mesh.vertices + i / 3 * mesh.stride + i % 3 * 3 * sizeof(Stored);
-    Stored stored[3];
-    std::memcpy(stored, at, sizeof stored);
-    std::transform(stored, stored + 3, place.at, [](Stored coordinate) { return static_cast<Number>(coordinate); });
-}
-
-/// Reads a corner; false if a coordinate cannot be used.
-template <class Number>
-bool read_corner(const MeshView& mesh, std::size_t i, Corner<Number>& corner) {
-    switch (mesh.coordinate_type) {
-        case CoordinateType::i32:
-            read_place<std::int32_t>(mesh, i, corner.place);
-            break;
-        case CoordinateType::i64:
-            read_place<std::int64_t>(mesh, i, corner.place);
-            break;
-        default:
-            read_place<Number>(mesh, i, corner.place);
-    }
-    return finish_corner(i, corner);
 }
 
 /// Of corner `i`, the first that cannot be used.
 Error unusable(const MeshView& mesh, std::size_t i) {
     const std::string triangle = "triangle " + std::to_string(i / 3);
-    if (mesh.indices != nullptr && mesh.vertex_of(i / 3, i % 3) >= mesh.vertex_count) {
+    if (is_dangling(mesh, i)) {
         return {ErrorCode::invalid_argument,
                 triangle + " has index " + std::to_string(mesh.vertex_of(i / 3, i % 3)) + ", but there are " +
                     std::to_string(mesh.vertex_count) + " vertices",
@@ -92,12 +74,12 @@ template <class Number>
 Result<Array<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory* memory, const Parallel& parallel) {
     Array<Corner<Number>> corners(memory);
     corners.resize_discarding(3 * mesh.triangle_count);
+    const RawReader read(mesh);
     constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
     std::vector<std::size_t> first_bad(static_cast<std::size_t>(parallel.threads()), none);
     parallel.run_ranges(corners.size(), weld_grain, [&](std::size_t begin, std::size_t end, int worker) {
         for (std::size_t i = begin; i < end; ++i) {
-            const bool no_vertex = mesh.indices != nullptr && mesh.vertex_of(i / 3, i % 3) >= mesh.vertex_count;
-            if (no_vertex || !read_corner(mesh, i, corners[i])) {
+            if (is_dangling(mesh, i) || !read_corner(read, i, corners[i])) {
                 std::size_t& first = first_bad[static_cast<std::size_t>(worker)];
                 first = std::min(first, i);
                 return;
@@ -113,52 +95,6 @@ Result<Array<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory*
     return corners;
 }
 
-/// [0, count) in ranges, of which each has an array of its own where counts become first numbers: two calls of run().
-class NumberedRanges {
-public:
-    NumberedRanges(std::size_t count, const Parallel& parallel)
-        : count_(count), parallel_(parallel), firsts_(std::clamp<std::size_t>(count / range_size, 1, most_ranges) + 1) {}
-
-    /// Numbers the items for which is_counted(i) in ascending order: calls see(i, the number of the last one up to i,
-    /// whether i is one), and before all of them room(how many there are).
-    template <class IsCounted, class Room, class See>
-    void number(const IsCounted& is_counted, const Room& room, const See& see) {
-        for_each_range([&](std::size_t range, std::size_t begin, std::size_t end) {
-            std::uint32_t own = 0;
-            for (std::size_t i = begin; i < end; ++i) {
-                own += is_counted(i) ? 1 : 0;
-            }
-            firsts_[range] = own;
-        });
-        firsts_.back() = 0;
-        std::exclusive_scan(firsts_.begin(), firsts_.end(), firsts_.begin(), 0U);
-        room(firsts_.back());
-        for_each_range([&](std::size_t range, std::size_t begin, std::size_t end) {
-            std::uint32_t next = firsts_[range];
-            for (std::size_t i = begin; i < end; ++i) {
-                const bool counted = is_counted(i);
-                next += counted ? 1 : 0;
-                see(i, next - 1, counted);
-            }
-        });
-    }
-
-private:
-    static constexpr std::size_t range_size = std::size_t{1} << 15;
-    static constexpr std::size_t most_ranges = std::size_t{1} << 12;
-
-    template <class Body>
-    void for_each_range(const Body& body) const {
-        const std::size_t ranges = firsts_.size() - 1;
-        parallel_.run(ranges,
-                      [&](std::size_t range, int) { body(range, count_ * range / ranges, count_ * (range + 1) / ranges); });
-    }
-
-    std::size_t count_;
-    const Parallel& parallel_;
-    std::vector<std::uint32_t> firsts_;
-};
-
 /// The mesh's distinct vertices, ascending; `of_corners` gets the number of each corner's.
 template <class Number>
 Result<Array<Place<Number>>> distinct_places(const MeshView& mesh, std::span<std::uint32_t> of_corners,
@@ -171,70 +107,58 @@ Result<Array<Place<Number>>> distinct_places(const MeshView& mesh, std::span<std
     const std::span<const Corner<Number>> corners = sorted->span();
     parallel.begin_stage(numbered_share, 2);
     Array<Place<Number>> places(memory);
-    NumberedRanges(corners.size(), parallel)
-        .number([&](std::size_t i) { return i == 0 || !(corners[i - 1].place == corners[i].place); },
-                [&](std::size_t count) { places.resize_discarding(count); },
-                [&](std::size_t i, std::uint32_t number, bool is_new) {
-                    of_corners[corners[i].index] = number;
-                    if (is_new) {
-                        places[number] = corners[i].place;
-                    }
-                });
+    number_where(
+        corners.size(), parallel, [&](std::size_t i) { return i == 0 || !(corners[i - 1].place == corners[i].place); },
+        [&](std::size_t count) { places.resize_discarding(count); },
+        [&](std::size_t i, std::uint32_t number, bool is_new) {
+            of_corners[corners[i].index] = number;
+            if (is_new) {
+                places[number] = corners[i].place;
+            }
+        });
     return places;
 }
 
 /// What each vertex becomes.
-class Joining {
-public:
-    explicit Joining(const Memory* memory) : target_(memory), waiting_(memory) {}
+struct Joining {
+    Array<std::uint32_t> target;  ///< of each vertex the one that it moves onto, or itself
+    std::uint64_t joined = 0;
+    double largest_squared = 0;
 
-    std::uint64_t joined() const noexcept { return joined_; }
-    double largest_squared() const noexcept { return largest_squared_; }
-    bool is_kept(std::size_t vertex) const noexcept { return target_[vertex] == vertex; }
-    /// Of each vertex, the one that it moves onto, or itself.
-    std::span<const std::uint32_t> target() const noexcept { return target_.span(); }
+    bool is_kept(std::size_t vertex) const noexcept { return target[vertex] == vertex; }
+};
 
-    /// The vertices that have another before them within the tolerance are found on all threads; where they are many, most
-    /// of the time. They then decide one after the other, since what each finds depends on where those before it have moved.
-    template <class Number>
-    void run(std::span<const Place<Number>> places, double tolerance, const Parallel& parallel, const Memory* memory) {
-        parallel.begin_stage(searched_share, 5);
-        NearVertices<Number> near(places, tolerance, parallel, memory);
-        target_.resize_discarding(places.size());
-        parallel.run_ranges(places.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
-            std::iota(target_.begin() + begin, target_.begin() + end, static_cast<std::uint32_t>(begin));
-        });
-        waiting_ = indices_where(places.size(), parallel, memory,
-                                 [&](std::size_t v) { return near.has_earlier(static_cast<std::uint32_t>(v)); });
-        decide(near, parallel);
-    }
-
-private:
-    template <class Number>
-    void decide(NearVertices<Number>& near, const Parallel& parallel) {
-        constexpr std::size_t vertices_between_stops = std::size_t{1} << 12;
-        for (std::size_t i = 0; i < waiting_.size(); ++i) {
-            if (i % vertices_between_stops == 0) {
-                parallel.stop_if_asked();
-                parallel.reach(searched_share + (joined_share - searched_share) * static_cast<double>(i) /
-                                                    static_cast<double>(waiting_.size()));
-            }
-            const std::uint32_t vertex = waiting_[i];
-            const std::uint32_t nearest = near.nearest_kept(vertex);
-            target_[vertex] = nearest == NearVertices<Number>::none ? vertex : nearest;
-            if (!is_kept(vertex)) {
-                near.drop(vertex);
-                ++joined_;
-                largest_squared_ = std::max(largest_squared_, near.squared_distance(vertex, nearest));
-            }
+/// The vertices that have another before them within the tolerance are found on all threads; where they are many, most of
+/// the time. They then decide one after the other, since what each finds depends on where those before it have moved.
+template <class Number>
+Joining join(std::span<const Place<Number>> places, double tolerance, const Parallel& parallel, const Memory* memory) {
+    constexpr std::size_t vertices_between_stops = std::size_t{1} << 12;
+    parallel.begin_stage(searched_share, 5);
+    NearVertices<Number> near(places, tolerance, parallel, memory);
+    Joining joining{Array<std::uint32_t>(memory)};
+    joining.target.resize_discarding(places.size());
+    parallel.run_ranges(places.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
+        std::iota(joining.target.begin() + begin, joining.target.begin() + end, static_cast<std::uint32_t>(begin));
+    });
+    const Array<std::uint32_t> waiting = indices_where(
+        places.size(), parallel, memory, [&](std::size_t v) { return near.has_earlier(static_cast<std::uint32_t>(v)); });
+    for (std::size_t i = 0; i < waiting.size(); ++i) {
+        if (i % vertices_between_stops == 0) {
+            parallel.stop_if_asked();
+            parallel.reach(searched_share +
+                           (joined_share - searched_share) * static_cast<double>(i) / static_cast<double>(waiting.size()));
+        }
+        const std::uint32_t vertex = waiting[i];
+        const std::uint32_t nearest = near.nearest_kept(vertex);
+        if (nearest != NearVertices<Number>::none) {
+            joining.target[vertex] = nearest;
+            near.drop(vertex);
+            ++joining.joined;
+            joining.largest_squared = std::max(joining.largest_squared, near.squared_distance(vertex, nearest));
         }
     }
-
-    Array<std::uint32_t> target_;
-    Array<std::uint32_t> waiting_;  ///< that may move, ascending
-    std::uint64_t joined_ = 0;
-    double largest_squared_ = 0;
-};
+    return joining;
+}
 
 /// Writes the coordinates of the vertices that are kept, and their numbers in place of those among all.
 template <class Number>
@@ -242,22 +166,21 @@ void keep(std::span<const Place<Number>> places, const Joining& joining, const P
           WeldedMesh& welded) {
     Array<std::uint32_t> number_of(memory);
     number_of.resize_discarding(places.size());
-    NumberedRanges(places.size(), parallel)
-        .number([&](std::size_t v) { return joining.is_kept(v); },
-                [&](std::size_t count) {
-                    welded.vertex_count = count;
-                    welded.coordinates.resize_discarding(count * sizeof(Place<Number>));
-                },
-                [&](std::size_t v, std::uint32_t number, bool kept) {
-                    if (kept) {
-                        number_of[v] = number;
-                        std::memcpy(welded.coordinates.data() + number * sizeof places[v], &places[v], sizeof places[v]);
-                    }
-                });
-    const std::span<const std::uint32_t> target = joining.target();
+    number_where(
+        places.size(), parallel, [&](std::size_t v) { return joining.is_kept(v); },
+        [&](std::size_t count) {
+            welded.vertex_count = count;
+            welded.coordinates.resize_discarding(count * sizeof(Place<Number>));
+        },
+        [&](std::size_t v, std::uint32_t number, bool kept) {
+            if (kept) {
+                number_of[v] = number;
+                std::memcpy(welded.coordinates.data() + number * sizeof places[v], &places[v], sizeof places[v]);
+            }
+        });
     parallel.run_ranges(welded.indices.size(), weld_grain, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t i = begin; i < end; ++i) {
-            welded.indices[i] = number_of[target[welded.indices[i]]];
+            welded.indices[i] = number_of[joining.target[welded.indices[i]]];
         }
     });
 }
@@ -281,18 +204,18 @@ Result<WeldedMesh> weld_corners(const MeshView& mesh, double tolerance, const Me
     if (!places) {
         return places.error();
     }
-    Joining joining(memory);
+    Joining joining;
     if (tolerance > 0) {  // else equal vertices are one already
-        joining.run(places->span(), tolerance, parallel, memory);
+        joining = join(places->span(), tolerance, parallel, memory);
     }
     parallel.begin_stage(1, 3);
-    if (joining.joined() == 0) {
+    if (joining.joined == 0) {
         keep_all(places->span(), parallel, welded);
     } else {
         keep(places->span(), joining, parallel, memory, welded);
     }
-    welded.joined = joining.joined();
-    welded.largest_move_mm = std::sqrt(joining.largest_squared());
+    welded.joined = joining.joined;
+    welded.largest_move_mm = std::sqrt(joining.largest_squared);
     return welded;
 }
 

@@ -22,7 +22,6 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "base/progress_meter.hpp"
 #include "slicing/frame.hpp"
 #include "slicing/repair/gaps.hpp"
 #include "slicing/sweep/band_sweep.hpp"

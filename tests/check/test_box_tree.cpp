@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "base/distribute.hpp"
-#include "mesh/check/morton.hpp"
+#include "mesh/check/grid_mesh.hpp"
 #include "slicing/grid/box_tree.hpp"
 
 namespace lamella::check_test {

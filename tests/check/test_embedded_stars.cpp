@@ -32,7 +32,7 @@ ExactFace exact(const GridMesh& mesh, std::uint32_t face) {
 Stars examine(const Soup& soup, int threads) {
     const MeshView view = MeshView::soup(std::span<const double>(soup));
     const Parallel parallel({.threads = threads});
-    const MeshInfo info = measure_mesh(view, {}, 0, parallel, [] {}).value();
+    const MeshInfo info = measure_mesh(view, {}, 0, parallel, 1).value();
     const GridMesh mesh = make_grid_mesh(view, {}, info, parallel, nullptr);
     const EdgeTable edges(mesh, parallel);
     const EmbeddedStars stars(mesh, edges, parallel);

@@ -14,7 +14,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "engine/region_checks.hpp"
 #include "oracle/plane.hpp"
 #include "slicing/nesting/path.hpp"

@@ -10,7 +10,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/paced_stop.hpp"
+#include "base/parallel.hpp"
 #include "engine/counting_memory.hpp"
 #include "engine/slicing.hpp"
 #include "input/files.hpp"

@@ -11,7 +11,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "io/read/polygon.hpp"
 
 namespace lamella {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/region.hpp"
 #include "oracle/plane.hpp"

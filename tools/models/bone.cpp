@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "models/fields.hpp"
+#include "models/lattice.hpp"
 #include "models/numbers.hpp"
 
 namespace lamella::models {
@@ -225,8 +225,6 @@ private:
             values[i] = std::min(depth, std::max(cortex_ - depth, trabecula));
         }
     }
-
-    static constexpr double tau = 6.283185307179586476925286766559;
 
     double pore_size_;
     double cortex_;

@@ -1,18 +1,16 @@
-#include "models/fields.hpp"
-
+// Solids that are given by a field rather than by rings.
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 #include <vector>
 
+#include "models/lattice.hpp"
 #include "models/numbers.hpp"
 
 namespace lamella::models {
 
 namespace {
-
-constexpr double tau = 6.283185307179586476925286766559;
 
 // A torus of tube radius `tube` around a circle of radius `ring`. Its axis leans by an angle of the 3-4-5 triangle.
 class Torus final : public Field {

@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "models/fields.hpp"
 #include "models/lattice.hpp"
 
 namespace lamella::models {

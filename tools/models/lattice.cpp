@@ -41,14 +41,14 @@ constexpr auto edges_by_corners = [] {
     return table;
 }();
 
-constexpr std::uint8_t edge_between(unsigned a, unsigned b) {
+std::uint8_t edge_between(unsigned a, unsigned b) {
     return edges_by_corners[a][b];
 }
 
 constexpr std::array<std::array<unsigned, 4>, 6> tetrahedra{
     {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
 
-// The triangles in a cube, or in one of its tetrahedra, for one set of inside corners.
+// The triangles in a cube for one set of inside corners.
 struct CubeCase {
     std::uint8_t triangles = 0;
     std::uint32_t edges_used = 0;
@@ -57,23 +57,23 @@ struct CubeCase {
 
 using Offset = std::array<int, 3>;
 
-constexpr Offset corner_offset(unsigned corner) {
+Offset corner_offset(unsigned corner) {
     return {static_cast<int>(corner & 1), static_cast<int>(corner >> 1 & 1), static_cast<int>(corner >> 2)};
 }
 
-constexpr Offset minus(const Offset& a, const Offset& b) {
+Offset minus(const Offset& a, const Offset& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
 // Twice the middle of an edge. Where the surface crosses the edge does not affect the orientation of triangles.
-constexpr Offset middle(std::uint8_t edge) {
+Offset middle(std::uint8_t edge) {
     const Offset a = corner_offset(cube_edges[edge].from);
     const Offset b = corner_offset(cube_edges[edge].to);
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
 // Adds a triangle, oriented so that its normal has a positive component along `outwards`.
-constexpr void add_triangle(CubeCase& cube, std::array<std::uint8_t, 3> e, const Offset& outwards) {
+void add_triangle(CubeCase& cube, std::array<std::uint8_t, 3> e, const Offset& outwards) {
     const Offset u = minus(middle(e[1]), middle(e[0]));
     const Offset v = minus(middle(e[2]), middle(e[0]));
     const int facing = (u[1] * v[2] - u[2] * v[1]) * outwards[0] + (u[2] * v[0] - u[0] * v[2]) * outwards[1] +
@@ -88,17 +88,14 @@ constexpr void add_triangle(CubeCase& cube, std::array<std::uint8_t, 3> e, const
     ++cube.triangles;
 }
 
-constexpr void add_tetrahedron(CubeCase& cube, unsigned inside, const std::array<unsigned, 4>& corners) {
+// `mask` has a bit for each corner of the cube that lies inside.
+void add_tetrahedron(CubeCase& cube, unsigned mask, const std::array<unsigned, 4>& corners) {
     std::array<unsigned, 4> in{};
     std::array<unsigned, 4> out{};
     std::size_t ins = 0;
     std::size_t outs = 0;
-    for (unsigned c = 0; c < 4; ++c) {
-        if ((inside >> c & 1) != 0) {
-            in[ins++] = corners[c];
-        } else {
-            out[outs++] = corners[c];
-        }
+    for (const unsigned corner : corners) {
+        ((mask >> corner & 1) != 0 ? in[ins++] : out[outs++]) = corner;
     }
     if (ins == 0 || outs == 0) {
         return;
@@ -117,46 +114,27 @@ constexpr void add_tetrahedron(CubeCase& cube, unsigned inside, const std::array
         const std::uint8_t d = edge_between(in[1], out[0]);
         add_triangle(cube, {a, b, c}, outwards);
         add_triangle(cube, {a, c, d}, outwards);
-    } else if (ins == 1) {
-        add_triangle(cube, {edge_between(in[0], out[0]), edge_between(in[0], out[1]), edge_between(in[0], out[2])},
-                     outwards);
     } else {
-        add_triangle(cube, {edge_between(in[0], out[0]), edge_between(in[1], out[0]), edge_between(in[2], out[0])},
+        const std::array<unsigned, 4>& others = ins == 1 ? out : in;
+        const unsigned lone = ins == 1 ? in[0] : out[0];
+        add_triangle(cube, {edge_between(lone, others[0]), edge_between(lone, others[1]), edge_between(lone, others[2])},
                      outwards);
     }
 }
 
-// By tetrahedron and by the set of its inside corners. This table is separate from the cubes' because clang limits the
-// steps of one constant evaluation.
-constexpr auto tetrahedron_cases = [] {
-    std::array<std::array<CubeCase, 16>, tetrahedra.size()> cases{};
-    for (std::size_t t = 0; t < tetrahedra.size(); ++t) {
-        for (unsigned inside = 0; inside < 16; ++inside) {
-            add_tetrahedron(cases[t][inside], inside, tetrahedra[t]);
-        }
-    }
-    return cases;
-}();
-
-constexpr auto cube_cases = [] {
-    std::array<CubeCase, 256> cases{};
-    for (unsigned mask = 0; mask < 256; ++mask) {
-        CubeCase& cube = cases[mask];
-        for (std::size_t t = 0; t < tetrahedra.size(); ++t) {
-            unsigned inside = 0;
-            for (unsigned c = 0; c < 4; ++c) {
-                inside |= (mask >> tetrahedra[t][c] & 1) << c;
+// By the set of inside corners.
+const std::array<CubeCase, 256>& cube_cases() {
+    static const auto cases = [] {
+        std::array<CubeCase, 256> made{};
+        for (unsigned mask = 0; mask < 256; ++mask) {
+            for (const std::array<unsigned, 4>& corners : tetrahedra) {
+                add_tetrahedron(made[mask], mask, corners);
             }
-            const CubeCase& part = tetrahedron_cases[t][inside];
-            for (std::size_t e = 0; e < part.triangles * 3U; ++e) {
-                cube.edges[cube.triangles * 3U + e] = part.edges[e];
-            }
-            cube.triangles = static_cast<std::uint8_t>(cube.triangles + part.triangles);
-            cube.edges_used |= part.edges_used;
         }
-    }
+        return made;
+    }();
     return cases;
-}();
+}
 
 // The nodes of one lattice plane: their values and whether they lie inside. Nodes outside the rows' spans keep their
 // initial values.
@@ -197,6 +175,7 @@ public:
     template <class Visit>
     void for_each_cube(std::vector<std::uint8_t>& columns, Visit visit) const {
         const std::size_t nx = lattice_.nx;
+        const std::array<CubeCase, 256>& cases = cube_cases();
         columns.resize(nx);
         for (std::uint32_t j = 0; j + 1 < lattice_.ny; ++j) {
             const RowSpan span = common_span(j);
@@ -208,7 +187,7 @@ public:
             for (std::uint32_t i = span.first; i + 1 < span.last; ++i) {
                 const auto mask = static_cast<std::uint8_t>(columns[i] | columns[i + 1] << 1);
                 if (mask != 0 && mask != 255) {
-                    visit(i, j, cube_cases[mask]);
+                    visit(i, j, cases[mask]);
                 }
             }
         }

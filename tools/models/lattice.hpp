@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "models/surface.hpp"
 
@@ -56,6 +57,12 @@ public:
     /// outside. A node next to an inside node counts as near.
     virtual RowSpan fill_row(std::uint32_t k, std::uint32_t j, double* row) = 0;
 };
+
+/// Torus, gyroid or bone. Leaves out detail too fine for the recipe's number of triangles.
+std::unique_ptr<Field> make_field(const Recipe& recipe);
+
+/// The bone alone; bone.cpp describes its anatomy.
+std::unique_ptr<Field> make_bone(const Recipe& recipe);
 
 /// A lattice around the field's box, with at least one extra node on each side.
 Lattice lattice_around(const Field& field, double dx, double dz) noexcept;

@@ -2,6 +2,8 @@
 
 #include <cfloat>
 
+#include "base/numbers.hpp"
+
 namespace lamella::models {
 
 static_assert(FLT_EVAL_METHOD == 0, "intermediate results in extended precision would change the bytes");
@@ -23,7 +25,6 @@ SinCos sincos_octant(double r) noexcept {
 }  // namespace
 
 SinCos sincos_turns(double turns) noexcept {
-    constexpr double tau = 6.283185307179586476925286766559;
     double fraction = turns - static_cast<double>(static_cast<std::int64_t>(turns));
     if (fraction < 0) {
         fraction += 1;
@@ -44,10 +45,7 @@ SinCos sincos_turns(double turns) noexcept {
 
 std::uint64_t Random::next() noexcept {
     state_ += 0x9e3779b97f4a7c15U;
-    std::uint64_t x = state_;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
-    return x ^ (x >> 31);
+    return mix64(state_);
 }
 
 }  // namespace lamella::models

@@ -5,6 +5,8 @@
 
 namespace lamella::models {
 
+inline constexpr double tau = 6.283185307179586476925286766559;
+
 struct SinCos {
     double sin = 0;
     double cos = 1;

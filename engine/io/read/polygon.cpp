@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/sign.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella {
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "base/progress_meter.hpp"
 #include "io/stream/triangle_file.hpp"
 #include "lamella/error.hpp"
 #include "slicing/grid/bounds.hpp"

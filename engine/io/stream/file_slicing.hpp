@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/progress_meter.hpp"
+#include "base/parallel.hpp"
 #include "io/stream/chunk_scan.hpp"
 #include "io/stream/file_box.hpp"
 #include "io/stream/memory_model.hpp"

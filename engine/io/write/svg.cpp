@@ -18,8 +18,7 @@
 #include <vector>
 
 #include "base/guard.hpp"
-#include "base/progress_meter.hpp"
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/words.hpp"
 #include "io/write/describe.hpp"
 #include "io/write/output_file.hpp"

@@ -2,7 +2,7 @@
 #include <bit>
 #include <limits>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "medical/hdf5/load.hpp"
 #include "slicing/grid/exact.hpp"
 

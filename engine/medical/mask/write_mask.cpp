@@ -180,10 +180,7 @@ Result<MaskSummary> write_mask(std::span<const MaskPart> parts, const ImageGeome
             return file.error();
         }
         const MaskCounts counts = MaskWriter(raster, image, layout, *file).write(parallel);
-        Control within = options.control;
-        within.stop = parallel.stop();
-        within.progress = {};
-        const MaskSummary summary = summary_of(counts, parts, within);
+        const MaskSummary summary = summary_of(counts, parts, parallel.within(options.control));
         if (const Status written = file->commit(); !written) {
             return written.error();
         }

@@ -12,7 +12,6 @@
 #include "base/guard.hpp"
 #include "base/recycler.hpp"
 #include "mesh/check/finders.hpp"
-#include "mesh/edge_census.hpp"
 #include "mesh/measure.hpp"
 #include "slicing/grid/bounds.hpp"
 
@@ -72,8 +71,7 @@ struct Share {
     double fraction;
     std::size_t runs;
 };
-constexpr Share box_share = {0.02, 1};
-constexpr Share measure_share = {0.04, 1};
+constexpr double measure_share = 0.04;
 constexpr Share faces_share = {0.24, 11};
 constexpr Share edges_share = {0.36, 6};
 constexpr Share joints_share = {0.48, 7};
@@ -119,9 +117,8 @@ private:
     }
 
     Status measure() {
-        begin(box_share);
         const Result<MeshInfo> measured =
-            measure_mesh(view_, options_.transform, options_.unit_mm, parallel_, [&] { begin(measure_share); });
+            measure_mesh(view_, options_.transform, options_.unit_mm, parallel_, measure_share);
         if (!measured) {
             return measured.error();
         }
@@ -134,7 +131,7 @@ private:
         Notes notes(mesh, options_.most_places, check_.findings);
         begin(joints_share);
         const EmbeddedStars stars(mesh, edges, parallel_);
-        const EdgeCounts counts = find_edge_faults(mesh, edges, notes, parallel_);
+        const std::uint64_t unbalanced = find_edge_faults(mesh, edges, notes, parallel_);
         find_loops(mesh, edges, notes, parallel_);
         find_face_faults(mesh, options_.sliver_ratio, notes, parallel_);
         find_split_vertices(mesh, stars, notes, parallel_);
@@ -154,19 +151,19 @@ private:
         begin(gaps_share);
         find_gaps(mesh, edges, options_.tolerance_mm, notes, parallel_);
         check_.ms.gaps = lap();
-        complete_info(mesh, counts);
+        complete_info(mesh, edges, unbalanced);
     }
 
     /// What inspect() counts by another method.
-    void complete_info(const GridMesh& mesh, const EdgeCounts& counts) {
+    void complete_info(const GridMesh& mesh, const EdgeTable& edges, std::uint64_t unbalanced) {
         MeshInfo& info = check_.info;
         info.degenerate = mesh.collapsed.size();
-        info.edges = counts.edges;
+        info.edges = edges.size();
         info.boundary_edges = check_.of(Fault::boundary_edge).count;
         info.overfull_edges = check_.of(Fault::overfull_balanced).count + check_.of(Fault::overfull_unbalanced).count;
         info.mismatched_edges = check_.of(Fault::mismatched_edge).count;
         info.shells = check_.shells.size();
-        info.closed = counts.unbalanced == 0;
+        info.closed = unbalanced == 0;
         info.exact_boundary_edges = mesh.joined ? count_exact_boundary(view_, parallel_) : info.boundary_edges;
         check_.ms.edges += lap();
     }

@@ -1,7 +1,11 @@
-// The stages of check(), each of which finds some kinds of faults.
+// The stages of check(), each of which finds some kinds of faults, and where they record what they find.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <vector>
 
 #include "base/parallel.hpp"
@@ -9,17 +13,103 @@
 #include "mesh/check/edge_table.hpp"
 #include "mesh/check/embedded_stars.hpp"
 #include "mesh/check/face_tree.hpp"
-#include "mesh/check/notes.hpp"
+#include "mesh/check/grid_mesh.hpp"
 
 namespace lamella {
 
-struct EdgeCounts {
-    std::uint64_t edges = 0;
-    std::uint64_t unbalanced = 0;  ///< with more faces one way than the other
+using Findings = std::array<FaultFinding, fault_count>;
+
+class Notes {
+public:
+    Notes(const GridMesh& mesh, std::size_t most, Findings& findings) noexcept
+        : mesh_(mesh), most_(most), findings_(findings) {}
+
+    std::size_t most() const noexcept { return most_; }
+
+    /// Counts a fault; make() returns its FaultPlace, and is called for the first few only. Faults of a kind come in order.
+    template <class Make>
+    void add(Fault fault, Make make) {
+        FaultFinding& finding = of(fault);
+        ++finding.count;
+        if (finding.places.size() < most_) {
+            finding.places.push_back(make());
+        }
+    }
+
+    /// One call of run(): search(begin, end, notes) for ranges of [0, count), each with notes of its own, which are added to
+    /// these in the order of the ranges. So faults of a kind come in the order of the items.
+    template <class Search>
+    void in_ranges(std::size_t count, const Parallel& parallel, Search search) {
+        constexpr std::size_t items_a_range = std::size_t{1} << 15;
+        const std::size_t ranges = count / items_a_range + 1;
+        std::vector<Findings> found(ranges);
+        parallel.run(ranges, [&](std::size_t range, int) {
+            Notes own(mesh_, most_, found[range]);
+            search(count * range / ranges, count * (range + 1) / ranges, own);
+        });
+        for (const Findings& own : found) {
+            add(own);
+        }
+    }
+
+    /// The same for groups of items that follow one another and are alike(i, i - 1): judge(begin, end, notes) for each.
+    template <class Alike, class Judge>
+    void in_groups(std::size_t count, const Parallel& parallel, Alike alike, Judge judge) {
+        in_ranges(count, parallel, [&](std::size_t first, std::size_t last, Notes& own) {
+            while (first < last && first > 0 && alike(first, first - 1)) {
+                ++first;  // belongs to the range before
+            }
+            for (std::size_t begin = first; begin < last;) {
+                std::size_t end = begin + 1;
+                while (end < count && alike(end, end - 1)) {
+                    ++end;
+                }
+                judge(begin, end, own);
+                begin = end;
+            }
+        });
+    }
+
+    FaultFinding& of(Fault fault) noexcept { return findings_[static_cast<std::size_t>(fault)]; }
+
+    std::array<double, 3> mm(const GridVertex& vertex) const noexcept {
+        return {vertex.x * mesh_.unit_mm, vertex.y * mesh_.unit_mm, vertex.z * mesh_.unit_mm};
+    }
+
+    /// At up to three vertices.
+    FaultPlace at(std::initializer_list<std::uint32_t> vertices) const noexcept {
+        FaultPlace place;
+        place.point_count = 0;
+        for (const std::uint32_t vertex : vertices) {
+            place.points_mm[static_cast<std::size_t>(place.point_count++)] = mm(mesh_.vertices[vertex]);
+        }
+        return place;
+    }
+
+    FaultPlace at(const Face& face) const noexcept {
+        FaultPlace place = at({face.corners[0], face.corners[1], face.corners[2]});
+        place.triangles[0] = face.source;
+        return place;
+    }
+
+private:
+    void add(const Findings& other) {
+        for (std::size_t fault = 0; fault < fault_count; ++fault) {
+            std::vector<FaultPlace>& places = findings_[fault].places;
+            const std::vector<FaultPlace>& more = other[fault].places;
+            const std::size_t taken = std::min(more.size(), most_ - std::min(most_, places.size()));
+            places.insert(places.end(), more.begin(), more.begin() + static_cast<std::ptrdiff_t>(taken));
+            findings_[fault].count += other[fault].count;
+        }
+    }
+
+    const GridMesh& mesh_;
+    std::size_t most_;
+    Findings& findings_;
 };
 
-/// Edges by the faces at each. O(edges), one call of run().
-EdgeCounts find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel);
+/// Edges by the faces at each. Returns how many have more faces one way than the other. O(edges), one call of run().
+std::uint64_t find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel);
 
 /// Loops of boundary edges. O(b log b) for b of them.
 void find_loops(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel);
@@ -33,6 +123,13 @@ void find_flipped_faces(const GridMesh& mesh, const EdgeTable& edges, Notes& not
 /// Faces that are bad by themselves, and faces on the same three vertices. O(n), one call of run().
 void find_face_faults(const GridMesh& mesh, double sliver_ratio, Notes& notes, const Parallel& parallel);
 
+/// Fills in depth and parent of shells. Rays upwards from a few vertices of each count, exactly, how often each closed shell
+/// winds around them; where a vertex lies on the other shell's surface, the next one is tried. Of `whole`, a shell is around
+/// only if no face of the other crosses it and none of these vertices lies outside. Returns false where the work would have
+/// exceeded search_budget().
+bool nest_shells(const GridMesh& mesh, const FaceTree& tree, const Array<std::uint32_t>& shell_of,
+                 std::vector<MeshShell>& shells, bool whole, const Parallel& parallel);
+
 /// Shells, their orientations and nesting, `whole` as for nest_shells(). Returns the shell of each face.
 Array<std::uint32_t> find_shells(const GridMesh& mesh, const EdgeTable& edges, const FaceTree& tree, const Notes& notes,
                                  MeshCheck& check, const Parallel& parallel, bool whole = false);
@@ -43,7 +140,12 @@ std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTre
                                              const Array<std::uint32_t>& shell_of, const std::vector<MeshShell>& shells,
                                              Notes& notes, double progress, const Parallel& parallel);
 
-/// Shells whose orientation contradicts their depth, where the depth is conclusive (shells.cpp).
+/// Whether the orientation contradicts the depth: outwards is right within an even number of others.
+inline bool is_misoriented(const MeshShell& shell) noexcept {
+    return shell.orientation != 0 && shell.orientation != (shell.depth % 2 == 0 ? 1 : -1);
+}
+
+/// Misoriented shells, where the depth is conclusive (shells.cpp).
 void find_misoriented_shells(const std::vector<MeshShell>& shells, const std::vector<std::uint8_t>& meets_other,
                              bool all_known, Notes& notes);
 

@@ -123,7 +123,7 @@ private:
     /// Calls visit() for every vertex of the boundary and every item whose box is within reach; it adds to what is found.
     template <class Visit, class MakePlace>
     void search(Fault fault, const BoxTree<GridVertex>& tree, Visit visit, MakePlace make_place) {
-        std::vector<Tally<Near>> tallies(static_cast<std::size_t>(parallel_.threads()), Tally<Near>(notes_.most()));
+        Tally<Near> tally(notes_.most(), parallel_);
         FaultFinding& finding = notes_.of(fault);
         BudgetedSearch<Near> search(vertices_.size(), search_budget(vertices_.size()), parallel_);
         finding.at_least = !search.run(
@@ -134,16 +134,10 @@ private:
             },
             [&](std::size_t, const std::vector<Near>& found, int worker) {
                 for (const Near& near : found) {
-                    tallies[static_cast<std::size_t>(worker)].add(near);
+                    tally.add(near, worker);
                 }
             });
-        for (std::size_t worker = 1; worker < tallies.size(); ++worker) {
-            tallies[0].add(tallies[worker]);
-        }
-        finding.count = tallies[0].count();
-        for (const Near& near : tallies[0].smallest()) {
-            finding.places.push_back(make_place(near));
-        }
+        tally.fill_in(finding, make_place);
     }
 
     /// Near the ends of the edge the vertex makes a crack with them instead. A face's own corner near its side makes it a

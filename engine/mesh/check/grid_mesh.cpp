@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "base/parallel_sort.hpp"
-#include "mesh/check/vertex_numbers.hpp"
 
 namespace lamella {
 
@@ -59,8 +58,10 @@ Distributed<Face> distribute_faces(const Array<std::uint32_t>& numbers, std::siz
 GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const MeshInfo& info, const Parallel& parallel,
                         const Memory* memory) {
     assert(mesh.triangle_count < std::numeric_limits<std::uint32_t>::max() / 3);
-    VertexNumbers numbers = number_vertices(mesh, transform, info, parallel, memory);
-    Distributed<Face> parts = distribute_faces(numbers.of_corners, numbers.vertices.size(), parallel, memory);
+    GridMesh grid(memory);
+    grid.unit_mm = info.unit_mm;
+    const Array<std::uint32_t> numbers = number_vertices(mesh, transform, info, parallel, grid);
+    Distributed<Face> parts = distribute_faces(numbers, grid.vertices.size(), parallel, memory);
     const std::size_t whole = parts.size() - 1;
     std::vector<PartSort<Face>> workers(static_cast<std::size_t>(parallel.threads()));
     parallel.run(whole, [&](std::size_t part, int worker) {
@@ -69,12 +70,8 @@ GridMesh make_grid_mesh(const MeshView& mesh, const Transform& transform, const 
     });
     const std::span<Face> collapsed = parts.of(whole);
     sort_in_parallel(collapsed, FaceLess{}, parallel);
-    GridMesh grid{memory,
-                  std::move(numbers.vertices),
-                  std::move(parts.items),
-                  {collapsed.begin(), collapsed.end()},
-                  info.unit_mm,
-                  numbers.joined};
+    grid.collapsed.assign(collapsed.begin(), collapsed.end());
+    grid.faces = std::move(parts.items);
     grid.faces.set_size(parts.firsts[whole]);
     return grid;
 }

@@ -2,17 +2,60 @@
 // What is found in this order is the same for any order of the input and any number of threads.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "base/parallel.hpp"
 #include "lamella/array.hpp"
-#include "lamella/grid.hpp"
-#include "lamella/mesh.hpp"
 #include "lamella/mesh/inspect.hpp"
+#include "slicing/grid/quantise.hpp"
 
 namespace lamella {
+
+/// Morton order (the Z-order curve) within a box: vertices that follow one another lie close to one another. Its bits take
+/// turns:
+///
+///     x = 1 0 1      key = 1 0 0  0 1 1  1 1 0      of each axis the highest 21 bits that the box has
+///     y = 0 1 1            x y z  x y z  x y z
+///     z = 0 1 0
+class MortonOrder {
+public:
+    /// In the box of `mesh`, on its grid.
+    explicit MortonOrder(const MeshInfo& mesh) noexcept {
+        std::int64_t extent = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            low_[axis] = to_even_grid(mesh.min_mm[axis], mesh.unit_mm);
+            extent = std::max(extent, std::int64_t{to_even_grid(mesh.max_mm[axis], mesh.unit_mm)} - low_[axis]);
+        }
+        shift_ = std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint64_t>(extent))) - axis_bits);
+    }
+
+    /// Vertices that are closer than what 21 bits tell apart may have equal keys.
+    std::uint64_t key(const GridVertex& v) const noexcept {
+        return spread(v.x, low_[0]) << 2 | spread(v.y, low_[1]) << 1 | spread(v.z, low_[2]);
+    }
+
+private:
+    static constexpr int axis_bits = 21;  ///< three fit 64
+
+    /// Two zeros before each bit.
+    std::uint64_t spread(std::int32_t coordinate, std::int64_t low) const noexcept {
+        std::uint64_t bits = static_cast<std::uint64_t>(std::max<std::int64_t>(coordinate - low, 0)) >> shift_;
+        bits &= 0x1FFFFF;
+        bits = (bits | bits << 32) & 0x001F00000000FFFF;
+        bits = (bits | bits << 16) & 0x001F0000FF0000FF;
+        bits = (bits | bits << 8) & 0x100F00F00F00F00F;
+        bits = (bits | bits << 4) & 0x10C30C30C30C30C3;
+        return (bits | bits << 2) & 0x1249249249249249;
+    }
+
+    std::array<std::int64_t, 3> low_{};
+    int shift_ = 0;
+};
 
 /// Corners as vertex numbers, the smallest first, in the orientation of the input; and its triangle there.
 struct Face {
@@ -27,6 +70,8 @@ inline std::array<std::uint32_t, 3> vertex_set(const Face& face) noexcept {
 }
 
 struct GridMesh {
+    explicit GridMesh(const Memory* from) noexcept : memory(from), vertices(from), faces(from) {}
+
     const Memory* memory;         ///< for arrays that are as large as the mesh
     Array<GridVertex> vertices;   ///< distinct, in Morton order
     Array<Face> faces;            ///< by vertex_set(), then orientation, then source; those with two equal vertices left out
@@ -38,6 +83,14 @@ struct GridMesh {
         return {vertices[face.corners[0]], vertices[face.corners[1]], vertices[face.corners[2]]};
     }
 };
+
+/// Seven calls of run(): fills in `vertices` and `joined`, and returns the number of each corner, three a triangle. Corners
+/// are numbered within ranges of triangles, then what the ranges have found in parts of the order of vertices, each by a
+/// hash table in the cache: O(n) expected for the corners, O(v log v) for v vertices. `info` holds the box and the unit.
+/// Coordinates are compared by hashes of 32 bits: that the only difference is missed has a chance of 2^-32. Throws
+/// std::bad_alloc.
+Array<std::uint32_t> number_vertices(const MeshView& mesh, const Transform& transform, const MeshInfo& info,
+                                     const Parallel& parallel, GridMesh& grid);
 
 /// O(n log n), in eleven calls of run(). `info` holds the box and the unit. Precondition: indices in range, coordinates
 /// within the grid, fewer than 2^32 / 3 triangles. Throws std::bad_alloc.

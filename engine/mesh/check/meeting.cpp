@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "base/sign.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella {
 

@@ -18,9 +18,11 @@ namespace {
 /// Faces by number, the smaller first.
 using FacePair = std::array<std::uint32_t, 2>;
 
-constexpr std::array kinds = {std::pair{Meeting::cross, Fault::crossing_faces},
-                              std::pair{Meeting::overlap, Fault::overlapping_faces},
-                              std::pair{Meeting::touch, Fault::touching_faces}};
+/// By Meeting, from the first at which faces meet.
+constexpr std::array faults = {Fault::touching_faces, Fault::crossing_faces, Fault::overlapping_faces};
+constexpr std::size_t place_among_faults(Meeting meeting) {
+    return static_cast<std::size_t>(meeting) - static_cast<std::size_t>(Meeting::touch);
+}
 
 ExactFace exact(const GridMesh& mesh, std::uint32_t face) {
     return {mesh.faces[face].corners, mesh.corners(mesh.faces[face])};
@@ -74,8 +76,7 @@ public:
           shells_(shells),
           parallel_(parallel),
           blocks_(mesh.memory),
-          tallies_(static_cast<std::size_t>(parallel.threads()),
-                   {Tally<FacePair>(most), Tally<FacePair>(most), Tally<FacePair>(most)}),
+          tallies_(faults.size(), Tally<FacePair>(most, parallel)),
           meets_other_(shells.size()) {
         blocks_.resize_discarding(tree.boxes.groups());
         parallel.run_ranges(blocks_.size(), grain, [&](std::size_t begin, std::size_t end, int) {
@@ -99,12 +100,7 @@ public:
             });
     }
 
-    Tally<FacePair>& total(std::size_t kind) {
-        for (std::size_t worker = 1; worker < tallies_.size(); ++worker) {
-            tallies_[0][kind].add(tallies_[worker][kind]);
-        }
-        return tallies_[0][kind];
-    }
+    const Tally<FacePair>& tally(std::size_t fault) const { return tallies_[fault]; }
 
     std::vector<std::uint8_t> meets_other() const { return {meets_other_.begin(), meets_other_.end()}; }
 
@@ -141,11 +137,7 @@ private:
     }
 
     void note(const Met& met, int worker) {
-        for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
-            if (kinds[kind].first == met.meeting) {
-                tallies_[static_cast<std::size_t>(worker)][kind].add(met.faces);
-            }
-        }
+        tallies_[place_among_faults(met.meeting)].add(met.faces, worker);
         const auto [face, other] = met.faces;
         const std::uint32_t shell = shell_of_[face];
         const std::uint32_t other_shell = shell_of_[other];
@@ -160,16 +152,16 @@ private:
     const Array<std::uint32_t>& shell_of_;
     const std::vector<MeshShell>& shells_;
     const Parallel& parallel_;
-    Array<StarBlock> blocks_;  ///< by group
-    std::vector<std::array<Tally<FacePair>, kinds.size()>> tallies_;
+    Array<StarBlock> blocks_;                             ///< by group
+    std::vector<Tally<FacePair>> tallies_;                ///< as in `faults`
     std::vector<std::atomic<std::uint8_t>> meets_other_;  ///< by shell
 };
 
 /// For a crossing, the segment in which the faces meet; else the middle of their boxes' intersection.
-FaultPlace place_of(const GridMesh& mesh, const FacePair& pair, Meeting meeting) {
+FaultPlace place_of(const GridMesh& mesh, const FacePair& pair, bool cross) {
     FaultPlace place;
     place.triangles = {mesh.faces[pair[0]].source, mesh.faces[pair[1]].source};
-    if (meeting == Meeting::cross) {
+    if (cross) {
         const auto segment = crossing_segment(exact(mesh, pair[0]), exact(mesh, pair[1]));
         place.point_count = 2;
         for (std::size_t end = 0; end < 2; ++end) {
@@ -195,15 +187,11 @@ std::vector<std::uint8_t> find_meeting_faces(const GridMesh& mesh, const FaceTre
                                              Notes& notes, double progress, const Parallel& parallel) {
     MeetingSearch search(mesh, tree, stars, shell_of, shells, notes.most(), parallel);
     const bool complete = search.run(progress);
-    for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
-        const auto& [meeting, fault] = kinds[kind];
-        Tally<FacePair>& total = search.total(kind);
-        FaultFinding& finding = notes.of(fault);
-        finding.count = total.count();
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+        FaultFinding& finding = notes.of(faults[i]);
         finding.at_least = !complete;
-        for (const FacePair& pair : total.smallest()) {
-            finding.places.push_back(place_of(mesh, pair, meeting));
-        }
+        const bool cross = faults[i] == Fault::crossing_faces;
+        search.tally(i).fill_in(finding, [&](const FacePair& pair) { return place_of(mesh, pair, cross); });
     }
     return search.meets_other();
 }

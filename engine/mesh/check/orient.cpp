@@ -16,24 +16,18 @@ namespace lamella {
 
 namespace {
 
-bool is_turned(const MeshShell& shell) noexcept {
-    return shell.orientation != 0 && shell.orientation != (shell.depth % 2 == 0 ? 1 : -1);
-}
-
 Result<OrientedMesh> orient_or_throw(const MeshView& view, const OrientOptions& options) {
-    Control quiet = options.control;
-    quiet.progress = {};
-    Result<WeldedMesh> welded = weld(view, {.tolerance_mm = 0, .mm_per_unit = options.mm_per_unit, .control = quiet});
+    const Parallel parallel(options.control);
+    Result<WeldedMesh> welded =
+        weld(view, {.tolerance_mm = 0, .mm_per_unit = options.mm_per_unit, .control = parallel.within(options.control)});
     if (!welded) {
         return welded.error();
     }
     OrientedMesh oriented{.mesh = std::move(welded).value()};
-    const Parallel parallel(options.control);
     const Recycler recycler;
-    parallel.begin_stage(0.3, 2);
     const Transform to_mm = oriented.mesh.to_mm();
     MeshCheck found;
-    const Result<MeshInfo> measured = measure_mesh(oriented.mesh.view(), to_mm, options.unit_mm, parallel, [] {});
+    const Result<MeshInfo> measured = measure_mesh(oriented.mesh.view(), to_mm, options.unit_mm, parallel, 0.3);
     if (!measured) {
         return measured.error();
     }
@@ -51,14 +45,15 @@ Result<OrientedMesh> orient_or_throw(const MeshView& view, const OrientOptions& 
         const Notes notes(grid, 0, found.findings);
         const Array<std::uint32_t> shell_of = find_shells(grid, edges, tree, notes, found, parallel, true);
         for (std::size_t face = 0; face < grid.faces.size(); ++face) {
-            if (is_turned(found.shells[shell_of[face]])) {
+            if (is_misoriented(found.shells[shell_of[face]])) {
                 const std::size_t first = 3 * std::size_t{grid.faces[face].source};
                 std::swap(oriented.mesh.indices[first + 1], oriented.mesh.indices[first + 2]);
             }
         }
     }
     oriented.shells = found.shells.size();
-    oriented.turned_shells = static_cast<std::uint64_t>(std::count_if(found.shells.begin(), found.shells.end(), is_turned));
+    oriented.turned_shells =
+        static_cast<std::uint64_t>(std::count_if(found.shells.begin(), found.shells.end(), is_misoriented));
     const bool all_closed =
         std::all_of(found.shells.begin(), found.shells.end(), [](const MeshShell& shell) { return shell.closed; });
     oriented.complete = found.nesting_complete && (oriented.turned_shells == 0 || all_closed);

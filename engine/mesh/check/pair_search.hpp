@@ -7,48 +7,53 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "lamella/mesh/check.hpp"
 
 namespace lamella {
 
-/// Counts items and keeps the `most` smallest of them.
+/// Counts what workers find, and keeps the `most` smallest items.
 template <class Item>
 class Tally {
 public:
-    explicit Tally(std::size_t most) : most_(most) {}
+    Tally(std::size_t most, const Parallel& parallel) : most_(most), shares_(static_cast<std::size_t>(parallel.threads())) {}
 
-    void add(const Item& item) {
-        ++count_;
-        items_.push_back(item);
-        if (items_.size() >= 2 * most_ + slack) {
-            keep_smallest();
+    void add(const Item& item, int worker) {
+        Share& own = shares_[static_cast<std::size_t>(worker)];
+        ++own.count;
+        own.items.push_back(item);
+        if (own.items.size() >= 2 * most_ + slack) {
+            keep_smallest(own.items);
         }
     }
-    void add(const Tally& other) {
-        count_ += other.count_;
-        items_.insert(items_.end(), other.items_.begin(), other.items_.end());
-        keep_smallest();
-    }
 
-    std::uint64_t count() const noexcept { return count_; }
-    /// Ascending.
-    const std::vector<Item>& smallest() {
-        keep_smallest();
-        return items_;
+    /// The count of all, and make_place(item) for those kept, in their order.
+    template <class MakePlace>
+    void fill_in(FaultFinding& finding, MakePlace make_place) const {
+        std::vector<Item> items;
+        for (const Share& own : shares_) {
+            finding.count += own.count;
+            items.insert(items.end(), own.items.begin(), own.items.end());
+        }
+        keep_smallest(items);
+        for (const Item& item : items) {
+            finding.places.push_back(make_place(item));
+        }
     }
 
 private:
     static constexpr std::size_t slack = 256;
+    struct Share {
+        std::uint64_t count = 0;
+        std::vector<Item> items;
+    };
 
-    void keep_smallest() {
-        std::sort(items_.begin(), items_.end());
-        if (items_.size() > most_) {
-            items_.erase(items_.begin() + static_cast<std::ptrdiff_t>(most_), items_.end());
-        }
+    void keep_smallest(std::vector<Item>& items) const {
+        std::sort(items.begin(), items.end());
+        items.resize(std::min(items.size(), most_));
     }
 
     std::size_t most_;
-    std::uint64_t count_ = 0;
-    std::vector<Item> items_;
+    std::vector<Share> shares_;  ///< by worker
 };
 
 /// What a search may cost in all, in boxes compared: about a second, which suffices for real meshes.

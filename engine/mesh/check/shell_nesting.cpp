@@ -1,11 +1,11 @@
-#include "mesh/check/shell_nesting.hpp"
-
+// Which shell lies within which.
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
 
-#include "base/sign.hpp"
+#include "base/numbers.hpp"
+#include "mesh/check/finders.hpp"
 #include "mesh/check/meeting.hpp"
 #include "mesh/check/pair_search.hpp"
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "base/disjoint_sets.hpp"
+#include "base/distribute.hpp"
+#include "base/numbers.hpp"
 #include "base/parallel_sort.hpp"
-#include "base/sign.hpp"
 #include "mesh/check/finders.hpp"
-#include "mesh/check/shell_nesting.hpp"
 #include "slicing/grid/grid_vector.hpp"
 
 namespace lamella {
@@ -21,33 +21,16 @@ constexpr std::size_t faces_a_range = std::size_t{1} << 15;
 /// Three calls of run() after those that unite: numbers the shells by their first faces. The shell of each face.
 Array<std::uint32_t> number_shells(SharedSets<std::uint32_t>& sets, std::uint32_t& count, const Parallel& parallel,
                                    const Memory* memory) {
-    const std::size_t faces = sets.size();
-    const std::size_t ranges = faces / faces_a_range + 1;
-    const auto first = [&](std::size_t range) { return static_cast<std::uint32_t>(faces * range / ranges); };
-    std::vector<std::uint32_t> firsts(ranges + 1, 0);  // shells that begin in a range, then the first of them
-    parallel.run(ranges, [&](std::size_t range, int) {
-        for (std::uint32_t face = first(range); face != first(range + 1); ++face) {
-            firsts[range + 1] += sets.is_root(face) ? 1 : 0;
-        }
-    });
-    for (std::size_t range = 0; range < ranges; ++range) {
-        firsts[range + 1] += firsts[range];
-    }
-    count = firsts[ranges];
     Array<std::uint32_t> shell_of(memory);
-    shell_of.resize_discarding(faces);
-    parallel.run(ranges, [&](std::size_t range, int) {
-        std::uint32_t shell = firsts[range];
-        for (std::uint32_t face = first(range); face != first(range + 1); ++face) {
-            if (sets.is_root(face)) {
-                shell_of[face] = shell++;
-            }
-        }
-    });
-    parallel.run(ranges, [&](std::size_t range, int) {
-        for (std::uint32_t face = first(range); face != first(range + 1); ++face) {
+    shell_of.resize_discarding(sets.size());
+    number_where(
+        sets.size(), parallel, [&](std::size_t face) { return sets.is_root(face); },
+        [&](std::uint32_t shells) { count = shells; },
+        [&](std::size_t face, std::uint32_t shell, bool is_first) { shell_of[face] = is_first ? shell : 0; });
+    parallel.run_ranges(sets.size(), faces_a_range, [&](std::size_t begin, std::size_t end, int) {
+        for (std::size_t face = begin; face != end; ++face) {
             if (!sets.is_root(face)) {
-                shell_of[face] = shell_of[sets.root(face)];
+                shell_of[face] = shell_of[sets.root(static_cast<std::uint32_t>(face))];
             }
         }
     });
@@ -247,8 +230,7 @@ void find_misoriented_shells(const std::vector<MeshShell>& shells, const std::ve
     notes.of(Fault::misoriented_shell).at_least = !all_known;
     for (std::size_t i = 0; all_known && i < shells.size(); ++i) {
         const MeshShell& shell = shells[i];
-        const bool fits = shell.orientation == 0 || shell.orientation == (shell.depth % 2 == 0 ? 1 : -1);
-        if (!fits && (shell.depth == 0 || lies_apart(shells, meets_other, i))) {
+        if (is_misoriented(shell) && (shell.depth == 0 || lies_apart(shells, meets_other, i))) {
             notes.add(Fault::misoriented_shell, [&] {
                 FaultPlace place;
                 place.points_mm[0] = shell.first_mm;

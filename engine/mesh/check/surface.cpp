@@ -153,7 +153,7 @@ private:
 
 }  // namespace
 
-EdgeCounts find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
+std::uint64_t find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes& notes, const Parallel& parallel) {
     std::atomic<std::uint64_t> unbalanced = 0;
     notes.in_ranges(edges.irregular().size(), parallel, [&](std::size_t begin, std::size_t end, Notes& own) {
         std::uint64_t unbalanced_here = 0;
@@ -173,7 +173,7 @@ EdgeCounts find_edge_faults(const GridMesh& mesh, const EdgeTable& edges, Notes&
         }
         unbalanced += unbalanced_here;
     });
-    return {edges.size(), unbalanced};
+    return unbalanced;
 }
 
 void find_split_vertices(const GridMesh& mesh, const EmbeddedStars& stars, Notes& notes, const Parallel& parallel) {

@@ -1,15 +1,14 @@
-#include "mesh/check/vertex_numbers.hpp"
-
+// The distinct vertices of a mesh on the grid, numbered.
 #include <algorithm>
 #include <bit>
 #include <functional>
 #include <vector>
 
 #include "base/distribute.hpp"
+#include "base/number_table.hpp"
 #include "base/parallel_sort.hpp"
-#include "mesh/check/morton.hpp"
+#include "mesh/check/grid_mesh.hpp"
 #include "mesh/exact_reader.hpp"
-#include "slicing/grid/quantise.hpp"
 #include "slicing/grid/vertex_hash.hpp"
 
 namespace lamella {
@@ -28,22 +27,19 @@ struct Vertex {
 class VertexTable {
 public:
     void clear() {
+        numbers_.clear(std::max(found_.size(), least_room));  // as many as last time are to be expected
         found_.clear();
-        slots_.assign(std::max<std::size_t>(slots_.size(), 1024), 0);
     }
 
     std::uint32_t number(const Vertex& vertex) {
-        std::uint32_t& slot = find(vertex.place);
-        if (slot != 0) {
-            joined_ = joined_ || found_[slot - 1].exact != vertex.exact;
-            return slot - 1;
+        const std::uint32_t number = numbers_.number(
+            hash_of(vertex.place), [&](std::uint32_t i) { return found_[i].place == vertex.place; },
+            [&](std::uint32_t i) { return hash_of(found_[i].place); });
+        if (number == found_.size()) {
+            found_.push_back(vertex);
         }
-        found_.push_back(vertex);
-        slot = static_cast<std::uint32_t>(found_.size());
-        if (2 * found_.size() > slots_.size()) {
-            grow();
-        }
-        return static_cast<std::uint32_t>(found_.size() - 1);
+        joined_ = joined_ || found_[number].exact != vertex.exact;
+        return number;
     }
 
     const std::vector<Vertex>& found() const noexcept { return found_; }
@@ -51,25 +47,10 @@ public:
     bool joined() const noexcept { return joined_; }
 
 private:
-    /// The slot of the vertex, or the free one where it belongs.
-    std::uint32_t& find(const GridVertex& place) {
-        const std::size_t mask = slots_.size() - 1;
-        for (std::size_t slot = hash_of(place) & mask;; slot = (slot + 1) & mask) {
-            if (slots_[slot] == 0 || found_[slots_[slot] - 1].place == place) {
-                return slots_[slot];
-            }
-        }
-    }
-
-    void grow() {
-        slots_.assign(2 * slots_.size(), 0);
-        for (std::uint32_t i = 0; i < found_.size(); ++i) {
-            find(found_[i].place) = i + 1;
-        }
-    }
+    static constexpr std::size_t least_room = 512;
 
     std::vector<Vertex> found_;
-    std::vector<std::uint32_t> slots_;  ///< open addressing: 1 + index into found_, or 0
+    NumberTable numbers_;
     bool joined_ = false;
 };
 
@@ -93,14 +74,13 @@ public:
           of_found_(memory),
           tables_(static_cast<std::size_t>(parallel.threads())) {}
 
-    VertexNumbers run() {
+    Array<std::uint32_t> run(GridMesh& grid) {
         number_ranges();
         Distributed<Item> parts = distribute_found();
-        Array<GridVertex> vertices = number_parts(parts);
+        grid.vertices = number_parts(parts);
         rename_corners();
-        const bool joined =
-            std::any_of(tables_.begin(), tables_.end(), [](const VertexTable& table) { return table.joined(); });
-        return {std::move(vertices), std::move(of_corners_), joined};
+        grid.joined = std::any_of(tables_.begin(), tables_.end(), [](const VertexTable& table) { return table.joined(); });
+        return std::move(of_corners_);
     }
 
 private:
@@ -237,9 +217,9 @@ private:
 
 }  // namespace
 
-VertexNumbers number_vertices(const MeshView& mesh, const Transform& transform, const MeshInfo& info,
-                              const Parallel& parallel, const Memory* memory) {
-    return Numbering(mesh, transform, info, parallel, memory).run();
+Array<std::uint32_t> number_vertices(const MeshView& mesh, const Transform& transform, const MeshInfo& info,
+                                     const Parallel& parallel, GridMesh& grid) {
+    return Numbering(mesh, transform, info, parallel, grid.memory).run(grid);
 }
 
 }  // namespace lamella

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "base/fit.hpp"
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
+#include "base/vector.hpp"
 
 namespace lamella {
 

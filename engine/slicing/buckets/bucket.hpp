@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/fit.hpp"
+#include "base/vector.hpp"
 #include "lamella/array.hpp"
 #include "lamella/memory.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"

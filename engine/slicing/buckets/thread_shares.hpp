@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "base/parallel.hpp"
-#include "base/per_worker.hpp"
 #include "slicing/buckets/bucket.hpp"
 #include "slicing/grid/blocks.hpp"
 #include "slicing/planes/plane_set.hpp"

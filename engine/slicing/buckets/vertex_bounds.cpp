@@ -11,7 +11,7 @@
 
 #include "base/atomic_word.hpp"
 #include "base/guard.hpp"
-#include "base/per_worker.hpp"
+#include "base/parallel.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 #include "slicing/buckets/thread_shares.hpp"
 #include "slicing/grid/placed_reader.hpp"

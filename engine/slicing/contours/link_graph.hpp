@@ -8,7 +8,7 @@
 #include <cassert>
 #include <span>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "slicing/contours/pairing.hpp"
 #include "slicing/contours/slot_table.hpp"
 #include "slicing/contours/walker.hpp"

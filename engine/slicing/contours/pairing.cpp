@@ -5,8 +5,7 @@
 #include <cassert>
 #include <utility>
 
-#include "base/int128.hpp"
-#include "base/sign.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella {
 

@@ -24,6 +24,7 @@
 #include <type_traits>
 
 #include "base/function_ref.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/result.hpp"

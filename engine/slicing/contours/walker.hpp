@@ -19,6 +19,7 @@
 #include <cstring>
 #include <span>
 
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "slicing/contours/slot_table.hpp"

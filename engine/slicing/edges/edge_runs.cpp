@@ -5,7 +5,7 @@
 #include <new>
 #include <utility>
 
-#include "base/sign.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella {
 

@@ -4,7 +4,7 @@
 #include <bit>
 #include <limits>
 
-#include "base/sign.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella {
 

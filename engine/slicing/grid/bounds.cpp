@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "base/per_worker.hpp"
+#include "base/parallel.hpp"
 #include "base/words.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/grid/placed_reader.hpp"

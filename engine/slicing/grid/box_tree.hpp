@@ -18,7 +18,6 @@
 
 #include "base/eight.hpp"
 #include "base/parallel.hpp"
-#include "base/stop_pace.hpp"
 #include "lamella/array.hpp"
 #include "slicing/grid/box.hpp"
 

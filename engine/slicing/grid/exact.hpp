@@ -1,7 +1,7 @@
 // On which side of an edge a point lies, exactly.
 #pragma once
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {

@@ -4,8 +4,7 @@
 
 #include <cstdint>
 
-#include "base/int128.hpp"
-#include "base/sign.hpp"
+#include "base/numbers.hpp"
 #include "lamella/grid.hpp"
 
 namespace lamella {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/guard.hpp"
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 
 namespace lamella {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/guard.hpp"
-#include "base/progress_meter.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "slicing/contours/link_graph.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/clock.hpp"
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "slicing/grid/origins.hpp"
 #include "slicing/regions/collinear.hpp"
 

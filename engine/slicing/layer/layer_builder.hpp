@@ -11,6 +11,7 @@
 
 #include <span>
 
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/result.hpp"

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/guard.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/words.hpp"
 #include "base/worker.hpp"

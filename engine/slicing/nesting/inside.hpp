@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/dispatch.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/grid.hpp"

@@ -7,8 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/int128.hpp"
-#include "base/sign.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella {
 

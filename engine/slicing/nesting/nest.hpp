@@ -22,7 +22,8 @@
 #include <span>
 #include <vector>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/grid.hpp"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 

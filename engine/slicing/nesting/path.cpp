@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <compare>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella {
 

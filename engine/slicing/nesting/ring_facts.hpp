@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "base/function_ref.hpp"
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "slicing/grid/box.hpp"
 
 namespace lamella {

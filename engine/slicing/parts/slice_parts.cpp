@@ -13,7 +13,6 @@
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "base/progress_meter.hpp"
 #include "slicing/buckets/mesh_source.hpp"
 #include "slicing/frame.hpp"
 #include "slicing/parts/merge_parts.hpp"

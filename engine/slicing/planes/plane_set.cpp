@@ -7,8 +7,8 @@
 #include <numeric>
 #include <string>
 
-#include "base/fit.hpp"
-#include "base/mixed.hpp"
+#include "base/numbers.hpp"
+#include "base/vector.hpp"
 #include "base/words.hpp"
 #include "lamella/result.hpp"
 #include "slicing/grid/quantise.hpp"
@@ -34,7 +34,7 @@ public:
     /// Uniform in [0, 1), 53 bits.
     double next() noexcept {
         state_ += 0x9E3779B97F4A7C15U;
-        return static_cast<double>(mixed(state_) >> 11) * 0x1p-53;
+        return static_cast<double>(mix64(state_) >> 11) * 0x1p-53;
     }
 
 private:

@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/region.hpp"

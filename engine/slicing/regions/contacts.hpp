@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "slicing/edges/pair_search.hpp"

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <numeric>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella {
 

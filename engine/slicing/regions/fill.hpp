@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "slicing/nesting/path.hpp"

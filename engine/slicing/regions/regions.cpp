@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/guard.hpp"
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "slicing/grid/origins.hpp"
 #include "slicing/offset/fold.hpp"
 

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/region.hpp"

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "slicing/grid/exact.hpp"
 #include "slicing/grid/origins.hpp"
 

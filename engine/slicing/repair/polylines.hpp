@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/result.hpp"

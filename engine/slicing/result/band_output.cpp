@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/fit.hpp"
+#include "base/vector.hpp"
 
 namespace lamella {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/array.hpp"
 #include "lamella/assemble.hpp"

@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "base/fit.hpp"
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
+#include "base/vector.hpp"
 
 namespace lamella {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 #include "lamella/assemble.hpp"
 #include "lamella/sink.hpp"
 #include "slicing/result/hash.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/int128.hpp"
+#include "base/numbers.hpp"
 
 namespace lamella {
 

@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
+#include "base/numbers.hpp"
+#include "base/parallel.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/grid/box.hpp"
 #include "slicing/grid/box_tree.hpp"

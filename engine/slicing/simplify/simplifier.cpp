@@ -6,8 +6,7 @@
 #include <limits>
 #include <new>
 
-#include "base/int128.hpp"
-#include "base/sign.hpp"
+#include "base/numbers.hpp"
 #include "slicing/nesting/ring_facts.hpp"
 #include "slicing/simplify/chain.hpp"
 

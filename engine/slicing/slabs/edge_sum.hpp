@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/stop_pace.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "lamella/grid.hpp"
 #include "slicing/nesting/order.hpp"

@@ -19,7 +19,6 @@
 #include "base/distribute.hpp"
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "base/per_worker.hpp"
 #include "base/words.hpp"
 #include "slicing/frame.hpp"
 #include "slicing/grid/quantise.hpp"

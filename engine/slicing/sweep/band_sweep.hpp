@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "base/worker.hpp"
 #include "lamella/slice.hpp"

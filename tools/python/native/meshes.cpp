@@ -35,23 +35,13 @@ MeshView mesh_of(const py::array& vertices, const py::object& faces) {
 py::array rows_of(const void* data, CoordinateType type, std::size_t rows, std::size_t stride, int width,
                   const py::handle& owner) {
     const py::dtype number = type == CoordinateType::f32 ? py::dtype::of<float>() : py::dtype::of<double>();
-    py::array array(number, {static_cast<py::ssize_t>(rows), static_cast<py::ssize_t>(width)},
-                    {static_cast<py::ssize_t>(stride), number.itemsize()}, data, owner);
-    array.attr("setflags")(py::arg("write") = false);
-    return array;
+    return read_only(py::array(number, {static_cast<py::ssize_t>(rows), static_cast<py::ssize_t>(width)},
+                               {static_cast<py::ssize_t>(stride), number.itemsize()}, data, owner));
 }
 
 py::array faces_of(const Array<std::uint32_t>& indices, const py::handle& owner) {
-    py::array array(py::dtype::of<std::uint32_t>(), {static_cast<py::ssize_t>(indices.size() / 3), py::ssize_t{3}},
-                    indices.data(), owner);
-    array.attr("setflags")(py::arg("write") = false);
-    return array;
-}
-
-/// Bytes that are no UTF-8 stand as \xe4.
-py::str text_of(const std::string& text) {
-    return py::reinterpret_steal<py::str>(
-        PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "backslashreplace"));
+    return read_only(py::array(py::dtype::of<std::uint32_t>(),
+                               {static_cast<py::ssize_t>(indices.size() / 3), py::ssize_t{3}}, indices.data(), owner));
 }
 
 py::dict info_of(const MeshFile& file) {

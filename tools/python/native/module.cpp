@@ -1,36 +1,37 @@
-// The module: errors, signals, progress and options.
-#include "native.hpp"
+// The module: errors, signals, forks, progress and options.
+#include <pthread.h>
+
+#include <algorithm>
+#include <array>
+#include <exception>
 
 #include "lamella/version.hpp"
+#include "native.hpp"
 
 namespace lamella::python {
 
 namespace {
 
-const char* name_of(ErrorCode code) {
-    switch (code) {
-        case ErrorCode::invalid_argument:
-            return "invalid_argument";
-        case ErrorCode::unreadable_file:
-            return "unreadable_file";
-        case ErrorCode::malformed_mesh:
-            return "malformed_mesh";
-        case ErrorCode::empty_mesh:
-            return "empty_mesh";
-        case ErrorCode::bad_coordinate:
-            return "bad_coordinate";
-        case ErrorCode::bad_planes:
-            return "bad_planes";
-        case ErrorCode::result_too_large:
-            return "result_too_large";
-        case ErrorCode::out_of_memory:
-            return "out_of_memory";
-        case ErrorCode::cancelled:
-            return "cancelled";
-        case ErrorCode::unwritable_file:
-            return "unwritable_file";
+/// By ErrorCode.
+constexpr std::array names = {"invalid_argument", "unreadable_file",  "malformed_mesh", "empty_mesh", "bad_coordinate",
+                              "bad_planes",       "result_too_large", "out_of_memory",  "cancelled",  "unwritable_file"};
+static_assert(names.size() == static_cast<std::size_t>(ErrorCode::unwritable_file) + 1);
+
+std::atomic<bool> is_forked = false;
+
+void run_on_threads(void* /*context*/, int workers, void (*body)(void*) noexcept, void* argument) noexcept {
+    std::vector<std::thread> threads;
+    try {
+        for (int worker = 1; worker < workers; ++worker) {
+            threads.emplace_back(body, argument);
+        }
+    } catch (const std::exception&) {
+        // Those that there are do the work.
     }
-    return "invalid_argument";
+    body(argument);
+    for (std::thread& thread : threads) {
+        thread.join();
+    }
 }
 
 py::object index_or_none(std::int64_t index) {
@@ -103,16 +104,26 @@ py::array_t<double> from_normal(double x, double y, double z) {
 
 }  // namespace
 
+py::str text_of(const std::string& text) {
+    return py::reinterpret_steal<py::str>(
+        PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "backslashreplace"));
+}
+
 void raise(const Error& error) {
     const py::object kinds = py::module_::import("lamella._errors").attr("BY_CODE");
-    const py::object kind = kinds[name_of(error.code)];
+    const py::object kind = kinds[names.at(static_cast<std::size_t>(error.code))];
     const py::object exception =
-        kind(py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(
-                 error.message.data(), static_cast<py::ssize_t>(error.message.size()), "backslashreplace")),
-             py::arg("triangle") = index_or_none(error.triangle), py::arg("layer") = index_or_none(error.plane),
-             py::arg("byte_offset") = index_or_none(error.byte_offset));
+        kind(text_of(error.message), py::arg("triangle") = index_or_none(error.triangle),
+             py::arg("layer") = index_or_none(error.plane), py::arg("byte_offset") = index_or_none(error.byte_offset));
     PyErr_SetObject(kind.ptr(), exception.ptr());
     throw py::error_already_set();
+}
+
+Executor executor_here() noexcept {
+    if (!is_forked.load()) {
+        return {};
+    }
+    return {&run_on_threads, nullptr, std::max(1, static_cast<int>(std::thread::hardware_concurrency()))};
 }
 
 Progress progress_of(const py::object& callable) {
@@ -223,7 +234,7 @@ PYBIND11_MODULE(_native, module) {
     namespace python = lamella::python;
     module.doc() = "The engine, as the modules of lamella use it.";
     module.attr("version") = lamella::version;
-    python::watch_forks();
+    ::pthread_atfork(nullptr, nullptr, [] { python::is_forked.store(true); });
     python::define_options(module);
     python::define_meshes(module);
     python::define_results(module);

@@ -7,19 +7,18 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "forked.hpp"
 #include "lamella/control.hpp"
 #include "lamella/error.hpp"
 #include "lamella/mesh.hpp"
 #include "lamella/parts.hpp"
 #include "lamella/result.hpp"
 #include "lamella/slice.hpp"
-#include "spares.hpp"
 
 namespace lamella::python {
 
@@ -27,6 +26,13 @@ namespace py = pybind11;
 
 /// Throws the exception of lamella._errors that fits, with the evidence.
 [[noreturn]] void raise(const Error& error);
+
+/// Bytes that are no UTF-8 stand as \xe4.
+py::str text_of(const std::string& text);
+
+/// Where calls of the engine run: oneTBB's threads do not survive a fork, and its locks may stay locked by threads that are
+/// gone. In a forked process a call therefore starts threads of its own; elsewhere there is no executor.
+Executor executor_here() noexcept;
 
 /// The thread that calls the engine: looks at the interpreter's signals if it is Python's main thread, and reports progress.
 /// An exception that a handler or the report raises stays pending and ends the call.
@@ -107,6 +113,28 @@ private:
     std::vector<Part> parts_;
 };
 
+/// Memory of calls and results that are over, for those to come: fresh pages cost a slice of a small mesh more than its
+/// arithmetic. One result and a few workspaces, none of more than 64 MB. Whoever finds them in use by another thread goes
+/// without: nobody waits, and a forked process does not hang where its parent held the lock.
+class Spares {
+public:
+    /// Of the module. It is never destroyed: results may go after everything else.
+    static Spares& all() noexcept;
+
+    Workspace take_workspace() noexcept;
+    SliceResult take_result() noexcept;
+    void give(Workspace&& workspace) noexcept;
+    void give(SliceResult&& result) noexcept;
+
+private:
+    static constexpr std::size_t most_bytes = std::size_t{64} << 20;
+    static constexpr std::size_t most_workspaces = 4;
+
+    std::mutex mutex_;
+    std::vector<Workspace> workspaces_;
+    SliceResult result_;
+};
+
 /// A result that arrays look into.
 struct HeldResult {
     HeldResult(SliceResult sliced = SliceResult{}, std::uint64_t first = 0) noexcept
@@ -121,10 +149,13 @@ struct HeldResult {
 
 Transform transform_of(const py::array_t<double>& matrix);
 
-/// Of `count` rows at `data`, for reading alone. `owner` lives as long as the array.
-py::array view_of(const py::dtype& type, const void* data, std::size_t count, const py::handle& owner);
-const py::dtype& contour_type();
-const py::dtype& layer_type();
+/// Adds a contour to the counts of a result.
+void count(const Contour& contour, SliceSummary& summary) noexcept;
+
+inline py::array read_only(py::array array) {
+    array.attr("setflags")(py::arg("write") = false);
+    return array;
+}
 
 /// The numbers of an Array as a numpy array that owns it.
 template <class Number, class Element>

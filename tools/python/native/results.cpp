@@ -50,16 +50,42 @@ const py::dtype& gap_type() {
     return type;
 }
 
+const py::dtype& contour_type() {
+    static const py::dtype& type = lasting_type({{"first_point", "i8", offsetof(Contour, first_point)},
+                                                 {"twice_area_low", "u8", offsetof(Contour, twice_area)},
+                                                 {"twice_area_high", "i8", offsetof(Contour, twice_area) + 8},
+                                                 {"parent", "i8", offsetof(Contour, parent)},
+                                                 {"point_count", "u4", offsetof(Contour, point_count)},
+                                                 {"segments", "u4", offsetof(Contour, segments)},
+                                                 {"role", "u1", offsetof(Contour, role)},
+                                                 {"orientation", "i1", offsetof(Contour, orientation)},
+                                                 {"flags", "u2", offsetof(Contour, flags)},
+                                                 {"part", "u4", offsetof(Contour, part)}},
+                                                sizeof(Contour));
+    return type;
+}
+
+const py::dtype& layer_type() {
+    static const py::dtype& type = lasting_type({{"bottom", "f8", offsetof(Layer, bottom_mm)},
+                                                 {"z", "f8", offsetof(Layer, plane_mm)},
+                                                 {"top", "f8", offsetof(Layer, top_mm)},
+                                                 {"first_contour", "i8", offsetof(Layer, first_contour)},
+                                                 {"contour_count", "i8", offsetof(Layer, contour_count)},
+                                                 {"segments", "i8", offsetof(Layer, segments)},
+                                                 {"z_grid", "i4", offsetof(Layer, plane)}},
+                                                sizeof(Layer));
+    return type;
+}
+
 const SliceResult& result_of(const py::object& self) {
     return self.cast<const HeldResult&>().result;
 }
 
 py::array points_grid(const py::object& self) {
     const SliceResult& result = result_of(self);
-    py::array points(py::dtype::of<std::int32_t>(), {static_cast<py::ssize_t>(result.points.size()), py::ssize_t{2}},
-                     reinterpret_cast<const std::int32_t*>(result.points.data()), self);
-    points.attr("setflags")(py::arg("write") = false);
-    return points;
+    return read_only(py::array(py::dtype::of<std::int32_t>(),
+                               {static_cast<py::ssize_t>(result.points.size()), py::ssize_t{2}},
+                               reinterpret_cast<const std::int32_t*>(result.points.data()), self));
 }
 
 py::array points_mm(const HeldResult& held) {
@@ -73,9 +99,7 @@ py::array points_mm(const HeldResult& held) {
             points[i] = result.to_mm(result.points[i]);
         }
     }
-    py::array made = own<double>(std::move(points), {static_cast<py::ssize_t>(result.points.size()), 2});
-    made.attr("setflags")(py::arg("write") = false);
-    return made;
+    return read_only(own<double>(std::move(points), {static_cast<py::ssize_t>(result.points.size()), 2}));
 }
 
 /// `value` of each element, computed without the interpreter.
@@ -183,19 +207,29 @@ struct Rest {
 };
 static_assert(std::is_trivially_copyable_v<Rest>);
 
+/// The arrays that it keeps, in their order.
+template <class Arrays, class Visit>
+void each_array(Arrays& result, Visit visit) {
+    visit(result.layers);
+    visit(result.contours);
+    visit(result.points);
+    visit(result.origins);
+    visit(result.closed_gaps);
+    visit(result.layer_of);
+}
+
 py::tuple state(const py::object& self) {
     const HeldResult& held = self.cast<const HeldResult&>();
     const SliceResult& result = held.result;
     const Rest rest{result.summary,   result.frame,      result.unit_mm,     result.close_gaps_mm,
                     held.first_layer, result.part_count, result.part_regions};
-    const auto bytes = [&](const auto& array) {
+    py::list arrays;
+    each_array(result, [&](const auto& array) {
         using Element = std::remove_cv_t<std::remove_reference_t<decltype(array[0])>>;
-        return py::array(py::dtype::of<std::uint8_t>(), {static_cast<py::ssize_t>(array.size() * sizeof(Element))},
-                         reinterpret_cast<const std::uint8_t*>(array.data()), self);
-    };
-    return py::make_tuple(bytes(result.layers), bytes(result.contours), bytes(result.points), bytes(result.origins),
-                          bytes(result.closed_gaps), bytes(result.layer_of),
-                          py::bytes(reinterpret_cast<const char*>(&rest), sizeof rest));
+        arrays.append(py::array(py::dtype::of<std::uint8_t>(), {static_cast<py::ssize_t>(array.size() * sizeof(Element))},
+                                reinterpret_cast<const std::uint8_t*>(array.data()), self));
+    });
+    return py::make_tuple(arrays, py::bytes(reinterpret_cast<const char*>(&rest), sizeof rest));
 }
 
 template <class Element>
@@ -210,18 +244,14 @@ void restore_array(Array<Element>& array, const py::handle& bytes) {
 HeldResult restore(const SliceOptions& options, const py::tuple& state) {
     HeldResult held;
     SliceResult& result = held.result;
-    restore_array(result.layers, state[0]);
-    restore_array(result.contours, state[1]);
-    restore_array(result.points, state[2]);
-    restore_array(result.origins, state[3]);
-    restore_array(result.closed_gaps, state[4]);
-    restore_array(result.layer_of, state[5]);
-    const std::string bytes = py::reinterpret_borrow<py::bytes>(state[6]);
+    const std::string bytes = state.size() == 2 ? std::string(py::reinterpret_borrow<py::bytes>(state[1])) : std::string();
     Rest rest;
     if (bytes.size() != sizeof rest) {
         raise({ErrorCode::invalid_argument, "the result was pickled by another version of lamella"});
     }
     std::memcpy(static_cast<void*>(&rest), bytes.data(), sizeof rest);
+    const auto arrays = py::reinterpret_borrow<py::list>(state[0]);
+    each_array(result, [&, next = std::size_t{0}](auto& array) mutable { restore_array(array, arrays[next++]); });
     result.summary = rest.summary;
     result.frame = rest.frame;
     result.unit_mm = rest.unit_mm;
@@ -237,39 +267,6 @@ HeldResult restore(const SliceOptions& options, const py::tuple& state) {
 
 }  // namespace
 
-const py::dtype& contour_type() {
-    static const py::dtype& type = lasting_type({{"first_point", "i8", offsetof(Contour, first_point)},
-                                                 {"twice_area_low", "u8", offsetof(Contour, twice_area)},
-                                                 {"twice_area_high", "i8", offsetof(Contour, twice_area) + 8},
-                                                 {"parent", "i8", offsetof(Contour, parent)},
-                                                 {"point_count", "u4", offsetof(Contour, point_count)},
-                                                 {"segments", "u4", offsetof(Contour, segments)},
-                                                 {"role", "u1", offsetof(Contour, role)},
-                                                 {"orientation", "i1", offsetof(Contour, orientation)},
-                                                 {"flags", "u2", offsetof(Contour, flags)},
-                                                 {"part", "u4", offsetof(Contour, part)}},
-                                                sizeof(Contour));
-    return type;
-}
-
-const py::dtype& layer_type() {
-    static const py::dtype& type = lasting_type({{"bottom", "f8", offsetof(Layer, bottom_mm)},
-                                                 {"z", "f8", offsetof(Layer, plane_mm)},
-                                                 {"top", "f8", offsetof(Layer, top_mm)},
-                                                 {"first_contour", "i8", offsetof(Layer, first_contour)},
-                                                 {"contour_count", "i8", offsetof(Layer, contour_count)},
-                                                 {"segments", "i8", offsetof(Layer, segments)},
-                                                 {"z_grid", "i4", offsetof(Layer, plane)}},
-                                                sizeof(Layer));
-    return type;
-}
-
-py::array view_of(const py::dtype& type, const void* data, std::size_t count, const py::handle& owner) {
-    py::array array(type, {static_cast<py::ssize_t>(count)}, data, owner);
-    array.attr("setflags")(py::arg("write") = false);
-    return array;
-}
-
 void define_results(py::module_& module) {
     // Made now: what imports numpy may let other threads run, which must not wait for a static that is being made.
     for (const auto type : {&layer_type, &contour_type, &origin_type, &gap_type}) {
@@ -284,7 +281,7 @@ void define_results(py::module_& module) {
     const auto view = [&held](const char* name, auto get, const auto& type) {
         held.def_property_readonly(name, [get, type](const py::object& self) {
             const auto& array = get(result_of(self));
-            return view_of(type(), array.data(), array.size(), self);
+            return read_only(py::array(type(), {static_cast<py::ssize_t>(array.size())}, array.data(), self));
         });
     };
     view(

@@ -10,6 +10,11 @@ namespace lamella::python {
 
 namespace {
 
+std::size_t bytes_of(const SliceResult& result) noexcept {
+    return result.points.capacity() * sizeof(Point) + result.origins.capacity() * sizeof(PointOrigin) +
+           result.contours.capacity() * sizeof(Contour) + result.layers.capacity() * sizeof(Layer);
+}
+
 /// Results live as long as arrays look into them: what a small one has of a large one's memory would be wasted.
 template <class T>
 void give_back_waste(Array<T>& array) {
@@ -94,14 +99,6 @@ std::vector<Segment> segments_of(const py::array_t<double>& rows, const py::obje
     return segments;
 }
 
-void count_roles(SliceResult& result) {
-    for (const Contour& contour : result.contours) {
-        result.summary.holes += contour.role == Role::hole ? 1 : 0;
-        result.summary.open_contours += contour.role == Role::open ? 1 : 0;
-        result.summary.flat_contours += contour.role == Role::flat ? 1 : 0;
-    }
-}
-
 HeldResult assemble_segments(const py::array_t<double, py::array::c_style>& rows, const py::object& keys, double unit_mm) {
     const std::vector<Segment> segments = segments_of(rows, keys, unit_mm);
     LayerContours made = run(Control{}, [&](const Control& control) { return assemble(segments, control); });
@@ -115,11 +112,63 @@ HeldResult assemble_segments(const py::array_t<double, py::array::c_style>& rows
     result.layers[0].contour_count = result.contours.size();
     result.layers[0].segments = segments.size();
     result.summary.segments = segments.size();
-    count_roles(result);
+    for (const Contour& contour : result.contours) {
+        count(contour, result.summary);
+    }
     return held;
 }
 
 }  // namespace
+
+Spares& Spares::all() noexcept {
+    static Spares& spares = []() -> Spares& {
+        auto* const made = new Spares;
+        made->workspaces_.reserve(most_workspaces);
+        return *made;
+    }();
+    return spares;
+}
+
+Workspace Spares::take_workspace() noexcept {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock || workspaces_.empty()) {
+        return {};
+    }
+    Workspace taken = std::move(workspaces_.back());
+    workspaces_.pop_back();
+    return taken;
+}
+
+SliceResult Spares::take_result() noexcept {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    return lock ? std::exchange(result_, SliceResult{}) : SliceResult{};
+}
+
+void Spares::give(Workspace&& workspace) noexcept {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (lock && workspaces_.size() < most_workspaces && workspace.bytes() <= most_bytes) {
+        workspaces_.push_back(std::move(workspace));
+    }
+}
+
+void Spares::give(SliceResult&& result) noexcept {
+    const std::size_t bytes = bytes_of(result);
+    if (bytes == 0 || bytes > most_bytes) {
+        return;
+    }
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (lock && bytes > bytes_of(result_)) {
+        result_ = std::move(result);
+    }
+}
+
+void count(const Contour& contour, SliceSummary& summary) noexcept {
+    summary.holes += contour.role == Role::hole ? 1 : 0;
+    summary.open_contours += contour.role == Role::open ? 1 : 0;
+    summary.flat_contours += contour.role == Role::flat ? 1 : 0;
+    summary.overruled_contours += (contour.flags & orientation_overruled) != 0 ? 1 : 0;
+    summary.near_contours += (contour.flags & near_contour) != 0 ? 1 : 0;
+}
 
 void define_slicing(py::module_& module) {
     py::class_<PreparedMesh>(module, "Prepared")

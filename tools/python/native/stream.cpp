@@ -53,7 +53,7 @@ public:
             *contour = given;
             contour->first_point += first_point;
             contour->parent += given.parent < 0 ? 0 : static_cast<std::int64_t>(first_contour);
-            count(given);
+            count(given, result.summary);
             ++contour;
         }
         std::copy(view.points.begin(), view.points.end(), grow(result.points, view.points.size()));
@@ -74,15 +74,6 @@ public:
     HeldResult take() noexcept { return std::move(held_); }
 
 private:
-    void count(const Contour& contour) {
-        SliceSummary& summary = held_.result.summary;
-        summary.holes += contour.role == Role::hole ? 1 : 0;
-        summary.open_contours += contour.role == Role::open ? 1 : 0;
-        summary.flat_contours += contour.role == Role::flat ? 1 : 0;
-        summary.overruled_contours += (contour.flags & orientation_overruled) != 0 ? 1 : 0;
-        summary.near_contours += (contour.flags & near_contour) != 0 ? 1 : 0;
-    }
-
     void grow_box(const LayerView& view) {
         SliceSummary& summary = held_.result.summary;
         for (const Point& point : view.points) {

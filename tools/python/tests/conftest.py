@@ -8,7 +8,7 @@ import pytest
 
 import lamella
 
-sys.path.append(str(Path(__file__).parent))  # for what child processes import
+sys.path.append(str(Path(__file__).parent))  # for support.py
 
 CORNERS = np.array([[x, y, z] for z in (0, 10) for y in (0, 10) for x in (0, 10)], dtype=float)
 FACES = np.array(
@@ -41,6 +41,14 @@ def torus():
     first = np.stack((at(u, v), at(u + 1, v + 1), at(u + 1, v)), axis=-1).reshape(-1, 3)
     second = np.stack((at(u, v), at(u, v + 1), at(u + 1, v + 1)), axis=-1).reshape(-1, 3)
     return vertices, np.vstack((first, second))
+
+
+@pytest.fixture
+def matplotlib():
+    """It draws into memory."""
+    module = pytest.importorskip("matplotlib")
+    module.use("Agg")
+    return module
 
 
 @pytest.fixture(autouse=True)

@@ -3,22 +3,13 @@
 import gc
 import gzip
 import os
-import struct
 import sys
 
 import numpy as np
 import pytest
+from support import write_stl
 
 import lamella
-
-
-def write_stl(path, triangles):
-    normals = np.zeros((len(triangles), 1, 3))
-    rows = np.concatenate((normals, triangles), axis=1).astype("<f4").reshape(len(triangles), 12)
-    with open(path, "wb") as file:
-        file.write(b"\0" * 80 + struct.pack("<I", len(triangles)))
-        for row in rows:
-            file.write(row.tobytes() + b"\0\0")
 
 
 def test_a_prepared_mesh_gives_the_slices_of_the_mesh(torus):

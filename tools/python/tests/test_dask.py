@@ -8,6 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from support import write_off
 
 import lamella
 import lamella.dask
@@ -48,8 +49,7 @@ class Client:
 def folder(torus, cube, tmp_path, monkeypatch):
     """Two meshes and a file that is none."""
     for name, (vertices, faces) in {"torus.off": torus, "cube.off": cube}.items():
-        rows = [" ".join(map(str, vertex)) for vertex in vertices] + [f"3 {a} {b} {c}" for a, b, c in faces]
-        (tmp_path / name).write_text("\n".join(["OFF", f"{len(vertices)} {len(faces)} 0", *rows]) + "\n")
+        write_off(tmp_path / name, vertices, faces)
     (tmp_path / "bad.stl").write_bytes(b"solid\nfacet")
     monkeypatch.chdir(tmp_path)
     return tmp_path

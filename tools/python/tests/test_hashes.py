@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support import write_off
 
 import lamella
 
@@ -36,9 +37,7 @@ CASES = [
 @pytest.mark.parametrize("arguments, options", CASES)
 def test_slices_are_those_of_the_command_line_tool(torus, tmp_path, arguments, options):
     path = tmp_path / "torus.off"
-    vertices = torus[0].astype("f4")
-    rows = [f"{x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()] + [f"3 {a} {b} {c}" for a, b, c in torus[1].tolist()]
-    path.write_text(f"OFF\n{len(vertices)} {len(torus[1])} 0\n" + "\n".join(rows) + "\n")
+    write_off(path, torus[0].astype("f4"), torus[1])
     expected = tool_hash(path, tmp_path, arguments)
     assert lamella.slice(path, **options).hash == expected
     mesh = lamella.read(path)

@@ -6,6 +6,7 @@ import zipfile
 
 import numpy as np
 import pytest
+from support import write_off
 
 import lamella
 from lamella._mesh import as_view
@@ -130,8 +131,7 @@ def test_meshes_of_pyvista_are_read(cube):
 
 def test_files_are_meshes(cube, tmp_path):
     path = tmp_path / "cube.off"
-    rows = [f"{x} {y} {z}" for x, y, z in cube[0].tolist()] + [f"3 {a} {b} {c}" for a, b, c in cube[1].tolist()]
-    path.write_text("OFF\n8 12 0\n" + "\n".join(rows) + "\n")
+    write_off(path, *cube)
     assert hash_of(pathlib.Path(path)) == hash_of(str(path)) == hash_of(lamella.read(path)) == hash_of(*cube)
 
 

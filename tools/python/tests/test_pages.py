@@ -1,23 +1,26 @@
-"""What README and the page on Python show runs."""
+"""What README, the pages on Python, the notebook and the examples in docstrings show runs, and is true."""
 
+import doctest
+import importlib
+import json
 import pathlib
+import pkgutil
 import re
 
-import numpy as np
 import pytest
+from support import write_off, write_stl
 
 import lamella
 
+MODULES = ["lamella", *(f"lamella.{module.name}" for module in pkgutil.iter_modules(lamella.__path__) if module.name != "_native")]
+NOTEBOOKS = sorted((pathlib.Path(__file__).resolve().parents[1] / "examples").glob("*.ipynb"))
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture
 def folder(torus, tmp_path, monkeypatch):
     """With the mesh that the pages cut."""
-    triangles = torus[0][torus[1]].astype("<f4")
-    rows = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
-    rows["corners"] = triangles
-    (tmp_path / "bone.stl").write_bytes(b"\0" * 80 + np.uint32(len(rows)).tobytes() + rows.tobytes())
+    write_stl(tmp_path / "bone.stl", torus[0][torus[1]])
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -31,18 +34,14 @@ def run_page(path, least):
     return names
 
 
-def test_readme_plots_areas_over_height(folder, capsys):
-    matplotlib = pytest.importorskip("matplotlib")
-    matplotlib.use("Agg")
+def test_readme_plots_areas_over_height(folder, capsys, matplotlib):
     names = run_page(ROOT / "README.md", 1)
     assert (folder / "areas.png").stat().st_size > 1000
     assert capsys.readouterr().out.startswith("<lamella.Result: 540 layers")
     assert len(names["s"].areas) == 540
 
 
-def test_the_page_on_python_is_true(folder, capsys):
-    matplotlib = pytest.importorskip("matplotlib")
-    matplotlib.use("Agg")
+def test_the_page_on_python_is_true(folder, capsys, matplotlib):
     names = run_page(ROOT / "tools/docs/python.md", 5)
     assert "faces[0] = [" in capsys.readouterr().out
     assert names["holes_per_layer"].tolist() == [int((layer.contours["role"] == lamella.Role.HOLE).sum()) for layer in names["s"]]
@@ -51,9 +50,7 @@ def test_the_page_on_python_is_true(folder, capsys):
     assert (folder / "bone.json").exists()
 
 
-def test_the_gallery_shows_what_draws_its_pictures(torus, tmp_path):
-    matplotlib = pytest.importorskip("matplotlib")
-    matplotlib.use("Agg")
+def test_the_gallery_shows_what_draws_its_pictures(torus, tmp_path, matplotlib):
     page = (ROOT / "tools/docs/gallery.md").read_text()
     path = ROOT / "tools/python/examples/gallery.py"
     program = path.read_text()
@@ -62,11 +59,55 @@ def test_the_gallery_shows_what_draws_its_pictures(torus, tmp_path):
     shown = re.findall(r"^```py\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
     assert len(shown) == len(names["PICTURES"])
     assert all(block in program for block in shown)
-    vertices, faces = torus
-    rows = [" ".join(map(str, vertex)) for vertex in vertices] + [f"3 {a} {b} {c}" for a, b, c in faces]
-    (tmp_path / "torus.off").write_text("\n".join(["OFF", f"{len(vertices)} {len(faces)} 0", *rows]) + "\n")
+    write_off(tmp_path / "torus.off", *torus)
     names["main"](tmp_path / "torus.off", tmp_path)
     for draw in names["PICTURES"]:
         assert f"python_{draw.__name__}.png" in page
         assert (ROOT / f"tools/pictures/python_{draw.__name__}.png").exists()
         assert (tmp_path / f"python_{draw.__name__}.png").stat().st_size > 1000
+
+
+def test_there_is_a_notebook():
+    assert NOTEBOOKS
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_the_code_runs(path, capsys, matplotlib):
+    names = {}
+    for cell in json.loads(path.read_text())["cells"]:
+        if cell["cell_type"] == "code":
+            exec(compile("".join(cell["source"]), str(path), "exec"), names)
+    told = capsys.readouterr().out
+    assert "certificate holds" in told
+    assert "3 boundary edges" in told
+    assert names["volume"] == pytest.approx(names["s"].volume, rel=1e-3)
+    assert (names["difference"] > 0).all()
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_the_notebook_runs_in_a_kernel(path):
+    nbclient = pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    nbformat = pytest.importorskip("nbformat")
+    notebook = nbformat.read(path, as_version=4)
+    nbclient.NotebookClient(notebook, timeout=120).execute()
+    kinds = {kind for cell in notebook.cells if cell.cell_type == "code" for out in cell.outputs for kind in out.get("data", {})}
+    assert {"image/png", "text/html"} <= kinds
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_no_outputs_are_committed(path):
+    cells = json.loads(path.read_text())["cells"]
+    assert not any(cell.get("outputs") or cell.get("execution_count") for cell in cells)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_run(name, doctest_namespace):
+    result = doctest.testmod(importlib.import_module(name), extraglobs=doctest_namespace)
+    assert result.failed == 0
+
+
+def test_there_are_examples(doctest_namespace):
+    finder = doctest.DocTestFinder()
+    examples = [test for name in MODULES for test in finder.find(importlib.import_module(name)) if test.examples]
+    assert len(examples) >= 12

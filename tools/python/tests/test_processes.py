@@ -7,7 +7,7 @@ import threading
 
 import numpy as np
 import pytest
-from children import answer, hash_of
+from support import answer, hash_of
 
 import lamella
 

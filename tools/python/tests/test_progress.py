@@ -7,6 +7,7 @@ import threading
 
 import numpy as np
 import pytest
+from support import write_stl
 
 import lamella
 
@@ -42,11 +43,8 @@ def enough(fraction):
 
 def read(mesh, progress):
     vertices, faces = mesh
-    rows = np.zeros(len(faces), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
-    rows["corners"] = vertices[faces]
     with tempfile.NamedTemporaryFile(suffix=".stl") as file:
-        file.write(b"\0" * 80 + np.uint32(len(rows)).tobytes() + rows.tobytes())
-        file.flush()
+        write_stl(file.name, vertices[faces])
         return lamella.read(file.name, progress=progress)
 
 

@@ -61,15 +61,12 @@ from ._errors import (
     UnreadableFileError,
     UnwritableFileError,
 )
-from ._kinds import NO_TRIANGLE, SEVERAL_PARTS, ContourFlag, Role
-from ._layer import Layer, Polygon
+from ._layer import NO_TRIANGLE, SEVERAL_PARTS, ContourFlag, Layer, Polygon, Role
 from ._mesh import Mesh, read, weld
 from ._native import version as __version__
 from ._prepared import Prepared, prepare
 from ._result import Certificate, Result
-from ._section import section, section_multiplane
-from ._slice import slice, slice_parts
-from ._stream import stream
+from ._slice import section, section_multiplane, slice, slice_parts, stream
 
 __all__ = [
     "NO_TRIANGLE",

@@ -10,8 +10,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._mesh import MeshLike, as_view
-from ._options import number, slice_options, whole_number
-from ._progress import ProgressLike
+from ._options import ProgressLike, number, slice_options, whole_number
 
 
 @dataclass(frozen=True)

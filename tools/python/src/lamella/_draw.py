@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Tuple
 
 import numpy as np
 
-from ._kinds import Role
+from ._layer import Role
 
 if TYPE_CHECKING:
     from ._layer import Layer

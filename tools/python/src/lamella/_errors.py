@@ -117,21 +117,7 @@ class MeshWarning(UserWarning):
     """A result stands, but the mesh or its file is not what it should be."""
 
 
-BY_CODE = {
-    error.code: error
-    for error in (
-        InvalidArgumentError,
-        UnreadableFileError,
-        MalformedMeshError,
-        EmptyMeshError,
-        CoordinateError,
-        PlanesError,
-        ResultTooLargeError,
-        OutOfMemoryError,
-        CancelledError,
-        UnwritableFileError,
-    )
-}
+BY_CODE = {error.code: error for error in Error.__subclasses__()}
 
 
 def warn(message: str, category: type) -> None:

@@ -10,8 +10,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._errors import CoordinateError, Error, InvalidArgumentError, MeshTypeError, MeshWarning, warn
-from ._options import affine, mm_per_unit, number, slice_options, whole_number
-from ._progress import ProgressLike
+from ._options import ProgressLike, affine, mm_per_unit, number, slice_options, whole_number
 
 MeshLike = Any
 """Vertices, triangles, a path, a `Mesh`, or an object with ``.vertices`` and ``.faces`` or with ``.points``: see `slice`."""

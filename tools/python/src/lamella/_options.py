@@ -1,10 +1,11 @@
-"""Keyword options, checked and handed to the engine."""
+"""Keyword options, checked and handed to the engine, and what tells the user how far a call is."""
 
 from __future__ import annotations
 
 import difflib
 import math
 import operator
+import sys
 from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence, Tuple, TypedDict, Union
 
 import numpy as np
@@ -12,7 +13,9 @@ import numpy.typing as npt
 
 from . import _native
 from ._errors import InvalidArgumentError
-from ._progress import ProgressLike, set_progress
+
+ProgressLike = Union[None, bool, Callable[[float], Any]]
+"""True for a bar, or a callable that takes a fraction from 0 to 1."""
 
 
 class RuleKeywords(TypedDict, total=False):
@@ -242,8 +245,45 @@ def slice_options(keywords: Mapping[str, Any], *, prepared: bool = False) -> _na
     if "normal" in given and "transform" in given:
         refuse("normal and transform exclude each other")
     _set_planes(options, given)
-    set_progress(options, given.get("progress"))
+    _set_progress(options, given.get("progress"))
     return options
+
+
+class Bar:
+    """A bar of tqdm where that is installed, else a line on stderr where that is a terminal."""
+
+    def __init__(self) -> None:
+        self._bar: Any = None
+        try:
+            from tqdm.auto import tqdm
+        except ImportError:
+            return
+        self._bar = tqdm(total=100, unit="%", bar_format="{l_bar}{bar}| {elapsed}<{remaining}")
+
+    def __call__(self, fraction: float) -> None:
+        percent = int(100 * fraction)
+        if self._bar is not None:
+            self._bar.update(percent - self._bar.n)
+        elif sys.stderr.isatty():
+            print(f"\rlamella: {percent} %", end="\n" if fraction == 1 else "", file=sys.stderr, flush=True)
+        if fraction == 1:
+            self.close()
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+    def __del__(self) -> None:
+        self.close()
+
+
+def _set_progress(options: _native.Options, progress: ProgressLike) -> None:
+    if progress is None or progress is False:
+        return
+    report = Bar() if progress is True else progress
+    if not callable(report):
+        refuse(f"progress must be True or a callable that takes a fraction, not {progress!r}")
+    options.set_progress(report)
 
 
 def _set_planes(options: _native.Options, given: Mapping[str, Any]) -> None:

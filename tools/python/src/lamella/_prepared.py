@@ -8,8 +8,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._mesh import MeshLike, as_view
-from ._options import slice_options
-from ._progress import ProgressLike
+from ._options import ProgressLike, slice_options
 from ._result import Result, finish
 
 if TYPE_CHECKING:

@@ -13,8 +13,7 @@ import numpy.typing as npt
 
 from . import _native
 from ._errors import Error, InvalidArgumentError, MeshWarning, warn
-from ._kinds import Role
-from ._layer import Layer
+from ._layer import Layer, Role
 from ._options import slice_options
 
 if TYPE_CHECKING:

@@ -1,21 +1,22 @@
-"""slice() and slice_parts()."""
+"""slice() and the other calls that cut: parts, sections, streams."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional, Sequence, Tuple, Union
 
 import numpy.typing as npt
 
 from . import _native
-from ._mesh import MeshLike, as_view, as_views, oriented
-from ._options import slice_options, truth
-from ._progress import ProgressLike
-from ._result import Result, finish
+from ._errors import InvalidArgumentError
+from ._layer import Layer
+from ._mesh import MeshLike, View, as_view, as_views, oriented
+from ._options import ProgressLike, plane_frame, slice_options, truth, whole_number
+from ._result import Result, finish, result_of, warn_of_open
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._options import SliceKeywords
+    from ._options import SectionKeywords, SliceKeywords
 
 
 def slice(  # noqa: A001: the word of the field
@@ -184,3 +185,118 @@ def slice_parts(
     keywords: Dict[str, Any] = dict(options)
     view = as_views(meshes, transforms, unit=keywords.pop("unit", None))
     return finish(view.run(_native.slice_parts, slice_options(keywords), united), view, keywords)
+
+
+def section(mesh: MeshLike, origin: npt.ArrayLike, normal: npt.ArrayLike, **options: Unpack[SectionKeywords]) -> Layer:
+    """Cut a mesh by one plane.
+
+    Parameters
+    ----------
+    mesh : mesh
+        As for `slice`; vertices and faces as a pair.
+    origin : array_like of float, shape (3,)
+        A point of the plane, mm.
+    normal : array_like of float, shape (3,)
+        What the plane is perpendicular to; any length but zero.
+    **options
+        As for `slice`, without heights, `normal` and `transform`.
+
+    Returns
+    -------
+    Layer
+        Its points are within the plane, from `origin`; `Layer.to_3d` leads back to the mesh's space.
+
+    Examples
+    --------
+    >>> cut = lamella.section((corners, faces), origin=[0, 0, 20], normal=[0, 0, 1])
+    >>> round(cut.area, 3)
+    112.5
+    """
+    return section_multiplane(mesh, origin, normal, [0.0], **options)[0]
+
+
+def section_multiplane(
+    mesh: MeshLike,
+    origin: npt.ArrayLike,
+    normal: npt.ArrayLike,
+    heights: npt.ArrayLike,
+    **options: Unpack[SectionKeywords],
+) -> Result:
+    """Cut a mesh by parallel planes of any direction.
+
+    Parameters
+    ----------
+    mesh, origin, normal
+        As for `section`.
+    heights : array_like of float
+        Distances of the planes from `origin` along the normal, mm, in any order.
+    **options
+        As for `slice`, without heights, `normal` and `transform`.
+
+    Returns
+    -------
+    Result
+        A layer for each distinct height, ascending; `Result.layer_of` names the layer of each height.
+
+    Examples
+    --------
+    >>> cuts = lamella.section_multiplane((corners, faces), [0, 0, 10], [0, 0, 1], [0, 10])
+    >>> cuts.areas.round(3)
+    array([253.125, 112.5  ])
+    """
+    for name in options:
+        if name in ("normal", "transform", "layer_height", "first_height", "datum"):
+            raise InvalidArgumentError(f"{name} is given by origin, normal and heights")
+    return slice(mesh, transform=plane_frame(origin, normal), heights=heights, **options)
+
+
+def stream(
+    mesh: MeshLike,
+    faces: Optional[npt.ArrayLike] = None,
+    *,
+    chunk: int = 256,
+    **options: Unpack[SliceKeywords],
+) -> Iterator[Result]:
+    """Cut a mesh and hand its layers over in chunks, from below, while the rest is still being cut.
+
+    Memory does not grow with the number of layers. Leaving the loop early ends the slicing.
+
+    Parameters
+    ----------
+    mesh, faces
+        As for `slice`.
+    chunk : int
+        Layers in a chunk. The last one may have fewer.
+    **options
+        As for `slice`.
+
+    Yields
+    ------
+    Result
+        The next layers. `Result.first_layer` counts those before it.
+
+    Examples
+    --------
+    >>> for layers in lamella.stream(corners, faces, layer_height=1, chunk=16):
+    ...     print(layers.first_layer, len(layers), layers.areas.sum().round(1))
+    0 16 4703.6
+    16 16 1247.6
+    32 8 47.8
+    """
+    keywords: Dict[str, Any] = dict(options)
+    view = as_view(mesh, faces, unit=keywords.pop("unit", None))
+    if whole_number("chunk", chunk) == 0:
+        raise InvalidArgumentError("a chunk must have at least one layer")
+    chunks = view.run(_native.Stream, slice_options(keywords), chunk)
+    return _chunks(chunks, view, keywords)
+
+
+def _chunks(chunks: _native.Stream, view: View, keywords: Dict[str, Any]) -> Iterator[Result]:
+    found = _native.OpenLayers()
+    try:
+        while (layers := view.run(lambda _: chunks.next())) is not None:
+            found.add(layers.open_layers())
+            yield result_of(layers, None, keywords)
+        warn_of_open(found)
+    finally:
+        chunks.close()

@@ -1,0 +1,41 @@
+// Exact 128-bit integers, signs, and mixing of bits for hashes: the same on every platform.
+#pragma once
+
+#include <cstdint>
+
+#include "lamella/integer128.hpp"
+
+namespace lamella {
+
+__extension__ using Int128 = __int128;
+
+inline Integer128 to_integer128(Int128 value) noexcept {
+    return {static_cast<std::uint64_t>(value), static_cast<std::int64_t>(value >> 64)};
+}
+
+inline Int128 to_int128(const Integer128& value) noexcept {
+    return (Int128{value.high} << 64) | Int128{value.low};
+}
+
+/// 1, 0 or -1; 0 of what is not a number.
+template <class Number>
+constexpr int sign_of(Number value) noexcept {
+    return static_cast<int>(value > 0) - static_cast<int>(value < 0);
+}
+
+/// SplitMix64's finaliser: every bit of the result depends on every bit of the word.
+inline std::uint64_t mix64(std::uint64_t word) noexcept {
+    word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9U;
+    word = (word ^ (word >> 27)) * 0x94D049BB133111EBU;
+    return word ^ (word >> 31);
+}
+
+/// The two halves of a product, folded: every bit depends on most bits of both factors. For where mix64() would take as long
+/// as all else.
+inline std::uint64_t mul_fold(std::uint64_t a, std::uint64_t b) noexcept {
+    __extension__ using Unsigned128 = unsigned __int128;
+    const Unsigned128 product = Unsigned128{a} * b;
+    return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
+}
+
+}  // namespace lamella

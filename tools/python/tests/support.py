@@ -1,0 +1,28 @@
+"""What several tests and their child processes use: in a module of its own, which spawned ones import."""
+
+import numpy as np
+
+import lamella
+
+
+def hash_of(mesh):
+    return lamella.slice(*mesh, layer_height=0.05).hash
+
+
+def answer(mesh, answers):
+    try:
+        answers.put(hash_of(mesh))
+    except BaseException as error:  # so that the parent need not wait in vain
+        answers.put(repr(error))
+
+
+def write_off(path, vertices, faces):
+    rows = [" ".join(map(repr, vertex)) for vertex in vertices.tolist()] + [f"3 {a} {b} {c}" for a, b, c in faces.tolist()]
+    path.write_text("\n".join(["OFF", f"{len(vertices)} {len(faces)} 0", *rows]) + "\n")
+
+
+def write_stl(path, triangles):
+    rows = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
+    rows["corners"] = triangles
+    with open(path, "wb") as file:
+        file.write(b"\0" * 80 + np.uint32(len(rows)).tobytes() + rows.tobytes())

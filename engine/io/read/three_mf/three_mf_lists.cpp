@@ -4,7 +4,6 @@
 #include <array>
 #include <string_view>
 
-#include "io/read/three_mf/three_mf_numbers.hpp"
 #include "io/read/three_mf/three_mf_part.hpp"
 
 namespace lamella::three_mf {
@@ -113,10 +112,9 @@ bool PartReader::add_plain_vertex(const std::array<std::string_view, 3>& values)
     Vertex vertex{};
     ChunkList<Vertex>& vertices = object().vertices;
     if (number_in(values[0], vertex.x) != NumberText::read || number_in(values[1], vertex.y) != NumberText::read ||
-        number_in(values[2], vertex.z) != NumberText::read || !budget_.has(vertices.next_bytes())) {
+        number_in(values[2], vertex.z) != NumberText::read || !budget_.try_take(vertices.next_bytes(), 1)) {
         return false;
     }
-    budget_.take(vertices.next_bytes());
     vertices.push_back(vertex);
     return true;
 }
@@ -129,10 +127,9 @@ bool PartReader::add_plain_triangle(const std::array<std::string_view, 3>& value
             return false;
         }
     }
-    if (!budget_.has(triangles.next_bytes())) {
+    if (!budget_.try_take(triangles.next_bytes(), 1)) {
         return false;
     }
-    budget_.take(triangles.next_bytes());
     triangles.push_back(triangle);
     return true;
 }

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "io/read/input_file.hpp"
-#include "io/read/three_mf/three_mf_numbers.hpp"
 #include "io/text/text.hpp"
 #include "lamella/memory.hpp"
 
@@ -36,16 +35,16 @@ constexpr std::array units = {Unit{"micron", 0.001}, Unit{"millimeter", 1}, Unit
 
 constexpr std::array<std::string_view, 5> type_names = {"model", "solidsupport", "support", "surface", "other"};
 
-std::string in_quotes(std::string_view text) {
-    constexpr std::size_t longest = 64;
-    return "'" + printable(std::string(text.substr(0, longest))) + (text.size() > longest ? "...'" : "'");
-}
-
 double determinant(const std::array<double, 12>& m) {
     return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
 }
 
 }  // namespace
+
+std::string in_quotes(std::string_view text) {
+    constexpr std::size_t longest = 64;
+    return "'" + printable(std::string(text.substr(0, longest))) + (text.size() > longest ? "...'" : "'");
+}
 
 std::optional<std::string> part_name(std::string_view path) {
     path.remove_prefix(path.starts_with('/') ? 1 : 0);
@@ -85,8 +84,8 @@ const PartReader::Element PartReader::elements[] = {
     {State::build, State::item, "item", &PartReader::begin_item},
 };
 
-PartReader::PartReader(Model& model, Part part, Budget& budget, const Memory* memory)
-    : XmlReader(memory), model_(model), part_(part), budget_(budget), memory_(memory) {}
+PartReader::PartReader(Model& model, Part part, MemoryBudget& budget, const Memory* memory)
+    : PackageReader(model, model.parts[part], budget, memory), part_(part) {}
 
 void PartReader::begin_element(const XmlName& name, const XmlAttributes& attributes) {
     if (passed_over_ > 0) {
@@ -140,12 +139,6 @@ void PartReader::pass_over(const XmlName& name) {
     }
 }
 
-void PartReader::declare_namespace(std::string_view prefix, std::string_view space) {
-    if (state_ == State::document) {
-        namespaces_[std::string(prefix)] = space;
-    }
-}
-
 // --- The model element
 
 void PartReader::begin_model(const XmlAttributes& attributes) {
@@ -161,16 +154,15 @@ void PartReader::check_required(std::string_view prefixes) {
     const char* const end = prefixes.data() + prefixes.size();
     for (const char* p = skip_space(prefixes.data(), end); p != end; p = skip_space(p, end)) {
         const char* const word_end = skip_word(p, end);
-        const std::string prefix(p, word_end);
+        const std::string_view prefix(p, static_cast<std::size_t>(word_end - p));
         p = word_end;
-        const auto declared = namespaces_.find(prefix);
-        if (declared == namespaces_.end()) {
+        const std::optional<std::string_view> space = namespace_of(prefix);
+        if (!space) {
             fail("requires the extension " + in_quotes(prefix) + ", a prefix that it does not declare");
             return;
         }
-        const std::string& space = declared->second;
-        if (std::find(supported_extensions.begin(), supported_extensions.end(), space) == supported_extensions.end()) {
-            fail("requires the extension " + in_quotes(prefix) + ", " + in_quotes(space) + ", which is not supported");
+        if (std::find(supported_extensions.begin(), supported_extensions.end(), *space) == supported_extensions.end()) {
+            fail("requires the extension " + in_quotes(prefix) + ", " + in_quotes(*space) + ", which is not supported");
             return;
         }
     }
@@ -378,21 +370,6 @@ bool PartReader::set_transform(std::string_view numbers, Reference& reference) {
     }
     reference.mirrors = scale < 0;
     return true;
-}
-
-// ---
-
-bool PartReader::keep(std::uint64_t bytes) {
-    if (budget_.take(bytes)) {
-        return true;
-    }
-    code_ = ErrorCode::out_of_memory;
-    fail("takes more than the " + std::to_string(budget_.limit_bytes()) + " bytes that reading it may");
-    return false;
-}
-
-void PartReader::warn(const std::string& what) {
-    model_.warn(printable(model_.parts[part_]), event_line(), what);
 }
 
 }  // namespace lamella::three_mf

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "io/read/input_file.hpp"
-#include "io/read/three_mf/three_mf_numbers.hpp"
 #include "io/read/three_mf/three_mf_part.hpp"
 #include "io/xml/xml.hpp"
 
@@ -27,18 +26,15 @@ struct Volume {
 ///     <config> <object id=""> <metadata key="name" value=""/>
 ///                             <volume firstid="" lastid=""> <metadata key="volume_type" value=""/> ...
 ///                             <part id="" subtype="">       <metadata key="name" value=""/> ...
-class SettingsReader : public XmlReader {
+class SettingsReader : public PackageReader {
 public:
-    SettingsReader(const std::string& part, Model& model, Budget& budget, const Memory* memory)
-        : XmlReader(memory), part_(part), model_(model), budget_(budget), memory_(memory) {}
-
-    ErrorCode failure_code() const noexcept { return code_; }
+    using PackageReader::PackageReader;
 
 private:
     void begin_element(const XmlName& name, const XmlAttributes& attributes) override {
         ++depth_;
         if (depth_ == 1 && name.local != "config") {
-            fail("expected 'config', found '" + quoted(name.local) + "'");
+            fail("expected 'config', found " + in_quotes(name.local));
         } else if (depth_ == 2) {
             in_object_ = name.local == "object" && number(attributes, "id", id_);
             label_ = {};
@@ -58,7 +54,6 @@ private:
             apply();
         }
     }
-    void text(std::string_view) override {}
 
     Label* begin_volume(bool is_range, const XmlAttributes& attributes) {
         Volume volume;
@@ -91,7 +86,7 @@ private:
         const std::optional<PartRole> role = role_of(name);
         label.role = role.value_or(PartRole::solid);
         if (!role) {
-            warn("unknown type of volume '" + quoted(name) + "', read as solid");
+            warn("unknown type of volume " + in_quotes(name) + ", read as solid");
         }
     }
 
@@ -170,8 +165,8 @@ private:
         if (ranges_.size() == 1) {
             return relabel(model_.objects[index], ranges_.front().label);
         }
-        const Array<Vertex> vertices = flat(model_.objects[index].vertices);
-        const Array<Triangle> triangles = flat(model_.objects[index].triangles);
+        const Array<Vertex> vertices = model_.objects[index].vertices.joined();
+        const Array<Triangle> triangles = model_.objects[index].triangles.joined();
         for (Volume& range : ranges_) {
             add_volume(index, vertices, triangles.span().subspan(range.first, std::size_t{range.last} - range.first + 1),
                        std::move(range.label));
@@ -205,48 +200,20 @@ private:
         model_.objects.push_back(std::move(volume));
     }
 
-    /// The list in one piece; its own memory is released.
-    template <class T>
-    Array<T> flat(ChunkList<T>& list) {
-        Array<T> all(memory_);
-        all.resize_discarding(list.size());
-        T* to = all.data();
-        for (std::size_t c = 0; c < list.chunk_count(); ++c) {
-            to = std::copy(list.chunk(c).begin(), list.chunk(c).end(), to);
-            list.release(c);
-        }
-        list = ChunkList<T>(memory_);
-        return all;
-    }
-
     bool number(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value) {
         const std::optional<std::string_view> text = attributes.find(name);
         if (!text || !integer_in(*text, value)) {
-            fail("expected a number as '" + std::string(name) + "', found '" + quoted(text.value_or("")) + "'");
-        }
-        return !failure();
-    }
-
-    bool keep(std::uint64_t bytes) {
-        if (!budget_.take(bytes)) {
-            code_ = ErrorCode::out_of_memory;
-            fail("takes more than the " + std::to_string(budget_.limit_bytes()) + " bytes that reading it may");
+            fail("expected a number as '" + std::string(name) + "', found " + in_quotes(text.value_or("")));
         }
         return !failure();
     }
 
     void warn(const std::string& what) {
         if (warnings_++ < 8) {
-            model_.warn(part_, event_line(), what);
+            PackageReader::warn(what);
         }
     }
-    static std::string quoted(std::string_view text) { return printable(std::string(text.substr(0, 64))); }
 
-    const std::string& part_;
-    Model& model_;
-    Budget& budget_;
-    const Memory* memory_;
-    ErrorCode code_ = ErrorCode::malformed_mesh;
     int warnings_ = 0;
     std::uint64_t depth_ = 0;
     bool in_object_ = false;
@@ -259,17 +226,13 @@ private:
 
 }  // namespace
 
-Status apply_settings(ZipArchive& package, Model& model, Budget& budget, const Memory* memory) {
+Status apply_settings(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory) {
     for (const std::string part : {"Metadata/Slic3r_PE_model.config", "Metadata/model_settings.config"}) {
         if (!package.contains(part)) {
             continue;
         }
-        SettingsReader reader(part, model, budget, memory);
-        if (Status read = package.read(part, [&](std::string_view piece) { return reader.feed(piece); }); !read) {
+        if (Status read = SettingsReader(model, part, budget, memory).read(package); !read) {
             return read;
-        }
-        if (!reader.finish() && reader.failure()) {
-            return package.error(reader.failure_code(), part, reader.failure()->line, reader.failure()->what);
         }
     }
     return {};

@@ -3,14 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
+
+#include <hdf5.h>
 
 #include "lamella/result.hpp"
 
 namespace lamella {
-
-enum class NumberType : std::uint8_t { i8, u8, u16, i32, u32, i64, u64, f64 };
 
 enum class ColumnId : std::uint8_t {
     bottom_mm,
@@ -50,8 +49,9 @@ enum class ColumnKind : std::uint8_t { layer, layer_end, contour, contour_end, p
 struct Column {
     const char* path;
     ColumnKind kind;
-    NumberType number;
+    hid_t (*type)();    ///< of its numbers
     std::size_t width;  ///< numbers a row
+    std::size_t row_bytes;
     const char* unit;
     const char* meaning;  ///< or ""
     bool optional;        ///< left out where there are no rows
@@ -61,8 +61,6 @@ struct Column {
     /// are left in Contour::twice_area.low, as they lie in the file, to be compared with those of the points, and whether
     /// a layer is open in Layer::contour_count.
     std::uint64_t (*set)(SliceResult& result, std::uint64_t first, std::span<const std::byte> from);
-
-    std::size_t row_bytes() const noexcept;
 };
 
 const Column& column_of(ColumnId id) noexcept;
@@ -81,27 +79,5 @@ void for_each_column(Body body) {
         body(static_cast<ColumnId>(i));
     }
 }
-
-/// Rows of columns, wherever they come from.
-class ColumnSource {
-public:
-    virtual std::uint64_t rows(ColumnId id) const = 0;
-    /// Called from several threads at once. Throws Refused.
-    virtual void fill(ColumnId id, std::uint64_t first, std::span<std::byte> to) const = 0;
-
-protected:
-    ~ColumnSource() = default;
-};
-
-/// Those of a result.
-class ResultColumns final : public ColumnSource {
-public:
-    explicit ResultColumns(const SliceResult& result) : result_(result) {}
-    std::uint64_t rows(ColumnId id) const override;
-    void fill(ColumnId id, std::uint64_t first, std::span<std::byte> to) const override;
-
-private:
-    const SliceResult& result_;
-};
 
 }  // namespace lamella

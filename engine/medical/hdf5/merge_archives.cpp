@@ -1,13 +1,12 @@
 #include <algorithm>
+#include <cstring>
 #include <string>
 #include <utility>
 
 #include "base/guard.hpp"
 #include "base/words.hpp"
 #include "lamella/medical/archive.hpp"
-#include "medical/hdf5/load.hpp"
-#include "medical/hdf5/merged_columns.hpp"
-#include "medical/hdf5/write_columns.hpp"
+#include "medical/hdf5/archive_file.hpp"
 #include "slicing/result/hash.hpp"
 
 namespace lamella {
@@ -20,25 +19,124 @@ constexpr double read_share = 0.5;  ///< of the progress
     throw Refused{{ErrorCode::invalid_argument, what}};
 }
 
-std::string quoted(const ArchivePart& part) {
-    return "'" + printable(part.path.string()) + "'";
-}
-
 /// "layer 7" or "layers 7 to 9".
 std::string layers_between(std::uint64_t first, std::uint64_t end) {
     return end - first == 1 ? "layer " + std::to_string(first)
                             : "layers " + std::to_string(first) + " to " + std::to_string(end - 1);
 }
 
+/// An archive of some layers of a plan.
+struct ArchivePart {
+    std::filesystem::path path;
+    std::vector<PlacedColumn> columns;
+    std::uint64_t first_layer = 0;
+    std::uint64_t layers = 0;
+
+    std::uint64_t end() const noexcept { return first_layer + layers; }
+    std::uint64_t rows(ColumnId id) const noexcept {
+        const auto found = find(id);
+        return found == columns.end() ? 0 : found->rows;
+    }
+    std::vector<PlacedColumn>::const_iterator find(ColumnId id) const noexcept {
+        return std::find_if(columns.begin(), columns.end(), [id](const PlacedColumn& column) { return column.id == id; });
+    }
+};
+
+std::string quoted(const ArchivePart& part) {
+    return "'" + printable(part.path.string()) + "'";
+}
+
+/// The columns of several archives, one after the other, as those of one. Files are opened for each piece of rows: a
+/// thousand parts may be more than a process may have open.
+class MergedColumns final : public ColumnSource {
+public:
+    /// By their layers. They must outlive it.
+    explicit MergedColumns(const std::vector<ArchivePart>& parts) : parts_(parts) {}
+
+    std::uint64_t rows(ColumnId id) const override {
+        std::uint64_t sum = 0;
+        for (std::size_t part = 0; part < parts_.size(); ++part) {
+            sum += own_rows(id, part);
+        }
+        return sum;
+    }
+
+    void fill(ColumnId id, std::uint64_t first, std::span<std::byte> to) const override {
+        const std::size_t row_bytes = column_of(id).row_bytes;
+        for (std::size_t part = 0; part < parts_.size() && !to.empty(); ++part) {
+            const std::uint64_t rows = own_rows(id, part);
+            if (first >= rows) {
+                first -= rows;
+                continue;
+            }
+            const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(rows - first, to.size() / row_bytes));
+            fill_from(part, id, first, to.first(count * row_bytes));
+            to = to.subspan(count * row_bytes);
+            first = 0;
+        }
+    }
+
+private:
+    /// Heights and fill rules are the same in all parts; the last row of an end stands in the last part.
+    std::uint64_t own_rows(ColumnId id, std::size_t part) const noexcept {
+        const ColumnKind kind = column_of(id).kind;
+        if (part > 0 && (kind == ColumnKind::height || kind == ColumnKind::fill_change)) {
+            return 0;
+        }
+        const bool has_end = kind == ColumnKind::layer_end || kind == ColumnKind::contour_end;
+        return parts_[part].rows(id) - (has_end && part + 1 < parts_.size() ? 1 : 0);
+    }
+
+    void fill_from(std::size_t part, ColumnId id, std::uint64_t first, std::span<std::byte> to) const {
+        const Result<InputFile> file = InputFile::open(parts_[part].path);
+        if (!file) {
+            throw Refused{file.error()};
+        }
+        const std::uint64_t offset = parts_[part].find(id)->offset + first * column_of(id).row_bytes;
+        if (const Status read = file->read_at(offset, to); !read) {
+            throw Refused{read.error()};
+        }
+        if (id == ColumnId::first_contour || id == ColumnId::parent) {
+            shift(to, rows_before(part, ColumnId::parent));
+        } else if (id == ColumnId::first_point) {
+            shift(to, rows_before(part, ColumnId::points));
+        } else if (id == ColumnId::gap_layer) {
+            shift(to, rows_before(part, ColumnId::plane));
+        }
+    }
+
+    std::uint64_t rows_before(std::size_t part, ColumnId id) const noexcept {
+        std::uint64_t sum = 0;
+        for (std::size_t before = 0; before < part; ++before) {
+            sum += parts_[before].rows(id);
+        }
+        return sum;
+    }
+
+    /// Indices count from the first part on; -1 names none.
+    static void shift(std::span<std::byte> rows, std::uint64_t by) {
+        for (std::size_t at = 0; at < rows.size(); at += sizeof by) {
+            std::uint64_t index = 0;
+            std::memcpy(&index, rows.data() + at, sizeof index);
+            if (index != ~std::uint64_t{0}) {
+                index += by;
+                std::memcpy(rows.data() + at, &index, sizeof index);
+            }
+        }
+    }
+
+    const std::vector<ArchivePart>& parts_;
+};
+
 /// Parts of one slicing, by their layers.
 class Parts {
 public:
-    explicit Parts(std::span<const std::filesystem::path> paths) {
+    Parts(std::span<const std::filesystem::path> paths, const Parallel& parallel) {
         if (paths.empty()) {
             refuse("no archives to join");
         }
         for (const std::filesystem::path& path : paths) {
-            add(path);
+            add(path, parallel);
         }
         std::stable_sort(parts_.begin(), parts_.end(), [](const ArchivePart& a, const ArchivePart& b) {
             return std::pair(a.first_layer, a.end()) < std::pair(b.first_layer, b.end());
@@ -52,27 +150,26 @@ public:
     /// Reads and checks all rows; the hash of the whole. The head of the first part goes to `head`.
     std::uint64_t read(const Parallel& parallel, const Memory* memory, ReadTree& head) const {
         ResultHash hash(all_layers_);
-        parallel.begin_stage(read_share, 2 * parts_.size());
         for (const ArchivePart& part : parts_) {
-            LoadedArchive loaded = load_archive(part.path, parallel, memory);
-            hash.add_layers(loaded.tree.result);
+            ReadTree loaded = load_archive(part.path, parallel, memory);
+            hash.add_layers(loaded.result);
             if (&part == &parts_.front()) {
-                drop_rows(loaded.tree.result);
-                head = std::move(loaded.tree);
+                drop_rows(loaded.result);
+                head = std::move(loaded);
             } else {
-                require_same(head, loaded.tree, part);
+                require_same(head, loaded, part);
             }
         }
         return hash.value();
     }
 
 private:
-    void add(const std::filesystem::path& path) {
+    void add(const std::filesystem::path& path, const Parallel& parallel) {
         const Result<InputFile> file = InputFile::open(path);
         if (!file) {
             throw Refused{file.error()};
         }
-        ReadTree tree = read_tree(*file, nullptr);
+        ReadTree tree = read_tree(*file, path, parallel, nullptr);
         ArchivePart part{path, std::move(tree.columns), tree.result.first_layer, 0};
         part.layers = part.rows(ColumnId::plane);
         std::vector<Fact> facts = facts_of(tree.result, tree.info);
@@ -172,7 +269,8 @@ Result<MergedArchive> merge_archives(std::span<const std::filesystem::path> part
                                      const Control& control) noexcept {
     return guarded(control, [&]() -> Result<MergedArchive> {
         Parallel parallel(control);
-        const Parts all(parts);
+        parallel.begin_stage(read_share, (tree_runs + load_runs) * parts.size());
+        const Parts all(parts, parallel);
         ReadTree head{.result = SliceResult(), .info = {}, .columns = {}};
         const std::uint64_t hash = all.read(parallel, control.memory, head);
         const Status written =

@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <optional>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "medical/geometry/directions.hpp"
 #include "medical/picture/canvas.hpp"
-#include "medical/picture/layer_drawing.hpp"
+#include "medical/picture/draw_layers.hpp"
 #include "medical/picture/page.hpp"
-#include "medical/picture/png_file.hpp"
 
 namespace lamella {
 
@@ -24,7 +22,10 @@ Refused refused(const std::string& what) {
     return {{ErrorCode::invalid_argument, what}};
 }
 
-void require_drawable(std::span<const PicturePart> parts, const PictureOptions& options) {
+void require_drawable(std::span<const PicturePart> parts, const std::filesystem::path& path, const PictureOptions& options) {
+    if (!can_write_pictures()) {
+        throw refused("cannot write '" + path.string() + "': this build of lamella is without PNG (libpng-dev)");
+    }
     for (const int side : {options.width, options.height}) {
         if (side < least_picture_side || side > largest_picture_side) {
             throw refused("a picture of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
@@ -52,18 +53,15 @@ struct Cell {
 
 /// The layer whose slab holds the height, of two the one that is nearer; null where none does.
 const Layer* layer_at(const SliceResult& result, double height_mm) noexcept {
-    const auto above = std::lower_bound(result.layers.begin(), result.layers.end(), height_mm,
-                                        [](const Layer& layer, double height) { return layer.plane_mm < height; });
+    const Layer* const above = std::lower_bound(result.layers.begin(), result.layers.end(), height_mm,
+                                                [](const Layer& layer, double height) { return layer.plane_mm < height; });
+    const auto distance = [height_mm](const Layer& layer) { return std::abs(layer.plane_mm - height_mm); };
     const Layer* nearest = nullptr;
-    for (const std::ptrdiff_t step : {0, -1}) {
-        if ((step == 0 && above == result.layers.end()) || (step < 0 && above == result.layers.begin())) {
-            continue;
-        }
-        const Layer& layer = *(above + step);
-        const bool holds = layer.plane_mm == height_mm || (layer.bottom_mm <= height_mm && height_mm <= layer.top_mm);
-        if (holds &&
-            (nearest == nullptr || std::abs(layer.plane_mm - height_mm) < std::abs(nearest->plane_mm - height_mm))) {
-            nearest = &layer;
+    for (const Layer* layer = above - (above == result.layers.begin() ? 0 : 1);
+         layer != result.layers.end() && layer <= above; ++layer) {
+        const bool holds = layer->plane_mm == height_mm || (layer->bottom_mm <= height_mm && height_mm <= layer->top_mm);
+        if (holds && (nearest == nullptr || distance(*layer) <= distance(*nearest))) {
+            nearest = layer;
         }
     }
     return nearest;
@@ -176,45 +174,11 @@ std::uint64_t layers_with_open_polylines(std::span<const PicturePart> parts) {
     for (const PicturePart& part : parts) {
         for (const Layer& layer : part.result->layers) {
             const std::span<const Contour> contours = part.result->contours_of(layer);
-            count += std::any_of(contours.begin(), contours.end(),
-                                 [](const Contour& contour) { return contour.role == Role::open; })
-                         ? 1
-                         : 0;
+            const auto is_open = [](const Contour& contour) { return contour.role == Role::open; };
+            count += std::any_of(contours.begin(), contours.end(), is_open) ? 1 : 0;
         }
     }
     return count;
-}
-
-/// Rows of one cell, so few that a sheet of them takes some MB.
-struct Strip {
-    std::size_t cell = 0;
-    int begin = 0;
-    int end = 0;
-};
-
-std::vector<Strip> strips_of(const Page& page, std::size_t cells) {
-    constexpr int most_pixels = 1 << 18;
-    std::vector<Strip> strips;
-    for (std::size_t i = 0; i < cells; ++i) {
-        const Rectangle area = page.area(i);
-        const int rows = std::max(1, most_pixels / area.width);
-        for (int begin = 0; begin < area.height; begin += rows) {
-            strips.push_back({i, begin, std::min(area.height, begin + rows)});
-        }
-    }
-    return strips;
-}
-
-void draw_cells(Canvas& canvas, const Page& page, const BoxMm& box, const std::vector<Cell>& cells,
-                const PictureOptions& options, const Parallel& parallel) {
-    const std::vector<Strip> strips = strips_of(page, cells.size());
-    std::vector<LayerBrush> brushes(parallel.workers_for(strips.size()));
-    parallel.run(strips.size(), [&](std::size_t i, int worker) {
-        const Strip& strip = strips[i];
-        const View view(box, page.pixels_per_mm(), page.area(strip.cell), options);
-        brushes[static_cast<std::size_t>(worker)].draw(canvas, view, cells[strip.cell].layers, colours::cell,
-                                                       1.5 * page.unit(), strip.begin, strip.end);
-    });
 }
 
 PictureOptions oriented(PictureOptions options) {
@@ -245,13 +209,18 @@ Status draw(std::span<const PicturePart> parts, const std::vector<Cell>& cells, 
         names.push_back(part.name);
     }
     page.draw_heading(canvas, names, layers_with_open_polylines(parts));
-    for (std::size_t i = 0; i < std::max<std::size_t>(1, cells.size()); ++i) {
-        canvas.fill(page.cell(i), colours::cell);
-        page.draw_label(canvas, i, cells.empty() ? "no layers" : labels[i]);
+    if (cells.empty()) {
+        page.draw_cell(canvas, 0, "no layers");
     }
-    draw_cells(canvas, page, box, cells, options, parallel);
+    std::vector<Drawing> drawings;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        page.draw_cell(canvas, i, labels[i]);
+        drawings.push_back({cells[i].layers, page.area(i)});
+    }
+    draw_layers(canvas, drawings, {box, page.pixels_per_mm(), 1.5 * page.unit(), options.x_leftward, options.y_downward},
+                colours::cell, parallel);
     parallel.stop_if_asked();
-    Status written = write_png(canvas, path);
+    Status written = canvas.write_png(path);
     if (written) {
         parallel.finish();
     }
@@ -263,8 +232,7 @@ Status draw(std::span<const PicturePart> parts, const std::vector<Cell>& cells, 
 Status write_layer_picture(std::span<const PicturePart> parts, std::uint64_t layer, const std::filesystem::path& path,
                            const PictureOptions& options) noexcept {
     return guarded(options.control, [&]() -> Status {
-        require_png(path);
-        require_drawable(parts, options);
+        require_drawable(parts, path, options);
         const SliceResult& first = *parts.front().result;
         if (layer < first.first_layer || layer - first.first_layer >= first.layers.size()) {
             throw refused("'" + parts.front().name + "' has no layer " + std::to_string(layer) + ": it has " +
@@ -277,8 +245,7 @@ Status write_layer_picture(std::span<const PicturePart> parts, std::uint64_t lay
 Status write_contact_sheet(std::span<const PicturePart> parts, const std::filesystem::path& path,
                            const PictureOptions& options) noexcept {
     return guarded(options.control, [&]() -> Status {
-        require_png(path);
-        require_drawable(parts, options);
+        require_drawable(parts, path, options);
         return draw(parts, evenly_spaced(parts, static_cast<std::size_t>(options.layers)), path, options);
     });
 }

@@ -13,9 +13,9 @@
 #include "engine/shapes.hpp"
 #include "lamella/lamella.hpp"
 #include "lamella/medical.hpp"
+#include "medical/dicom/data_set.hpp"
 #include "medical/dicom/identity.hpp"
 #include "medical/dicom/keyhole.hpp"
-#include "medical/dicom/put_elements.hpp"
 #include "medical/dicom_file.hpp"
 #include "temp_folder.hpp"
 

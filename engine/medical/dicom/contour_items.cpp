@@ -2,73 +2,48 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "base/guard.hpp"
-#include "medical/dicom/put_elements.hpp"
 
 namespace lamella {
 
 namespace {
 
-/// So many that a number lies nearer to its point of the grid than to any other.
-int decimals_for(double unit_mm) {
-    return std::clamp(static_cast<int>(std::ceil(-std::log10(unit_mm / 4))), 0, 14);
-}
-
 bool is_outer(const Contour& contour) {
     return contour.role == Role::outer;
 }
 
+bool is_hole(const Contour& contour) {
+    return contour.role == Role::hole;
+}
+
 }  // namespace
 
-SlicePlacement::SlicePlacement(const ImageGeometry& image, double unit_mm)
-    : axes_{image.axes[0], image.axes[1], cross(image.axes[0], image.axes[1])},
-      origin_mm_(image.origin_mm),
-      unit_mm_(unit_mm),
-      decimals_(decimals_for(unit_mm)) {}
-
-void SlicePlacement::put_point(std::string& out, const RingPoint& point, double height_mm) const {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double at =
-            origin_mm_[axis] + unit_mm_ * (axes_[0][axis] * point.x + axes_[1][axis] * point.y) + axes_[2][axis] * height_mm;
-        put_decimal(out, at, decimals_);
-        out += '\\';
-    }
-}
-
-bool has_holes(const SliceResult& result) {
-    return std::any_of(result.contours.begin(), result.contours.end(),
-                       [](const Contour& contour) { return contour.role == Role::hole; });
-}
-
-ContourItems::ContourItems(const ImageGeometry& image, const Roi& roi, const SlicePlacement& placement, HoleForm holes)
+ContourItems::ContourItems(const ImageGeometry& image, const Roi& roi, HoleForm holes)
     : image_(image),
       roi_(roi),
-      placement_(placement),
       holes_(holes),
-      exclusive_or_(holes == HoleForm::exclusive_or && has_holes(*roi.result)) {}
+      exclusive_or_(holes == HoleForm::exclusive_or &&
+                    std::any_of(roi.result->contours.begin(), roi.result->contours.end(), is_hole)),
+      axes_{image.axes[0], image.axes[1], cross(image.axes[0], image.axes[1])},
+      // So many that a number lies nearer to its point of the grid than to any other.
+      decimals_(std::clamp(static_cast<int>(std::ceil(-std::log10(roi.result->unit_mm / 4))), 0, 14)) {}
 
-void ContourItems::append(std::uint64_t slice, double height_mm, std::string& out, StructureSetSummary& counts) {
-    slice_ = slice;
-    height_mm_ = height_mm;
-    out_ = &out;
+void ContourItems::put(std::uint64_t slice, double height_mm, DataSet& out, StructureSetSummary& counts) {
     const SliceResult& result = *roi_.result;
-    const Layer& layer = result.layers[result.layer_of[slice]];
-    const std::span<const Contour> contours = result.contours_of(layer);
-    counts.open_contours += static_cast<std::uint64_t>(
-        std::count_if(contours.begin(), contours.end(), [](const Contour& contour) { return contour.role == Role::open; }));
+    const std::span<const Contour> contours = result.contours_of(result.layers[result.layer_of[slice]]);
     for (std::size_t begin = 0; begin < contours.size();) {
-        if (!is_outer(contours[begin]) && contours[begin].role != Role::hole) {
+        const Contour& first = contours[begin];
+        if (!is_outer(first) && !is_hole(first)) {
+            counts.open_contours += first.role == Role::open ? 1 : 0;
             ++begin;
             continue;
         }
         const std::size_t end = region_end(contours, begin);
-        if (is_outer(contours[begin]) && contours[begin].parent >= 0 &&
-            is_outer(result.contours[static_cast<std::size_t>(contours[begin].parent)])) {
+        if (is_outer(first) && first.parent >= 0 && is_outer(result.contours[static_cast<std::size_t>(first.parent)])) {
             ++counts.nested_contours;
         }
-        append_region(contours.subspan(begin, end - begin), counts);
+        put_region({slice, height_mm, out, counts}, contours.subspan(begin, end - begin));
         begin = end;
     }
 }
@@ -77,53 +52,60 @@ void ContourItems::append(std::uint64_t slice, double height_mm, std::string& ou
 std::size_t ContourItems::region_end(std::span<const Contour> contours, std::size_t begin) const {
     const auto own = &contours[begin] - roi_.result->contours.data();
     std::size_t end = begin + 1;
-    while (is_outer(contours[begin]) && end < contours.size() && contours[end].role == Role::hole &&
-           contours[end].parent == own) {
+    while (is_outer(contours[begin]) && end < contours.size() && is_hole(contours[end]) && contours[end].parent == own) {
         ++end;
     }
     return end;
 }
 
-void ContourItems::append_region(std::span<const Contour> region, StructureSetSummary& counts) {
+void ContourItems::put_region(const Slice& slice, std::span<const Contour> region) {
     points_.clear();
     for (const Contour& contour : region) {
         points_.push_back(roi_.result->points_of(contour));
-        counts.holes += contour.role == Role::hole ? 1 : 0;
+        slice.counts.holes += is_hole(contour) ? 1 : 0;
     }
     if (holes_ == HoleForm::keyhole) {
-        return append_item(keyhole_.join(points_), counts);
+        return put_item(slice, keyhole_.join(points_));
     }
     for (const std::span<const Point>& contour : points_) {
-        append_item(keyhole_.join({&contour, 1}), counts);
+        put_item(slice, keyhole_.join({&contour, 1}));
     }
 }
 
-void ContourItems::append_item(std::span<const RingPoint> ring, StructureSetSummary& counts) {
+void ContourItems::put_item(const Slice& slice, std::span<const RingPoint> ring) {
     constexpr std::size_t most_bytes = 0xfffffff0;
-    if (ring.size() > most_bytes / placement_.most_bytes(1)) {
+    constexpr std::size_t most_bytes_a_point = 3 * 17;
+    if (ring.size() > most_bytes / most_bytes_a_point) {
         throw Refused{{ErrorCode::invalid_argument, "'" + roi_.name + "': a contour of " + std::to_string(ring.size()) +
                                                         " points is too long for DICOM; --tolerance MM leaves fewer"}};
     }
     data_.clear();
     for (const RingPoint& point : ring) {
-        placement_.put_point(data_, point, height_mm_);
+        write_point(point, slice.height_mm);
     }
     data_.pop_back();
-    std::string& out = *out_;
-    begin_item(out);
-    if (image_.series) {
-        const DicomSeries::Instance& instance = image_.series->slices[slice_];
-        begin_sequence(out, dicom::contour_image_sequence);
-        put_uid(out, dicom::referenced_sop_class_uid, instance.sop_class_uid);
-        put_uid(out, dicom::referenced_sop_instance_uid, instance.sop_instance_uid);
-        end_sequence(out);
+    DataSet& out = slice.out;
+    out.put_item([&] {
+        if (image_.series) {
+            out.put_sequence_of_one(dicom::contour_image_sequence, [&] {
+                out.put_uid(dicom::referenced_sop_class_uid, image_.series->slices[slice.index].sop_class_uid);
+                out.put_uid(dicom::referenced_sop_instance_uid, image_.series->slices[slice.index].sop_instance_uid);
+            });
+        }
+        out.put(dicom::contour_geometric_type, exclusive_or_ ? "CLOSEDPLANAR_XOR" : "CLOSED_PLANAR");
+        out.put_number(dicom::number_of_contour_points, ring.size());
+        out.put(dicom::contour_data, data_);
+    });
+    ++slice.counts.contours;
+    slice.counts.points += ring.size();
+}
+
+void ContourItems::write_point(const RingPoint& point, double height_mm) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double in_slice = roi_.result->unit_mm * (axes_[0][axis] * point.x + axes_[1][axis] * point.y);
+        put_decimal(data_, image_.origin_mm[axis] + in_slice + axes_[2][axis] * height_mm, decimals_);
+        data_ += '\\';
     }
-    put_element(out, dicom::contour_geometric_type, exclusive_or_ ? "CLOSEDPLANAR_XOR" : "CLOSED_PLANAR");
-    put_number(out, dicom::number_of_contour_points, ring.size());
-    put_element(out, dicom::contour_data, data_);
-    end_item(out);
-    ++counts.contours;
-    counts.points += ring.size();
 }
 
 }  // namespace lamella

@@ -21,11 +21,6 @@ constexpr double largest_cosine = 1e-4;  ///< of axes that count as perpendicula
 
 constexpr std::array<const char*, 3> axis_names = {"i", "j", "k"};
 
-Error unreadable(const std::string& name, int error_number) {
-    return {.code = ErrorCode::unreadable_file,
-            .message = "cannot read '" + name + "': " + std::generic_category().message(error_number)};
-}
-
 /// Which ends a header of text.
 bool has_blank_line(std::string_view text) {
     return text.find("\n\n") != std::string_view::npos || text.find("\n\r\n") != std::string_view::npos;
@@ -57,6 +52,11 @@ HeaderBytes::HeaderBytes(const std::filesystem::path& path) : name_(path.string(
 
 Error HeaderBytes::refused(const std::string& what) const {
     return malformed_image(name_, what);
+}
+
+Error unreadable(const std::string& name, int error_number) {
+    return {.code = ErrorCode::unreadable_file,
+            .message = "cannot read '" + name + "': " + std::generic_category().message(error_number)};
 }
 
 Error malformed_image(const std::string& name, const std::string& what) {

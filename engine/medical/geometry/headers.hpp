@@ -29,12 +29,16 @@ private:
     std::string bytes_;
 };
 
+/// unreadable_file: "cannot read 'NAME': REASON".
+Error unreadable(const std::string& name, int error_number);
 /// malformed_mesh: "NAME: WHAT".
 Error malformed_image(const std::string& name, const std::string& what);
 
 /// Both refuse by Refused or by their result what is no such image.
 Result<ImageGeometry> read_nifti(const HeaderBytes& header);
 Result<ImageGeometry> read_nrrd(const HeaderBytes& header);
+/// The geometry of the one series of DICOM images in a folder. n files: O(n log n). Throws Refused and std::bad_alloc.
+ImageGeometry read_dicom_folder(const std::filesystem::path& folder);
 
 /// The geometry of voxels that lie `steps` apart from `origin`, in LPS and mm. Throws Refused where the steps are no finite
 /// lengths, or not perpendicular.

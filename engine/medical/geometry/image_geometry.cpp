@@ -5,7 +5,6 @@
 #include <system_error>
 
 #include "base/guard.hpp"
-#include "medical/dicom/series.hpp"
 #include "medical/geometry/directions.hpp"
 #include "medical/geometry/headers.hpp"
 

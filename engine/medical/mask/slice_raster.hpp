@@ -8,7 +8,6 @@
 
 #include "lamella/medical/mask.hpp"
 #include "medical/mask/mask_file.hpp"
-#include "medical/raster/centres.hpp"
 #include "medical/raster/coverage.hpp"
 #include "medical/raster/row_crossings.hpp"
 #include "medical/raster/solid_contours.hpp"

@@ -4,13 +4,16 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "medical/mask/label_table.hpp"
+#include "lamella/io/name_text.hpp"
+#include "lamella/io/text_file.hpp"
 #include "medical/mask/mask_file.hpp"
 #include "medical/mask/slice_raster.hpp"
+#include "medical/tables/csv_text.hpp"
 
 namespace lamella {
 
@@ -163,6 +166,23 @@ MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts
                                                             : std::numeric_limits<double>::quiet_NaN());
     }
     return summary;
+}
+
+/// NAME.labels.csv beside NAME.nii.gz: label, name, voxels.
+Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& summary, const std::filesystem::path& path) {
+    std::string name = path.string();
+    for (const char* end : {".gz", ".nii", ".nrrd", ".seg"}) {
+        const std::string_view tail(end);
+        if (name.size() > tail.size() && std::string_view(name).ends_with(tail)) {
+            name.resize(name.size() - tail.size());
+        }
+    }
+    std::string rows = "label,name,voxels\n";
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        rows += std::to_string(i + 1) + "," + csv_text(text_of_name(parts[i].name)) + "," +
+                std::to_string(summary.voxels[i]) + "\n";
+    }
+    return write_text_file(name + ".labels.csv", rows);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ public:
         add(std::uint64_t{points.size()});
         hash_.add(points.data(), points.size_bytes());
     }
-    std::array<unsigned char, 32> digest() noexcept { return hash_.digest(); }
+    Sha256::Digest digest() noexcept { return hash_.digest(); }
 
 private:
     Sha256 hash_;
@@ -90,8 +90,7 @@ void add_roi(ContentHash& hash, const Roi& roi) {
 }
 
 /// SHA-256 over all that decides the bytes of a structure set.
-std::array<unsigned char, 32> content_of(std::span<const Roi> rois, const ImageGeometry& image,
-                                         const StructureSetOptions& options) {
+Sha256::Digest content_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options) {
     ContentHash hash;
     hash.add(std::string_view(version));
     hash.add(static_cast<std::uint64_t>(options.holes));
@@ -180,7 +179,7 @@ std::string plain_text(std::string text) {
 }
 
 StructureSetIdentity identity_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options) {
-    const std::array<unsigned char, 32> content = content_of(rois, image, options);
+    const Sha256::Digest content = content_of(rois, image, options);
     StructureSetIdentity identity;
     identity.instance_uid = uid_of(content, "instance");
     identity.series_uid = uid_of(content, "series");
@@ -198,7 +197,7 @@ std::string uid_of(const std::array<unsigned char, 32>& content, std::string_vie
     Sha256 hash;
     hash.add(content.data(), content.size());
     hash.add(purpose.data(), purpose.size());
-    std::array<unsigned char, 32> uuid = hash.digest();  // its first 16 bytes, the most significant one first
+    Sha256::Digest uuid = hash.digest();  // its first 16 bytes, the most significant one first
     uuid[6] = static_cast<unsigned char>((uuid[6] & 0x0f) | 0x80);
     uuid[8] = static_cast<unsigned char>((uuid[8] & 0x3f) | 0x80);
     std::string decimals;

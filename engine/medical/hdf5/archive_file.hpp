@@ -56,10 +56,6 @@ protected:
 Status write_columns(const ColumnSource& source, const ArchiveHead& head, const std::filesystem::path& path,
                      const Parallel& parallel, double begun = 0);
 
-/// A file that HDF5 has made: all of an archive but the rows, and the last line. Sets the places of columns. Throws Refused,
-/// std::bad_alloc.
-InputFile make_tree(const ArchiveHead& head, std::vector<PlacedColumn>& columns);
-
 /// The last line of an archive with such a CRC-32.
 std::string closing_line(std::uint32_t crc);
 
@@ -80,9 +76,6 @@ ReadTree read_tree(const InputFile& file, const std::filesystem::path& path, con
 
 /// Reads and checks all of an archive. Throws Refused, Stopped, std::bad_alloc.
 ReadTree load_archive(const std::filesystem::path& path, const Parallel& parallel, const Memory* memory);
-
-/// What no single row shows: offsets, areas, parents, open layers. Sets what follows from the columns. Throws as above.
-void check_loaded(const InputFile& file, SliceResult& result, const Parallel& parallel);
 
 /// Throws Refused: the file is not what it should be at `place`, a path within it.
 [[noreturn]] void refuse_place(const InputFile& file, const std::string& place, const std::string& why);

@@ -25,6 +25,11 @@ std::string layers_between(std::uint64_t first, std::uint64_t end) {
                             : "layers " + std::to_string(first) + " to " + std::to_string(end - 1);
 }
 
+/// Heights and fill rules are the same in all parts.
+bool is_shared(ColumnKind kind) {
+    return kind == ColumnKind::height || kind == ColumnKind::fill_change;
+}
+
 /// An archive of some layers of a plan.
 struct ArchivePart {
     std::filesystem::path path;
@@ -77,10 +82,10 @@ public:
     }
 
 private:
-    /// Heights and fill rules are the same in all parts; the last row of an end stands in the last part.
+    /// Shared rows are those of the first part; the last row of an end stands in the last part.
     std::uint64_t own_rows(ColumnId id, std::size_t part) const noexcept {
         const ColumnKind kind = column_of(id).kind;
-        if (part > 0 && (kind == ColumnKind::height || kind == ColumnKind::fill_change)) {
+        if (part > 0 && is_shared(kind)) {
             return 0;
         }
         const bool has_end = kind == ColumnKind::layer_end || kind == ColumnKind::contour_end;
@@ -199,22 +204,23 @@ private:
 
     /// Heights and rules that stand in columns.
     void require_same(const ReadTree& head, const ReadTree& tree, const ArchivePart& part) const {
-        const auto* const heights = std::get_if<ExplicitPlanes>(&tree.result.plan.spacing);
-        if (heights != nullptr && heights->heights_mm != std::get<ExplicitPlanes>(head.result.plan.spacing).heights_mm) {
-            refuse_other(part, column_of(ColumnId::heights_mm).path);
-        }
-        const auto& layers = head.result.layer_of;
-        const auto& own = tree.result.layer_of;
-        if (!std::equal(layers.begin(), layers.end(), own.begin(), own.end())) {
-            refuse_other(part, column_of(ColumnId::layer_of_height).path);
-        }
-        const auto& rules = head.result.region.fill_from;
-        const auto& own_rules = tree.result.region.fill_from;
-        if (!std::equal(
-                rules.begin(), rules.end(), own_rules.begin(), own_rules.end(),
-                [](const FillFrom& a, const FillFrom& b) { return a.first_layer == b.first_layer && a.rule == b.rule; })) {
-            refuse_other(part, column_of(ColumnId::fill_from_layer).path);
-        }
+        for_each_column([&](ColumnId id) {
+            const Column& column = column_of(id);
+            if (!is_shared(column.kind)) {
+                return;
+            }
+            const std::uint64_t rows = rows_of(head.result, column.kind);
+            if (rows == rows_of(tree.result, column.kind)) {
+                std::vector<std::byte> first(rows * column.row_bytes);
+                std::vector<std::byte> own(first.size());
+                column.get(head.result, 0, first);
+                column.get(tree.result, 0, own);
+                if (first == own) {
+                    return;
+                }
+            }
+            refuse_other(part, column.path);
+        });
     }
 
     void require_whole() const {

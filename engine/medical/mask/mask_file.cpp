@@ -254,21 +254,11 @@ void GzipPieceMaker::deflate(int flush) {
     } while (stream_.avail_out == 0);
 }
 
-GzipMember::GzipMember(OutputFile& file) : file_(file) {
-    file_.append(std::string_view("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10));
-}
-
-void GzipMember::append(const GzipPiece& piece) {
-    file_.append({reinterpret_cast<const char*>(piece.bytes.data()), piece.bytes.size()});
-    crc_ = ::crc32_combine(crc_, piece.crc, static_cast<z_off_t>(piece.length));
-    length_ += piece.length;
-}
-
-void GzipMember::end() {
+std::string gzip_end(unsigned long crc, std::uint64_t length) {
     std::string end(8, '\0');
-    put(end, 0, static_cast<std::uint32_t>(crc_));
-    put(end, 4, static_cast<std::uint32_t>(length_));
-    file_.append(end);
+    put(end, 0, static_cast<std::uint32_t>(crc));
+    put(end, 4, static_cast<std::uint32_t>(length));
+    return end;
 }
 
 }  // namespace lamella

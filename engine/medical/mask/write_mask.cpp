@@ -9,6 +9,7 @@
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
+#include "io/write/output_file.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
 #include "medical/mask/mask_file.hpp"
@@ -84,8 +85,8 @@ public:
                 append(made[i]);
             }
         }
-        if (member_) {
-            member_->end();
+        if (layout_.compressed) {
+            file_.append(gzip_end(crc_, length_));
         }
         return total_;
     }
@@ -99,7 +100,7 @@ private:
             file_.append(header_);
         }
         if (layout_.compressed) {
-            member_.emplace(file_);
+            file_.append(gzip_begin);
         }
     }
 
@@ -131,11 +132,10 @@ private:
     }
 
     void append(const Block& block) {
-        if (member_) {
-            member_->append(block.piece);
-        } else {
-            file_.append({reinterpret_cast<const char*>(block.voxels.data()), block.voxels.size()});
-        }
+        const std::vector<unsigned char>& bytes = layout_.compressed ? block.piece.bytes : block.voxels;
+        file_.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+        crc_ = ::crc32_combine(crc_, block.piece.crc, static_cast<z_off_t>(block.piece.length));
+        length_ += block.piece.length;
         total_.add(*block.counts);
     }
 
@@ -144,7 +144,8 @@ private:
     const MaskLayout& layout_;
     const std::string header_;
     OutputFile& file_;
-    std::optional<GzipMember> member_;
+    unsigned long crc_ = 0;  ///< of what was compressed so far
+    std::uint64_t length_ = 0;
     MaskCounts total_;
 };
 

@@ -88,7 +88,7 @@ Result<FileSeal> seal_file(const std::filesystem::path& path, const Control& con
         for (const DicomSeries::Instance& slice : image.series->slices) {
             Sha256 own;
             seal.bytes += add_file(slice.file, own, control);
-            const std::array<unsigned char, 32> digest = own.digest();
+            const Sha256::Digest digest = own.digest();
             hash.add(digest.data(), digest.size());
         }
         seal.sha256 = hexadecimal(hash.digest());

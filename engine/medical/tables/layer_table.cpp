@@ -18,7 +18,7 @@
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
 #include "lamella/mesh/inspect.hpp"
-#include "medical/raster/clipped_area.hpp"
+#include "medical/raster/solid_contours.hpp"
 #include "medical/tables/csv_text.hpp"
 #include "slicing/result/layer_view.hpp"
 

@@ -27,11 +27,11 @@ inline constexpr std::uint64_t rows_at_once_bytes = std::uint64_t{1} << 20;  ///
 
 /// A column and where its rows lie in the file, one after the other.
 struct PlacedColumn {
-    ColumnId id{};
+    const Column* column = nullptr;
     std::uint64_t rows = 0;
     std::uint64_t offset = 0;
 
-    std::uint64_t bytes() const noexcept { return rows * column_of(id).row_bytes; }
+    std::uint64_t bytes() const noexcept { return rows * column->row_bytes; }
 };
 
 /// What stands in attributes.
@@ -44,9 +44,9 @@ struct ArchiveHead {
 /// Rows of columns, wherever they come from.
 class ColumnSource {
 public:
-    virtual std::uint64_t rows(ColumnId id) const = 0;
+    virtual KindRows rows() const = 0;
     /// Throws Refused.
-    virtual void fill(ColumnId id, std::uint64_t first, std::span<std::byte> to) const = 0;
+    virtual void fill(const Column& column, std::uint64_t first, std::span<std::byte> to) const = 0;
 
 protected:
     ~ColumnSource() = default;
@@ -64,7 +64,8 @@ struct ReadTree {
     SliceResult result;  ///< of read_tree() without its rows
     ArchiveInfo info;
     std::uint64_t hash = 0;
-    std::vector<PlacedColumn> columns;  ///< those that are there, each within the file, and not more bytes than it has
+    std::vector<PlacedColumn> columns{};  ///< those that are there, each within the file, and not more bytes than it has
+    KindRows rows{};
 };
 
 /// Runs of Parallel that reading takes, for the progress.

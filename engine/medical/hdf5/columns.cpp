@@ -55,6 +55,7 @@ constexpr Column column(const char* path, ColumnKind kind, const char* unit, con
             unit,
             meaning,
             kind > ColumnKind::point,
+            std::nullopt,
             &get_rows<Row, Get>,
             &set_rows<Row, Set>};
 }
@@ -68,6 +69,12 @@ constexpr Column member(const char* path, ColumnKind kind, const char* unit, con
         return Good()(result, row);
     };
     return column<Row>(path, kind, unit, meaning, get, set);
+}
+
+/// The same, its numbers being indices of rows of that kind.
+constexpr Column naming(ColumnKind kind, Column column) {
+    column.names = kind;
+    return column;
 }
 
 constexpr unsigned known_flags = orientation_overruled | orientation_mixed | gap_closed | near_contour;
@@ -86,8 +93,7 @@ auto& heights_of(Result& result) {
 
 constexpr const char* grid_unit = "grid unit";
 
-/// In the order of ColumnId.
-constexpr std::array<Column, column_count> columns = {
+constexpr std::array columns = {
     member<double>(
         "/layers/bottom_mm", ColumnKind::layer, "mm", "where the slab of material begins",
         [](auto& r, Index i) -> auto& { return r.layers[i].bottom_mm; }, finite),
@@ -113,29 +119,31 @@ constexpr std::array<Column, column_count> columns = {
             r.layers[i].contour_count = v;
             return v <= 1;
         }),
-    column<std::uint64_t>(
-        "/layers/first_contour", ColumnKind::layer_end, "", "of each layer, and where the last one ends",
-        [](In r, Index i) { return i < r.layers.size() ? r.layers[i].first_contour : Index{r.contours.size()}; },
-        [](Out r, Index i, Index v) {
-            if (i == r.layers.size()) {
-                return v == r.contours.size();
-            }
-            r.layers[i].first_contour = v;
-            return true;
-        }),
-    column<std::uint64_t>(
-        "/contours/first_point", ColumnKind::contour_end, "", "of each contour, and where the last one ends",
-        [](In r, Index i) { return i < r.contours.size() ? r.contours[i].first_point : Index{r.points.size()}; },
-        [](Out r, Index i, Index v) {
-            if (i == r.contours.size()) {
-                return v == r.points.size();
-            }
-            r.contours[i].first_point = v;
-            return true;
-        }),
-    member<std::int64_t>(
-        "/contours/parent", ColumnKind::contour, "", "the smallest contour around it; -1: none",
-        [](auto& r, Index i) -> auto& { return r.contours[i].parent; }, any),
+    naming(ColumnKind::contour,
+           column<std::uint64_t>(
+               "/layers/first_contour", ColumnKind::layer_end, "", "of each layer, and where the last one ends",
+               [](In r, Index i) { return i < r.layers.size() ? r.layers[i].first_contour : Index{r.contours.size()}; },
+               [](Out r, Index i, Index v) {
+                   if (i == r.layers.size()) {
+                       return v == r.contours.size();
+                   }
+                   r.layers[i].first_contour = v;
+                   return true;
+               })),
+    naming(ColumnKind::point,
+           column<std::uint64_t>(
+               "/contours/first_point", ColumnKind::contour_end, "", "of each contour, and where the last one ends",
+               [](In r, Index i) { return i < r.contours.size() ? r.contours[i].first_point : Index{r.points.size()}; },
+               [](Out r, Index i, Index v) {
+                   if (i == r.contours.size()) {
+                       return v == r.points.size();
+                   }
+                   r.contours[i].first_point = v;
+                   return true;
+               })),
+    naming(ColumnKind::contour, member<std::int64_t>(
+                                    "/contours/parent", ColumnKind::contour, "", "the smallest contour around it; -1: none",
+                                    [](auto& r, Index i) -> auto& { return r.contours[i].parent; }, any)),
     member<std::uint32_t>(
         "/contours/segments", ColumnKind::contour, "", "triangles that it comes from",
         [](auto& r, Index i) -> auto& { return r.contours[i].segments; }, any),
@@ -179,9 +187,10 @@ constexpr std::array<Column, column_count> columns = {
     member<std::uint8_t>(
         "/origins/end_edge", ColumnKind::origin, "", "the triangle's edge where the contour's edge ends; 3: none",
         [](auto& r, Index i) -> auto& { return r.origins[i].end_edge; }, known_edge),
-    member<std::uint64_t>(
-        "/closed_gaps/layer", ColumnKind::gap, "", "where ends of open polylines were joined",
-        [](auto& r, Index i) -> auto& { return r.closed_gaps[i].layer; }, [](In r, Index v) { return v < r.layers.size(); }),
+    naming(ColumnKind::layer, member<std::uint64_t>(
+                                  "/closed_gaps/layer", ColumnKind::gap, "", "where ends of open polylines were joined",
+                                  [](auto& r, Index i) -> auto& { return r.closed_gaps[i].layer; },
+                                  [](In r, Index v) { return v < r.layers.size(); })),
     member<Point>(
         "/closed_gaps/from", ColumnKind::gap, grid_unit, "", [](auto& r, Index i) -> auto& { return r.closed_gaps[i].from; },
         on_grid),
@@ -213,32 +222,22 @@ double stored_area(const SliceResult& result, const Contour& contour) noexcept {
     return result.area_mm2(contour) + 0.0;  // never -0
 }
 
-const Column& column_of(ColumnId id) noexcept {
-    return columns[static_cast<std::size_t>(id)];
+std::span<const Column> all_columns() noexcept {
+    return columns;
 }
 
-std::uint64_t rows_of(const SliceResult& result, ColumnKind kind) noexcept {
-    switch (kind) {
-        case ColumnKind::layer:
-            return result.layers.size();
-        case ColumnKind::layer_end:
-            return result.layers.size() + 1;
-        case ColumnKind::contour:
-            return result.contours.size();
-        case ColumnKind::contour_end:
-            return result.contours.size() + 1;
-        case ColumnKind::point:
-            return result.points.size();
-        case ColumnKind::origin:
-            return result.origins.size();
-        case ColumnKind::gap:
-            return result.closed_gaps.size();
-        case ColumnKind::height:
-            return std::holds_alternative<ExplicitPlanes>(result.plan.spacing) ? heights_of(result).size() : 0;
-        case ColumnKind::fill_change:
-            return result.region.fill_from.size();
-    }
-    return 0;
+KindRows rows_of(const SliceResult& result) noexcept {
+    KindRows rows;
+    rows[ColumnKind::layer] = result.layers.size();
+    rows[ColumnKind::layer_end] = result.layers.size() + 1;
+    rows[ColumnKind::contour] = result.contours.size();
+    rows[ColumnKind::contour_end] = result.contours.size() + 1;
+    rows[ColumnKind::point] = result.points.size();
+    rows[ColumnKind::origin] = result.origins.size();
+    rows[ColumnKind::gap] = result.closed_gaps.size();
+    rows[ColumnKind::height] = std::holds_alternative<ExplicitPlanes>(result.plan.spacing) ? heights_of(result).size() : 0;
+    rows[ColumnKind::fill_change] = result.region.fill_from.size();
+    return rows;
 }
 
 }  // namespace lamella

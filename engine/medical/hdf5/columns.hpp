@@ -1,8 +1,10 @@
 // The columns of an archive: which datasets there are, and which member of a result each holds.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include <hdf5.h>
@@ -11,40 +13,19 @@
 
 namespace lamella {
 
-enum class ColumnId : std::uint8_t {
-    bottom_mm,
-    plane_mm,
-    top_mm,
-    plane,
-    layer_segments,
-    layer_open,
-    first_contour,
-    first_point,
-    parent,
-    segments,
-    role,
-    orientation,
-    flags,
-    part,
-    area_mm2,
-    points,
-    origin_triangle,
-    origin_part,
-    origin_edge,
-    origin_end_edge,
-    gap_layer,
-    gap_from,
-    gap_to,
-    heights_mm,
-    layer_of_height,
-    fill_from_layer,
-    fill_from_rule,
-};
-inline constexpr std::size_t column_count = static_cast<std::size_t>(ColumnId::fill_from_rule) + 1;
-
 /// What a column's rows belong to: columns of one kind are equally long. Those of an end have a last row more: where the
 /// last layer or contour ends.
 enum class ColumnKind : std::uint8_t { layer, layer_end, contour, contour_end, point, origin, gap, height, fill_change };
+
+/// How many rows the columns of each kind have.
+class KindRows {
+public:
+    std::uint64_t& operator[](ColumnKind kind) noexcept { return rows_[static_cast<std::size_t>(kind)]; }
+    std::uint64_t operator[](ColumnKind kind) const noexcept { return rows_[static_cast<std::size_t>(kind)]; }
+
+private:
+    std::array<std::uint64_t, static_cast<std::size_t>(ColumnKind::fill_change) + 1> rows_{};
+};
 
 struct Column {
     const char* path;
@@ -53,8 +34,9 @@ struct Column {
     std::size_t width;  ///< numbers a row
     std::size_t row_bytes;
     const char* unit;
-    const char* meaning;  ///< or ""
-    bool optional;        ///< left out where there are no rows
+    const char* meaning;              ///< or ""
+    bool optional;                    ///< left out where there are no rows
+    std::optional<ColumnKind> names;  ///< its numbers are indices of such rows
     /// Rows from `first` on, as they lie in the file.
     void (*get)(const SliceResult& result, std::uint64_t first, std::span<std::byte> to);
     /// Takes rows into `result`, whose arrays are large enough: how many are in their range before one that is not. Areas
@@ -63,21 +45,13 @@ struct Column {
     std::uint64_t (*set)(SliceResult& result, std::uint64_t first, std::span<const std::byte> from);
 };
 
-const Column& column_of(ColumnId id) noexcept;
+/// Those of one kind stand side by side.
+std::span<const Column> all_columns() noexcept;
 
 /// As archives hold them.
 bool is_open(const SliceResult& result, const Layer& layer) noexcept;
 double stored_area(const SliceResult& result, const Contour& contour) noexcept;
 
-/// How many rows of that kind a result has.
-std::uint64_t rows_of(const SliceResult& result, ColumnKind kind) noexcept;
-
-/// Calls body(id) for each.
-template <class Body>
-void for_each_column(Body body) {
-    for (std::size_t i = 0; i < column_count; ++i) {
-        body(static_cast<ColumnId>(i));
-    }
-}
+KindRows rows_of(const SliceResult& result) noexcept;
 
 }  // namespace lamella

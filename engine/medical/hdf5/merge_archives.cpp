@@ -34,17 +34,10 @@ bool is_shared(ColumnKind kind) {
 struct ArchivePart {
     std::filesystem::path path;
     std::vector<PlacedColumn> columns;
+    KindRows rows{};
     std::uint64_t first_layer = 0;
-    std::uint64_t layers = 0;
 
-    std::uint64_t end() const noexcept { return first_layer + layers; }
-    std::uint64_t rows(ColumnId id) const noexcept {
-        const auto found = find(id);
-        return found == columns.end() ? 0 : found->rows;
-    }
-    std::vector<PlacedColumn>::const_iterator find(ColumnId id) const noexcept {
-        return std::find_if(columns.begin(), columns.end(), [id](const PlacedColumn& column) { return column.id == id; });
-    }
+    std::uint64_t end() const noexcept { return first_layer + rows[ColumnKind::layer]; }
 };
 
 std::string quoted(const ArchivePart& part) {
@@ -58,64 +51,58 @@ public:
     /// By their layers. They must outlive it.
     explicit MergedColumns(const std::vector<ArchivePart>& parts) : parts_(parts) {}
 
-    std::uint64_t rows(ColumnId id) const override {
-        std::uint64_t sum = 0;
-        for (std::size_t part = 0; part < parts_.size(); ++part) {
-            sum += own_rows(id, part);
+    KindRows rows() const override {
+        KindRows sums;
+        for (const Column& column : all_columns()) {
+            sums[column.kind] = 0;
+            for (std::size_t part = 0; part < parts_.size(); ++part) {
+                sums[column.kind] += own_rows(column.kind, part);
+            }
         }
-        return sum;
+        return sums;
     }
 
-    void fill(ColumnId id, std::uint64_t first, std::span<std::byte> to) const override {
-        const std::size_t row_bytes = column_of(id).row_bytes;
+    void fill(const Column& column, std::uint64_t first, std::span<std::byte> to) const override {
         for (std::size_t part = 0; part < parts_.size() && !to.empty(); ++part) {
-            const std::uint64_t rows = own_rows(id, part);
+            const std::uint64_t rows = own_rows(column.kind, part);
             if (first >= rows) {
                 first -= rows;
                 continue;
             }
-            const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(rows - first, to.size() / row_bytes));
-            fill_from(part, id, first, to.first(count * row_bytes));
-            to = to.subspan(count * row_bytes);
+            const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(rows - first, to.size() / column.row_bytes));
+            fill_from(part, column, first, to.first(count * column.row_bytes));
+            to = to.subspan(count * column.row_bytes);
             first = 0;
         }
     }
 
 private:
     /// Shared rows are those of the first part; the last row of an end stands in the last part.
-    std::uint64_t own_rows(ColumnId id, std::size_t part) const noexcept {
-        const ColumnKind kind = column_of(id).kind;
+    std::uint64_t own_rows(ColumnKind kind, std::size_t part) const noexcept {
         if (part > 0 && is_shared(kind)) {
             return 0;
         }
         const bool has_end = kind == ColumnKind::layer_end || kind == ColumnKind::contour_end;
-        return parts_[part].rows(id) - (has_end && part + 1 < parts_.size() ? 1 : 0);
+        return parts_[part].rows[kind] - (has_end && part + 1 < parts_.size() ? 1 : 0);
     }
 
-    void fill_from(std::size_t part, ColumnId id, std::uint64_t first, std::span<std::byte> to) const {
+    void fill_from(std::size_t part, const Column& column, std::uint64_t first, std::span<std::byte> to) const {
         const Result<InputFile> file = InputFile::open(parts_[part].path);
         if (!file) {
             throw Refused{file.error()};
         }
-        const std::uint64_t offset = parts_[part].find(id)->offset + first * column_of(id).row_bytes;
-        if (const Status read = file->read_at(offset, to); !read) {
+        const auto placed = std::find_if(parts_[part].columns.begin(), parts_[part].columns.end(),
+                                         [&](const PlacedColumn& one) { return one.column == &column; });
+        if (const Status read = file->read_at(placed->offset + first * column.row_bytes, to); !read) {
             throw Refused{read.error()};
         }
-        if (id == ColumnId::first_contour || id == ColumnId::parent) {
-            shift(to, rows_before(part, ColumnId::parent));
-        } else if (id == ColumnId::first_point) {
-            shift(to, rows_before(part, ColumnId::points));
-        } else if (id == ColumnId::gap_layer) {
-            shift(to, rows_before(part, ColumnId::plane));
+        std::uint64_t rows_before = 0;
+        for (std::size_t before = 0; column.names && before < part; ++before) {
+            rows_before += parts_[before].rows[*column.names];
         }
-    }
-
-    std::uint64_t rows_before(std::size_t part, ColumnId id) const noexcept {
-        std::uint64_t sum = 0;
-        for (std::size_t before = 0; before < part; ++before) {
-            sum += parts_[before].rows(id);
+        if (rows_before != 0) {
+            shift(to, rows_before);
         }
-        return sum;
     }
 
     /// Indices count from the first part on; -1 names none.
@@ -175,8 +162,7 @@ private:
             throw Refused{file.error()};
         }
         ReadTree tree = read_tree(*file, path, parallel, nullptr);
-        ArchivePart part{path, std::move(tree.columns), tree.result.first_layer, 0};
-        part.layers = part.rows(ColumnId::plane);
+        ArchivePart part{path, std::move(tree.columns), tree.rows, tree.result.first_layer};
         std::vector<Fact> facts = facts_of(tree.result, tree.info);
         if (parts_.empty()) {
             facts_ = std::move(facts);
@@ -184,7 +170,7 @@ private:
         } else {
             require_same_facts(facts, part);
         }
-        if (part.first_layer > all_layers_ || part.layers > all_layers_ - part.first_layer) {
+        if (part.first_layer > all_layers_ || part.rows[ColumnKind::layer] > all_layers_ - part.first_layer) {
             throw Refused{file->error(ErrorCode::malformed_mesh, "/all_layers: fewer layers than the file has")};
         }
         parts_.push_back(std::move(part));
@@ -204,23 +190,17 @@ private:
 
     /// Heights and rules that stand in columns.
     void require_same(const ReadTree& head, const ReadTree& tree, const ArchivePart& part) const {
-        for_each_column([&](ColumnId id) {
-            const Column& column = column_of(id);
-            if (!is_shared(column.kind)) {
-                return;
+        for (const Column& column : all_columns()) {
+            if (is_shared(column.kind) && rows_as_bytes(head.result, column) != rows_as_bytes(tree.result, column)) {
+                refuse_other(part, column.path);
             }
-            const std::uint64_t rows = rows_of(head.result, column.kind);
-            if (rows == rows_of(tree.result, column.kind)) {
-                std::vector<std::byte> first(rows * column.row_bytes);
-                std::vector<std::byte> own(first.size());
-                column.get(head.result, 0, first);
-                column.get(tree.result, 0, own);
-                if (first == own) {
-                    return;
-                }
-            }
-            refuse_other(part, column.path);
-        });
+        }
+    }
+
+    static std::vector<std::byte> rows_as_bytes(const SliceResult& result, const Column& column) {
+        std::vector<std::byte> bytes(rows_of(result)[column.kind] * column.row_bytes);
+        column.get(result, 0, bytes);
+        return bytes;
     }
 
     void require_whole() const {
@@ -247,9 +227,9 @@ private:
 
     void require_origins() const {
         const auto with = std::find_if(parts_.begin(), parts_.end(),
-                                       [](const ArchivePart& part) { return part.rows(ColumnId::origin_triangle) > 0; });
+                                       [](const ArchivePart& part) { return part.rows[ColumnKind::origin] > 0; });
         const auto without = std::find_if(parts_.begin(), parts_.end(), [](const ArchivePart& part) {
-            return part.rows(ColumnId::origin_triangle) < part.rows(ColumnId::points);
+            return part.rows[ColumnKind::origin] < part.rows[ColumnKind::point];
         });
         if (with != parts_.end() && without != parts_.end()) {
             refuse(quoted(*without) + " has no origins of its points, which " + quoted(*with) + " has");
@@ -277,7 +257,7 @@ Result<MergedArchive> merge_archives(std::span<const std::filesystem::path> part
         Parallel parallel(control);
         parallel.begin_stage(read_share, (tree_runs + load_runs) * parts.size());
         const Parts all(parts, parallel);
-        ReadTree head{.result = SliceResult(), .info = {}, .columns = {}};
+        ReadTree head{.result = SliceResult(), .info = {}};
         const std::uint64_t hash = all.read(parallel, control.memory, head);
         const Status written =
             write_columns(MergedColumns(all.all()), {facts_of(head.result, head.info), hash, 0}, path, parallel, read_share);

@@ -74,8 +74,7 @@ void require_hard_link(const InputFile& file, hid_t tree, const std::string& pat
     }
 }
 
-PlacedColumn open_column(const InputFile& file, hid_t tree, ColumnId column_id) {
-    const Column& column = column_of(column_id);
+PlacedColumn open_column(const InputFile& file, hid_t tree, const Column& column) {
     const hid_t id = H5Dopen2(tree, column.path, H5P_DEFAULT);
     if (id < 0) {
         refuse_place(file, column.path, "cannot be opened");
@@ -93,33 +92,45 @@ PlacedColumn open_column(const InputFile& file, hid_t tree, ColumnId column_id) 
     if (H5Pget_layout(creation.id()) != H5D_CONTIGUOUS || H5Pget_external_count(creation.id()) != 0) {
         refuse_place(file, column.path, "not in one piece, as lamella writes it");
     }
-    const PlacedColumn placed{column_id, extents[0], extents[0] == 0 ? 0 : H5Dget_offset(id)};
+    const PlacedColumn placed{&column, extents[0], extents[0] == 0 ? 0 : H5Dget_offset(id)};
     if (placed.rows > file.size() / column.row_bytes || placed.offset > file.size() - placed.bytes()) {
         refuse_place(file, column.path, "reaches beyond the end of the file");
     }
     return placed;
 }
 
-std::vector<PlacedColumn> find_columns(const InputFile& file, hid_t tree) {
-    std::vector<PlacedColumn> columns;
-    std::uint64_t bytes = 0;
+/// The rows of a column; none where it is left out.
+std::uint64_t find_column(const InputFile& file, hid_t tree, const Column& column, std::vector<PlacedColumn>& found) {
+    const std::string path = column.path;
+    const std::string group = path.substr(0, path.rfind('/'));
     const auto exists = [&](const std::string& link) { return H5Lexists(tree, link.c_str(), H5P_DEFAULT) > 0; };
-    for_each_column([&](ColumnId id) {
-        const std::string path = column_of(id).path;
-        const std::string group = path.substr(0, path.rfind('/'));
-        if ((group.empty() || exists(group)) && exists(path)) {
-            require_hard_link(file, tree, group);
-            require_hard_link(file, tree, path);
-            columns.push_back(open_column(file, tree, id));
-            bytes += columns.back().bytes();
-        } else if (!column_of(id).optional) {
-            refuse_place(file, path, "missing");
+    if ((group.empty() || exists(group)) && exists(path)) {
+        require_hard_link(file, tree, group);
+        require_hard_link(file, tree, path);
+        found.push_back(open_column(file, tree, column));
+        return found.back().rows;
+    }
+    if (!column.optional) {
+        refuse_place(file, path, "missing");
+    }
+    return 0;
+}
+
+void find_columns(const InputFile& file, hid_t tree, ReadTree& found) {
+    std::uint64_t bytes = 0;
+    const Column* before = nullptr;
+    for (const Column& column : all_columns()) {
+        const std::uint64_t rows = find_column(file, tree, column, found.columns);
+        if (before != nullptr && before->kind == column.kind && found.rows[column.kind] != rows) {
+            refuse_place(file, column.path, "missing, or not as long as the columns that belong to it");
         }
-    });
+        found.rows[column.kind] = rows;
+        bytes += rows * column.row_bytes;
+        before = &column;
+    }
     if (bytes > file.size()) {  // memory is taken for all of them
         refuse(file, "its columns lie over one another");
     }
-    return columns;
 }
 
 Handle open_attribute(const InputFile& file, hid_t tree, const std::string& object, const std::string& name,
@@ -204,11 +215,11 @@ ReadTree read_tree(const InputFile& file, const std::filesystem::path& path, con
     if (attributes.whole("/", "format_version") != archive_version) {
         refuse_place(file, "/format_version", "written by a later version of lamella");
     }
-    ReadTree tree{.result = SliceResult(memory), .info = {}, .columns = {}};
+    ReadTree tree{.result = SliceResult(memory), .info = {}};
     read_facts(attributes, tree.result, tree.info);
     tree.hash = attributes.whole("/", "result_hash");
     tree.result.first_layer = attributes.whole("/", "first_layer");
-    tree.columns = find_columns(file, id);
+    find_columns(file, id, tree);
     return tree;
 }
 

@@ -33,7 +33,7 @@ void require_possible(const SliceResult& result, const ArchiveInfo& info, const 
     if (info.name.size() > longest_name || info.mesh_sha256.size() > longest_name) {
         refuse("an archive's name of the mesh has at most " + std::to_string(longest_name) + " bytes");
     }
-    if (result.layer_of.size() != rows_of(result, ColumnKind::height)) {
+    if (result.layer_of.size() != rows_of(result)[ColumnKind::height]) {
         refuse("the result does not tell the layers of its planes");
     }
     if (info.geometry && info.geometry->uneven_slices_mm.size() > most_uneven_slices) {
@@ -129,7 +129,7 @@ private:
 
 /// Its rows get a place, and are written later.
 void make_column(hid_t file, PlacedColumn& placed) {
-    const Column& column = column_of(placed.id);
+    const Column& column = *placed.column;
     const std::array<hsize_t, 2> extents = {placed.rows, column.width};
     const Handle space(H5Screate_simple(column.width == 1 ? 1 : 2, extents.data(), nullptr), H5Sclose);
     const Handle properties = creation_of(H5P_DATASET_CREATE);
@@ -168,7 +168,7 @@ void write_tree(const std::string& path, const ArchiveHead& head, std::vector<Pl
     put(root.id(), "result_hash", std::vector<std::uint64_t>{head.hash});
     put(root.id(), "first_layer", std::vector<std::uint64_t>{head.first_layer});
     for (PlacedColumn& column : columns) {
-        const std::string column_path = column_of(column.id).path;
+        const std::string column_path = column.column->path;
         (void)groups.open(column_path.substr(0, column_path.rfind('/')));
         make_column(file.id(), column);
     }
@@ -194,9 +194,9 @@ InputFile make_tree(const ArchiveHead& head, std::vector<PlacedColumn>& columns)
 class ResultColumns final : public ColumnSource {
 public:
     explicit ResultColumns(const SliceResult& result) : result_(result) {}
-    std::uint64_t rows(ColumnId id) const override { return rows_of(result_, column_of(id).kind); }
-    void fill(ColumnId id, std::uint64_t first, std::span<std::byte> to) const override {
-        column_of(id).get(result_, first, to);
+    KindRows rows() const override { return rows_of(result_); }
+    void fill(const Column& column, std::uint64_t first, std::span<std::byte> to) const override {
+        column.get(result_, first, to);
     }
 
 private:
@@ -205,13 +205,13 @@ private:
 
 /// Without places.
 std::vector<PlacedColumn> columns_of(const ColumnSource& source) {
+    const KindRows rows = source.rows();
     std::vector<PlacedColumn> columns;
-    for_each_column([&](ColumnId id) {
-        const std::uint64_t rows = source.rows(id);
-        if (rows > 0 || !column_of(id).optional) {
-            columns.push_back({id, rows, 0});
+    for (const Column& column : all_columns()) {
+        if (rows[column.kind] > 0 || !column.optional) {
+            columns.push_back({&column, rows[column.kind], 0});
         }
-    });
+    }
     return columns;
 }
 
@@ -232,9 +232,9 @@ public:
     }
 
     void write_rows(const ColumnSource& source, const PlacedColumn& column) {
-        const std::size_t row_bytes = column_of(column.id).row_bytes;
+        const std::size_t row_bytes = column.column->row_bytes;
         write(column.offset + column.bytes(), row_bytes, [&](std::uint64_t at, std::span<std::byte> to) {
-            source.fill(column.id, (at - column.offset) / row_bytes, to);
+            source.fill(*column.column, (at - column.offset) / row_bytes, to);
         });
     }
 

@@ -6,7 +6,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
 #include "lamella/lamella.hpp"
 #include "lamella/medical.hpp"
 #include "temp_folder.hpp"
@@ -25,16 +25,11 @@ Soup specimen() {
 }
 
 SliceResult cut(const Soup& soup, const SliceOptions& options) {
-    Result<SliceResult> result = slice(MeshView::soup(floats(soup)), options);
-    INFO((result ? "" : result.error().message));
-    REQUIRE(result.ok());
-    return std::move(result).value();
+    return sliced(MeshView::soup(floats(soup)), options);
 }
 
 SliceOptions fine(double layer_height_mm = 0.25) {
-    SliceOptions options;
-    options.plan.spacing = UniformLayers{.layer_height_mm = layer_height_mm};
-    return options;
+    return uniform(layer_height_mm);
 }
 
 fs::path written(const TempFolder& folder, const std::string& name, const SliceResult& result, const ArchiveInfo& info = {},

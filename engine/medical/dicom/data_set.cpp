@@ -48,7 +48,7 @@ std::string file_meta(std::string_view class_uid, std::string_view instance_uid)
     put_explicit(elements, 0x00020002, "UI", std::string(class_uid), '\0');
     put_explicit(elements, 0x00020003, "UI", std::string(instance_uid), '\0');
     put_explicit(elements, dicom::transfer_syntax_uid, "UI", "1.2.840.10008.1.2", '\0');
-    // Of lamella: a UUID that was drawn once.
+    // Lamella's own: a UUID that was drawn once.
     put_explicit(elements, 0x00020012, "UI", "2.25.188650397291203361548463912043171620943", '\0');
     put_explicit(elements, 0x00020013, "SH", "LAMELLA", ' ');
     std::string length;

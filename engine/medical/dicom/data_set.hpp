@@ -47,7 +47,7 @@ private:
     std::string bytes_;
 };
 
-/// What a file begins with: preamble and file meta information, explicit.
+/// The begin of a file: preamble and file meta information, explicit.
 std::string file_meta(std::string_view class_uid, std::string_view instance_uid);
 
 /// A number as DICOM writes decimals, at most 16 characters: with `decimals` of them, or fewer where it must, and without

@@ -229,7 +229,7 @@ private:
     std::size_t at_ = 0;
 };
 
-/// Whether `bytes` reach beyond the header. Throws Refused.
+/// Returns whether `bytes` reach beyond the header. Throws Refused.
 bool parse(std::string_view bytes, DicomHeader& header) {
     Elements meta(bytes.substr(preamble_bytes), {.is_explicit = true}, preamble_bytes, header);
     if (!meta.collect(dicom::last_of_file_meta)) {

@@ -10,8 +10,8 @@ namespace lamella {
 
 namespace {
 
-/// Whether the direction of x lies between `to` and `from`, going counter-clockwise from the first to the second: where a
-/// contour comes from `from` to a point and goes on to `to`, the region is there.
+/// Returns whether the direction of x lies between `to` and `from`, going counter-clockwise from the first to the second:
+/// where a contour comes from `from` to a point and goes on to `to`, the region is there.
 bool is_right_within(Point at, Point from, Point to) {
     const auto half = [&](Point other) { return other.y > at.y || (other.y == at.y && other.x > at.x) ? 0 : 1; };
     if (half(to) != half(from)) {

@@ -38,7 +38,7 @@ HeaderBytes::HeaderBytes(const std::filesystem::path& path) : name_(path.string(
     if (file == nullptr) {
         throw Refused{unreadable(name_, errno != 0 ? errno : ENOMEM)};
     }
-    // What follows a header is not read: it may be a mask of a hundred million voxels.
+    // Nothing beyond the header is read: it may be a mask of a hundred million voxels.
     std::array<char, 4096> piece{};
     int count = 0;
     do {
@@ -87,7 +87,7 @@ ImageGeometry upright(const std::string& name, const std::array<std::uint64_t, 3
                                                     axis_names[next] + " are not perpendicular")};
         }
     }
-    // What rounding in the header left of a right angle is taken away.
+    // Axes are made exactly perpendicular: the header rounds them.
     const Direction normal = cross(image.axes[0], image.axes[1]);
     const Direction upright_k = scaled(normal, (dot(normal, image.axes[2]) < 0 ? -1 : 1) / length(normal));
     image.axes[1] = scaled(cross(normal, image.axes[0]), 1 / length(normal));

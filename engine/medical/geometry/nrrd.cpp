@@ -86,7 +86,7 @@ std::optional<Direction> vector_of(std::string_view text) {
     return found;
 }
 
-/// What turns the first two coordinates of the space into left and posterior, if it is known.
+/// Signs that turn the first two coordinates of the space into left and posterior, if it is known.
 std::optional<std::array<double, 2>> to_lps(std::string_view space) {
     if (space == "left-posterior-superior" || space == "LPS") {
         return std::array<double, 2>{1, 1};

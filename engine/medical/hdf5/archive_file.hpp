@@ -34,7 +34,7 @@ struct PlacedColumn {
     std::uint64_t bytes() const noexcept { return rows * column->row_bytes; }
 };
 
-/// What stands in attributes.
+/// The contents of attributes.
 struct ArchiveHead {
     std::vector<Fact> facts;
     std::uint64_t hash = 0;  ///< hash_result()
@@ -59,7 +59,7 @@ Status write_columns(const ColumnSource& source, const ArchiveHead& head, const 
 /// The last line of an archive with such a CRC-32.
 std::string closing_line(std::uint32_t crc);
 
-/// What the tree of a file says.
+/// The contents of a file.
 struct ReadTree {
     SliceResult result;  ///< of read_tree() without its rows
     ArchiveInfo info;

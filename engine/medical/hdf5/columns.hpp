@@ -13,8 +13,8 @@
 
 namespace lamella {
 
-/// What a column's rows belong to: columns of one kind are equally long. Those of an end have a last row more: where the
-/// last layer or contour ends.
+/// The things that a column has a row for: columns of one kind are equally long. Those of an end have a last row more: where
+/// the last layer or contour ends.
 enum class ColumnKind : std::uint8_t { layer, layer_end, contour, contour_end, point, origin, gap, height, fill_change };
 
 /// How many rows the columns of each kind have.

@@ -97,7 +97,7 @@ public:
         }
     }
 
-    /// Whether there is a value: in a file, by the name of one of its members.
+    /// Returns whether there is a value: in a file, by the name of one of its members.
     template <class Optional>
     bool optional(const char* name, Optional& value) {
         if constexpr (!std::is_const_v<Optional>) {
@@ -108,7 +108,7 @@ public:
         return value.has_value();
     }
 
-    /// Of what was read.
+    /// For values that were read.
     void require(bool holds, const char* name) const {
         if (attributes_ != nullptr && !holds) {
             attributes_->refuse(group_, name);

@@ -25,7 +25,7 @@ struct Fact {
 /// An attribute of more numbers does not lie in the header of its group.
 inline constexpr std::uint64_t most_uneven_slices = 8000;
 
-/// What is the same in all parts of a slicing.
+/// Those that are the same in all parts of a slicing.
 std::vector<Fact> facts_of(const SliceResult& result, const ArchiveInfo& info);
 
 /// The attributes of an open archive. Throws Refused, with file and place, where one is missing or not as it should be.

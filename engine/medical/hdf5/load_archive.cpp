@@ -177,7 +177,7 @@ Complaint check_layer(SliceResult& result, std::size_t index, bool open) {
     return {};
 }
 
-/// What no single row shows: offsets, areas, parents, open layers. Sets what follows from the columns.
+/// Checks offsets, areas, parents and open layers, which no single row shows, and sets what follows from the columns.
 void check_loaded(const InputFile& file, SliceResult& result, const Parallel& parallel) {
     std::vector<bool> open;  // of each layer, as the file says
     for (const Layer& layer : result.layers) {

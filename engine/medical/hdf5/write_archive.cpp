@@ -65,7 +65,7 @@ public:
 
     /// HDF5 cannot close a file that a disk had no room for, and prints so when the program ends. So it is tried before.
     void require_room(std::uint64_t bytes_of_columns) const {
-        const std::vector<char> tree(std::size_t{1} << 16);
+        const std::vector<char> tree(std::size_t{1} << 18);
         if (::write(descriptor_, tree.data(), tree.size()) != static_cast<ssize_t>(tree.size()) ||
             ::ftruncate(descriptor_, static_cast<off_t>(bytes_of_columns + tree.size())) != 0) {
             throw Refused{unwritable(path_, errno == 0 ? ENOSPC : errno)};
@@ -97,7 +97,7 @@ void put(hid_t object, const std::string& name, const std::vector<Number>& numbe
     put_attribute(object, name, hdf5_type<Number>(), numbers.size(), numbers.data());
 }
 
-/// Of files, groups and datasets, so that equal contents are equal bytes: without times.
+/// Properties of files, groups and datasets without times, so that equal contents are equal bytes.
 Handle creation_of(hid_t what) {
     Handle properties(H5Pcreate(what), H5Pclose);
     checked(H5Pset_obj_track_times(properties.id(), false));

@@ -24,8 +24,8 @@ void fill_span(Label* row, std::size_t first, std::size_t last, std::uint32_t pa
     counts.voxels[part] += last - first;
 }
 
-/// Of a rectangle with that area and perimeter the shorter side: the thickness of a long wall; of what is rounder than a
-/// square the side of a square.
+/// The shorter side of a rectangle with that area and perimeter: the thickness of a long wall. Where the shape is rounder
+/// than a square, the side of a square.
 double width_of(double area, double perimeter) noexcept {
     const double half = perimeter / 4;
     const double square = half * half - area;

@@ -14,7 +14,7 @@
 
 namespace lamella {
 
-/// What was drawn: of a thread, or of all.
+/// Sums over what was drawn: by a thread, or by all.
 struct MaskCounts {
     std::vector<std::uint64_t> voxels;
     std::uint64_t overlapped = 0;
@@ -35,7 +35,7 @@ public:
 
     std::size_t slice_bytes() const noexcept { return image_.size[0] * image_.size[1] * layout_.voxel_bytes; }
 
-    /// What one thread works with.
+    /// Memory of one thread.
     struct Scratch {
         RowCrossings crossings;
         CoverageSheet sheet;

@@ -20,7 +20,7 @@ namespace lamella {
 
 namespace {
 
-/// What a block of slices is about: enough for a piece of gzip.
+/// A block of slices has about so much: enough for a piece of gzip.
 constexpr std::size_t block_bytes = std::size_t{1} << 20;
 constexpr std::size_t blocks_a_thread = 2;
 
@@ -50,7 +50,7 @@ struct Block {
     std::optional<MaskCounts> counts;
 };
 
-/// What one thread works with.
+/// Memory of one thread.
 struct Scratch {
     SliceRaster::Scratch raster;
     std::vector<unsigned char> slice;
@@ -92,7 +92,7 @@ public:
     }
 
 private:
-    /// Of compressed NIfTI the header is within the member, of NRRD before it.
+    /// The header of compressed NIfTI is within the member, that of NRRD before it.
     bool header_is_compressed() const noexcept { return layout_.compressed && layout_.form == MaskForm::nifti; }
 
     void begin() {
@@ -158,7 +158,7 @@ MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts
         }
         summary.open.push_back(*open);
         const double outside = counts.area[i] - counts.inside[i];
-        // What rounding leaves of nothing is nothing.
+        // Less is rounding.
         summary.cut_off_share.push_back(outside > 1e-9 * counts.area[i] ? outside / counts.area[i] : 0);
         if (open->layers > 0 && open->layers == open->crossed) {
             summary.cut_off_share.back() = std::numeric_limits<double>::quiet_NaN();

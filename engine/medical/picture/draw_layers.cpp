@@ -93,7 +93,7 @@ private:
         }
     }
 
-    /// Whether there was any.
+    /// Returns whether there was any.
     bool add_open(const DrawnLayer& drawn) {
         bool any = false;
         for (const Contour& contour : drawn.result->contours_of(*drawn.layer)) {

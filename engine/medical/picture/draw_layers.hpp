@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "base/parallel.hpp"
@@ -10,10 +11,10 @@
 
 namespace lamella {
 
-/// In mm, in the frame of the slicing.
+/// In mm, in the frame of the slicing; empty at first.
 struct BoxMm {
-    PointMm min{};
-    PointMm max{};
+    PointMm min{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    PointMm max{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
 
     double width() const noexcept { return max.x - min.x; }
     double height() const noexcept { return max.y - min.y; }

@@ -18,7 +18,7 @@ inline constexpr Colour cell{0xf1, 0xf3, 0xf5};
 inline constexpr Colour text{0x2b, 0x30, 0x36};
 }  // namespace colours
 
-/// Of the i-th part; they repeat after twelve.
+/// Colours repeat after twelve parts.
 Colour colour_of_part(std::size_t part) noexcept;
 
 /// Cells of one size in rows, below a line with names and scale.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
@@ -45,7 +44,7 @@ void require_drawable(std::span<const PicturePart> parts, const std::filesystem:
     }
 }
 
-/// Of a cell: what is drawn, and at which height.
+/// The layers that are drawn side by side, and their height.
 struct Cell {
     double height_mm = 0;
     std::vector<DrawnLayer> layers;
@@ -102,18 +101,12 @@ std::vector<Cell> evenly_spaced(std::span<const PicturePart> parts, std::size_t 
 
 /// Around the meshes, and around all that is drawn, which rules may have moved beyond them.
 BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells) {
-    std::optional<BoxMm> box;
-    const auto widen = [&](PointMm at) {
-        if (!box) {
-            box = BoxMm{at, at};
-        }
-        box->widen(at);
-    };
+    BoxMm box;
     for (const PicturePart& part : parts) {
         const SliceSummary& summary = part.result->summary;
         if (summary.min_mm[0] < summary.max_mm[0] && summary.min_mm[1] < summary.max_mm[1]) {
-            widen({summary.min_mm[0], summary.min_mm[1]});
-            widen({summary.max_mm[0], summary.max_mm[1]});
+            box.widen({summary.min_mm[0], summary.min_mm[1]});
+            box.widen({summary.max_mm[0], summary.max_mm[1]});
         }
     }
     for (const Cell& cell : cells) {
@@ -121,23 +114,23 @@ BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells)
             for (const Contour& contour :
                  drawn.layer ? drawn.result->contours_of(*drawn.layer) : std::span<const Contour>{}) {
                 for (const Point& point : drawn.result->points_of(contour)) {
-                    widen(drawn.result->to_mm(point));
+                    box.widen(drawn.result->to_mm(point));
                 }
             }
         }
     }
-    if (!box) {
+    if (box.width() < 0) {
         return {{0, 0}, {1, 1}};
     }
     // A line still has a width to be drawn in.
-    const double least = std::max({1e-3 * std::max(box->width(), box->height()), 1e-9});
+    const double least = std::max(1e-3 * std::max(box.width(), box.height()), 1e-9);
     for (double PointMm::*axis : {&PointMm::x, &PointMm::y}) {
-        if (box->max.*axis - box->min.*axis < least) {
-            box->min.*axis -= least / 2;
-            box->max.*axis += least / 2;
+        if (box.max.*axis - box.min.*axis < least) {
+            box.min.*axis -= least / 2;
+            box.max.*axis += least / 2;
         }
     }
-    return *box;
+    return box;
 }
 
 /// As many decimals as tell the heights exactly; where more than three would be needed, three.
@@ -168,7 +161,7 @@ std::vector<std::string> labels_of(const std::vector<Cell>& cells, const ImageGe
     return labels;
 }
 
-/// Of all, drawn or not.
+/// Counts all layers, drawn or not.
 std::uint64_t layers_with_open_polylines(std::span<const PicturePart> parts) {
     std::uint64_t count = 0;
     for (const PicturePart& part : parts) {

@@ -31,7 +31,7 @@ public:
         return places_[entry - 1] < place && place <= places_[entry] ? entry - 1 : search(place);
     }
 
-    /// Whether first_from(place) is `voxel`.
+    /// first_from(place) is `voxel`.
     bool begins(std::size_t voxel, std::int64_t place) const noexcept {
         return places_[voxel] < place && place <= places_[voxel + 1];
     }

@@ -10,7 +10,7 @@
 
 namespace lamella {
 
-/// Of one layer after another. Keep one a thread.
+/// Unites one layer after another. Keep one a thread.
 class SolidContours {
 public:
     /// Closed contours of winding numbers 0 and 1 only, solid on the left: those of the layer where a fill rule has made a

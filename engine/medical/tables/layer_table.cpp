@@ -41,7 +41,7 @@ std::optional<std::string> known(double value) {
 
 using Place = std::array<double, 3>;
 
-/// What a layer's closed contours measure; empty where there are none. Where one is open, what is solid is not known.
+/// Measures of a layer's closed contours; empty where there are none. Where one is open, the solid is not known.
 struct Measures {
     std::uint64_t holes = 0;
     std::uint64_t open = 0;

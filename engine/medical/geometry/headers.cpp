@@ -28,30 +28,33 @@ bool has_blank_line(std::string_view text) {
 
 }  // namespace
 
-HeaderBytes::HeaderBytes(const std::filesystem::path& path) : name_(path.string()) {
+Error ImageHeader::refused(const std::string& what) const {
+    return malformed_image(name, what);
+}
+
+ImageHeader read_image_header(const std::filesystem::path& path) {
+    ImageHeader header{path.string(), {}};
     std::error_code unknown;
     if (std::filesystem::is_directory(path, unknown)) {
-        throw Refused{unreadable(name_, EISDIR)};
+        throw Refused{unreadable(header.name, EISDIR)};
     }
     errno = 0;
     const std::unique_ptr<gzFile_s, decltype(&::gzclose)> file(::gzopen(path.c_str(), "rb"), &::gzclose);
     if (file == nullptr) {
-        throw Refused{unreadable(name_, errno != 0 ? errno : ENOMEM)};
+        throw Refused{unreadable(header.name, errno != 0 ? errno : ENOMEM)};
     }
     // Nothing beyond the header is read: it may be a mask of a hundred million voxels.
+    std::string& bytes = header.bytes;
     std::array<char, 4096> piece{};
     int count = 0;
     do {
         count = ::gzread(file.get(), piece.data(), piece.size());
-        bytes_.append(piece.data(), static_cast<std::size_t>(std::max(count, 0)));
-    } while (count > 0 && bytes_.size() < most_header_bytes && begins_with("NRRD") && !has_blank_line(bytes_));
+        bytes.append(piece.data(), static_cast<std::size_t>(std::max(count, 0)));
+    } while (count > 0 && bytes.size() < most_header_bytes && bytes.starts_with("NRRD") && !has_blank_line(bytes));
     if (count < 0) {
-        throw Refused{refused("damaged gzip data within the header")};
+        throw Refused{header.refused("damaged gzip data within the header")};
     }
-}
-
-Error HeaderBytes::refused(const std::string& what) const {
-    return malformed_image(name_, what);
+    return header;
 }
 
 Error unreadable(const std::string& name, int error_number) {

@@ -43,9 +43,8 @@ void require_slices(std::span<const MaskPart> parts, const ImageGeometry& image,
     }
 }
 
-/// Some slices: compressed in a piece, or as they are.
+/// Some slices: compressed, or its bytes as they are.
 struct Block {
-    std::vector<unsigned char> voxels;
     GzipPiece piece;
     std::optional<MaskCounts> counts;
 };
@@ -110,8 +109,8 @@ private:
             compress(begin, end, block, scratch);
             return;
         }
-        block.voxels.resize((end - begin) * raster_.slice_bytes());
-        unsigned char* to = block.voxels.data();
+        block.piece.bytes.resize((end - begin) * raster_.slice_bytes());
+        unsigned char* to = block.piece.bytes.data();
         for (std::uint64_t slice = begin; slice < end; ++slice, to += raster_.slice_bytes()) {
             raster_.draw(slice, to, scratch.raster, *block.counts);
         }
@@ -132,8 +131,7 @@ private:
     }
 
     void append(const Block& block) {
-        const std::vector<unsigned char>& bytes = layout_.compressed ? block.piece.bytes : block.voxels;
-        file_.append({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+        file_.append({reinterpret_cast<const char*>(block.piece.bytes.data()), block.piece.bytes.size()});
         crc_ = ::crc32_combine(crc_, block.piece.crc, static_cast<z_off_t>(block.piece.length));
         length_ += block.piece.length;
         total_.add(*block.counts);

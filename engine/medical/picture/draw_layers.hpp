@@ -31,9 +31,10 @@ struct DrawnLayer {
     Colour colour;
 };
 
-/// The parts' layers at one height, and where they are drawn.
+/// The parts' layers at one height, and where on a canvas they are drawn.
 struct Drawing {
-    std::vector<DrawnLayer> layers;
+    double height_mm = 0;
+    std::vector<DrawnLayer> layers{};
     Rectangle area{};
 };
 

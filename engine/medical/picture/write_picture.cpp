@@ -44,12 +44,6 @@ void require_drawable(std::span<const PicturePart> parts, const std::filesystem:
     }
 }
 
-/// The layers that are drawn side by side, and their height.
-struct Cell {
-    double height_mm = 0;
-    std::vector<DrawnLayer> layers;
-};
-
 /// The layer whose slab holds the height, of two the one that is nearer; null where none does.
 const Layer* layer_at(const SliceResult& result, double height_mm) noexcept {
     const Layer* const above = std::lower_bound(result.layers.begin(), result.layers.end(), height_mm,
@@ -66,12 +60,12 @@ const Layer* layer_at(const SliceResult& result, double height_mm) noexcept {
     return nearest;
 }
 
-Cell cell_at(std::span<const PicturePart> parts, double height_mm) {
-    Cell cell{height_mm, {}};
+Drawing drawing_at(std::span<const PicturePart> parts, double height_mm) {
+    Drawing drawing{.height_mm = height_mm};
     for (std::size_t i = 0; i < parts.size(); ++i) {
-        cell.layers.push_back({parts[i].result, layer_at(*parts[i].result, height_mm), colour_of_part(i)});
+        drawing.layers.push_back({parts[i].result, layer_at(*parts[i].result, height_mm), colour_of_part(i)});
     }
-    return cell;
+    return drawing;
 }
 
 /// The heights of all parts' planes, ascending.
@@ -89,18 +83,18 @@ std::vector<double> all_heights(std::span<const PicturePart> parts) {
 }
 
 /// Each from the middle of one of `count` equal shares.
-std::vector<Cell> evenly_spaced(std::span<const PicturePart> parts, std::size_t count) {
+std::vector<Drawing> evenly_spaced(std::span<const PicturePart> parts, std::size_t count) {
     const std::vector<double> heights = all_heights(parts);
     const std::size_t cells = std::min(count, heights.size());
-    std::vector<Cell> all;
+    std::vector<Drawing> all;
     for (std::size_t i = 0; i < cells; ++i) {
-        all.push_back(cell_at(parts, heights[(2 * i + 1) * heights.size() / (2 * cells)]));
+        all.push_back(drawing_at(parts, heights[(2 * i + 1) * heights.size() / (2 * cells)]));
     }
     return all;
 }
 
 /// Around the meshes, and around all that is drawn, which rules may have moved beyond them.
-BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells) {
+BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Drawing>& drawings) {
     BoxMm box;
     for (const PicturePart& part : parts) {
         const SliceSummary& summary = part.result->summary;
@@ -109,8 +103,8 @@ BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells)
             box.widen({summary.max_mm[0], summary.max_mm[1]});
         }
     }
-    for (const Cell& cell : cells) {
-        for (const DrawnLayer& drawn : cell.layers) {
+    for (const Drawing& drawing : drawings) {
+        for (const DrawnLayer& drawn : drawing.layers) {
             for (const Contour& contour :
                  drawn.layer ? drawn.result->contours_of(*drawn.layer) : std::span<const Contour>{}) {
                 for (const Point& point : drawn.result->points_of(contour)) {
@@ -145,16 +139,14 @@ int decimals_of(const std::vector<double>& heights) noexcept {
 }
 
 /// The height of each; of an image's slices in the patient, and along which axis.
-std::vector<std::string> labels_of(const std::vector<Cell>& cells, const ImageGeometry* image) {
+std::vector<std::string> labels_of(const std::vector<Drawing>& drawings, const ImageGeometry* image) {
     static constexpr std::array<const char*, 3> axes = {"L ", "P ", "S "};
     std::vector<double> heights;
-    heights.reserve(cells.size());
-    for (const Cell& cell : cells) {
-        heights.push_back(image != nullptr ? image->height_lps_mm(cell.height_mm) : cell.height_mm);
+    for (const Drawing& drawing : drawings) {
+        heights.push_back(image != nullptr ? image->height_lps_mm(drawing.height_mm) : drawing.height_mm);
     }
     const int decimals = decimals_of(heights);
     std::vector<std::string> labels;
-    labels.reserve(heights.size());
     for (const double height : heights) {
         labels.push_back((image != nullptr ? axes[image->slice_axis()] : "") + decimal_text(height, decimals) + " mm");
     }
@@ -184,16 +176,16 @@ PictureOptions oriented(PictureOptions options) {
     return options;
 }
 
-Status draw(std::span<const PicturePart> parts, const std::vector<Cell>& cells, const std::filesystem::path& path,
+Status draw(std::span<const PicturePart> parts, std::vector<Drawing> drawings, const std::filesystem::path& path,
             const PictureOptions& asked) {
     const PictureOptions options = oriented(asked);
-    const std::vector<std::string> labels = labels_of(cells, options.image);
+    const std::vector<std::string> labels = labels_of(drawings, options.image);
     int label_width = 0;
     for (const std::string& label : labels) {
         label_width = std::max(label_width, text_width(label, 1));
     }
-    const BoxMm box = box_of(parts, cells);
-    const Page page(box, std::max<std::size_t>(1, cells.size()), label_width, options);
+    const BoxMm box = box_of(parts, drawings);
+    const Page page(box, std::max<std::size_t>(1, drawings.size()), label_width, options);
     Parallel parallel(options.control);
     parallel.begin_stage(0.8);
     Canvas canvas(page.width(), page.height(), colours::page);
@@ -202,13 +194,12 @@ Status draw(std::span<const PicturePart> parts, const std::vector<Cell>& cells, 
         names.push_back(part.name);
     }
     page.draw_heading(canvas, names, layers_with_open_polylines(parts));
-    if (cells.empty()) {
+    if (drawings.empty()) {
         page.draw_cell(canvas, 0, "no layers");
     }
-    std::vector<Drawing> drawings;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
+    for (std::size_t i = 0; i < drawings.size(); ++i) {
         page.draw_cell(canvas, i, labels[i]);
-        drawings.push_back({cells[i].layers, page.area(i)});
+        drawings[i].area = page.area(i);
     }
     draw_layers(canvas, drawings, {box, page.pixels_per_mm(), 1.5 * page.unit(), options.x_leftward, options.y_downward},
                 colours::cell, parallel);
@@ -231,7 +222,7 @@ Status write_layer_picture(std::span<const PicturePart> parts, std::uint64_t lay
             throw refused("'" + parts.front().name + "' has no layer " + std::to_string(layer) + ": it has " +
                           std::to_string(first.layers.size()) + ", counted from " + std::to_string(first.first_layer));
         }
-        return draw(parts, {cell_at(parts, first.layers[layer - first.first_layer].plane_mm)}, path, options);
+        return draw(parts, {drawing_at(parts, first.layers[layer - first.first_layer].plane_mm)}, path, options);
     });
 }
 

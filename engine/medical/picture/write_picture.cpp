@@ -157,11 +157,9 @@ std::vector<std::string> labels_of(const std::vector<Drawing>& drawings, const I
 std::uint64_t layers_with_open_polylines(std::span<const PicturePart> parts) {
     std::uint64_t count = 0;
     for (const PicturePart& part : parts) {
-        for (const Layer& layer : part.result->layers) {
-            const std::span<const Contour> contours = part.result->contours_of(layer);
-            const auto is_open = [](const Contour& contour) { return contour.role == Role::open; };
-            count += std::any_of(contours.begin(), contours.end(), is_open) ? 1 : 0;
-        }
+        // The area of a layer with open contours is not known.
+        const auto is_open = [&part](const Layer& layer) { return std::isnan(part.result->area_mm2(layer)); };
+        count += static_cast<std::uint64_t>(std::count_if(part.result->layers.begin(), part.result->layers.end(), is_open));
     }
     return count;
 }

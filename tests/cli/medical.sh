@@ -249,8 +249,8 @@ test_archives() {
     printf 'x' | dd of=damaged.h5 bs=1 seek=15000 conv=notrunc status=none
     head -c 15000 a.h5 > cut.h5
     mkdir out && cd out
-    expect_failure 3 "damaged.h5: /" convert ../damaged.h5 -o m.csv
-    expect_failure 3 "cut.h5: 15000 bytes long" convert ../cut.h5 -o m.csv
+    expect_failure 3 "damaged.h5: damaged" convert ../damaged.h5 -o m.csv
+    expect_failure 3 "cut.h5: an HDF5 file, but no archive of lamella, or one that is cut off" convert ../cut.h5 -o m.csv
     expect_failure 3 "a.stl: no HDF5 file" convert ../a.stl -o m.csv
     expect_failure 3 "none.h5: cannot be opened" convert ../none.h5 -o m.csv
     expect_failure 3 "out: is a directory" convert ../out -o m.csv

@@ -7,7 +7,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
 #include "lamella/lamella.hpp"
 #include "lamella/medical.hpp"
 #include "temp_folder.hpp"
@@ -23,9 +23,7 @@ SliceResult cut(const Soup& soup, const ImageGeometry& image, int subslices = 1)
     SliceOptions options;
     options.plan.spacing = ExplicitPlanes{image.slice_heights_mm(subslices)};
     options.transform = image.slicing_frame(PatientFrame::lps);
-    Result<SliceResult> result = slice(MeshView::soup(floats(soup)), options);
-    REQUIRE(result.ok());
-    return std::move(result).value();
+    return sliced(MeshView::soup(floats(soup)), options);
 }
 
 /// The voxels of a mask of one byte each.

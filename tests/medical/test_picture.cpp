@@ -10,7 +10,7 @@
 #include <png.h>
 #include <catch2/catch.hpp>
 
-#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
 #include "lamella/lamella.hpp"
 #include "lamella/medical.hpp"
 #include "temp_folder.hpp"
@@ -72,11 +72,7 @@ Picture read_png(const std::filesystem::path& path) {
 }
 
 SliceResult cut_layers(const Soup& soup, double layer_height_mm = 1) {
-    SliceOptions options;
-    options.plan.spacing = UniformLayers{.layer_height_mm = layer_height_mm};
-    Result<SliceResult> result = slice(MeshView::soup(floats(soup)), options);
-    REQUIRE(result.ok());
-    return std::move(result).value();
+    return sliced(MeshView::soup(floats(soup)), uniform(layer_height_mm));
 }
 
 void require_drawn(const Status& written) {

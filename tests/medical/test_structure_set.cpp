@@ -10,12 +10,12 @@
 
 #include <catch2/catch.hpp>
 
-#include "engine/shapes.hpp"
+#include "engine/slicing.hpp"
 #include "lamella/lamella.hpp"
 #include "lamella/medical.hpp"
+#include "medical/dicom/data_set.hpp"
 #include "medical/dicom/identity.hpp"
 #include "medical/dicom/keyhole.hpp"
-#include "medical/dicom/put_elements.hpp"
 #include "medical/dicom_file.hpp"
 #include "temp_folder.hpp"
 
@@ -99,9 +99,7 @@ SliceResult cut(const MeshView& mesh, const ImageGeometry& image) {
     SliceOptions options;
     options.plan.spacing = ExplicitPlanes{image.slice_heights_mm()};
     options.transform = image.slicing_frame(PatientFrame::lps);
-    Result<SliceResult> result = slice(mesh, options);
-    REQUIRE(result.ok());
-    return std::move(result).value();
+    return sliced(mesh, options);
 }
 
 }  // namespace

@@ -19,6 +19,8 @@ except ImportError:
     print("not tested: python3-numpy or python3-pil is missing")
     sys.exit(77)
 
+import support
+
 SIDE, HIGH, PICTURE_LAYER, FINE = 26, 16, 7, 4  # voxels of 1 mm, slices, the layer drawn, samples along a voxel
 ORIGIN = (-0.75, -0.75, 0.5)  # quarters: FINE samples a voxel lie between the planes of boxes
 MARKER = ((20, 0, -1), (24, 4, HIGH + 1))  # alone: what a pixel of the picture measures
@@ -26,9 +28,7 @@ COLOUR, HEADING = numpy.array((0x1F, 0x6F, 0xB4)), 40
 
 
 def box(low, high):
-    corner = [[(low, high)[i >> axis & 1][axis] for axis in range(3)] for i in range(8)]
-    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    return numpy.array([[corner[v] for v in t] for a, b, c, d in faces for t in ((a, b, c), (a, c, d))], dtype=float)
+    return numpy.array(support.box(low, high), dtype=float)
 
 
 def sphere(centre, radius):
@@ -157,8 +157,7 @@ def main():
         (folder / "in").mkdir()
         for i in range(rounds):
             triangles = random_mesh(numpy.random.default_rng(i), i % 2 == 1)
-            records = b"".join(struct.pack("<12fH", 0, 0, 0, *t.ravel(), 0) for t in triangles)
-            (folder / "in" / f"m{i}.stl").write_bytes(bytes(80) + struct.pack("<I", len(triangles)) + records)
+            (folder / "in" / f"m{i}.stl").write_bytes(support.stl(triangles))
             meshes[f"m{i}"] = triangles
         write_image(folder / "like.nii")
         common = [lamella, "batch", "in", "--like", "like.nii", "--frame", "ras", "-o"]

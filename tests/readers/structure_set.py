@@ -3,7 +3,6 @@
 
 import pathlib
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
@@ -17,21 +16,10 @@ except ImportError:
     print("not tested: python3-pydicom or python3-nibabel is missing")
     sys.exit(77)
 
+from support import box, stl
+
 COLUMNS, ROWS = 40, 30
 SPACING = (1.5, 2.0)  # of columns, of rows
-
-
-def box(low, high, inward=False):
-    corner = [[(low, high)[i >> axis & 1][axis] for axis in range(3)] for i in range(8)]
-    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    turn = (0, 2, 1) if inward else (0, 1, 2)
-    return [[corner[t[i]] for i in turn] for a, b, c, d in faces for t in ((a, b, c), (a, c, d))]
-
-
-def stl(triangles):
-    data = b"".join(struct.pack("<12fH", 0, 0, 0, *[x for v in t for x in v], 0) for t in triangles)
-    return bytes(80) + struct.pack("<I", len(triangles)) + data
-
 
 # A hollow box, two holes side by side in another one, and a marker: no symmetry maps it to itself. In LPS, mm.
 BOXES = [((-20, -18, 12), (0, 4, 30), False), ((-15, -12, 14), (-6, -3, 28), True), ((4, -10, 12), (24, 14, 24), False),

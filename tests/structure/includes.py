@@ -62,7 +62,7 @@ OTHERS = {
     r"nlohmann\b": ("io/", "medical/", "tools/lamella/batch/", "tools/lamella/worker/"),
     r"openssl\b": "medical/",
     r"png\.h\b": "medical/",
-    r"(hdf5|H5FDdevelop)\.h": "medical/hdf5/",
+    r"hdf5\.h": "medical/hdf5/",
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)

@@ -1,3 +1,5 @@
+// PS3.5, chapter 7: an element is its tag, in explicit syntaxes two letters for its type, the length of its value, the
+// value. A sequence of undefined length ends with an element of its own, and so do its items.
 #include "medical/dicom/header.hpp"
 
 #include <algorithm>
@@ -7,14 +9,13 @@
 #include <cstdio>
 #include <memory>
 #include <string_view>
-#include <system_error>
 
 #include <zlib.h>
 
 #include <fast_float/fast_float.h>
 
 #include "base/guard.hpp"
-#include "medical/dicom/elements.hpp"
+#include "medical/geometry/headers.hpp"
 
 namespace lamella {
 
@@ -23,14 +24,30 @@ namespace {
 constexpr std::size_t preamble_bytes = 132;
 constexpr std::size_t first_window_bytes = std::size_t{1} << 16;
 constexpr std::size_t largest_window_bytes = std::size_t{1} << 26;
+constexpr std::uint32_t undefined_length = 0xffffffff;
 
 constexpr std::string_view implicit_little_endian = "1.2.840.10008.1.2";
 constexpr std::string_view explicit_big_endian = "1.2.840.10008.1.2.2";
 constexpr std::string_view deflated_little_endian = "1.2.840.10008.1.2.1.99";
 
-Error unreadable(const std::string& name, int error_number) {
-    return {.code = ErrorCode::unreadable_file,
-            .message = "cannot read '" + name + "': " + std::generic_category().message(error_number)};
+// clang-format off
+constexpr std::array<dicom::Tag, 27> wanted = {
+    dicom::transfer_syntax_uid, dicom::specific_character_set, dicom::sop_class_uid, dicom::sop_instance_uid,
+    dicom::study_date, dicom::study_time, dicom::accession_number, dicom::modality, dicom::referring_physician_name,
+    dicom::study_description, dicom::series_description, dicom::patient_name, dicom::patient_id,
+    dicom::patient_birth_date, dicom::patient_sex, dicom::slice_thickness, dicom::study_instance_uid,
+    dicom::series_instance_uid, dicom::study_id, dicom::image_position_patient, dicom::image_orientation_patient,
+    dicom::frame_of_reference_uid, dicom::position_reference_indicator, dicom::number_of_frames, dicom::rows,
+    dicom::columns, dicom::pixel_spacing};
+
+/// Types whose length takes four bytes, after two that mean nothing.
+constexpr std::array<std::string_view, 13> long_types = {
+    "OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV"};
+// clang-format on
+
+template <class Values, class Value>
+bool contains(const Values& values, const Value& value) {
+    return std::find(values.begin(), values.end(), value) != values.end();
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -40,39 +57,21 @@ std::string_view trimmed(std::string_view text) {
                                            : text.substr(begin, text.find_last_not_of(padding) - begin + 1);
 }
 
-/// The first bytes of a file, more and more of them.
-class Window {
-public:
-    explicit Window(const std::filesystem::path& path)
-        : name_(path.string()), file_(std::fopen(path.c_str(), "rb"), &std::fclose) {
-        if (!file_) {
-            throw Refused{unreadable(name_, errno)};
-        }
-        grow(preamble_bytes);
+std::string first_bytes(const std::filesystem::path& path, std::size_t size) {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+    if (!file) {
+        throw Refused{unreadable(path.string(), errno)};
     }
-
-    std::string_view bytes() const noexcept { return bytes_; }
-    bool whole() const noexcept { return whole_; }
-
-    void grow(std::size_t size) {
-        const std::size_t before = bytes_.size();
-        bytes_.resize(size);
-        const std::size_t count = std::fread(bytes_.data() + before, 1, size - before, file_.get());
-        if (std::ferror(file_.get()) != 0) {
-            throw Refused{unreadable(name_, errno)};
-        }
-        bytes_.resize(before + count);
-        whole_ = bytes_.size() < size;
+    std::error_code unknown;
+    std::string bytes(std::min<std::uintmax_t>(size, std::filesystem::file_size(path, unknown)), '\0');
+    bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
+    if (std::ferror(file.get()) != 0) {
+        throw Refused{unreadable(path.string(), errno)};
     }
+    return bytes;
+}
 
-private:
-    std::string name_;
-    std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
-    std::string bytes_;
-    bool whole_ = false;
-};
-
-/// What `data`, which may be cut off, was deflated from. Throws Refused.
+/// Inflates `data`, which may be cut off. Throws Refused.
 std::string inflated(const DicomHeader& header, std::string_view data) {
     z_stream stream{};
     constexpr int raw_window = -15;
@@ -100,10 +99,140 @@ std::string inflated(const DicomHeader& header, std::string_view data) {
     return text;
 }
 
-/// Whether `bytes` reach beyond the header. Throws Refused.
+struct Encoding {
+    bool is_explicit = false;  ///< each element names the type of its value
+    bool is_big_endian = false;
+};
+
+/// The elements of a data set, one after the other.
+class Elements {
+public:
+    /// Puts what is wanted into `header`. `file_offset`: of the first byte, for messages.
+    Elements(std::string_view bytes, Encoding encoding, std::size_t file_offset, DicomHeader& header)
+        : bytes_(bytes), encoding_(encoding), file_offset_(file_offset), header_(header) {}
+
+    /// Up to `last`: whether one follows that lies beyond. Throws Refused where there is no element.
+    bool collect(dicom::Tag last) {
+        while (bytes_.size() - at_ >= 4) {
+            if (tag_at(at_, encoding_.is_big_endian) > last) {
+                return true;
+            }
+            Element element;
+            if (!read_head(encoding_, element)) {
+                return false;
+            }
+            const std::size_t begin = at_;
+            if (!skip_value(element)) {
+                return false;
+            }
+            if (element.length != undefined_length && contains(wanted, element.tag)) {
+                keep(element, begin);
+            }
+        }
+        return false;
+    }
+
+    /// Where the next element begins.
+    std::size_t position() const noexcept { return at_; }
+
+private:
+    struct Element {
+        dicom::Tag tag = 0;
+        std::uint32_t length = 0;
+        bool unknown = false;  ///< of type UN: within, all is implicit and little-endian
+    };
+
+    std::uint32_t number(std::size_t at, std::size_t bytes, bool big_endian) const noexcept {
+        std::uint32_t value = 0;
+        for (std::size_t i = 0; i < bytes; ++i) {
+            value = value << 8 | static_cast<unsigned char>(bytes_[big_endian ? at + i : at + bytes - 1 - i]);
+        }
+        return value;
+    }
+
+    dicom::Tag tag_at(std::size_t at, bool big_endian) const noexcept {
+        return number(at, 2, big_endian) << 16 | number(at + 2, 2, big_endian);
+    }
+
+    bool skip_bytes(std::size_t count) noexcept {
+        if (count > bytes_.size() - at_) {
+            return false;
+        }
+        at_ += count;
+        return true;
+    }
+
+    void keep(const Element& element, std::size_t begin) {
+        if (element.tag != dicom::rows && element.tag != dicom::columns) {
+            header_.set(element.tag, std::string(bytes_.substr(begin, element.length)));
+        } else if (element.length == 2 || element.length == 4) {
+            header_.set(element.tag, std::to_string(number(begin, element.length, encoding_.is_big_endian)));
+        }
+    }
+
+    /// Up to the value. False where the bytes end within it.
+    bool read_head(Encoding encoding, Element& element) {
+        const std::size_t begin = at_;
+        if (!skip_bytes(8)) {
+            return false;
+        }
+        element = {tag_at(begin, encoding.is_big_endian), 0, false};
+        if (!encoding.is_explicit || element.tag >> 16 == 0xfffe) {
+            element.length = number(begin + 4, 4, encoding.is_big_endian);
+            return true;
+        }
+        const std::string_view type = bytes_.substr(begin + 4, 2);
+        if (!std::all_of(type.begin(), type.end(), [](char c) { return c >= 'A' && c <= 'Z'; })) {
+            throw Refused{header_.refused("no DICOM element at byte " + std::to_string(file_offset_ + begin))};
+        }
+        if (!contains(long_types, type)) {
+            element.length = number(begin + 6, 2, encoding.is_big_endian);
+            return true;
+        }
+        element.unknown = type == "UN";
+        if (!skip_bytes(4)) {
+            return false;
+        }
+        element.length = number(begin + 8, 4, encoding.is_big_endian);
+        return true;
+    }
+
+    /// False where the bytes end within it. Without recursion: sequences may be nested as deeply as a file is long.
+    bool skip_value(const Element& element) {
+        if (element.length != undefined_length) {
+            return skip_bytes(element.length);
+        }
+        std::size_t open = 1;                                 // sequences and items without an end so far
+        std::size_t implicit_from = element.unknown ? 1 : 0;  // how many were open where what is unknown began
+        while (open > 0) {
+            Element inner;
+            if (!read_head(implicit_from != 0 ? Encoding{} : encoding_, inner)) {
+                return false;
+            }
+            if (inner.tag == dicom::item_end || inner.tag == dicom::sequence_end) {
+                --open;
+                implicit_from = open < implicit_from ? 0 : implicit_from;
+            } else if (inner.length == undefined_length) {
+                ++open;
+                implicit_from = implicit_from == 0 && inner.unknown ? open : implicit_from;
+            } else if (!skip_bytes(inner.length)) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    std::string_view bytes_;
+    Encoding encoding_;
+    std::size_t file_offset_;
+    DicomHeader& header_;
+    std::size_t at_ = 0;
+};
+
+/// Returns whether `bytes` reach beyond the header. Throws Refused.
 bool parse(std::string_view bytes, DicomHeader& header) {
-    DicomElements meta(bytes.substr(preamble_bytes), {.is_explicit = true}, preamble_bytes);
-    if (meta.collect(dicom::last_of_file_meta, header) != DicomElements::End::passed) {
+    Elements meta(bytes.substr(preamble_bytes), {.is_explicit = true}, preamble_bytes, header);
+    if (!meta.collect(dicom::last_of_file_meta)) {
         return false;
     }
     const std::string syntax = header.text(dicom::transfer_syntax_uid);
@@ -114,11 +243,8 @@ bool parse(std::string_view bytes, DicomHeader& header) {
         text = inflated(header, data);
         data = text;
     }
-    DicomElements elements(
-        data,
-        {.is_explicit = !syntax.empty() && syntax != implicit_little_endian, .is_big_endian = syntax == explicit_big_endian},
-        begin);
-    return elements.collect(dicom::pixel_spacing, header) == DicomElements::End::passed ||
+    const bool is_explicit = !syntax.empty() && syntax != implicit_little_endian;
+    return Elements(data, {is_explicit, syntax == explicit_big_endian}, begin, header).collect(dicom::pixel_spacing) ||
            header.text(dicom::sop_class_uid) == dicom::media_storage_directory;
 }
 
@@ -162,21 +288,20 @@ std::vector<double> DicomHeader::required_numbers(dicom::Tag tag, const char* ke
 }
 
 Error DicomHeader::refused(const std::string& what) const {
-    return {.code = ErrorCode::malformed_mesh, .message = file_ + ": " + what};
+    return malformed_image(file_, what);
 }
 
 std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path) {
-    Window window(path);
-    if (window.bytes().size() < preamble_bytes || window.bytes().substr(128) != "DICM") {
-        return std::nullopt;
-    }
-    for (std::size_t size = first_window_bytes; size <= largest_window_bytes; size *= 4) {
-        window.grow(size);
+    for (const std::size_t size : {first_window_bytes, largest_window_bytes}) {
+        const std::string bytes = first_bytes(path, size);
+        if (bytes.size() < preamble_bytes || bytes.compare(preamble_bytes - 4, 4, "DICM") != 0) {
+            return std::nullopt;
+        }
         DicomHeader header(path.string());
-        if (parse(window.bytes(), header)) {
+        if (parse(bytes, header)) {
             return header;
         }
-        if (window.whole()) {
+        if (bytes.size() < size) {
             throw Refused{header.refused("cut off within its DICOM header")};
         }
     }

@@ -4,15 +4,20 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <ctime>
 #include <optional>
 
 #include "base/guard.hpp"
+#include "base/utf8.hpp"
+#include "lamella/io/mesh_file.hpp"
 #include "lamella/version.hpp"
 #include "medical/provenance/sha256.hpp"
 
 namespace lamella {
 
 namespace {
+
+constexpr const char* utf_8 = "ISO_IR 192";
 
 /// Values as bytes that do not depend on the platform but for points, the bulk, which are little-endian on all that count.
 class ContentHash {
@@ -34,7 +39,7 @@ public:
         add(std::uint64_t{points.size()});
         hash_.add(points.data(), points.size_bytes());
     }
-    std::array<unsigned char, 32> digest() noexcept { return hash_.digest(); }
+    Sha256::Digest digest() noexcept { return hash_.digest(); }
 
 private:
     Sha256 hash_;
@@ -84,10 +89,8 @@ void add_roi(ContentHash& hash, const Roi& roi) {
     }
 }
 
-}  // namespace
-
-std::array<unsigned char, 32> content_of(std::span<const Roi> rois, const ImageGeometry& image,
-                                         const StructureSetOptions& options) {
+/// SHA-256 over all that decides the bytes of a structure set.
+Sha256::Digest content_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options) {
     ContentHash hash;
     hash.add(std::string_view(version));
     hash.add(static_cast<std::uint64_t>(options.holes));
@@ -107,11 +110,94 @@ std::array<unsigned char, 32> content_of(std::span<const Roi> rois, const ImageG
     return hash.digest();
 }
 
+bool is_ascii(const std::string& text) {
+    return std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+}
+
+/// At most `most` characters; what a text of DICOM must not hold becomes _.
+std::string name_text(const std::string& name, std::size_t most, bool beyond_ascii) {
+    std::string text;
+    std::size_t characters = 0;
+    for (std::size_t at = 0; at < name.size() && characters < most; ++characters) {
+        const std::size_t bytes = character_bytes(name, at);
+        const bool allowed =
+            bytes == 1 ? name[at] >= ' ' && name[at] != '\\' && name[at] != 0x7f : bytes > 1 && beyond_ascii;
+        text += allowed ? name.substr(at, bytes) : "_";
+        at += std::max<std::size_t>(bytes, 1);
+    }
+    return text;
+}
+
+void set_texts(std::span<const Roi> rois, const DicomSeries* series, const std::string& label,
+               StructureSetIdentity& identity) {
+    if (series != nullptr) {
+        identity.character_set = plain_text(series->specific_character_set);
+    }
+    const bool names_in_ascii =
+        is_ascii(label) && std::all_of(rois.begin(), rois.end(), [](const Roi& roi) { return is_ascii(roi.name); });
+    const bool ct_in_ascii =
+        series == nullptr || (is_ascii(series->patient_name) && is_ascii(series->patient_id) && is_ascii(series->study_id) &&
+                              is_ascii(series->study_description) && is_ascii(series->accession_number) &&
+                              is_ascii(series->referring_physician_name));
+    // Texts that switch sets are ASCII by their bytes.
+    const bool switches = identity.character_set.find("2022") != std::string::npos;
+    if (!names_in_ascii && ct_in_ascii && !switches) {
+        identity.character_set = utf_8;
+    }
+    const bool beyond_ascii = identity.character_set == utf_8;
+    constexpr std::size_t most_of_label = 16;
+    constexpr std::size_t most_of_name = 64;
+    identity.label = name_text(label, most_of_label, beyond_ascii);
+    for (const Roi& roi : rois) {
+        identity.roi_names.push_back(name_text(roi.name, most_of_name, beyond_ascii));
+    }
+    identity.roi_names = distinct_names(identity.roi_names, most_of_name);
+}
+
+void set_date(std::int64_t seconds_since_1970, StructureSetIdentity& identity) {
+    const auto seconds = static_cast<std::time_t>(seconds_since_1970);
+    std::tm utc{};
+    if (::gmtime_r(&seconds, &utc) == nullptr || utc.tm_year < -1900 || utc.tm_year > 9999 - 1900) {
+        throw Refused{{ErrorCode::invalid_argument, "the time of the structure set lies beyond the year 9999"}};
+    }
+    std::array<char, 32> text{};
+    (void)std::strftime(text.data(), text.size(), "%Y%m%d", &utc);
+    // The C library does not pad years below 1000.
+    identity.date = text.data();
+    identity.date.insert(0, 8 - std::min<std::size_t>(8, identity.date.size()), '0');
+    (void)std::strftime(text.data(), text.size(), "%H%M%S", &utc);
+    identity.time = text.data();
+}
+
+}  // namespace
+
+std::string plain_text(std::string text) {
+    constexpr char escape = 0x1b;
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' && c != escape; }, ' ');
+    return text;
+}
+
+StructureSetIdentity identity_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options) {
+    const Sha256::Digest content = content_of(rois, image, options);
+    StructureSetIdentity identity;
+    identity.instance_uid = uid_of(content, "instance");
+    identity.series_uid = uid_of(content, "series");
+    identity.study_uid = image.series ? image.series->study_uid : uid_of(content, "study");
+    identity.frame_of_reference_uid =
+        image.series ? image.series->frame_of_reference_uid : uid_of(content, "frame of reference");
+    if (options.seconds_since_1970) {
+        set_date(*options.seconds_since_1970, identity);
+    }
+    set_texts(rois, image.series ? &*image.series : nullptr, options.label, identity);
+    return identity;
+}
+
 std::string uid_of(const std::array<unsigned char, 32>& content, std::string_view purpose) {
     Sha256 hash;
     hash.add(content.data(), content.size());
     hash.add(purpose.data(), purpose.size());
-    std::array<unsigned char, 32> uuid = hash.digest();  // its first 16 bytes, the most significant one first
+    Sha256::Digest uuid = hash.digest();  // its first 16 bytes, the most significant one first
     uuid[6] = static_cast<unsigned char>((uuid[6] & 0x0f) | 0x80);
     uuid[8] = static_cast<unsigned char>((uuid[8] & 0x3f) | 0x80);
     std::string decimals;

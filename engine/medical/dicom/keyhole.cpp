@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdlib>
-#include <numeric>
 #include <tuple>
+#include <utility>
 
 namespace lamella {
 
 namespace {
 
-/// Whether the direction of x lies between `to` and `from`, going counter-clockwise from the first to the second: where a
-/// contour comes from `from` to a point and goes on to `to`, the region is there.
+/// Returns whether the direction of x lies between `to` and `from`, going counter-clockwise from the first to the second:
+/// where a contour comes from `from` to a point and goes on to `to`, the region is there.
 bool is_right_within(Point at, Point from, Point to) {
     const auto half = [&](Point other) { return other.y > at.y || (other.y == at.y && other.x > at.x) ? 0 : 1; };
     if (half(to) != half(from)) {
@@ -37,19 +37,9 @@ std::span<const RingPoint> Keyhole::join(std::span<const std::span<const Point>>
 }
 
 void Keyhole::start_bridges() {
-    const auto count = static_cast<std::uint32_t>(contours_.size());
-    std::vector<std::uint32_t> order(count);
-    std::iota(order.begin(), order.end(), 0U);
-    // A contour begins at its smallest point.
-    std::stable_sort(order.begin() + 1, order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return point(a, 0) < point(b, 0); });
-    rank_.resize(count);
-    for (std::uint32_t rank = 0; rank < count; ++rank) {
-        rank_[order[rank]] = rank;
-    }
     bridges_.clear();
     heights_.clear();
-    for (std::uint32_t hole = 1; hole < count; ++hole) {
+    for (std::uint32_t hole = 1; hole < contours_.size(); ++hole) {
         Bridge bridge;
         bridge.hole = hole;
         bridges_.push_back(bridge);
@@ -61,10 +51,15 @@ void Keyhole::start_bridges() {
     }
 }
 
+/// A contour begins at its smallest point. The outer one is farthest left.
+bool Keyhole::begins_farther_left(std::uint32_t contour, std::uint32_t hole) const noexcept {
+    return contour == 0 || std::pair(point(contour, 0), contour) < std::pair(point(hole, 0), hole);
+}
+
 /// Takes `end` where it is nearer.
 void Keyhole::offer(Bridge& bridge, const Bridge& end) const {
     const Point start = point(bridge.hole, 0);
-    if (rank_[end.contour] >= rank_[bridge.hole] || end.whole > start.x || (end.whole == start.x && end.rest > 0)) {
+    if (!begins_farther_left(end.contour, bridge.hole) || end.whole > start.x || (end.whole == start.x && end.rest > 0)) {
         return;
     }
     if (bridge.divisor != 0) {

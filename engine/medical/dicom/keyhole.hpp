@@ -55,6 +55,7 @@ private:
     };
 
     void start_bridges();
+    bool begins_farther_left(std::uint32_t contour, std::uint32_t hole) const noexcept;
     void find_ends(std::uint32_t contour);
     void offer(Bridge& bridge, const Bridge& end) const;
     void sort_bridges();
@@ -65,7 +66,6 @@ private:
     }
 
     std::span<const std::span<const Point>> contours_;
-    std::vector<std::uint32_t> rank_;    ///< of each contour from left to right
     std::vector<Bridge> bridges_;        ///< of holes
     std::vector<std::int32_t> heights_;  ///< of `bridges_`, ascending
     std::vector<std::uint32_t>

@@ -1,5 +1,3 @@
-#include "medical/dicom/series.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -38,7 +38,7 @@ inline constexpr Tag rows = 0x00280010;
 inline constexpr Tag columns = 0x00280011;
 inline constexpr Tag pixel_spacing = 0x00280030;
 
-// What structure sets have beyond that.
+// Attributes that only structure sets have.
 inline constexpr Tag manufacturer = 0x00080070;
 inline constexpr Tag operators_name = 0x00081070;
 inline constexpr Tag manufacturer_model_name = 0x00081090;

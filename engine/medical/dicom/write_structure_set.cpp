@@ -1,17 +1,19 @@
 #include <algorithm>
 #include <array>
-#include <cstdio>
-#include <ctime>
+#include <cmath>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/medical/structure_set.hpp"
 #include "lamella/version.hpp"
-#include "medical/dicom/contour_items.hpp"
+#include "medical/dicom/data_set.hpp"
 #include "medical/dicom/identity.hpp"
-#include "medical/dicom/put_elements.hpp"
-#include "medical/dicom/texts.hpp"
+#include "medical/dicom/keyhole.hpp"
+#include "medical/geometry/directions.hpp"
 
 namespace lamella {
 
@@ -23,131 +25,222 @@ Refused refused(const std::filesystem::path& path, const std::string& what) {
     return {{ErrorCode::invalid_argument, "'" + path.string() + "': " + what}};
 }
 
-/// The UIDs that the file needs, and its texts.
-struct Identity {
-    std::string instance_uid;
-    std::string series_uid;
-    std::string study_uid;
-    std::string frame_of_reference_uid;
-    std::string date;
-    std::string time;
-    DicomTexts texts;
-};
-
-Identity identity_of(std::span<const Roi> rois, const ImageGeometry& image, const StructureSetOptions& options) {
-    const std::array<unsigned char, 32> content = content_of(rois, image, options);
-    Identity identity;
-    identity.instance_uid = uid_of(content, "instance");
-    identity.series_uid = uid_of(content, "series");
-    identity.study_uid = image.series ? image.series->study_uid : uid_of(content, "study");
-    identity.frame_of_reference_uid =
-        image.series ? image.series->frame_of_reference_uid : uid_of(content, "frame of reference");
-    if (options.seconds_since_1970) {
-        const auto seconds = static_cast<std::time_t>(*options.seconds_since_1970);
-        std::tm utc{};
-        if (::gmtime_r(&seconds, &utc) == nullptr || utc.tm_year < -1900 || utc.tm_year > 9999 - 1900) {
-            throw Refused{{ErrorCode::invalid_argument, "the time of the structure set lies beyond the year 9999"}};
-        }
-        std::array<char, 32> text{};
-        (void)std::strftime(text.data(), text.size(), "%Y%m%d", &utc);
-        // The C library does not pad years below 1000.
-        identity.date = text.data();
-        identity.date.insert(0, 8 - std::min<std::size_t>(8, identity.date.size()), '0');
-        (void)std::strftime(text.data(), text.size(), "%H%M%S", &utc);
-        identity.time = text.data();
-    }
-    identity.texts = dicom_texts(rois, image.series ? &*image.series : nullptr, options.label);
-    return identity;
-}
-
 /// Modules Patient, General Study, RT Series, General Equipment, Frame of Reference.
-void put_begin(std::string& out, const Identity& identity, const DicomSeries& series) {
-    const DicomTexts& texts = identity.texts;
-    if (!texts.character_set.empty()) {
-        put_element(out, dicom::specific_character_set, texts.character_set);
+void put_begin(DataSet& out, const StructureSetIdentity& identity, const DicomSeries& series) {
+    if (!identity.character_set.empty()) {
+        out.put(dicom::specific_character_set, identity.character_set);
     }
-    put_uid(out, dicom::sop_class_uid, dicom::rt_structure_set_storage);
-    put_uid(out, dicom::sop_instance_uid, identity.instance_uid);
-    put_element(out, dicom::study_date, plain_text(series.study_date));
-    put_element(out, dicom::study_time, plain_text(series.study_time));
-    put_element(out, dicom::accession_number, plain_text(series.accession_number));
-    put_element(out, dicom::modality, "RTSTRUCT");
-    put_element(out, dicom::manufacturer, "lamella");
-    put_element(out, dicom::referring_physician_name, plain_text(series.referring_physician_name));
+    out.put_uid(dicom::sop_class_uid, dicom::rt_structure_set_storage);
+    out.put_uid(dicom::sop_instance_uid, identity.instance_uid);
+    out.put(dicom::study_date, plain_text(series.study_date));
+    out.put(dicom::study_time, plain_text(series.study_time));
+    out.put(dicom::accession_number, plain_text(series.accession_number));
+    out.put(dicom::modality, "RTSTRUCT");
+    out.put(dicom::manufacturer, "lamella");
+    out.put(dicom::referring_physician_name, plain_text(series.referring_physician_name));
     if (!series.study_description.empty()) {
-        put_element(out, dicom::study_description, plain_text(series.study_description));
+        out.put(dicom::study_description, plain_text(series.study_description));
     }
-    put_element(out, dicom::operators_name, "");
-    put_element(out, dicom::manufacturer_model_name, "lamella");
-    put_element(out, dicom::patient_name, plain_text(series.patient_name));
-    put_element(out, dicom::patient_id, plain_text(series.patient_id));
-    put_element(out, dicom::patient_birth_date, plain_text(series.patient_birth_date));
-    put_element(out, dicom::patient_sex, plain_text(series.patient_sex));
-    put_element(out, dicom::software_versions, version);
-    put_uid(out, dicom::study_instance_uid, identity.study_uid);
-    put_uid(out, dicom::series_instance_uid, identity.series_uid);
-    put_element(out, dicom::study_id, plain_text(series.study_id));
-    put_element(out, dicom::series_number, "");
-    put_uid(out, dicom::frame_of_reference_uid, identity.frame_of_reference_uid);
-    put_element(out, dicom::position_reference_indicator, plain_text(series.position_reference_indicator));
+    out.put(dicom::operators_name, "");
+    out.put(dicom::manufacturer_model_name, "lamella");
+    out.put(dicom::patient_name, plain_text(series.patient_name));
+    out.put(dicom::patient_id, plain_text(series.patient_id));
+    out.put(dicom::patient_birth_date, plain_text(series.patient_birth_date));
+    out.put(dicom::patient_sex, plain_text(series.patient_sex));
+    out.put(dicom::software_versions, version);
+    out.put_uid(dicom::study_instance_uid, identity.study_uid);
+    out.put_uid(dicom::series_instance_uid, identity.series_uid);
+    out.put(dicom::study_id, plain_text(series.study_id));
+    out.put(dicom::series_number, "");
+    out.put_uid(dicom::frame_of_reference_uid, identity.frame_of_reference_uid);
+    out.put(dicom::position_reference_indicator, plain_text(series.position_reference_indicator));
 }
 
 /// Which frame of reference, and which images.
-void put_frame_of_reference(std::string& out, const Identity& identity, const ImageGeometry& image) {
-    begin_sequence(out, dicom::referenced_frame_of_reference_sequence);
-    put_uid(out, dicom::frame_of_reference_uid, identity.frame_of_reference_uid);
-    if (image.series) {
-        begin_sequence(out, dicom::rt_referenced_study_sequence);
-        put_uid(out, dicom::referenced_sop_class_uid, dicom::detached_study_management);
-        put_uid(out, dicom::referenced_sop_instance_uid, identity.study_uid);
-        begin_sequence(out, dicom::rt_referenced_series_sequence);
-        put_uid(out, dicom::series_instance_uid, image.series->series_uid);
-        begin_empty_sequence(out, dicom::contour_image_sequence);
-        for (const DicomSeries::Instance& slice : image.series->slices) {
-            begin_item(out);
-            put_uid(out, dicom::referenced_sop_class_uid, slice.sop_class_uid);
-            put_uid(out, dicom::referenced_sop_instance_uid, slice.sop_instance_uid);
-            end_item(out);
+void put_frame_of_reference(DataSet& out, const StructureSetIdentity& identity, const ImageGeometry& image) {
+    const auto put_series = [&] {
+        out.put_uid(dicom::series_instance_uid, image.series->series_uid);
+        out.put_sequence(dicom::contour_image_sequence, [&] {
+            for (const DicomSeries::Instance& slice : image.series->slices) {
+                out.put_item([&] {
+                    out.put_uid(dicom::referenced_sop_class_uid, slice.sop_class_uid);
+                    out.put_uid(dicom::referenced_sop_instance_uid, slice.sop_instance_uid);
+                });
+            }
+        });
+    };
+    const auto put_study = [&] {
+        out.put_uid(dicom::referenced_sop_class_uid, dicom::detached_study_management);
+        out.put_uid(dicom::referenced_sop_instance_uid, identity.study_uid);
+        out.put_sequence_of_one(dicom::rt_referenced_series_sequence, put_series);
+    };
+    out.put_sequence_of_one(dicom::referenced_frame_of_reference_sequence, [&] {
+        out.put_uid(dicom::frame_of_reference_uid, identity.frame_of_reference_uid);
+        if (image.series) {
+            out.put_sequence_of_one(dicom::rt_referenced_study_sequence, put_study);
         }
-        end_items(out);
-        end_sequence(out);
-        end_sequence(out);
-    }
-    end_sequence(out);
+    });
 }
 
 /// Module Structure Set.
-void put_structure_set(std::string& out, const Identity& identity, const ImageGeometry& image) {
-    put_element(out, dicom::structure_set_label, identity.texts.label);
-    put_element(out, dicom::structure_set_date, identity.date);
-    put_element(out, dicom::structure_set_time, identity.time);
+void put_structure_set(DataSet& out, const StructureSetIdentity& identity, const ImageGeometry& image) {
+    out.put(dicom::structure_set_label, identity.label);
+    out.put(dicom::structure_set_date, identity.date);
+    out.put(dicom::structure_set_time, identity.time);
     put_frame_of_reference(out, identity, image);
-    begin_empty_sequence(out, dicom::structure_set_roi_sequence);
-    for (std::size_t i = 0; i < identity.texts.roi_names.size(); ++i) {
-        begin_item(out);
-        put_number(out, dicom::roi_number, i + 1);
-        put_uid(out, dicom::referenced_frame_of_reference_uid, identity.frame_of_reference_uid);
-        put_element(out, dicom::roi_name, identity.texts.roi_names[i]);
-        put_element(out, dicom::roi_generation_algorithm, "");
-        end_item(out);
-    }
-    end_items(out);
+    out.put_sequence(dicom::structure_set_roi_sequence, [&] {
+        for (std::size_t i = 0; i < identity.roi_names.size(); ++i) {
+            out.put_item([&] {
+                out.put_number(dicom::roi_number, i + 1);
+                out.put_uid(dicom::referenced_frame_of_reference_uid, identity.frame_of_reference_uid);
+                out.put(dicom::roi_name, identity.roi_names[i]);
+                out.put(dicom::roi_generation_algorithm, "");
+            });
+        }
+    });
 }
 
 /// Module RT ROI Observations, and the approval.
-void put_end(std::string& out, std::size_t rois) {
-    begin_empty_sequence(out, dicom::rt_roi_observations_sequence);
-    for (std::size_t i = 0; i < rois; ++i) {
-        begin_item(out);
-        put_number(out, dicom::observation_number, i + 1);
-        put_number(out, dicom::referenced_roi_number, i + 1);
-        put_element(out, dicom::rt_roi_interpreted_type, "");
-        put_element(out, dicom::roi_interpreter, "");
-        end_item(out);
-    }
-    end_items(out);
-    put_element(out, dicom::approval_status, "UNAPPROVED");
+void put_end(DataSet& out, std::size_t rois) {
+    out.put_sequence(dicom::rt_roi_observations_sequence, [&] {
+        for (std::size_t i = 0; i < rois; ++i) {
+            out.put_item([&] {
+                out.put_number(dicom::observation_number, i + 1);
+                out.put_number(dicom::referenced_roi_number, i + 1);
+                out.put(dicom::rt_roi_interpreted_type, "");
+                out.put(dicom::roi_interpreter, "");
+            });
+        }
+    });
+    out.put(dicom::approval_status, "UNAPPROVED");
 }
+
+void flush(DataSet& data, OutputFile& file) {
+    file.append(data.bytes());
+    data.bytes().clear();
+}
+
+bool is_outer(const Contour& contour) {
+    return contour.role == Role::outer;
+}
+
+bool is_hole(const Contour& contour) {
+    return contour.role == Role::hole;
+}
+
+/// The contours of a ROI as items of a Contour Sequence. One a thread.
+class ContourItems {
+public:
+    /// `image` and `roi` must outlive it.
+    ContourItems(const ImageGeometry& image, const Roi& roi, HoleForm holes)
+        : image_(image),
+          roi_(roi),
+          holes_(holes),
+          exclusive_or_(holes == HoleForm::exclusive_or &&
+                        std::any_of(roi.result->contours.begin(), roi.result->contours.end(), is_hole)),
+          axes_{image.axes[0], image.axes[1], cross(image.axes[0], image.axes[1])},
+          // So many that a number lies nearer to its point of the grid than to any other.
+          decimals_(std::clamp(static_cast<int>(std::ceil(-std::log10(roi.result->unit_mm / 4))), 0, 14)) {}
+
+    /// Puts the items of slice k, which lies at `height_mm`; counts. Throws Refused (invalid_argument) where a contour is
+    /// too long for its element.
+    void put(std::uint64_t slice, double height_mm, DataSet& out, StructureSetSummary& counts) {
+        const SliceResult& result = *roi_.result;
+        const std::span<const Contour> contours = result.contours_of(result.layers[result.layer_of[slice]]);
+        for (std::size_t begin = 0; begin < contours.size();) {
+            const Contour& first = contours[begin];
+            if (!is_outer(first) && !is_hole(first)) {
+                counts.open_contours += first.role == Role::open ? 1 : 0;
+                ++begin;
+                continue;
+            }
+            const std::size_t end = region_end(contours, begin);
+            if (is_outer(first) && first.parent >= 0 && is_outer(result.contours[static_cast<std::size_t>(first.parent)])) {
+                ++counts.nested_contours;
+            }
+            put_region({slice, height_mm, out, counts}, contours.subspan(begin, end - begin));
+            begin = end;
+        }
+    }
+
+private:
+    struct Slice {
+        std::uint64_t index;
+        double height_mm;
+        DataSet& out;
+        StructureSetSummary& counts;
+    };
+
+    /// Where the holes end that follow their outer contour.
+    std::size_t region_end(std::span<const Contour> contours, std::size_t begin) const {
+        const auto own = &contours[begin] - roi_.result->contours.data();
+        std::size_t end = begin + 1;
+        while (is_outer(contours[begin]) && end < contours.size() && is_hole(contours[end]) && contours[end].parent == own) {
+            ++end;
+        }
+        return end;
+    }
+
+    void put_region(const Slice& slice, std::span<const Contour> region) {
+        points_.clear();
+        for (const Contour& contour : region) {
+            points_.push_back(roi_.result->points_of(contour));
+            slice.counts.holes += is_hole(contour) ? 1 : 0;
+        }
+        if (holes_ == HoleForm::keyhole) {
+            return put_item(slice, keyhole_.join(points_));
+        }
+        for (const std::span<const Point>& contour : points_) {
+            put_item(slice, keyhole_.join({&contour, 1}));
+        }
+    }
+
+    void put_item(const Slice& slice, std::span<const RingPoint> ring) {
+        constexpr std::size_t most_bytes = 0xfffffff0;
+        constexpr std::size_t most_bytes_a_point = 3 * 17;
+        if (ring.size() > most_bytes / most_bytes_a_point) {
+            throw Refused{{ErrorCode::invalid_argument, "'" + roi_.name + "': a contour of " + std::to_string(ring.size()) +
+                                                            " points is too long for DICOM; --tolerance MM leaves fewer"}};
+        }
+        data_.clear();
+        for (const RingPoint& point : ring) {
+            write_point(point, slice.height_mm);
+        }
+        data_.pop_back();
+        DataSet& out = slice.out;
+        out.put_item([&] {
+            if (image_.series) {
+                out.put_sequence_of_one(dicom::contour_image_sequence, [&] {
+                    out.put_uid(dicom::referenced_sop_class_uid, image_.series->slices[slice.index].sop_class_uid);
+                    out.put_uid(dicom::referenced_sop_instance_uid, image_.series->slices[slice.index].sop_instance_uid);
+                });
+            }
+            out.put(dicom::contour_geometric_type, exclusive_or_ ? "CLOSEDPLANAR_XOR" : "CLOSED_PLANAR");
+            out.put_number(dicom::number_of_contour_points, ring.size());
+            out.put(dicom::contour_data, data_);
+        });
+        ++slice.counts.contours;
+        slice.counts.points += ring.size();
+    }
+
+    void write_point(const RingPoint& point, double height_mm) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double in_slice = roi_.result->unit_mm * (axes_[0][axis] * point.x + axes_[1][axis] * point.y);
+            put_decimal(data_, image_.origin_mm[axis] + in_slice + axes_[2][axis] * height_mm, decimals_);
+            data_ += '\\';
+        }
+    }
+
+    const ImageGeometry& image_;
+    const Roi& roi_;
+    HoleForm holes_;
+    bool exclusive_or_;
+    std::array<Direction, 3> axes_;  ///< of x, y and z of the slicing, in the patient
+    int decimals_;
+    std::string data_;  ///< of a contour
+    Keyhole keyhole_;
+    std::vector<std::span<const Point>> points_;  ///< of a region
+};
 
 void add(StructureSetSummary& total, const StructureSetSummary& counts) {
     total.contours += counts.contours;
@@ -158,28 +251,24 @@ void add(StructureSetSummary& total, const StructureSetSummary& counts) {
 }
 
 /// The contours of a ROI: slices become text on all threads, and are written in their order.
-StructureSetSummary write_contours(const Roi& roi, const ImageGeometry& image, HoleForm holes, const Parallel& parallel,
-                                   OutputFile& file) {
+void write_contours(const Roi& roi, const ImageGeometry& image, HoleForm holes, const Parallel& parallel, OutputFile& file,
+                    StructureSetSummary& total) {
     const std::vector<double> heights = image.slice_heights_mm();
-    const SlicePlacement placement(image, roi.result->unit_mm);
     const std::size_t at_once = most_slices_a_task * static_cast<std::size_t>(parallel.threads());
-    std::vector<ContourItems> workers(static_cast<std::size_t>(parallel.threads()), {image, roi, placement, holes});
-    std::vector<std::string> texts(at_once);
+    std::vector<ContourItems> workers(static_cast<std::size_t>(parallel.threads()), {image, roi, holes});
+    std::vector<DataSet> data(at_once);
     std::vector<StructureSetSummary> counts(at_once);
-    StructureSetSummary total;
     for (std::size_t first = 0; first < heights.size() && !file.failed(); first += at_once) {
         const std::size_t count = std::min(at_once, heights.size() - first);
         parallel.run(count, [&](std::size_t i, int worker) {
-            texts[i].clear();
             counts[i] = {};
-            workers[static_cast<std::size_t>(worker)].append(first + i, heights[first + i], texts[i], counts[i]);
+            workers[static_cast<std::size_t>(worker)].put(first + i, heights[first + i], data[i], counts[i]);
         });
         for (std::size_t i = 0; i < count; ++i) {
-            file.append(texts[i]);
+            flush(data[i], file);
             add(total, counts[i]);
         }
     }
-    return total;
 }
 
 void require_uid(const std::filesystem::path& path, const std::string& uid, const char* keyword, const std::string& where) {
@@ -226,37 +315,37 @@ void require_contours(std::span<const Roi> rois, const ImageGeometry& image, con
 
 Result<StructureSetSummary> write_all(std::span<const Roi> rois, const ImageGeometry& image,
                                       const std::filesystem::path& path, const StructureSetOptions& options) {
-    const Identity identity = identity_of(rois, image, options);
+    const StructureSetIdentity identity = identity_of(rois, image, options);
     Parallel parallel(options.control);
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();
     }
-    std::string text = file_meta(dicom::rt_structure_set_storage, identity.instance_uid);
-    put_begin(text, identity, image.series.value_or(DicomSeries{}));
-    put_structure_set(text, identity, image);
-    begin_empty_sequence(text, dicom::roi_contour_sequence);
+    file->append(file_meta(dicom::rt_structure_set_storage, identity.instance_uid));
+    DataSet data;
     StructureSetSummary total;
-    for (std::size_t i = 0; i < rois.size(); ++i) {
-        begin_item(text);
-        const auto& colour = rois[i].colour;
-        put_element(text, dicom::roi_display_color,
-                    std::to_string(colour[0]) + "\\" + std::to_string(colour[1]) + "\\" + std::to_string(colour[2]));
-        begin_empty_sequence(text, dicom::contour_sequence);
-        file->append(text);
-        add(total, write_contours(rois[i], image, options.holes, parallel, *file));
-        text.clear();
-        end_items(text);
-        put_number(text, dicom::referenced_roi_number, i + 1);
-        end_item(text);
-    }
-    end_items(text);
-    put_end(text, rois.size());
-    file->append(text);
+    put_begin(data, identity, image.series.value_or(DicomSeries{}));
+    put_structure_set(data, identity, image);
+    data.put_sequence(dicom::roi_contour_sequence, [&] {
+        for (std::size_t i = 0; i < rois.size(); ++i) {
+            data.put_item([&] {
+                const auto& colour = rois[i].colour;
+                data.put(dicom::roi_display_color,
+                         std::to_string(colour[0]) + "\\" + std::to_string(colour[1]) + "\\" + std::to_string(colour[2]));
+                data.put_sequence(dicom::contour_sequence, [&] {
+                    flush(data, *file);
+                    write_contours(rois[i], image, options.holes, parallel, *file, total);
+                });
+                data.put_number(dicom::referenced_roi_number, i + 1);
+            });
+        }
+    });
+    put_end(data, rois.size());
+    flush(data, *file);
     if (const Status written = file->commit(); !written) {
         return written.error();
     }
-    total.roi_names = identity.texts.roi_names;
+    total.roi_names = identity.roi_names;
     return total;
 }
 

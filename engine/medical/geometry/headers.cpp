@@ -21,11 +21,6 @@ constexpr double largest_cosine = 1e-4;  ///< of axes that count as perpendicula
 
 constexpr std::array<const char*, 3> axis_names = {"i", "j", "k"};
 
-Error unreadable(const std::string& name, int error_number) {
-    return {.code = ErrorCode::unreadable_file,
-            .message = "cannot read '" + name + "': " + std::generic_category().message(error_number)};
-}
-
 /// Which ends a header of text.
 bool has_blank_line(std::string_view text) {
     return text.find("\n\n") != std::string_view::npos || text.find("\n\r\n") != std::string_view::npos;
@@ -33,30 +28,38 @@ bool has_blank_line(std::string_view text) {
 
 }  // namespace
 
-HeaderBytes::HeaderBytes(const std::filesystem::path& path) : name_(path.string()) {
+Error ImageHeader::refused(const std::string& what) const {
+    return malformed_image(name, what);
+}
+
+ImageHeader read_image_header(const std::filesystem::path& path) {
+    ImageHeader header{path.string(), {}};
     std::error_code unknown;
     if (std::filesystem::is_directory(path, unknown)) {
-        throw Refused{unreadable(name_, EISDIR)};
+        throw Refused{unreadable(header.name, EISDIR)};
     }
     errno = 0;
     const std::unique_ptr<gzFile_s, decltype(&::gzclose)> file(::gzopen(path.c_str(), "rb"), &::gzclose);
     if (file == nullptr) {
-        throw Refused{unreadable(name_, errno != 0 ? errno : ENOMEM)};
+        throw Refused{unreadable(header.name, errno != 0 ? errno : ENOMEM)};
     }
-    // What follows a header is not read: it may be a mask of a hundred million voxels.
+    // Nothing beyond the header is read: it may be a mask of a hundred million voxels.
+    std::string& bytes = header.bytes;
     std::array<char, 4096> piece{};
     int count = 0;
     do {
         count = ::gzread(file.get(), piece.data(), piece.size());
-        bytes_.append(piece.data(), static_cast<std::size_t>(std::max(count, 0)));
-    } while (count > 0 && bytes_.size() < most_header_bytes && begins_with("NRRD") && !has_blank_line(bytes_));
+        bytes.append(piece.data(), static_cast<std::size_t>(std::max(count, 0)));
+    } while (count > 0 && bytes.size() < most_header_bytes && bytes.starts_with("NRRD") && !has_blank_line(bytes));
     if (count < 0) {
-        throw Refused{refused("damaged gzip data within the header")};
+        throw Refused{header.refused("damaged gzip data within the header")};
     }
+    return header;
 }
 
-Error HeaderBytes::refused(const std::string& what) const {
-    return malformed_image(name_, what);
+Error unreadable(const std::string& name, int error_number) {
+    return {.code = ErrorCode::unreadable_file,
+            .message = "cannot read '" + name + "': " + std::generic_category().message(error_number)};
 }
 
 Error malformed_image(const std::string& name, const std::string& what) {
@@ -87,7 +90,7 @@ ImageGeometry upright(const std::string& name, const std::array<std::uint64_t, 3
                                                     axis_names[next] + " are not perpendicular")};
         }
     }
-    // What rounding in the header left of a right angle is taken away.
+    // Axes are made exactly perpendicular: the header rounds them.
     const Direction normal = cross(image.axes[0], image.axes[1]);
     const Direction upright_k = scaled(normal, (dot(normal, image.axes[2]) < 0 ? -1 : 1) / length(normal));
     image.axes[1] = scaled(cross(normal, image.axes[0]), 1 / length(normal));

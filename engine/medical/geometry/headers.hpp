@@ -4,7 +4,6 @@
 #include <array>
 #include <filesystem>
 #include <string>
-#include <string_view>
 
 #include "lamella/medical/geometry.hpp"
 #include "medical/geometry/directions.hpp"
@@ -12,29 +11,27 @@
 namespace lamella {
 
 /// The first bytes of a file, or of what gzip holds.
-class HeaderBytes {
-public:
-    /// Throws Refused (unreadable_file) and std::bad_alloc.
-    explicit HeaderBytes(const std::filesystem::path& path);
-
-    std::string_view bytes() const noexcept { return bytes_; }
-    bool begins_with(std::string_view text) const noexcept { return bytes().starts_with(text); }
-    const std::string& name() const noexcept { return name_; }
+struct ImageHeader {
+    std::string name;
+    std::string bytes;
 
     /// malformed_mesh: "NAME: WHAT".
     Error refused(const std::string& what) const;
-
-private:
-    std::string name_;
-    std::string bytes_;
 };
 
+/// Throws Refused (unreadable_file) and std::bad_alloc.
+ImageHeader read_image_header(const std::filesystem::path& path);
+
+/// unreadable_file: "cannot read 'NAME': REASON".
+Error unreadable(const std::string& name, int error_number);
 /// malformed_mesh: "NAME: WHAT".
 Error malformed_image(const std::string& name, const std::string& what);
 
 /// Both refuse by Refused or by their result what is no such image.
-Result<ImageGeometry> read_nifti(const HeaderBytes& header);
-Result<ImageGeometry> read_nrrd(const HeaderBytes& header);
+Result<ImageGeometry> read_nifti(const ImageHeader& header);
+Result<ImageGeometry> read_nrrd(const ImageHeader& header);
+/// The geometry of the one series of DICOM images in a folder. n files: O(n log n). Throws Refused and std::bad_alloc.
+ImageGeometry read_dicom_folder(const std::filesystem::path& folder);
 
 /// The geometry of voxels that lie `steps` apart from `origin`, in LPS and mm. Throws Refused where the steps are no finite
 /// lengths, or not perpendicular.

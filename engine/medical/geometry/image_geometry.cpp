@@ -5,7 +5,6 @@
 #include <system_error>
 
 #include "base/guard.hpp"
-#include "medical/dicom/series.hpp"
 #include "medical/geometry/directions.hpp"
 #include "medical/geometry/headers.hpp"
 
@@ -99,11 +98,11 @@ Result<ImageGeometry> read_image_geometry(const std::filesystem::path& path) noe
         if (std::filesystem::is_directory(path, unknown)) {
             return read_dicom_folder(path);
         }
-        const HeaderBytes header(path);
-        if (header.bytes().size() > 132 && header.bytes().substr(128, 4) == "DICM") {
+        const ImageHeader header = read_image_header(path);
+        if (header.bytes.size() > 132 && header.bytes.compare(128, 4, "DICM") == 0) {
             return header.refused("one DICOM file; name the folder that holds its series");
         }
-        return header.begins_with("NRRD") ? read_nrrd(header) : read_nifti(header);
+        return header.bytes.starts_with("NRRD") ? read_nrrd(header) : read_nifti(header);
     });
 }
 

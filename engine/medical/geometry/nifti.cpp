@@ -94,7 +94,7 @@ double disagreement(const Affine& a, const Affine& b, const std::array<std::uint
 }
 
 /// By the lowest bits of xyzt_units; 0, which says nothing, counts as mm.
-double mm_per_unit(const NiftiHeader& header, const HeaderBytes& file) {
+double mm_per_unit(const NiftiHeader& header, const ImageHeader& file) {
     const int code = header.number<unsigned char>(123) & 7;
     static constexpr std::array<double, 4> mm = {1, 1000, 1, 0.001};
     if (code >= static_cast<int>(mm.size())) {
@@ -106,11 +106,11 @@ double mm_per_unit(const NiftiHeader& header, const HeaderBytes& file) {
 
 }  // namespace
 
-Result<ImageGeometry> read_nifti(const HeaderBytes& file) {
-    if (file.bytes().size() < header_bytes) {
+Result<ImageGeometry> read_nifti(const ImageHeader& file) {
+    if (file.bytes.size() < header_bytes) {
         return file.refused("neither a NIfTI-1 nor an NRRD image");
     }
-    const NiftiHeader header(file.bytes());
+    const NiftiHeader header(file.bytes);
     if (header.number<std::int32_t>(0) != static_cast<std::int32_t>(header_bytes) ||
         (header.magic() != "n+1" && header.magic() != "ni1")) {
         return file.refused("neither a NIfTI-1 nor an NRRD image");
@@ -134,10 +134,10 @@ Result<ImageGeometry> read_nifti(const HeaderBytes& file) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         steps[axis] = {-affine[0][axis] * mm, -affine[1][axis] * mm, affine[2][axis] * mm};
     }
-    ImageGeometry image = upright(file.name(), size, steps, {-affine[0][3] * mm, -affine[1][3] * mm, affine[2][3] * mm});
+    ImageGeometry image = upright(file.name, size, steps, {-affine[0][3] * mm, -affine[1][3] * mm, affine[2][3] * mm});
     constexpr double unnoticed = 1e-3;  // voxels
     if (by_sform && by_qform && !(disagreement(affine, qform(header), size) <= unnoticed)) {
-        image.warnings.push_back(file.name() + ": its sform and its qform disagree; the sform holds");
+        image.warnings.push_back(file.name + ": its sform and its qform disagree; the sform holds");
     }
     return image;
 }

@@ -26,9 +26,9 @@ std::string_view trimmed(std::string_view text) {
 }
 
 /// The fields by name. Throws Refused where a line is neither a field, nor a key, nor a comment.
-std::map<std::string, std::string, std::less<>> fields_of(const HeaderBytes& header) {
+std::map<std::string, std::string, std::less<>> fields_of(const ImageHeader& header) {
     std::map<std::string, std::string, std::less<>> fields;
-    std::string_view rest = header.bytes();
+    std::string_view rest = header.bytes;
     rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1);
     for (std::size_t line_number = 2; !rest.empty(); ++line_number) {
         const std::size_t end = std::min(rest.find('\n'), rest.size());
@@ -86,7 +86,7 @@ std::optional<Direction> vector_of(std::string_view text) {
     return found;
 }
 
-/// What turns the first two coordinates of the space into left and posterior, if it is known.
+/// Signs that turn the first two coordinates of the space into left and posterior, if it is known.
 std::optional<std::array<double, 2>> to_lps(std::string_view space) {
     if (space == "left-posterior-superior" || space == "LPS") {
         return std::array<double, 2>{1, 1};
@@ -129,7 +129,7 @@ std::string unit_name(std::string_view text) {
     return name;
 }
 
-double mm_of(std::string_view text, const HeaderBytes& header) {
+double mm_of(std::string_view text, const ImageHeader& header) {
     const std::string name = unit_name(text);
     const auto* const unit =
         std::find_if(units.begin(), units.end(), [&](const NamedUnit& known) { return known.name == name; });
@@ -141,7 +141,7 @@ double mm_of(std::string_view text, const HeaderBytes& header) {
 }
 
 /// mm of the unit of each axis of the space.
-Direction units_of_space(std::string_view field, const HeaderBytes& header) {
+Direction units_of_space(std::string_view field, const ImageHeader& header) {
     const std::vector<std::string_view> names = words(field);
     Direction mm = {1, 1, 1};
     if (!names.empty() && names.size() != mm.size()) {
@@ -154,7 +154,7 @@ Direction units_of_space(std::string_view field, const HeaderBytes& header) {
 
 }  // namespace
 
-Result<ImageGeometry> read_nrrd(const HeaderBytes& header) {
+Result<ImageGeometry> read_nrrd(const ImageHeader& header) {
     const auto fields = fields_of(header);
     const auto field = [&](std::string_view name) {
         const auto found = fields.find(name);
@@ -200,7 +200,7 @@ Result<ImageGeometry> read_nrrd(const HeaderBytes& header) {
     if (axes != 3) {
         return header.refused("an image of " + std::to_string(axes) + " dimensions, not of 3");
     }
-    return upright(header.name(), size, steps, in_lps(*origin));
+    return upright(header.name, size, steps, in_lps(*origin));
 }
 
 }  // namespace lamella

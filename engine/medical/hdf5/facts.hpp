@@ -6,6 +6,9 @@
 #include <variant>
 #include <vector>
 
+#include <hdf5.h>
+
+#include "io/read/input_file.hpp"
 #include "lamella/medical/archive.hpp"
 
 namespace lamella {
@@ -22,23 +25,30 @@ struct Fact {
 /// An attribute of more numbers does not lie in the header of its group.
 inline constexpr std::uint64_t most_uneven_slices = 8000;
 
-/// What is the same in all parts of a slicing.
+/// Those that are the same in all parts of a slicing.
 std::vector<Fact> facts_of(const SliceResult& result, const ArchiveInfo& info);
 
-/// Facts that lie in a file.
-class FactReader {
+/// The attributes of an open archive. Throws Refused, with file and place, where one is missing or not as it should be.
+class Attributes {
 public:
-    virtual bool has(const std::string& group, const std::string& name) = 0;
-    /// So many numbers, or a text, in `value`, whose kind is the one looked for. Throws Refused.
-    virtual void read(const std::string& group, const std::string& name, std::size_t count, FactValue& value) = 0;
-    /// The fact is there, but cannot be.
-    [[noreturn]] virtual void refuse(const std::string& group, const std::string& name) = 0;
+    Attributes(const InputFile& file, hid_t tree) : file_(file), tree_(tree) {}
+    bool has(const std::string& object, const std::string& name) const;
+    std::string text(const std::string& object, const std::string& name) const;
+    /// `count` of them.
+    std::vector<double> doubles(const std::string& object, const std::string& name, std::size_t count) const;
+    std::uint64_t whole(const std::string& object, const std::string& name) const;
+    /// The attribute is there, but cannot be.
+    [[noreturn]] void refuse(const std::string& object, const std::string& name) const;
 
-protected:
-    ~FactReader() = default;
+private:
+    template <class Number>
+    std::vector<Number> numbers(const std::string& object, const std::string& name, std::size_t count) const;
+
+    const InputFile& file_;
+    hid_t tree_;
 };
 
-/// Sets what facts_of() takes, and checks each. Heights and changes of the fill rule have their number only. Throws Refused.
-void read_facts(FactReader& reader, SliceResult& result, ArchiveInfo& info);
+/// Sets what facts_of() takes, and checks each; heights and changes of the fill rule stand in columns. Throws Refused.
+void read_facts(const Attributes& attributes, SliceResult& result, ArchiveInfo& info);
 
 }  // namespace lamella

@@ -1,13 +1,12 @@
 #include <algorithm>
+#include <cstring>
 #include <string>
 #include <utility>
 
 #include "base/guard.hpp"
 #include "base/words.hpp"
 #include "lamella/medical/archive.hpp"
-#include "medical/hdf5/load.hpp"
-#include "medical/hdf5/merged_columns.hpp"
-#include "medical/hdf5/write_columns.hpp"
+#include "medical/hdf5/archive_file.hpp"
 #include "slicing/result/hash.hpp"
 
 namespace lamella {
@@ -20,25 +19,116 @@ constexpr double read_share = 0.5;  ///< of the progress
     throw Refused{{ErrorCode::invalid_argument, what}};
 }
 
-std::string quoted(const ArchivePart& part) {
-    return "'" + printable(part.path.string()) + "'";
-}
-
 /// "layer 7" or "layers 7 to 9".
 std::string layers_between(std::uint64_t first, std::uint64_t end) {
     return end - first == 1 ? "layer " + std::to_string(first)
                             : "layers " + std::to_string(first) + " to " + std::to_string(end - 1);
 }
 
+/// Heights and fill rules are the same in all parts.
+bool is_shared(ColumnKind kind) {
+    return kind == ColumnKind::height || kind == ColumnKind::fill_change;
+}
+
+/// An archive of some layers of a plan.
+struct ArchivePart {
+    std::filesystem::path path;
+    std::vector<PlacedColumn> columns;
+    KindRows rows{};
+    std::uint64_t first_layer = 0;
+
+    std::uint64_t end() const noexcept { return first_layer + rows[ColumnKind::layer]; }
+};
+
+std::string quoted(const ArchivePart& part) {
+    return "'" + printable(part.path.string()) + "'";
+}
+
+/// The columns of several archives, one after the other, as those of one. Files are opened for each piece of rows: a
+/// thousand parts may be more than a process may have open.
+class MergedColumns final : public ColumnSource {
+public:
+    /// By their layers. They must outlive it.
+    explicit MergedColumns(const std::vector<ArchivePart>& parts) : parts_(parts) {}
+
+    KindRows rows() const override {
+        KindRows sums;
+        for (const Column& column : all_columns()) {
+            sums[column.kind] = 0;
+            for (std::size_t part = 0; part < parts_.size(); ++part) {
+                sums[column.kind] += own_rows(column.kind, part);
+            }
+        }
+        return sums;
+    }
+
+    void fill(const Column& column, std::uint64_t first, std::span<std::byte> to) const override {
+        for (std::size_t part = 0; part < parts_.size() && !to.empty(); ++part) {
+            const std::uint64_t rows = own_rows(column.kind, part);
+            if (first >= rows) {
+                first -= rows;
+                continue;
+            }
+            const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(rows - first, to.size() / column.row_bytes));
+            fill_from(part, column, first, to.first(count * column.row_bytes));
+            to = to.subspan(count * column.row_bytes);
+            first = 0;
+        }
+    }
+
+private:
+    /// Shared rows are those of the first part; the last row of an end stands in the last part.
+    std::uint64_t own_rows(ColumnKind kind, std::size_t part) const noexcept {
+        if (part > 0 && is_shared(kind)) {
+            return 0;
+        }
+        const bool has_end = kind == ColumnKind::layer_end || kind == ColumnKind::contour_end;
+        return parts_[part].rows[kind] - (has_end && part + 1 < parts_.size() ? 1 : 0);
+    }
+
+    void fill_from(std::size_t part, const Column& column, std::uint64_t first, std::span<std::byte> to) const {
+        const Result<InputFile> file = InputFile::open(parts_[part].path);
+        if (!file) {
+            throw Refused{file.error()};
+        }
+        const auto placed = std::find_if(parts_[part].columns.begin(), parts_[part].columns.end(),
+                                         [&](const PlacedColumn& one) { return one.column == &column; });
+        if (const Status read = file->read_at(placed->offset + first * column.row_bytes, to); !read) {
+            throw Refused{read.error()};
+        }
+        std::uint64_t rows_before = 0;
+        for (std::size_t before = 0; column.names && before < part; ++before) {
+            rows_before += parts_[before].rows[*column.names];
+        }
+        if (rows_before != 0) {
+            shift(to, rows_before);
+        }
+    }
+
+    /// Indices count from the first part on; -1 names none.
+    static void shift(std::span<std::byte> rows, std::uint64_t by) {
+        for (std::size_t at = 0; at < rows.size(); at += sizeof by) {
+            std::uint64_t index = 0;
+            std::memcpy(&index, rows.data() + at, sizeof index);
+            if (index != ~std::uint64_t{0}) {
+                index += by;
+                std::memcpy(rows.data() + at, &index, sizeof index);
+            }
+        }
+    }
+
+    const std::vector<ArchivePart>& parts_;
+};
+
 /// Parts of one slicing, by their layers.
 class Parts {
 public:
-    explicit Parts(std::span<const std::filesystem::path> paths) {
+    Parts(std::span<const std::filesystem::path> paths, const Parallel& parallel) {
         if (paths.empty()) {
             refuse("no archives to join");
         }
         for (const std::filesystem::path& path : paths) {
-            add(path);
+            add(path, parallel);
         }
         std::stable_sort(parts_.begin(), parts_.end(), [](const ArchivePart& a, const ArchivePart& b) {
             return std::pair(a.first_layer, a.end()) < std::pair(b.first_layer, b.end());
@@ -52,29 +142,27 @@ public:
     /// Reads and checks all rows; the hash of the whole. The head of the first part goes to `head`.
     std::uint64_t read(const Parallel& parallel, const Memory* memory, ReadTree& head) const {
         ResultHash hash(all_layers_);
-        parallel.begin_stage(read_share, 2 * parts_.size());
         for (const ArchivePart& part : parts_) {
-            LoadedArchive loaded = load_archive(part.path, parallel, memory);
-            hash.add_layers(loaded.tree.result);
+            ReadTree loaded = load_archive(part.path, parallel, memory);
+            hash.add_layers(loaded.result);
             if (&part == &parts_.front()) {
-                drop_rows(loaded.tree.result);
-                head = std::move(loaded.tree);
+                drop_rows(loaded.result);
+                head = std::move(loaded);
             } else {
-                require_same(head, loaded.tree, part);
+                require_same(head, loaded, part);
             }
         }
         return hash.value();
     }
 
 private:
-    void add(const std::filesystem::path& path) {
+    void add(const std::filesystem::path& path, const Parallel& parallel) {
         const Result<InputFile> file = InputFile::open(path);
         if (!file) {
             throw Refused{file.error()};
         }
-        ReadTree tree = read_tree(*file, nullptr);
-        ArchivePart part{path, std::move(tree.columns), tree.result.first_layer, 0};
-        part.layers = part.rows(ColumnId::plane);
+        ReadTree tree = read_tree(*file, path, parallel, nullptr);
+        ArchivePart part{path, std::move(tree.columns), tree.rows, tree.result.first_layer};
         std::vector<Fact> facts = facts_of(tree.result, tree.info);
         if (parts_.empty()) {
             facts_ = std::move(facts);
@@ -82,7 +170,7 @@ private:
         } else {
             require_same_facts(facts, part);
         }
-        if (part.first_layer > all_layers_ || part.layers > all_layers_ - part.first_layer) {
+        if (part.first_layer > all_layers_ || part.rows[ColumnKind::layer] > all_layers_ - part.first_layer) {
             throw Refused{file->error(ErrorCode::malformed_mesh, "/all_layers: fewer layers than the file has")};
         }
         parts_.push_back(std::move(part));
@@ -102,22 +190,17 @@ private:
 
     /// Heights and rules that stand in columns.
     void require_same(const ReadTree& head, const ReadTree& tree, const ArchivePart& part) const {
-        const auto* const heights = std::get_if<ExplicitPlanes>(&tree.result.plan.spacing);
-        if (heights != nullptr && heights->heights_mm != std::get<ExplicitPlanes>(head.result.plan.spacing).heights_mm) {
-            refuse_other(part, column_of(ColumnId::heights_mm).path);
+        for (const Column& column : all_columns()) {
+            if (is_shared(column.kind) && rows_as_bytes(head.result, column) != rows_as_bytes(tree.result, column)) {
+                refuse_other(part, column.path);
+            }
         }
-        const auto& layers = head.result.layer_of;
-        const auto& own = tree.result.layer_of;
-        if (!std::equal(layers.begin(), layers.end(), own.begin(), own.end())) {
-            refuse_other(part, column_of(ColumnId::layer_of_height).path);
-        }
-        const auto& rules = head.result.region.fill_from;
-        const auto& own_rules = tree.result.region.fill_from;
-        if (!std::equal(
-                rules.begin(), rules.end(), own_rules.begin(), own_rules.end(),
-                [](const FillFrom& a, const FillFrom& b) { return a.first_layer == b.first_layer && a.rule == b.rule; })) {
-            refuse_other(part, column_of(ColumnId::fill_from_layer).path);
-        }
+    }
+
+    static std::vector<std::byte> rows_as_bytes(const SliceResult& result, const Column& column) {
+        std::vector<std::byte> bytes(rows_of(result)[column.kind] * column.row_bytes);
+        column.get(result, 0, bytes);
+        return bytes;
     }
 
     void require_whole() const {
@@ -144,9 +227,9 @@ private:
 
     void require_origins() const {
         const auto with = std::find_if(parts_.begin(), parts_.end(),
-                                       [](const ArchivePart& part) { return part.rows(ColumnId::origin_triangle) > 0; });
+                                       [](const ArchivePart& part) { return part.rows[ColumnKind::origin] > 0; });
         const auto without = std::find_if(parts_.begin(), parts_.end(), [](const ArchivePart& part) {
-            return part.rows(ColumnId::origin_triangle) < part.rows(ColumnId::points);
+            return part.rows[ColumnKind::origin] < part.rows[ColumnKind::point];
         });
         if (with != parts_.end() && without != parts_.end()) {
             refuse(quoted(*without) + " has no origins of its points, which " + quoted(*with) + " has");
@@ -172,8 +255,9 @@ Result<MergedArchive> merge_archives(std::span<const std::filesystem::path> part
                                      const Control& control) noexcept {
     return guarded(control, [&]() -> Result<MergedArchive> {
         Parallel parallel(control);
-        const Parts all(parts);
-        ReadTree head{.result = SliceResult(), .info = {}, .columns = {}};
+        parallel.begin_stage(read_share, (tree_runs + load_runs) * parts.size());
+        const Parts all(parts, parallel);
+        ReadTree head{.result = SliceResult(), .info = {}};
         const std::uint64_t hash = all.read(parallel, control.memory, head);
         const Status written =
             write_columns(MergedColumns(all.all()), {facts_of(head.result, head.info), hash, 0}, path, parallel, read_share);

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <new>
 #include <utility>
 
 #include "base/guard.hpp"
+#include "base/words.hpp"
+#include "io/text/text.hpp"
+#include "lamella/io/name_text.hpp"
 #include "medical/geometry/directions.hpp"
 
 namespace lamella {
@@ -24,14 +25,8 @@ Refused refused(const std::filesystem::path& path, const std::string& what) {
     return {{ErrorCode::invalid_argument, "'" + path.string() + "': " + what}};
 }
 
-std::string text_of(double value) {
-    std::array<char, 32> text{};
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-    return {text.data(), end};
-}
-
 std::string vector_text(const Direction& at) {
-    return "(" + text_of(at[0]) + "," + text_of(at[1]) + "," + text_of(at[2]) + ")";
+    return "(" + exact_text(at[0]) + "," + exact_text(at[1]) + "," + exact_text(at[2]) + ")";
 }
 
 /// NIfTI's numbers are written little-endian.
@@ -184,9 +179,7 @@ void require_sizes(const std::filesystem::path& path, const MaskLayout& layout, 
 }  // namespace
 
 MaskLayout layout_of(const std::filesystem::path& path, std::span<const MaskPart> parts, bool shares) {
-    std::string name = path.filename().string();
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string name = lower_case(path.filename().string());
     MaskLayout layout;
     layout.shares = shares;
     if (name.ends_with(".nii.gz") || name.ends_with(".nii")) {
@@ -261,21 +254,11 @@ void GzipPieceMaker::deflate(int flush) {
     } while (stream_.avail_out == 0);
 }
 
-GzipMember::GzipMember(OutputFile& file) : file_(file) {
-    file_.append(std::string_view("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10));
-}
-
-void GzipMember::append(const GzipPiece& piece) {
-    file_.append({reinterpret_cast<const char*>(piece.bytes.data()), piece.bytes.size()});
-    crc_ = ::crc32_combine(crc_, piece.crc, static_cast<z_off_t>(piece.length));
-    length_ += piece.length;
-}
-
-void GzipMember::end() {
+std::string gzip_end(unsigned long crc, std::uint64_t length) {
     std::string end(8, '\0');
-    put(end, 0, static_cast<std::uint32_t>(crc_));
-    put(end, 4, static_cast<std::uint32_t>(length_));
-    file_.append(end);
+    put(end, 0, static_cast<std::uint32_t>(crc));
+    put(end, 4, static_cast<std::uint32_t>(length));
+    return end;
 }
 
 }  // namespace lamella

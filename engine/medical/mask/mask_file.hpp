@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <zlib.h>
 
-#include "io/write/output_file.hpp"
 #include "lamella/medical/mask.hpp"
 
 namespace lamella {
@@ -60,17 +60,8 @@ private:
     GzipPiece piece_;
 };
 
-/// Appends pieces as one gzip member, without a time.
-class GzipMember {
-public:
-    explicit GzipMember(OutputFile& file);
-    void append(const GzipPiece& piece);
-    void end();
-
-private:
-    OutputFile& file_;
-    unsigned long crc_ = 0;
-    std::uint64_t length_ = 0;
-};
+/// Begin and end of a gzip member, without a time, around pieces that hold so much in all.
+inline constexpr std::string_view gzip_begin("\x1f\x8b\x08\0\0\0\0\0\0\xff", 10);
+std::string gzip_end(unsigned long crc, std::uint64_t length);
 
 }  // namespace lamella

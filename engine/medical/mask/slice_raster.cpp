@@ -5,8 +5,6 @@
 #include <cstring>
 #include <utility>
 
-#include "medical/raster/clipped_area.hpp"
-
 namespace lamella {
 
 namespace {
@@ -26,12 +24,51 @@ void fill_span(Label* row, std::size_t first, std::size_t last, std::uint32_t pa
     counts.voxels[part] += last - first;
 }
 
-/// Of a rectangle with that area and perimeter the shorter side: the thickness of a long wall; of what is rounder than a
-/// square the side of a square.
+/// The shorter side of a rectangle with that area and perimeter: the thickness of a long wall. Where the shape is rounder
+/// than a square, the side of a square.
 double width_of(double area, double perimeter) noexcept {
     const double half = perimeter / 4;
     const double square = half * half - area;
     return square > 0 ? half - std::sqrt(square) : std::sqrt(area);
+}
+
+/// Twice the area of a polygon.
+double twice_area(const std::vector<PointMm>& polygon) {
+    double sum = 0;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const PointMm& a = polygon[i];
+        const PointMm& b = polygon[(i + 1) % polygon.size()];
+        sum += a.x * b.y - b.x * a.y;
+    }
+    return sum;
+}
+
+/// Keeps what of a polygon lies on one side of a line x = limit or y = limit (Sutherland and Hodgman): its area is right,
+/// whatever its form.
+std::vector<PointMm> clipped(const std::vector<PointMm>& polygon, bool along_y, double limit, double side) {
+    const auto beyond = [&](const PointMm& at) { return side * ((along_y ? at.y : at.x) - limit); };
+    std::vector<PointMm> kept;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const PointMm& a = polygon[i];
+        const PointMm& b = polygon[(i + 1) % polygon.size()];
+        const double from = beyond(a);
+        const double to = beyond(b);
+        if (from <= 0) {
+            kept.push_back(a);
+        }
+        if ((from < 0 && to > 0) || (from > 0 && to < 0)) {
+            const double t = from / (from - to);
+            kept.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
+        }
+    }
+    return kept;
+}
+
+/// The area of the part of a polygon that lies within a rectangle; positive for counter-clockwise polygons.
+double area_within(std::vector<PointMm> polygon, PointMm min, PointMm max) {
+    polygon = clipped(clipped(polygon, false, min.x, -1), false, max.x, 1);
+    polygon = clipped(clipped(polygon, true, min.y, -1), true, max.y, 1);
+    return 0.5 * twice_area(polygon);
 }
 
 /// Calls use(part, crossings) for each part that crosses a row.

@@ -8,14 +8,13 @@
 
 #include "lamella/medical/mask.hpp"
 #include "medical/mask/mask_file.hpp"
-#include "medical/raster/centres.hpp"
 #include "medical/raster/coverage.hpp"
 #include "medical/raster/row_crossings.hpp"
 #include "medical/raster/solid_contours.hpp"
 
 namespace lamella {
 
-/// What was drawn: of a thread, or of all.
+/// Sums over what was drawn: by a thread, or by all.
 struct MaskCounts {
     std::vector<std::uint64_t> voxels;
     std::uint64_t overlapped = 0;
@@ -36,7 +35,7 @@ public:
 
     std::size_t slice_bytes() const noexcept { return image_.size[0] * image_.size[1] * layout_.voxel_bytes; }
 
-    /// What one thread works with.
+    /// Memory of one thread.
     struct Scratch {
         RowCrossings crossings;
         CoverageSheet sheet;

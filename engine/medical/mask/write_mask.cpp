@@ -4,19 +4,23 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
-#include "medical/mask/label_table.hpp"
+#include "io/write/output_file.hpp"
+#include "lamella/io/name_text.hpp"
+#include "lamella/io/text_file.hpp"
 #include "medical/mask/mask_file.hpp"
 #include "medical/mask/slice_raster.hpp"
+#include "medical/tables/csv_text.hpp"
 
 namespace lamella {
 
 namespace {
 
-/// What a block of slices is about: enough for a piece of gzip.
+/// A block of slices has about so much: enough for a piece of gzip.
 constexpr std::size_t block_bytes = std::size_t{1} << 20;
 constexpr std::size_t blocks_a_thread = 2;
 
@@ -39,14 +43,13 @@ void require_slices(std::span<const MaskPart> parts, const ImageGeometry& image,
     }
 }
 
-/// Some slices: compressed in a piece, or as they are.
+/// Some slices: compressed, or its bytes as they are.
 struct Block {
-    std::vector<unsigned char> voxels;
     GzipPiece piece;
     std::optional<MaskCounts> counts;
 };
 
-/// What one thread works with.
+/// Memory of one thread.
 struct Scratch {
     SliceRaster::Scratch raster;
     std::vector<unsigned char> slice;
@@ -81,14 +84,14 @@ public:
                 append(made[i]);
             }
         }
-        if (member_) {
-            member_->end();
+        if (layout_.compressed) {
+            file_.append(gzip_end(crc_, length_));
         }
         return total_;
     }
 
 private:
-    /// Of compressed NIfTI the header is within the member, of NRRD before it.
+    /// The header of compressed NIfTI is within the member, that of NRRD before it.
     bool header_is_compressed() const noexcept { return layout_.compressed && layout_.form == MaskForm::nifti; }
 
     void begin() {
@@ -96,7 +99,7 @@ private:
             file_.append(header_);
         }
         if (layout_.compressed) {
-            member_.emplace(file_);
+            file_.append(gzip_begin);
         }
     }
 
@@ -106,8 +109,8 @@ private:
             compress(begin, end, block, scratch);
             return;
         }
-        block.voxels.resize((end - begin) * raster_.slice_bytes());
-        unsigned char* to = block.voxels.data();
+        block.piece.bytes.resize((end - begin) * raster_.slice_bytes());
+        unsigned char* to = block.piece.bytes.data();
         for (std::uint64_t slice = begin; slice < end; ++slice, to += raster_.slice_bytes()) {
             raster_.draw(slice, to, scratch.raster, *block.counts);
         }
@@ -128,11 +131,9 @@ private:
     }
 
     void append(const Block& block) {
-        if (member_) {
-            member_->append(block.piece);
-        } else {
-            file_.append({reinterpret_cast<const char*>(block.voxels.data()), block.voxels.size()});
-        }
+        file_.append({reinterpret_cast<const char*>(block.piece.bytes.data()), block.piece.bytes.size()});
+        crc_ = ::crc32_combine(crc_, block.piece.crc, static_cast<z_off_t>(block.piece.length));
+        length_ += block.piece.length;
         total_.add(*block.counts);
     }
 
@@ -141,7 +142,8 @@ private:
     const MaskLayout& layout_;
     const std::string header_;
     OutputFile& file_;
-    std::optional<GzipMember> member_;
+    unsigned long crc_ = 0;  ///< of what was compressed so far
+    std::uint64_t length_ = 0;
     MaskCounts total_;
 };
 
@@ -154,7 +156,7 @@ MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts
         }
         summary.open.push_back(*open);
         const double outside = counts.area[i] - counts.inside[i];
-        // What rounding leaves of nothing is nothing.
+        // Less is rounding.
         summary.cut_off_share.push_back(outside > 1e-9 * counts.area[i] ? outside / counts.area[i] : 0);
         if (open->layers > 0 && open->layers == open->crossed) {
             summary.cut_off_share.back() = std::numeric_limits<double>::quiet_NaN();
@@ -163,6 +165,23 @@ MaskSummary summary_of(const MaskCounts& counts, std::span<const MaskPart> parts
                                                             : std::numeric_limits<double>::quiet_NaN());
     }
     return summary;
+}
+
+/// NAME.labels.csv beside NAME.nii.gz: label, name, voxels.
+Status write_label_table(std::span<const MaskPart> parts, const MaskSummary& summary, const std::filesystem::path& path) {
+    std::string name = path.string();
+    for (const char* end : {".gz", ".nii", ".nrrd", ".seg"}) {
+        const std::string_view tail(end);
+        if (name.size() > tail.size() && std::string_view(name).ends_with(tail)) {
+            name.resize(name.size() - tail.size());
+        }
+    }
+    std::string rows = "label,name,voxels\n";
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        rows += std::to_string(i + 1) + "," + csv_text(text_of_name(parts[i].name)) + "," +
+                std::to_string(summary.voxels[i]) + "\n";
+    }
+    return write_text_file(name + ".labels.csv", rows);
 }
 
 }  // namespace

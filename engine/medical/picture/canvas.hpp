@@ -1,18 +1,19 @@
-// Pixels of three bytes, and the text on them.
+// Pixels of three bytes, the text on them, and the PNG file that they become.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string_view>
 #include <vector>
 
+#include "lamella/error.hpp"
+
 namespace lamella {
 
-struct Colour {
-    std::uint8_t red = 0;
-    std::uint8_t green = 0;
-    std::uint8_t blue = 0;
-};
+/// Red, green, blue.
+using Colour = std::array<std::uint8_t, 3>;
 
 struct Rectangle {
     int x = 0;  ///< of the left side; pixels from the left and from the top
@@ -27,10 +28,6 @@ public:
     /// Throws std::bad_alloc.
     Canvas(int width, int height, Colour background);
 
-    int width() const noexcept { return width_; }
-    int height() const noexcept { return height_; }
-    const std::uint8_t* row(int y) const noexcept { return pixels_.data() + offset(0, y); }
-
     void fill(Rectangle rectangle, Colour colour) noexcept;
 
     /// Precondition of both: the pixel is on the canvas.
@@ -38,13 +35,18 @@ public:
     /// Mixes a colour into one pixel: share 0 leaves it, 1 replaces it.
     void mix(int x, int y, Colour colour, double share) noexcept;
 
-    /// One line, text_height(unit) pixels high; what the font lacks becomes a box.
+    /// One line in a font of digits, letters and a few signs, text_height(unit) pixels high.
     void write(int x, int y, std::string_view text, int unit, Colour colour) noexcept;
+
+    /// Equal pixels give equal bytes: no time is written. Precondition: can_write_pictures(). Errors: unwritable_file.
+    /// Throws std::bad_alloc.
+    Status write_png(const std::filesystem::path& path) const;
 
 private:
     std::size_t offset(int x, int y) const noexcept {
         return 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x));
     }
+    std::uint8_t* pixel(int x, int y) noexcept { return pixels_.data() + offset(x, y); }
 
     int width_;
     int height_;

@@ -31,18 +31,11 @@ double round_length(double limit, int& decimals) noexcept {
 }  // namespace
 
 Colour colour_of_part(std::size_t part) noexcept {
-    static constexpr std::array<Colour, 12> palette = {{{0x1f, 0x6f, 0xb4},
-                                                        {0xf2, 0x8e, 0x2b},
-                                                        {0x2a, 0x9d, 0x5c},
-                                                        {0x8e, 0x5b, 0xb5},
-                                                        {0xe5, 0xb8, 0x13},
-                                                        {0x17, 0xa2, 0xb8},
-                                                        {0xe3, 0x77, 0xa8},
-                                                        {0x8c, 0x62, 0x45},
-                                                        {0x9a, 0xb9, 0x3a},
-                                                        {0x3d, 0x48, 0x9c},
-                                                        {0x7a, 0x86, 0x92},
-                                                        {0x0b, 0x5d, 0x4e}}};
+    // clang-format off
+    static constexpr std::array<Colour, 12> palette = {{
+        {0x1f, 0x6f, 0xb4}, {0xf2, 0x8e, 0x2b}, {0x2a, 0x9d, 0x5c}, {0x8e, 0x5b, 0xb5}, {0xe5, 0xb8, 0x13}, {0x17, 0xa2, 0xb8},
+        {0xe3, 0x77, 0xa8}, {0x8c, 0x62, 0x45}, {0x9a, 0xb9, 0x3a}, {0x3d, 0x48, 0x9c}, {0x7a, 0x86, 0x92}, {0x0b, 0x5d, 0x4e}}};
+    // clang-format on
     return palette[part % palette.size()];
 }
 
@@ -95,8 +88,9 @@ Rectangle Page::area(std::size_t i) const noexcept {
     return {whole.x + 1, whole.y + label_height(), whole.width - 2, whole.height - label_height() - 1};
 }
 
-void Page::draw_label(Canvas& canvas, std::size_t i, const std::string& label) const {
+void Page::draw_cell(Canvas& canvas, std::size_t i, const std::string& label) const {
     const Rectangle whole = cell(i);
+    canvas.fill(whole, colours::cell);
     canvas.write(whole.x + gap(), whole.y + gap(), label, unit_, colours::text);
 }
 

@@ -8,7 +8,7 @@
 
 #include "lamella/medical/picture.hpp"
 #include "medical/picture/canvas.hpp"
-#include "medical/picture/layer_drawing.hpp"
+#include "medical/picture/draw_layers.hpp"
 
 namespace lamella {
 
@@ -18,7 +18,7 @@ inline constexpr Colour cell{0xf1, 0xf3, 0xf5};
 inline constexpr Colour text{0x2b, 0x30, 0x36};
 }  // namespace colours
 
-/// Of the i-th part; they repeat after twelve.
+/// Colours repeat after twelve parts.
 Colour colour_of_part(std::size_t part) noexcept;
 
 /// Cells of one size in rows, below a line with names and scale.
@@ -32,16 +32,17 @@ public:
     int width() const noexcept { return width_; }
     int height() const noexcept { return height_; }
     double pixels_per_mm() const noexcept { return pixels_per_mm_; }
-    Rectangle cell(std::size_t i) const noexcept;
-    /// What of a cell the layer is drawn into.
+    /// The part of a cell that the layer is drawn into.
     Rectangle area(std::size_t i) const noexcept;
 
     /// One line: a coloured square and the name of each part as far as they go, how many layers have open polylines
     /// if any, and a bar of a round length.
     void draw_heading(Canvas& canvas, const std::vector<std::string>& names, std::uint64_t open_layers) const;
-    void draw_label(Canvas& canvas, std::size_t i, const std::string& label) const;
+    /// A cell without its layer.
+    void draw_cell(Canvas& canvas, std::size_t i, const std::string& label) const;
 
 private:
+    Rectangle cell(std::size_t i) const noexcept;
     int gap() const noexcept { return 4 * unit_; }
     int heading_height() const noexcept { return text_height(unit_) + 2 * gap(); }
     int label_height() const noexcept { return text_height(unit_) + gap(); }

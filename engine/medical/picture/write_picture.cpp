@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
-#include <optional>
 
 #include "base/guard.hpp"
 #include "base/parallel.hpp"
 #include "medical/geometry/directions.hpp"
 #include "medical/picture/canvas.hpp"
-#include "medical/picture/layer_drawing.hpp"
+#include "medical/picture/draw_layers.hpp"
 #include "medical/picture/page.hpp"
-#include "medical/picture/png_file.hpp"
 
 namespace lamella {
 
@@ -24,7 +21,10 @@ Refused refused(const std::string& what) {
     return {{ErrorCode::invalid_argument, what}};
 }
 
-void require_drawable(std::span<const PicturePart> parts, const PictureOptions& options) {
+void require_drawable(std::span<const PicturePart> parts, const std::filesystem::path& path, const PictureOptions& options) {
+    if (!can_write_pictures()) {
+        throw refused("cannot write '" + path.string() + "': this build of lamella is without PNG (libpng-dev)");
+    }
     for (const int side : {options.width, options.height}) {
         if (side < least_picture_side || side > largest_picture_side) {
             throw refused("a picture of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
@@ -44,37 +44,28 @@ void require_drawable(std::span<const PicturePart> parts, const PictureOptions& 
     }
 }
 
-/// Of a cell: what is drawn, and at which height.
-struct Cell {
-    double height_mm = 0;
-    std::vector<DrawnLayer> layers;
-};
-
 /// The layer whose slab holds the height, of two the one that is nearer; null where none does.
 const Layer* layer_at(const SliceResult& result, double height_mm) noexcept {
-    const auto above = std::lower_bound(result.layers.begin(), result.layers.end(), height_mm,
-                                        [](const Layer& layer, double height) { return layer.plane_mm < height; });
+    const Layer* const above = std::lower_bound(result.layers.begin(), result.layers.end(), height_mm,
+                                                [](const Layer& layer, double height) { return layer.plane_mm < height; });
+    const auto distance = [height_mm](const Layer& layer) { return std::abs(layer.plane_mm - height_mm); };
     const Layer* nearest = nullptr;
-    for (const std::ptrdiff_t step : {0, -1}) {
-        if ((step == 0 && above == result.layers.end()) || (step < 0 && above == result.layers.begin())) {
-            continue;
-        }
-        const Layer& layer = *(above + step);
-        const bool holds = layer.plane_mm == height_mm || (layer.bottom_mm <= height_mm && height_mm <= layer.top_mm);
-        if (holds &&
-            (nearest == nullptr || std::abs(layer.plane_mm - height_mm) < std::abs(nearest->plane_mm - height_mm))) {
-            nearest = &layer;
+    for (const Layer* layer = above - (above == result.layers.begin() ? 0 : 1);
+         layer != result.layers.end() && layer <= above; ++layer) {
+        const bool holds = layer->plane_mm == height_mm || (layer->bottom_mm <= height_mm && height_mm <= layer->top_mm);
+        if (holds && (nearest == nullptr || distance(*layer) <= distance(*nearest))) {
+            nearest = layer;
         }
     }
     return nearest;
 }
 
-Cell cell_at(std::span<const PicturePart> parts, double height_mm) {
-    Cell cell{height_mm, {}};
+Drawing drawing_at(std::span<const PicturePart> parts, double height_mm) {
+    Drawing drawing{.height_mm = height_mm};
     for (std::size_t i = 0; i < parts.size(); ++i) {
-        cell.layers.push_back({parts[i].result, layer_at(*parts[i].result, height_mm), colour_of_part(i)});
+        drawing.layers.push_back({parts[i].result, layer_at(*parts[i].result, height_mm), colour_of_part(i)});
     }
-    return cell;
+    return drawing;
 }
 
 /// The heights of all parts' planes, ascending.
@@ -92,54 +83,48 @@ std::vector<double> all_heights(std::span<const PicturePart> parts) {
 }
 
 /// Each from the middle of one of `count` equal shares.
-std::vector<Cell> evenly_spaced(std::span<const PicturePart> parts, std::size_t count) {
+std::vector<Drawing> evenly_spaced(std::span<const PicturePart> parts, std::size_t count) {
     const std::vector<double> heights = all_heights(parts);
     const std::size_t cells = std::min(count, heights.size());
-    std::vector<Cell> all;
+    std::vector<Drawing> all;
     for (std::size_t i = 0; i < cells; ++i) {
-        all.push_back(cell_at(parts, heights[(2 * i + 1) * heights.size() / (2 * cells)]));
+        all.push_back(drawing_at(parts, heights[(2 * i + 1) * heights.size() / (2 * cells)]));
     }
     return all;
 }
 
 /// Around the meshes, and around all that is drawn, which rules may have moved beyond them.
-BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Cell>& cells) {
-    std::optional<BoxMm> box;
-    const auto widen = [&](PointMm at) {
-        if (!box) {
-            box = BoxMm{at, at};
-        }
-        box->widen(at);
-    };
+BoxMm box_of(std::span<const PicturePart> parts, const std::vector<Drawing>& drawings) {
+    BoxMm box;
     for (const PicturePart& part : parts) {
         const SliceSummary& summary = part.result->summary;
         if (summary.min_mm[0] < summary.max_mm[0] && summary.min_mm[1] < summary.max_mm[1]) {
-            widen({summary.min_mm[0], summary.min_mm[1]});
-            widen({summary.max_mm[0], summary.max_mm[1]});
+            box.widen({summary.min_mm[0], summary.min_mm[1]});
+            box.widen({summary.max_mm[0], summary.max_mm[1]});
         }
     }
-    for (const Cell& cell : cells) {
-        for (const DrawnLayer& drawn : cell.layers) {
+    for (const Drawing& drawing : drawings) {
+        for (const DrawnLayer& drawn : drawing.layers) {
             for (const Contour& contour :
                  drawn.layer ? drawn.result->contours_of(*drawn.layer) : std::span<const Contour>{}) {
                 for (const Point& point : drawn.result->points_of(contour)) {
-                    widen(drawn.result->to_mm(point));
+                    box.widen(drawn.result->to_mm(point));
                 }
             }
         }
     }
-    if (!box) {
+    if (box.width() < 0) {
         return {{0, 0}, {1, 1}};
     }
     // A line still has a width to be drawn in.
-    const double least = std::max({1e-3 * std::max(box->width(), box->height()), 1e-9});
+    const double least = std::max(1e-3 * std::max(box.width(), box.height()), 1e-9);
     for (double PointMm::*axis : {&PointMm::x, &PointMm::y}) {
-        if (box->max.*axis - box->min.*axis < least) {
-            box->min.*axis -= least / 2;
-            box->max.*axis += least / 2;
+        if (box.max.*axis - box.min.*axis < least) {
+            box.min.*axis -= least / 2;
+            box.max.*axis += least / 2;
         }
     }
-    return *box;
+    return box;
 }
 
 /// As many decimals as tell the heights exactly; where more than three would be needed, three.
@@ -154,67 +139,29 @@ int decimals_of(const std::vector<double>& heights) noexcept {
 }
 
 /// The height of each; of an image's slices in the patient, and along which axis.
-std::vector<std::string> labels_of(const std::vector<Cell>& cells, const ImageGeometry* image) {
+std::vector<std::string> labels_of(const std::vector<Drawing>& drawings, const ImageGeometry* image) {
     static constexpr std::array<const char*, 3> axes = {"L ", "P ", "S "};
     std::vector<double> heights;
-    heights.reserve(cells.size());
-    for (const Cell& cell : cells) {
-        heights.push_back(image != nullptr ? image->height_lps_mm(cell.height_mm) : cell.height_mm);
+    for (const Drawing& drawing : drawings) {
+        heights.push_back(image != nullptr ? image->height_lps_mm(drawing.height_mm) : drawing.height_mm);
     }
     const int decimals = decimals_of(heights);
     std::vector<std::string> labels;
-    labels.reserve(heights.size());
     for (const double height : heights) {
         labels.push_back((image != nullptr ? axes[image->slice_axis()] : "") + decimal_text(height, decimals) + " mm");
     }
     return labels;
 }
 
-/// Of all, drawn or not.
+/// Counts all layers, drawn or not.
 std::uint64_t layers_with_open_polylines(std::span<const PicturePart> parts) {
     std::uint64_t count = 0;
     for (const PicturePart& part : parts) {
-        for (const Layer& layer : part.result->layers) {
-            const std::span<const Contour> contours = part.result->contours_of(layer);
-            count += std::any_of(contours.begin(), contours.end(),
-                                 [](const Contour& contour) { return contour.role == Role::open; })
-                         ? 1
-                         : 0;
-        }
+        // The area of a layer with open contours is not known.
+        const auto is_open = [&part](const Layer& layer) { return std::isnan(part.result->area_mm2(layer)); };
+        count += static_cast<std::uint64_t>(std::count_if(part.result->layers.begin(), part.result->layers.end(), is_open));
     }
     return count;
-}
-
-/// Rows of one cell, so few that a sheet of them takes some MB.
-struct Strip {
-    std::size_t cell = 0;
-    int begin = 0;
-    int end = 0;
-};
-
-std::vector<Strip> strips_of(const Page& page, std::size_t cells) {
-    constexpr int most_pixels = 1 << 18;
-    std::vector<Strip> strips;
-    for (std::size_t i = 0; i < cells; ++i) {
-        const Rectangle area = page.area(i);
-        const int rows = std::max(1, most_pixels / area.width);
-        for (int begin = 0; begin < area.height; begin += rows) {
-            strips.push_back({i, begin, std::min(area.height, begin + rows)});
-        }
-    }
-    return strips;
-}
-
-void draw_cells(Canvas& canvas, const Page& page, const BoxMm& box, const std::vector<Cell>& cells,
-                const PictureOptions& options, const Parallel& parallel) {
-    const std::vector<Strip> strips = strips_of(page, cells.size());
-    std::vector<LayerBrush> brushes(parallel.workers_for(strips.size()));
-    parallel.run(strips.size(), [&](std::size_t i, int worker) {
-        const Strip& strip = strips[i];
-        const View view(box, page.pixels_per_mm(), page.area(strip.cell), options);
-        brushes[static_cast<std::size_t>(worker)].draw(canvas, view, cells[strip.cell].layers, colours::cell,
-                                                       1.5 * page.unit(), strip.begin, strip.end);
-    });
 }
 
 PictureOptions oriented(PictureOptions options) {
@@ -227,16 +174,16 @@ PictureOptions oriented(PictureOptions options) {
     return options;
 }
 
-Status draw(std::span<const PicturePart> parts, const std::vector<Cell>& cells, const std::filesystem::path& path,
+Status draw(std::span<const PicturePart> parts, std::vector<Drawing> drawings, const std::filesystem::path& path,
             const PictureOptions& asked) {
     const PictureOptions options = oriented(asked);
-    const std::vector<std::string> labels = labels_of(cells, options.image);
+    const std::vector<std::string> labels = labels_of(drawings, options.image);
     int label_width = 0;
     for (const std::string& label : labels) {
         label_width = std::max(label_width, text_width(label, 1));
     }
-    const BoxMm box = box_of(parts, cells);
-    const Page page(box, std::max<std::size_t>(1, cells.size()), label_width, options);
+    const BoxMm box = box_of(parts, drawings);
+    const Page page(box, std::max<std::size_t>(1, drawings.size()), label_width, options);
     Parallel parallel(options.control);
     parallel.begin_stage(0.8);
     Canvas canvas(page.width(), page.height(), colours::page);
@@ -245,13 +192,17 @@ Status draw(std::span<const PicturePart> parts, const std::vector<Cell>& cells, 
         names.push_back(part.name);
     }
     page.draw_heading(canvas, names, layers_with_open_polylines(parts));
-    for (std::size_t i = 0; i < std::max<std::size_t>(1, cells.size()); ++i) {
-        canvas.fill(page.cell(i), colours::cell);
-        page.draw_label(canvas, i, cells.empty() ? "no layers" : labels[i]);
+    if (drawings.empty()) {
+        page.draw_cell(canvas, 0, "no layers");
     }
-    draw_cells(canvas, page, box, cells, options, parallel);
+    for (std::size_t i = 0; i < drawings.size(); ++i) {
+        page.draw_cell(canvas, i, labels[i]);
+        drawings[i].area = page.area(i);
+    }
+    draw_layers(canvas, drawings, {box, page.pixels_per_mm(), 1.5 * page.unit(), options.x_leftward, options.y_downward},
+                colours::cell, parallel);
     parallel.stop_if_asked();
-    Status written = write_png(canvas, path);
+    Status written = canvas.write_png(path);
     if (written) {
         parallel.finish();
     }
@@ -263,22 +214,20 @@ Status draw(std::span<const PicturePart> parts, const std::vector<Cell>& cells, 
 Status write_layer_picture(std::span<const PicturePart> parts, std::uint64_t layer, const std::filesystem::path& path,
                            const PictureOptions& options) noexcept {
     return guarded(options.control, [&]() -> Status {
-        require_png(path);
-        require_drawable(parts, options);
+        require_drawable(parts, path, options);
         const SliceResult& first = *parts.front().result;
         if (layer < first.first_layer || layer - first.first_layer >= first.layers.size()) {
             throw refused("'" + parts.front().name + "' has no layer " + std::to_string(layer) + ": it has " +
                           std::to_string(first.layers.size()) + ", counted from " + std::to_string(first.first_layer));
         }
-        return draw(parts, {cell_at(parts, first.layers[layer - first.first_layer].plane_mm)}, path, options);
+        return draw(parts, {drawing_at(parts, first.layers[layer - first.first_layer].plane_mm)}, path, options);
     });
 }
 
 Status write_contact_sheet(std::span<const PicturePart> parts, const std::filesystem::path& path,
                            const PictureOptions& options) noexcept {
     return guarded(options.control, [&]() -> Status {
-        require_png(path);
-        require_drawable(parts, options);
+        require_drawable(parts, path, options);
         return draw(parts, evenly_spaced(parts, static_cast<std::size_t>(options.layers)), path, options);
     });
 }

@@ -12,7 +12,7 @@
 #include "base/guard.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
-#include "medical/dicom/series.hpp"
+#include "medical/geometry/headers.hpp"
 #include "medical/provenance/sha256.hpp"
 
 namespace lamella {
@@ -22,11 +22,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uintmax_t most_record_bytes = std::uintmax_t{64} << 20;
-
-Error unreadable(const std::filesystem::path& path, int error_number) {
-    return {.code = ErrorCode::unreadable_file,
-            .message = "cannot read '" + printable(path.native()) + "': " + std::generic_category().message(error_number)};
-}
 
 Json json_of(const FileSeal& seal) {
     return {{"path", text_of_name(seal.path)}, {"bytes", seal.bytes}, {"sha256", seal.sha256}};
@@ -61,7 +56,7 @@ Record record_of(const Json& json) {
 std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Control& control) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
     if (!file) {
-        throw Refused{unreadable(path, errno)};
+        throw Refused{unreadable(printable(path.native()), errno)};
     }
     const PacedStop stop(control.stop);
     std::uint64_t bytes = 0;
@@ -72,7 +67,7 @@ std::uint64_t add_file(const std::filesystem::path& path, Sha256& hash, const Co
         bytes += count;
     }
     if (std::ferror(file.get()) != 0) {
-        throw Refused{unreadable(path, errno)};
+        throw Refused{unreadable(printable(path.native()), errno)};
     }
     return bytes;
 }
@@ -93,7 +88,7 @@ Result<FileSeal> seal_file(const std::filesystem::path& path, const Control& con
         for (const DicomSeries::Instance& slice : image.series->slices) {
             Sha256 own;
             seal.bytes += add_file(slice.file, own, control);
-            const std::array<unsigned char, 32> digest = own.digest();
+            const Sha256::Digest digest = own.digest();
             hash.add(digest.data(), digest.size());
         }
         seal.sha256 = hexadecimal(hash.digest());
@@ -133,7 +128,7 @@ Result<Record> read_record(const std::filesystem::path& path) noexcept {
         std::error_code problem;
         const std::uintmax_t bytes = std::filesystem::file_size(path, problem);
         if (problem) {
-            return unreadable(path, problem.value());
+            return unreadable(printable(path.native()), problem.value());
         }
         const auto not_a_record = [&](const std::string& why) {
             return Error{.code = ErrorCode::malformed_mesh,
@@ -145,7 +140,7 @@ Result<Record> read_record(const std::filesystem::path& path) noexcept {
         std::ifstream file(path, std::ios::binary);
         std::string text(static_cast<std::size_t>(bytes), '\0');
         if (!file.read(text.data(), static_cast<std::streamsize>(bytes))) {
-            return unreadable(path, EIO);
+            return unreadable(printable(path.native()), EIO);
         }
         try {
             return record_of(Json::parse(text));

@@ -4,26 +4,47 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <new>
 #include <string>
+#include <string_view>
 
-struct evp_md_ctx_st;
+#include <openssl/evp.h>
 
 namespace lamella {
 
 class Sha256 {
 public:
-    /// Throws std::bad_alloc.
-    Sha256();
+    using Digest = std::array<unsigned char, 32>;
 
-    void add(const void* data, std::size_t bytes) noexcept;
+    /// Throws std::bad_alloc.
+    Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
+        if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) {
+            throw std::bad_alloc();
+        }
+    }
+
+    void add(const void* data, std::size_t bytes) noexcept { EVP_DigestUpdate(context_.get(), data, bytes); }
     /// Once, at the end.
-    std::array<unsigned char, 32> digest() noexcept;
+    Digest digest() noexcept {
+        Digest sum{};
+        unsigned length = 0;
+        EVP_DigestFinal_ex(context_.get(), sum.data(), &length);
+        return sum;
+    }
 
 private:
-    std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> context_;
+    std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
 };
 
 /// 64 hexadecimal digits.
-std::string hexadecimal(const std::array<unsigned char, 32>& digest);
+inline std::string hexadecimal(const Sha256::Digest& digest) {
+    constexpr std::string_view digits = "0123456789abcdef";
+    std::string text;
+    for (const unsigned char byte : digest) {
+        text += digits[byte >> 4];
+        text += digits[byte & 15];
+    }
+    return text;
+}
 
 }  // namespace lamella

@@ -27,7 +27,7 @@ private:
         double x = 0;  ///< in voxels, from the left side of the first
         double y = 0;  ///< from the lower side of the range's first row
     };
-    /// Of a row, which columns were touched: [first, last].
+    /// Columns of a row that were touched: [first, last].
     struct Touched {
         std::size_t first;
         std::size_t last;

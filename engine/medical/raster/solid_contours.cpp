@@ -1,5 +1,6 @@
 #include "medical/raster/solid_contours.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "base/guard.hpp"
@@ -34,6 +35,17 @@ std::span<const std::span<const Point>> SolidContours::of(const SliceResult& res
         contours_.emplace_back(united_.points.data() + contour.first_point, contour.point_count);
     }
     return contours_;
+}
+
+double perimeter_of(std::span<const Point> points) noexcept {
+    double sum = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Point& p = points[i];
+        const Point& q = points[i + 1 < points.size() ? i + 1 : 0];
+        sum += std::sqrt(std::pow(static_cast<double>(std::int64_t{q.x} - p.x), 2) +
+                         std::pow(static_cast<double>(std::int64_t{q.y} - p.y), 2));
+    }
+    return sum;
 }
 
 }  // namespace lamella

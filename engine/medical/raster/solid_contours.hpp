@@ -1,4 +1,5 @@
-// Contours as coverage can add them up: where one winds around another, or repeats it, they are united first.
+// Contours as coverage can add them up: where one winds around another, or repeats it, they are united first. And how long
+// they are.
 #pragma once
 
 #include <span>
@@ -9,7 +10,7 @@
 
 namespace lamella {
 
-/// Of one layer after another. Keep one a thread.
+/// Unites one layer after another. Keep one a thread.
 class SolidContours {
 public:
     /// Closed contours of winding numbers 0 and 1 only, solid on the left: those of the layer where a fill rule has made a
@@ -22,5 +23,8 @@ private:
     std::vector<std::span<const Point>> contours_;
     LayerContours united_;
 };
+
+/// How long a closed contour is, grid units.
+double perimeter_of(std::span<const Point> points) noexcept;
 
 }  // namespace lamella

@@ -2,22 +2,23 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "base/guard.hpp"
+#include "base/words.hpp"
 #include "io/text/text.hpp"
 #include "io/write/output_file.hpp"
 #include "lamella/audit/volume.hpp"
 #include "lamella/io/name_text.hpp"
+#include "lamella/io/text_file.hpp"
 #include "lamella/mesh/inspect.hpp"
-#include "medical/raster/clipped_area.hpp"
+#include "medical/raster/solid_contours.hpp"
 #include "medical/tables/csv_text.hpp"
 #include "slicing/result/layer_view.hpp"
 
@@ -26,8 +27,7 @@ namespace lamella {
 namespace {
 
 std::string number(double value) {
-    std::array<char, 32> text{};
-    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value + 0.0).ptr};
+    return exact_text(value + 0.0);  // never -0
 }
 
 std::string number(std::uint64_t value) {
@@ -41,7 +41,7 @@ std::optional<std::string> known(double value) {
 
 using Place = std::array<double, 3>;
 
-/// What a layer's closed contours measure; empty where there are none. Where one is open, what is solid is not known.
+/// Measures of a layer's closed contours; empty where there are none. Where one is open, the solid is not known.
 struct Measures {
     std::uint64_t holes = 0;
     std::uint64_t open = 0;
@@ -161,21 +161,8 @@ std::vector<Cell> cells_of(const LayerView& view, const ImageGeometry* image) {
     return cells;
 }
 
-/// A JSON string.
 std::string json_text(const std::string& text) {
-    std::string all = "\"";
-    for (const char c : utf8_text(text)) {
-        if (c == '"' || c == '\\') {
-            all += std::string("\\") + c;
-        } else if (static_cast<unsigned char>(c) < ' ') {
-            std::array<char, 8> code{};
-            (void)std::snprintf(code.data(), code.size(), "\\u%04x", static_cast<unsigned>(static_cast<unsigned char>(c)));
-            all += code.data();
-        } else {
-            all += c;
-        }
-    }
-    return all + "\"";
+    return nlohmann::json(utf8_text(text)).dump();
 }
 
 std::string joined(const std::vector<std::string>& lines) {
@@ -186,102 +173,106 @@ std::string joined(const std::vector<std::string>& lines) {
     return all;
 }
 
-std::string csv_head(const ImageGeometry* image) {
-    std::string line = "mesh";
-    for (const Cell& cell : cells_of({}, image)) {
-        line += "," + cell.name;
-    }
-    return line + "\n";
-}
+}  // namespace
 
-std::string csv_row(const std::string& mesh, const LayerView& view, const ImageGeometry* image) {
-    std::string line = csv_text(text_of_name(mesh));
-    for (const Cell& cell : cells_of(view, image)) {
-        line += "," + cell.text.value_or("");
-    }
-    return line + "\n";
-}
-
-std::string json_row(const std::string& mesh, const LayerView& view, const ImageGeometry* image) {
-    std::string line = "{\"kind\":\"layer\",\"mesh\":" + json_text(text_of_name(mesh));
-    for (const Cell& cell : cells_of(view, image)) {
-        line += ",\"" + cell.name + "\":" + cell.text.value_or("null");
-    }
-    return line + "}\n";
-}
-
-Status write_csv(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control,
-                 const ImageGeometry* image) {
-    const PacedStop stop(control.stop);
-    Result<OutputFile> file = OutputFile::create(path);
-    if (!file) {
-        return file.error();
-    }
-    file->append(csv_head(image));
-    for (const TablePart& part : parts) {
-        for (std::uint64_t i = 0; i < part.result->layers.size(); ++i) {
-            stop.stop_if_asked();
-            file->append(csv_row(part.name, view_of_layer(*part.result, i), image));
+/// The head of a table, and its rows.
+class TableText {
+public:
+    TableText(bool csv, const ImageGeometry* image) : csv_(csv) {
+        if (image != nullptr) {
+            image_ = *image;
         }
     }
-    return file->commit();
+
+    std::string head() const {
+        std::string line;
+        if (csv_) {
+            line = "mesh";
+            for (const Cell& cell : cells_of({}, image())) {
+                line += "," + cell.name;
+            }
+            line += "\n";
+        }
+        return line;
+    }
+
+    std::string row(const std::string& mesh, const LayerView& view) const {
+        std::string line =
+            csv_ ? csv_text(text_of_name(mesh)) : "{\"kind\":\"layer\",\"mesh\":" + json_text(text_of_name(mesh));
+        for (const Cell& cell : cells_of(view, image())) {
+            line += csv_ ? "," + cell.text.value_or("") : ",\"" + cell.name + "\":" + cell.text.value_or("null");
+        }
+        return line + (csv_ ? "\n" : "}\n");
+    }
+
+private:
+    const ImageGeometry* image() const noexcept { return image_ ? &*image_ : nullptr; }
+
+    bool csv_;
+    std::optional<ImageGeometry> image_;
+};
+
+namespace {
+
+std::string mesh_csv_row(const TablePart& part) {
+    const MeshFacts& facts = *part.facts;
+    return csv_text(text_of_name(part.name)) + "," + number(facts.triangles) + "," + known(facts.volume_mm3).value_or("") +
+           "," + number(facts.surface_mm2) + "," + csv_text(facts.certificate) + "," + csv_text(joined(facts.warnings)) +
+           "\n";
+}
+
+std::string mesh_json_row(const TablePart& part) {
+    const MeshFacts& facts = *part.facts;
+    std::string warnings;
+    for (const std::string& warning : facts.warnings) {
+        warnings += (warnings.empty() ? "" : ",") + json_text(warning);
+    }
+    return "{\"kind\":\"mesh\",\"mesh\":" + json_text(text_of_name(part.name)) +
+           ",\"triangles\":" + number(facts.triangles) + ",\"volume_mm3\":" + known(facts.volume_mm3).value_or("null") +
+           ",\"surface_mm2\":" + number(facts.surface_mm2) + ",\"certificate\":" + json_text(facts.certificate) +
+           ",\"warnings\":[" + warnings + "]}\n";
 }
 
 Status write_mesh_csv(std::span<const TablePart> parts, const std::filesystem::path& path) {
-    if (std::none_of(parts.begin(), parts.end(), [](const TablePart& part) { return part.facts != nullptr; })) {
+    std::string rows;
+    for (const TablePart& part : parts) {
+        rows += part.facts != nullptr ? mesh_csv_row(part) : "";
+    }
+    if (rows.empty()) {
         return {};
     }
-    Result<OutputFile> file = OutputFile::create(std::filesystem::path(path).replace_extension(".meshes.csv"));
-    if (!file) {
-        return file.error();
-    }
-    file->append("mesh,triangles,volume_mm3,surface_mm2,certificate,warnings\n");
-    for (const TablePart& part : parts) {
-        if (part.facts != nullptr) {
-            const MeshFacts& facts = *part.facts;
-            file->append(csv_text(text_of_name(part.name)) + "," + number(facts.triangles) + "," +
-                         known(facts.volume_mm3).value_or("") + "," + number(facts.surface_mm2) + "," +
-                         csv_text(facts.certificate) + "," + csv_text(joined(facts.warnings)) + "\n");
-        }
-    }
-    return file->commit();
+    return write_text_file(std::filesystem::path(path).replace_extension(".meshes.csv"),
+                           "mesh,triangles,volume_mm3,surface_mm2,certificate,warnings\n" + rows);
 }
 
-Status write_json_lines(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control,
-                        const ImageGeometry* image) {
+Status write_layers(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control, bool csv,
+                    const ImageGeometry* image) {
     const PacedStop stop(control.stop);
     Result<OutputFile> file = OutputFile::create(path);
     if (!file) {
         return file.error();
     }
+    const TableText text(csv, image);
+    file->append(text.head());
     for (const TablePart& part : parts) {
-        if (part.facts != nullptr) {
-            const MeshFacts& facts = *part.facts;
-            std::string warnings;
-            for (const std::string& warning : facts.warnings) {
-                warnings += (warnings.empty() ? "" : ",") + json_text(warning);
-            }
-            file->append("{\"kind\":\"mesh\",\"mesh\":" + json_text(text_of_name(part.name)) + ",\"triangles\":" +
-                         number(facts.triangles) + ",\"volume_mm3\":" + known(facts.volume_mm3).value_or("null") +
-                         ",\"surface_mm2\":" + number(facts.surface_mm2) +
-                         ",\"certificate\":" + json_text(facts.certificate) + ",\"warnings\":[" + warnings + "]}\n");
-        }
+        file->append(!csv && part.facts != nullptr ? mesh_json_row(part) : "");
     }
     for (const TablePart& part : parts) {
         for (std::uint64_t i = 0; i < part.result->layers.size(); ++i) {
             stop.stop_if_asked();
-            file->append(json_row(part.name, view_of_layer(*part.result, i), image));
+            file->append(text.row(part.name, view_of_layer(*part.result, i)));
         }
     }
     return file->commit();
 }
 
-bool has_end(const std::filesystem::path& path, std::string_view end) {
-    return lower_case(path.extension().string()) == end;
-}
-
-Error not_a_table(const std::filesystem::path& path) {
-    return {ErrorCode::invalid_argument, "'" + path.string() + "': a table's name ends in .csv or .jsonl"};
+/// Throws Refused where the name is not that of a table.
+bool is_csv(const std::filesystem::path& path) {
+    const std::string end = lower_case(path.extension().string());
+    if (end != ".csv" && end != ".jsonl") {
+        throw Refused{{ErrorCode::invalid_argument, "'" + path.string() + "': a table's name ends in .csv or .jsonl"}};
+    }
+    return end == ".csv";
 }
 
 }  // namespace
@@ -309,23 +300,15 @@ Result<MeshFacts> measure_facts(const MeshView& mesh, const Transform& to_mm, co
 Status write_layer_table(std::span<const TablePart> parts, const std::filesystem::path& path, const Control& control,
                          const ImageGeometry* image) noexcept {
     return guarded(control, [&]() -> Status {
-        if (has_end(path, ".csv")) {
-            const Status layers = write_csv(parts, path, control, image);
-            return layers ? write_mesh_csv(parts, path) : layers;
-        }
-        if (has_end(path, ".jsonl")) {
-            return write_json_lines(parts, path, control, image);
-        }
-        return not_a_table(path);
+        const bool csv = is_csv(path);
+        const Status layers = write_layers(parts, path, control, csv, image);
+        return layers && csv ? write_mesh_csv(parts, path) : layers;
     });
 }
 
 struct LayerTableStream::State {
-    const ImageGeometry* image_or_null() const noexcept { return image ? &*image : nullptr; }
-
     std::string name;
-    std::optional<ImageGeometry> image;
-    bool csv;
+    TableText text;
     OutputFile out;
     Status done;
 };
@@ -338,21 +321,13 @@ LayerTableStream::~LayerTableStream() = default;
 Result<LayerTableStream> LayerTableStream::begin(const std::string& name, const std::filesystem::path& path,
                                                  const ImageGeometry* image) noexcept {
     return guarded([&]() -> Result<LayerTableStream> {
-        const bool csv = has_end(path, ".csv");
-        if (!csv && !has_end(path, ".jsonl")) {
-            return not_a_table(path);
-        }
+        const TableText text(is_csv(path), image);
         Result<OutputFile> file = OutputFile::create(path);
         if (!file) {
             return file.error();
         }
-        auto state = std::make_unique<State>(State{name, {}, csv, std::move(file).value(), {}});
-        if (image != nullptr) {
-            state->image = *image;
-        }
-        if (csv) {
-            state->out.append(csv_head(image));
-        }
+        file->append(text.head());
+        auto state = std::make_unique<State>(State{name, text, std::move(file).value(), {}});
         return LayerTableStream(std::move(state));
     });
 }
@@ -361,8 +336,7 @@ void LayerTableStream::add(const LayerView& layer) noexcept {
     State& own = *state_;
     if (own.done) {
         own.done = guarded([&]() -> Status {
-            own.out.append(own.csv ? csv_row(own.name, layer, own.image_or_null())
-                                   : json_row(own.name, layer, own.image_or_null()));
+            own.out.append(own.text.row(own.name, layer));
             return {};
         });
     }

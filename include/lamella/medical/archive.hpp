@@ -58,12 +58,12 @@ struct Archive {
 /// Writes `result`, which may be some layers of a plan: equal results are equal bytes. The file is written aside and renamed
 /// when complete; a pipe or a device is written in place.
 ///
-/// O(points) on all threads; memory of a few MiB. Errors: invalid_argument (a name too long, a result that contradicts
-/// itself), unwritable_file, cancelled, out_of_memory.
+/// O(points); memory of a few MiB, and a temporary file of some KiB with a hole as large as the archive. Errors:
+/// invalid_argument (a name too long, a result that contradicts itself), unwritable_file, cancelled, out_of_memory.
 Status write_archive(const SliceResult& result, const ArchiveInfo& info, const std::filesystem::path& path,
                      const Control& control = {}) noexcept;
 
-/// Reads an archive back and checks it: checksums of all columns, offsets, ranges, parents, and that hash_result() is the
+/// Reads an archive back and checks it: the checksum of its bytes, offsets, ranges, parents, and that hash_result() is the
 /// one written. Of SliceResult::summary, `crossed`, `bands`, `threads` and times are not kept.
 ///
 /// O(points) on all threads; memory of the result, at most some times the file's size. Files of HDF5 1.8 and later are read.

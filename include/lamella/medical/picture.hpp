@@ -49,7 +49,7 @@ bool can_write_pictures() noexcept;
 /// polylines, which enclose nothing, are red lines. Above stand the names, a scale, the height, and how many of all layers
 /// have open polylines.
 ///
-/// p pixels, q points: O(p + q), and memory for p pixels of three bytes. The bytes do not depend on threads. Errors:
+/// p pixels, q points: O(p + q), and memory for p pixels of six bytes. The bytes do not depend on threads. Errors:
 /// invalid_argument (no such layer; a side or an area beyond the limits above), unwritable_file, cancelled, out_of_memory.
 Status write_layer_picture(std::span<const PicturePart> parts, std::uint64_t layer, const std::filesystem::path& path,
                            const PictureOptions& options = {}) noexcept;

@@ -1,26 +1,17 @@
-#include "medical/dicom/put_elements.hpp"
+#include "medical/dicom/data_set.hpp"
 
 #include <array>
 #include <charconv>
 #include <cstddef>
-#include <system_error>
 
 namespace lamella {
 
 namespace {
 
-constexpr std::uint32_t undefined = 0xffffffff;
-
 void put_little(std::string& out, std::uint32_t value, int bytes) {
     for (int i = 0; i < bytes; ++i) {
         out += static_cast<char>(value >> 8 * i & 0xff);
     }
-}
-
-void put_head(std::string& out, dicom::Tag tag, std::uint32_t length) {
-    put_little(out, tag >> 16, 2);
-    put_little(out, tag & 0xffff, 2);
-    put_little(out, length, 4);
 }
 
 void put_explicit(std::string& out, dicom::Tag tag, std::string_view type, std::string value, char padding) {
@@ -39,45 +30,16 @@ void put_explicit(std::string& out, dicom::Tag tag, std::string_view type, std::
 
 }  // namespace
 
-void put_element(std::string& out, dicom::Tag tag, std::string_view value, char padding) {
+void DataSet::put_head(dicom::Tag tag, std::uint32_t length) {
+    put_little(bytes_, tag >> 16, 2);
+    put_little(bytes_, tag & 0xffff, 2);
+    put_little(bytes_, length, 4);
+}
+
+void DataSet::put(dicom::Tag tag, std::string_view value, char padding) {
     const std::size_t odd = value.size() % 2;
-    put_head(out, tag, static_cast<std::uint32_t>(value.size() + odd));
-    out.append(value).append(odd, padding);
-}
-
-void put_number(std::string& out, dicom::Tag tag, std::uint64_t number) {
-    put_element(out, tag, std::to_string(number));
-}
-
-void begin_empty_sequence(std::string& out, dicom::Tag tag) {
-    put_head(out, tag, undefined);
-}
-
-void begin_item(std::string& out) {
-    put_head(out, dicom::item, undefined);
-}
-
-void end_item(std::string& out) {
-    put_head(out, dicom::item_end, 0);
-}
-
-void end_items(std::string& out) {
-    put_head(out, dicom::sequence_end, 0);
-}
-
-void begin_sequence(std::string& out, dicom::Tag tag) {
-    begin_empty_sequence(out, tag);
-    begin_item(out);
-}
-
-void next_item(std::string& out) {
-    end_item(out);
-    begin_item(out);
-}
-
-void end_sequence(std::string& out) {
-    end_item(out);
-    end_items(out);
+    put_head(tag, static_cast<std::uint32_t>(value.size() + odd));
+    bytes_.append(value).append(odd, padding);
 }
 
 std::string file_meta(std::string_view class_uid, std::string_view instance_uid) {
@@ -86,7 +48,7 @@ std::string file_meta(std::string_view class_uid, std::string_view instance_uid)
     put_explicit(elements, 0x00020002, "UI", std::string(class_uid), '\0');
     put_explicit(elements, 0x00020003, "UI", std::string(instance_uid), '\0');
     put_explicit(elements, dicom::transfer_syntax_uid, "UI", "1.2.840.10008.1.2", '\0');
-    // Of lamella: a UUID that was drawn once.
+    // Lamella's own: a UUID that was drawn once.
     put_explicit(elements, 0x00020012, "UI", "2.25.188650397291203361548463912043171620943", '\0');
     put_explicit(elements, 0x00020013, "SH", "LAMELLA", ' ');
     std::string length;

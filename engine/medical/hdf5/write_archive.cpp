@@ -1,0 +1,319 @@
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <span>
+#include <utility>
+
+#include <unistd.h>
+#include <zlib.h>
+
+#include "base/guard.hpp"
+#include "base/words.hpp"
+#include "io/write/output_file.hpp"
+#include "lamella/medical/archive.hpp"
+#include "medical/hdf5/archive_file.hpp"
+#include "medical/hdf5/handles.hpp"
+
+namespace lamella {
+
+namespace {
+
+constexpr std::size_t longest_name = 4096;
+
+void require_possible(const SliceResult& result, const ArchiveInfo& info, const std::filesystem::path& path) {
+    const auto refuse = [&](const std::string& why) {
+        throw Refused{{ErrorCode::invalid_argument, "'" + path.string() + "': " + why}};
+    };
+    if (result.first_layer > result.all_layers || result.layers.size() > result.all_layers - result.first_layer) {
+        refuse("a result of " + counted(result.layers.size(), "layer") + " from layer " +
+               std::to_string(result.first_layer) + " on, of " + std::to_string(result.all_layers) + " in all");
+    }
+    if (info.name.size() > longest_name || info.mesh_sha256.size() > longest_name) {
+        refuse("an archive's name of the mesh has at most " + std::to_string(longest_name) + " bytes");
+    }
+    if (result.layer_of.size() != rows_of(result)[ColumnKind::height]) {
+        refuse("the result does not tell the layers of its planes");
+    }
+    if (info.geometry && info.geometry->uneven_slices_mm.size() > most_uneven_slices) {
+        refuse("an image of more than " + std::to_string(most_uneven_slices) + " uneven slices");
+    }
+}
+
+/// All attributes and links lie in an object's header, up to so many.
+constexpr unsigned most_in_header = 64;
+
+/// A new file of a name of its own, removed in the end.
+class TemporaryFile {
+public:
+    TemporaryFile() {
+        std::error_code unknown;
+        const std::filesystem::path folder = std::filesystem::temp_directory_path(unknown);
+        path_ = ((unknown ? "/tmp" : folder) / "lamella-XXXXXX").string();
+        descriptor_ = ::mkstemp(path_.data());
+        if (descriptor_ < 0) {
+            throw Refused{unwritable(path_, errno)};
+        }
+    }
+    ~TemporaryFile() {
+        ::close(descriptor_);
+        ::unlink(path_.c_str());
+    }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+    /// HDF5 cannot close a file that a disk had no room for, and prints so when the program ends. So it is tried before.
+    void require_room(std::uint64_t bytes_of_columns) const {
+        const std::vector<char> tree(std::size_t{1} << 18);
+        if (::write(descriptor_, tree.data(), tree.size()) != static_cast<ssize_t>(tree.size()) ||
+            ::ftruncate(descriptor_, static_cast<off_t>(bytes_of_columns + tree.size())) != 0) {
+            throw Refused{unwritable(path_, errno == 0 ? ENOSPC : errno)};
+        }
+    }
+    const std::string& path() const noexcept { return path_; }
+
+private:
+    std::string path_;
+    int descriptor_ = -1;
+};
+
+void put_attribute(hid_t object, const std::string& name, hid_t type, std::size_t count, const void* values) {
+    const hsize_t extent = count;
+    const Handle space(count == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &extent, nullptr), H5Sclose);
+    const Handle attribute(H5Acreate2(object, name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    checked(H5Awrite(attribute.id(), type, values));
+}
+
+void put(hid_t object, const std::string& name, const std::string& text) {
+    const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+    checked(H5Tset_size(type.id(), std::max<std::size_t>(text.size(), 1)));
+    checked(H5Tset_strpad(type.id(), H5T_STR_NULLPAD));
+    checked(H5Tset_cset(type.id(), H5T_CSET_UTF8));
+    put_attribute(object, name, type.id(), 1, text.data());
+}
+template <class Number>
+void put(hid_t object, const std::string& name, const std::vector<Number>& numbers) {
+    put_attribute(object, name, hdf5_type<Number>(), numbers.size(), numbers.data());
+}
+
+/// Properties of files, groups and datasets without times, so that equal contents are equal bytes.
+Handle creation_of(hid_t what) {
+    Handle properties(H5Pcreate(what), H5Pclose);
+    checked(H5Pset_obj_track_times(properties.id(), false));
+    checked(H5Pset_attr_phase_change(properties.id(), most_in_header, 0));
+    if (H5Pisa_class(properties.id(), H5P_GROUP_CREATE) > 0) {
+        checked(H5Pset_link_phase_change(properties.id(), most_in_header, 0));
+    }
+    return properties;
+}
+
+/// The groups of a file, by their paths.
+class Groups {
+public:
+    explicit Groups(hid_t file) : file_(file) {}
+
+    Handle open(const std::string& path) {
+        if (!path.empty() && path != "/" && std::find(made_.begin(), made_.end(), path) == made_.end()) {
+            made_.push_back(path);
+            const Handle properties = creation_of(H5P_GROUP_CREATE);
+            return {H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Gclose};
+        }
+        return {H5Gopen2(file_, path.empty() ? "/" : path.c_str(), H5P_DEFAULT), H5Gclose};
+    }
+
+private:
+    hid_t file_;
+    std::vector<std::string> made_;
+};
+
+/// Its rows get a place, and are written later.
+void make_column(hid_t file, PlacedColumn& placed) {
+    const Column& column = *placed.column;
+    const std::array<hsize_t, 2> extents = {placed.rows, column.width};
+    const Handle space(H5Screate_simple(column.width == 1 ? 1 : 2, extents.data(), nullptr), H5Sclose);
+    const Handle properties = creation_of(H5P_DATASET_CREATE);
+    checked(H5Pset_layout(properties.id(), H5D_CONTIGUOUS));
+    checked(H5Pset_alloc_time(properties.id(), H5D_ALLOC_TIME_EARLY));
+    checked(H5Pset_fill_time(properties.id(), H5D_FILL_TIME_NEVER));
+    const Handle dataset(H5Dcreate2(file, column.path, column.type(), space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+                         H5Dclose);
+    if (*column.unit != '\0') {
+        put(dataset.id(), "unit", std::string(column.unit));
+    }
+    if (*column.meaning != '\0') {
+        put(dataset.id(), "meaning", std::string(column.meaning));
+    }
+    if (placed.rows > 0) {
+        placed.offset = H5Dget_offset(dataset.id());
+        checked(placed.offset == HADDR_UNDEF ? -1 : 0);
+    }
+}
+
+void write_tree(const std::string& path, const ArchiveHead& head, std::vector<PlacedColumn>& columns) {
+    const QuietErrors quiet;
+    const Handle access = plain_file_access();
+    // The oldest form that has no times of its own.
+    checked(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18));
+    const Handle creation = creation_of(H5P_FILE_CREATE);
+    const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose);
+    Groups groups(file.id());
+    for (const Fact& fact : head.facts) {
+        const Handle group = groups.open(fact.group);
+        std::visit([&](const auto& value) { put(group.id(), fact.name, value); }, fact.value);
+    }
+    const Handle root = groups.open("/");
+    put(root.id(), "format", std::string(archive_format));
+    put(root.id(), "format_version", std::vector<std::uint64_t>{archive_version});
+    put(root.id(), "result_hash", std::vector<std::uint64_t>{head.hash});
+    put(root.id(), "first_layer", std::vector<std::uint64_t>{head.first_layer});
+    for (PlacedColumn& column : columns) {
+        const std::string column_path = column.column->path;
+        (void)groups.open(column_path.substr(0, column_path.rfind('/')));
+        make_column(file.id(), column);
+    }
+    checked(H5Fflush(file.id(), H5F_SCOPE_GLOBAL));
+}
+
+/// A file that HDF5 has made: all of an archive but the rows, and the last line. Sets the places of columns.
+InputFile make_tree(const ArchiveHead& head, std::vector<PlacedColumn>& columns) {
+    const TemporaryFile file;
+    std::uint64_t bytes = 0;
+    for (const PlacedColumn& column : columns) {
+        bytes += column.bytes();
+    }
+    file.require_room(bytes);
+    write_tree(file.path(), head, columns);
+    Result<InputFile> made = InputFile::open(file.path());
+    if (!made) {
+        throw Refused{made.error()};
+    }
+    return std::move(made).value();
+}
+
+class ResultColumns final : public ColumnSource {
+public:
+    explicit ResultColumns(const SliceResult& result) : result_(result) {}
+    KindRows rows() const override { return rows_of(result_); }
+    void fill(const Column& column, std::uint64_t first, std::span<std::byte> to) const override {
+        column.get(result_, first, to);
+    }
+
+private:
+    const SliceResult& result_;
+};
+
+/// Without places.
+std::vector<PlacedColumn> columns_of(const ColumnSource& source) {
+    const KindRows rows = source.rows();
+    std::vector<PlacedColumn> columns;
+    for (const Column& column : all_columns()) {
+        if (rows[column.kind] > 0 || !column.optional) {
+            columns.push_back({&column, rows[column.kind], 0});
+        }
+    }
+    return columns;
+}
+
+/// Appends pieces of the tree and rows of columns in the order of the file, and sums them up.
+class ArchiveWriter {
+public:
+    /// The progress being `begun`.
+    ArchiveWriter(OutputFile& file, const InputFile& tree, const Parallel& parallel, double begun)
+        : file_(file), tree_(tree), parallel_(parallel), begun_(begun) {}
+
+    /// From where the file ends so far to `end`.
+    void write_tree(std::uint64_t end) {
+        write(end, 1, [&](std::uint64_t at, std::span<std::byte> to) {
+            if (const Status read = tree_.read_at(at, to); !read) {
+                throw Refused{read.error()};
+            }
+        });
+    }
+
+    void write_rows(const ColumnSource& source, const PlacedColumn& column) {
+        const std::size_t row_bytes = column.column->row_bytes;
+        write(column.offset + column.bytes(), row_bytes, [&](std::uint64_t at, std::span<std::byte> to) {
+            source.fill(*column.column, (at - column.offset) / row_bytes, to);
+        });
+    }
+
+    Status finish() {
+        file_.append(closing_line(static_cast<std::uint32_t>(crc_)));
+        return file_.commit();
+    }
+
+private:
+    /// By pieces of whole items, which `fill` gives: their place in the file, and where they go.
+    template <class Fill>
+    void write(std::uint64_t end, std::size_t item_bytes, Fill fill) {
+        const std::uint64_t most = rows_at_once_bytes / item_bytes * item_bytes;
+        while (at_ < end && !file_.failed()) {
+            parallel_.stop_if_asked();
+            const auto count = static_cast<std::size_t>(std::min(most, end - at_));
+            char* const room = file_.room(count);
+            fill(at_, {reinterpret_cast<std::byte*>(room), count});
+            crc_ = ::crc32_z(crc_, reinterpret_cast<const unsigned char*>(room), count);
+            file_.advance(room + count);
+            at_ += count;
+            parallel_.reach(begun_ + (1 - begun_) * static_cast<double>(at_) / static_cast<double>(tree_.size()));
+        }
+    }
+
+    OutputFile& file_;
+    const InputFile& tree_;
+    const Parallel& parallel_;
+    double begun_;
+    std::uint64_t at_ = 0;
+    uLong crc_ = 0;
+};
+
+}  // namespace
+
+std::string closing_line(std::uint32_t crc) {
+    std::array<char, 9> digits{};
+    (void)std::snprintf(digits.data(), digits.size(), "%08x", crc);
+    return "\n" + std::string(archive_format) + " " + std::to_string(archive_version) +
+           ", CRC-32 of all before: " + digits.data() + "\n";
+}
+
+Status write_columns(const ColumnSource& source, const ArchiveHead& head, const std::filesystem::path& path,
+                     const Parallel& parallel, double begun) {
+    Result<OutputFile> file = OutputFile::create(path);  // first: what cannot be written is refused at once
+    if (!file) {
+        return file.error();
+    }
+    std::vector<PlacedColumn> columns = columns_of(source);
+    const InputFile tree = make_tree(head, columns);
+    std::erase_if(columns, [](const PlacedColumn& column) { return column.rows == 0; });
+    std::sort(columns.begin(), columns.end(),
+              [](const PlacedColumn& a, const PlacedColumn& b) { return a.offset < b.offset; });
+    parallel.begin_stage(1);
+    ArchiveWriter writer(*file, tree, parallel, begun);
+    for (const PlacedColumn& column : columns) {
+        writer.write_tree(column.offset);
+        writer.write_rows(source, column);
+    }
+    writer.write_tree(tree.size());
+    Status written = writer.finish();
+    if (written) {
+        parallel.finish();
+    }
+    return written;
+}
+
+bool has_archives() noexcept {
+    return true;
+}
+
+Status write_archive(const SliceResult& result, const ArchiveInfo& info, const std::filesystem::path& path,
+                     const Control& control) noexcept {
+    return guarded(control, [&]() -> Status {
+        Parallel parallel(control);
+        require_possible(result, info, path);
+        return write_columns(ResultColumns(result), {facts_of(result, info), hash_result(result), result.first_layer}, path,
+                             parallel);
+    });
+}
+
+}  // namespace lamella

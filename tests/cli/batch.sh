@@ -380,10 +380,24 @@ test_batch_memory() {
         fail "no reason"
 }
 
-# worker_of BATCH: the process that slices a mesh. The batch's own child starts such processes.
-worker_of() {
-    local starter
-    starter=$(pgrep -P "$1") && pgrep -P "$starter"
+# next_worker BATCH: waits for a process that slices a mesh, and prints its number.
+next_worker() { until pgrep -P "$1"; do kill -0 "$1" 2> /dev/null || fail "the batch has ended"; sleep 0.05; done; }
+
+# writing_worker BATCH: the same, once it writes slow.nii.gz aside: under a name with its number, unlike what others left.
+writing_worker() {
+    local worker
+    worker=$(next_worker "$1") || exit 1
+    until compgen -G "out/.slow*.$worker-*" > /dev/null; do
+        kill -0 "$worker" 2> /dev/null || fail "the process has ended"
+        sleep 0.05
+    done
+    echo "$worker"
+}
+
+# expect_end PROCESS: it ends soon.
+expect_end() {
+    for _ in $(seq 100); do kill -0 "$1" 2> /dev/null || return 0; sleep 0.05; done
+    fail "a process outlives its batch"
 }
 
 # What becomes of a process ends its mesh, and not the batch.
@@ -399,7 +413,7 @@ test_batch_processes() {
     "$lamella" batch slow.jsonl -o 'out/{stem}.csv' --retries 1 > .stdout 2> .stderr &
     local batch=$! worker
     for _ in 1 2; do
-        until worker=$(worker_of "$batch"); do sleep 0.05; done
+        worker=$(next_worker "$batch") || exit 1
         kill -9 "$worker"
         while kill -0 "$worker" 2> /dev/null; do sleep 0.05; done
     done
@@ -409,30 +423,19 @@ test_batch_processes() {
     # Two batches do not write one results.jsonl.
     "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
     batch=$!
-    until compgen -G 'out/.slow*' > /dev/null; do sleep 0.05; done
-    worker=$(worker_of "$batch")
+    worker=$(writing_worker "$batch") || exit 1
     expect_failure 4 "another lamella batch is at work" batch in/s1.stl -o 'out/{stem}.csv'
     # Processes die with their batch; the next one removes what they left.
     kill -9 "$batch"
     wait "$batch" 2> /dev/null
-    for _ in $(seq 100); do kill -0 "$worker" 2> /dev/null || break; sleep 0.05; done
-    ! kill -0 "$worker" 2> /dev/null || fail "a process outlives its batch"
+    expect_end "$worker"
     compgen -G 'out/.slow*' > /dev/null || fail "nothing is left to be removed"
     expect 5 batch slow.jsonl -o 'out/{stem}.csv' --timeout 0.1 --retries 0
     ! compgen -G 'out/.*.part' > /dev/null || fail "a file aside is left"
-    # Without what starts them there are no processes.
-    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
-    batch=$!
-    until worker=$(worker_of "$batch"); do sleep 0.05; done
-    kill -9 "$(pgrep -P "$batch")"
-    wait "$batch"
-    [[ $? == 3 && $(< .stderr) == "lamella: the process that starts the others was ended" ]] || fail "no starter: not one line"
-    for _ in $(seq 100); do kill -0 "$worker" 2> /dev/null || break; sleep 0.05; done
-    ! kill -0 "$worker" 2> /dev/null || fail "a process outlives what started it"
     # SIGTERM ends processes and batch, and leaves nothing half-written.
     "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
     batch=$!
-    until compgen -G 'out/.slow*' > /dev/null; do sleep 0.05; done
+    writing_worker "$batch" > .worker || exit 1
     kill -TERM "$batch"
     wait "$batch"
     [[ $? == 143 && $(cat .stderr) == "lamella: interrupted" ]] || fail "SIGTERM: not status 143 with one line"

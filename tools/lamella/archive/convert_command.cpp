@@ -15,11 +15,11 @@
 #include "outputs/recorded_options.hpp"
 #include "outputs/write_outputs.hpp"
 #include "outputs/write_structure_output.hpp"
+#include "processes/worker_side.hpp"
 #include "slice/slice_arguments.hpp"
 #include "slice/slice_summary.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
-#include "worker/worker_side.hpp"
 
 namespace lamella::cli {
 
@@ -208,7 +208,6 @@ void add_convert_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command =
         app.add_subcommand("convert", "Write archives (.h5) as any other output, or a mesh as binary STL or PLY");
     const auto arguments = std::make_shared<ConvertArguments>();
-    const auto worker = std::make_shared<WorkerSide>();
     command
         ->add_option("archives", arguments->archives,
                      "Archives of lamella slice, several for a mask or a table; or a mesh, for .stl and .ply")
@@ -224,9 +223,8 @@ void add_convert_command(CLI::App& app, Interrupt& interrupt) {
         ->check(given_path);
     declare_threads(*command, *arguments);
     declare_progress(*command, *arguments);
-    worker->declare(*command);
-    command->callback([command, arguments, worker, &interrupt] {
-        worker->begin();
+    declare_worker(*command);
+    command->callback([command, arguments, &interrupt] {
         const OutputArguments& wanted = arguments->outputs;
         if (wanted.to.empty() && wanted.outputs.size() == 1 && is_written_as_mesh(wanted.outputs.front())) {
             return convert_mesh(arguments->archives, wanted.outputs.front(), *arguments, interrupt);

@@ -11,11 +11,11 @@
 #include "lamella/medical.hpp"
 #include "lamella/version.hpp"
 #include "outputs/output_formats.hpp"
+#include "processes/worker_side.hpp"
 #include "slice/slice_arguments.hpp"
 #include "slice/slice_summary.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
-#include "worker/worker_side.hpp"
 
 namespace lamella::cli {
 
@@ -111,7 +111,6 @@ private:
 void add_merge_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("merge", "Join archives (.h5) of ranges of layers");
     const auto arguments = std::make_shared<MergeArguments>();
-    const auto worker = std::make_shared<WorkerSide>();
     command->add_option("parts", arguments->parts, "Archives that lamella slice --layers A:B wrote, in any order")
         ->required()
         ->type_name("PART.h5")
@@ -122,11 +121,8 @@ void add_merge_command(CLI::App& app, Interrupt& interrupt) {
         ->check(given_path);
     declare_threads(*command, *arguments);
     declare_progress(*command, *arguments);
-    worker->declare(*command);
-    command->callback([arguments, worker, &interrupt] {
-        worker->begin();
-        MergeCommand(*arguments, interrupt).run();
-    });
+    declare_worker(*command);
+    command->callback([arguments, &interrupt] { MergeCommand(*arguments, interrupt).run(); });
 }
 
 }  // namespace lamella::cli

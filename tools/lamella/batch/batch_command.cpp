@@ -28,7 +28,6 @@ using batch::LedgerName;
 using batch::MergedResults;
 using batch::RunOptions;
 using batch::SliceWords;
-using batch::WorkerStarter;
 
 Failure failed_items(std::size_t failed, std::size_t items) {
     return {some_failed, grouped(failed) + " of " + counted(items, "mesh", "meshes") + " failed"};
@@ -59,7 +58,7 @@ RunOptions run_options(const BatchArguments& arguments, const SliceWords& words)
             .progress = arguments.slice.progress};
 }
 
-void run_batch(const CLI::App& command, const BatchArguments& arguments, Interrupt& interrupt, WorkerStarter& starter) {
+void run_batch(const CLI::App& command, const BatchArguments& arguments, Interrupt& interrupt) {
     const SliceWords words;
     const RunOptions options = run_options(arguments, words);
     const LedgerName name = batch::ledger_name_of(arguments);
@@ -76,7 +75,7 @@ void run_batch(const CLI::App& command, const BatchArguments& arguments, Interru
         items = batch::items_of_shard(std::move(items), name.shard, name.shards);
     }
     const std::size_t count = items.size();
-    BatchRun run(std::move(items), name, options, interrupt, starter);
+    BatchRun run(std::move(items), name, options, interrupt);
     run.run();
     print(run.summary());
     if (run.failed() > 0) {
@@ -101,7 +100,7 @@ void merge_results(const BatchArguments& arguments) {
 
 }  // namespace
 
-void add_batch_command(CLI::App& app, Interrupt& interrupt, WorkerStarter* starter) {
+void add_batch_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command =
         app.add_subcommand("batch", "Slice many meshes, each into files of its own, and go on where it was left");
     const auto arguments = std::make_shared<BatchArguments>();
@@ -109,11 +108,11 @@ void add_batch_command(CLI::App& app, Interrupt& interrupt, WorkerStarter* start
     command->footer(
         "A manifest list.csv with the lines \"path,like\", \"liver.stl,ct.nii.gz\": lamella batch list.csv --frame lps -o "
         "'masks/{stem}.nii.gz'");
-    command->callback([command, arguments, &interrupt, starter] {
+    command->callback([command, arguments, &interrupt] {
         if (arguments->merge) {
             merge_results(*arguments);
         } else {
-            run_batch(*command, *arguments, interrupt, *starter);
+            run_batch(*command, *arguments, interrupt);
         }
     });
 }

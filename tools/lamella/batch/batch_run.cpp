@@ -48,8 +48,7 @@ LedgerName in_made_folder(const LedgerName& name) {
 
 }  // namespace
 
-BatchRun::BatchRun(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt,
-                   WorkerStarter& starter)
+BatchRun::BatchRun(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt)
     : items_(std::move(items)),
       options_(options),
       interrupt_(interrupt),
@@ -59,7 +58,7 @@ BatchRun::BatchRun(std::vector<Item> items, const LedgerName& name, const RunOpt
       progress_(options.progress),
       attempts_(items_.size()),
       output_inodes_(items_.size()),
-      pool_(starter, options.timeout_s) {}
+      pool_(options.timeout_s) {}
 
 void BatchRun::clean(std::chrono::milliseconds patience) const {
     std::vector<std::string> targets = {ledger_.path()};

@@ -13,7 +13,7 @@
 #include "batch/progress/batch_progress.hpp"
 #include "batch/progress/batch_summary.hpp"
 #include "batch/results/ledger.hpp"
-#include "batch/workers/worker_pool.hpp"
+#include "processes/worker_pool.hpp"
 #include "terminal/interrupt.hpp"
 
 namespace lamella::cli::batch {
@@ -32,8 +32,7 @@ struct RunOptions {
 class BatchRun {
 public:
     /// `items` are those of this shard. Throws Failure.
-    BatchRun(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt,
-             WorkerStarter& starter);
+    BatchRun(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt);
 
     /// Slices what is not done. Throws Failure where results cannot be kept.
     void run();

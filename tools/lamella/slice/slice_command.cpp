@@ -19,6 +19,7 @@
 #include "outputs/recorded_options.hpp"
 #include "outputs/write_outputs.hpp"
 #include "outputs/write_structure_output.hpp"
+#include "processes/worker_side.hpp"
 #include "slice/image_around.hpp"
 #include "slice/part_warnings.hpp"
 #include "slice/plan_outputs.hpp"
@@ -28,7 +29,6 @@
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
 #include "terminal/numbers.hpp"
-#include "worker/worker_side.hpp"
 
 namespace lamella::cli {
 
@@ -421,15 +421,13 @@ private:
 void add_slice_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("slice", "Slice a mesh into closed, oriented, nested contours");
     const auto arguments = std::make_shared<SliceArguments>();
-    const auto worker = std::make_shared<WorkerSide>();
     declare(*command, *arguments);
-    worker->declare(*command);
-    command->callback([command, arguments, worker, &interrupt] {
-        worker->begin();
+    declare_worker(*command);
+    command->callback([command, arguments, &interrupt] {
         SliceCommand slicing(*command, *arguments, interrupt);
         slicing.run();
         if (const auto facts = slicing.facts()) {
-            worker->tell(*facts);
+            pass_on(*command, *facts);
         }
     });
 }

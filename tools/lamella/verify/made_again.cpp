@@ -10,7 +10,7 @@
 
 #include <stdlib.h>
 
-#include "batch/workers/worker_pool.hpp"
+#include "processes/worker_pool.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
 #include "verify/input_layout.hpp"
@@ -67,15 +67,15 @@ std::vector<std::string> words_for(const Record& record, const std::vector<fs::p
     return words;
 }
 
-void run(const batch::WorkerCall& call, const Control& control, batch::WorkerStarter& starter) {
+void run(const ToolCall& call, const Control& control) {
     constexpr std::chrono::milliseconds between_looks{100};
-    batch::WorkerPool pool(starter, 0);
+    WorkerPool pool(0);
     pool.start(0, call);
     while (pool.running() > 0) {
         if (control.stop.stop_requested()) {
             throw Failure(bad_input, "cancelled");
         }
-        for (const batch::WorkerEnd& end : pool.wait(between_looks)) {
+        for (const WorkerEnd& end : pool.wait(between_looks)) {
             if (!end.failure.empty()) {
                 throw Failure(bad_input, end.failure);
             }
@@ -169,8 +169,7 @@ std::size_t count_of_parts(const Record& record) noexcept {
 }
 
 std::vector<std::string> differences_from_remade(const Record& record, const fs::path& output,
-                                                 const std::vector<fs::path>& inputs, const Control& control,
-                                                 batch::WorkerStarter& starter) {
+                                                 const std::vector<fs::path>& inputs, const Control& control) {
     require_makeable(record);
     try {
         const TemporaryFolder folder;
@@ -178,7 +177,7 @@ std::vector<std::string> differences_from_remade(const Record& record, const fs:
         fs::create_directory(made);
         InputLayout layout(folder / "in", record);
         const std::vector<std::string> words = words_for(record, inputs, made / record.output.path, layout, control.threads);
-        run({record.command, words, layout.working_folder().string(), record.source_date_epoch}, control, starter);
+        run({record.command, words, layout.working_folder().string(), record.source_date_epoch}, control);
         const Result<Record> again = read_record((made / record.output.path).string() + ".lamella.json");
         if (!again) {
             throw failure_of(again.error());

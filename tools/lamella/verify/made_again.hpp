@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "batch/workers/worker_starter.hpp"
 #include "lamella/control.hpp"
 #include "lamella/medical/record.hpp"
 
@@ -34,7 +33,6 @@ std::size_t count_of_parts(const Record& record) noexcept;
 /// out under the names that the record has, since names and warnings are part of some outputs. Throws Failure where the
 /// output cannot be made again.
 std::vector<std::string> differences_from_remade(const Record& record, const std::filesystem::path& output,
-                                                 const std::vector<std::filesystem::path>& inputs, const Control& control,
-                                                 batch::WorkerStarter& starter);
+                                                 const std::vector<std::filesystem::path>& inputs, const Control& control);
 
 }  // namespace lamella::cli::verify

@@ -74,8 +74,7 @@ void require_sensible(const Record& record) {
 
 class Verifier {
 public:
-    Verifier(const VerifyArguments& arguments, const Control& control, batch::WorkerStarter& starter)
-        : arguments_(arguments), control_(control), starter_(starter) {}
+    Verifier(const VerifyArguments& arguments, const Control& control) : arguments_(arguments), control_(control) {}
 
     /// `output` lies beside its record, `record_path`.
     Verdict verify(const fs::path& output, const fs::path& record_path) const {
@@ -106,8 +105,7 @@ private:
             const std::size_t before = found.size();
             compare_inputs(*record, inputs, found);
             if (found.size() == before) {
-                const std::vector<std::string> more =
-                    verify::differences_from_remade(*record, output, inputs, control_, starter_);
+                const std::vector<std::string> more = verify::differences_from_remade(*record, output, inputs, control_);
                 found.insert(found.end(), more.begin(), more.end());
             }
         }
@@ -161,13 +159,12 @@ private:
 
     const VerifyArguments& arguments_;
     Control control_;
-    batch::WorkerStarter& starter_;
 };
 
 class VerifyCommand {
 public:
-    VerifyCommand(const VerifyArguments& arguments, Interrupt& interrupt, batch::WorkerStarter& starter)
-        : arguments_(arguments), verifier_(arguments, {.threads = arguments.threads, .stop = interrupt.defer()}, starter) {}
+    VerifyCommand(const VerifyArguments& arguments, Interrupt& interrupt)
+        : arguments_(arguments), verifier_(arguments, {.threads = arguments.threads, .stop = interrupt.defer()}) {}
 
     void run() {
         for (const std::string& given : arguments_.given) {
@@ -241,7 +238,7 @@ private:
 
 }  // namespace
 
-void add_verify_command(CLI::App& app, Interrupt& interrupt, batch::WorkerStarter* starter) {
+void add_verify_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("verify", "Check outputs against the records beside them");
     const auto arguments = std::make_shared<VerifyArguments>();
     command->add_option("output", arguments->given, "Outputs, their records NAME.lamella.json, or folders of them")
@@ -261,7 +258,7 @@ void add_verify_command(CLI::App& app, Interrupt& interrupt, batch::WorkerStarte
     command->add_option("--threads", arguments->threads, "At most this many threads (0: all)")
         ->type_name("N")
         ->check(CLI::Range(0, most_threads));
-    command->callback([arguments, &interrupt, starter] { VerifyCommand(*arguments, interrupt, *starter).run(); });
+    command->callback([arguments, &interrupt] { VerifyCommand(*arguments, interrupt).run(); });
 }
 
 }  // namespace lamella::cli

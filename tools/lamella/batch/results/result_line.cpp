@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "lamella/io/name_text.hpp"
-#include "worker/slice_facts_json.hpp"
 
 namespace lamella::cli::batch {
 

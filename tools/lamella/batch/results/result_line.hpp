@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "batch/plan/item.hpp"
-#include "worker/slice_facts.hpp"
+#include "processes/worker_side.hpp"
 
 namespace lamella::cli::batch {
 

@@ -16,6 +16,7 @@
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
 #include "terminal/numbers.hpp"
+#include "terminal/stages.hpp"
 
 namespace lamella::cli {
 

@@ -1,12 +1,16 @@
 #include "files/mesh_input.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <utility>
 
-#include "files/bus_error.hpp"
+#include <unistd.h>
+
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
 #include "terminal/numbers.hpp"
+#include "terminal/stages.hpp"
 
 namespace lamella::cli {
 
@@ -19,6 +23,30 @@ std::string mesh_formats() {
         names += (names.empty() ? "" : ", ") + std::string(name);
     }
     return names + "; gzip of any";
+}
+
+/// Made before it is needed: a handler may neither allocate nor format.
+std::string& bus_error_line() {
+    static std::string line;
+    return line;
+}
+
+/// Several threads may read the file: one says so, the others wait for the end.
+extern "C" void end_with_bus_error_line(int /*signal_number*/) {
+    static std::atomic_flag taken;
+    while (taken.test_and_set()) {
+        ::pause();
+    }
+    const std::string& line = bus_error_line();
+    (void)!::write(STDERR_FILENO, line.data(), line.size());
+    ::_exit(bad_input);
+}
+
+/// Reading on where a mapped file has ended is a SIGBUS, which from here on ends the process with one line that names the
+/// file. Nothing is being written while the mesh is read, so there is nothing to tidy up.
+void explain_bus_errors(const std::string& name) {
+    bus_error_line() = complaint(name + ": shrank while it was read, or its disk failed");
+    (void)std::signal(SIGBUS, end_with_bus_error_line);
 }
 
 Result<MeshFile> read_standard_input(const ReadOptions& options) {

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "files/standard_streams.hpp"
+#include "files/streams.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "terminal/console.hpp"
 

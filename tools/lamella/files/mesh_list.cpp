@@ -1,10 +1,8 @@
 #include "files/mesh_list.hpp"
 
 #include <algorithm>
-#include <filesystem>
-#include <system_error>
 
-#include "files/standard_streams.hpp"
+#include "files/streams.hpp"
 #include "terminal/console.hpp"
 #include "terminal/numbers.hpp"
 
@@ -17,11 +15,48 @@ bool is_folder(const std::string& path) {
     return !is_standard(path) && std::filesystem::is_directory(path, unknown);
 }
 
-bool is_hidden(const std::filesystem::path& path) {
-    return path.filename().native().starts_with('.');
+void add_meshes(const std::filesystem::path& folder, const std::filesystem::path& below, std::vector<ListedMesh>& meshes) {
+    std::error_code problem;
+    const std::vector<std::filesystem::directory_entry> entries = entries_of(folder, problem);
+    if (problem) {
+        meshes.push_back({folder.string(), "", "cannot be listed: " + problem.message()});
+    }
+    for (const std::filesystem::directory_entry& entry : entries) {
+        std::error_code unknown;
+        const std::filesystem::path name = entry.path().filename();
+        if (name.native().starts_with('.')) {
+            continue;
+        }
+        if (!entry.is_directory(unknown)) {
+            if (is_named_as_mesh(entry.path())) {
+                meshes.push_back({entry.path().string(), below.string(), ""});
+            }
+        } else if (!entry.is_symlink(unknown)) {
+            add_meshes(entry.path(), below / name, meshes);
+        }
+    }
 }
 
 }  // namespace
+
+std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder, std::error_code& problem) {
+    std::vector<std::filesystem::directory_entry> entries;
+    for (std::filesystem::directory_iterator at(folder, problem); !problem && at != std::filesystem::directory_iterator();
+         at.increment(problem)) {
+        entries.push_back(*at);
+    }
+    std::sort(entries.begin(), entries.end());
+    return entries;
+}
+
+std::vector<ListedMesh> meshes_below(const std::string& folder) {
+    std::vector<ListedMesh> meshes;
+    add_meshes(folder, "", meshes);
+    if (meshes.empty()) {
+        meshes.push_back({folder, "", "is a folder in which no file is named as a mesh"});
+    }
+    return meshes;
+}
 
 void declare_mesh_list(CLI::App& command, MeshListArguments& arguments) {
     command
@@ -42,51 +77,17 @@ MeshList::MeshList(const MeshListArguments& arguments)
     (void)parse_grid(each_.grid);
     for (const std::string& path : arguments.given) {
         if (is_folder(path)) {
-            add_folder(path);
+            const std::vector<ListedMesh> found = meshes_below(path);
+            meshes_.insert(meshes_.end(), found.begin(), found.end());
         } else {
-            entries_.push_back({path, ""});
-        }
-    }
-}
-
-void MeshList::add_folder(const std::string& path) {
-    const std::size_t before = entries_.size();
-    add_contents(path);
-    if (entries_.size() == before) {
-        entries_.push_back({path, "is a folder in which no file is named as a mesh"});
-    }
-}
-
-void MeshList::add_contents(const std::string& folder) {
-    std::error_code problem;
-    std::vector<std::filesystem::directory_entry> found;
-    for (std::filesystem::directory_iterator at(folder, problem); !problem && at != std::filesystem::directory_iterator();
-         at.increment(problem)) {
-        found.push_back(*at);
-    }
-    if (problem) {
-        entries_.push_back({folder, "cannot be listed: " + problem.message()});
-    }
-    std::sort(found.begin(), found.end());
-    for (const std::filesystem::directory_entry& entry : found) {
-        std::error_code unknown;
-        if (is_hidden(entry.path())) {
-            continue;
-        }
-        // A link to a folder may lead back to one above it.
-        if (entry.is_directory(unknown)) {
-            if (!entry.is_symlink(unknown)) {
-                add_contents(entry.path().string());
-            }
-        } else if (is_named_as_mesh(entry.path())) {
-            entries_.push_back({entry.path().string(), ""});
+            meshes_.push_back({path, "", ""});
         }
     }
 }
 
 std::vector<std::string> MeshList::paths() const {
     std::vector<std::string> paths;
-    for (const Entry& entry : entries_) {
+    for (const ListedMesh& entry : meshes_) {
         paths.push_back(entry.path);
     }
     return paths;
@@ -95,7 +96,7 @@ std::vector<std::string> MeshList::paths() const {
 std::optional<Failure> MeshList::for_each(Interrupt& interrupt, const Use& use, const Refuse& refuse) const {
     ExitStatus worst = done;
     std::size_t refused = 0;
-    for (const Entry& entry : entries_) {
+    for (const ListedMesh& entry : meshes_) {
         MeshArguments mesh = each_;
         mesh.mesh = entry.path;
         try {
@@ -104,7 +105,7 @@ std::optional<Failure> MeshList::for_each(Interrupt& interrupt, const Use& use, 
             }
             use(mesh);
         } catch (const Failure& failure) {
-            if (entries_.size() == 1 || failure.status() == bad_output) {
+            if (meshes_.size() == 1 || failure.status() == bad_output) {
                 throw;
             }
             interrupt.die_if_interrupted();
@@ -117,7 +118,7 @@ std::optional<Failure> MeshList::for_each(Interrupt& interrupt, const Use& use, 
     if (refused == 0) {
         return std::nullopt;
     }
-    return Failure(worst, grouped(refused) + " of " + counted(entries_.size(), "mesh", "meshes") + " could not be used");
+    return Failure(worst, grouped(refused) + " of " + counted(meshes_.size(), "mesh", "meshes") + " could not be used");
 }
 
 }  // namespace lamella::cli

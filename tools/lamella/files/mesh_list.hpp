@@ -1,9 +1,11 @@
 // The meshes of a command that takes several: files, folders and standard input.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +15,19 @@
 #include "terminal/interrupt.hpp"
 
 namespace lamella::cli {
+
+/// By name. Where `problem` is set, those that were found before it.
+std::vector<std::filesystem::directory_entry> entries_of(const std::filesystem::path& folder, std::error_code& problem);
+
+struct ListedMesh {
+    std::string path;
+    std::string folder;   ///< that it is in, below the one that was listed; empty: that one itself
+    std::string problem;  ///< why there is nothing to read, if so
+};
+
+/// The files named as meshes in a folder and in those below it, by name. Left out are hidden ones, and links to folders,
+/// which may lead back to one above them. A folder that cannot be listed, or without any mesh, stands there as a problem.
+std::vector<ListedMesh> meshes_below(const std::string& folder);
 
 struct MeshListArguments {
     std::vector<std::string> given;  ///< as typed
@@ -41,17 +56,9 @@ public:
     [[nodiscard]] std::optional<Failure> for_each(Interrupt& interrupt, const Use& use, const Refuse& refuse) const;
 
 private:
-    struct Entry {
-        std::string path;
-        std::string problem;  ///< why there is nothing to read, if so
-    };
-
-    void add_folder(const std::string& path);
-    void add_contents(const std::string& folder);
-
     MeshArguments each_;
     bool several_;
-    std::vector<Entry> entries_;
+    std::vector<ListedMesh> meshes_;
 };
 
 }  // namespace lamella::cli

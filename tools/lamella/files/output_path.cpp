@@ -9,7 +9,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "files/standard_streams.hpp"
+#include "files/streams.hpp"
 #include "terminal/failure.hpp"
 
 namespace lamella::cli {

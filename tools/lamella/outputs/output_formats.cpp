@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "files/mesh_input.hpp"
-#include "files/standard_streams.hpp"
+#include "files/streams.hpp"
 #include "terminal/failure.hpp"
 
 namespace lamella::cli {

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -101,12 +102,6 @@ pid_t spawn(const ToolCall& call, int input, int output) {
 }
 
 }  // namespace
-
-Descriptor::~Descriptor() {
-    if (number_ >= 0) {
-        ::close(number_);
-    }
-}
 
 ToolProcess::Pipe ToolProcess::Pipe::make() {
     std::array<int, 2> ends{};

@@ -11,10 +11,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <sys/types.h>
+
+#include "files/streams.hpp"
 
 namespace lamella::cli {
 
@@ -30,25 +31,6 @@ struct ProcessEnd {
     int exit_status = 0;
     int signal_number = 0;         ///< by which it was ended; 0: it ended by itself
     std::uint64_t peak_bytes = 0;  ///< of memory; 0: not known
-};
-
-/// A descriptor of the system that is closed with this.
-class Descriptor {
-public:
-    explicit Descriptor(int number) noexcept : number_(number) {}
-    Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-    Descriptor& operator=(Descriptor&& other) noexcept {
-        std::swap(number_, other.number_);
-        return *this;
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    ~Descriptor();
-
-    int number() const noexcept { return number_; }
-
-private:
-    int number_;
 };
 
 /// Its standard input is a pipe that ends with this process, and the tool with it (see worker_side.hpp). It is in a process

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <system_error>
 #include <variant>
 
 #include "files/mesh_input.hpp"
 #include "files/scale_words.hpp"
-#include "files/standard_streams.hpp"
+#include "files/streams.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli {
@@ -175,15 +174,6 @@ std::string open_line(const OpenLayers& open) {
     return open.layers > 0 ? "open      " + describe(open, "--close-gaps ") + "\n" : std::string();
 }
 
-std::string hash_line(const ToolRun& run) {
-    if (!run.hash) {
-        return {};
-    }
-    char text[17];
-    (void)std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(*run.hash));
-    return "hash      " + std::string(text) + "\n";
-}
-
 std::string volume_line(const VolumeCertificate& volume) {
     if (!volume.applies()) {
         return "volume    " + words_for(volume) + "\n";
@@ -251,7 +241,8 @@ std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh) {
 std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run) {
     const std::string text = mesh_line(result.summary, parts) + planes_line(result) + mending(result, parts, run) +
                              "segments  " + grouped(result.summary.segments) + "\ncontours  " + contour_counts(result, run) +
-                             "\n" + open_line(run.open) + hash_line(run) + findings(parts) +
+                             "\n" + open_line(run.open) +
+                             (run.hash ? "hash      " + hexadecimal(*run.hash) + "\n" : std::string()) + findings(parts) +
                              times(result.summary, *parts.file, run) + "memory    " + file_size_text(run.peak_rss_bytes) +
                              " at the peak\n" + run.ranges;
     return text + wrote(run);

@@ -1,0 +1,91 @@
+#include "batch/batch_progress.hpp"
+
+#include <algorithm>
+
+namespace lamella::cli::batch {
+
+namespace {
+
+constexpr std::chrono::seconds between_lines{30};
+constexpr std::size_t most_listed = 20;  ///< of meshes that failed
+
+/// "35 s", "12 min", "3.4 h"
+std::string duration_text(double seconds) {
+    constexpr double minute = 60;
+    constexpr double hour = 60 * minute;
+    if (seconds < 2 * minute) {
+        return rounded(seconds, seconds < 10 ? 1 : 0) + " s";
+    }
+    return seconds < 2 * hour ? rounded(seconds / minute, 0) + " min" : rounded(seconds / hour, 1) + " h";
+}
+
+/// "1.2 M triangles/s"
+std::string rate_text(double triangles_per_s) {
+    constexpr double million = 1e6;
+    return triangles_per_s >= million ? rounded(triangles_per_s / million, 1) + " M triangles/s"
+                                      : rounded(triangles_per_s / 1e3, 1) + " k triangles/s";
+}
+
+std::string status_text(const BatchCounts& counts, double seconds) {
+    std::string text = grouped(counts.ended()) + " of " + counted(counts.items, "mesh", "meshes");
+    if (counts.triangles > 0) {
+        text += ", " + rate_text(counts.triangles / std::max(seconds, 1e-3));
+    }
+    if (counts.cost > 0 && counts.all_cost > counts.cost) {
+        text += ", " + duration_text(seconds * (counts.all_cost / counts.cost - 1)) + " left";
+    }
+    return counts.failed == 0 ? text : text + ", " + grouped(counts.failed) + " failed";
+}
+
+}  // namespace
+
+BatchProgress::BatchProgress(ProgressBar::When when)
+    : bar_(when),
+      lines_(!bar_.shown() && when != ProgressBar::When::never),
+      next_(Clock::now() + (lines_ ? Clock::duration(between_lines) : Clock::duration(0))) {}
+
+void BatchProgress::show(const BatchCounts& counts) {
+    const Clock::time_point now = Clock::now();
+    if (now < next_ || !(bar_.shown() || lines_)) {
+        return;
+    }
+    next_ = now + (lines_ ? Clock::duration(between_lines) : Clock::duration(std::chrono::milliseconds(200)));
+    const std::string status = status_text(counts, seconds());
+    if (lines_) {
+        complain(status);
+    } else {
+        bar_.show(status, counts.all_cost > 0 ? counts.cost / counts.all_cost : 0);
+    }
+}
+
+void BatchProgress::tell(const std::string& message) {
+    bar_.wipe();
+    complain(message);
+}
+
+std::string batch_summary(const BatchCounts& counts, double seconds, const std::string& results,
+                          const std::vector<FailedItem>& failed) {
+    std::string text = "meshes    " + grouped(counts.items) + ": " + grouped(counts.done) + " done, " +
+                       grouped(counts.unchanged) + " unchanged, " + grouped(counts.failed) + " failed\n";
+    if (counts.triangles > 0) {
+        text += "sliced    " + grouped(static_cast<std::uint64_t>(counts.triangles)) + " triangles in " +
+                duration_text(seconds) + ", " + rate_text(counts.triangles / std::max(seconds, 1e-3)) + "\n";
+    }
+    if (counts.of_older_version > 0) {
+        text += "again     " + counted(counts.of_older_version, "mesh", "meshes") +
+                " that an older version of lamella sliced, whose defaults were others\n";
+    }
+    text += "results   " + printable(results) + "\n";
+    for (std::size_t i = 0; i < std::min(failed.size(), most_listed); ++i) {
+        text += "failed    " + printable(failed[i].mesh) + ": " + printable(failed[i].reason) + "\n";
+    }
+    if (failed.size() > most_listed) {
+        text += "          and " + grouped(failed.size() - most_listed) + " more, which " + printable(results) + " names\n";
+    }
+    if (!failed.empty()) {
+        text += "retry     the same command again slices those that failed, and no other\n";
+    }
+    return text;
+}
+
+}  // namespace lamella::cli::batch

@@ -43,14 +43,7 @@ public:
         : command_(command),
           arguments_(arguments),
           stages_(arguments.progress, arguments.threads, interrupt),
-          job_{.outputs = {},
-               .arguments = arguments.outputs,
-               .parts = {},
-               .image = {},
-               .command = command.get_name(),
-               .inputs = {},
-               .options = {},
-               .finish_streamed = {}} {}
+          job_{.arguments = arguments.outputs, .command = command.get_name()} {}
 
     void run() {
         plan();

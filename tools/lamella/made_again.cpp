@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <fstream>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -187,22 +186,13 @@ void run(const ToolCall& call, const Control& control) {
     }
 }
 
-bool same_bytes(const fs::path& a, const fs::path& b) {
-    std::ifstream first(a, std::ios::binary);
-    std::ifstream second(b, std::ios::binary);
-    if (!first || !second) {
-        return false;
+bool same_bytes(const fs::path& a, const fs::path& b, const Control& control) {
+    const Result<FileSeal> one = seal_file(a, control);
+    const Result<FileSeal> other = seal_file(b, control);
+    if (control.stop.stop_requested()) {
+        throw Failure(bad_input, "cancelled");
     }
-    std::vector<char> one(std::size_t{1} << 18);
-    std::vector<char> other(one.size());
-    do {
-        first.read(one.data(), static_cast<std::streamsize>(one.size()));
-        second.read(other.data(), static_cast<std::streamsize>(other.size()));
-        if (first.gcount() != second.gcount() || !std::equal(one.begin(), one.begin() + first.gcount(), other.begin())) {
-            return false;
-        }
-    } while (first && second);
-    return true;
+    return one && other && one->bytes == other->bytes && one->sha256 == other->sha256;
 }
 
 void compare_records(const Record& record, const Record& again, std::vector<std::string>& found) {
@@ -222,7 +212,7 @@ void compare_records(const Record& record, const Record& again, std::vector<std:
     }
 }
 
-void compare_files(const fs::path& made, const fs::path& output, const std::string& recorded_name,
+void compare_files(const fs::path& made, const fs::path& output, const std::string& recorded_name, const Control& control,
                    std::vector<std::string>& found) {
     for (const auto& entry : fs::directory_iterator(made)) {
         const fs::path name = entry.path().filename();
@@ -234,7 +224,7 @@ void compare_files(const fs::path& made, const fs::path& output, const std::stri
         std::error_code unknown;
         if (!fs::exists(other, unknown)) {
             found.push_back("'" + name.string() + "' beside it is missing");
-        } else if (!same_bytes(entry.path(), other)) {
+        } else if (!same_bytes(entry.path(), other, control)) {
             found.push_back(is_output ? "made again it has other bytes" : "'" + name.string() + "' beside it differs");
         }
     }
@@ -274,7 +264,7 @@ std::vector<std::string> differences_from_remade(const Record& record, const fs:
         }
         std::vector<std::string> found;
         compare_records(record, *again, found);
-        compare_files(made, output, record.output.path, found);
+        compare_files(made, output, record.output.path, control, found);
         std::sort(found.begin(), found.end());
         return found;
     } catch (const fs::filesystem_error& error) {

@@ -33,11 +33,6 @@ struct VerifyArguments {
     int threads = 0;
 };
 
-struct Verdict {
-    ExitStatus status = done;
-    std::string words;
-};
-
 std::string joined(const std::vector<std::string>& lines) {
     std::string all;
     for (const std::string& line : lines) {
@@ -48,10 +43,7 @@ std::string joined(const std::vector<std::string>& lines) {
 
 FileSeal sealed(const fs::path& path, const Control& control) {
     Result<FileSeal> seal = seal_file(path, control);
-    if (!seal) {
-        throw Failure(bad_input, seal.error().message);
-    }
-    return std::move(seal).value();
+    return seal ? std::move(seal).value() : throw Failure(bad_input, seal.error().message);
 }
 
 /// How a file differs from what a record says of it; empty if it does not. Of what came from standard input only the size is
@@ -64,107 +56,23 @@ std::string difference(const FileSeal& recorded, const FileSeal& found) {
     return known && found.sha256 != recorded.sha256 ? "its SHA-256 is not that of its record" : "";
 }
 
-/// What a record must be before any of it is used.
-void require_sensible(const Record& record) {
-    const fs::path name(record.output.path);
-    if (record.output.path.empty() || name.filename() != name || record.output.path == "." || record.output.path == "..") {
-        throw Failure(bad_input, "its record names the output '" + record.output.path + "'");
+/// A record of which what follows can be used. Throws Failure (bad_input).
+Record record_at(const fs::path& path) {
+    Result<Record> record = read_record(path);
+    if (!record) {
+        throw Failure(bad_input, record.error().message);
     }
+    const fs::path name(record->output.path);
+    if (name.empty() || name.filename() != name || name == "." || name == "..") {
+        throw Failure(bad_input, "its record names the output '" + name.string() + "'");
+    }
+    return std::move(record).value();
 }
-
-class Verifier {
-public:
-    Verifier(const VerifyArguments& arguments, const Control& control) : arguments_(arguments), control_(control) {}
-
-    /// `output` lies beside its record, `record_path`.
-    Verdict verify(const fs::path& output, const fs::path& record_path) const {
-        try {
-            return checked(output, record_path);
-        } catch (const Failure& failure) {
-            if (control_.stop.stop_requested()) {
-                throw;
-            }
-            return {bad_input, std::string("not verified: ") + failure.what()};
-        }
-    }
-
-private:
-    Verdict checked(const fs::path& output, const fs::path& record_path) const {
-        const Result<Record> record = read_record(record_path);
-        if (!record) {
-            throw Failure(bad_input, record.error().message);
-        }
-        require_sensible(*record);
-        std::vector<std::string> found;
-        if (std::string own = difference(record->output, sealed(output, control_)); !own.empty()) {
-            found.push_back(std::move(own));
-        }
-        const bool slicing = arguments_.inputs || !arguments_.meshes.empty();
-        if (slicing) {
-            const std::vector<fs::path> inputs = inputs_of(*record, record_path);
-            const std::size_t before = found.size();
-            compare_inputs(*record, inputs, found);
-            if (found.size() == before) {
-                const std::vector<std::string> more = verify::differences_from_remade(*record, output, inputs, control_);
-                found.insert(found.end(), more.begin(), more.end());
-            }
-        }
-        if (found.empty()) {
-            return {done, slicing ? "as recorded, and so are its inputs; equal when made again" : "as recorded"};
-        }
-        return {some_failed, "differs: " + joined(found) + other_version(*record)};
-    }
-
-    static std::string made_of(const Record& record, std::size_t parts) {
-        return record.command == "slice" ? counted(parts, "mesh", "meshes") : counted(parts, "archive");
-    }
-
-    static std::string other_version(const Record& record) {
-        return record.version == version ? "" : " (it was made by lamella " + record.version + ", this is " + version + ")";
-    }
-
-    void compare_inputs(const Record& record, const std::vector<fs::path>& inputs, std::vector<std::string>& found) const {
-        for (std::size_t i = 0; i < inputs.size(); ++i) {
-            const std::string what = difference(record.inputs[i], sealed(inputs[i], control_));
-            if (!what.empty()) {
-                found.push_back("the input '" + inputs[i].string() + "': " + what);
-            }
-        }
-    }
-
-    /// The meshes given in place of those in the record; else each where its path leads from here or from the record.
-    std::vector<fs::path> inputs_of(const Record& record, const fs::path& record_path) const {
-        const std::size_t parts = verify::count_of_parts(record);
-        if (!arguments_.meshes.empty() && arguments_.meshes.size() != parts) {
-            throw Failure(bad_input, "it was made of " + made_of(record, parts) + ", and --mesh gives " +
-                                         std::to_string(arguments_.meshes.size()));
-        }
-        std::vector<fs::path> inputs;
-        for (std::size_t i = 0; i < record.inputs.size(); ++i) {
-            if (i < parts && !arguments_.meshes.empty()) {
-                inputs.push_back(fs::absolute(arguments_.meshes[i]));
-                continue;
-            }
-            const std::string& path = record.inputs[i].path;
-            if (is_standard(path)) {
-                throw Failure(bad_input, "its mesh came from standard input: give it with --mesh");
-            }
-            std::error_code unknown;
-            const fs::path beside = record_path.parent_path() / path;
-            inputs.push_back(
-                fs::absolute(fs::exists(path, unknown) || !fs::exists(beside, unknown) ? fs::path(path) : beside));
-        }
-        return inputs;
-    }
-
-    const VerifyArguments& arguments_;
-    Control control_;
-};
 
 class VerifyCommand {
 public:
     VerifyCommand(const VerifyArguments& arguments, Interrupt& interrupt)
-        : arguments_(arguments), verifier_(arguments, {.threads = arguments.threads, .stop = interrupt.defer()}) {}
+        : arguments_(arguments), control_{.threads = arguments.threads, .stop = interrupt.defer()} {}
 
     void run() {
         for (const std::string& given : arguments_.given) {
@@ -189,15 +97,32 @@ public:
 private:
     std::string of_all(std::size_t count) const { return std::to_string(count) + " of " + counted(all_, "output"); }
 
-    void say(const std::string& name, const Verdict& verdict) {
+    void say(const std::string& name, const std::string& words) {
         ++all_;
-        differing_ += verdict.status == some_failed ? 1 : 0;
-        unread_ += verdict.status == bad_input ? 1 : 0;
-        print(printable(name + ": " + verdict.words) + "\n");
+        print(printable(name + ": " + words) + "\n");
     }
 
-    void verify_output(const std::string& output, const std::string& record) {
-        say(output, verifier_.verify(output, record));
+    void say_unread(const std::string& name, const std::string& reason) {
+        ++unread_;
+        say(name, "not verified: " + reason);
+    }
+
+    /// `output` lies beside its record, `record_path`.
+    void verify_output(const fs::path& output, const fs::path& record_path) {
+        try {
+            const Record record = record_at(record_path);
+            const std::vector<std::string> found = differences(record, output, record_path);
+            if (found.empty()) {
+                return say(output, remakes() ? "as recorded, and so are its inputs; equal when made again" : "as recorded");
+            }
+            ++differing_;
+            say(output, "differs: " + joined(found) + other_version(record));
+        } catch (const Failure& failure) {
+            if (control_.stop.stop_requested()) {
+                throw;
+            }
+            say_unread(output, failure.what());
+        }
     }
 
     /// The output that the record names, or if that is not there the one that has the record's name.
@@ -207,7 +132,7 @@ private:
         std::error_code unknown;
         const fs::path named = record ? by_name.parent_path() / record->output.path : by_name;
         const bool renamed = fs::exists(by_name, unknown) || !fs::exists(named, unknown);
-        verify_output((renamed ? by_name : named).string(), path);
+        verify_output(renamed ? by_name : named, path);
     }
 
     void verify_folder(const std::string& folder) {
@@ -221,7 +146,7 @@ private:
             }
         }
         if (problem || records.empty()) {
-            say(folder, {bad_input, "not verified: " + (problem ? problem.message() : "no records in the folder")});
+            say_unread(folder, problem ? problem.message() : "no records in the folder");
         }
         std::sort(records.begin(), records.end());
         for (const std::string& record : records) {
@@ -229,8 +154,64 @@ private:
         }
     }
 
+    bool remakes() const noexcept { return arguments_.inputs || !arguments_.meshes.empty(); }
+
+    std::vector<std::string> differences(const Record& record, const fs::path& output, const fs::path& record_path) const {
+        std::vector<std::string> found;
+        if (std::string own = difference(record.output, sealed(output, control_)); !own.empty()) {
+            found.push_back(std::move(own));
+        }
+        if (!remakes()) {
+            return found;
+        }
+        const std::vector<fs::path> inputs = inputs_of(record, record_path);
+        const std::size_t before = found.size();
+        for (std::size_t i = 0; i < inputs.size(); ++i) {
+            const std::string what = difference(record.inputs[i], sealed(inputs[i], control_));
+            if (!what.empty()) {
+                found.push_back("the input '" + inputs[i].string() + "': " + what);
+            }
+        }
+        if (found.size() == before) {
+            const std::vector<std::string> more = verify::differences_from_remade(record, output, inputs, control_);
+            found.insert(found.end(), more.begin(), more.end());
+        }
+        return found;
+    }
+
+    static std::string other_version(const Record& record) {
+        return record.version == version ? "" : " (it was made by lamella " + record.version + ", this is " + version + ")";
+    }
+
+    /// The meshes given in place of those in the record; else each where its path leads from here or from the record.
+    std::vector<fs::path> inputs_of(const Record& record, const fs::path& record_path) const {
+        const std::size_t parts = verify::count_of_parts(record);
+        if (!arguments_.meshes.empty() && arguments_.meshes.size() != parts) {
+            const std::string made_of =
+                record.command == "slice" ? counted(parts, "mesh", "meshes") : counted(parts, "archive");
+            throw Failure(bad_input,
+                          "it was made of " + made_of + ", and --mesh gives " + std::to_string(arguments_.meshes.size()));
+        }
+        std::vector<fs::path> inputs;
+        for (std::size_t i = 0; i < record.inputs.size(); ++i) {
+            if (i < parts && !arguments_.meshes.empty()) {
+                inputs.push_back(fs::absolute(arguments_.meshes[i]));
+                continue;
+            }
+            const std::string& path = record.inputs[i].path;
+            if (is_standard(path)) {
+                throw Failure(bad_input, "its mesh came from standard input: give it with --mesh");
+            }
+            std::error_code unknown;
+            const fs::path beside = record_path.parent_path() / path;
+            inputs.push_back(
+                fs::absolute(fs::exists(path, unknown) || !fs::exists(beside, unknown) ? fs::path(path) : beside));
+        }
+        return inputs;
+    }
+
     const VerifyArguments& arguments_;
-    Verifier verifier_;
+    Control control_;
     std::size_t all_ = 0;
     std::size_t differing_ = 0;
     std::size_t unread_ = 0;

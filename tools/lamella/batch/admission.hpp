@@ -1,14 +1,32 @@
-// Which item starts next, and with how many threads: the largest first, as long as threads and memory last.
+// Which item starts next, and with how many threads: the largest first, as long as threads and memory last. For that, what
+// the machine grants this process, and how much of it slicing a file takes.
+//
+// Peak resident sizes by format were measured with bench/scripts/batch_memory.py; bench/README.md has the table.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "batch/resources.hpp"
-
 namespace lamella::cli::batch {
+
+/// Processors: the lesser of what the machine has and what this process's control group grants.
+int usable_threads();
+
+/// Three quarters of the memory that they have, or what is free if that is less.
+std::uint64_t usable_memory();
+
+struct MeshEstimate {
+    double triangles = 0;
+    double bytes = 0;  ///< of memory
+};
+
+inline constexpr double process_bytes = 16e6;  ///< that slicing the smallest mesh takes
+
+/// Of the file's first bytes and its size; O(1). A file that cannot be read is estimated as empty.
+MeshEstimate estimate_mesh(const std::string& path, std::uint64_t file_bytes);
 
 struct Admitted {
     std::size_t item = 0;
@@ -31,11 +49,9 @@ public:
     std::optional<Admitted> next();
     void ended(std::size_t item, std::uint64_t peak_bytes);
 
-    bool empty() const noexcept { return waiting_.empty(); }
     /// Whether the item takes more than all of the memory.
     bool is_too_large(std::size_t item) const { return need_of(item) > memory_; }
     double need_of(std::size_t item) const;
-    double triangles_of(std::size_t item) const { return entries_[item].estimate.triangles; }
 
 private:
     struct Entry {

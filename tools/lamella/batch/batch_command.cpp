@@ -7,11 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "batch/admission.hpp"
 #include "batch/batch_run.hpp"
-#include "batch/ledger.hpp"
-#include "batch/manifest.hpp"
 #include "batch/plan.hpp"
-#include "batch/resources.hpp"
+#include "batch/results.hpp"
 #include "commands.hpp"
 #include "outputs/image_arguments.hpp"
 #include "slice/slice_arguments.hpp"

@@ -16,7 +16,7 @@
 
 #include "batch/admission.hpp"
 #include "batch/batch_progress.hpp"
-#include "batch/result_line.hpp"
+#include "batch/results.hpp"
 #include "files/mesh_list.hpp"
 #include "processes/worker_pool.hpp"
 #include "terminal/failure.hpp"
@@ -49,11 +49,6 @@ void make_folder_of(const std::string& path) {
     }
 }
 
-LedgerName in_made_folder(const LedgerName& name) {
-    make_folder_of(name.path());
-    return name;
-}
-
 struct AsideName {
     std::string target;
     std::string process;
@@ -62,19 +57,20 @@ struct AsideName {
 /// Of ".NAME.PID-TIME.part", as io/write/output_file.cpp names files that are being written; none of any other name.
 std::optional<AsideName> parse_aside(std::string_view name) {
     constexpr std::string_view end = ".part";
-    constexpr std::string_view digits = "0123456789";
-    if (!name.starts_with('.') || !name.ends_with(end) || name.size() <= end.size() + 1) {
+    if (!name.starts_with('.') || !name.ends_with(end)) {
         return std::nullopt;
     }
-    const std::string_view rest = name.substr(1, name.size() - 1 - end.size());
-    const std::size_t dot = std::min(rest.rfind('.'), rest.size());
-    const std::string_view numbers = rest.substr(std::min(dot + 1, rest.size()));
-    const std::size_t dash = std::min(numbers.find('-'), numbers.size());
-    const bool are_numbers = dash > 0 && dash + 1 < numbers.size() && numbers.find_first_not_of(digits) == dash &&
-                             numbers.find_first_not_of(digits, dash + 1) == std::string_view::npos;
-    return are_numbers && dot > 0
-               ? std::optional<AsideName>({std::string(rest.substr(0, dot)), std::string(numbers.substr(0, dash))})
-               : std::nullopt;
+    const std::string_view rest = name.substr(1, std::max(name.size(), end.size() + 1) - end.size() - 1);
+    const std::size_t dot = rest.rfind('.');
+    const std::size_t dash = rest.find('-', std::min(dot, rest.size()));
+    const auto is_number = [](std::string_view text) {
+        return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+    };
+    if (dash == std::string_view::npos || dot == 0 || !is_number(rest.substr(dot + 1, dash - dot - 1)) ||
+        !is_number(rest.substr(dash + 1))) {
+        return std::nullopt;
+    }
+    return AsideName{std::string(rest.substr(0, dot)), std::string(rest.substr(dot + 1, dash - dot - 1))};
 }
 
 /// Whether another process of this number runs this program.
@@ -123,7 +119,7 @@ public:
           options_(options),
           interrupt_(interrupt),
           stop_(interrupt.defer()),
-          ledger_(in_made_folder(name)),
+          ledger_(name),
           admission_(options.jobs, options.memory_bytes),
           progress_(options.progress),
           attempts_(items_.size()),
@@ -183,14 +179,9 @@ private:
         Item& item = items_[i];
         const ResultLine* const line = ledger_.find(item.key());
         const bool by_content = line != nullptr && !line->inputs.empty() && !line->inputs.front().sha256.empty();
-        try {
-            item.inputs.push_back(fact_of(item.mesh, options_.hash || by_content, stop_));
-            for (const std::string& path : item.option_files) {
-                item.inputs.push_back(fact_of(path, options_.hash || by_content, stop_));
-            }
-        } catch (const Failure&) {
-            stop_if_asked();
-            throw;
+        item.inputs.push_back(fact_of(item.mesh, options_.hash || by_content, stop_));
+        for (const std::string& path : item.option_files) {
+            item.inputs.push_back(fact_of(path, options_.hash || by_content, stop_));
         }
         if (options_.force || line == nullptr) {
             return false;
@@ -304,11 +295,10 @@ private:
         }
     }
 
-    void stop_if_asked() {
+    /// The pool ends its processes as this ends.
+    void stop_if_asked() const {
         if (stop_.stop_requested()) {
-            progress_.wipe();
-            pool_.end_all();
-            interrupt_.die_if_interrupted();
+            throw Failure(bad_input, "cancelled");
         }
     }
 

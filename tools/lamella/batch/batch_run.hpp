@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "batch/ledger.hpp"
 #include "batch/plan.hpp"
+#include "batch/results.hpp"
 #include "terminal/console.hpp"
 #include "terminal/interrupt.hpp"
 

@@ -1,4 +1,4 @@
-#include "batch/ledger.hpp"
+#include "batch/results.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -45,6 +45,8 @@ void sync_folder(const std::string& folder) noexcept {
 }
 
 Descriptor open_locked(const std::string& path) {
+    std::error_code problem;  // shows when the file is opened
+    std::filesystem::create_directories(std::filesystem::path(path).parent_path(), problem);
     Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
     if (file.number() < 0) {
         throw unwritable_results(path, errno);

@@ -1,4 +1,4 @@
-#include "batch/manifest.hpp"
+#include "batch/plan.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -53,6 +53,12 @@ struct CsvRow {
     std::size_t line = 0;  ///< where the row begins, from 1
 };
 
+/// Whether nothing stands in the cells from `begin` on, as in columns at the end that a spreadsheet left empty.
+bool are_empty(const CsvRow& row, std::size_t begin) {
+    return std::all_of(row.cells.begin() + static_cast<std::ptrdiff_t>(begin), row.cells.end(),
+                       [](const std::string& cell) { return cell.empty(); });
+}
+
 /// CSV as RFC 4180 has it, or with another separator in place of commas: quoted cells that may hold commas, quotes ("") and
 /// line ends; LF or CRLF.
 class CsvReader {
@@ -65,7 +71,7 @@ public:
         std::vector<CsvRow> rows;
         while (at_ < text_.size()) {
             CsvRow row = next_row();
-            if (!std::all_of(row.cells.begin(), row.cells.end(), [](const std::string& cell) { return cell.empty(); })) {
+            if (!are_empty(row, 0)) {
                 rows.push_back(std::move(row));
             }
         }
@@ -126,7 +132,7 @@ class ManifestReader {
 public:
     ManifestReader(std::string path, const SliceWords& words) : path_(std::move(path)), words_(words) {}
 
-    std::vector<ManifestRow> rows() {
+    std::vector<MeshSource> rows() {
         const std::string text = read_text(path_);
         path_.ends_with(".csv") ? read_csv(text) : read_lines(text);
         if (rows_.empty()) {
@@ -152,9 +158,7 @@ private:
         return name;
     }
 
-    void begin_row(std::size_t line) {
-        rows_.push_back({.path = {}, .values = {}, .place = path_ + ":" + std::to_string(line)});
-    }
+    void begin_row(std::size_t line) { rows_.push_back({"", "", {}, path_ + ":" + std::to_string(line)}); }
 
     void end_row(std::size_t line) const {
         if (rows_.back().path.empty()) {
@@ -181,7 +185,7 @@ private:
     }
 
     void set(const std::string& name, std::vector<std::string> values, std::size_t line) {
-        ManifestRow& row = rows_.back();
+        MeshSource& row = rows_.back();
         if (name.empty()) {
             row.path = values.front();
             return;
@@ -240,12 +244,6 @@ private:
             throw at(row.line, "no column is named path");
         }
         return columns;
-    }
-
-    /// Whether nothing stands in the cells from `begin` on, as in columns at the end that a spreadsheet left empty.
-    static bool are_empty(const CsvRow& row, std::size_t begin) {
-        return std::all_of(row.cells.begin() + static_cast<std::ptrdiff_t>(begin), row.cells.end(),
-                           [](const std::string& cell) { return cell.empty(); });
     }
 
     void read_lines(const std::string& text) {
@@ -317,7 +315,7 @@ private:
     std::string path_;
     const SliceWords& words_;
     char separator_ = ',';
-    std::vector<ManifestRow> rows_;
+    std::vector<MeshSource> rows_;
 };
 
 }  // namespace
@@ -326,7 +324,7 @@ bool is_named_as_manifest(const std::string& path) {
     return path.ends_with(".csv") || path.ends_with(".jsonl");
 }
 
-std::vector<ManifestRow> read_manifest(const std::string& path, const SliceWords& words) {
+std::vector<MeshSource> read_manifest(const std::string& path, const SliceWords& words) {
     return ManifestReader(path, words).rows();
 }
 

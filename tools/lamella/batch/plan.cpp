@@ -11,7 +11,6 @@
 
 #include <glob.h>
 
-#include "batch/manifest.hpp"
 #include "files/mesh_list.hpp"
 #include "files/output_path.hpp"
 #include "files/streams.hpp"
@@ -52,9 +51,8 @@ void add_sources(const std::string& path, const SliceWords& words, std::vector<M
             sources.push_back({mesh.path, mesh.folder, {}, ""});
         }
     } else if (is_named_as_manifest(path)) {
-        for (ManifestRow& row : read_manifest(path, words)) {
-            sources.push_back({std::move(row.path), "", std::move(row.values), std::move(row.place)});
-        }
+        const std::vector<MeshSource> rows = read_manifest(path, words);
+        sources.insert(sources.end(), rows.begin(), rows.end());
     } else {
         sources.push_back({path, "", {}, ""});
     }

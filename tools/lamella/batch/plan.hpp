@@ -2,13 +2,44 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "batch/slice_words.hpp"
+#include <CLI/CLI.hpp>
 
 namespace lamella::cli::batch {
+
+/// Values by the option's name with its dashes, "--layer-height"; a flag has the value "true".
+using OptionValues = std::map<std::string, std::vector<std::string>>;
+
+/// The options of `lamella slice` by name, as a batch passes them on: which there are, which values they take, and whether
+/// they go together.
+class SliceWords {
+public:
+    SliceWords();
+
+    /// The name with dashes of an option that an item may have: of "layer-height", "layer_height" or "--layer-height". Empty
+    /// if there is none of that name.
+    std::string name_of(const std::string& text) const;
+    /// As slice declares it.
+    const CLI::Option& option(const std::string& name) const { return *prototype_.get_option(name); }
+    /// The options that slice does not take together with --memory, as they need the whole mesh.
+    std::vector<std::string> names_without_memory() const;
+
+    /// What was typed for `command`, which has the options of slice and more.
+    OptionValues typed(const CLI::App& command) const;
+
+    /// "--layer-height=0.5", in the order of `lamella slice --help`.
+    std::vector<std::string> words(const OptionValues& values) const;
+
+    /// Throws Failure (bad_usage) if slice would refuse these options.
+    void require_accepted(const OptionValues& values) const;
+
+private:
+    CLI::App prototype_;
+};
 
 struct MeshSource {
     std::string path;
@@ -16,6 +47,21 @@ struct MeshSource {
     OptionValues values;  ///< of a manifest
     std::string place;    ///< FILE:LINE of a manifest, else empty
 };
+
+/// Whether a file's name ends in .csv or .jsonl.
+bool is_named_as_manifest(const std::string& path);
+
+/// A list of meshes with options for each: CSV with a line of names, or JSON Lines.
+///
+///     path,layer-height,like            {"path": "liver.stl", "layer-height": 0.5, "like": "ct.nii.gz"}
+///     liver.stl,0.5,ct.nii.gz           {"path": "skull.stl", "spacing": [1, 1, 2], "coverage": true}
+///     skull.stl,,
+///
+/// The names may be separated by semicolons or tabs; then so is the rest, and one number may have a decimal comma: 0,5. An
+/// empty cell or null leaves the option as the command line has it. Paths are relative to the current folder, as on the
+/// command line. Throws Failure naming the file and the line: of what cannot be read, and of names that are no option of
+/// slice.
+std::vector<MeshSource> read_manifest(const std::string& path, const SliceWords& words);
 
 /// What SOURCE... stands for, files, folders, globs and manifests, in the order of the sources; a folder's in the order of
 /// names, folders in it included. Throws Failure: of a folder that cannot be listed, of a folder or glob without meshes, of

@@ -1,4 +1,4 @@
-#include "batch/result_line.hpp"
+#include "batch/results.hpp"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,10 +1,10 @@
-#include "batch/slice_words.hpp"
+#include "batch/plan.hpp"
 
 #include <algorithm>
 
+#include "outputs/output_checks.hpp"
 #include "outputs/output_formats.hpp"
 #include "outputs/recorded_options.hpp"
-#include "outputs/output_checks.hpp"
 #include "slice/slice_arguments.hpp"
 #include "terminal/failure.hpp"
 

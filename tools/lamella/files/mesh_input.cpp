@@ -80,14 +80,6 @@ std::string mesh_help(const std::string& what) {
     return what + ": " + mesh_formats();
 }
 
-void declare_mesh(CLI::App& command, MeshArguments& arguments) {
-    command.add_option("mesh", arguments.mesh, mesh_help("Mesh file, or - for standard input"))
-        ->required()
-        ->type_name("MESH|-")
-        ->check(given_path);
-    declare_reading(command, arguments);
-}
-
 void declare_reading(CLI::App& command, MeshArguments& arguments) {
     command.add_option("--unit", arguments.unit, "Unit of meshes that do not state one (default mm)")
         ->type_name("mm|um|cm|m|in|ft|MM")

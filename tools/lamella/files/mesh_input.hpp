@@ -30,9 +30,7 @@ std::string given_path(const std::string& path);
 /// Transforms a word of a list to lower case, as it is listed; records hold it so.
 std::string lower_case(std::string word);
 
-/// Declares the mesh, --unit, --grid and --threads on `command`, to be stored in `arguments`.
-void declare_mesh(CLI::App& command, MeshArguments& arguments);
-/// The same without the mesh.
+/// Declares --unit, --grid and --threads on `command`, to be stored in `arguments`.
 void declare_reading(CLI::App& command, MeshArguments& arguments);
 
 /// --threads alone.

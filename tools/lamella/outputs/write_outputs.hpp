@@ -32,15 +32,15 @@ struct SlicedPart {
 
 /// All that is written at the end of a command.
 struct OutputJob {
-    std::vector<PlannedOutput> outputs;
+    std::vector<PlannedOutput> outputs{};
     const OutputArguments& arguments;
-    std::vector<SlicedPart> parts;
-    std::optional<ImageGeometry> image;
+    std::vector<SlicedPart> parts{};
+    std::optional<ImageGeometry> image{};
     int subslices = 1;
     std::string command;  ///< for the records, as what follows
-    std::vector<FileSeal> inputs;
-    std::vector<RecordedOption> options;
-    std::function<void()> finish_streamed;  ///< puts in place what was written while the mesh was sliced; else empty
+    std::vector<FileSeal> inputs{};
+    std::vector<RecordedOption> options{};
+    std::function<void()> finish_streamed{};  ///< puts in place what was written while the mesh was sliced; else empty
 };
 
 struct WrittenOutputs {

@@ -49,10 +49,6 @@ std::uint64_t kills_without_memory() {
 
 WorkerPool::WorkerPool(double timeout_s) : timeout_s_(timeout_s), kills_without_memory_(kills_without_memory()) {}
 
-WorkerPool::~WorkerPool() {
-    end_all();
-}
-
 void WorkerPool::start(std::size_t item, const ToolCall& call) {
     const auto deadline =
         timeout_s_ > 0
@@ -124,7 +120,7 @@ WorkerEnd WorkerPool::end_of(Worker& worker) {
     return end;
 }
 
-void WorkerPool::end_all() noexcept {
+WorkerPool::~WorkerPool() {
     for (Worker& worker : workers_) {
         worker.deadline = Clock::now();
     }

@@ -27,7 +27,7 @@ class WorkerPool {
 public:
     /// `timeout_s` 0: none.
     explicit WorkerPool(double timeout_s);
-    /// Ends and awaits all processes.
+    /// Asks all processes to end, which removes what they have half written, kills those that do not, and awaits all.
     ~WorkerPool();
     WorkerPool(const WorkerPool&) = delete;
     WorkerPool& operator=(const WorkerPool&) = delete;
@@ -37,9 +37,6 @@ public:
 
     /// Waits so long for a process to end, and ends those that take too long.
     std::vector<WorkerEnd> wait(std::chrono::milliseconds longest);
-
-    /// Asks all processes to end, which removes what they have half written, and kills those that do not.
-    void end_all() noexcept;
 
     std::size_t running() const noexcept { return workers_.size(); }
 

@@ -34,14 +34,7 @@ public:
         : command_(command),
           arguments_(arguments),
           stages_(arguments.progress, arguments.threads, interrupt),
-          job_{.outputs = plan_slice_outputs(arguments),
-               .arguments = arguments_.outputs,
-               .parts = {},
-               .image = {},
-               .command = command.get_name(),
-               .inputs = {},
-               .options = {},
-               .finish_streamed = {}} {}
+          job_{.outputs = plan_slice_outputs(arguments), .arguments = arguments_.outputs, .command = command.get_name()} {}
 
     void run() {
         stages_.interrupt().tidy(files_to_write(arguments_, job_.outputs));

@@ -74,8 +74,7 @@ ImageGeometry image_around(const std::vector<MeshFile>& files, const SliceArgume
 }
 
 /// What the library says of a mesh, after the mesh's name; of an option its message says all.
-Failure failure_of_mesh(const Error& error, const SliceArguments& arguments, Stages& stages) {
-    stages.interrupt().die_if_interrupted();
+Failure failure_of_mesh(const Error& error, const SliceArguments& arguments) {
     const Failure failure = failure_of(error);
     return failure.status() == bad_input && arguments.memory.empty()
                ? Failure(bad_input, arguments.name() + ": " + error.message)
@@ -162,7 +161,6 @@ MendedMesh mend_mesh(const MeshFile& mesh, const SliceArguments& arguments, Stag
         });
         run.weld_ms = watch.ms();
         if (!welded) {
-            stages.interrupt().die_if_interrupted();
             throw Failure(failure_of(welded.error()).status(), arguments.name() + ": " + welded.error().message);
         }
         mended.welded = std::move(welded).value();
@@ -173,7 +171,7 @@ MendedMesh mend_mesh(const MeshFile& mesh, const SliceArguments& arguments, Stag
                                  {.mm_per_unit = mesh.mm_per_unit, .control = control});
         });
         if (!oriented) {
-            throw failure_of_mesh(oriented.error(), arguments, stages);
+            throw failure_of_mesh(oriented.error(), arguments);
         }
         mended.oriented = std::move(oriented).value();
         run.shells = mended.oriented->shells;
@@ -197,7 +195,7 @@ SliceResult cut_mesh(const MeshFile& mesh, const MendedMesh& mended, SliceOption
                                      " mm leaves nothing: " + result.error().message);
     }
     if (!result) {
-        throw failure_of_mesh(result.error(), arguments, stages);
+        throw failure_of_mesh(result.error(), arguments);
     }
     if (arguments.hash && !in_ranges) {
         run.hash = hash_result(*result);

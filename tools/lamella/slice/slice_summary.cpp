@@ -131,27 +131,27 @@ std::string mending(const SliceResult& result, const ReportParts& parts, const T
 }
 
 std::string times(const SliceSummary& summary, const MeshFile& mesh, const ToolRun& run) {
+    struct Time {
+        const char* what;
+        double ms;
+        bool always = false;
+    };
     std::string text = "time      " + rounded(run.total_ms, 1) + " ms: read " + rounded(mesh.read_ms, 1);
-    if (mesh.parse_ms > 0) {
-        text += ", parse " + rounded(mesh.parse_ms, 1);
-    }
-    if (run.weld_ms > 0) {
-        text += ", weld " + rounded(run.weld_ms, 1);
-    }
-    text += ", bucket " + rounded(summary.ms.bucket, 1) + ", sweep " + rounded(summary.ms.sweep, 1) + ", contours " +
-            rounded(summary.ms.contours, 1) + ", nesting " + rounded(summary.ms.nesting, 1);
-    if (summary.ms.fill > 0) {
-        text += ", fill " + rounded(summary.ms.fill, 1);
-    }
-    if (run.write_ms > 0) {
-        text += ", write " + rounded(run.write_ms, 1);
-    }
-    if (run.ledger_ms > 0) {
-        text += ", ledger " + rounded(run.ledger_ms, 1) + ", certificate " + rounded(run.certificate_ms, 1) +
-                ", crossings " + rounded(run.crossings_ms, 1);
-    }
-    if (run.report_ms > 0) {
-        text += ", report " + rounded(run.report_ms, 1);
+    for (const auto& [what, ms, always] : {Time{"parse", mesh.parse_ms},
+                                           {"weld", run.weld_ms},
+                                           {"bucket", summary.ms.bucket, true},
+                                           {"sweep", summary.ms.sweep, true},
+                                           {"contours", summary.ms.contours, true},
+                                           {"nesting", summary.ms.nesting, true},
+                                           {"fill", summary.ms.fill},
+                                           {"write", run.write_ms},
+                                           {"ledger", run.ledger_ms},
+                                           {"certificate", run.certificate_ms},
+                                           {"crossings", run.crossings_ms},
+                                           {"report", run.report_ms}}) {
+        if (always || ms > 0) {
+            text += std::string(", ") + what + " " + rounded(ms, 1);
+        }
     }
     return text + " (" + counted(static_cast<std::uint64_t>(summary.threads), "thread") + ", " +
            counted(summary.bands, "band") + ")\n";

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "files/mesh_list.hpp"
+#include "files/mesh_input.hpp"
 #include "files/output_path.hpp"
 #include "files/scale_words.hpp"
 #include "files/streams.hpp"
@@ -74,7 +74,7 @@ std::string point(const std::array<double, 3>& mm) {
     return "(" + exact_text(mm[0]) + ", " + exact_text(mm[1]) + ", " + exact_text(mm[2]) + ")";
 }
 
-/// What is particular to the kind.
+/// Details that only this kind of fault has.
 std::string detail(Fault fault, const FaultPlace& place) {
     switch (fault) {
         case Fault::overfull_balanced:
@@ -251,7 +251,7 @@ private:
         return std::move(result).value();
     }
 
-    /// Of one mesh the words come when the report is written; of several at once, a blank line before each but the first.
+    /// The words of one mesh come when the report is written; of several at once, a blank line before each but the first.
     void add_words(const std::string& words) {
         if (!list_.several()) {
             held_words_ = words;

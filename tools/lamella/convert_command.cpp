@@ -14,7 +14,7 @@
 #include "outputs/output_checks.hpp"
 #include "outputs/recorded_options.hpp"
 #include "outputs/write_outputs.hpp"
-#include "processes/worker_side.hpp"
+#include "processes/workers.hpp"
 #include "slice/slice_arguments.hpp"
 #include "slice/slice_summary.hpp"
 #include "terminal/console.hpp"
@@ -56,21 +56,18 @@ public:
         require_image_outputs_possible();
         require_overlaps();
         job_.options = recorded_options(command_);
-        WrittenOutputs written = stages_.run("writing", [this](const Control& control) {
+        const WrittenOutputs written = stages_.run("writing", [this](const Control& control) {
             return write_outputs(job_, control, [this](const std::string& warning) { stages_.warn(warning); });
         });
-        ToolRun run;
-        run.outputs = std::move(written.paths);
-        const bool to_stdout =
-            std::any_of(arguments_.outputs.outputs.begin(), arguments_.outputs.outputs.end(), is_standard);
-        print_words(wrote(run), to_stdout);
+        const std::vector<std::string>& outputs = arguments_.outputs.outputs;
+        print_words(wrote(written.paths), std::any_of(outputs.begin(), outputs.end(), is_standard));
         if (written.failure) {
             throw Failure(*written.failure);
         }
     }
 
 private:
-    /// What a call on a file gives.
+    /// The value that a call on a file makes.
     template <class Call>
     auto found(const std::string& what, const Call& call) {
         return stages_.done("reading " + printable(what), call);
@@ -82,7 +79,7 @@ private:
             inputs.emplace_back(archive, "the archive");
         }
         const std::size_t meshes = arguments_.archives.size();
-        // Whether there is an image, and how many planes a slice has, the archives say.
+        // The archives say whether there is an image, and how many planes a slice has.
         job_.outputs = plan_outputs(arguments_.outputs, meshes, true, 1, inputs);
         files_ = files_of(job_.outputs, meshes > 1);
         stages_.interrupt().tidy(files_);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <optional>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -11,7 +11,7 @@
 
 #include "files/streams.hpp"
 #include "outputs/recorded_options.hpp"
-#include "processes/worker_pool.hpp"
+#include "processes/workers.hpp"
 #include "slice/slice_arguments.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
@@ -102,29 +102,6 @@ private:
     int elsewhere_ = 0;
 };
 
-/// The reverse of record_words(). Throws Failure (bad_input) unless all words are options of slice that records hold.
-std::vector<RecordedOption> parse_record_words(const std::vector<std::string>& words) {
-    CLI::App slice_command;
-    SliceArguments arguments;
-    declare(slice_command, arguments);
-    std::vector<RecordedOption> options;
-    for (std::size_t i = 0; i < words.size(); ++i) {
-        const std::string& name = words[i];
-        const CLI::Option* const option = name.starts_with("--") ? slice_command.get_option_no_throw(name) : nullptr;
-        if (option == nullptr || !is_recorded(name)) {
-            throw Failure(bad_input, "'" + name + "' is no option that a record holds");
-        }
-        if (is_flag(*option)) {
-            options.push_back({name, std::nullopt});
-        } else if (i + 1 < words.size()) {
-            options.push_back({name, words[++i]});
-        } else {
-            throw Failure(bad_input, "its option " + name + " has no value");
-        }
-    }
-    return options;
-}
-
 /// Refuses what no command of the tool records.
 void require_makeable(const Record& record) {
     if (record.command != "slice" && record.command != "convert" && record.command != "merge") {
@@ -134,6 +111,39 @@ void require_makeable(const Record& record) {
     if (hashes == 0 || record.inputs.size() < count_of_parts(record) || count_of_parts(record) == 0) {
         throw Failure(bad_input, "its record has " + counted(record.inputs.size(), "input") + " and " +
                                      counted(hashes, "hash", "hashes"));
+    }
+}
+
+/// The options of the record, which must be those of slice that records hold. `files` are what they name, in their order.
+/// Throws Failure (bad_input).
+void add_options(const Record& record, std::span<const fs::path> files, InputLayout& layout,
+                 std::vector<std::string>& words) {
+    CLI::App slice_command;
+    SliceArguments arguments;
+    declare(slice_command, arguments);
+    std::size_t file = record.inputs.size() - files.size();
+    for (std::size_t i = 0; i < record.options.size(); ++i) {
+        const std::string& name = record.options[i];
+        const CLI::Option* const option = name.starts_with("--") ? slice_command.get_option_no_throw(name) : nullptr;
+        if (option == nullptr || !is_recorded(name)) {
+            throw Failure(bad_input, "'" + name + "' is no option that a record holds");
+        }
+        if (is_flag(*option)) {
+            words.push_back(name);
+            continue;
+        }
+        if (++i == record.options.size()) {
+            throw Failure(bad_input, "its option " + name + " has no value");
+        }
+        std::string value = record.options[i];
+        if (RecordedOption{name, value}.names_file()) {
+            if (files.empty()) {
+                throw Failure(bad_input, "its record lacks the SHA-256 of " + name + " " + value);
+            }
+            value = layout.add(record.inputs[file++].path, files.front());
+            files = files.subspan(1);
+        }
+        words.push_back(name + "=" + value);
     }
 }
 
@@ -148,22 +158,7 @@ std::vector<std::string> words_for(const Record& record, const std::vector<fs::p
         }
     }
     const std::size_t parts = count_of_parts(record);
-    std::size_t input = parts;  // what options name follows
-    for (const RecordedOption& option : parse_record_words(record.options)) {
-        if (!option.value) {
-            words.push_back(option.name);
-            continue;
-        }
-        std::string value = *option.value;
-        if (option.names_file()) {
-            if (input >= inputs.size()) {
-                throw Failure(bad_input, "its record lacks the SHA-256 of " + option.name + " " + value);
-            }
-            value = layout.add(record.inputs[input].path, inputs[input]);
-            ++input;
-        }
-        words.push_back(option.name + "=" + value);
-    }
+    add_options(record, std::span(inputs).subspan(parts), layout, words);
     for (std::size_t i = 0; i < parts; ++i) {
         words.push_back(layout.add(record.inputs[i].path, inputs[i]));
     }

@@ -20,7 +20,7 @@ namespace lamella::cli {
 
 namespace {
 
-/// What a person must know to type it right next time.
+/// One line that says how to type it right next time.
 std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
     std::string command = "lamella";
     for (const CLI::App* chosen : app.get_subcommands()) {
@@ -32,8 +32,8 @@ std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
            " --help)";
 }
 
-/// What follows the program's name, last word first as CLI11 takes it. To CLI11 "[a,b]" is a list of a and b where several
-/// words are taken; a path it becomes as "./[a,b]".
+/// The words after the program's name, last one first as CLI11 takes them. To CLI11 "[a,b]" is a list of a and b where
+/// several words are taken; a path it becomes as "./[a,b]".
 std::vector<std::string> reversed_words(int count, char** words) {
     std::vector<std::string> reversed;
     for (int i = count - 1; i > 0; --i) {

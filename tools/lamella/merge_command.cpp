@@ -11,7 +11,7 @@
 #include "lamella/medical.hpp"
 #include "outputs/output_formats.hpp"
 #include "outputs/write_outputs.hpp"
-#include "processes/worker_side.hpp"
+#include "processes/workers.hpp"
 #include "slice/slice_arguments.hpp"
 #include "slice/slice_summary.hpp"
 #include "terminal/console.hpp"
@@ -38,10 +38,9 @@ public:
         require_possible();
         const MergedArchive merged = merge();
         record(merged);
-        ToolRun run;
-        run.outputs = {output_.path};
-        print_words(counted(arguments_.parts.size(), "part") + ", " + counted(merged.layers, "layer") + "\n" + wrote(run),
-                    false);
+        print_words(
+            counted(arguments_.parts.size(), "part") + ", " + counted(merged.layers, "layer") + "\n" + wrote({output_.path}),
+            false);
     }
 
 private:

@@ -116,7 +116,7 @@ constexpr std::array<FormatCost, 18> costs = {{
 }};
 constexpr FormatCost text_stl = {".stl", "", 150, 190};
 
-/// Of a file, and of nothing that could keep the batch waiting.
+/// None if it is no file, as a pipe could keep the batch waiting.
 std::string first_bytes(const std::string& path) {
     std::error_code unknown;
     std::string bytes(512, '\0');
@@ -201,7 +201,7 @@ bool Admission::fits(const Entry& entry, double need) const {
     return !alone_runs_ && !entry.alone && used_threads_ < jobs_ && used_bytes_ + need <= memory_;
 }
 
-/// What is left where only few such meshes are left or fit into memory at once; else one for a small mesh.
+/// All that are left where only few such meshes are left or fit into memory at once; else one for a small mesh.
 int Admission::threads_for(const Entry& entry, double need) const {
     if (entry.asked && *entry.asked > 0) {
         return *entry.asked;

@@ -25,7 +25,7 @@ struct MeshEstimate {
 
 inline constexpr double process_bytes = 16e6;  ///< that slicing the smallest mesh takes
 
-/// Of the file's first bytes and its size; O(1). A file that cannot be read is estimated as empty.
+/// Looks at the file's first bytes and its size; O(1). A file that cannot be read is estimated as empty.
 MeshEstimate estimate_mesh(const std::string& path, std::uint64_t file_bytes);
 
 struct Admitted {
@@ -49,7 +49,7 @@ public:
     std::optional<Admitted> next();
     void ended(std::size_t item, std::uint64_t peak_bytes);
 
-    /// Whether the item takes more than all of the memory.
+    /// True if the item takes more than all of the memory.
     bool is_too_large(std::size_t item) const { return need_of(item) > memory_; }
     double need_of(std::size_t item) const;
 

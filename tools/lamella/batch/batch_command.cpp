@@ -39,13 +39,13 @@ struct BatchArguments {
     bool merge = false;
 };
 
-/// Of nothing that is no number CLI11 says that it is out of a range.
+/// A check in place of CLI11's, which says of what is no number that it is out of a range.
 std::string seconds(const std::string& text) {
     const std::optional<double> value = parse_number(text);
     return value && *value >= 0 && *value <= 1e9 ? "" : "'" + text + "' is not a number of seconds";
 }
 
-/// Those of slice, some with another meaning.
+/// The options of slice, some with another meaning.
 void declare_slice_options(CLI::App& command, SliceArguments& arguments) {
     declare(command, arguments);
     for (const char* const of_slice : {"--memory", "--hash"}) {
@@ -114,7 +114,7 @@ Failure failed_items(std::size_t failed, std::size_t items) {
     return {some_failed, grouped(failed) + " of " + counted(items, "mesh", "meshes") + " failed"};
 }
 
-/// What every mesh would fail of.
+/// Throws Failure where every mesh would fail.
 void require_image(const ImageArguments& image) {
     if (!image.like.empty()) {
         (void)read_image_of(image);

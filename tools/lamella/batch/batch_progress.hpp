@@ -1,4 +1,4 @@
-// What a person reads of a batch: on stderr how far it is, a bar on a terminal, else a line from time to time; in the end a
+// A batch in words for people: on stderr how far it is, a bar on a terminal, else a line from time to time; in the end a
 // summary.
 #pragma once
 

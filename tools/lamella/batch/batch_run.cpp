@@ -17,8 +17,8 @@
 #include "batch/admission.hpp"
 #include "batch/batch_progress.hpp"
 #include "batch/results.hpp"
-#include "files/mesh_list.hpp"
-#include "processes/worker_pool.hpp"
+#include "files/mesh_input.hpp"
+#include "processes/workers.hpp"
 #include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
@@ -54,7 +54,7 @@ struct AsideName {
     std::string process;
 };
 
-/// Of ".NAME.PID-TIME.part", as io/write/output_file.cpp names files that are being written; none of any other name.
+/// Splits ".NAME.PID-TIME.part", as io/write/output_file.cpp names files that are being written; none for other names.
 std::optional<AsideName> parse_aside(std::string_view name) {
     constexpr std::string_view end = ".part";
     if (!name.starts_with('.') || !name.ends_with(end)) {
@@ -73,7 +73,7 @@ std::optional<AsideName> parse_aside(std::string_view name) {
     return AsideName{std::string(rest.substr(0, dot)), std::string(rest.substr(dot + 1, dash - dot - 1))};
 }
 
-/// Whether another process of this number runs this program.
+/// True if another process of this number runs this program.
 bool runs_here(const std::string& process) {
     if (process == std::to_string(::getpid())) {
         return false;
@@ -283,7 +283,7 @@ private:
 
     double cost_of(std::size_t i) const { return process_bytes + static_cast<double>(items_[i].inputs.front().bytes); }
 
-    /// Of a mesh that failed, none of several outputs stays; those of an earlier batch do.
+    /// None of several outputs of a mesh that failed stays; those of an earlier batch do.
     void remove_new_outputs(std::size_t i) const {
         const std::vector<std::string>& files = items_[i].files;
         const std::vector<std::uint64_t> inodes = inodes_of(files);

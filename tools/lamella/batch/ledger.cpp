@@ -17,7 +17,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include "files/mesh_list.hpp"
+#include "files/mesh_input.hpp"
 #include "files/text_input.hpp"
 #include "terminal/failure.hpp"
 
@@ -128,7 +128,7 @@ void drop_overwritten(ResultLines& lines, const std::unordered_set<std::string>&
     });
 }
 
-/// Of results.I-of-N.jsonl, else none.
+/// Reads I and N of results.I-of-N.jsonl; none for other names.
 std::optional<LedgerName> parse_shard_name(const std::filesystem::path& path) {
     const std::string file = path.filename().string();
     const std::string_view name = file;

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Whether its value is one number of mm.
+/// True if its value is one number of mm.
 bool takes_length(const CLI::Option& option) {
     return option.get_type_name() == "MM" || option.get_type_name() == "MM|auto";
 }
@@ -53,7 +53,7 @@ struct CsvRow {
     std::size_t line = 0;  ///< where the row begins, from 1
 };
 
-/// Whether nothing stands in the cells from `begin` on, as in columns at the end that a spreadsheet left empty.
+/// True if nothing stands in the cells from `begin` on, as in columns at the end that a spreadsheet left empty.
 bool are_empty(const CsvRow& row, std::size_t begin) {
     return std::all_of(row.cells.begin() + static_cast<std::ptrdiff_t>(begin), row.cells.end(),
                        [](const std::string& cell) { return cell.empty(); });

@@ -11,7 +11,7 @@
 
 #include <glob.h>
 
-#include "files/mesh_list.hpp"
+#include "files/mesh_input.hpp"
 #include "files/output_path.hpp"
 #include "files/streams.hpp"
 #include "outputs/output_formats.hpp"
@@ -58,7 +58,7 @@ void add_sources(const std::string& path, const SliceWords& words, std::vector<M
     }
 }
 
-/// What the word in braces stands for, of the mesh a/b/liver.stl.gz found below the SOURCE a: {stem} is liver, {name}
+/// Text for the word in braces. For the mesh a/b/liver.stl.gz found below the SOURCE a: {stem} is liver, {name}
 /// liver.stl.gz, {parent} b, {dir} b, the folder below SOURCE.
 std::string word_for(const std::string& word, const MeshSource& mesh, const std::string& option) {
     const std::filesystem::path path(mesh.path);
@@ -125,7 +125,7 @@ Values files_named_by(const OptionValues& values) {
     return files;
 }
 
-/// What results and records hold of them.
+/// The options that results and records hold.
 OptionValues recorded(OptionValues values) {
     for (const ChangedDefault& changed : changed_defaults) {
         values.try_emplace(std::string(changed.name), Values{std::string(changed.now)});

@@ -28,7 +28,7 @@ public:
     /// The options that slice does not take together with --memory, as they need the whole mesh.
     std::vector<std::string> names_without_memory() const;
 
-    /// What was typed for `command`, which has the options of slice and more.
+    /// The options typed for `command`, which has those of slice and more.
     OptionValues typed(const CLI::App& command) const;
 
     /// "--layer-height=0.5", in the order of `lamella slice --help`.
@@ -48,7 +48,7 @@ struct MeshSource {
     std::string place;    ///< FILE:LINE of a manifest, else empty
 };
 
-/// Whether a file's name ends in .csv or .jsonl.
+/// True if a file's name ends in .csv or .jsonl.
 bool is_named_as_manifest(const std::string& path);
 
 /// A list of meshes with options for each: CSV with a line of names, or JSON Lines.
@@ -63,7 +63,7 @@ bool is_named_as_manifest(const std::string& path);
 /// slice.
 std::vector<MeshSource> read_manifest(const std::string& path, const SliceWords& words);
 
-/// What SOURCE... stands for, files, folders, globs and manifests, in the order of the sources; a folder's in the order of
+/// The meshes of SOURCE..., files, folders, globs and manifests, in the order of the sources; a folder's in the order of
 /// names, folders in it included. Throws Failure: of a folder that cannot be listed, of a folder or glob without meshes, of
 /// a manifest. A mesh need not exist: that is for its item to say.
 std::vector<MeshSource> list_sources(const std::vector<std::string>& given, const SliceWords& words);

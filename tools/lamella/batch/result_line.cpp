@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "files/mesh_list.hpp"
+#include "files/mesh_input.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/medical/record.hpp"
 #include "outputs/recorded_options.hpp"

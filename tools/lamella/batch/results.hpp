@@ -15,7 +15,7 @@
 #include "batch/plan.hpp"
 #include "files/streams.hpp"
 #include "lamella/control.hpp"
-#include "processes/worker_side.hpp"
+#include "processes/workers.hpp"
 
 namespace lamella::cli::batch {
 
@@ -26,7 +26,7 @@ struct OutputFact {
     bool operator==(const OutputFact&) const = default;
 };
 
-/// What came of an item.
+/// The outcome of an item.
 struct ResultLine {
     std::string mesh;
     std::string failure;  ///< why it failed; empty: done
@@ -45,9 +45,8 @@ std::string line_of(const ResultLine& result);
 /// None where the text is no such line, as one that was torn by a crash.
 std::optional<ResultLine> parse_line(std::string_view text);
 
-/// What is known of a file: its time, or its content. Of a folder, such as a DICOM series: the bytes in its files, and the
-/// latest time. A file that cannot be read has no bytes and no time: the item then says why. Throws Failure where `stop`
-/// ends it.
+/// A file by its time, or by its content. A folder, such as a DICOM series, by the bytes in its files, and the latest time.
+/// A file that cannot be read has no bytes and no time: the item then says why. Throws Failure where `stop` ends it.
 InputFact fact_of(const std::string& path, bool hash, const StopCheck& stop);
 
 /// The outputs of an item with their sizes; an output that is not there has none.
@@ -57,7 +56,7 @@ std::vector<OutputFact> outputs_of(const Item& item);
 /// not there if it says so (slice within --memory leaves out a table).
 bool is_done(const Item& item, const ResultLine& line);
 
-/// Whether the line does not state what every line of this version does: see changed_defaults.
+/// True if the line does not state what every line of this version does: see changed_defaults.
 bool is_of_older_version(const ResultLine& line);
 
 struct LedgerName {

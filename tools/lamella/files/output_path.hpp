@@ -1,4 +1,4 @@
-// What can be known of an output before the work for it is done.
+// Checks of an output's path before the work for it is done.
 #pragma once
 
 #include <string>

@@ -35,7 +35,7 @@ inline bool is_standard(std::string_view path) noexcept {
     return path == standard_stream;
 }
 
-/// What messages call an input or an output.
+/// The names of an input and an output in messages.
 std::string input_name(const std::string& path);
 std::string output_name(const std::string& path);
 

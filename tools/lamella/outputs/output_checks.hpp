@@ -1,4 +1,4 @@
-// What can be refused of outputs before any mesh is read, and of an image before any is sliced.
+// Refusals of outputs before any mesh is read, and of an image before any is sliced.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ using NamedInputs = std::vector<std::pair<std::string, std::string>>;
 /// Throws Failure (bad_usage) where `file`, which `option` names, is one of the inputs.
 void require_no_input(const std::string& file, const NamedInputs& inputs, const std::string& option);
 
-/// Whether options and formats go together, wherever the files may lie. Throws Failure (bad_usage).
+/// Throws Failure (bad_usage) where options and formats do not go together, wherever the files may lie.
 void require_together(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
                       bool image_given, int subslices);
 

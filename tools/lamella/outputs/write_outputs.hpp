@@ -52,7 +52,7 @@ struct WrittenOutputs {
 /// Throws Failure where none can be written, and of a stop.
 WrittenOutputs write_outputs(OutputJob& job, const Control& control, const std::function<void(const std::string&)>& note);
 
-/// Whether the output, now written, is a file of a format with a record.
+/// True if the output, now written, is a file of a format with a record.
 bool takes_record(const PlannedOutput& output);
 
 /// Writes it with this version, and what is known of the output. Throws Failure.

@@ -54,7 +54,7 @@ struct SpawnSettings {
     SpawnSettings& operator=(const SpawnSettings&) = delete;
 };
 
-/// That of this process, but for the date of the call.
+/// The environment of this process, but for the date of the call.
 std::vector<std::string> environment_of(const ToolCall& call) {
     constexpr std::string_view date = "SOURCE_DATE_EPOCH=";
     std::vector<std::string> all;
@@ -141,7 +141,7 @@ ProcessEnd ToolProcess::await() {
     rusage used{};
     while (::wait4(process_, &status, 0, &used) < 0 && errno == EINTR) {
     }
-    // What starts as a copy of this process counts this one's memory, too.
+    // A process that starts as a copy of this one counts this one's memory, too.
     const std::uint64_t peak_bytes = static_cast<std::uint64_t>(used.ru_maxrss) * 1024;
     return {.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 0,
             .signal_number = WIFSIGNALED(status) ? WTERMSIG(status) : 0,

@@ -15,11 +15,10 @@
 #include "outputs/output_checks.hpp"
 #include "outputs/recorded_options.hpp"
 #include "outputs/write_outputs.hpp"
-#include "processes/worker_side.hpp"
+#include "processes/workers.hpp"
 #include "slice/slice_arguments.hpp"
 #include "slice/slice_stages.hpp"
 #include "slice/slice_summary.hpp"
-#include "slice/streamed_outputs.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
 #include "terminal/stages.hpp"
@@ -47,7 +46,7 @@ public:
         } else {
             slice_all(std::move(files));
             write();
-            print_words(words_ + wrote(run_), arguments_.output_to_stdout());
+            print_words(words_ + wrote(run_.outputs), arguments_.output_to_stdout());
         }
         if (failure_) {
             throw Failure(*failure_);
@@ -205,7 +204,7 @@ private:
         }
     }
 
-    /// What there is to warn of before anything is written.
+    /// Warns before anything is written.
     void examine(const MeshFile& mesh, SlicedPart& part) {
         if (mended_.oriented && !mended_.oriented->complete) {
             note("--orient-shells: " + part.name +
@@ -241,7 +240,7 @@ private:
         return job_.inputs.back().sha256;
     }
 
-    /// What was sliced, in the unit of the file.
+    /// The triangles that were sliced, in the unit of the file.
     MeshView sliced_view(const MeshFile& mesh, const SlicedPart& part) const {
         return mended_.oriented ? mended_.oriented->mesh.view() : (part.welded ? part.welded->view() : mesh.view());
     }
@@ -265,7 +264,7 @@ private:
         run_.write_ms = watch.ms();
     }
 
-    /// Of one mesh: its summary, and the report where one is wanted.
+    /// The summary of one mesh, and its report where one is wanted.
     void report(const MeshFile& mesh) {
         const SlicedPart& part = job_.parts.front();
         ReportParts parts{.mesh_name = arguments_.mesh, .file = &mesh, .welded = part.welded ? &*part.welded : nullptr};

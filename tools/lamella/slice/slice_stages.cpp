@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <string_view>
 #include <utility>
 
@@ -46,6 +47,35 @@ void require_report_possible(const SliceArguments& arguments, const std::vector<
     }
 }
 
+/// --memory cannot be had together with the report or with standard input.
+void require_ranges_possible(const SliceArguments& arguments) {
+    if (arguments.memory.empty()) {
+        return;
+    }
+    (void)parse_bytes(arguments.memory, "--memory");
+    if (!arguments.report.empty()) {
+        throw Failure(bad_usage, "--memory: --report looks at the whole mesh, which is not held");
+    }
+    if (std::any_of(arguments.meshes.begin(), arguments.meshes.end(), is_standard)) {
+        throw Failure(bad_usage, "--memory: standard input cannot be read twice; write it to a file first");
+    }
+}
+
+/// How to slice the file within --memory.
+FileSliceOptions file_options(const SliceArguments& arguments, const SliceOptions& options) {
+    FileSliceOptions in_file{.slice = options, .hash = arguments.hash};
+    in_file.mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit");
+    in_file.memory_bytes = parse_bytes(arguments.memory, "--memory");
+    in_file.temporary_folder = temporary_folder();
+    const char* const asked = std::getenv("TMPDIR");
+    // Else beside the output: the system's own folder is often held in memory.
+    if ((asked == nullptr || *asked == 0) && !arguments.outputs.outputs.empty() && !arguments.output_to_stdout()) {
+        const std::filesystem::path folder = std::filesystem::path(arguments.outputs.outputs.front()).parent_path();
+        in_file.temporary_folder = folder.empty() ? "." : folder;
+    }
+    return in_file;
+}
+
 /// Lower and upper corner of a mesh in LPS.
 using Box = std::array<std::array<double, 3>, 2>;
 
@@ -73,7 +103,7 @@ ImageGeometry image_around(const std::vector<MeshFile>& files, const SliceArgume
     return done_or_thrown(geometry_around(all[0], all[1], {spacing[0], spacing[1], spacing[2]}));
 }
 
-/// What the library says of a mesh, after the mesh's name; of an option its message says all.
+/// The library's message after the mesh's name; about an option its message says all.
 Failure failure_of_mesh(const Error& error, const SliceArguments& arguments) {
     const Failure failure = failure_of(error);
     return failure.status() == bad_input && arguments.memory.empty()
@@ -185,7 +215,7 @@ SliceResult cut_mesh(const MeshFile& mesh, const MendedMesh& mended, SliceOption
     const bool in_ranges = !arguments.memory.empty();
     Result<SliceResult> result = stages.run("slicing", [&](const Control& control) {
         options.control = control;
-        return in_ranges         ? slice_in_ranges(arguments, options, streamed, run)
+        return in_ranges         ? slice_in_ranges(arguments.mesh, file_options(arguments, options), streamed, run)
                : mended.oriented ? slice(mended.oriented->mesh, options)
                : mended.welded   ? slice(*mended.welded, options)
                                  : slice(mesh, options);

@@ -108,7 +108,7 @@ std::string regions(const SliceResult& result) {
     return text + emptied(result);
 }
 
-/// What was done beyond cutting, if anything.
+/// Lines on the work beyond cutting, if any.
 std::string mending(const SliceResult& result, const ReportParts& parts, const ToolRun& run) {
     std::string text;
     if (parts.welded != nullptr) {
@@ -191,7 +191,7 @@ std::string volume_line(const VolumeCertificate& volume) {
     return text + "\n";
 }
 
-/// What the report tells of the result, if there is a report.
+/// Lines on the report's findings, if there is a report.
 std::string findings(const ReportParts& parts) {
     std::string text;
     if (parts.ledger != nullptr) {
@@ -245,12 +245,12 @@ std::string summary(const SliceResult& result, const ReportParts& parts, const T
                              (run.hash ? "hash      " + hexadecimal(*run.hash) + "\n" : std::string()) + findings(parts) +
                              times(result.summary, *parts.file, run) + "memory    " + file_size_text(run.peak_rss_bytes) +
                              " at the peak\n" + run.ranges;
-    return text + wrote(run);
+    return text + wrote(run.outputs);
 }
 
-std::string wrote(const ToolRun& run) {
+std::string wrote(const std::vector<std::string>& outputs) {
     std::string text;
-    for (const std::string& output : run.outputs) {
+    for (const std::string& output : outputs) {
         text += "wrote     " + output_name(output) + size_after(output) + "\n";
     }
     return text;

@@ -1,14 +1,11 @@
-#include "slice/streamed_outputs.hpp"
+#include "slice/slice_stages.hpp"
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <utility>
 
 #include "files/streams.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
-#include "terminal/numbers.hpp"
 
 namespace lamella::cli {
 
@@ -134,7 +131,7 @@ bool StreamedOutputs::failed() const noexcept {
 
 void StreamedOutputs::finish() {
     Status status = begun_;
-    // Those that failed first: they ended the slicing, and the others lack layers.
+    // Streams that failed come first: they ended the slicing, and the others lack layers.
     std::stable_partition(streams_.begin(), streams_.end(), has_failed);
     for (Stream& stream : streams_) {
         if (status) {
@@ -144,40 +141,12 @@ void StreamedOutputs::finish() {
     done_or_thrown(status);
 }
 
-void require_ranges_possible(const SliceArguments& arguments) {
-    if (arguments.memory.empty()) {
-        return;
-    }
-    (void)parse_bytes(arguments.memory, "--memory");
-    if (!arguments.report.empty()) {
-        throw Failure(bad_usage, "--memory: --report looks at the whole mesh, which is not held");
-    }
-    if (std::any_of(arguments.meshes.begin(), arguments.meshes.end(), is_standard)) {
-        throw Failure(bad_usage, "--memory: standard input cannot be read twice; write it to a file first");
-    }
-}
-
-FileSliceOptions file_options(const SliceArguments& arguments, const SliceOptions& options) {
-    FileSliceOptions in_file{.slice = options, .hash = arguments.hash};
-    in_file.mm_per_unit = parse_unit(arguments.unit.value_or("mm"), "--unit");
-    in_file.memory_bytes = parse_bytes(arguments.memory, "--memory");
-    in_file.temporary_folder = temporary_folder();
-    const char* const asked = std::getenv("TMPDIR");
-    // Else beside the output: the system's own folder is often held in memory.
-    if ((asked == nullptr || *asked == 0) && !arguments.outputs.outputs.empty() && !arguments.output_to_stdout()) {
-        const std::filesystem::path folder = std::filesystem::path(arguments.outputs.outputs.front()).parent_path();
-        in_file.temporary_folder = folder.empty() ? "." : folder;
-    }
-    return in_file;
-}
-
-Result<SliceResult> slice_in_ranges(const SliceArguments& arguments, const SliceOptions& options, StreamedOutputs* outputs,
+Result<SliceResult> slice_in_ranges(const std::string& mesh, const FileSliceOptions& options, StreamedOutputs* outputs,
                                     ToolRun& run) {
-    const FileSliceOptions in_file = file_options(arguments, options);
     if (outputs != nullptr) {
-        return outputs->slice(arguments.mesh, in_file, run);
+        return outputs->slice(mesh, options, run);
     }
-    Result<CollectedFileSlice> collected = slice_file(arguments.mesh, in_file);
+    Result<CollectedFileSlice> collected = slice_file(mesh, options);
     if (!collected) {
         return collected.error();
     }

@@ -1,4 +1,4 @@
-// What a person sees: counts with separators, the progress bar, single-line messages.
+// Text for people: counts with separators, the progress bar, single-line messages.
 #pragma once
 
 #include <chrono>
@@ -40,7 +40,7 @@ std::string file_size_text(std::uint64_t bytes);
 /// Writes all of `words`, as utf8_text(), to standard output; throws Failure (bad_output) when that cannot be done.
 void print(std::string_view words);
 
-/// What a person reads of a command's work: on standard output, or on stderr where an output has taken that.
+/// Prints what a command did: on standard output, or on stderr where an output has taken that.
 void print_words(std::string_view text, bool stdout_taken);
 
 /// A bar on stderr, redrawn at most ten times a second and wiped when done.

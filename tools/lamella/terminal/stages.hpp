@@ -37,14 +37,14 @@ public:
     Stages(ProgressBar::When progress, int threads, Interrupt& interrupt)
         : bar_(progress), threads_(threads), interrupt_(interrupt) {}
 
-    /// What `call` returns, which takes a Control. From here on a signal is a stop request.
+    /// Returns what `call` does, which takes a Control. From here on a signal is a stop request.
     template <class Call>
     auto run(std::string_view what, const Call& call) {
         const Stage stage(bar_, what);
         return call(Control{.threads = threads_, .stop = interrupt_.defer(), .progress = stage.progress()});
     }
 
-    /// What it makes, and how long that takes. Throws Failure where it makes nothing.
+    /// The value that it makes; `ms` gets how long that takes. Throws Failure where it makes none.
     template <class Call>
     auto done(std::string_view what, const Call& call, double* ms = nullptr) {
         const Stopwatch watch;

@@ -1,4 +1,4 @@
-// The processes of a batch: each works on one mesh, and whatever becomes of it ends only that mesh.
+// Commands as processes, each of which works on one mesh: whatever becomes of one ends only that mesh.
 #pragma once
 
 #include <chrono>
@@ -8,10 +8,35 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json_fwd.hpp>
+
 #include "processes/tool_process.hpp"
-#include "processes/worker_side.hpp"
 
 namespace lamella::cli {
+
+/// Counts and warnings of a mesh that slice has cut.
+struct SliceFacts {
+    std::uint64_t triangles = 0;
+    std::uint64_t layers = 0;
+    std::uint64_t contours = 0;
+    std::uint64_t open_contours = 0;
+    double close_gaps_mm = 0;  ///< as SliceResult::close_gaps_mm
+    std::vector<std::string> warnings;
+
+    bool operator==(const SliceFacts&) const = default;
+};
+
+/// As members of a JSON object, and back; the latter throws nlohmann::json::exception.
+void add_facts(nlohmann::ordered_json& json, const SliceFacts& facts);
+SliceFacts facts_of(const nlohmann::ordered_json& json);
+
+/// Declares --worker, which help does not show. Where it is given, this process ends when its standard input does, and the
+/// system chooses it first when memory runs out.
+void declare_worker(CLI::App& command);
+
+/// Where --worker was given, prints the facts: the last line on standard output.
+void pass_on(const CLI::App& command, const SliceFacts& facts);
 
 /// How the work on an item ended.
 struct WorkerEnd {

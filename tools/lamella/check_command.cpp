@@ -11,7 +11,6 @@
 
 #include "commands.hpp"
 #include "files/mesh_input.hpp"
-#include "files/output_path.hpp"
 #include "files/scale_words.hpp"
 #include "files/streams.hpp"
 #include "lamella/io/check_report.hpp"

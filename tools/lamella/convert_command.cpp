@@ -9,7 +9,7 @@
 
 #include "commands.hpp"
 #include "files/mesh_input.hpp"
-#include "files/output_path.hpp"
+#include "files/streams.hpp"
 #include "lamella/io/mesh_writer.hpp"
 #include "outputs/output_checks.hpp"
 #include "outputs/recorded_options.hpp"

@@ -5,7 +5,6 @@
 
 #include "commands.hpp"
 #include "files/mesh_input.hpp"
-#include "files/output_path.hpp"
 #include "files/streams.hpp"
 #include "models/models.hpp"
 #include "terminal/console.hpp"

@@ -7,7 +7,7 @@
 
 #include "commands.hpp"
 #include "files/mesh_input.hpp"
-#include "files/output_path.hpp"
+#include "files/streams.hpp"
 #include "lamella/medical.hpp"
 #include "outputs/output_formats.hpp"
 #include "outputs/write_outputs.hpp"

@@ -29,10 +29,6 @@ constexpr std::string_view shard_begin = "results.";
 constexpr std::string_view shard_middle = "-of-";
 constexpr std::string_view shard_end = ".jsonl";
 
-Failure unwritable_results(const std::string& path, int error_number) {
-    return {bad_output, "cannot write '" + path + "': " + std::generic_category().message(error_number)};
-}
-
 /// 0 when all is on disk, else an error number.
 int write_to_disk(const Descriptor& file, std::string_view text) noexcept {
     const int error_number = write_all(file, text);
@@ -49,7 +45,7 @@ Descriptor open_locked(const std::string& path) {
     std::filesystem::create_directories(std::filesystem::path(path).parent_path(), problem);
     Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
     if (file.number() < 0) {
-        throw unwritable_results(path, errno);
+        throw unwritable(path, errno);
     }
     // Where a file system has no locks, that two batches do not meet is up to who starts them.
     if (::flock(file.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
@@ -104,7 +100,7 @@ void write_durably(const std::string& path, const std::string& text) {
     const std::string aside = folder + "/." + target.filename().string() + "." + std::to_string(::getpid()) + "-0.part";
     const Descriptor file(::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
     if (file.number() < 0) {
-        throw unwritable_results(path, errno);
+        throw unwritable(path, errno);
     }
     int error_number = write_to_disk(file, text);
     if (error_number == 0 && ::rename(aside.c_str(), path.c_str()) != 0) {
@@ -112,7 +108,7 @@ void write_durably(const std::string& path, const std::string& text) {
     }
     if (error_number != 0) {
         ::unlink(aside.c_str());
-        throw unwritable_results(path, error_number);
+        throw unwritable(path, error_number);
     }
     sync_folder(folder);
 }
@@ -223,7 +219,7 @@ Ledger::Ledger(const LedgerName& name) : path_(name.path()), shard_(name.shards 
     bytes_ = add_results(path_, lines_);
     if (std::filesystem::file_size(path_, unknown) != bytes_ &&
         ::ftruncate(file_.number(), static_cast<off_t>(bytes_)) != 0) {
-        throw unwritable_results(path_, errno);
+        throw unwritable(path_, errno);
     }
 }
 
@@ -236,7 +232,7 @@ void Ledger::append(const ResultLine& result) {
     const std::string line = line_of(result);
     if (const int error_number = write_to_disk(file_, line); error_number != 0) {
         (void)!::ftruncate(file_.number(), static_cast<off_t>(bytes_));
-        throw unwritable_results(path_, error_number);
+        throw unwritable(path_, error_number);
     }
     bytes_ += line.size();
     lines_.insert_or_assign(result.key(), result);

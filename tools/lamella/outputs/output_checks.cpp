@@ -7,7 +7,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "files/output_path.hpp"
+#include "files/streams.hpp"
 #include "lamella/medical.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"

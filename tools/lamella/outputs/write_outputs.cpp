@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "files/output_path.hpp"
 #include "files/scale_words.hpp"
 #include "files/streams.hpp"
 #include "lamella/io/svg.hpp"

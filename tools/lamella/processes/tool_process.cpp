@@ -158,6 +158,7 @@ void ToolProcess::kill() const noexcept {
 
 void wait_for_output(const std::vector<const ToolProcess*>& processes, std::chrono::milliseconds longest) {
     std::vector<pollfd> polled;
+    polled.reserve(processes.size());
     for (const ToolProcess* const process : processes) {
         polled.push_back({process->output(), POLLIN, 0});
     }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "files/output_path.hpp"
+#include "files/streams.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
 #include "outputs/output_checks.hpp"

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <utility>
 
-#include "files/output_path.hpp"
 #include "files/scale_words.hpp"
+#include "files/streams.hpp"
 #include "lamella/lamella.hpp"
 #include "outputs/output_checks.hpp"
 #include "terminal/console.hpp"

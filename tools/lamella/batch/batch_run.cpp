@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "batch/admission.hpp"
-#include "batch/batch_progress.hpp"
+#include "batch/batch_words.hpp"
 #include "batch/results.hpp"
 #include "files/mesh_input.hpp"
 #include "processes/workers.hpp"
@@ -24,6 +24,9 @@
 namespace lamella::cli::batch {
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds between_lines{30};  ///< of a status without a terminal
 
 /// Without the mesh's name, which stands beside it.
 std::string reason_of(const std::string& failure, const std::string& mesh) {
@@ -94,7 +97,7 @@ void remove_leftovers(const std::vector<std::string>& targets, std::chrono::mill
         const std::filesystem::path path(target);
         names[path.has_parent_path() ? path.parent_path() : "."].insert(path.filename().string().substr(0, longest_stem));
     }
-    const auto until = std::chrono::steady_clock::now() + patience;
+    const auto until = Clock::now() + patience;
     for (const auto& [folder, wanted] : names) {
         std::error_code ignored;
         for (const std::filesystem::directory_entry& entry : entries_of(folder, ignored)) {
@@ -102,7 +105,7 @@ void remove_leftovers(const std::vector<std::string>& targets, std::chrono::mill
             if (!aside || !wanted.contains(aside->target)) {
                 continue;
             }
-            while (runs_here(aside->process) && std::chrono::steady_clock::now() < until) {
+            while (runs_here(aside->process) && Clock::now() < until) {
                 std::this_thread::sleep_for(std::chrono::milliseconds(10));
             }
             if (!runs_here(aside->process)) {
@@ -121,7 +124,8 @@ public:
           stop_(interrupt.defer()),
           ledger_(name),
           admission_(options.jobs, options.memory_bytes),
-          progress_(options.progress),
+          bar_(options.progress),
+          next_status_(Clock::now() + (bar_.shown() ? Clock::duration(0) : between_lines)),
           attempts_(items_.size()),
           output_inodes_(items_.size()),
           pool_(options.timeout_s) {}
@@ -140,11 +144,11 @@ public:
             for (const WorkerEnd& end : ended) {
                 take(end);
             }
-            progress_.show(counts_);
+            show_status();
             start_what_fits();  // what is tried again
         }
         stop_if_asked();
-        progress_.wipe();
+        bar_.wipe();
         clean(std::chrono::milliseconds(0));
         ledger_.finish(items_);
         interrupt_.end_deferring();
@@ -274,7 +278,8 @@ private:
         for (const std::string& file : item.files) {
             line.outputs.push_back({file, std::nullopt});
         }
-        progress_.tell(item.mesh + ": " + reason);
+        bar_.wipe();
+        complain(item.mesh + ": " + reason);
         ledger_.append(line);
         ++counts_.failed;
         counts_.cost += cost_of(i);
@@ -295,6 +300,22 @@ private:
         }
     }
 
+    /// On a terminal by the bar, else by a line from time to time.
+    void show_status() {
+        const Clock::time_point now = Clock::now();
+        if (now < next_status_ || options_.progress == ProgressBar::When::never) {
+            return;
+        }
+        const std::string status = batch_status(counts_, watch_.ms() / 1000);
+        if (bar_.shown()) {
+            next_status_ = now + std::chrono::milliseconds(200);
+            bar_.show(status, counts_.all_cost > 0 ? counts_.cost / counts_.all_cost : 0);
+        } else {
+            next_status_ = now + between_lines;
+            complain(status);
+        }
+    }
+
     /// The pool ends its processes as this ends.
     void stop_if_asked() const {
         if (stop_.stop_requested()) {
@@ -307,7 +328,7 @@ private:
         for (const auto& [item, what] : failed_) {
             failed.push_back(what);
         }
-        return {batch_summary(counts_, progress_.seconds(), ledger_.path(), failed), failed.size()};
+        return {batch_summary(counts_, watch_.ms() / 1000, ledger_.path(), failed), failed.size()};
     }
 
     std::vector<Item> items_;
@@ -316,7 +337,9 @@ private:
     StopCheck stop_;
     Ledger ledger_;
     Admission admission_;
-    BatchProgress progress_;
+    ProgressBar bar_;
+    Stopwatch watch_;
+    Clock::time_point next_status_;
     BatchCounts counts_;
     std::vector<int> attempts_;                              ///< by item
     std::vector<std::vector<std::uint64_t>> output_inodes_;  ///< by item: of its outputs, when it began

@@ -1,13 +1,9 @@
-// A batch in words for people: on stderr how far it is, a bar on a terminal, else a line from time to time; in the end a
-// summary.
+// A batch in words for people: how far it is, and a summary in the end.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <string>
 #include <vector>
-
-#include "terminal/console.hpp"
 
 namespace lamella::cli::batch {
 
@@ -24,25 +20,8 @@ struct BatchCounts {
     std::size_t ended() const noexcept { return unchanged + done + failed; }
 };
 
-class BatchProgress {
-public:
-    explicit BatchProgress(ProgressBar::When when);
-
-    void show(const BatchCounts& counts);
-    /// A line of its own.
-    void tell(const std::string& message);
-    void wipe() { bar_.wipe(); }
-
-    double seconds() const { return watch_.ms() / 1000; }
-
-private:
-    using Clock = std::chrono::steady_clock;
-
-    ProgressBar bar_;
-    bool lines_;  ///< no terminal, and not switched off
-    Stopwatch watch_;
-    Clock::time_point next_;
-};
+/// How far it is after so many seconds, on one line.
+std::string batch_status(const BatchCounts& counts, double seconds);
 
 struct FailedItem {
     std::string mesh;

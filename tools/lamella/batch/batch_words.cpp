@@ -1,12 +1,14 @@
-#include "batch/batch_progress.hpp"
+#include "batch/batch_words.hpp"
 
 #include <algorithm>
+#include <cstdint>
+
+#include "terminal/console.hpp"
 
 namespace lamella::cli::batch {
 
 namespace {
 
-constexpr std::chrono::seconds between_lines{30};
 constexpr std::size_t most_listed = 20;  ///< of meshes that failed
 
 /// "35 s", "12 min", "3.4 h"
@@ -26,7 +28,9 @@ std::string rate_text(double triangles_per_s) {
                                       : rounded(triangles_per_s / 1e3, 1) + " k triangles/s";
 }
 
-std::string status_text(const BatchCounts& counts, double seconds) {
+}  // namespace
+
+std::string batch_status(const BatchCounts& counts, double seconds) {
     std::string text = grouped(counts.ended()) + " of " + counted(counts.items, "mesh", "meshes");
     if (counts.triangles > 0) {
         text += ", " + rate_text(counts.triangles / std::max(seconds, 1e-3));
@@ -35,32 +39,6 @@ std::string status_text(const BatchCounts& counts, double seconds) {
         text += ", " + duration_text(seconds * (counts.all_cost / counts.cost - 1)) + " left";
     }
     return counts.failed == 0 ? text : text + ", " + grouped(counts.failed) + " failed";
-}
-
-}  // namespace
-
-BatchProgress::BatchProgress(ProgressBar::When when)
-    : bar_(when),
-      lines_(!bar_.shown() && when != ProgressBar::When::never),
-      next_(Clock::now() + (lines_ ? Clock::duration(between_lines) : Clock::duration(0))) {}
-
-void BatchProgress::show(const BatchCounts& counts) {
-    const Clock::time_point now = Clock::now();
-    if (now < next_ || !(bar_.shown() || lines_)) {
-        return;
-    }
-    next_ = now + (lines_ ? Clock::duration(between_lines) : Clock::duration(std::chrono::milliseconds(200)));
-    const std::string status = status_text(counts, seconds());
-    if (lines_) {
-        complain(status);
-    } else {
-        bar_.show(status, counts.all_cost > 0 ? counts.cost / counts.all_cost : 0);
-    }
-}
-
-void BatchProgress::tell(const std::string& message) {
-    bar_.wipe();
-    complain(message);
 }
 
 std::string batch_summary(const BatchCounts& counts, double seconds, const std::string& results,

@@ -25,13 +25,17 @@ expect_result() {
     [[ "$got" == "$want" ]] || fail "$*: '$got', not '$want'"
 }
 
-# expect_summary TEXT: the line that counts.
-expect_summary() { grep -qF "meshes    $1" .stdout || fail "not '$1'"; }
+# expect_counts STATUS TEXT ARGUMENT...: requires the status, and this in the line that counts.
+expect_counts() {
+    local status=$1 text=$2
+    shift 2
+    expect "$status" "$@"
+    grep -qF "meshes    $text" .stdout || fail "lamella $*: not '$text'"
+}
 
 test_batch() {
     meshes
-    expect 5 batch in -o 'out/{dir}/{stem}.csv' --to csv,svg --layer-height 1
-    expect_summary "5: 4 done, 0 unchanged, 1 failed"
+    expect_counts 5 "5: 4 done, 0 unchanged, 1 failed" batch in -o 'out/{dir}/{stem}.csv' --to csv,svg --layer-height 1
     grep -q "^failed    in/bad.stl: is no STL" .stdout || fail "the failed one is not named"
     grep -q "^retry " .stdout || fail "how to retry is not said"
     [[ $(tail -1 .stderr) == "lamella: 1 of 5 meshes failed" ]] || fail "the last line does not count"
@@ -65,19 +69,16 @@ test_batch_resume() {
     local -a command=(batch in -o 'out/{dir}/{stem}.csv' --layer-height 1)
     expect 0 "${command[@]}"
     cp -r out whole
-    expect 0 "${command[@]}"
-    expect_summary "4: 0 done, 4 unchanged, 0 failed"
+    expect_counts 0 "4: 0 done, 4 unchanged, 0 failed" "${command[@]}"
     diff -r whole out || fail "nothing to do changes the tree"
     rm out/s2.csv
     : > out/s3.csv
-    expect 0 "${command[@]}"
-    expect_summary "4: 2 done, 2 unchanged, 0 failed"
+    expect_counts 0 "4: 2 done, 2 unchanged, 0 failed" "${command[@]}"
     diff -r whole out || fail "lost outputs"
     # A line that is missing, and one that was torn.
     sed -i 1d out/results.jsonl
     truncate -s -9 out/results.jsonl
-    expect 0 "${command[@]}"
-    expect_summary "4: 2 done, 2 unchanged, 0 failed"
+    expect_counts 0 "4: 2 done, 2 unchanged, 0 failed" "${command[@]}"
     diff -r whole out || fail "lost lines"
     # Files aside of processes that are no more; others' stay.
     touch out/.s1.csv.999999999-1.part out/.results.jsonl.999999999-12.part out/sub/.t.csv.lamella.json.999999999-3.part
@@ -86,21 +87,17 @@ test_batch_resume() {
     [[ $(find out -name '.*' -printf '%f ' | tr ' ' '\n' | sort | xargs) == ".s1.csv.1a-1.part .s1.csv.part .s9.csv.999999999-1.part" ]] ||
         fail "leftovers: $(find out -name '.*')"
     find out -name '.*' -delete
-    expect 0 "${command[@]}" --force
-    expect_summary "4: 4 done, 0 unchanged, 0 failed"
+    expect_counts 0 "4: 4 done, 0 unchanged, 0 failed" "${command[@]}" --force
     diff -r whole out || fail "--force writes other bytes"
     # A later batch of other meshes keeps these lines.
     sphere other.stl
-    expect 0 batch other.stl -o 'out/{stem}.csv' --layer-height 1
-    expect_summary "1: 1 done"
+    expect_counts 0 "1: 1 done" batch other.stl -o 'out/{stem}.csv' --layer-height 1
     [[ $(wc -l < out/results.jsonl) == 5 ]] || fail "lines of the earlier batch are gone"
-    expect 0 "${command[@]}"
-    expect_summary "4: 0 done, 4 unchanged"
+    expect_counts 0 "4: 0 done, 4 unchanged" "${command[@]}"
     # Lines of a version with other defaults, which it did not state.
     sed -i 's/,"--close-gaps=auto","--fill-rule=non-zero"//; s/,"close_gaps_mm":[0-9.]*//' out/results.jsonl
     grep -q 'close.gaps' out/results.jsonl && fail "the lines still state what older ones do not"
-    expect 0 "${command[@]}"
-    expect_summary "4: 4 done, 0 unchanged"
+    expect_counts 0 "4: 4 done, 0 unchanged" "${command[@]}"
     grep -qx 'again     4 meshes that an older version of lamella sliced, whose defaults were others' .stdout || fail "no word of the older version"
 }
 
@@ -108,31 +105,24 @@ test_batch_changes() {
     meshes
     rm in/bad.stl
     expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 1
-    expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 2
-    expect_summary "4: 4 done"
+    expect_counts 0 "4: 4 done" batch in -o 'out/{dir}/{stem}.csv' --layer-height 2
     touch in/s1.stl
-    expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 2
-    expect_summary "4: 1 done, 3 unchanged"
-    expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 2 --hash
-    expect_summary "4: 4 done"
+    expect_counts 0 "4: 1 done, 3 unchanged" batch in -o 'out/{dir}/{stem}.csv' --layer-height 2
+    expect_counts 0 "4: 4 done" batch in -o 'out/{dir}/{stem}.csv' --layer-height 2 --hash
     touch in/s1.stl
-    expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 2 --hash
-    expect_summary "4: 0 done, 4 unchanged"
+    expect_counts 0 "4: 0 done, 4 unchanged" batch in -o 'out/{dir}/{stem}.csv' --layer-height 2 --hash
     local time
     time=$(stat -c %y in/s1.stl)
     printf '\x01' | dd of=in/s1.stl bs=1 seek=90 conv=notrunc status=none
     touch -d "$time" in/s1.stl
-    expect 0 batch in -o 'out/{dir}/{stem}.csv' --layer-height 2 --hash
-    expect_summary "4: 1 done, 3 unchanged"
+    expect_counts 0 "4: 1 done, 3 unchanged" batch in -o 'out/{dir}/{stem}.csv' --layer-height 2 --hash
     expect_result "$(sha256sum in/s1.stl | cut -d' ' -f1)" in/s1.stl inputs 0 sha256
     # A file that an option names is an input, too.
     printf '1 0 0 0 0 1 0 0 0 0 1 0\n' > same.txt
     expect 0 batch in/s1.stl -o 'out/{stem}.csv' --transform same.txt
-    expect 0 batch in/s1.stl -o 'out/{stem}.csv' --transform same.txt
-    expect_summary "1: 0 done, 1 unchanged"
+    expect_counts 0 "1: 0 done, 1 unchanged" batch in/s1.stl -o 'out/{stem}.csv' --transform same.txt
     printf '1 0 0 0 0 1 0 0 0 0 1 5\n' > same.txt
-    expect 0 batch in/s1.stl -o 'out/{stem}.csv' --transform same.txt
-    expect_summary "1: 1 done"
+    expect_counts 0 "1: 1 done" batch in/s1.stl -o 'out/{stem}.csv' --transform same.txt
     # A mesh that was good and is not any more is told; what it was stays.
     echo bad > in/s2.stl
     expect 5 batch in/s2.stl -o 'out/{stem}.csv' --layer-height 2
@@ -235,8 +225,7 @@ test_batch_names() {
     sphere in/a$'\xe5'.stl 2000
     sphere 'in/a\xe4.stl' 3000
     local -a command=(batch in -o 'out/{stem}.csv' --layer-height 1)
-    expect 0 "${command[@]}"
-    expect_summary "3: 3 done"
+    expect_counts 0 "3: 3 done" "${command[@]}"
     expect_result 3000 'in/a\\x5cxe4.stl' triangles
     expect_result 2000 'in/a\\xe5.stl' triangles
     [[ -s out/a$'\xe4'.csv && -s out/a$'\xe5'.csv && -s 'out/a\xe4.csv' ]] || fail "outputs are one"
@@ -245,11 +234,9 @@ test_batch_names() {
     expect 0 "${command[@]}" --shard 1/2
     expect 0 batch --merge out
     cmp whole/results.jsonl out/results.jsonl || fail "merged results differ"
-    expect 0 "${command[@]}"
-    expect_summary "3: 0 done, 3 unchanged"
+    expect_counts 0 "3: 0 done, 3 unchanged" "${command[@]}"
     printf '%s\n' '{"path":"in/a\\xe5.stl"}' > list.jsonl
-    expect 0 batch list.jsonl -o 'out/{stem}.csv' --layer-height 1
-    expect_summary "1: 0 done, 1 unchanged"
+    expect_counts 0 "1: 0 done, 1 unchanged" batch list.jsonl -o 'out/{stem}.csv' --layer-height 1
     expect 0 verify out/a*[!s].csv --inputs
     echo bad > in/a$'\xe4'.stl
     expect 5 "${command[@]}"
@@ -321,8 +308,7 @@ test_batch_bad_input() {
     expect_failure 3 "foreign/results.jsonl:1: no line of lamella batch" batch in/s1.stl -o 'foreign/{stem}.csv'
     [[ $(cat foreign/results.jsonl) == $'one\ntwo' ]] || fail "a foreign file was changed"
     # What only some meshes fail of is theirs alone: one that is not there, masks of 10^12 voxels, a mesh without frame.
-    expect 5 batch in/none.stl in/s1.stl -o 'out/{stem}.csv'
-    expect_summary "2: 1 done, 0 unchanged, 1 failed"
+    expect_counts 5 "2: 1 done, 0 unchanged, 1 failed" batch in/none.stl in/s1.stl -o 'out/{stem}.csv'
     grep -q "^failed    in/none.stl: .*No such file" .stdout || fail "no reason"
     expect 5 batch in/s1.stl -o 'out/{stem}.nrrd' --spacing 0.0001,0.0001,1 --frame lps
     grep -q "^failed    in/s1.stl: .*larger than 2^38 bytes" .stdout || fail "no reason"
@@ -344,16 +330,14 @@ test_batch_shards() {
     mv out/results.1-of-3.jsonl aside
     expect_failure 3 "'out/results.1-of-3.jsonl' is missing: shard 1/3 has not ended" batch --merge out
     mv aside out/results.1-of-3.jsonl
-    expect 5 batch --merge out
-    expect_summary "5: 4 done, 1 failed"
+    expect_counts 5 "5: 4 done, 1 failed" batch --merge out
     expect 5 batch --merge out/results.2-of-3.jsonl out/results.0-of-3.jsonl out/results.1-of-3.jsonl
     expect_failure 2 "is given twice" batch --merge out out/results.0-of-3.jsonl
     cp out/results.0-of-3.jsonl out/results.0-of-2.jsonl
     expect_failure 3 "are of different batches" batch --merge out
     rm out/results.0-of-2.jsonl
     # Other shards know what is done.
-    expect 0 "${command[@]}" --shard 1/2
-    expect_summary "2: 0 done, 2 unchanged"
+    expect_counts 0 "2: 0 done, 2 unchanged" "${command[@]}" --shard 1/2
     rm out/results.*-of-*
     diff -r whole out || fail "shards make another tree"
 }
@@ -364,26 +348,37 @@ test_batch_memory() {
     rm in/bad.stl
     sphere in/large.stl 1000000
     local -a command=(batch in -o 'out/{stem}.svg' --to svg,csv --layer-height 0.5 --memory 64M)
-    expect 0 "${command[@]}"
-    expect_summary "5: 5 done"
+    expect_counts 0 "5: 5 done" "${command[@]}"
     expect_result 1000000 in/large.stl triangles
     expect 0 slice in/large.stl --layer-height 0.5 -o large.svg
     cmp large.svg out/large.svg || fail "a mesh larger than the memory has other bytes"
-    expect 0 "${command[@]}"
-    expect_summary "5: 0 done, 5 unchanged"
+    expect_counts 0 "5: 0 done, 5 unchanged" "${command[@]}"
     expect 0 batch in -o 'masks/{stem}.nrrd' --spacing 2,2,2 --frame lps --memory 64M
     expect 0 slice in/large.stl --spacing 2,2,2 --frame lps -o large.nrrd
     cmp large.nrrd masks/large.nrrd || fail "a mesh larger than the memory has another mask"
-    expect 5 batch in -o 'welded/{stem}.svg' --weld 0.001 --memory 64M
-    expect_summary "5: 4 done, 0 unchanged, 1 failed"
+    expect_counts 5 "5: 4 done, 0 unchanged, 1 failed" batch in -o 'welded/{stem}.svg' --weld 0.001 --memory 64M
     grep -q "^failed    in/large.stl: needs about .* MB of memory, more than --memory has, as --weld needs the whole mesh" .stdout ||
         fail "no reason"
 }
 
-# worker_of BATCH: the process that slices a mesh. The batch's own child starts such processes.
-worker_of() {
-    local starter
-    starter=$(pgrep -P "$1") && pgrep -P "$starter"
+# next_worker BATCH: waits for a process that slices a mesh, and prints its number.
+next_worker() { until pgrep -P "$1"; do kill -0 "$1" 2> /dev/null || fail "the batch has ended"; sleep 0.05; done; }
+
+# writing_worker BATCH: the same, once it writes slow.nii.gz aside: under a name with its number, unlike what others left.
+writing_worker() {
+    local worker
+    worker=$(next_worker "$1") || exit 1
+    until compgen -G "out/.slow*.$worker-*" > /dev/null; do
+        kill -0 "$worker" 2> /dev/null || fail "the process has ended"
+        sleep 0.05
+    done
+    echo "$worker"
+}
+
+# expect_end PROCESS: it ends soon.
+expect_end() {
+    for _ in $(seq 100); do kill -0 "$1" 2> /dev/null || return 0; sleep 0.05; done
+    fail "a process outlives its batch"
 }
 
 # What becomes of a process ends its mesh, and not the batch.
@@ -392,14 +387,13 @@ test_batch_processes() {
     rm in/bad.stl
     expect 0 make sphere --triangles 1000 --height 150 -o slow.stl
     echo '{"path":"slow.stl","spacing":[0.1,0.1,0.1],"subslices":100,"frame":"lps","output":"out/slow.nii.gz"}' > slow.jsonl
-    expect 5 batch in slow.jsonl -o 'out/{stem}.csv' --timeout 2 --retries 0
-    expect_summary "5: 4 done, 0 unchanged, 1 failed"
+    expect_counts 5 "5: 4 done, 0 unchanged, 1 failed" batch in slow.jsonl -o 'out/{stem}.csv' --timeout 2 --retries 0
     expect_result "took longer than 2 s" slow.stl reason
     # A mesh whose process is killed is tried again.
     "$lamella" batch slow.jsonl -o 'out/{stem}.csv' --retries 1 > .stdout 2> .stderr &
     local batch=$! worker
     for _ in 1 2; do
-        until worker=$(worker_of "$batch"); do sleep 0.05; done
+        worker=$(next_worker "$batch") || exit 1
         kill -9 "$worker"
         while kill -0 "$worker" 2> /dev/null; do sleep 0.05; done
     done
@@ -409,30 +403,19 @@ test_batch_processes() {
     # Two batches do not write one results.jsonl.
     "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
     batch=$!
-    until compgen -G 'out/.slow*' > /dev/null; do sleep 0.05; done
-    worker=$(worker_of "$batch")
+    worker=$(writing_worker "$batch") || exit 1
     expect_failure 4 "another lamella batch is at work" batch in/s1.stl -o 'out/{stem}.csv'
     # Processes die with their batch; the next one removes what they left.
     kill -9 "$batch"
     wait "$batch" 2> /dev/null
-    for _ in $(seq 100); do kill -0 "$worker" 2> /dev/null || break; sleep 0.05; done
-    ! kill -0 "$worker" 2> /dev/null || fail "a process outlives its batch"
+    expect_end "$worker"
     compgen -G 'out/.slow*' > /dev/null || fail "nothing is left to be removed"
     expect 5 batch slow.jsonl -o 'out/{stem}.csv' --timeout 0.1 --retries 0
     ! compgen -G 'out/.*.part' > /dev/null || fail "a file aside is left"
-    # Without what starts them there are no processes.
-    "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
-    batch=$!
-    until worker=$(worker_of "$batch"); do sleep 0.05; done
-    kill -9 "$(pgrep -P "$batch")"
-    wait "$batch"
-    [[ $? == 3 && $(< .stderr) == "lamella: the process that starts the others was ended" ]] || fail "no starter: not one line"
-    for _ in $(seq 100); do kill -0 "$worker" 2> /dev/null || break; sleep 0.05; done
-    ! kill -0 "$worker" 2> /dev/null || fail "a process outlives what started it"
     # SIGTERM ends processes and batch, and leaves nothing half-written.
     "$lamella" batch slow.jsonl -o 'out/{stem}.csv' > .stdout 2> .stderr &
     batch=$!
-    until compgen -G 'out/.slow*' > /dev/null; do sleep 0.05; done
+    writing_worker "$batch" > .worker || exit 1
     kill -TERM "$batch"
     wait "$batch"
     [[ $? == 143 && $(cat .stderr) == "lamella: interrupted" ]] || fail "SIGTERM: not status 143 with one line"

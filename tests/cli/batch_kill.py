@@ -40,12 +40,6 @@ def children(process):
         return []
 
 
-def processes_of(batch):
-    """What starts the processes of meshes, and those."""
-    starters = children(batch)
-    return starters + [worker for starter in starters for worker in children(starter)]
-
-
 def kill(process, number):
     try:
         os.kill(process, number)
@@ -123,7 +117,7 @@ class Rounds:
         batch = self.start()
         for _ in range(self.random.randint(1, 4)):
             self.pause()
-            running = processes_of(batch.pid)
+            running = children(batch.pid)
             if running:
                 kill(self.random.choice(running), signal.SIGKILL)
         batch.wait()

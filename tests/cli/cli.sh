@@ -28,6 +28,20 @@ expect() {
     ((got == status)) || fail "lamella $*: exit status $got, not $status"
 }
 
+# expect_line stdout|stderr PATTERN ARGUMENT...: requires success, and a line there that the pattern of grep is found in.
+expect_line() {
+    local where=$1 pattern=$2
+    shift 2
+    expect 0 "$@"
+    grep -q -- "$pattern" ".$where" || fail "lamella $*: no '$pattern' on $where"
+}
+
+# expect_silent ARGUMENT...: requires success, and nothing on stderr.
+expect_silent() {
+    expect 0 "$@"
+    [[ ! -s .stderr ]] || fail "lamella $*: stderr is not silent"
+}
+
 # skip REASON: what this machine cannot test is not a success; ctest counts it as skipped.
 skip() {
     echo "not tested: $*"

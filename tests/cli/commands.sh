@@ -4,8 +4,7 @@ test_make() {
     local shape
     for shape in sphere torus gyroid bone prism; do
         expect 0 make "$shape" --triangles 20000 -o "$shape.stl"
-        expect 0 info "$shape.stl"
-        grep -q '^closed  *yes' .stdout || fail "$shape is not closed"
+        expect_line stdout '^closed  *yes' info "$shape.stl"
         local count
         count=$(sed -n 's/^triangles *//p' .stdout | tr -d ,)
         ((count >= 19800 && count <= 20200)) || fail "$shape: $count triangles"
@@ -69,8 +68,7 @@ test_check() {
     [[ $(sed -n 2p words) =~ ^boundary\ edges\ +3$ ]] || fail "what was found does not come first"
     expect 0 check open.stl --all
     grep -qE '^cracks  *0$' .stdout || fail "--all leaves kinds out"
-    expect 0 check open.stl --places 1 --tolerance 0
-    grep -q '^  ... and 2 more$' .stdout || fail "more than one place"
+    expect_line stdout '^  ... and 2 more$' check open.stl --places 1 --tolerance 0
     expect 0 check ball.stl --unit cm --report cm.json
     expect_json cm.json ON clean
     rm again.ply words

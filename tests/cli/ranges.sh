@@ -31,8 +31,7 @@ converted_ranges() {
     expect 0 convert solid.off -o solid.ply
     expect 0 slice solid.ply --layer-height 0.1 --hash --memory 2M
     [[ $(hash_of) == "$want" ]] || fail "solid.ply: another hash"
-    expect 0 convert solid.off -o solid.stl
-    grep -q "rounded to the 32 bits of STL" .stderr || fail "does not warn of rounding"
+    expect_line stderr "rounded to the 32 bits of STL" convert solid.off -o solid.stl
     expect_failure 2 "takes one mesh" convert solid.off z.stl -o both.stl
     rm -f z.stl.gz plain.ply solid.off solid.ply solid.stl
 }
@@ -130,15 +129,13 @@ test_ranges() {
 
 test_layers() {
     sphere ball.stl 5000
-    expect 0 slice ball.stl --layer-height 1 --layers 5:9
-    grep -q "^planes    4 from 5 on, of 20: " .stdout || fail "no line on the layers"
+    expect_line stdout "^planes    4 from 5 on, of 20: " slice ball.stl --layer-height 1 --layers 5:9
     expect 0 slice ball.stl --layer-height 1 --layers 5:9 --hash
     local want
     want=$(hash_of)
     expect 0 slice ball.stl --layer-height 1 --layers 5:9 --hash --memory 1M
     [[ $(hash_of) == "$want" ]] || fail "another hash within a budget"
-    expect 0 slice ball.stl --layer-height 1 --layers 18:
-    grep -q "^planes    2 from 18 on, of 20: " .stdout || fail "no line on the last layers"
+    expect_line stdout "^planes    2 from 18 on, of 20: " slice ball.stl --layer-height 1 --layers 18:
     expect 0 slice ball.stl --layer-height 1 --layers :3 -o some.svg
     [[ $(grep -c '<g id="layer' some.svg) == 3 ]] || fail "not three layers"
     expect_failure 2 "none of the 20 layers" slice ball.stl --layer-height 1 --layers 20:30

@@ -96,8 +96,7 @@ test_units() {
     printf '10 0 0 0 0 10 0 0 0 0 10 0\n' > ten.txt
     expect 0 slice ball.stl --layer-height 0.5 --transform ten.txt --report moved.json
     expect_json moved.json "$(json_value cm.json output_hash)" output_hash
-    expect 0 info ball.stl --unit in
-    grep -q 'units of 25.4 mm' .stdout || fail "info does not say the unit"
+    expect_line stdout 'units of 25.4 mm' info ball.stl --unit in
     expect_failure 2 "--unit" slice ball.stl --unit furlong
     expect_failure 2 "--unit" slice ball.stl --unit -1
     (printf '3D Slicer output. SPACE=RAS' | head -c 80; head -c 53 /dev/zero; tail -c +81 ball.stl) > ras.stl

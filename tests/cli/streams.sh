@@ -30,8 +30,7 @@ test_standard_input() {
     grep -q '^mesh  *standard input, text OFF' .stdout || fail "check reads no standard input"
     expect 0 info - < ball.stl
     cp ball.stl ./-
-    expect 0 info ./-
-    grep -q '^mesh  *\./-, ' .stdout || fail "no file of that name is read"
+    expect_line stdout '^mesh  *\./-, ' info ./-
 
     expect_failure 3 "standard input: is empty" info - < /dev/null
     expect_failure 3 "standard input: cannot be read: Is a directory" info - < .

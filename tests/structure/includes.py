@@ -59,7 +59,7 @@ OTHERS = {
     r"mimalloc": "tools/",
     r"(expat|zip)\b": "io/",
     r"(zlib|fast_float)\b": ("io/", "medical/"),
-    r"nlohmann\b": ("io/", "medical/", "tools/lamella/batch/", "tools/lamella/worker/"),
+    r"nlohmann\b": ("io/", "medical/", "tools/lamella/batch/", "tools/lamella/processes/"),
     r"openssl\b": "medical/",
     r"png\.h\b": "medical/",
     r"hdf5\.h": "medical/hdf5/",

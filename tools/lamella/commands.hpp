@@ -7,19 +7,13 @@
 
 namespace lamella::cli {
 
-namespace batch {
-class WorkerStarter;
-}
-
 void add_slice_command(CLI::App& app, Interrupt& interrupt);
 void add_info_command(CLI::App& app, Interrupt& interrupt);
 void add_check_command(CLI::App& app, Interrupt& interrupt);
 void add_make_command(CLI::App& app, Interrupt& interrupt);
 void add_convert_command(CLI::App& app, Interrupt& interrupt);
 void add_merge_command(CLI::App& app, Interrupt& interrupt);
-
-// These run other commands in processes of their own. `starter`: null where none of the two is chosen.
-void add_verify_command(CLI::App& app, Interrupt& interrupt, batch::WorkerStarter* starter);
-void add_batch_command(CLI::App& app, Interrupt& interrupt, batch::WorkerStarter* starter);
+void add_verify_command(CLI::App& app, Interrupt& interrupt);
+void add_batch_command(CLI::App& app, Interrupt& interrupt);
 
 }  // namespace lamella::cli

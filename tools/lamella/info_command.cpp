@@ -8,7 +8,6 @@
 
 #include "commands.hpp"
 #include "files/mesh_input.hpp"
-#include "files/mesh_list.hpp"
 #include "files/scale_words.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/mesh/inspect.hpp"
@@ -16,6 +15,7 @@
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
 #include "terminal/numbers.hpp"
+#include "terminal/stages.hpp"
 
 namespace lamella::cli {
 

@@ -1,8 +1,6 @@
 // The command line tool. Exit status: 0 done, 2 usage, 3 input that cannot be used, 4 output that cannot be written, 5
 // some items of a batch failed, or outputs differ from their records.
-#include <algorithm>
 #include <exception>
-#include <memory>
 #include <new>
 #include <string>
 #include <string_view>
@@ -12,7 +10,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "batch/workers/worker_starter.hpp"
 #include "commands.hpp"
 #include "lamella/version.hpp"
 #include "terminal/console.hpp"
@@ -23,7 +20,7 @@ namespace lamella::cli {
 
 namespace {
 
-/// What a person must know to type it right next time.
+/// One line that says how to type it right next time.
 std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
     std::string command = "lamella";
     for (const CLI::App* chosen : app.get_subcommands()) {
@@ -35,8 +32,8 @@ std::string usage_line(const CLI::App& app, const CLI::ParseError& error) {
            " --help)";
 }
 
-/// What follows the program's name, last word first as CLI11 takes it. To CLI11 "[a,b]" is a list of a and b where several
-/// words are taken; a path it becomes as "./[a,b]".
+/// The words after the program's name, last one first as CLI11 takes them. To CLI11 "[a,b]" is a list of a and b where
+/// several words are taken; a path it becomes as "./[a,b]".
 std::vector<std::string> reversed_words(int count, char** words) {
     std::vector<std::string> reversed;
     for (int i = count - 1; i > 0; --i) {
@@ -46,7 +43,7 @@ std::vector<std::string> reversed_words(int count, char** words) {
     return reversed;
 }
 
-int run(int count, char** words, batch::WorkerStarter* starter) {
+int run(int count, char** words) {
     Interrupt interrupt;
     CLI::App app("Slices triangle meshes into closed, oriented, nested contours", "lamella");
     app.set_version_flag("--version", lamella::version);
@@ -55,8 +52,8 @@ int run(int count, char** words, batch::WorkerStarter* starter) {
     add_info_command(app, interrupt);
     add_check_command(app, interrupt);
     add_make_command(app, interrupt);
-    add_verify_command(app, interrupt, starter);
-    add_batch_command(app, interrupt, starter);
+    add_verify_command(app, interrupt);
+    add_batch_command(app, interrupt);
     add_convert_command(app, interrupt);
     add_merge_command(app, interrupt);
     try {
@@ -89,11 +86,9 @@ constexpr std::string_view out_of_memory = "out of memory";
     std::set_new_handler(end_without_memory);
 }
 
-/// What `work` returns, or the status of what it throws.
-template <typename Work>
-int status_of(const Work& work) {
+int run_tool(int count, char** words) {
     try {
-        return work();
+        return run(count, words);
     } catch (const Failure& failure) {
         complain(failure.what());
         return failure.status();
@@ -104,23 +99,6 @@ int status_of(const Work& work) {
         complain(unforeseen.what());
         return bad_input;
     }
-}
-
-int run_worker(int count, char** words) {
-    return status_of([&] { return run(count, words, nullptr); });
-}
-
-bool starts_workers(int count, char** words) {
-    return std::any_of(words + 1, words + std::max(count, 1),
-                       [](std::string_view word) { return word == "batch" || word == "verify"; });
-}
-
-int run_tool(int count, char** words) {
-    return status_of([&] {
-        // Ahead of the first thread, which Interrupt starts.
-        const auto starter = starts_workers(count, words) ? std::make_unique<batch::WorkerStarter>(run_worker) : nullptr;
-        return run(count, words, starter.get());
-    });
 }
 
 }  // namespace

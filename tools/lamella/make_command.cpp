@@ -5,8 +5,7 @@
 
 #include "commands.hpp"
 #include "files/mesh_input.hpp"
-#include "files/output_path.hpp"
-#include "files/standard_streams.hpp"
+#include "files/streams.hpp"
 #include "models/models.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"

@@ -1,21 +1,32 @@
 #include "batch/batch_run.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include <sys/stat.h>
+#include <unistd.h>
 
-#include "batch/results/item_state.hpp"
-#include "batch/results/leftovers.hpp"
+#include "batch/admission.hpp"
+#include "batch/batch_words.hpp"
+#include "batch/results.hpp"
+#include "files/mesh_input.hpp"
+#include "processes/workers.hpp"
 #include "terminal/failure.hpp"
 
 namespace lamella::cli::batch {
 
 namespace {
 
-constexpr std::chrono::milliseconds wake_up{100};
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds between_lines{30};  ///< of a status without a terminal
 
 /// Without the mesh's name, which stands beside it.
 std::string reason_of(const std::string& failure, const std::string& mesh) {
@@ -41,223 +52,305 @@ void make_folder_of(const std::string& path) {
     }
 }
 
-LedgerName in_made_folder(const LedgerName& name) {
-    make_folder_of(name.path());
-    return name;
+struct AsideName {
+    std::string target;
+    std::string process;
+};
+
+/// Splits ".NAME.PID-TIME.part", as io/write/output_file.cpp names files that are being written; none for other names.
+std::optional<AsideName> parse_aside(std::string_view name) {
+    constexpr std::string_view end = ".part";
+    if (!name.starts_with('.') || !name.ends_with(end)) {
+        return std::nullopt;
+    }
+    const std::string_view rest = name.substr(1, std::max(name.size(), end.size() + 1) - end.size() - 1);
+    const std::size_t dot = rest.rfind('.');
+    const std::size_t dash = rest.find('-', std::min(dot, rest.size()));
+    const auto is_number = [](std::string_view text) {
+        return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+    };
+    if (dash == std::string_view::npos || dot == 0 || !is_number(rest.substr(dot + 1, dash - dot - 1)) ||
+        !is_number(rest.substr(dash + 1))) {
+        return std::nullopt;
+    }
+    return AsideName{std::string(rest.substr(0, dot)), std::string(rest.substr(dot + 1, dash - dot - 1))};
 }
 
-}  // namespace
+/// True if another process of this number runs this program.
+bool runs_here(const std::string& process) {
+    if (process == std::to_string(::getpid())) {
+        return false;
+    }
+    std::error_code unknown;
+    const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", unknown);
+    const std::filesystem::path other = std::filesystem::read_symlink("/proc/" + process + "/exe", unknown);
+    return !unknown && own == other;
+}
 
-BatchRun::BatchRun(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt,
-                   WorkerStarter& starter)
-    : items_(std::move(items)),
-      options_(options),
-      interrupt_(interrupt),
-      stop_(interrupt.defer()),
-      ledger_(in_made_folder(name)),
-      admission_(options.jobs, options.memory_bytes),
-      progress_(options.progress),
-      attempts_(items_.size()),
-      output_inodes_(items_.size()),
-      pool_(starter, options.timeout_s) {}
-
-void BatchRun::clean(std::chrono::milliseconds patience) const {
-    std::vector<std::string> targets = {ledger_.path()};
-    for (const Item& item : items_) {
-        targets.insert(targets.end(), item.files.begin(), item.files.end());
-        if (!item.report.empty()) {
-            targets.push_back(item.report);
+/// Removes the files aside that killed processes left beside a target, unless a process of that number runs this program on
+/// this machine after `patience`: one that is being killed is still listed for a moment. Nothing else is touched. The caller
+/// holds the lock by which only one batch works on the targets.
+void remove_leftovers(const std::vector<std::string>& targets, std::chrono::milliseconds patience) {
+    constexpr std::size_t longest_stem = 180;  // of a target in the name of its file aside: io/write/output_file.cpp
+    std::map<std::filesystem::path, std::set<std::string>> names;
+    for (const std::string& target : targets) {
+        const std::filesystem::path path(target);
+        names[path.has_parent_path() ? path.parent_path() : "."].insert(path.filename().string().substr(0, longest_stem));
+    }
+    const auto until = Clock::now() + patience;
+    for (const auto& [folder, wanted] : names) {
+        std::error_code ignored;
+        for (const std::filesystem::directory_entry& entry : entries_of(folder, ignored)) {
+            const std::optional<AsideName> aside = parse_aside(entry.path().filename().native());
+            if (!aside || !wanted.contains(aside->target)) {
+                continue;
+            }
+            while (runs_here(aside->process) && Clock::now() < until) {
+                std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            }
+            if (!runs_here(aside->process)) {
+                std::filesystem::remove(entry.path(), ignored);
+            }
         }
     }
-    remove_leftovers(targets, patience);
 }
 
-void BatchRun::run() {
-    clean(std::chrono::milliseconds(2000));
-    choose_items();
-    while (true) {
+class BatchRun {
+public:
+    BatchRun(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt)
+        : items_(std::move(items)),
+          options_(options),
+          interrupt_(interrupt),
+          stop_(interrupt.defer()),
+          ledger_(name),
+          admission_(options.jobs, options.memory_bytes),
+          bar_(options.progress),
+          next_status_(Clock::now() + (bar_.shown() ? Clock::duration(0) : between_lines)),
+          attempts_(items_.size()),
+          output_inodes_(items_.size()),
+          pool_(options.timeout_s) {}
+
+    BatchOutcome run() {
+        clean(std::chrono::milliseconds(2000));
+        choose_items();
         start_what_fits();
-        if (pool_.running() == 0) {
-            break;
+        while (pool_.running() > 0) {
+            const std::vector<WorkerEnd> ended = pool_.wait(std::chrono::milliseconds(100));
+            stop_if_asked();
+            for (const WorkerEnd& end : ended) {
+                admission_.ended(end.item, end.peak_bytes);
+            }
+            start_what_fits();  // before the disk is waited for
+            for (const WorkerEnd& end : ended) {
+                take(end);
+            }
+            show_status();
+            start_what_fits();  // what is tried again
         }
-        const std::vector<WorkerEnd> ended = pool_.wait(wake_up);
         stop_if_asked();
-        for (const WorkerEnd& end : ended) {
-            admission_.ended(end.item, end.peak_bytes);
-        }
-        start_what_fits();  // before the disk is waited for
-        for (const WorkerEnd& end : ended) {
-            take(end);
-        }
-        progress_.show(counts_);
+        bar_.wipe();
+        clean(std::chrono::milliseconds(0));
+        ledger_.finish(items_);
+        interrupt_.end_deferring();
+        return outcome();
     }
-    stop_if_asked();
-    progress_.wipe();
-    clean(std::chrono::milliseconds(0));
-    ledger_.finish(items_);
-    interrupt_.end_deferring();
-}
 
-void BatchRun::start_what_fits() {
-    while (const std::optional<Admitted> admitted = admission_.next()) {
-        start(*admitted);
-    }
-}
-
-void BatchRun::choose_items() {
-    counts_.items = items_.size();
-    for (std::size_t i = 0; i < items_.size(); ++i) {
-        if (is_unchanged(i)) {
-            ++counts_.unchanged;
-            continue;
+private:
+    void clean(std::chrono::milliseconds patience) const {
+        std::vector<std::string> targets = {ledger_.path()};
+        for (const Item& item : items_) {
+            const std::vector<std::string> files = item.all_files();
+            targets.insert(targets.end(), files.begin(), files.end());
         }
-        const std::uint64_t bytes = items_[i].inputs.front().bytes;
-        admission_.add(i, estimate_mesh(items_[i].mesh, bytes), items_[i].threads);
-        counts_.all_cost += process_bytes + static_cast<double>(bytes);
-        stop_if_asked();
+        remove_leftovers(targets, patience);
     }
-    admission_.sort();
-}
 
-bool BatchRun::is_unchanged(std::size_t i) {
-    Item& item = items_[i];
-    const ResultLine* const line = ledger_.find(item.key());
-    const bool by_content = line != nullptr && !line->inputs.empty() && !line->inputs.front().sha256.empty();
-    try {
+    void choose_items() {
+        counts_.items = items_.size();
+        for (std::size_t i = 0; i < items_.size(); ++i) {
+            if (is_unchanged(i)) {
+                ++counts_.unchanged;
+                continue;
+            }
+            admission_.add(i, estimate_mesh(items_[i].mesh, items_[i].inputs.front().bytes), items_[i].threads);
+            counts_.all_cost += cost_of(i);
+            stop_if_asked();
+        }
+        admission_.sort();
+    }
+
+    bool is_unchanged(std::size_t i) {
+        Item& item = items_[i];
+        const ResultLine* const line = ledger_.find(item.key());
+        const bool by_content = line != nullptr && !line->inputs.empty() && !line->inputs.front().sha256.empty();
         item.inputs.push_back(fact_of(item.mesh, options_.hash || by_content, stop_));
         for (const std::string& path : item.option_files) {
             item.inputs.push_back(fact_of(path, options_.hash || by_content, stop_));
         }
-    } catch (const Failure&) {
-        stop_if_asked();
-        throw;
+        if (options_.force || line == nullptr) {
+            return false;
+        }
+        counts_.of_older_version += line->done() && is_of_older_version(*line) ? 1 : 0;
+        return is_done(item, *line);
     }
-    if (options_.force || line == nullptr) {
-        return false;
-    }
-    counts_.of_older_version += line->done() && is_of_older_version(*line) ? 1 : 0;
-    return is_done(item, *line);
-}
 
-std::vector<std::string> BatchRun::words_of(const Item& item, const Admitted& admitted) const {
-    std::vector<std::string> words = item.words;
-    const bool in_ranges = admission_.is_too_large(admitted.item);
-    if (!in_ranges) {
-        words.insert(words.end(), item.plain.begin(), item.plain.end());
+    void start_what_fits() {
+        while (const std::optional<Admitted> admitted = admission_.next()) {
+            start(*admitted);
+        }
     }
-    for (const std::string& output : item.outputs) {
-        words.push_back("--output=" + output);
-    }
-    if (!item.to.empty()) {
-        words.push_back("--to=" + item.to);
-    }
-    if (!item.report.empty()) {
-        words.push_back("--report=" + item.report);
-    }
-    words.push_back("--threads=" + std::to_string(admitted.threads));
-    words.emplace_back("--progress=never");
-    if (in_ranges) {
-        words.push_back("--memory=" + std::to_string(options_.memory_bytes));
-    }
-    words.insert(words.end(), {"--", item.mesh});
-    return words;
-}
 
-/// Slice cuts a mesh larger than all of the memory in ranges, unless some option needs the whole mesh.
-std::string BatchRun::why_not_in_memory(std::size_t i) const {
-    if (!admission_.is_too_large(i)) {
+    void start(const Admitted& admitted) {
+        const std::size_t i = admitted.item;
+        const Item& item = items_[i];
+        if (const std::string reason = why_not_in_memory(i); !reason.empty()) {
+            admission_.ended(i, 0);
+            return fail(i, reason);
+        }
+        for (const std::string& file : item.all_files()) {
+            make_folder_of(file);
+        }
+        output_inodes_[i] = inodes_of(item.files);
+        ++attempts_[i];
+        pool_.start(i, {"slice", words_of(item, admitted)});
+    }
+
+    /// Slice cuts a mesh larger than all of the memory in ranges, unless some option needs the whole mesh.
+    std::string why_not_in_memory(std::size_t i) const {
+        if (!admission_.is_too_large(i)) {
+            return {};
+        }
+        const Item& item = items_[i];
+        for (const std::string& name : options_.names_without_memory) {
+            const auto is_given = [&](const std::string& word) { return word == name || word.starts_with(name + "="); };
+            if (std::any_of(item.words.begin(), item.words.end(), is_given) ||
+                (name == "--report" && !item.report.empty())) {
+                return "needs about " + file_size_text(static_cast<std::uint64_t>(admission_.need_of(i))) +
+                       " of memory, more than --memory has, as " + name + " needs the whole mesh";
+            }
+        }
         return {};
     }
-    const Item& item = items_[i];
-    for (const std::string& name : options_.names_without_memory) {
-        const auto is_given = [&](const std::string& word) { return word == name || word.starts_with(name + "="); };
-        if (std::any_of(item.words.begin(), item.words.end(), is_given) || (name == "--report" && !item.report.empty())) {
-            return "needs about " + file_size_text(static_cast<std::uint64_t>(admission_.need_of(i))) +
-                   " of memory, more than --memory has, as " + name + " needs the whole mesh";
+
+    std::vector<std::string> words_of(const Item& item, const Admitted& admitted) const {
+        std::vector<std::string> words = item.words;
+        const bool in_ranges = admission_.is_too_large(admitted.item);
+        if (!in_ranges) {
+            words.insert(words.end(), item.plain.begin(), item.plain.end());
+        }
+        for (const std::string& output : item.outputs) {
+            words.push_back("--output=" + output);
+        }
+        if (!item.to.empty()) {
+            words.push_back("--to=" + item.to);
+        }
+        if (!item.report.empty()) {
+            words.push_back("--report=" + item.report);
+        }
+        words.push_back("--threads=" + std::to_string(admitted.threads));
+        words.emplace_back("--progress=never");
+        if (in_ranges) {
+            words.push_back("--memory=" + std::to_string(options_.memory_bytes));
+        }
+        words.insert(words.end(), {"--", item.mesh});
+        return words;
+    }
+
+    void take(const WorkerEnd& end) {
+        const Item& item = items_[end.item];
+        if (!end.failure.empty()) {
+            if (end.may_retry && attempts_[end.item] <= options_.retries) {
+                remove_new_outputs(end.item);
+                return admission_.add_again(end.item, end.lacked_memory);
+            }
+            return fail(end.item, reason_of(end.failure, item.mesh));
+        }
+        ledger_.append({item.mesh, "", item.words, item.inputs, outputs_of(item), end.facts});
+        ++counts_.done;
+        counts_.cost += cost_of(end.item);
+        counts_.triangles += end.facts ? static_cast<double>(end.facts->triangles) : 0;
+    }
+
+    void fail(std::size_t i, const std::string& reason) {
+        const Item& item = items_[i];
+        remove_new_outputs(i);
+        ResultLine line{item.mesh, reason, item.words, item.inputs, {}, std::nullopt};
+        for (const std::string& file : item.files) {
+            line.outputs.push_back({file, std::nullopt});
+        }
+        bar_.wipe();
+        complain(item.mesh + ": " + reason);
+        ledger_.append(line);
+        ++counts_.failed;
+        counts_.cost += cost_of(i);
+        failed_.emplace(i, FailedItem{item.mesh, reason});
+    }
+
+    double cost_of(std::size_t i) const { return process_bytes + static_cast<double>(items_[i].inputs.front().bytes); }
+
+    /// None of several outputs of a mesh that failed stays; those of an earlier batch do.
+    void remove_new_outputs(std::size_t i) const {
+        const std::vector<std::string>& files = items_[i].files;
+        const std::vector<std::uint64_t> inodes = inodes_of(files);
+        for (std::size_t f = 0; f < output_inodes_[i].size(); ++f) {
+            if (inodes[f] != 0 && inodes[f] != output_inodes_[i][f]) {
+                std::error_code ignored;
+                std::filesystem::remove(files[f], ignored);
+            }
         }
     }
-    return {};
-}
 
-void BatchRun::start(const Admitted& admitted) {
-    const std::size_t i = admitted.item;
-    const Item& item = items_[i];
-    if (const std::string reason = why_not_in_memory(i); !reason.empty()) {
-        admission_.ended(i, 0);
-        return fail(i, reason);
-    }
-    for (const std::string& file : item.files) {
-        make_folder_of(file);
-    }
-    if (!item.report.empty()) {
-        make_folder_of(item.report);
-    }
-    output_inodes_[i] = inodes_of(item.files);
-    ++attempts_[i];
-    pool_.start(i, {"slice", words_of(item, admitted)});
-}
-
-void BatchRun::take(const WorkerEnd& end) {
-    const Item& item = items_[end.item];
-    if (!end.failure.empty()) {
-        if (end.may_retry && attempts_[end.item] <= options_.retries) {
-            remove_new_outputs(item, end.item);
-            return admission_.add_again(end.item, end.lacked_memory);
+    /// On a terminal by the bar, else by a line from time to time.
+    void show_status() {
+        const Clock::time_point now = Clock::now();
+        if (now < next_status_ || options_.progress == ProgressBar::When::never) {
+            return;
         }
-        return fail(end.item, reason_of(end.failure, item.mesh));
-    }
-    ResultLine line{item.mesh, "", item.words, item.inputs, outputs_of(item), end.facts};
-    ledger_.append(line);
-    ++counts_.done;
-    counts_.cost += process_bytes + static_cast<double>(item.inputs.front().bytes);
-    counts_.triangles += end.facts ? static_cast<double>(end.facts->triangles) : 0;
-}
-
-void BatchRun::fail(std::size_t i, const std::string& reason) {
-    const Item& item = items_[i];
-    remove_new_outputs(item, i);
-    ResultLine line{item.mesh, reason, item.words, item.inputs, {}, std::nullopt};
-    for (const std::string& file : item.files) {
-        line.outputs.push_back({file, std::nullopt});
-    }
-    progress_.tell(item.mesh + ": " + reason);
-    ledger_.append(line);
-    ++counts_.failed;
-    counts_.cost += process_bytes + static_cast<double>(item.inputs.front().bytes);
-    failed_.push_back({i, {item.mesh, reason}});
-}
-
-/// Of a mesh that failed, none of several outputs stays; those of an earlier batch do.
-void BatchRun::remove_new_outputs(const Item& item, std::size_t i) const {
-    if (output_inodes_[i].empty()) {
-        return;
-    }
-    const std::vector<std::uint64_t> inodes = inodes_of(item.files);
-    for (std::size_t f = 0; f < inodes.size(); ++f) {
-        if (inodes[f] != 0 && inodes[f] != output_inodes_[i][f]) {
-            std::error_code ignored;
-            std::filesystem::remove(item.files[f], ignored);
+        const std::string status = batch_status(counts_, watch_.ms() / 1000);
+        if (bar_.shown()) {
+            next_status_ = now + std::chrono::milliseconds(200);
+            bar_.show(status, counts_.all_cost > 0 ? counts_.cost / counts_.all_cost : 0);
+        } else {
+            next_status_ = now + between_lines;
+            complain(status);
         }
     }
-}
 
-void BatchRun::stop_if_asked() {
-    if (stop_.stop_requested()) {
-        progress_.wipe();
-        pool_.end_all();
-        interrupt_.die_if_interrupted();
+    /// The pool ends its processes as this ends.
+    void stop_if_asked() const {
+        if (stop_.stop_requested()) {
+            throw Failure(bad_input, "cancelled");
+        }
     }
-}
 
-std::string BatchRun::summary() const {
-    std::vector<std::pair<std::size_t, FailedItem>> ordered = failed_;
-    std::sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::vector<FailedItem> failed;
-    failed.reserve(ordered.size());
-    for (auto& [item, what] : ordered) {
-        failed.push_back(std::move(what));
+    BatchOutcome outcome() const {
+        std::vector<FailedItem> failed;
+        for (const auto& [item, what] : failed_) {
+            failed.push_back(what);
+        }
+        return {batch_summary(counts_, watch_.ms() / 1000, ledger_.path(), failed), failed.size()};
     }
-    return batch_summary(counts_, progress_.seconds(), ledger_.path(), failed);
+
+    std::vector<Item> items_;
+    const RunOptions& options_;
+    Interrupt& interrupt_;
+    StopCheck stop_;
+    Ledger ledger_;
+    Admission admission_;
+    ProgressBar bar_;
+    Stopwatch watch_;
+    Clock::time_point next_status_;
+    BatchCounts counts_;
+    std::vector<int> attempts_;                              ///< by item
+    std::vector<std::vector<std::uint64_t>> output_inodes_;  ///< by item: of its outputs, when it began
+    std::map<std::size_t, FailedItem> failed_;               ///< by item
+    WorkerPool pool_;  ///< the last member: its processes end before what they are recorded in
+};
+
+}  // namespace
+
+BatchOutcome run_batch(std::vector<Item> items, const LedgerName& name, const RunOptions& options, Interrupt& interrupt) {
+    return BatchRun(std::move(items), name, options, interrupt).run();
 }
 
 }  // namespace lamella::cli::batch

@@ -1,4 +1,4 @@
-// What a mesh's size and place make doubtful, in words.
+// Doubts that a mesh's size and place raise, in words.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace lamella::cli {
 
-/// What a mesh that is not sliced is judged by.
+/// Judges a mesh that is not sliced.
 inline constexpr double common_layer_mm = 0.2;
 
 /// A mesh as it was cut or examined.

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <memory>
 #include <system_error>
-#include <vector>
 
 #include "terminal/failure.hpp"
 
@@ -33,6 +32,16 @@ std::string read_text(const std::string& path) {
         text.erase(0, 3);
     }
     return text;
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+    std::vector<std::string_view> pieces;
+    for (std::size_t end = text.find(separator); end != std::string_view::npos; end = text.find(separator)) {
+        pieces.push_back(text.substr(0, end));
+        text.remove_prefix(end + 1);
+    }
+    pieces.push_back(text);
+    return pieces;
 }
 
 }  // namespace lamella::cli

@@ -1,10 +1,8 @@
 #include "outputs/image_arguments.hpp"
 
-#include <system_error>
 #include <utility>
 
 #include "files/mesh_input.hpp"
-#include "files/output_path.hpp"
 #include "outputs/output_formats.hpp"
 #include "terminal/failure.hpp"
 
@@ -81,21 +79,6 @@ void declare_image(CLI::App& command, ImageArguments& arguments) {
 
 ImageGeometry read_image_of(const ImageArguments& arguments) {
     return done_or_thrown(read_image_geometry(arguments.like));
-}
-
-void require_series_kept(const ImageGeometry& image, const std::vector<std::filesystem::path>& outputs) {
-    if (!image.series) {
-        return;
-    }
-    for (const std::filesystem::path& output : outputs) {
-        std::error_code unknown;
-        if (!std::filesystem::exists(output, unknown)) {
-            continue;
-        }
-        for (const DicomSeries::Instance& slice : image.series->slices) {
-            require_different(output.string(), slice.file, "--output", "a slice of --like");
-        }
-    }
 }
 
 PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& arguments, const std::string& name) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,9 +40,6 @@ void declare_image(CLI::App& command, ImageArguments& arguments);
 
 /// The geometry of --like. Throws Failure.
 ImageGeometry read_image_of(const ImageArguments& arguments);
-
-/// Throws Failure (bad_usage) where one of the outputs would replace a slice of the image's series.
-void require_series_kept(const ImageGeometry& image, const std::vector<std::filesystem::path>& outputs);
 
 /// The patient frame of a mesh: what its file states, else --frame. Throws Failure where neither says it.
 PatientFrame patient_frame_of(const MeshFile& mesh, const ImageArguments& arguments, const std::string& name);

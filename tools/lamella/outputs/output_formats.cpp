@@ -8,7 +8,8 @@
 #include <system_error>
 
 #include "files/mesh_input.hpp"
-#include "files/standard_streams.hpp"
+#include "files/streams.hpp"
+#include "files/text_input.hpp"
 #include "terminal/failure.hpp"
 
 namespace lamella::cli {
@@ -65,9 +66,8 @@ PlannedOutput by_name(const std::string& path) {
 
 std::vector<const NamedFormat*> parse_formats(const std::string& to) {
     std::vector<const NamedFormat*> found;
-    for (std::size_t begin = 0; begin <= to.size();) {
-        const std::size_t end = std::min(to.find(',', begin), to.size());
-        const std::string name = lower_case(to.substr(begin, end - begin));
+    for (const std::string_view word : split(to, ',')) {
+        const std::string name = lower_case(std::string(word));
         const auto* const format =
             std::find_if(formats.begin(), formats.end(), [&](const NamedFormat& known) { return known.name == name; });
         if (format == formats.end()) {
@@ -77,7 +77,6 @@ std::vector<const NamedFormat*> parse_formats(const std::string& to) {
             throw Failure(bad_usage, "--to: '" + name + "' stands there twice");
         }
         found.push_back(format);
-        begin = end + 1;
     }
     return found;
 }

@@ -26,9 +26,9 @@ struct PlannedOutput {
 
     /// Voxels in the patient: it needs the geometry of an image, and the patient frame of the mesh.
     bool is_mask() const noexcept;
-    /// Whether it takes one mesh only.
+    /// True if it takes one mesh only.
     bool one_mesh() const noexcept { return format == OutputFormat::svg || format == OutputFormat::hdf5; }
-    /// Whether a record is written beside it: beside all but SVG.
+    /// True if a record is written beside it: beside all but SVG.
     bool has_record() const noexcept { return format != OutputFormat::svg; }
     std::string record_path() const { return path + ".lamella.json"; }
     /// All files that come to lie on disk.

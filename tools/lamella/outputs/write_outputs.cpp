@@ -3,19 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <utility>
 
-#include "files/output_path.hpp"
 #include "files/scale_words.hpp"
-#include "files/standard_streams.hpp"
+#include "files/streams.hpp"
 #include "lamella/io/svg.hpp"
 #include "lamella/version.hpp"
-#include "outputs/write_archive_output.hpp"
-#include "outputs/write_picture_output.hpp"
-#include "outputs/write_structure_output.hpp"
+#include "outputs/output_checks.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
 
@@ -89,6 +85,64 @@ void write_table_of(const OutputJob& job, const PlannedOutput& output, const Con
     done_or_thrown(write_layer_table(parts, output.path, control, job.image ? &*job.image : nullptr));
 }
 
+void write_structure_set_of(const OutputJob& job, const PlannedOutput& output, const Control& control, const Note& note) {
+    static constexpr std::array<std::array<std::uint8_t, 3>, 6> colours = {
+        {{230, 77, 51}, {0, 115, 178}, {0, 158, 115}, {230, 158, 0}, {204, 120, 166}, {87, 181, 232}}};
+    if (!job.image) {  // an archive that was sliced without one
+        throw Failure(bad_input, "'" + output.path + "': no image says where the slices lie in the patient");
+    }
+    std::vector<Roi> rois;
+    for (const SlicedPart& part : job.parts) {
+        rois.push_back({&part.result, part.name, colours[rois.size() % colours.size()]});
+    }
+    StructureSetOptions options;
+    options.holes = job.arguments.holes;
+    options.without_ct = job.arguments.without_ct;
+    options.seconds_since_1970 = source_date();
+    options.control = control;
+    const Result<StructureSetSummary> written = write_structure_set(rois, *job.image, output.path, options);
+    if (!written) {  // what options can be wrong in was seen before
+        const Failure failure = failure_of(written.error());
+        throw Failure(failure.status() == bad_usage ? bad_input : failure.status(), failure.what());
+    }
+    for (std::size_t i = 0; i < rois.size(); ++i) {
+        if (written->roi_names[i] != rois[i].name) {
+            note(output.path + ": the name '" + rois[i].name + "' is written as '" + written->roi_names[i] +
+                 "': a ROI's has at most 64 characters, of the CT's character set, and none repeats");
+        }
+    }
+    if (written->nested_contours > 0) {
+        note(output.path + ": " + counted(written->nested_contours, "contour") +
+             " in the solid part of others, which readers may take for holes; --fill-rule non-zero unites them");
+    }
+}
+
+void write_picture_of(const OutputJob& job, const PlannedOutput& output, const Control& control) {
+    std::vector<PicturePart> parts;
+    for (const SlicedPart& part : job.parts) {
+        parts.push_back({&part.result, part.name});
+    }
+    PictureOptions options;
+    options.control = control;
+    options.image = job.image ? &*job.image : nullptr;
+    const std::optional<std::uint64_t> layer = job.arguments.picture_layer;
+    done_or_thrown(layer ? write_layer_picture(parts, *layer, output.path, options)
+                         : write_contact_sheet(parts, output.path, options));
+}
+
+void write_archive_of(const OutputJob& job, const PlannedOutput& output, const Control& control) {
+    const SlicedPart& part = job.parts.front();
+    ArchiveInfo info{.name = part.name,
+                     .mesh_sha256 = part.mesh_sha256,
+                     .frame = part.frame,
+                     .geometry = job.image,
+                     .subslices = job.subslices};
+    if (part.welded) {
+        info.weld = ArchiveWeld{part.welded->tolerance_mm, part.welded->joined};
+    }
+    done_or_thrown(write_archive(part.result, info, output.path, control));
+}
+
 void write_one(const OutputJob& job, const PlannedOutput& output, const Control& control, const Note& note) {
     switch (output.format) {
         case OutputFormat::svg: {
@@ -103,7 +157,7 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Control&
         case OutputFormat::segmentation:
             return write_mask_of(job, output, control, note);
         case OutputFormat::structure_set:
-            write_structure_output(job, output, control, note);
+            write_structure_set_of(job, output, control, note);
             for (const SlicedPart& part : job.parts) {
                 note_beyond_slices(job, part, output, note);
             }
@@ -112,28 +166,16 @@ void write_one(const OutputJob& job, const PlannedOutput& output, const Control&
         case OutputFormat::json_lines:
             return write_table_of(job, output, control);
         case OutputFormat::png:
-            return write_picture_output(job, output, control);
+            return write_picture_of(job, output, control);
         case OutputFormat::hdf5:
-            return write_archive_output(job, output, control);
+            return write_archive_of(job, output, control);
     }
 }
 
-std::string hexadecimal(std::uint64_t value) {
-    char text[17];
-    (void)std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-    return text;
-}
-
-void write_record_of(const OutputJob& job, const PlannedOutput& output, const Control& control) {
-    if (!output.has_record() || !std::filesystem::is_regular_file(output.path)) {
-        return;
-    }
+Record record_of(const OutputJob& job, const PlannedOutput& output) {
     Record record;
-    record.version = version;
     record.command = job.command;
     record.inputs = job.inputs;
-    record.output = done_or_thrown(seal_file(output.path, control));
-    record.output.path = std::filesystem::path(output.path).filename().string();
     record.options = record_words(job.options, output);
     if (const char* const epoch = std::getenv("SOURCE_DATE_EPOCH")) {
         record.source_date_epoch = epoch;
@@ -145,7 +187,7 @@ void write_record_of(const OutputJob& job, const PlannedOutput& output, const Co
         record.close_gaps_mm.push_back(part.result.close_gaps_mm);
         record.result_hashes.push_back(hexadecimal(part.hash ? *part.hash : hash_result(part.result)));
     }
-    done_or_thrown(write_record(record, output.record_path()));
+    return record;
 }
 
 void tell_names_apart(std::vector<SlicedPart>& parts, const Note& note) {
@@ -171,56 +213,17 @@ void require_closed(const OutputJob& job) {
     }
 }
 
-void require_no_file_shared(const PlannedOutput& output, const PlannedOutput& other, bool several_meshes) {
-    if (output.is_mask() && other.is_mask()) {  // of one name they share a table of labels, which is the same
-        return require_different_output(output.path, other.path, "--output", "another output");
-    }
-    for (const std::string& file : output.files(several_meshes)) {
-        for (const std::string& others : other.files(several_meshes)) {
-            require_different_output(file, others, "--output", "another output");
-        }
-    }
-}
-
 }  // namespace
 
-void require_together(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
-                      bool image_given, int subslices) {
-    require_picture_possible(outputs, arguments);
-    require_archive_possible(outputs);
-    require_structures_possible(outputs, arguments, image_given, subslices);
-    bool mask = false;
-    for (const PlannedOutput& output : outputs) {
-        mask = mask || output.is_mask();
-        if (output.one_mesh() && meshes > 1) {
-            throw Failure(bad_usage, "--output: '" + output.path + "' takes one mesh, not several");
-        }
-        if (output.is_mask() && !image_given) {
-            throw Failure(bad_usage, "--output: '" + output.path + "' needs --like IMAGE or --spacing X,Y,Z");
-        }
-        for (const PlannedOutput& other : outputs) {
-            if (&other < &output) {
-                require_no_file_shared(output, other, meshes > 1);
-            }
-        }
-    }
-    if ((arguments.coverage || subslices > 1) && mask && meshes > 1) {
-        throw Failure(bad_usage, "--coverage and --subslices: one mesh a mask, not several");
-    }
-    if (subslices > 1 && !image_given) {
-        throw Failure(bad_usage, "--subslices: needs --like IMAGE or --spacing X,Y,Z");
-    }
-    if (arguments.coverage && !mask) {
-        throw Failure(bad_usage, "--coverage: no output is a mask");
-    }
+bool takes_record(const PlannedOutput& output) {
+    return output.has_record() && std::filesystem::is_regular_file(output.path);
 }
 
-void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
-                      bool image_given, int subslices) {
-    require_together(outputs, arguments, meshes, image_given, subslices);
-    for (const PlannedOutput& output : outputs) {
-        require_writable(output.path);
-    }
+void write_record_beside(const PlannedOutput& output, Record record, const Control& control) {
+    record.version = version;
+    record.output = done_or_thrown(seal_file(output.path, control));
+    record.output.path = std::filesystem::path(output.path).filename().string();
+    done_or_thrown(write_record(record, output.record_path()));
 }
 
 WrittenOutputs write_outputs(OutputJob& job, const Control& control, const Note& note) {
@@ -228,16 +231,18 @@ WrittenOutputs write_outputs(OutputJob& job, const Control& control, const Note&
     if (job.arguments.strict) {
         require_closed(job);
     }
-    if (job.streamed != nullptr) {
-        job.streamed->finish();
+    if (job.finish_streamed) {
+        job.finish_streamed();
     }
     WrittenOutputs written;
     for (const PlannedOutput& output : job.outputs) {
         try {
-            if (job.streamed == nullptr) {
+            if (!job.finish_streamed) {
                 write_one(job, output, control, note);
             }
-            write_record_of(job, output, control);
+            if (takes_record(output)) {
+                write_record_beside(output, record_of(job, output), control);
+            }
             written.paths.push_back(output.path);
         } catch (const Failure& failure) {
             if (control.stop.stop_requested()) {

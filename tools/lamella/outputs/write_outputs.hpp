@@ -14,7 +14,6 @@
 #include "outputs/image_arguments.hpp"
 #include "outputs/output_formats.hpp"
 #include "outputs/recorded_options.hpp"
-#include "outputs/streamed_outputs.hpp"
 #include "terminal/failure.hpp"
 
 namespace lamella::cli {
@@ -27,32 +26,22 @@ struct SlicedPart {
     std::optional<MeshFacts> facts;
     PatientFrame frame = PatientFrame::unstated;
     std::optional<WeldedMesh> welded;
-    std::uint64_t first_layer = 0;      ///< of the result among the layers of the plan: see --layers
-    std::uint64_t all_layers = 0;       ///< of the plan
     std::string mesh_sha256;            ///< of the mesh's file, where it is known
     std::optional<std::uint64_t> hash;  ///< hash_result(), where it is known
 };
 
 /// All that is written at the end of a command.
 struct OutputJob {
-    std::vector<PlannedOutput> outputs;
+    std::vector<PlannedOutput> outputs{};
     const OutputArguments& arguments;
-    std::vector<SlicedPart> parts;
-    std::optional<ImageGeometry> image;
+    std::vector<SlicedPart> parts{};
+    std::optional<ImageGeometry> image{};
     int subslices = 1;
     std::string command;  ///< for the records, as what follows
-    std::vector<FileSeal> inputs;
-    std::vector<RecordedOption> options;
-    StreamedOutputs* streamed = nullptr;  ///< holds what was written already, while the mesh was sliced
+    std::vector<FileSeal> inputs{};
+    std::vector<RecordedOption> options{};
+    std::function<void()> finish_streamed{};  ///< puts in place what was written while the mesh was sliced; else empty
 };
-
-/// Whether options and formats go together, wherever the files may lie. Throws Failure (bad_usage).
-void require_together(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
-                      bool image_given, int subslices);
-
-/// What can be refused before any mesh is read. Throws Failure (bad_usage, bad_output).
-void require_possible(const std::vector<PlannedOutput>& outputs, const OutputArguments& arguments, std::size_t meshes,
-                      bool image_given, int subslices);
 
 struct WrittenOutputs {
     std::vector<std::string> paths;
@@ -62,6 +51,12 @@ struct WrittenOutputs {
 /// Writes all outputs that can be written; `note` takes warnings. Parts whose names repeat are told apart by a number.
 /// Throws Failure where none can be written, and of a stop.
 WrittenOutputs write_outputs(OutputJob& job, const Control& control, const std::function<void(const std::string&)>& note);
+
+/// True if the output, now written, is a file of a format with a record.
+bool takes_record(const PlannedOutput& output);
+
+/// Writes it with this version, and what is known of the output. Throws Failure.
+void write_record_beside(const PlannedOutput& output, Record record, const Control& control);
 
 /// The name of a mesh's file without folder and ends: "liver" of "a/liver.stl.gz".
 std::string mesh_name_of(const std::string& path);

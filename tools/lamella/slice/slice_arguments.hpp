@@ -11,7 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "files/mesh_input.hpp"
-#include "files/standard_streams.hpp"
+#include "files/streams.hpp"
 #include "lamella/slice.hpp"
 #include "outputs/image_arguments.hpp"
 

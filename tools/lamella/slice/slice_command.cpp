@@ -1,34 +1,27 @@
 // lamella slice: read, slice, write, report.
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "commands.hpp"
-#include "files/mesh_input.hpp"
-#include "files/output_path.hpp"
+#include "files/streams.hpp"
 #include "lamella/io.hpp"
 #include "lamella/lamella.hpp"
+#include "outputs/output_checks.hpp"
 #include "outputs/recorded_options.hpp"
 #include "outputs/write_outputs.hpp"
-#include "outputs/write_structure_output.hpp"
-#include "slice/image_around.hpp"
-#include "slice/part_warnings.hpp"
-#include "slice/plan_outputs.hpp"
-#include "slice/range_slicing.hpp"
+#include "processes/workers.hpp"
 #include "slice/slice_arguments.hpp"
+#include "slice/slice_stages.hpp"
 #include "slice/slice_summary.hpp"
 #include "terminal/console.hpp"
 #include "terminal/failure.hpp"
-#include "terminal/numbers.hpp"
-#include "worker/worker_side.hpp"
+#include "terminal/stages.hpp"
 
 namespace lamella::cli {
 
@@ -39,32 +32,32 @@ public:
     SliceCommand(const CLI::App& command, const SliceArguments& arguments, Interrupt& interrupt)
         : command_(command),
           arguments_(arguments),
-          interrupt_(interrupt),
-          bar_(arguments.progress),
-          job_{
-              .outputs = {},
-              .arguments = arguments_.outputs,
-              .parts = {},
-              .image = {},
-              .command = command.get_name(),
-              .inputs = {},
-              .options = {},
-          } {}
+          stages_(arguments.progress, arguments.threads, interrupt),
+          job_{.outputs = plan_slice_outputs(arguments), .arguments = arguments_.outputs, .command = command.get_name()} {}
 
     void run() {
-        slice_and_write();
+        stages_.interrupt().tidy(files_to_write(arguments_, job_.outputs));
+        std::vector<MeshFile> files = find_image();
+        if (arguments_.mesh_count() == 1) {
+            const MeshFile mesh = files.empty() ? read(arguments_.meshes.front()) : std::move(files.front());
+            slice_part(mesh, mesh_name_of(arguments_.mesh));
+            write();
+            report(mesh);
+        } else {
+            slice_all(std::move(files));
+            write();
+            print_words(words_ + wrote(run_.outputs), arguments_.output_to_stdout());
+        }
         if (failure_) {
             throw Failure(*failure_);
         }
     }
 
     /// For a batch: of one file.
-    std::optional<SliceFacts> facts() const {
-        if (job_.parts.empty()) {
-            return std::nullopt;
-        }
-        SliceFacts facts{.layers = job_.parts.front().result.layers.size(), .warnings = run_.warnings};
+    SliceFacts facts() const {
+        SliceFacts facts{.warnings = run_.warnings};
         for (const SlicedPart& part : job_.parts) {
+            facts.layers = part.result.layers.size();  // the same of all
             facts.triangles += part.result.summary.triangles;
             facts.contours += run_.contours.value_or(part.result.contours.size());
             facts.open_contours += part.result.summary.open_contours;
@@ -74,56 +67,53 @@ public:
     }
 
 private:
-    void slice_and_write() {
-        require_ranges_possible(arguments_);
-        plan_outputs();
+    /// The meshes, where all of them are needed before the first one is sliced.
+    std::vector<MeshFile> find_image() {
         std::vector<MeshFile> files;
-        if (arguments_.image.spacing.empty()) {
-            if (!arguments_.image.like.empty()) {
-                use_image(read_image_of(arguments_.image));
-            }
-        } else {
-            read_all(files);
-            use_image(image_around(files, arguments_));
+        if (!arguments_.image.given()) {
+            return files;
         }
-        for (std::size_t i = 0; i < arguments_.meshes.size(); ++i) {
-            arguments_.mesh = arguments_.meshes[i];
-            MeshFile mesh = files.empty() ? read() : std::move(files[i]);
-            if (arguments_.split) {
-                slice_objects(mesh);
-                continue;
+        if (!arguments_.image.spacing.empty()) {
+            for (const std::string& mesh : arguments_.meshes) {
+                files.push_back(read(mesh));
             }
-            slice_part(mesh, mesh_name_of(arguments_.mesh));
-            if (arguments_.meshes.size() == 1) {
-                write();
-                report(job_.parts.front().result, mesh);
-                return;
-            }
-            add_summary(mesh, arguments_.mesh);
         }
-        write();
-        print_words(words_ + wrote(run_), arguments_.output_to_stdout());
+        job_.image = image_for(files, arguments_);
+        job_.subslices = arguments_.image.subslices;
+        note_all(job_.image->warnings);
+        require_image_serves(*job_.image, job_.outputs, arguments_.outputs);
+        require_series_kept(*job_.image, files_to_write(arguments_, job_.outputs));
+        return files;
     }
 
-    void plan_outputs() {
-        job_.outputs = planned_outputs_of(arguments_);
-        interrupt_.tidy(files_to_write(arguments_, job_.outputs));
+    void note(const std::string& warning) {
+        stages_.warn(warning);
+        run_.warnings.push_back(warning);
     }
 
-    void use_image(ImageGeometry image) {
-        for (const std::string& warning : image.warnings) {
+    void note_all(const std::vector<std::string>& warnings) {
+        for (const std::string& warning : warnings) {
             note(warning);
         }
-        require_image_serves(image, job_.outputs, arguments_.outputs);
-        require_series_kept(image, files_to_write(arguments_, job_.outputs));
-        job_.image = std::move(image);
-        job_.subslices = arguments_.image.subslices;
     }
 
-    void read_all(std::vector<MeshFile>& files) {
-        for (const std::string& mesh : arguments_.meshes) {
-            arguments_.mesh = mesh;
-            files.push_back(read());
+    MeshFile read(const std::string& path) {
+        arguments_.mesh = path;
+        MeshFile mesh = read_for_slicing(arguments_, stages_);
+        note_all(mesh.warnings);
+        return mesh;
+    }
+
+    void slice_all(std::vector<MeshFile> files) {
+        for (std::size_t i = 0; i < arguments_.meshes.size(); ++i) {
+            arguments_.mesh = arguments_.meshes[i];
+            MeshFile mesh = files.empty() ? read(arguments_.mesh) : std::move(files[i]);
+            if (arguments_.split) {
+                slice_objects(mesh);
+            } else {
+                slice_part(mesh, mesh_name_of(arguments_.mesh));
+                add_summary(mesh, arguments_.mesh);
+            }
         }
     }
 
@@ -134,15 +124,7 @@ private:
             note(arguments_.name() + ": names no objects to split it into, and is one");
             parts = {{mesh_name_of(arguments_.mesh), PartRole::solid, 0, mesh.triangle_count}};
         }
-        SliceOptions options = options_of(arguments_);
-        options.layers = {};
-        planes_ = ExplicitPlanes{};
-        if (!job_.image) {
-            const Result<SliceResult> whole = slice(mesh, options);
-            for (const Layer& layer : whole ? whole->layers.span() : throw slicing_failure(whole.error())) {
-                planes_->heights_mm.push_back(layer.plane_mm);
-            }
-        }
+        planes_ = job_.image ? ExplicitPlanes{} : planes_of(mesh);
         bool first = true;
         for (const MeshPart& part : parts) {
             if (part.role == PartRole::solid) {
@@ -154,6 +136,17 @@ private:
         }
     }
 
+    ExplicitPlanes planes_of(const MeshFile& mesh) {
+        SliceArguments whole = arguments_;
+        whole.layers.clear();
+        whole.hash = false;
+        ExplicitPlanes planes;
+        for (const Layer& layer : cut_mesh(mesh, {}, options_of(whole), whole, nullptr, stages_, run_).layers.span()) {
+            planes.heights_mm.push_back(layer.plane_mm);
+        }
+        return planes;
+    }
+
     void add_summary(const MeshFile& mesh, const std::string& name) {
         end_run();
         words_ += summary(job_.parts.back().result, {.mesh_name = name, .file = &mesh}, run_);
@@ -162,9 +155,34 @@ private:
     /// `first`: of its file.
     void slice_part(const MeshFile& mesh, const std::string& name, bool first = true) {
         const std::size_t earlier = run_.warnings.size();  // of meshes before
-        SliceOptions options = options_of(arguments_);
         SlicedPart part;
         part.name = name;
+        const SliceOptions options = options_for(mesh, part);
+        begin_streaming(name);
+        mended_ = mend_mesh(mesh, arguments_, stages_, run_);
+        part.result = cut_mesh(mesh, mended_, options, arguments_, streamed_ ? &*streamed_ : nullptr, stages_, run_);
+        part.welded = std::move(mended_.welded);
+        part.hash = run_.hash;
+        if (!arguments_.hash) {
+            run_.hash.reset();
+        }
+        examine(mesh, part);
+        if (wants_records()) {
+            part.mesh_sha256 = first ? add_input(arguments_.mesh, mesh.file_bytes) : job_.inputs.back().sha256;
+        }
+        if (wants_facts()) {
+            part.facts = stages_.done("measuring", [&](const Control& control) {
+                return measure_facts(sliced_view(mesh, part), mesh.to_mm(), part.result, control);
+            });
+            part.facts->warnings = mesh.warnings;
+            part.facts->warnings.insert(part.facts->warnings.end(),
+                                        run_.warnings.begin() + static_cast<std::ptrdiff_t>(earlier), run_.warnings.end());
+        }
+        job_.parts.push_back(std::move(part));
+    }
+
+    SliceOptions options_for(const MeshFile& mesh, SlicedPart& part) const {
+        SliceOptions options = options_of(arguments_);
         if (planes_) {
             options.plan.spacing = *planes_;
         }
@@ -174,44 +192,32 @@ private:
             options.plan.spacing = ExplicitPlanes{job_.image->slice_heights_mm(job_.subslices)};
             options.transform = job_.image->slicing_frame(part.frame);
         }
+        return options;
+    }
+
+    /// Within --memory, where all outputs take one layer after the other.
+    void begin_streaming(const std::string& name) {
         const bool one_mesh = arguments_.meshes.size() == 1;
         if (in_ranges() && (job_.outputs.empty() || (one_mesh && StreamedOutputs::serve(job_.outputs)))) {
-            job_.streamed = &streamed_.emplace(job_.outputs, part.name, job_.image ? &*job_.image : nullptr);
+            streamed_.emplace(job_.outputs, name, job_.image ? &*job_.image : nullptr);
+            job_.finish_streamed = [this] { streamed_->finish(); };
         }
-        part.result = slice_mesh(mesh, options);
-        part.hash = run_.hash;
-        if (!arguments_.hash) {
-            run_.hash.reset();
-        }
-        part.first_layer = part.result.first_layer;
-        part.all_layers = part.result.all_layers;
-        part.welded = std::move(welded_);
-        welded_.reset();
-        if (oriented_ && !oriented_->complete) {
-            note("--orient-shells: " + name +
+    }
+
+    /// Warns before anything is written.
+    void examine(const MeshFile& mesh, SlicedPart& part) {
+        if (mended_.oriented && !mended_.oriented->complete) {
+            note("--orient-shells: " + part.name +
                  " has open shells, or too many in a row: cavities may have been turned outwards");
         }
         if (job_.image) {
             require_overlap(*job_.image, part.name, part.result.summary);
         }
-        if (!job_.streamed) {
+        if (!streamed_) {
             run_.open = done_or_thrown(find_open_layers(part.result, {.threads = arguments_.threads}));
         }
         part.open = run_.open;
-        for (const std::string& warning : warnings_of(part, run_.contours, arguments_, mesh, job_.image)) {
-            note(warning);
-        }
-        if (wants_records()) {
-            part.mesh_sha256 =
-                (first ? add_input(arguments_.mesh, mesh.file_bytes) : std::as_const(job_.inputs.back())).sha256;
-        }
-        if (wants_facts()) {
-            part.facts = facts_of(mesh, part);
-            part.facts->warnings = mesh.warnings;
-            part.facts->warnings.insert(part.facts->warnings.end(),
-                                        run_.warnings.begin() + static_cast<std::ptrdiff_t>(earlier), run_.warnings.end());
-        }
-        job_.parts.push_back(std::move(part));
+        note_all(warnings_of(part, run_.contours, arguments_, mesh, job_.image));
     }
 
     bool wants_records() const {
@@ -228,97 +234,15 @@ private:
         });
     }
 
-    const FileSeal& add_input(const std::string& path, std::uint64_t bytes) {
-        return job_.inputs.emplace_back(is_standard(path) ? FileSeal{path, bytes, ""} : done_or_thrown(seal_file(path)));
+    /// Returns its SHA-256.
+    std::string add_input(const std::string& path, std::uint64_t bytes) {
+        job_.inputs.push_back(is_standard(path) ? FileSeal{path, bytes, ""} : done_or_thrown(seal_file(path)));
+        return job_.inputs.back().sha256;
     }
 
-    MeshFacts facts_of(const MeshFile& mesh, const SlicedPart& part) {
-        const Stage stage(bar_, "measuring");
-        return done_or_thrown(measure_facts(sliced_view(mesh, part), mesh.to_mm(), part.result, control_of(stage)));
-    }
-
-    void note(const std::string& warning) {
-        bar_.wipe();
-        warn(warning);
-        run_.warnings.push_back(warning);
-    }
-
-    MeshFile read() {
-        MeshFile mesh = in_ranges() ? describe_mesh_of(arguments_) : read_mesh_of(arguments_, bar_);
-        const PatientFrame asked = arguments_.image.frame;
-        if (asked != PatientFrame::unstated && mesh.patient_frame != PatientFrame::unstated && mesh.patient_frame != asked) {
-            mesh.warnings.push_back(arguments_.name() + ": states the patient frame " +
-                                    std::string(name_of(mesh.patient_frame)) + ", which holds instead of --frame " +
-                                    std::string(name_of(asked)));
-        }
-        for (const std::string& warning : mesh.warnings) {
-            note(warning);
-        }
-        return mesh;
-    }
-
-    SliceResult slice_mesh(const MeshFile& mesh, SliceOptions& options) {
-        if (arguments_.weld_mm) {
-            weld_vertices(mesh);
-        }
-        if (arguments_.orient_shells) {
-            turn_shells(mesh);
-        }
-        const Stage stage(bar_, "slicing");
-        options.control.stop = interrupt_.defer();
-        options.control.progress = stage.progress();
-        Result<SliceResult> result = in_ranges() ? slice_in_ranges(arguments_, options, job_.streamed, run_)
-                                     : oriented_ ? slice(oriented_->mesh, options)
-                                     : welded_   ? slice(*welded_, options)
-                                                 : slice(mesh, options);
-        if (!result) {
-            throw slicing_failure(result.error());
-        }
-        if (arguments_.hash && !in_ranges()) {
-            run_.hash = hash_result(*result);
-        }
-        return std::move(result).value();
-    }
-
-    void weld_vertices(const MeshFile& mesh) {
-        const Stage stage(bar_, "welding");
-        const Stopwatch watch;
-        Result<WeldedMesh> welded = weld(mesh, {.tolerance_mm = *arguments_.weld_mm, .control = control_of(stage)});
-        run_.weld_ms = watch.ms();
-        if (!welded) {
-            interrupt_.die_if_interrupted();
-            throw Failure(failure_of(welded.error()).status(), arguments_.name() + ": " + welded.error().message);
-        }
-        welded_ = std::move(welded).value();
-    }
-
-    void turn_shells(const MeshFile& mesh) {
-        const Stage stage(bar_, "turning shells");
-        Result<OrientedMesh> oriented = orient_shells(welded_ ? welded_->view() : mesh.view(),
-                                                      {.mm_per_unit = mesh.mm_per_unit, .control = control_of(stage)});
-        if (!oriented) {
-            throw slicing_failure(oriented.error());
-        }
-        oriented_ = std::move(oriented).value();
-        run_.shells = oriented_->shells;
-        run_.turned_shells = oriented_->turned_shells;
-    }
-
-    /// What was sliced, in the unit of the file.
+    /// The triangles that were sliced, in the unit of the file.
     MeshView sliced_view(const MeshFile& mesh, const SlicedPart& part) const {
-        return oriented_ ? oriented_->mesh.view() : (part.welded ? part.welded->view() : mesh.view());
-    }
-
-    Failure slicing_failure(const Error& error) const {
-        interrupt_.die_if_interrupted();
-        const Failure failure = failure_of(error);
-        if (error.code == ErrorCode::empty_mesh && welded_ && welded_->joined > 0) {
-            return {bad_input, arguments_.name() + ": welding at " + exact_text(*arguments_.weld_mm) +
-                                   " mm leaves nothing: " + error.message};
-        }
-        // Of an option the message says all; of a mesh it must say which.
-        return failure.status() == bad_input && !in_ranges() ? Failure(bad_input, arguments_.name() + ": " + error.message)
-                                                             : failure;
+        return mended_.oriented ? mended_.oriented->mesh.view() : (part.welded ? part.welded->view() : mesh.view());
     }
 
     void write() {
@@ -328,44 +252,35 @@ private:
         job_.options = recorded_options(command_);
         for (const RecordedOption& option : job_.options) {
             if (wants_records() && option.names_file()) {
-                add_input(*option.value, 0);
+                (void)add_input(*option.value, 0);
             }
         }
-        const Stage stage(bar_, "writing");
         const Stopwatch watch;
-        WrittenOutputs written =
-            write_outputs(job_, control_of(stage), [this](const std::string& warning) { note(warning); });
+        WrittenOutputs written = stages_.run("writing", [this](const Control& control) {
+            return write_outputs(job_, control, [this](const std::string& warning) { note(warning); });
+        });
         run_.outputs = std::move(written.paths);
         failure_ = std::move(written.failure);
         run_.write_ms = watch.ms();
     }
 
-    /// What a stage of the report finds.
-    template <class Call>
-    auto timed(std::string_view what, double& ms, const Call& call) {
-        const Stage stage(bar_, what);
-        const Stopwatch watch;
-        auto answer = done_or_thrown(call(control_of(stage)));
-        ms = watch.ms();
-        return answer;
-    }
-
-    void report(const SliceResult& result, const MeshFile& mesh) {
-        const WeldedMesh* const welded = job_.parts.front().welded ? &*job_.parts.front().welded : nullptr;
-        ReportParts parts{.mesh_name = arguments_.mesh, .file = &mesh, .welded = welded};
+    /// The summary of one mesh, and its report where one is wanted.
+    void report(const MeshFile& mesh) {
+        const SlicedPart& part = job_.parts.front();
+        ReportParts parts{.mesh_name = arguments_.mesh, .file = &mesh, .welded = part.welded ? &*part.welded : nullptr};
         if (arguments_.report.empty()) {
             end_run();
-            print_words(summary(result, parts, run_), arguments_.output_to_stdout());
-            return;
+            return print_words(summary(part.result, parts, run_), arguments_.output_to_stdout());
         }
-        const MeshView sliced = sliced_view(mesh, job_.parts.front());
-        const auto ledger =
-            timed("ledger", run_.ledger_ms, [&](const Control& c) { return make_ledger(sliced, result, c); });
-        const auto volume =
-            timed("certificate", run_.certificate_ms, [&](const Control& c) { return certify_volume(sliced, result, c); });
-        const auto crossings =
-            timed("crossings", run_.crossings_ms, [&](const Control& c) { return find_crossings(result, c); });
-        interrupt_.end_deferring();  // what follows does not look for stop requests
+        const SliceResult& result = part.result;
+        const MeshView sliced = sliced_view(mesh, part);
+        const auto ledger = stages_.done(
+            "ledger", [&](const Control& c) { return make_ledger(sliced, result, c); }, &run_.ledger_ms);
+        const auto volume = stages_.done(
+            "certificate", [&](const Control& c) { return certify_volume(sliced, result, c); }, &run_.certificate_ms);
+        const auto crossings = stages_.done(
+            "crossings", [&](const Control& c) { return find_crossings(result, c); }, &run_.crossings_ms);
+        stages_.interrupt().end_deferring();  // what follows does not look for stop requests
         end_run();
         const std::vector<ReportMember> members = members_of(run_, mesh);
         parts.ledger = &ledger;
@@ -373,11 +288,12 @@ private:
         parts.crossings = &crossings;
         parts.members = members;
         const Stopwatch watch;
-        write_report(done_or_thrown(make_report_json(result, parts)));
+        write_text(arguments_.report, done_or_thrown(make_report_json(result, parts)));
         run_.report_ms = watch.ms();
         end_run();
-        print_words(summary(result, parts, run_) + report_line(),
-                    arguments_.output_to_stdout() || arguments_.report_to_stdout());
+        print_words(
+            summary(result, parts, run_) + (arguments_.report_to_stdout() ? "" : "report    " + arguments_.report + "\n"),
+            arguments_.output_to_stdout() || arguments_.report_to_stdout());
     }
 
     void end_run() {
@@ -385,30 +301,12 @@ private:
         run_.peak_rss_bytes = peak_rss_bytes();
     }
 
-    Control control_of(const Stage& stage) {
-        return {.threads = arguments_.threads, .stop = interrupt_.defer(), .progress = stage.progress()};
-    }
-
-    void write_report(const std::string& json) const {
-        if (arguments_.report_to_stdout()) {
-            print(json);
-            return;
-        }
-        done_or_thrown(write_text_file(arguments_.report, json));
-    }
-
-    std::string report_line() const {
-        return arguments_.report_to_stdout() ? std::string() : "report    " + arguments_.report + "\n";
-    }
-
     const CLI::App& command_;
     SliceArguments arguments_;
-    Interrupt& interrupt_;
-    ProgressBar bar_;
+    Stages stages_;
     OutputJob job_;
     std::string words_;  ///< the summaries of several meshes
-    std::optional<WeldedMesh> welded_;
-    std::optional<OrientedMesh> oriented_;
+    MendedMesh mended_;  ///< of the mesh that was sliced last
     std::optional<StreamedOutputs> streamed_;
     std::optional<Failure> failure_;        ///< of an output, beside others that were written
     std::optional<ExplicitPlanes> planes_;  ///< of the file whose objects are being sliced
@@ -421,16 +319,12 @@ private:
 void add_slice_command(CLI::App& app, Interrupt& interrupt) {
     CLI::App* const command = app.add_subcommand("slice", "Slice a mesh into closed, oriented, nested contours");
     const auto arguments = std::make_shared<SliceArguments>();
-    const auto worker = std::make_shared<WorkerSide>();
     declare(*command, *arguments);
-    worker->declare(*command);
-    command->callback([command, arguments, worker, &interrupt] {
-        worker->begin();
+    declare_worker(*command);
+    command->callback([command, arguments, &interrupt] {
         SliceCommand slicing(*command, *arguments, interrupt);
         slicing.run();
-        if (const auto facts = slicing.facts()) {
-            worker->tell(*facts);
-        }
+        pass_on(*command, slicing.facts());
     });
 }
 

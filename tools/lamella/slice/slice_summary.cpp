@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <system_error>
 #include <variant>
 
 #include "files/mesh_input.hpp"
 #include "files/scale_words.hpp"
-#include "files/standard_streams.hpp"
+#include "files/streams.hpp"
 #include "terminal/console.hpp"
 
 namespace lamella::cli {
@@ -109,7 +108,7 @@ std::string regions(const SliceResult& result) {
     return text + emptied(result);
 }
 
-/// What was done beyond cutting, if anything.
+/// Lines on the work beyond cutting, if any.
 std::string mending(const SliceResult& result, const ReportParts& parts, const ToolRun& run) {
     std::string text;
     if (parts.welded != nullptr) {
@@ -132,27 +131,27 @@ std::string mending(const SliceResult& result, const ReportParts& parts, const T
 }
 
 std::string times(const SliceSummary& summary, const MeshFile& mesh, const ToolRun& run) {
+    struct Time {
+        const char* what;
+        double ms;
+        bool always = false;
+    };
     std::string text = "time      " + rounded(run.total_ms, 1) + " ms: read " + rounded(mesh.read_ms, 1);
-    if (mesh.parse_ms > 0) {
-        text += ", parse " + rounded(mesh.parse_ms, 1);
-    }
-    if (run.weld_ms > 0) {
-        text += ", weld " + rounded(run.weld_ms, 1);
-    }
-    text += ", bucket " + rounded(summary.ms.bucket, 1) + ", sweep " + rounded(summary.ms.sweep, 1) + ", contours " +
-            rounded(summary.ms.contours, 1) + ", nesting " + rounded(summary.ms.nesting, 1);
-    if (summary.ms.fill > 0) {
-        text += ", fill " + rounded(summary.ms.fill, 1);
-    }
-    if (run.write_ms > 0) {
-        text += ", write " + rounded(run.write_ms, 1);
-    }
-    if (run.ledger_ms > 0) {
-        text += ", ledger " + rounded(run.ledger_ms, 1) + ", certificate " + rounded(run.certificate_ms, 1) +
-                ", crossings " + rounded(run.crossings_ms, 1);
-    }
-    if (run.report_ms > 0) {
-        text += ", report " + rounded(run.report_ms, 1);
+    for (const auto& [what, ms, always] : {Time{"parse", mesh.parse_ms},
+                                           {"weld", run.weld_ms},
+                                           {"bucket", summary.ms.bucket, true},
+                                           {"sweep", summary.ms.sweep, true},
+                                           {"contours", summary.ms.contours, true},
+                                           {"nesting", summary.ms.nesting, true},
+                                           {"fill", summary.ms.fill},
+                                           {"write", run.write_ms},
+                                           {"ledger", run.ledger_ms},
+                                           {"certificate", run.certificate_ms},
+                                           {"crossings", run.crossings_ms},
+                                           {"report", run.report_ms}}) {
+        if (always || ms > 0) {
+            text += std::string(", ") + what + " " + rounded(ms, 1);
+        }
     }
     return text + " (" + counted(static_cast<std::uint64_t>(summary.threads), "thread") + ", " +
            counted(summary.bands, "band") + ")\n";
@@ -175,15 +174,6 @@ std::string open_line(const OpenLayers& open) {
     return open.layers > 0 ? "open      " + describe(open, "--close-gaps ") + "\n" : std::string();
 }
 
-std::string hash_line(const ToolRun& run) {
-    if (!run.hash) {
-        return {};
-    }
-    char text[17];
-    (void)std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(*run.hash));
-    return "hash      " + std::string(text) + "\n";
-}
-
 std::string volume_line(const VolumeCertificate& volume) {
     if (!volume.applies()) {
         return "volume    " + words_for(volume) + "\n";
@@ -201,7 +191,7 @@ std::string volume_line(const VolumeCertificate& volume) {
     return text + "\n";
 }
 
-/// What the report tells of the result, if there is a report.
+/// Lines on the report's findings, if there is a report.
 std::string findings(const ReportParts& parts) {
     std::string text;
     if (parts.ledger != nullptr) {
@@ -251,15 +241,16 @@ std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh) {
 std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run) {
     const std::string text = mesh_line(result.summary, parts) + planes_line(result) + mending(result, parts, run) +
                              "segments  " + grouped(result.summary.segments) + "\ncontours  " + contour_counts(result, run) +
-                             "\n" + open_line(run.open) + hash_line(run) + findings(parts) +
+                             "\n" + open_line(run.open) +
+                             (run.hash ? "hash      " + hexadecimal(*run.hash) + "\n" : std::string()) + findings(parts) +
                              times(result.summary, *parts.file, run) + "memory    " + file_size_text(run.peak_rss_bytes) +
                              " at the peak\n" + run.ranges;
-    return text + wrote(run);
+    return text + wrote(run.outputs);
 }
 
-std::string wrote(const ToolRun& run) {
+std::string wrote(const std::vector<std::string>& outputs) {
     std::string text;
-    for (const std::string& output : run.outputs) {
+    for (const std::string& output : outputs) {
         text += "wrote     " + output_name(output) + size_after(output) + "\n";
     }
     return text;

@@ -1,4 +1,4 @@
-// What the tool tells a person of a slicing, and what it adds to the report.
+// The summary of a slicing for people, and the members that the tool adds to the report.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace lamella::cli {
 
-/// What the tool itself did, and what that took.
+/// The tool's own work, and the time that it took.
 struct ToolRun {
     std::vector<std::string> outputs;  ///< the files that were written, or -
     OpenLayers open{};                 ///< of the result
@@ -40,6 +40,6 @@ std::vector<ReportMember> members_of(const ToolRun& run, const MeshFile& mesh);
 std::string summary(const SliceResult& result, const ReportParts& parts, const ToolRun& run);
 
 /// A line an output.
-std::string wrote(const ToolRun& run);
+std::string wrote(const std::vector<std::string>& outputs);
 
 }  // namespace lamella::cli

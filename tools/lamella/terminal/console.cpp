@@ -55,6 +55,12 @@ std::string exact_text(double value) {
     return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
+std::string hexadecimal(std::uint64_t value) {
+    std::array<char, 17> text{};
+    (void)std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
+    return text.data();
+}
+
 std::string file_size_text(std::uint64_t bytes) {
     constexpr std::uint64_t kilobyte = 1000;
     constexpr std::uint64_t megabyte = 1000 * kilobyte;

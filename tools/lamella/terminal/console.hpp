@@ -1,4 +1,4 @@
-// What a person sees: counts with separators, the progress bar, single-line messages.
+// Text for people: counts with separators, the progress bar, single-line messages.
 #pragma once
 
 #include <chrono>
@@ -6,7 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include "lamella/control.hpp"
 #include "lamella/io/name_text.hpp"
 
 namespace lamella::cli {
@@ -32,13 +31,16 @@ std::string rounded(double value, int decimals);
 /// Shortest decimal text that reads back as the same number.
 std::string exact_text(double value);
 
+/// 16 digits.
+std::string hexadecimal(std::uint64_t value);
+
 /// As "12.3 MB", or in smaller units what is smaller.
 std::string file_size_text(std::uint64_t bytes);
 
 /// Writes all of `words`, as utf8_text(), to standard output; throws Failure (bad_output) when that cannot be done.
 void print(std::string_view words);
 
-/// What a person reads of a command's work: on standard output, or on stderr where an output has taken that.
+/// Prints what a command did: on standard output, or on stderr where an output has taken that.
 void print_words(std::string_view text, bool stdout_taken);
 
 /// A bar on stderr, redrawn at most ten times a second and wiped when done.
@@ -60,27 +62,6 @@ private:
     bool drawn_ = false;
     std::string last_what_;
     std::chrono::steady_clock::time_point next_;
-};
-
-/// While it lives, the bar shows one stage of a command.
-class Stage {
-public:
-    Stage(ProgressBar& bar, std::string_view what) : show_{bar, what} { bar.show(what, 0); }
-    ~Stage() { show_.bar.wipe(); }
-    Stage(const Stage&) = delete;
-    Stage& operator=(const Stage&) = delete;
-
-    /// For the library's call; empty where no bar is shown.
-    Progress progress() const noexcept { return show_.bar.shown() ? Progress::to(show_) : Progress{}; }
-
-private:
-    struct Show {
-        ProgressBar& bar;
-        std::string_view what;
-        void operator()(double fraction) const noexcept { bar.show(what, fraction); }
-    };
-
-    Show show_;
 };
 
 /// Milliseconds since construction.

@@ -26,7 +26,7 @@ private:
     ExitStatus status_;
 };
 
-/// What the library's error means for a command line.
+/// The exit status and line for an error of the library.
 inline Failure failure_of(const Error& error) {
     switch (error.code) {
         case ErrorCode::invalid_argument:
@@ -46,7 +46,7 @@ inline Failure failure_of(const Error& error) {
     return {bad_input, error.message};
 }
 
-/// What the library made. Throws Failure where it made nothing.
+/// The value that the library made. Throws Failure where it made none.
 template <class T>
 T done_or_thrown(Result<T> result) {
     if (!result) {

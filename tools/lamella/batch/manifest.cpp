@@ -1,0 +1,331 @@
+#include "batch/plan.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <string_view>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "files/streams.hpp"
+#include "files/text_input.hpp"
+#include "outputs/recorded_options.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
+#include "terminal/numbers.hpp"
+
+namespace lamella::cli::batch {
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// True if its value is one number of mm.
+bool takes_length(const CLI::Option& option) {
+    return option.get_type_name() == "MM" || option.get_type_name() == "MM|auto";
+}
+
+/// For messages.
+std::string name_of_separator(char separator) {
+    return separator == '\t' ? "tabs" : std::string(1, separator);
+}
+
+/// Comma, semicolon or tab: what separates the names in the first line; comma where there is one name. Throws Failure where
+/// there are several.
+char separator_of(std::string_view text, const std::string& name) {
+    const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+    char found = 0;
+    for (const char separator : {',', ';', '\t'}) {
+        if (line.find(separator) == std::string_view::npos) {
+            continue;
+        }
+        if (found != 0) {
+            throw Failure(bad_input, name + ":1: the names are separated by " + name_of_separator(found) + " and by " +
+                                         name_of_separator(separator) + ": one of them has to separate all");
+        }
+        found = separator;
+    }
+    return found == 0 ? ',' : found;
+}
+
+struct CsvRow {
+    std::vector<std::string> cells;
+    std::size_t line = 0;  ///< where the row begins, from 1
+};
+
+/// True if nothing stands in the cells from `begin` on, as in columns at the end that a spreadsheet left empty.
+bool are_empty(const CsvRow& row, std::size_t begin) {
+    return std::all_of(row.cells.begin() + static_cast<std::ptrdiff_t>(begin), row.cells.end(),
+                       [](const std::string& cell) { return cell.empty(); });
+}
+
+/// CSV as RFC 4180 has it, or with another separator in place of commas: quoted cells that may hold commas, quotes ("") and
+/// line ends; LF or CRLF.
+class CsvReader {
+public:
+    CsvReader(std::string_view text, char separator, const std::string& name)
+        : text_(text), ends_{separator, '\r', '\n'}, name_(name) {}
+
+    /// But for those without a word. Throws Failure naming the line of a cell whose quotes do not match.
+    std::vector<CsvRow> rows() {
+        std::vector<CsvRow> rows;
+        while (at_ < text_.size()) {
+            CsvRow row = next_row();
+            if (!are_empty(row, 0)) {
+                rows.push_back(std::move(row));
+            }
+        }
+        return rows;
+    }
+
+private:
+    CsvRow next_row() {
+        CsvRow row{.cells = {}, .line = line_};
+        do {
+            row.cells.push_back(at_ < text_.size() && text_[at_] == '"' ? quoted_cell() : plain_cell());
+        } while (at_ < text_.size() && text_[at_] == ends_[0] && ++at_ <= text_.size());
+        end_line();
+        return row;
+    }
+
+    std::string plain_cell() {
+        const std::size_t begin = at_;
+        at_ = std::min(text_.find_first_of(ends_, begin), text_.size());
+        return std::string(text_.substr(begin, at_ - begin));
+    }
+
+    std::string quoted_cell() {
+        const std::size_t line = line_;
+        std::string cell;
+        for (++at_; at_ < text_.size(); ++at_) {
+            if (text_[at_] == '"' && (++at_ == text_.size() || text_[at_] != '"')) {
+                require_end_of_cell();
+                return cell;
+            }
+            line_ += text_[at_] == '\n' ? 1 : 0;
+            cell += text_[at_];
+        }
+        throw Failure(bad_input, name_ + ":" + std::to_string(line) + ": a quote is not closed");
+    }
+
+    void require_end_of_cell() const {
+        if (at_ < text_.size() && ends_.find(text_[at_]) == std::string_view::npos) {
+            throw Failure(bad_input, name_ + ":" + std::to_string(line_) + ": text follows a closing quote");
+        }
+    }
+
+    void end_line() {
+        at_ += at_ < text_.size() && text_[at_] == '\r' ? 1 : 0;
+        at_ += at_ < text_.size() && text_[at_] == '\n' ? 1 : 0;
+        ++line_;
+    }
+
+    std::string_view text_;
+    std::string ends_;  ///< of a cell: the separator, and ends of lines
+    const std::string& name_;
+    std::size_t at_ = 0;
+    std::size_t line_ = 1;
+};
+
+/// Rows of one manifest, whatever its format.
+class ManifestReader {
+public:
+    ManifestReader(std::string path, const SliceWords& words) : path_(std::move(path)), words_(words) {}
+
+    std::vector<MeshSource> rows() {
+        const std::string text = read_text(path_);
+        path_.ends_with(".csv") ? read_csv(text) : read_lines(text);
+        if (rows_.empty()) {
+            throw Failure(bad_input, path_ + ": no meshes");
+        }
+        return std::move(rows_);
+    }
+
+private:
+    Failure at(std::size_t line, const std::string& what) const {
+        return {bad_input, path_ + ":" + std::to_string(line) + ": " + what};
+    }
+
+    /// "" for the mesh itself, else the name of an option.
+    std::string column(const std::string& text, std::size_t line) const {
+        if (text == "path" || text == "mesh") {
+            return {};
+        }
+        std::string name = words_.name_of(text);
+        if (name.empty()) {
+            throw at(line, "'" + text + "' is neither path nor an option of lamella slice");
+        }
+        return name;
+    }
+
+    void begin_row(std::size_t line) { rows_.push_back({"", "", {}, path_ + ":" + std::to_string(line)}); }
+
+    void end_row(std::size_t line) const {
+        if (rows_.back().path.empty()) {
+            throw at(line, "no path of a mesh");
+        }
+        if (is_standard(rows_.back().path)) {
+            throw at(line, "'-' is no path: a batch takes files");
+        }
+    }
+
+    /// A decimal comma as a point, where no list can be meant.
+    std::string value_of(const std::string& name, const std::string& value, std::size_t line) const {
+        if (name.empty() || !is_decimal_comma(value)) {
+            return value;
+        }
+        if (takes_length(words_.option(name))) {
+            return with_point(value);
+        }
+        if (separator_ != ',') {
+            throw at(line, name + ": '" + value + "' is one number or two: write " + with_point(value) +
+                               ", or a blank after the comma");
+        }
+        return value;
+    }
+
+    void set(const std::string& name, std::vector<std::string> values, std::size_t line) {
+        MeshSource& row = rows_.back();
+        if (name.empty()) {
+            row.path = values.front();
+            return;
+        }
+        if (!is_flag(words_.option(name))) {
+            row.values[name] = std::move(values);
+            return;
+        }
+        const std::string& value = values.front();
+        if (value == "true" || value == "1" || value == "yes") {
+            row.values[name] = {"true"};
+        } else if (value == "false" || value == "0" || value == "no") {
+            row.values[name] = {};
+        } else {
+            throw at(line, name + ": '" + value + "' is neither true nor false");
+        }
+    }
+
+    void read_csv(const std::string& text) {
+        std::vector<std::string> columns;
+        separator_ = separator_of(text, path_);
+        const std::vector<CsvRow> table = CsvReader(text, separator_, path_).rows();
+        for (const CsvRow& row : table) {
+            if (&row == &table.front()) {
+                columns = columns_of(row);
+                continue;
+            }
+            if (row.cells.size() < columns.size() || !are_empty(row, columns.size())) {
+                throw at(row.line, counted(row.cells.size(), "cell") + " where the first line names " +
+                                       counted(columns.size(), "column") + " separated by " + name_of_separator(separator_) +
+                                       ": quotes keep a cell that holds one whole");
+            }
+            begin_row(row.line);
+            for (std::size_t i = 0; i < columns.size(); ++i) {
+                if (!row.cells[i].empty()) {
+                    set(columns[i], {value_of(columns[i], row.cells[i], row.line)}, row.line);
+                }
+            }
+            end_row(row.line);
+        }
+    }
+
+    std::vector<std::string> columns_of(const CsvRow& row) const {
+        std::vector<std::string> columns;
+        for (const std::string& cell : row.cells) {
+            if (are_empty(row, columns.size())) {
+                break;
+            }
+            std::string name = column(cell, row.line);
+            if (std::find(columns.begin(), columns.end(), name) != columns.end()) {
+                throw at(row.line, "two columns are '" + cell + "'");
+            }
+            columns.push_back(std::move(name));
+        }
+        if (std::find(columns.begin(), columns.end(), "") == columns.end()) {
+            throw at(row.line, "no column is named path");
+        }
+        return columns;
+    }
+
+    void read_lines(const std::string& text) {
+        std::size_t line = 0;
+        for (const std::string_view row : split(text, '\n')) {
+            ++line;
+            if (row.find_first_not_of(" \t\r") != std::string_view::npos) {
+                begin_row(line);
+                read_object(row, line);
+                end_row(line);
+            }
+        }
+    }
+
+    void read_object(std::string_view text, std::size_t line) {
+        const Json object = Json::parse(text, nullptr, false);
+        if (!object.is_object()) {
+            throw at(line, "not a JSON object");
+        }
+        std::vector<std::string> names;
+        for (const auto& [key, value] : object.items()) {
+            const std::string name = column(key, line);
+            if (std::find(names.begin(), names.end(), name) != names.end()) {
+                throw at(line, "two members are '" + key + "'");
+            }
+            names.push_back(name);
+            if (!value.is_null()) {
+                set(name, values_of(name, key, value, line), line);
+            }
+        }
+    }
+
+    /// A list is repeated where the option may be, else joined by commas.
+    std::vector<std::string> values_of(const std::string& name, const std::string& key, const Json& value,
+                                       std::size_t line) const {
+        if (!value.is_array()) {
+            return {scalar(key, value, line)};
+        }
+        std::vector<std::string> values;
+        std::string joined;
+        for (const Json& each : value) {
+            values.push_back(scalar(key, each, line));
+            joined += (joined.empty() ? "" : ",") + values.back();
+        }
+        if (values.empty() || name.empty()) {
+            throw at(line, "'" + key + "' is a list" + (values.empty() ? " of nothing" : ""));
+        }
+        return words_.option(name).get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll
+                   ? values
+                   : std::vector<std::string>{joined};
+    }
+
+    std::string scalar(const std::string& key, const Json& value, std::size_t line) const {
+        if (value.is_string()) {
+            return name_of_text(value.get<std::string>());
+        }
+        if (value.is_boolean()) {
+            return value.get<bool>() ? "true" : "false";
+        }
+        if (value.is_number_float()) {
+            return exact_text(value.get<double>());
+        }
+        if (value.is_number()) {
+            return value.dump();
+        }
+        throw at(line, "'" + key + "' is neither text, a number nor true or false");
+    }
+
+    std::string path_;
+    const SliceWords& words_;
+    char separator_ = ',';
+    std::vector<MeshSource> rows_;
+};
+
+}  // namespace
+
+bool is_named_as_manifest(const std::string& path) {
+    return path.ends_with(".csv") || path.ends_with(".jsonl");
+}
+
+std::vector<MeshSource> read_manifest(const std::string& path, const SliceWords& words) {
+    return ManifestReader(path, words).rows();
+}
+
+}  // namespace lamella::cli::batch

@@ -1,0 +1,320 @@
+// lamella check: what is wrong with a mesh, and where.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "files/mesh_input.hpp"
+#include "files/scale_words.hpp"
+#include "files/streams.hpp"
+#include "lamella/io/check_report.hpp"
+#include "lamella/io/mesh_file.hpp"
+#include "lamella/mesh/check.hpp"
+#include "slice/slice_arguments.hpp"
+#include "terminal/console.hpp"
+#include "terminal/failure.hpp"
+#include "terminal/numbers.hpp"
+#include "terminal/stages.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+constexpr std::size_t most_marks =
+    1'000'000;  ///< of each kind, as of what is listed; also keeps vertex numbers within PLY's int
+
+struct CheckArguments : MeshListArguments {
+    std::string report;
+    std::string marks;
+    double tolerance_mm = CheckOptions{}.tolerance_mm;
+    std::size_t places = CheckOptions{}.most_places;
+    bool all_kinds = false;
+};
+
+/// An array of values, each of which is text that ends a line.
+std::string json_array(const std::vector<std::string>& values) {
+    std::string text = "[\n";
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        text.append(values[i], 0, values[i].size() - 1).append(i + 1 < values.size() ? ",\n" : "\n");
+    }
+    return text + "]\n";
+}
+
+/// The members that the tool adds to the report. They refer to `mesh`.
+std::vector<ReportMember> members_of(const CheckTimes& ms, const MeshFile& mesh, double write_ms, double total_ms) {
+    return {{ReportPlace::in_times, "read", mesh.read_ms},
+            {ReportPlace::in_times, "parse", mesh.parse_ms},
+            {ReportPlace::in_times, "measure", ms.measure},
+            {ReportPlace::in_times, "faces", ms.faces},
+            {ReportPlace::in_times, "edges", ms.edges},
+            {ReportPlace::in_times, "joints", ms.joints},
+            {ReportPlace::in_times, "shells", ms.shells},
+            {ReportPlace::in_times, "meeting", ms.meeting},
+            {ReportPlace::in_times, "gaps", ms.gaps},
+            {ReportPlace::in_times, "write", write_ms},
+            {ReportPlace::in_times, "total", total_ms},
+            {ReportPlace::at_end, "warnings", std::span<const std::string>(mesh.warnings)}};
+}
+
+/// So that figures stand below one another.
+std::string line(std::string name, const std::string& value) {
+    constexpr std::size_t column = 27;
+    name.resize(std::max(name.size() + 1, column), ' ');
+    return name + value + "\n";
+}
+
+std::string point(const std::array<double, 3>& mm) {
+    return "(" + exact_text(mm[0]) + ", " + exact_text(mm[1]) + ", " + exact_text(mm[2]) + ")";
+}
+
+/// Details that only this kind of fault has.
+std::string detail(Fault fault, const FaultPlace& place) {
+    switch (fault) {
+        case Fault::overfull_balanced:
+        case Fault::overfull_unbalanced:
+            return ", " + counted(place.parts, "face");
+        case Fault::boundary_loop:
+            return ", " + counted(place.parts, "edge") + ", " + measure_text(place.measure) + " mm" +
+                   (place.closed ? "" : ", not closed");
+        case Fault::split_vertex:
+            return ", " + counted(place.parts, "fan");
+        case Fault::needle_face:
+        case Fault::cap_face:
+            return ", " + rounded(place.measure, 0) + " : 1";
+        case Fault::misoriented_shell:
+            return ", " + measure_text(place.measure) + " mm3";
+        case Fault::t_junction:
+        case Fault::crack:
+            return ", " + exact_text(place.measure) + " mm wide";
+        default:
+            return "";
+    }
+}
+
+std::string words(Fault fault, const FaultPlace& place) {
+    std::string text = "  ";
+    for (std::size_t i = 0; i < static_cast<std::size_t>(place.point_count); ++i) {
+        text += (i == 0 ? "" : " ") + point(place.points_mm[i]);
+    }
+    text += detail(fault, place);
+    if (place.triangles[0] >= 0) {
+        text += (place.triangles[1] >= 0 ? ", triangles " : ", triangle ") + std::to_string(place.triangles[0]);
+    }
+    return text + (place.triangles[1] >= 0 ? " and " + std::to_string(place.triangles[1]) : "") + "\n";
+}
+
+/// A line that says how many there are beyond the first.
+std::string more(std::uint64_t count, std::size_t shown) {
+    return count > shown ? "  ... and " + grouped(count - shown) + " more\n" : "";
+}
+
+std::string words(Fault fault, const FaultFinding& finding, std::size_t most) {
+    const std::size_t shown = std::min(most, finding.places.size());
+    std::string text =
+        line(std::string(words_for(fault, 0)), (finding.at_least ? "at least " : "") + grouped(finding.count));
+    for (std::size_t i = 0; i < shown; ++i) {
+        text += words(fault, finding.places[i]);
+    }
+    return text + more(finding.count, shown);
+}
+
+std::string words(const MeshShell& shell) {
+    const std::string kind = !shell.closed           ? "not closed"
+                             : shell.orientation > 0 ? "solid"
+                             : shell.orientation < 0 ? "cavity"
+                                                     : "no volume";
+    return "  " + point(shell.first_mm) + ", " + kind + ", depth " + std::to_string(shell.depth) + ", " +
+           counted(shell.triangles, "triangle") + (shell.closed ? ", " + measure_text(shell.volume_mm3) + " mm3" : "") +
+           ", triangle " + std::to_string(shell.triangle) + "\n";
+}
+
+std::string shell_words(const MeshCheck& check, std::size_t most) {
+    const std::size_t shown = std::min(most, check.shells.size());
+    std::string text =
+        line("shells", grouped(check.shells.size()) + (check.nesting_complete ? "" : ", nested at least as deep as this"));
+    for (std::size_t i = 0; i < shown; ++i) {
+        text += words(check.shells[i]);
+    }
+    return text + more(check.shells.size(), shown);
+}
+
+/// One line a kind of fault with its count, below it its places, at most so many; then what was examined; the last line is
+/// the verdict. `all_kinds`: also those that were not found.
+std::string check_words(const std::string& path, const MeshFile& mesh, const MeshCheck& check, std::size_t most_places,
+                        bool all_kinds) {
+    std::string text = line("mesh", path + ", " + description(mesh));
+    for (std::size_t i = 0; i < fault_count; ++i) {
+        if (all_kinds || check.findings[i].count > 0 || check.findings[i].at_least) {
+            text += words(static_cast<Fault>(i), check.findings[i], most_places);
+        }
+    }
+    text += line("triangles", grouped(check.info.triangles)) + line("edges", grouped(check.info.edges)) +
+            line("grid", exact_text(check.info.unit_mm) + " mm" + joined_by_grid(check.info)) +
+            line("tolerance", exact_text(check.tolerance_mm) + " mm") +
+            line("slivers", "from " + exact_text(check.sliver_ratio) + " : 1");
+    return text + shell_words(check, most_places) + done_or_thrown(make_verdict(check)) + "\n";
+}
+
+class CheckCommand {
+public:
+    CheckCommand(const CheckArguments& arguments, Interrupt& interrupt)
+        : arguments_(arguments), interrupt_(interrupt), list_(arguments) {}
+
+    void run() {
+        require_tolerance();
+        require_outputs();
+        interrupt_.tidy({arguments_.report, arguments_.marks});
+        const std::optional<Failure> failure = list_.for_each(
+            interrupt_, [this](const MeshArguments& mesh) { examine(mesh); },
+            [this](const MeshArguments& mesh, const Failure& reason) { add_failure(mesh, reason); });
+        write_report();
+        print_words(held_words_, stdout_taken());
+        if (failure) {
+            throw Failure(*failure);
+        }
+    }
+
+private:
+    /// "--tolerance: ..." rather than the library's words, which name no option.
+    void require_tolerance() const {
+        if (!(std::isfinite(arguments_.tolerance_mm) && arguments_.tolerance_mm >= 0)) {
+            throw Failure(bad_usage, "--tolerance: not a number of mm, zero or more");
+        }
+    }
+
+    void require_outputs() const {
+        const std::vector<std::string> meshes = list_.paths();
+        if (!arguments_.report.empty()) {
+            require_writable(arguments_.report);
+            require_different_output(arguments_.report, arguments_.marks, "--report", "--marks");
+        }
+        if (!arguments_.marks.empty()) {
+            if (meshes.size() > 1) {
+                throw Failure(bad_usage, "--marks: the marks are of one mesh, and " + grouped(meshes.size()) + " are given");
+            }
+            require_writable(arguments_.marks);
+        }
+        for (const std::string& mesh : meshes) {
+            require_different(arguments_.report, mesh, "--report", "the mesh");
+            require_different(arguments_.marks, mesh, "--marks", "the mesh");
+        }
+        require_extension(arguments_.marks, "--marks", ".ply");
+    }
+
+    bool stdout_taken() const noexcept { return is_standard(arguments_.report) || is_standard(arguments_.marks); }
+
+    void examine(const MeshArguments& mesh) {
+        const Stopwatch watch;
+        ProgressBar bar(mesh.progress);
+        MeshFile file = read_mesh_and_warn(mesh, bar);
+        const MeshCheck found = checked(mesh, file, bar);
+        for (std::string& doubt : doubts_of_scale(mesh, file, {found.info.min_mm, found.info.max_mm, found.info.unit_mm})) {
+            warn(doubt);
+            file.warnings.push_back(std::move(doubt));
+        }
+        const double write_ms = mark_faults(found, bar);
+        add_report(mesh, file, found, members_of(found.ms, file, write_ms, watch.ms()));
+        add_words(check_words(mesh.name(), file, found, arguments_.places, arguments_.all_kinds));
+    }
+
+    /// How long it took, in milliseconds.
+    double mark_faults(const MeshCheck& found, ProgressBar& bar) const {
+        if (arguments_.marks.empty()) {
+            return 0;
+        }
+        const Stage stage(bar, "writing");
+        const Stopwatch watch;
+        done_or_thrown(write_marks(found, output_path(arguments_.marks)));
+        return watch.ms();
+    }
+
+    MeshCheck checked(const MeshArguments& mesh, const MeshFile& file, ProgressBar& bar) const {
+        const Stage stage(bar, "checking");
+        CheckOptions options;
+        options.unit_mm = parse_grid(mesh.grid);
+        options.control.threads = mesh.threads;
+        options.control.progress = stage.progress();
+        options.tolerance_mm = arguments_.tolerance_mm;
+        options.most_places = arguments_.marks.empty() ? arguments_.places : std::max(arguments_.places, most_marks);
+        Result<MeshCheck> result = check(file, options);
+        if (!result) {
+            const Failure failure = failure_of(result.error());
+            throw failure.status() == bad_input ? Failure(bad_input, mesh.name() + ": " + failure.what()) : failure;
+        }
+        return std::move(result).value();
+    }
+
+    /// The words of one mesh come when the report is written; of several at once, a blank line before each but the first.
+    void add_words(const std::string& words) {
+        if (!list_.several()) {
+            held_words_ = words;
+            return;
+        }
+        print_words((any_words_ ? "\n" : "") + words, stdout_taken());
+        any_words_ = true;
+    }
+
+    void add_report(const MeshArguments& mesh, const MeshFile& file, const MeshCheck& found,
+                    const std::vector<ReportMember>& members) {
+        if (arguments_.report.empty()) {
+            return;
+        }
+        const ReportParts parts{.mesh_name = mesh.mesh, .file = &file, .members = members};
+        reports_.push_back(done_or_thrown(make_check_json(found, parts, arguments_.places)));
+    }
+
+    void add_failure(const MeshArguments& mesh, const Failure& failure) {
+        if (arguments_.report.empty()) {
+            return;
+        }
+        const ReportMember error{.key = "error", .value = std::string_view(failure.what())};
+        reports_.push_back(done_or_thrown(make_mesh_json({.mesh_name = mesh.mesh, .members = {&error, 1}})));
+    }
+
+    void write_report() const {
+        if (!arguments_.report.empty()) {
+            write_text(arguments_.report, list_.several() ? json_array(reports_) : reports_.front());
+        }
+    }
+
+    const CheckArguments& arguments_;
+    Interrupt& interrupt_;
+    MeshList list_;
+    std::vector<std::string> reports_;  ///< one of each mesh
+    std::string held_words_;
+    bool any_words_ = false;
+};
+
+}  // namespace
+
+void add_check_command(CLI::App& app, Interrupt& interrupt) {
+    CLI::App* const command = app.add_subcommand("check", "Say what is wrong with meshes, and where");
+    const auto arguments = std::make_shared<CheckArguments>();
+    declare_mesh_list(*command, *arguments);
+    declare_progress(*command, arguments->each);
+    command
+        ->add_option("--report", arguments->report,
+                     "JSON report to write, an array if several meshes are given; - for standard output")
+        ->type_name("FILE|-")
+        ->check(given_path);
+    command
+        ->add_option("--marks", arguments->marks,
+                     "PLY file of coloured points and edges at every place; - for standard output")
+        ->type_name("FILE.ply|-")
+        ->check(given_path);
+    command->add_option("--tolerance", arguments->tolerance_mm, "Widest gap that counts as a crack or T-junction (0.01)")
+        ->type_name("MM");
+    command->add_option("--places", arguments->places, "List at most N places of each kind (10)")
+        ->type_name("N")
+        ->check(CLI::Range(0, static_cast<int>(most_marks)));
+    command->add_flag("--all", arguments->all_kinds, "List the kinds of faults that were not found, too");
+    command->callback([arguments, &interrupt] { CheckCommand(*arguments, interrupt).run(); });
+}
+
+}  // namespace lamella::cli

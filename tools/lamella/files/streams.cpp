@@ -1,0 +1,186 @@
+#include "files/streams.hpp"
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+#include <vector>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include "files/mesh_input.hpp"
+#include "lamella/io/text_file.hpp"
+#include "terminal/console.hpp"
+
+namespace lamella::cli {
+
+namespace {
+
+constexpr const char* standard_input = "standard input";
+
+Failure unreadable(int error_number) {
+    return {bad_input, std::string(standard_input) + ": cannot be read: " + std::generic_category().message(error_number)};
+}
+
+Failure no_spool(int error_number) {
+    return {bad_input, std::string(standard_input) + ": cannot be kept in a temporary file in '" + temporary_folder() +
+                           "': " + std::generic_category().message(error_number)};
+}
+
+/// Removed as soon as it is open: whatever ends the process leaves nothing behind.
+Descriptor open_unnamed() {
+    // A file opened now would take the number of a standard input that is closed.
+    if (::fcntl(STDIN_FILENO, F_GETFD) < 0) {
+        throw unreadable(errno);
+    }
+    std::string name = (std::filesystem::path(temporary_folder()) / "lamella-XXXXXX").string();
+    Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
+    if (file.number() < 0) {
+        throw no_spool(errno);
+    }
+    ::unlink(name.c_str());
+    return file;
+}
+
+/// 0 at the end.
+std::size_t read_some(std::vector<char>& buffer) {
+    for (;;) {
+        const ssize_t got = ::read(STDIN_FILENO, buffer.data(), buffer.size());
+        if (got >= 0) {
+            return static_cast<std::size_t>(got);
+        }
+        if (errno == EAGAIN) {
+            pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+            (void)::poll(&input, 1, -1);
+        } else if (errno != EINTR) {
+            throw unreadable(errno);
+        }
+    }
+}
+
+void require_open_output() {
+    const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
+    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) {
+        throw Failure(bad_output, "cannot write to standard output: " + std::generic_category().message(EBADF));
+    }
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+    if (number_ >= 0) {
+        ::close(number_);
+    }
+}
+
+int write_all(const Descriptor& to, std::string_view bytes) noexcept {
+    while (!bytes.empty()) {
+        const ssize_t written = ::write(to.number(), bytes.data(), bytes.size());
+        if (written < 0 && errno != EINTR) {
+            return errno;
+        }
+        bytes.remove_prefix(static_cast<std::size_t>(written < 0 ? 0 : written));
+    }
+    return 0;
+}
+
+std::string input_name(const std::string& path) {
+    return is_standard(path) ? standard_input : path;
+}
+
+std::string output_name(const std::string& path) {
+    return is_standard(path) ? "standard output" : path;
+}
+
+std::string output_path(const std::string& path) {
+    return is_standard(path) ? "/dev/stdout" : path;
+}
+
+void write_text(const std::string& path, const std::string& text) {
+    if (is_standard(path)) {
+        print(text);
+    } else {
+        done_or_thrown(write_text_file(path, text));
+    }
+}
+
+std::string temporary_folder() {
+    std::error_code unknown;
+    const std::filesystem::path folder = std::filesystem::temp_directory_path(unknown);
+    return unknown ? "/tmp" : folder.string();
+}
+
+SpooledInput::SpooledInput() : file_(open_unnamed()) {
+    std::vector<char> buffer(std::size_t{1} << 20);
+    while (const std::size_t count = read_some(buffer)) {
+        if (const int error_number = write_all(file_, {buffer.data(), count}); error_number != 0) {
+            throw no_spool(error_number);
+        }
+    }
+}
+
+Failure unwritable(const std::string& path, int error_number) {
+    return {bad_output, "cannot write '" + path + "': " + std::generic_category().message(error_number)};
+}
+
+void require_writable(const std::string& path) {
+    if (is_standard(path)) {
+        require_open_output();
+        return;
+    }
+    const std::filesystem::path file(path);
+    std::error_code unknown;
+    if (!file.has_filename() || std::filesystem::is_directory(file, unknown)) {
+        throw unwritable(path, EISDIR);
+    }
+    if (std::filesystem::exists(file, unknown)) {
+        if (::access(path.c_str(), W_OK) != 0) {
+            throw unwritable(path, errno);
+        }
+        return;
+    }
+    const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
+    if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+        throw unwritable(path, errno);
+    }
+    if (!std::filesystem::is_directory(folder, unknown)) {
+        throw unwritable(path, ENOTDIR);
+    }
+}
+
+void require_extension(const std::string& path, const std::string& option, const std::string& extension) {
+    const std::string own = lower_case(std::filesystem::path(path).extension().string());
+    std::error_code unknown;
+    if (!own.empty() && own != extension && !std::filesystem::is_other(path, unknown)) {
+        throw Failure(bad_usage,
+                      option + ": '" + path + "': no format that is written ends in " + own + "; there is " + extension);
+    }
+}
+
+std::string place_of(const std::string& path) {
+    std::error_code unknown;
+    const std::filesystem::path whole = std::filesystem::absolute(path, unknown);
+    const std::filesystem::path place = std::filesystem::weakly_canonical(whole, unknown);
+    return (unknown ? std::filesystem::path(path).lexically_normal() : place).string();
+}
+
+void require_different(const std::string& path, const std::string& other, const std::string& name,
+                       const std::string& other_name) {
+    std::error_code unknown;
+    if (!is_standard(path) && !is_standard(other) &&
+        (place_of(path) == place_of(other) || std::filesystem::equivalent(path, other, unknown))) {
+        throw Failure(bad_usage, name + ": '" + path + "' is " + other_name + " itself");
+    }
+}
+
+void require_different_output(const std::string& path, const std::string& other, const std::string& name,
+                              const std::string& other_name) {
+    if (is_standard(path) && is_standard(other)) {
+        throw Failure(bad_usage, name + ": '-' is " + other_name + " too, and standard output takes one of them");
+    }
+    require_different(path, other, name, other_name);
+}
+
+}  // namespace lamella::cli

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -20,6 +21,11 @@ struct VertexCoordinates {
 
     std::array<double, 3> operator[](std::uint32_t vertex) const noexcept {
         return number == CoordinateType::f32 ? read<float>(vertex) : read<double>(vertex);
+    }
+
+    bool is_finite(std::uint32_t vertex) const noexcept {
+        const std::array<double, 3> xyz = (*this)[vertex];
+        return std::isfinite(xyz[0]) && std::isfinite(xyz[1]) && std::isfinite(xyz[2]);
     }
 
 private:

@@ -12,11 +12,11 @@ namespace lamella {
 /// Where the vertices begin in the file, if their coordinates can be used where they lie, swapped or not.
 std::optional<std::size_t> vertices_in_place(const PlyElement& vertices, std::size_t offset);
 
-/// Reverses the bytes of the coordinates of `count` vertices in place.
-void swap_vertices(std::byte* first, std::size_t stride, CoordinateType number, std::size_t count, const Parallel& parallel);
+/// Reverses the bytes of all coordinates in place.
+void swap_vertices(MeshFile& mesh, const Parallel& parallel);
 
 /// Copies the coordinates of vertices without lists, which begin at `rows`, into those of `mesh`.
-void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char* rows, const PlyMesh& mesh);
+void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char* rows, MeshFile& mesh);
 
 /// The same for `count` rows, to packed coordinates at `to`.
 void copy_vertex_rows(const PlyElement& vertices, bool swapped, const char* rows, std::size_t count, CoordinateType number,
@@ -37,9 +37,7 @@ inline constexpr std::uint64_t most_ply_vertices = std::uint64_t{1} << 31;
 std::size_t offset_in_row(const PlyElement& element, PlyUse use);
 
 /// Copies the indices of the faces at `rows` to `indices`, if every one is a triangle: rows of one size, whose only list has
-/// three whole numbers. Returns the bytes of all rows; nothing if there are other rows, an index is not below
-/// `vertex_count`, or memory does not suffice.
-std::optional<std::uint64_t> copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows,
-                                                std::uint64_t vertex_count, Array<std::uint32_t>& indices);
+/// three whole numbers. False: there are other rows, an index that is no vertex, or memory does not suffice.
+bool copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows, Array<std::uint32_t>& indices);
 
 }  // namespace lamella

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <string>
 #include <string_view>
 
@@ -17,7 +16,7 @@ struct VtpArray {
     std::string_view name;  ///< for messages
     NumberType type = NumberType::float32;
     Format format = Format::ascii;
-    std::uint64_t element = 0;          ///< where in the file it begins
+    const char* element = nullptr;      ///< where in the file it begins
     std::uint64_t appended_offset = 0;  ///< where in the appended data it lies
     std::string_view content;           ///< the text in the element, up to the next tag
 };
@@ -31,26 +30,7 @@ struct VtpForm {
     std::string_view appended;       ///< the appended data, after their underscore
 };
 
-/// Loads arrays and keeps those that do not lie in the file as they are.
-class VtpData {
-public:
-    VtpData(VtkFile& file, const VtpForm& form) : file_(file), form_(form) {}
-
-    /// The numbers of `array`, which must be `count`. Decimals are read as Value.
-    template <class Value>
-    Result<NumberArray> load(const VtpArray& array, std::uint64_t count);
-
-    /// The memory of the array that was loaded last, if it does not lie in the file.
-    Array<std::byte>& last_storage() noexcept { return storage_.back(); }
-
-private:
-    template <class Value>
-    Result<NumberArray> load_decimals(const VtpArray& array, std::uint64_t count);
-    Result<NumberArray> load_bytes(const VtpArray& array, std::uint64_t count);
-
-    VtkFile& file_;
-    const VtpForm& form_;
-    std::deque<Array<std::byte>> storage_;
-};
+/// The numbers of `array`, which must be `count`. Decimals are read as `as`: see read_words(). Throws errors.
+NumberArray load_array(VtkFile& file, const VtpForm& form, const VtpArray& array, std::uint64_t count, NumberType as);
 
 }  // namespace lamella

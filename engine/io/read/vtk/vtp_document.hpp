@@ -19,7 +19,7 @@ struct VtpCells {
 };
 
 struct VtpPiece {
-    std::uint64_t element = 0;  ///< where in the file it begins
+    const char* element = nullptr;  ///< where in the file it begins
     std::uint64_t point_count = 0;
     std::optional<VtpArray> points;
     VtpCells polygons;
@@ -33,7 +33,7 @@ struct VtpDocument {
     std::optional<VtpArray> space;  ///< the string of that name among the field data, as 3D Slicer writes it
 };
 
-/// Reads the document up to the appended data, which are no XML.
-Result<VtpDocument> read_vtp_document(VtkFile& file);
+/// Reads the document up to the appended data, which are no XML. Throws errors.
+VtpDocument read_vtp_document(VtkFile& file);
 
 }  // namespace lamella

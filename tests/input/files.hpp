@@ -1,6 +1,7 @@
 // Files for the tests of the readers: folders and STL in both forms.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -92,6 +93,20 @@ inline std::string deflated(const std::string& bytes, int window_bits = -MAX_WBI
     packed.resize(packed.size() - stream.avail_out);
     deflateEnd(&stream);
     return packed;
+}
+
+inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+        text.replace(at, what.size(), by);
+    }
+    return text;
+}
+
+/// Of ASCII letters.
+inline std::string upper(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; });
+    return text;
 }
 
 }  // namespace lamella::input_test

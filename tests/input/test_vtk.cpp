@@ -4,7 +4,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "read.hpp"
 #include "vtk_files.hpp"
 
 namespace lamella::vtk_test {
@@ -61,12 +60,6 @@ struct Legacy {
                extra + cells("POLYGONS", data.polygons) + cells("TRIANGLE_STRIPS", data.strips);
     }
 };
-
-std::string upper(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; });
-    return text;
-}
 
 std::string lower(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(),
@@ -142,9 +135,7 @@ TEST_CASE("legacy VTK is read in every accepted spelling", "[input][vtk]") {
     CHECK(reads(upper(Legacy{true, 5}(data))));
     CHECK(reads(replaced(Legacy{false, 3}(data), "float\n", "float \r\n")));
     CHECK(read_triangles(dir.write("a", plain)) == triangles_of(data));
-    const MeshFile misnamed = read_one(dir.write("a.stl", plain));
-    REQUIRE(misnamed.warnings.size() == 1);
-    CHECK_THAT(misnamed.warnings[0], Contains("is a file of format VTK, not STL as its name says"));
+    CHECK_THAT(warnings_of(dir.write("a.stl", plain)).at(0), Contains("is a file of format VTK, not STL as its name says"));
 }
 
 TEST_CASE("data other than the surface are skipped in legacy VTK", "[input][vtk]") {
@@ -235,10 +226,9 @@ TEST_CASE("cells of VTK without an area are ignored with a warning", "[input][vt
         for (const int version : {3, 5}) {
             const auto path = dir.write("a.vtk", Legacy{text, version}(data));
             CHECK(read_triangles(path) == triangles_of(cube()));
-            const MeshFile mesh = read_one(path);
-            REQUIRE(mesh.warnings.size() == 1);
-            CHECK(mesh.warnings[0] ==
-                  path.string() + ": ignored 3 cells of POLYGONS with fewer than three corners, the first being cell 2");
+            CHECK(warnings_of(path) ==
+                  std::vector<std::string>{
+                      "ignored 3 cells of POLYGONS with fewer than three corners, the first being cell 2"});
         }
     }
 }
@@ -268,13 +258,8 @@ TEST_CASE("legacy VTK cut off anywhere is refused", "[input][vtk]") {
     const std::string whole = legacy(data);
     const std::size_t complete = whole.size() - (text ? 2 : 1);  // behind the last number
     CHECK(read_triangles(dir.write("a.vtk", whole.substr(0, complete))) == triangles_of(data));
-    for (std::size_t length = 22; length < complete; ++length) {
-        INFO(length);
-        const Result<MeshFile> mesh = read_in_turn(dir.write("a.vtk", whole.substr(0, length)), length);
-        REQUIRE_FALSE(mesh.ok());
-        // Where a section ends, nothing is wrong but what is missing.
-        CHECK((mesh.error().code == ErrorCode::malformed_mesh || mesh.error().code == ErrorCode::empty_mesh));
-    }
+    // Where a section ends, nothing is wrong but what is missing.
+    refuses_cuts(dir, "a.vtk", whole, 22, complete, true);
 }
 
 TEST_CASE("malformed legacy VTK is refused with the place", "[input][vtk]") {
@@ -382,14 +367,8 @@ TEST_CASE("memory for legacy VTK is counted before it is allocated", "[input][vt
         data.strips[0].push_back(i % 10);
     }
     const auto path = dir.write("a.vtk", Legacy{GENERATE(false, true)}(data));
-    ReadOptions options;
-    options.memory_limit_bytes = 200'000;
-    const Result<MeshFile> mesh = read_mesh(path, options);
-    REQUIRE_FALSE(mesh.ok());
-    CHECK(mesh.error().code == ErrorCode::out_of_memory);
-    CHECK_THAT(mesh.error().message, Contains("expands to more than the 200000 bytes that reading it may take"));
-    options.memory_limit_bytes = 2'000'000;
-    CHECK(read_mesh(path, options).ok());
+    CHECK_THAT(message_beyond(200'000, path), Contains("expands to more than the 200000 bytes that reading it may take"));
+    CHECK(read_mesh(path, {.memory_limit_bytes = 2'000'000}).ok());
 }
 
 }  // namespace lamella::vtk_test

@@ -1,5 +1,6 @@
 #include "io/read/faces.hpp"
 
+#include <array>
 #include <functional>
 #include <numeric>
 #include <utility>
@@ -23,24 +24,34 @@ public:
                 at += 3;
                 continue;
             }
-            const std::span<const std::uint32_t> held = indices.subspan(at + 2, indices[at + 1]);
-            corners_.assign(held.begin(), held.end());
-            const auto odd = std::find_if(corners_.begin(), corners_.end(),
+            const std::span<const std::uint32_t> corners = copy_of(indices.subspan(at + 2, indices[at + 1]));
+            const auto odd = std::find_if(corners.begin(), corners.end(),
                                           [&](std::uint32_t vertex) { return !vertices.is_finite(vertex); });
-            if (odd != corners_.end()) {
+            if (odd != corners.end()) {
                 return RefusedFace{face, *odd};
             }
-            if (triangulator_.triangulate(corners_, vertices, &indices[at]) == 0) {
+            if (triangulator_.triangulate(corners, vertices, &indices[at]) == 0) {
                 return RefusedFace{face, std::nullopt};
             }
-            at += 3 * triangles_in(corners_.size());
+            at += 3 * triangles_in(corners.size());
         }
         return std::nullopt;
     }
 
 private:
+    /// Of corners that triangles are about to take the place of.
+    std::span<const std::uint32_t> copy_of(std::span<const std::uint32_t> corners) {
+        if (corners.size() == quad_.size()) {
+            std::memcpy(quad_.data(), corners.data(), sizeof quad_);
+            return quad_;
+        }
+        polygon_.assign(corners.begin(), corners.end());
+        return polygon_;
+    }
+
     PolygonTriangulator triangulator_;
-    std::vector<std::uint32_t> corners_;
+    std::array<std::uint32_t, 4> quad_{};
+    std::vector<std::uint32_t> polygon_;
 };
 
 /// What coordinates, indices and cutting take. The scratch memory of a thread grows to that of the largest face that it

@@ -71,12 +71,8 @@ public:
     void end_face() {
         if (corners_ == 3) {
             std::memcpy(face_, first_, sizeof first_);
-        } else if (corners_ > 3) {
-            face_[0] = polygon_mark;
-            face_[1] = static_cast<std::uint32_t>(corners_);
         }
-        face_ += 3 * triangles_in(corners_);
-        corners_ = 0;
+        end_polygon();
     }
 
     /// A whole face. False: there is no room for it.
@@ -84,10 +80,15 @@ public:
         if (3 * triangles_in(corners.size()) > static_cast<std::size_t>(end_ - face_)) {
             return false;
         }
-        for (const std::uint32_t vertex : corners) {
-            add_corner(vertex);
+        if (corners.size() == 3) {  // nearly all faces are triangles or quads, whose sizes compilers then know
+            std::memcpy(face_, corners.data(), 3 * sizeof(std::uint32_t));
+        } else if (corners.size() == 4) {
+            std::memcpy(face_ + 2, corners.data(), 4 * sizeof(std::uint32_t));
+        } else if (corners.size() > 4) {
+            std::copy(corners.begin(), corners.end(), face_ + 2);
         }
-        end_face();
+        corners_ = corners.size();
+        end_polygon();
         return true;
     }
 
@@ -95,6 +96,15 @@ public:
     std::size_t triangles() const { return static_cast<std::size_t>(face_ - begin_) / 3; }
 
 private:
+    void end_polygon() {
+        if (corners_ > 3) {
+            face_[0] = polygon_mark;
+            face_[1] = static_cast<std::uint32_t>(corners_);
+        }
+        face_ += 3 * triangles_in(corners_);
+        corners_ = 0;
+    }
+
     std::uint32_t* begin_;
     std::uint32_t* face_;
     std::uint32_t* end_;

@@ -61,6 +61,7 @@ private:
     void corner(FaceWriter& faces);
     void skip_zero_decimals(const char* corner);
     bool references();
+    [[noreturn]] void out_of_range(bool from_here) const;
 
     ObjNotes& notes_;
     std::size_t vertex_count_ = 0;
@@ -189,10 +190,7 @@ void ObjParser::corner(FaceWriter& faces) {
     }
     if (number == 0 || number > (from_here ? seen_ : vertex_count_)) {
         p_ = begin;
-        fail("vertex number out of range: " +
-             (from_here ? std::to_string(seen_) + " vertices precede, found "
-                        : "the file has " + counted(vertex_count_, "vertex", "vertices") + ", found ") +
-             found());
+        out_of_range(from_here);
     }
     faces.add_corner(static_cast<std::uint32_t>(from_here ? seen_ - number : number - 1));
 }
@@ -228,6 +226,13 @@ bool ObjParser::references() {
     }
     p_ = p;
     return good;
+}
+
+void ObjParser::out_of_range(bool from_here) const {
+    fail("vertex number out of range: " +
+         (from_here ? std::to_string(seen_) + " vertices precede, found "
+                    : "the file has " + counted(vertex_count_, "vertex", "vertices") + ", found ") +
+         found());
 }
 
 void warn_of(const LeftOut& found, const std::string& words, const FileContents& file, MeshFile& mesh) {

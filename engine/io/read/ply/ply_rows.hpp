@@ -33,12 +33,18 @@ public:
     BinaryNumbers(const char* begin, const char* end, bool swapped) : p_(begin), end_(end), swapped_(swapped) {}
 
     const char* at() const { return p_; }
+    void go_to(const char* at) { p_ = at; }
     /// To where the next number begins.
     void go_to_next() {}
     /// An upper bound of how many numbers are left.
     std::uint64_t most_left(NumberType type) const { return static_cast<std::uint64_t>(end_ - p_) / size_of(type); }
 
     bool integer(NumberType type, std::int64_t& value) {
+        if (type == NumberType::int32 && end_ - p_ >= 4) {  // nearly all indices
+            value = load_number<std::int32_t>(p_, swapped_);
+            p_ += 4;
+            return true;
+        }
         const bool whole = most_left(type) > 0 && with_type(type, [&](auto sample) {
                                const auto number = load_number<decltype(sample)>(p_, swapped_);
                                if constexpr (std::is_floating_point_v<decltype(sample)>) {
@@ -95,6 +101,7 @@ public:
     AsciiNumbers(const char* begin, const char* end) : p_(begin), end_(end) {}
 
     const char* at() const { return p_; }
+    void go_to(const char* at) { p_ = at; }
     void go_to_next() { p_ = skip_space(p_, end_); }
     std::uint64_t most_left(NumberType) const { return (static_cast<std::uint64_t>(end_ - p_) + 1) / 2; }
 
@@ -219,13 +226,13 @@ public:
 private:
     std::uint64_t list_count(const PlyProperty& property) {
         numbers_.go_to_next();
-        const Numbers before = numbers_;
+        const char* const begin = numbers_.at();
         std::int64_t count = 0;
         if (!numbers_.integer(property.count_type, count)) {
             fail(property, "expected the length of a list, found " + numbers_.found(property.count_type));
         }
         if (count < 0 || static_cast<std::uint64_t>(count) > numbers_.most_left(property.type)) {
-            numbers_ = before;
+            numbers_.go_to(begin);
             fail(property, count < 0 ? "a list of " + std::to_string(count) + " numbers"
                                      : "the file ends within its list of " + std::to_string(count) + " numbers");
         }
@@ -242,14 +249,14 @@ private:
         list.resize(list_count(property));
         for (std::uint32_t& index : list) {
             numbers_.go_to_next();
-            const Numbers before = numbers_;
+            const char* const begin = numbers_.at();
             std::int64_t number = 0;
             if (!numbers_.integer(property.type, number)) {
                 fail(property, "expected an index, found " + numbers_.found(property.type));
             }
             const bool ends_strip = number == -1 && element_.role == PlyRole::strips;
             if (static_cast<std::uint64_t>(number) >= vertex_count && !ends_strip) {
-                numbers_ = before;
+                numbers_.go_to(begin);
                 fail(property,
                      "index " + std::to_string(number) + ", but there are " + std::to_string(vertex_count) + " vertices");
             }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -35,12 +36,56 @@ inline std::vector<Facet> numbered_facets(std::size_t count) {
     return facets;
 }
 
-inline std::string little_endian(std::uint32_t value) {
-    std::string bytes;
-    for (int shift = 0; shift < 32; shift += 8) {
-        bytes += static_cast<char>(value >> shift & 0xFF);
+/// What use(number) makes of `value` as the type of that name in PLY, legacy VTK or VTP; 64-bit integers where there is
+/// none. What an integer does not hold wraps round.
+template <class Number, class Use>
+auto as_type(std::string_view type, Number value, const Use& use) {
+    const auto is_one_of = [type](const std::string& names) {
+        return names.find(" " + std::string(type) + " ") != names.npos;
+    };
+    const auto whole = [value] { return static_cast<std::int64_t>(value); };
+    if (is_one_of(" float float32 Float32 ")) {
+        return use(static_cast<float>(value));
+    }
+    if (is_one_of(" double float64 Float64 ")) {
+        return use(static_cast<double>(value));
+    }
+    if (is_one_of(" uchar uint8 unsigned_char UInt8 ")) {
+        return use(static_cast<std::uint8_t>(whole()));
+    }
+    if (is_one_of(" char int8 Int8 ")) {
+        return use(static_cast<std::int8_t>(whole()));
+    }
+    if (is_one_of(" ushort uint16 unsigned_short UInt16 ")) {
+        return use(static_cast<std::uint16_t>(whole()));
+    }
+    if (is_one_of(" short int16 Int16 ")) {
+        return use(static_cast<std::int16_t>(whole()));
+    }
+    if (is_one_of(" uint uint32 unsigned_int UInt32 ")) {
+        return use(static_cast<std::uint32_t>(whole()));
+    }
+    if (is_one_of(" int int32 Int32 vtktypeint32 ")) {
+        return use(static_cast<std::int32_t>(whole()));
+    }
+    if (is_one_of(" unsigned_long UInt64 ")) {
+        return use(static_cast<std::uint64_t>(value));
+    }
+    return use(whole());
+}
+
+template <class Number>
+std::string bytes_of(Number value, bool big_endian) {
+    std::string bytes(sizeof value, '\0');
+    std::memcpy(bytes.data(), &value, sizeof value);
+    if (big_endian != (std::endian::native == std::endian::big)) {
+        std::reverse(bytes.begin(), bytes.end());
     }
     return bytes;
+}
+
+inline std::string little_endian(std::uint32_t value) {
+    return bytes_of(value, false);
 }
 
 /// `counted` is what the header says.

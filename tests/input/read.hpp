@@ -162,6 +162,25 @@ inline void refuses_cuts(const TempFolder& dir, const std::string& name, const s
     }
 }
 
+/// A replacement that makes a good file malformed, and what the error must say of it.
+struct Malformed {
+    std::string what;
+    std::string by;
+    std::string says;
+    std::string says_too{};
+};
+
+inline void refuses_each(const TempFolder& dir, const std::string& name, const std::string& good,
+                         const std::vector<Malformed>& cases) {
+    for (const Malformed& one : cases) {
+        CAPTURE(one.what, one.by);
+        REQUIRE(good.find(one.what) != std::string::npos);
+        const Error error = read_error(dir.write(name, replaced(good, one.what, one.by)));
+        CHECK(error.code == ErrorCode::malformed_mesh);
+        CHECK_THAT(error.message, Catch::Contains(one.says) && Catch::Contains(one.says_too));
+    }
+}
+
 /// "NAME ROLE FIRST COUNT; ..."
 inline std::string parts_of(const MeshFile& file) {
     std::string text;

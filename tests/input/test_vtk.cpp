@@ -266,35 +266,36 @@ TEST_CASE("malformed legacy VTK is refused with the place", "[input][vtk]") {
     const TempFolder dir;
     const auto complaint = [&](const std::string& file) { return read_error(dir.write("a.vtk", file)).message; };
     const std::string plain = Legacy{}(cube());
-    const auto with = [&](const std::string& what, const std::string& by) { return complaint(replaced(plain, what, by)); };
-    CHECK_THAT(with("POLYDATA", "UNSTRUCTURED_GRID"),
-               Contains("line 4, byte 49: expected 'POLYDATA', the only kind of DATASET that is read, found "
-                        "'UNSTRUCTURED_GRID'"));
-    CHECK_THAT(with("Version 3.0", "Version 6.0"), Contains("expected a version from 1.0 to 5.x, found '6.0'"));
-    CHECK_THAT(with("Version 3.0", "Version x"), Contains("found 'x'"));
-    CHECK_THAT(with("Version 3.0", "Version -1"), Contains("found '-1'"));
-    CHECK_THAT(with("ASCII", "XML"), Contains("line 3, ") && Contains("expected 'ASCII' or 'BINARY', found 'XML'"));
-    CHECK_THAT(with("DATASET", "SET"), Contains("expected 'DATASET'"));
-    CHECK_THAT(with("POINTS 8", "POINTS -8"), Contains("line 5, ") && Contains("expected the number of POINTS, found '-8'"));
-    CHECK_THAT(with("POINTS 8", "POINTS 9"), Contains("malformed coordinate 'POLYGONS'"));
-    CHECK_THAT(with("POINTS 8", "POINTS 7"), Contains("expected POINTS, POLYGONS, TRIANGLE_STRIPS or another section"));
-    CHECK_THAT(with("POINTS 8", "POINTS 5000000000"), Contains("expected fewer than 2^32 POINTS"));
-    CHECK_THAT(with("POINTS 8", "POINTS 4000000000"), Contains("expected 12000000000 numbers of POINTS, found "));
-    CHECK_THAT(with("POINTS 8", "POINTS 99999999999999999999"), Contains("expected the number of POINTS"));
-    CHECK_THAT(with("float", "half"), Contains("expected a type of numbers, found 'half'"));
-    CHECK_THAT(with("10.000000 10.000000 10.000000 ", "10 ten 10 "), Contains("malformed coordinate 'ten'"));
-    CHECK_THAT(with("10.000000 10.000000 10.000000 ", "10 nan 10 "), Contains("coordinate is not a finite number: 'nan'"));
-    CHECK_THAT(with("10.000000 10.000000 10.000000 ", "10 1e39 10 "), Contains("is not a finite number: '1e39'"));
-    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 6 31"), Contains("expected 31 numbers of POLYGONS, found 30"));
-    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 5 30"), Contains("take 25 numbers, not the 30 counted"));
-    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 7 30"), Contains("cell 6 of POLYGONS does not lie within the 30 numbers"));
-    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 6 18446744073709551615"), Contains("found 30"));
-    CHECK_THAT(with("4 0 2 3 1", "4 0 2 8 1"),
-               Contains("line 8, ") && Contains("point 8 of POLYGONS does not exist: there are 8"));
-    CHECK_THAT(with("4 0 2 3 1", "4 0 -1 3 1"), Contains("expected an integer from 0 to 4294967295, found '-1'"));
-    CHECK_THAT(with("4 0 2 3 1", "4 0 2.5 3 1"), Contains("found '2.5'"));
-    CHECK_THAT(with("4 0 2 3 1", "4294967295 0 2 3 1"), Contains("cell 0 of POLYGONS does not lie within"));
-    CHECK_THAT(with("POLYGONS 6", "POLYGON 6"), Contains("found 'POLYGON'"));
+    refuses_each(dir, "a.vtk", plain,
+                 {
+                     {"POLYDATA", "UNSTRUCTURED_GRID",
+                      "line 4, byte 49: expected 'POLYDATA', the only kind of DATASET that is read, found "
+                      "'UNSTRUCTURED_GRID'"},
+                     {"Version 3.0", "Version 6.0", "expected a version from 1.0 to 5.x, found '6.0'"},
+                     {"Version 3.0", "Version x", "found 'x'"},
+                     {"Version 3.0", "Version -1", "found '-1'"},
+                     {"ASCII", "XML", "line 3, ", "expected 'ASCII' or 'BINARY', found 'XML'"},
+                     {"DATASET", "SET", "expected 'DATASET'"},
+                     {"POINTS 8", "POINTS -8", "line 5, ", "expected the number of POINTS, found '-8'"},
+                     {"POINTS 8", "POINTS 9", "malformed coordinate 'POLYGONS'"},
+                     {"POINTS 8", "POINTS 7", "expected POINTS, POLYGONS, TRIANGLE_STRIPS or another section"},
+                     {"POINTS 8", "POINTS 5000000000", "expected fewer than 2^32 POINTS"},
+                     {"POINTS 8", "POINTS 4000000000", "expected 12000000000 numbers of POINTS, found "},
+                     {"POINTS 8", "POINTS 99999999999999999999", "expected the number of POINTS"},
+                     {"float", "half", "expected a type of numbers, found 'half'"},
+                     {"10.000000 10.000000 10.000000 ", "10 ten 10 ", "malformed coordinate 'ten'"},
+                     {"10.000000 10.000000 10.000000 ", "10 nan 10 ", "coordinate is not a finite number: 'nan'"},
+                     {"10.000000 10.000000 10.000000 ", "10 1e39 10 ", "is not a finite number: '1e39'"},
+                     {"POLYGONS 6 30", "POLYGONS 6 31", "expected 31 numbers of POLYGONS, found 30"},
+                     {"POLYGONS 6 30", "POLYGONS 5 30", "take 25 numbers, not the 30 counted"},
+                     {"POLYGONS 6 30", "POLYGONS 7 30", "cell 6 of POLYGONS does not lie within the 30 numbers"},
+                     {"POLYGONS 6 30", "POLYGONS 6 18446744073709551615", "found 30"},
+                     {"4 0 2 3 1", "4 0 2 8 1", "line 8, ", "point 8 of POLYGONS does not exist: there are 8"},
+                     {"4 0 2 3 1", "4 0 -1 3 1", "expected an integer from 0 to 4294967295, found '-1'"},
+                     {"4 0 2 3 1", "4 0 2.5 3 1", "found '2.5'"},
+                     {"4 0 2 3 1", "4294967295 0 2 3 1", "cell 0 of POLYGONS does not lie within"},
+                     {"POLYGONS 6", "POLYGON 6", "found 'POLYGON'"},
+                 });
     CHECK_THAT(complaint(plain + Legacy{}.cells("POLYGONS", {{0, 1, 2}})), Contains("expected one section POLYGONS"));
     CHECK_THAT(complaint(plain + "POINTS 1 float\n1 2 3\n"), Contains("expected one section POINTS"));
     CHECK_THAT(complaint(Legacy{}.header() + Legacy{}.cells("POLYGONS", {{0, 1, 2}})),
@@ -309,18 +310,17 @@ TEST_CASE("malformed legacy VTK is refused with the place", "[input][vtk]") {
 TEST_CASE("offsets of legacy VTK must ascend and end with the connectivity", "[input][vtk]") {
     const TempFolder dir;
     const std::string plain = Legacy{true, 5}(cube());
-    const auto with = [&](const std::string& what, const std::string& by) {
-        return read_error(dir.write("a.vtk", replaced(plain, what, by))).message;
-    };
-    CHECK_THAT(with("0 4 8 ", "1 4 8 "), Contains("the offsets of POLYGONS do not begin with 0"));
-    CHECK_THAT(with("0 4 8 ", "0 9 8 "),
-               Contains("line 9, ") && Contains("cell 1 of POLYGONS ends at 8, which is not from 9 to 24"));
-    CHECK_THAT(with(" 20 24 ", " 20 23 "), Contains("have 23 corners, not the 24 of their connectivity"));
-    CHECK_THAT(with(" 20 24 ", " 20 25 "), Contains("ends at 25, which is not from 20 to 24"));
-    CHECK_THAT(with(" 20 24 ", " 20 18446744073709551615 "), Contains("ends at -1"));
-    CHECK_THAT(with("CONNECTIVITY", "CONNECTED"), Contains("expected 'CONNECTIVITY' of POLYGONS, found 'CONNECTED'"));
-    CHECK_THAT(with("OFFSETS vtktypeint64", "OFFSETS float"), Contains("expected a type of integers, found 'float'"));
-    CHECK_THAT(with("POLYGONS 7 24", "POLYGONS 6 24"), Contains("expected 'CONNECTIVITY' of POLYGONS, found '24'"));
+    refuses_each(dir, "a.vtk", plain,
+                 {
+                     {"0 4 8 ", "1 4 8 ", "the offsets of POLYGONS do not begin with 0"},
+                     {"0 4 8 ", "0 9 8 ", "line 9, ", "cell 1 of POLYGONS ends at 8, which is not from 9 to 24"},
+                     {" 20 24 ", " 20 23 ", "have 23 corners, not the 24 of their connectivity"},
+                     {" 20 24 ", " 20 25 ", "ends at 25, which is not from 20 to 24"},
+                     {" 20 24 ", " 20 18446744073709551615 ", "ends at -1"},
+                     {"CONNECTIVITY", "CONNECTED", "expected 'CONNECTIVITY' of POLYGONS, found 'CONNECTED'"},
+                     {"OFFSETS vtktypeint64", "OFFSETS float", "expected a type of integers, found 'float'"},
+                     {"POLYGONS 7 24", "POLYGONS 6 24", "expected 'CONNECTIVITY' of POLYGONS, found '24'"},
+                 });
 }
 
 TEST_CASE("malformed binary legacy VTK is refused with the byte", "[input][vtk]") {

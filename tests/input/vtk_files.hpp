@@ -1,8 +1,6 @@
 // Polygonal data as the files of VTK hold them, written in every form that the readers know.
 #pragma once
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -109,52 +107,11 @@ struct Encoding {
     bool text = true;
     bool big_endian = true;
 
-    template <class Number>
-    std::string number(Number value) const {
-        if (text) {
-            std::string digits = std::to_string(value);
-            return digits + " ";
-        }
-        std::string bytes(sizeof value, '\0');
-        std::memcpy(bytes.data(), &value, sizeof value);
-        if (big_endian) {
-            std::reverse(bytes.begin(), bytes.end());
-        }
-        return bytes;
-    }
-
     /// `type` as legacy files or XML files spell it.
     template <class Number>
     std::string as(const std::string& type, Number value) const {
-        if (type == "float" || type == "Float32") {
-            return number(static_cast<float>(value));
-        }
-        if (type == "double" || type == "Float64") {
-            return number(static_cast<double>(value));
-        }
-        const auto whole = static_cast<std::int64_t>(value);  // what the type does not hold wraps round
-        if (type == "unsigned_char" || type == "UInt8") {
-            return number(static_cast<std::uint8_t>(whole));
-        }
-        if (type == "char" || type == "Int8") {
-            return number(static_cast<std::int8_t>(whole));
-        }
-        if (type == "unsigned_short" || type == "UInt16") {
-            return number(static_cast<std::uint16_t>(whole));
-        }
-        if (type == "short" || type == "Int16") {
-            return number(static_cast<std::int16_t>(whole));
-        }
-        if (type == "unsigned_int" || type == "UInt32") {
-            return number(static_cast<std::uint32_t>(whole));
-        }
-        if (type == "int" || type == "Int32" || type == "vtktypeint32") {
-            return number(static_cast<std::int32_t>(whole));
-        }
-        if (type == "unsigned_long" || type == "UInt64") {
-            return number(static_cast<std::uint64_t>(value));
-        }
-        return number(static_cast<std::int64_t>(value));
+        return as_type(type, value,
+                       [this](auto number) { return text ? std::to_string(number) + " " : bytes_of(number, big_endian); });
     }
 };
 

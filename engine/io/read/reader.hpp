@@ -85,8 +85,8 @@ struct Reader {
     std::string_view extensions;                   ///< ".abc.def"
     bool (*recognises)(const FileSource& source);  ///< by its size and how it begins
     /// Fills in bytes, indices, counts, stride, coordinate_type, text, parse_ms, warnings and, where the file states them,
-    /// the unit and the patient frame; read_mesh() does the rest. What can expand to more than the file is counted in a
-    /// MemoryBudget before it is allocated. May throw std::bad_alloc.
+    /// the unit and the patient frame; read_mesh() does the rest. What can expand to more than the file is counted
+    /// before it is allocated. May throw std::bad_alloc.
     Result<MeshFile> (*read)(FileSource& source);
     /// Where no reader recognises the file and its name is one of this format. Null: never.
     bool (*recognises_by_name)(const FileSource& source) = nullptr;

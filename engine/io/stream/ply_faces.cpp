@@ -7,7 +7,7 @@
 
 #include "base/guard.hpp"
 #include "base/words.hpp"
-#include "io/read/ply/ply_binary.hpp"
+#include "io/read/ply/ply_body.hpp"
 #include "io/read/ply/ply_rows.hpp"
 
 namespace lamella {

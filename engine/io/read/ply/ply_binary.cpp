@@ -1,4 +1,4 @@
-#include "io/read/ply/ply_binary.hpp"
+#include "io/read/ply/ply_body.hpp"
 
 #include <algorithm>
 #include <array>

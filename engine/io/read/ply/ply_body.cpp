@@ -1,11 +1,9 @@
 #include "io/read/ply/ply_body.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
 #include "io/read/lookout.hpp"
-#include "io/read/ply/ply_binary.hpp"
 #include "io/read/ply/ply_rows.hpp"
 
 namespace lamella {
@@ -51,8 +49,6 @@ private:
     bool needs_coordinates() const;
     void read_vertices(const Place& place);
     bool take_vertices(const Place& place);
-    template <class Value>
-    void read_vertex_rows(const Place& place);
     void read_lists(const Place& place, FaceWriter& faces);
     void add_strips(FaceWriter& faces) const;
     [[noreturn]] void refuse(const RefusedFace& face) const;
@@ -178,16 +174,13 @@ bool BodyReader<Numbers>::copy_triangles(const PlyElement& element, const Number
 template <class Numbers>
 void BodyReader<Numbers>::check_row(PlyRows<Numbers>& rows, const PlyElement& element) {
     PlyLists lists;
-    float singles[3];
-    double doubles[3];
-    if (element.role == PlyRole::nothing) {
+    std::byte xyz[3 * sizeof(double)];
+    if (element.role == PlyRole::vertices) {
+        rows.vertex(number_for(element), xyz);
+    } else if (element.role == PlyRole::nothing) {
         rows.skip(lists);
-    } else if (element.role != PlyRole::vertices) {
-        rows.indices(input_.header.element_of(PlyRole::vertices)->count, list_);
-    } else if (number_for(element) == CoordinateType::f64) {
-        rows.vertex(doubles);
     } else {
-        rows.vertex(singles);
+        rows.indices(input_.header.element_of(PlyRole::vertices)->count, list_);
     }
 }
 
@@ -229,7 +222,12 @@ void BodyReader<Numbers>::read_vertices(const Place& place) {
             return copy_vertices(input_, place.element, place.begin.at(), mesh_);
         }
     }
-    return mesh_.coordinate_type == CoordinateType::f64 ? read_vertex_rows<double>(place) : read_vertex_rows<float>(place);
+    PlyRows<Numbers> rows(place.begin, place.element);
+    Lookout lookout(input_.parallel());
+    for (std::uint64_t row = 0; row < place.element.count; ++row) {
+        lookout.pass();
+        rows.vertex(mesh_.coordinate_type, mesh_.bytes.data() + row * mesh_.stride);
+    }
 }
 
 /// Whether the vertices of a binary file can be used where they lie.
@@ -245,19 +243,6 @@ bool BodyReader<Numbers>::take_vertices(const Place& place) {
     mesh_.coordinate_type = number_for(place.element);
     mesh_.vertex_count = place.element.count;
     return true;
-}
-
-template <class Numbers>
-template <class Value>
-void BodyReader<Numbers>::read_vertex_rows(const Place& place) {
-    PlyRows<Numbers> rows(place.begin, place.element);
-    Lookout lookout(input_.parallel());
-    for (std::uint64_t row = 0; row < place.element.count; ++row) {
-        lookout.pass();
-        Value xyz[3];
-        rows.vertex(xyz);
-        std::memcpy(mesh_.bytes.data() + row * sizeof xyz, xyz, sizeof xyz);
-    }
 }
 
 template <class Numbers>
@@ -342,7 +327,7 @@ PlyBody read_ply_body(const PlyInput& input, MeshFile& mesh) {
         return BodyReader<BinaryNumbers>(input, mesh).read({begin, end, input.swapped()});
     }
     // From number to number, words that no property takes would be read as the next row.
-    if (read_ply_lines(input, false, mesh, body) || read_ply_lines(input, true, mesh, body)) {
+    if (read_ply_lines(input, mesh, body)) {
         return body;
     }
     return BodyReader<AsciiNumbers>(input, mesh).read({begin, end});

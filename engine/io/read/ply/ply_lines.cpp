@@ -43,8 +43,7 @@ std::size_t count_lines(std::string_view text) {
 /// wrong there, if anything is.
 class LineReader {
 public:
-    LineReader(const PlyInput& input, bool takes_long_rows, MeshFile& mesh)
-        : input_(input), takes_long_rows_(takes_long_rows), mesh_(mesh) {}
+    LineReader(const PlyInput& input, MeshFile& mesh) : input_(input), mesh_(mesh) {}
 
     PlyBody read();
 
@@ -54,7 +53,6 @@ private:
     void parse(std::size_t piece);
     template <class Read>
     const char* rows(std::size_t piece, const RowRange& range, const char* line, Read read);
-    template <class Value>
     const char* vertices(std::size_t piece, const RowRange& range, const char* line);
     const char* faces(std::size_t piece, const RowRange& range, const char* line);
 
@@ -66,7 +64,6 @@ private:
     }
 
     const PlyInput& input_;
-    bool takes_long_rows_;
     MeshFile& mesh_;
     PlyBody body_;
     std::vector<TextPiece> pieces_;     // of lines, each a row
@@ -153,15 +150,13 @@ void LineReader::allocate() {
 void LineReader::parse(std::size_t piece) {
     const char* line = pieces_[piece].begin();
     for (const RowRange& range : ranges_) {
-        if (range.element->role == PlyRole::faces) {
+        if (range.element->role == PlyRole::vertices) {
+            line = vertices(piece, range, line);
+        } else if (range.element->role == PlyRole::faces) {
             line = faces(piece, range, line);
-        } else if (range.element->role != PlyRole::vertices) {
+        } else {
             PlyLists lists;
             line = rows(piece, range, line, [&lists](PlyRows<AsciiNumbers>& row) { row.skip(lists); });
-        } else if (mesh_.coordinate_type == CoordinateType::f64) {
-            line = vertices<double>(piece, range, line);
-        } else {
-            line = vertices<float>(piece, range, line);
         }
     }
 }
@@ -179,9 +174,6 @@ const char* LineReader::rows(std::size_t piece, const RowRange& range, const cha
         }
         read(row);
         if (!AsciiNumbers(row.numbers()).at_end()) {
-            if (!takes_long_rows_) {
-                throw TextError{line};
-            }
             long_rows_[piece].add(line);
         }
         line = stop != end ? stop + 1 : stop;
@@ -189,14 +181,11 @@ const char* LineReader::rows(std::size_t piece, const RowRange& range, const cha
     return line;
 }
 
-template <class Value>
 const char* LineReader::vertices(std::size_t piece, const RowRange& range, const char* line) {
-    std::byte* out = mesh_.bytes.data() + (first_row(piece, range) - range.begin) * 3 * sizeof(Value);
-    return rows(piece, range, line, [&out](PlyRows<AsciiNumbers>& row) {
-        Value xyz[3];
-        row.vertex(xyz);
-        std::memcpy(out, xyz, sizeof xyz);
-        out += sizeof xyz;
+    std::byte* out = mesh_.bytes.data() + (first_row(piece, range) - range.begin) * mesh_.stride;
+    return rows(piece, range, line, [this, &out](PlyRows<AsciiNumbers>& row) {
+        row.vertex(mesh_.coordinate_type, out);
+        out += mesh_.stride;
     });
 }
 
@@ -217,9 +206,9 @@ const char* LineReader::faces(std::size_t piece, const RowRange& range, const ch
 
 }  // namespace
 
-bool read_ply_lines(const PlyInput& input, bool takes_long_rows, MeshFile& mesh, PlyBody& body) {
+bool read_ply_lines(const PlyInput& input, MeshFile& mesh, PlyBody& body) {
     try {
-        body = LineReader(input, takes_long_rows, mesh).read();
+        body = LineReader(input, mesh).read();
         return true;
     } catch (const TextError&) {
         mesh = MeshFile();

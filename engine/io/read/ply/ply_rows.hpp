@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <type_traits>
@@ -196,17 +197,13 @@ public:
         ++row_;
     }
 
-    template <class Value>
-    void vertex(Value* xyz) {
-        for (const PlyProperty& property : element_.properties) {
-            const auto axis = static_cast<std::size_t>(property.use);
-            if (axis >= 3) {
-                skip_property(property);
-            } else if (!numbers_.number(property.type, xyz[axis])) {
-                no_number(property);
-            }
+    /// Writes the coordinates of the row's vertex to `out`, as numbers of the type.
+    void vertex(CoordinateType type, std::byte* out) {
+        if (type == CoordinateType::f64) {
+            vertex_as<double>(out);
+        } else {
+            vertex_as<float>(out);
         }
-        ++row_;
     }
 
     /// The row's list of indices, each of one of `vertex_count` vertices or, in strips, strip_end.
@@ -224,6 +221,21 @@ public:
     const Numbers& numbers() const { return numbers_; }
 
 private:
+    template <class Value>
+    void vertex_as(std::byte* out) {
+        Value xyz[3];
+        for (const PlyProperty& property : element_.properties) {
+            const auto axis = static_cast<std::size_t>(property.use);
+            if (axis >= 3) {
+                skip_property(property);
+            } else if (!numbers_.number(property.type, xyz[axis])) {
+                no_number(property);
+            }
+        }
+        std::memcpy(out, xyz, sizeof xyz);
+        ++row_;
+    }
+
     std::uint64_t list_count(const PlyProperty& property) {
         numbers_.go_to_next();
         const char* const begin = numbers_.at();

@@ -5,12 +5,41 @@
 #include <string>
 #include <string_view>
 
-#include "io/read/memory_budget.hpp"
+#include "base/guard.hpp"
 #include "io/read/number_type.hpp"
 #include "io/read/reader.hpp"
 #include "lamella/array.hpp"
 
 namespace lamella {
+
+/// What a reader may still allocate. Counted before memory is taken, so that no count in a file can take more.
+class MemoryBudget {
+public:
+    explicit MemoryBudget(const FileSource& source) : source_(source), left_(source.memory_limit()) {}
+
+    /// Counts `count` elements of `element_bytes` each. False: they are too many. Precondition: element_bytes > 0.
+    bool try_take(std::uint64_t count, std::uint64_t element_bytes) noexcept {
+        const bool fits = count <= left_ / element_bytes;
+        left_ -= fits ? count * element_bytes : 0;
+        return fits;
+    }
+
+    /// The same, or throws an error.
+    void take(std::uint64_t count, std::uint64_t element_bytes) {
+        if (!try_take(count, element_bytes)) {
+            throw Refused{source_.error(
+                ErrorCode::out_of_memory,
+                "expands to more than the " + std::to_string(source_.memory_limit()) + " bytes that reading it may take")};
+        }
+    }
+
+    /// What was taken and is free again.
+    void give_back(std::uint64_t bytes) noexcept { left_ += bytes; }
+
+private:
+    const FileSource& source_;
+    std::uint64_t left_;
+};
 
 struct NumberArray {
     /// How the numbers stand in the file.

@@ -11,7 +11,6 @@
 #include "io/read/reader.hpp"
 #include "io/read/stated_frame.hpp"
 #include "io/read/vtk/vtk_cells.hpp"
-#include "io/read/vtk/vtp_data.hpp"
 #include "io/read/vtk/vtp_document.hpp"
 
 namespace lamella {

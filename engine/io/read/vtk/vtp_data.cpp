@@ -1,4 +1,4 @@
-#include "io/read/vtk/vtp_data.hpp"
+#include "io/read/vtk/vtp_document.hpp"
 
 #include <zlib.h>
 

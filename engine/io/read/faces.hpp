@@ -51,44 +51,24 @@ public:
     FaceWriter(std::span<std::uint32_t> indices, const FaceRange& own)
         : begin_(indices.data() + 3 * own.first_triangle), face_(begin_), end_(begin_ + 3 * own.triangles) {}
 
-    /// Precondition: there is room for the face.
-    void add_corner(std::uint32_t vertex) {
-        if (corners_ < 3) {
-            first_[corners_] = vertex;
-        } else {
-            if (corners_ == 3) {
-                std::memcpy(face_ + 2, first_, sizeof first_);
-            }
-            face_[2 + corners_] = vertex;
-        }
-        ++corners_;
-    }
-
-    /// Of the face that is being written.
-    std::size_t corners() const { return corners_; }
-
-    /// Ends the face, which is left out if it has fewer than three corners. Precondition: corners() < polygon_mark.
-    void end_face() {
-        if (corners_ == 3) {
-            std::memcpy(face_, first_, sizeof first_);
-        }
-        end_polygon();
-    }
-
-    /// A whole face. False: there is no room for it.
-    bool add_face(std::span<const std::uint32_t> corners) {
+    /// Stores a face, which is left out if it has fewer than three corners. False: there is no room for it. Precondition:
+    /// fewer corners than polygon_mark.
+    bool add(std::span<const std::uint32_t> corners) {
         if (3 * triangles_in(corners.size()) > static_cast<std::size_t>(end_ - face_)) {
             return false;
         }
         if (corners.size() == 3) {  // nearly all faces are triangles or quads, whose sizes compilers then know
             std::memcpy(face_, corners.data(), 3 * sizeof(std::uint32_t));
-        } else if (corners.size() == 4) {
-            std::memcpy(face_ + 2, corners.data(), 4 * sizeof(std::uint32_t));
-        } else if (corners.size() > 4) {
-            std::copy(corners.begin(), corners.end(), face_ + 2);
+        } else if (corners.size() > 3) {
+            face_[0] = polygon_mark;
+            face_[1] = static_cast<std::uint32_t>(corners.size());
+            if (corners.size() == 4) {
+                std::memcpy(face_ + 2, corners.data(), 4 * sizeof(std::uint32_t));
+            } else {
+                std::copy(corners.begin(), corners.end(), face_ + 2);
+            }
         }
-        corners_ = corners.size();
-        end_polygon();
+        face_ += 3 * triangles_in(corners.size());
         return true;
     }
 
@@ -96,20 +76,9 @@ public:
     std::size_t triangles() const { return static_cast<std::size_t>(face_ - begin_) / 3; }
 
 private:
-    void end_polygon() {
-        if (corners_ > 3) {
-            face_[0] = polygon_mark;
-            face_[1] = static_cast<std::uint32_t>(corners_);
-        }
-        face_ += 3 * triangles_in(corners_);
-        corners_ = 0;
-    }
-
     std::uint32_t* begin_;
     std::uint32_t* face_;
     std::uint32_t* end_;
-    std::size_t corners_ = 0;
-    std::uint32_t first_[3] = {};
 };
 
 /// A face of more than three corners that cannot be cut.

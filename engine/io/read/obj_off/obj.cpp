@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/words.hpp"
 #include "io/read/faces.hpp"
@@ -58,12 +59,13 @@ private:
     void skip_rest_of(Statement statement) { statement == Statement::other ? skip_other() : skip_rest(); }
     Statement shape_at(const char* p) const;
     void face(FaceWriter& faces);
-    void corner(FaceWriter& faces);
+    std::uint32_t corner();
     void skip_zero_decimals(const char* corner);
     bool references();
     [[noreturn]] void out_of_range(bool from_here) const;
 
     ObjNotes& notes_;
+    std::vector<std::uint32_t> corners_;  // of a face
     std::size_t vertex_count_ = 0;
     std::size_t seen_ = 0;             // vertices before this statement, in the whole file
     const char* statement_ = nullptr;  // where it begins
@@ -166,17 +168,18 @@ const char* ObjParser::place_of_face(std::size_t number) {
 }
 
 void ObjParser::face(FaceWriter& faces) {
+    corners_.clear();
     while (to_word()) {
-        corner(faces);
+        corners_.push_back(corner());
     }
-    if (faces.corners() >= polygon_mark) {
+    if (corners_.size() >= polygon_mark) {
         p_ = statement_;
-        fail("the face has " + std::to_string(faces.corners()) + " corners, too many to be cut into triangles");
+        fail("the face has " + std::to_string(corners_.size()) + " corners, too many to be cut into triangles");
     }
-    faces.end_face();
+    faces.add(corners_);
 }
 
-void ObjParser::corner(FaceWriter& faces) {
+std::uint32_t ObjParser::corner() {
     const char* const begin = p_;
     const bool from_here = *p_ == '-';
     p_ += static_cast<int>(from_here);
@@ -192,7 +195,7 @@ void ObjParser::corner(FaceWriter& faces) {
         p_ = begin;
         out_of_range(from_here);
     }
-    faces.add_corner(static_cast<std::uint32_t>(from_here ? seen_ - number : number - 1));
+    return static_cast<std::uint32_t>(from_here ? seen_ - number : number - 1);
 }
 
 /// "1.0" is the 1 of a program that knows only one type of numbers.

@@ -101,7 +101,8 @@ private:
     OffLayout layout_;
     Lookout lookout_;
     const char* item_ = nullptr;
-    std::optional<int> face_extras_;  // of the first face
+    std::optional<int> face_extras_;      // of the first face
+    std::vector<std::uint32_t> corners_;  // of a face
 };
 
 /// To the next word, over line ends and comments. False: there is none.
@@ -213,14 +214,15 @@ std::size_t OffParser::face_item(std::size_t vertex_count, FaceWriter* faces) {
         p_ = item_;
         fail("the face counts " + std::to_string(corners) + " corners, more than its line holds");
     }
+    corners_.clear();
     for (std::size_t i = 0; i < corners; ++i) {
         const std::uint32_t vertex = vertex_number(vertex_count);
         if (faces != nullptr) {
-            faces->add_corner(vertex);
+            corners_.push_back(vertex);
         }
     }
     if (faces != nullptr) {
-        faces->end_face();
+        faces->add(corners_);
     }
     const int count = extras(colour);
     if (layout_ == OffLayout::numbers && face_extras_.value_or(count) != count) {

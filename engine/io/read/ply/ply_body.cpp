@@ -255,7 +255,7 @@ void BodyReader<Numbers>::read_lists(const Place& place, FaceWriter& faces) {
         if (place.element.role == PlyRole::strips) {
             add_strips(faces);
         } else {
-            faces.add_face(list_);
+            faces.add(list_);
             body_.small_faces += list_.size() < 3 ? 1 : 0;
         }
     }
@@ -277,7 +277,7 @@ void BodyReader<Numbers>::add_strips(FaceWriter& faces) const {
         const bool odd = (i - begin) % 2 != 0;
         const std::uint32_t triangle[] = {list_[odd ? i - 1 : i - 2], list_[odd ? i - 2 : i - 1], list_[i]};
         if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0]) {
-            faces.add_face(triangle);
+            faces.add(triangle);
         }
     }
 }

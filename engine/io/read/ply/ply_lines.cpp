@@ -195,7 +195,7 @@ const char* LineReader::faces(std::size_t piece, const RowRange& range, const ch
     std::vector<std::uint32_t> list;
     line = rows(piece, range, line, [&](PlyRows<AsciiNumbers>& row) {
         row.indices(mesh_.vertex_count, list);
-        if (!writer.add_face(list)) {
+        if (!writer.add(list)) {
             throw TextError{row.numbers().at()};
         }
         own.small.count += list.size() < 3 ? 1 : 0;

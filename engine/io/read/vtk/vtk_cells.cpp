@@ -243,12 +243,12 @@ void write_faces(const VtkFile& file, const CellArray& array, const Block& block
         }
         std::for_each(corners.begin(), corners.end(), [&array](std::uint32_t& point) { point += array.first_point; });
         if (array.kind == CellKind::polygons) {
-            faces.add_face(corners);
+            faces.add(corners);
             return;
         }
         for (std::size_t i = 2; i < corners.size(); ++i) {
             const std::size_t odd = i % 2;  // every other triangle is listed in reverse
-            faces.add_face(std::array{corners[i - 2 + odd], corners[i - 1 - odd], corners[i]});
+            faces.add(std::array{corners[i - 2 + odd], corners[i - 1 - odd], corners[i]});
         }
     });
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "base/guard.hpp"
 #include "io/read/reader.hpp"
 
 namespace lamella {
@@ -19,14 +20,13 @@ public:
         return fits;
     }
 
-    /// The same, or an error.
-    Status take(std::uint64_t count, std::uint64_t element_bytes) {
+    /// The same, or throws Refused.
+    void take(std::uint64_t count, std::uint64_t element_bytes) {
         if (!try_take(count, element_bytes)) {
-            return source_.error(
+            throw Refused{source_.error(
                 ErrorCode::out_of_memory,
-                "expands to more than the " + std::to_string(source_.memory_limit()) + " bytes that reading it may take");
+                "expands to more than the " + std::to_string(source_.memory_limit()) + " bytes that reading it may take")};
         }
-        return {};
     }
 
     std::uint64_t limit_bytes() const noexcept { return source_.memory_limit(); }

@@ -6,23 +6,24 @@
 #include <string_view>
 
 #include "base/guard.hpp"
-#include "io/read/number_type.hpp"
 #include "io/read/memory_budget.hpp"
+#include "io/read/number_type.hpp"
 #include "io/read/reader.hpp"
 #include "lamella/array.hpp"
 
-namespace lamella {
+namespace lamella {}
+}
 
-        }
-    }
-
-    /// What was taken and is free again.
-    void give_back(std::uint64_t bytes) noexcept { left_ += bytes; }
+/// What was taken and is free again.
+void give_back(std::uint64_t bytes) noexcept {
+    left_ += bytes;
+}
 
 private:
-    const FileSource& source_;
-    std::uint64_t left_;
-};
+const FileSource& source_;
+std::uint64_t left_;
+}
+;
 
 struct NumberArray {
     /// How the numbers stand in the file.

@@ -46,7 +46,7 @@ bool is_dangling(const MeshView& mesh, std::size_t i) {
 
 /// Reads corner `i` alone, as the triangle's other corners may be dangling. False if a coordinate cannot be used.
 template <class Number>
-bool read_corner(const RawReader& read, std::size_t i, Corner<Number>& corner) {
+bool read_corner(const PlacedReader& read, std::size_t i, Corner<Number>& corner) {
     const std::array<double, 3> xyz = read.corner(i / 3, i % 3);
     bool usable = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -74,7 +74,7 @@ template <class Number>
 Result<Array<Corner<Number>>> sorted_corners(const MeshView& mesh, const Memory* memory, const Parallel& parallel) {
     Array<Corner<Number>> corners(memory);
     corners.resize_discarding(3 * mesh.triangle_count);
-    const RawReader read(mesh);
+    const PlacedReader read(mesh, {});
     constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
     std::vector<std::size_t> first_bad(static_cast<std::size_t>(parallel.threads()), none);
     parallel.run_ranges(corners.size(), weld_grain, [&](std::size_t begin, std::size_t end, int worker) {

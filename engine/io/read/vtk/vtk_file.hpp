@@ -11,19 +11,7 @@
 #include "io/read/reader.hpp"
 #include "lamella/array.hpp"
 
-namespace lamella {}
-}
-
-/// What was taken and is free again.
-void give_back(std::uint64_t bytes) noexcept {
-    left_ += bytes;
-}
-
-private:
-const FileSource& source_;
-std::uint64_t left_;
-}
-;
+namespace lamella {
 
 struct NumberArray {
     /// How the numbers stand in the file.

@@ -14,7 +14,6 @@
 #include "io/read/foreign.hpp"
 #include "io/read/gzip.hpp"
 #include "io/read/reader.hpp"
-#include "io/text/pieces.hpp"
 #include "io/text/text.hpp"
 
 namespace lamella {
@@ -304,22 +303,43 @@ Result<Array<std::byte>> FileSource::take(std::size_t count) {
     return bytes;
 }
 
-Result<FileText> FileSource::take_text() {
-    Result<Array<std::byte>> bytes = take(size());
-    if (!bytes) {
-        return bytes.error();
-    }
-    return FileText{std::move(bytes).value()};
-}
-
 Error FileSource::error_in_text(std::string_view text, std::size_t offset, const std::string& what) const {
     return error(ErrorCode::malformed_mesh,
                  "line " + std::to_string(line_of(text, offset)) + ", byte " + std::to_string(offset) + ": " + what,
                  static_cast<std::int64_t>(offset));
 }
 
-Error FileSource::error_in_text(std::string_view text, const TextFailure& failure) const {
-    return error_in_text(text, static_cast<std::size_t>(failure.at - text.data()), failure.what);
+Error FileSource::error_in_text(std::string_view text, const TextError& error) const {
+    const auto offset = static_cast<std::size_t>(error.at - text.data());
+    return error.has_lines ? error_in_text(text, offset, error.what)
+                           : this->error(ErrorCode::malformed_mesh, "byte " + std::to_string(offset) + ": " + error.what,
+                                         static_cast<std::int64_t>(offset));
+}
+
+void FileSource::must_fit(std::uint64_t bytes) const {
+    if (bytes > memory_limit_) {
+        throw Refused{error(ErrorCode::out_of_memory, "expands to " + std::to_string(bytes) + " bytes, more than the " +
+                                                          std::to_string(memory_limit_) + " that reading it may take")};
+    }
+}
+
+Result<MeshFile> read_contents(FileSource& source, void (*parse)(FileContents& file, MeshFile& mesh)) {
+    Result<Array<std::byte>> bytes = source.take(source.size());
+    if (!bytes) {
+        return bytes.error();
+    }
+    const Clock::time_point start = Clock::now();
+    FileContents file{source, std::move(bytes).value()};
+    MeshFile mesh;  // may take the file's bytes, in which errors count lines
+    try {
+        parse(file, mesh);
+        mesh.parse_ms = milliseconds_since(start);
+        return mesh;
+    } catch (const TextError& error) {
+        return source.error_in_text(file.whole, error);
+    } catch (const Refused& refused) {
+        return refused.error;
+    }
 }
 
 // ---

@@ -22,6 +22,11 @@ struct VertexCoordinates {
         return number == CoordinateType::f32 ? read<float>(vertex) : read<double>(vertex);
     }
 
+    bool is_finite(std::uint32_t vertex) const noexcept {
+        const std::array<double, 3> xyz = (*this)[vertex];
+        return xyz[0] * 0 + xyz[1] * 0 + xyz[2] * 0 == 0;  // infinity times 0 is no number; without branches
+    }
+
 private:
     template <class Value>
     std::array<double, 3> read(std::uint32_t vertex) const noexcept {

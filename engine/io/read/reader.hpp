@@ -6,15 +6,13 @@
 #include <string>
 #include <string_view>
 
-#include "base/clock.hpp"
 #include "base/parallel.hpp"
 #include "io/read/input_file.hpp"
+#include "io/text/text.hpp"
 #include "lamella/io/mesh_file.hpp"
 #include "lamella/memory.hpp"
 
 namespace lamella {
-
-struct TextFailure;
 
 inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -24,14 +22,6 @@ inline std::string_view as_text(std::span<const std::byte> bytes) noexcept {
 inline std::string_view without_byte_order_mark(std::string_view text) noexcept {
     return text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
 }
-
-/// The contents of a file that is text.
-struct FileText {
-    Array<std::byte> bytes;
-    std::string_view whole = as_text(bytes.span());  ///< offsets in messages count from its begin
-    std::string_view text = without_byte_order_mark(whole);
-    Clock::time_point taken = Clock::now();  ///< where parsing begins
-};
 
 /// A file as a reader sees it: its name for messages, how it begins, and its bytes once they are asked for.
 class FileSource {
@@ -56,9 +46,6 @@ public:
     /// The first `count` bytes, checked not to have changed while they were read. May be called once. Precondition: count <=
     /// size().
     Result<Array<std::byte>> take(std::size_t count);
-    /// The same for all bytes.
-    Result<FileText> take_text();
-
     /// An error that names the file, and the byte where one is given.
     Error error(ErrorCode code, const std::string& what, std::int64_t byte_offset = -1) const {
         return file_.error(code, what, byte_offset);
@@ -66,7 +53,9 @@ public:
 
     /// An error at byte `offset` of the whole contents `text`, byte-order mark included, that names the line too.
     Error error_in_text(std::string_view text, std::size_t offset, const std::string& what) const;
-    Error error_in_text(std::string_view text, const TextFailure& failure) const;
+    Error error_in_text(std::string_view text, const TextError& error) const;
+    /// Throws an error where reading would take more than the memory limit.
+    void must_fit(std::uint64_t bytes) const;
 
 private:
     const InputFile& file_;
@@ -78,6 +67,17 @@ private:
     std::string sample_;
 };
 
+/// All of a file, for the readers that need it at once.
+struct FileContents {
+    FileSource& source;
+    Array<std::byte> bytes;
+    std::string_view whole = as_text(bytes.span());  ///< errors count lines and bytes from its begin
+    std::string_view text = without_byte_order_mark(whole);
+};
+
+/// The mesh that parse() fills in from all of the file, or the error that it throws as a TextError or as Refused.
+Result<MeshFile> read_contents(FileSource& source, void (*parse)(FileContents& file, MeshFile& mesh));
+
 /// A format: how it is recognised and read.
 struct Reader {
     MeshFormat format;
@@ -85,8 +85,8 @@ struct Reader {
     std::string_view extensions;                   ///< ".abc.def"
     bool (*recognises)(const FileSource& source);  ///< by its size and how it begins
     /// Fills in bytes, indices, counts, stride, coordinate_type, text, parse_ms, warnings and, where the file states them,
-    /// the unit and the patient frame; read_mesh() does the rest. What can expand to more than the file is counted in a
-    /// MemoryBudget before it is allocated. May throw std::bad_alloc.
+    /// the unit and the patient frame; read_mesh() does the rest. What can expand to more than the file is counted
+    /// before it is allocated. May throw std::bad_alloc.
     Result<MeshFile> (*read)(FileSource& source);
     /// Where no reader recognises the file and its name is one of this format. Null: never.
     bool (*recognises_by_name)(const FileSource& source) = nullptr;

@@ -7,10 +7,8 @@
 
 #include "base/guard.hpp"
 #include "base/words.hpp"
-#include "io/read/ply/ply_binary.hpp"
-#include "io/read/ply/ply_numbers.hpp"
+#include "io/read/ply/ply_body.hpp"
 #include "io/read/ply/ply_rows.hpp"
-#include "io/read/ply/ply_words.hpp"
 
 namespace lamella {
 
@@ -32,14 +30,15 @@ Result<std::unique_ptr<TriangleFile>> PlyFaces::open(InputFile& file, std::strin
 }
 
 Status PlyFaces::prepare(const FileSource& source) {
-    PlyProblem problem;
-    if (!parse_ply_header(beginning_, header_, problem)) {
-        if (header_.body == 0 && beginning_.size() < file_.size() && beginning_.find("end_header") == std::string::npos) {
+    try {
+        header_ = parse_ply_header(beginning_);
+    } catch (const TextError& error) {
+        if (beginning_.size() < file_.size() && beginning_.find("end_header") == std::string::npos) {
             return source.error(ErrorCode::invalid_argument,
                                 "has a header of more than 64 KiB, which is not read within a "
                                 "budget of memory");
         }
-        return ply_error(source, beginning_, header_, problem);
+        return source.error_in_text(beginning_, error);
     }
     const bool has_faces = header_.element_of(PlyRole::faces) != nullptr;
     if (!has_faces && header_.element_of(PlyRole::strips) == nullptr) {
@@ -72,11 +71,9 @@ Status PlyFaces::locate(const FileSource& source) {
         const std::uint64_t least = element.least_row_bytes(header_.encoding);
         const std::uint64_t left = file_.size() - at;
         if (least > 0 && element.count > left / least) {
-            PlyProblem problem;
-            problem.offset = static_cast<std::size_t>(at);
-            problem.what = "the header counts " + std::to_string(element.count) + " of element " + short_name(element.name) +
-                           ", but " + std::to_string(left) + " bytes are left";
-            return ply_error(source, beginning_, header_, problem);
+            return at_byte(ErrorCode::malformed_mesh, at,
+                           "the header counts " + std::to_string(element.count) + " of element " + short_name(element.name) +
+                               ", but " + std::to_string(left) + " bytes are left");
         }
         vertices_at_ = element.role == PlyRole::vertices ? at : vertices_at_;
         if (is_faces) {
@@ -173,10 +170,10 @@ Error PlyFaces::problem_in(std::uint64_t first_row, std::string_view rows) const
                                counted(static_cast<std::uint64_t>(count), "corner") +
                                ": only triangles can be sliced within a budget of memory; " + std::string(makes_plain));
         }
-        PlyRows<BinaryNumbers> reader({row.data(), end, swapped()}, faces(), first_row);
-        if (!reader.indices(facts_.vertex_count, corners)) {
-            return at_byte(ErrorCode::malformed_mesh, at + static_cast<std::size_t>(reader.at() - rows.data()),
-                           reader.what());
+        try {
+            PlyRows<BinaryNumbers>({row.data(), end, swapped()}, faces(), first_row).indices(facts_.vertex_count, corners);
+        } catch (const TextError& error) {
+            return at_byte(ErrorCode::malformed_mesh, at + static_cast<std::size_t>(error.at - rows.data()), error.what);
         }
         begin += face_bytes_;
         ++first_row;

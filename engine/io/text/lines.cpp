@@ -92,30 +92,37 @@ void LineParser::skip_rest() {
     }
 }
 
-bool LineParser::vertex(double* xyz, int others) {
-    return coordinate(xyz[0]) && coordinate(xyz[1]) && coordinate(xyz[2]) && other_numbers(others);
-}
-
-bool LineParser::coordinate(double& value) {
-    if (!to_word()) {
-        return fail("expected a coordinate (a vertex has three), found " + found());
+void LineParser::vertex(double* xyz, int others) {
+    for (int axis = 0; axis < 3; ++axis) {
+        xyz[axis] = coordinate();
     }
-    const NumberText got = number(value);
-    return got == NumberText::read || fail(coordinate_problem(got, "double", found()));
+    other_numbers(others);
 }
 
-bool LineParser::other_numbers(int most) {
-    for (int i = 0; to_word(); ++i) {
+double LineParser::coordinate() {
+    if (!to_word()) {
+        fail("expected a coordinate (a vertex has three), found " + found());
+    }
+    double value = 0;
+    if (const NumberText got = number(value); got != NumberText::read) {
+        fail(coordinate_problem(got, "double", found()));
+    }
+    return value;
+}
+
+int LineParser::other_numbers(int most) {
+    int count = 0;
+    for (; to_word(); ++count) {
         double ignored = 0;
-        if (i == most) {
-            return fail("expected the end of the line, found " + found());
+        if (count == most) {
+            fail("expected the end of the line, found " + found());
         }
         if (number(ignored) == NumberText::malformed) {
-            return fail("expected a number or the end of the line, found " + found());
+            fail("expected a number or the end of the line, found " + found());
         }
         skip_word();  // where the number is not finite
     }
-    return true;
+    return count;
 }
 
 NumberText LineParser::number(double& value) {
@@ -129,11 +136,6 @@ NumberText LineParser::number(double& value) {
         ++word_end;
     }
     return read_number(p_, word_end, value);
-}
-
-bool LineParser::fail(const std::string& what) {
-    failure_ = {p_, what};
-    return false;
 }
 
 std::string LineParser::found() const {

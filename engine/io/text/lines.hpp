@@ -7,8 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/parallel.hpp"
-#include "io/text/pieces.hpp"
 #include "io/text/text.hpp"
 
 namespace lamella {
@@ -57,13 +55,11 @@ std::string first_line_words(const LeftOut& left_out, std::string_view text);
 /// ", the first in line 7: 'abc'", with the word that is there.
 std::string first_word_words(const LeftOut& left_out, std::string_view text);
 
-/// Reads words and numbers line by line. Calls return false on an error, which failure() holds.
+/// Reads words and numbers line by line.
 class LineParser {
 public:
     /// Precondition: `end` is right after a line end, or the end of the text.
     LineParser(const char* begin, const char* end, bool continued) : p_(begin), end_(end), continued_(continued) {}
-
-    const TextFailure& failure() const { return failure_; }
 
 protected:
     /// To the next word of the line, over line ends that a backslash precedes. False: there is none.
@@ -103,13 +99,14 @@ protected:
     void skip_rest();
 
     /// The three coordinates of a vertex, and then at most `others` numbers that are skipped, to the end of the line.
-    bool vertex(double* xyz, int others);
+    void vertex(double* xyz, int others);
     /// The line's next word as a coordinate; what comes after it stays.
-    bool coordinate(double& value);
-    /// At most so many numbers, which are skipped, and then the end of the line.
-    bool other_numbers(int most);
+    double coordinate();
+    /// Skips at most so many numbers, and then comes the end of the line. Returns how many there are.
+    int other_numbers(int most);
 
-    bool fail(const std::string& what);
+    /// Throws a TextError at p_.
+    [[noreturn]] void fail(const std::string& what) const { throw TextError{p_, what}; }
     std::string found() const;
 
     const char* p_;
@@ -120,7 +117,6 @@ private:
     NumberText number(double& value);
 
     bool continued_;  // by a backslash
-    TextFailure failure_;
 };
 
 }  // namespace lamella

@@ -4,10 +4,10 @@
 #include <cstring>
 #include <string_view>
 #include <utility>
+#include <vector>
 
-#include "base/clock.hpp"
 #include "base/words.hpp"
-#include "io/read/obj_off/faces.hpp"
+#include "io/read/faces.hpp"
 #include "io/read/part_marks.hpp"
 #include "io/read/reader.hpp"
 #include "io/read/stated_frame.hpp"
@@ -17,28 +17,37 @@ namespace lamella {
 
 namespace {
 
+/// What a piece holds beside vertices and faces.
+struct ObjNotes {
+    PartMarks names;
+    LeftOut skipped;          ///< statements that may hold a shape and are not read
+    LeftOut decimals;         ///< vertex numbers with decimals that are 0
+    LeftOut after_backslash;  ///< vertices and faces in a line after one that is not read and ends in a backslash
+
+    void add(const ObjNotes& next, std::size_t first_triangle) {
+        add_marks(names, next.names, first_triangle);
+        skipped.add(next.skipped);
+        decimals.add(next.decimals);
+        after_backslash.add(next.after_backslash);
+    }
+};
+
 /// Reads the statements of one piece twice: count() finds how much parse() writes.
 ///
 ///     v X Y Z [W | R G B [A]]
 ///     f CORNER CORNER CORNER ...          with CORNER = V[/[VT][/[VN]]]; also fo, of old
 class ObjParser : private LineParser {
 public:
-    explicit ObjParser(std::string_view piece) : LineParser(piece.data(), piece.data() + piece.size(), true) {}
+    ObjParser(std::string_view piece, ObjNotes& notes)
+        : LineParser(piece.data(), piece.data() + piece.size(), true), notes_(notes) {}
 
-    /// Statements that may hold a shape and are not read go to `skipped`.
-    void count(TextPiece& piece, FaceRange& faces, PartMarks& names, LeftOut& skipped);
+    void count(TextPiece& piece, FaceRange& faces);
 
     /// `vertex_count` is the whole file's, as faces may refer to later vertices.
-    bool parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces);
+    void parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces);
 
     /// Where the piece's face of this number begins, of those with three corners or more. Precondition: it has so many.
     const char* place_of_face(std::size_t number);
-
-    /// Vertex numbers with decimals that are 0.
-    const LeftOut& decimals() const { return decimals_; }
-    /// Vertices and faces in a line after one that is not read and ends in a backslash.
-    const LeftOut& after_backslash() const { return after_backslash_; }
-    using LineParser::failure;
 
 private:
     enum class Statement { vertex, face, other, none };
@@ -49,14 +58,14 @@ private:
     void skip_other();
     void skip_rest_of(Statement statement) { statement == Statement::other ? skip_other() : skip_rest(); }
     Statement shape_at(const char* p) const;
-    bool face(FaceWriter& faces);
-    bool corner(FaceWriter& faces);
+    void face(FaceWriter& faces);
+    std::uint32_t corner();
     void skip_zero_decimals(const char* corner);
     bool references();
-    bool out_of_range(bool from_here);
+    [[noreturn]] void out_of_range(bool from_here) const;
 
-    LeftOut decimals_;
-    LeftOut after_backslash_;
+    ObjNotes& notes_;
+    std::vector<std::uint32_t> corners_;  // of a face
     std::size_t vertex_count_ = 0;
     std::size_t seen_ = 0;             // vertices before this statement, in the whole file
     const char* statement_ = nullptr;  // where it begins
@@ -97,7 +106,7 @@ void ObjParser::skip_other() {
         }
         const char* const next = skip_blank(line_end - 1 + continuation_at(line_end - 1, end_), end_);
         if (next != end_ && shape_at(next) != Statement::other) {
-            after_backslash_.add(next);
+            notes_.after_backslash.add(next);
             return;
         }
         p_ = next;
@@ -117,39 +126,36 @@ bool ObjParser::skips_silently() {
     return std::find(known.begin(), known.end(), word) != known.end();
 }
 
-void ObjParser::count(TextPiece& piece, FaceRange& faces, PartMarks& names, LeftOut& skipped) {
+void ObjParser::count(TextPiece& piece, FaceRange& faces) {
     for (Statement statement = next(); statement != Statement::none; statement = next()) {
         if (statement == Statement::face) {
             faces.add(count_words(), statement_);
         } else if (statement == Statement::vertex) {
             ++piece.count;
         } else if (!skips_silently()) {
-            skipped.add(statement_);
+            notes_.skipped.add(statement_);
         } else if (p_ - statement_ == 1 && (*statement_ == 'o' || *statement_ == 'g')) {
-            add_mark(names, faces.triangles, *statement_ == 'g', p_, skip_line(p_, end_));
+            add_mark(notes_.names, faces.triangles, *statement_ == 'g', p_, skip_line(p_, end_));
         }
         skip_rest_of(statement);
     }
 }
 
-bool ObjParser::parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces) {
+void ObjParser::parse(const TextPiece& piece, std::size_t vertex_count, std::byte* coordinates, FaceWriter& faces) {
     constexpr int weight_or_colour = 4;
     vertex_count_ = vertex_count;
     seen_ = piece.first;
     for (Statement statement = next(); statement != Statement::none; statement = next()) {
         if (statement == Statement::vertex) {
             double xyz[3];
-            if (!vertex(xyz, weight_or_colour)) {
-                return false;
-            }
+            vertex(xyz, weight_or_colour);
             std::memcpy(coordinates + seen_ * sizeof xyz, xyz, sizeof xyz);
             ++seen_;
-        } else if (statement == Statement::face && !face(faces)) {
-            return false;
+        } else if (statement == Statement::face) {
+            face(faces);
         }
         skip_rest_of(statement);
     }
-    return true;
 }
 
 const char* ObjParser::place_of_face(std::size_t number) {
@@ -161,25 +167,18 @@ const char* ObjParser::place_of_face(std::size_t number) {
     }
 }
 
-bool ObjParser::face(FaceWriter& faces) {
+void ObjParser::face(FaceWriter& faces) {
+    corners_.clear();
     while (to_word()) {
-        if (!corner(faces)) {
-            return false;
-        }
+        corners_.push_back(corner());
     }
-    if (faces.corners() >= polygon_mark) {
+    if (!faces.add(corners_)) {
         p_ = statement_;
-        return fail("the face has " + std::to_string(faces.corners()) + " corners, too many to be cut into triangles");
+        fail("the face has " + std::to_string(corners_.size()) + " corners, too many to be cut into triangles");
     }
-    if (faces.corners() < 3) {
-        faces.drop_face();
-    } else {
-        faces.end_face();
-    }
-    return true;
 }
 
-bool ObjParser::corner(FaceWriter& faces) {
+std::uint32_t ObjParser::corner() {
     const char* const begin = p_;
     const bool from_here = *p_ == '-';
     p_ += static_cast<int>(from_here);
@@ -189,14 +188,13 @@ bool ObjParser::corner(FaceWriter& faces) {
     skip_zero_decimals(begin);
     if (p_ == digits || !references() || !word_ends(p_)) {
         p_ = begin;
-        return fail("malformed vertex number " + found());
+        fail("malformed vertex number " + found());
     }
     if (number == 0 || number > (from_here ? seen_ : vertex_count_)) {
         p_ = begin;
-        return out_of_range(from_here);
+        out_of_range(from_here);
     }
-    faces.add_corner(static_cast<std::uint32_t>(from_here ? seen_ - number : number - 1));
-    return true;
+    return static_cast<std::uint32_t>(from_here ? seen_ - number : number - 1);
 }
 
 /// "1.0" is the 1 of a program that knows only one type of numbers.
@@ -210,7 +208,7 @@ void ObjParser::skip_zero_decimals(const char* corner) {
     }
     if (word_ends(p)) {
         p_ = p;
-        decimals_.add(corner);
+        notes_.decimals.add(corner);
     }
 }
 
@@ -232,26 +230,48 @@ bool ObjParser::references() {
     return good;
 }
 
-bool ObjParser::out_of_range(bool from_here) {
-    return fail("vertex number out of range: " +
-                (from_here ? std::to_string(seen_) + " vertices precede, found "
-                           : "the file has " + counted(vertex_count_, "vertex", "vertices") + ", found ") +
-                found());
+void ObjParser::out_of_range(bool from_here) const {
+    fail("vertex number out of range: " +
+         (from_here ? std::to_string(seen_) + " vertices precede, found "
+                    : "the file has " + counted(vertex_count_, "vertex", "vertices") + ", found ") +
+         found());
 }
 
-LeftOut sum_of(std::span<const LeftOut> pieces) {
-    LeftOut sum;
-    for (const LeftOut& piece : pieces) {
-        sum.add(piece);
-    }
-    return sum;
-}
-
-void warn_of(const LeftOut& found, const std::string& words, const FileSource& source, std::string_view text,
-             MeshFile& mesh) {
+void warn_of(const LeftOut& found, const std::string& words, const FileContents& file, MeshFile& mesh) {
     if (found.count > 0) {
-        mesh.warnings.push_back(source.name() + ": " + words + first_word_words(found, text));
+        mesh.warnings.push_back(file.source.name() + ": " + words + first_word_words(found, file.whole));
     }
+}
+
+void parse_obj(FileContents& file, MeshFile& mesh) {
+    const FileSource& source = file.source;
+    std::vector<TextPiece> pieces = cut_at_lines(file.text);
+    std::vector<FaceRange> faces(pieces.size());
+    std::vector<ObjNotes> notes(pieces.size());
+    source.parallel().run(pieces.size(), [&](std::size_t i, int) {
+        ObjParser(pieces[i].text, notes[i]).count(pieces[i], faces[i]);
+        notes[i].after_backslash = {};  // parse() passes the same lines
+    });
+    const std::size_t vertices = number_items(pieces);
+    read_faces(
+        file, vertices, faces,
+        [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {
+            ObjParser(pieces[i].text, notes[i]).parse(pieces[i], vertices, coordinates, writer);
+        },
+        [&](std::size_t i, std::size_t face) { return ObjParser(pieces[i].text, notes[i]).place_of_face(face); }, mesh);
+    ObjNotes all;
+    for (std::size_t i = 0; i < notes.size(); ++i) {
+        all.add(notes[i], faces[i].first_triangle);
+    }
+    give_parts(all.names, true, source.name(), mesh);
+    give_stated_frame(head_comments(file.text), source, mesh);
+    warn_of(all.skipped, "ignored " + counted(all.skipped.count, "statement that is", "statements that are") + " not read",
+            file, mesh);
+    warn_of(all.decimals, counted(all.decimals.count, "vertex number") + " with decimals, which are 0", file, mesh);
+    warn_of(all.after_backslash,
+            "read " + counted(all.after_backslash.count, "vertex or face", "vertices and faces") +
+                " after a line that ends in a backslash",
+            file, mesh);
 }
 
 }  // namespace
@@ -294,52 +314,7 @@ Result<MeshFile> read_obj(FileSource& source) {
     if (!is_text(source.sample())) {
         return source.error(ErrorCode::malformed_mesh, "is no OBJ file as text; no other OBJ is read", 0);
     }
-    const Result<FileText> contents = source.take_text();
-    if (!contents) {
-        return contents.error();
-    }
-    const std::string_view whole = contents->whole;
-    const std::string_view text = contents->text;
-    std::vector<TextPiece> pieces = cut_at_lines(text);
-    std::vector<FaceRange> faces(pieces.size());
-    std::vector<PartMarks> names(pieces.size());
-    std::vector<LeftOut> skipped(pieces.size());
-    std::vector<LeftOut> decimals(pieces.size());
-    std::vector<LeftOut> after_backslash(pieces.size());
-    source.parallel().run(pieces.size(), [&](std::size_t i, int) {
-        ObjParser(pieces[i].text).count(pieces[i], faces[i], names[i], skipped[i]);
-    });
-    const std::size_t vertices = number_items(pieces);
-    Result<MeshFile> mesh = read_faces(
-        source, whole, vertices, faces,
-        [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {
-            ObjParser parser(pieces[i].text);
-            parser.parse(pieces[i], vertices, coordinates, writer);
-            decimals[i] = parser.decimals();
-            after_backslash[i] = parser.after_backslash();
-            return parser.failure();
-        },
-        [&](std::size_t i, std::size_t face) { return ObjParser(pieces[i].text).place_of_face(face); });
-    if (mesh) {
-        for (std::size_t i = 1; i < names.size(); ++i) {
-            add_marks(names.front(), names[i], faces[i].first_triangle);
-        }
-        give_parts(names.front(), true, source.name(), mesh.value());
-        give_stated_frame(head_comments(text), source, mesh.value());
-        const LeftOut ignored = sum_of(skipped);
-        const LeftOut with_decimals = sum_of(decimals);
-        const LeftOut rescued = sum_of(after_backslash);
-        warn_of(ignored, "ignored " + counted(ignored.count, "statement that is", "statements that are") + " not read",
-                source, whole, mesh.value());
-        warn_of(with_decimals, counted(with_decimals.count, "vertex number") + " with decimals, which are 0", source, whole,
-                mesh.value());
-        warn_of(rescued,
-                "read " + counted(rescued.count, "vertex or face", "vertices and faces") +
-                    " after a line that ends in a backslash",
-                source, whole, mesh.value());
-        mesh->parse_ms = milliseconds_since(contents->taken);
-    }
-    return mesh;
+    return read_contents(source, parse_obj);
 }
 
 }  // namespace lamella

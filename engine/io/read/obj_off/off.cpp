@@ -1,5 +1,5 @@
-// OFF, as text: a header, two counts, then a line for each vertex and for each face. Where lines end elsewhere,
-// off_tokens.hpp takes over.
+// OFF, as text: a header, two counts, then a line for each vertex and for each face. Files whose lines end elsewhere are
+// read number by number, on one thread.
 //
 //     [ST][C][N]OFF                 may be left out where the file's name says what it is
 //     VERTICES FACES [EDGES]        on lines of their own or on the header's
@@ -8,16 +8,16 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "base/clock.hpp"
+#include "base/guard.hpp"
 #include "base/words.hpp"
-#include "io/read/obj_off/faces.hpp"
-#include "io/read/obj_off/off_numbers.hpp"
-#include "io/read/obj_off/off_tokens.hpp"
+#include "io/read/faces.hpp"
+#include "io/read/lookout.hpp"
 #include "io/read/reader.hpp"
 #include "io/read/stated_frame.hpp"
 #include "io/text/lines.hpp"
@@ -26,37 +26,232 @@ namespace lamella {
 
 namespace {
 
-/// Reads the lines of a piece twice: count() finds how much parse() writes. Every line that is not empty and no comment is a
-/// vertex or a face.
-class OffParser : private OffNumbers {
+/// The header's word, or nothing.
+std::string_view header_word(std::string_view text) {
+    const char* const begin = text.data() + head_comments(text).size();
+    const char* const end = text.data() + text.size();
+    const std::string_view word(begin, static_cast<std::size_t>(skip_word(begin, end) - begin));
+    const bool is_header = word.ends_with("OFF") && word.size() <= std::string_view("STCN4nOFF").size() &&
+                           word.find_first_not_of("STCN4nOF") == std::string_view::npos;
+    return is_header ? word : std::string_view();
+}
+
+/// All before the counts: comments and the header's word.
+std::string_view head_of(std::string_view text) {
+    const std::string_view word = header_word(text);
+    const std::size_t begin = word.empty() ? 0 : static_cast<std::size_t>(word.data() + word.size() - text.data());
+    return text.substr(0, begin + head_comments(text.substr(begin)).size());
+}
+
+struct OffCounts {
+    std::size_t vertices = 0;
+    std::size_t faces = 0;
+    const char* at = nullptr;
+
+    std::size_t items() const { return vertices + faces; }
+    std::string words() const { return counted(vertices, "vertex", "vertices") + " and " + counted(faces, "face"); }
+    /// Whether `bytes` can hold as many numbers. The shortest are "0 0 0" of a vertex and "0" of a face without corners,
+    /// each number with a space after it; the last may lack it.
+    bool fit(std::size_t bytes) const { return 6 * vertices + 2 * faces <= bytes + 1; }
+};
+
+/// How vertices and faces, the items of a file, are told apart.
+enum class OffLayout : std::uint8_t {
+    lines,         ///< each has a line of its own
+    numbers,       ///< lines end anywhere, but with what follows coordinates and corners: as much for every face
+    bare_numbers,  ///< nothing follows coordinates and corners, and the number of edges is not left out
+};
+
+/// Reads items one after the other. A file is gone through twice: to find how many corners there are, and to write them.
+class OffParser : private LineParser {
 public:
-    explicit OffParser(std::string_view text) : OffNumbers(text) {}
+    OffParser(std::string_view text, OffLayout layout, const Parallel& parallel)
+        : LineParser(text.data(), text.data() + text.size(), false), layout_(layout), lookout_(parallel) {}
 
-    /// The number of lines, at most `most`. All but the first `vertices` are counted as faces.
-    std::size_t count(FaceRange& faces, std::size_t vertices = 0,
-                      std::size_t most = std::numeric_limits<std::size_t>::max());
+    /// Reads the file's head, which rest() then follows. The number of edges may be absent: it is on the line of the faces'.
+    OffCounts header();
+    const char* rest() const { return p_; }
 
-    bool parse(const TextPiece& piece, const OffCounts& counts, std::byte* coordinates, FaceWriter& faces);
+    /// Reads items [first, last) and calls end_of_face(corners) after each face. Coordinates and corners are written unless
+    /// there is no place for them.
+    template <class EndOfFace>
+    void items(std::size_t first, std::size_t last, const OffCounts& counts, std::byte* coordinates, FaceWriter* faces,
+               EndOfFace end_of_face);
+    /// Where the last item begins.
+    const char* item() const { return item_; }
 
-    /// Where the face of this number begins, of those with three corners or more, after `vertices` lines. Precondition:
-    /// the piece has so many.
-    const char* place_of_face(std::size_t vertices, std::size_t number);
+    /// Counts the faces of all items, which are to be all that the file holds where nothing tells what else it may be.
+    void count_all(const OffCounts& counts, FaceRange& faces);
 
-    using OffNumbers::failure;
+    /// The number of lines with items, at most `most`, which are not parsed. All but the first `vertices` are counted as
+    /// faces.
+    std::size_t count_lines(FaceRange& faces, std::size_t vertices = 0,
+                            std::size_t most = std::numeric_limits<std::size_t>::max());
 
 private:
+    bool next_word();
+    bool to_number();
+    std::size_t whole_number(const char* what);
+    std::uint32_t vertex_number(std::size_t vertex_count);
+    void vertex_item(std::byte* to);
+    std::size_t face_item(std::size_t vertex_count, FaceWriter* faces);
+    int extras(int most) { return layout_ == OffLayout::bare_numbers ? 0 : other_numbers(most); }
     std::size_t corners_of_line(const char* line_end) const;
-    bool face(std::size_t vertex_count, FaceWriter& faces);
+
+    OffLayout layout_;
+    Lookout lookout_;
+    const char* item_ = nullptr;
+    std::optional<int> face_extras_;      // of the first face
+    std::vector<std::uint32_t> corners_;  // of a face
 };
+
+/// To the next word, over line ends and comments. False: there is none.
+bool OffParser::next_word() {
+    for (p_ = skip_space(p_, end_); !to_word(); p_ = skip_space(skip_line(p_, end_), end_)) {
+        if (p_ == end_) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// To the next word of the item.
+bool OffParser::to_number() {
+    if (layout_ == OffLayout::lines) {
+        return to_word();
+    }
+    lookout_.pass();
+    return next_word();
+}
+
+std::size_t OffParser::whole_number(const char* what) {
+    constexpr std::size_t limit = std::size_t{1} << 53;
+    std::size_t number = 0;
+    const bool found_word = to_number();
+    const char* const begin = p_;
+    p_ = read_digits(begin, end_, number);
+    if (!found_word || p_ == begin || !word_ends(p_)) {
+        p_ = begin;
+        fail(std::string("expected ") + what + ", found " + found());
+    }
+    return std::min(number, limit);
+}
+
+std::uint32_t OffParser::vertex_number(std::size_t vertex_count) {
+    to_number();
+    const char* const begin = p_;
+    const std::size_t number = whole_number("a vertex number");
+    if (number >= vertex_count) {
+        p_ = begin;
+        fail("vertex number out of range: the file has " + counted(vertex_count, "vertex", "vertices") + ", found " +
+             found());
+    }
+    return static_cast<std::uint32_t>(number);
+}
+
+OffCounts OffParser::header() {
+    const std::string_view text(p_, static_cast<std::size_t>(end_ - p_));
+    const std::string_view word = header_word(text);
+    if (word.find_first_of("4n") != std::string_view::npos) {
+        p_ = word.data();
+        fail("vertices of other than three coordinates are not read: " + found());
+    }
+    if (layout_ == OffLayout::bare_numbers && word.find_first_of("STCN") != std::string_view::npos) {
+        fail("numbers beside coordinates and corners");
+    }
+    p_ += head_of(text).size();
+    OffCounts counts;
+    counts.at = p_;
+    counts.vertices = whole_number("the number of vertices");
+    next_word();
+    counts.faces = whole_number("the number of faces");
+    if (layout_ == OffLayout::bare_numbers) {
+        whole_number("the number of edges");
+        return counts;
+    }
+    if (to_word()) {
+        whole_number("the number of edges");
+    }
+    other_numbers(0);
+    return counts;
+}
+
+template <class EndOfFace>
+void OffParser::items(std::size_t first, std::size_t last, const OffCounts& counts, std::byte* coordinates,
+                      FaceWriter* faces, EndOfFace end_of_face) {
+    for (std::size_t item = first; item < last; ++item) {
+        next_word();
+        item_ = p_;
+        if (item < counts.vertices) {
+            vertex_item(coordinates != nullptr ? coordinates + item * 3 * sizeof(double) : nullptr);
+        } else {
+            end_of_face(face_item(counts.vertices, faces));
+        }
+        if (layout_ == OffLayout::lines) {
+            p_ = skip_line(p_, end_);
+        }
+    }
+}
+
+void OffParser::vertex_item(std::byte* to) {
+    constexpr int normal_colour_and_texture = 3 + 4 + 2;
+    double xyz[3];
+    for (double& value : xyz) {
+        to_number();
+        value = coordinate();
+    }
+    if (to != nullptr) {
+        std::memcpy(to, xyz, sizeof xyz);
+    }
+    extras(normal_colour_and_texture);
+}
+
+std::size_t OffParser::face_item(std::size_t vertex_count, FaceWriter* faces) {
+    constexpr int colour = 4;
+    const std::size_t held = layout_ == OffLayout::lines ? corners_of_line(skip_line(p_, end_)) : 0;
+    const std::size_t corners = whole_number("the number of a face's corners");
+    if (layout_ == OffLayout::lines && corners != held) {
+        p_ = item_;
+        fail("the face counts " + std::to_string(corners) + " corners, more than its line holds");
+    }
+    corners_.clear();
+    for (std::size_t i = 0; i < corners; ++i) {
+        const std::uint32_t vertex = vertex_number(vertex_count);
+        if (faces != nullptr) {
+            corners_.push_back(vertex);
+        }
+    }
+    if (faces != nullptr && !faces->add(corners_)) {
+        p_ = item_;
+        fail("the face has " + std::to_string(corners) + " corners, too many to be cut into triangles");
+    }
+    const int count = extras(colour);
+    if (layout_ == OffLayout::numbers && face_extras_.value_or(count) != count) {
+        p_ = item_;
+        fail("expected as many numbers after the corners as in the faces before");
+    }
+    face_extras_ = count;
+    return corners;
+}
+
+void OffParser::count_all(const OffCounts& counts, FaceRange& faces) {
+    if (!counts.fit(static_cast<std::size_t>(end_ - p_))) {
+        fail("counts more than the file holds");
+    }
+    items(0, counts.items(), counts, nullptr, nullptr, [&](std::size_t corners) { faces.add(corners, item_); });
+    if (layout_ == OffLayout::bare_numbers && next_word()) {
+        fail("expected the end of the file");
+    }
+}
 
 /// What a face's line begins with, where the line is long enough for so many corners.
 std::size_t OffParser::corners_of_line(const char* line_end) const {
     std::uint64_t corners = 0;
     read_digits(p_, line_end, corners);
-    return corners > static_cast<std::size_t>(line_end - p_) / 2 ? 0 : corners;  // parse() will say so
+    return corners > static_cast<std::size_t>(line_end - p_) / 2 ? 0 : corners;  // face_item() will say so
 }
 
-std::size_t OffParser::count(FaceRange& faces, std::size_t vertices, std::size_t most) {
+std::size_t OffParser::count_lines(FaceRange& faces, std::size_t vertices, std::size_t most) {
     std::size_t lines = 0;
     for (; lines < most && next_word(); ++lines) {
         const char* const line_end = skip_line(p_, end_);
@@ -68,74 +263,33 @@ std::size_t OffParser::count(FaceRange& faces, std::size_t vertices, std::size_t
     return lines;
 }
 
-bool OffParser::parse(const TextPiece& piece, const OffCounts& counts, std::byte* coordinates, FaceWriter& faces) {
-    constexpr int normal_colour_and_texture = 3 + 4 + 2;
-    const std::size_t last = std::min(piece.end_item(), counts.lines());
-    for (std::size_t line = piece.first; line < last; ++line) {
-        next_word();
-        if (line < counts.vertices) {
-            double xyz[3];
-            if (!vertex(xyz, normal_colour_and_texture)) {
-                return false;
-            }
-            std::memcpy(coordinates + line * sizeof xyz, xyz, sizeof xyz);
-        } else if (!face(counts.vertices, faces)) {
-            return false;
+/// Where the face of this number begins, of those with three corners or more among items [first, last) in `parser`, which
+/// have been read before.
+const char* place_of_face(OffParser parser, std::size_t first, std::size_t last, const OffCounts& counts,
+                          std::size_t number) {
+    const char* place = nullptr;
+    parser.items(first, last, counts, nullptr, nullptr, [&](std::size_t corners) {
+        if (corners >= 3 && number-- == 0) {
+            place = parser.item();
         }
-        p_ = skip_line(p_, end_);
-    }
-    return true;
+    });
+    return place;
 }
 
-const char* OffParser::place_of_face(std::size_t vertices, std::size_t number) {
-    for (;; p_ = skip_line(p_, end_)) {
-        next_word();
-        if (vertices > 0) {
-            --vertices;
-        } else if (corners_of_line(skip_line(p_, end_)) >= 3 && number-- == 0) {
-            return p_;
-        }
-    }
-}
-
-bool OffParser::face(std::size_t vertex_count, FaceWriter& faces) {
-    constexpr int colour = 4;
-    const char* const begin = p_;
-    const std::size_t held = corners_of_line(skip_line(p_, end_));
-    std::size_t corners = 0;
-    if (!whole_number(corners, "the number of a face's corners")) {
-        return false;
-    }
-    if (corners != held) {
-        p_ = begin;
-        return fail("the face counts " + std::to_string(corners) + " corners, more than its line holds");
-    }
-    for (std::size_t i = 0; i < corners; ++i) {
-        std::uint32_t vertex = 0;
-        if (!vertex_number(vertex_count, vertex)) {
-            return false;
-        }
-        faces.add_corner(vertex);
-    }
-    if (corners < 3) {
-        faces.drop_face();
-    } else {
-        faces.end_face();
-    }
-    return other_numbers(colour);
-}
+// --- a line for each
 
 /// Counts what the pieces hold, each vertex and face on a line of its own.
 std::vector<FaceRange> count_faces(std::vector<TextPiece>& pieces, const OffCounts& counts, const Parallel& parallel) {
     std::vector<FaceRange> faces(pieces.size());
-    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = OffParser(pieces[i].text).count(faces[i]); });
+    const auto parser = [&](std::size_t i) { return OffParser(pieces[i].text, OffLayout::lines, parallel); };
+    parallel.run(pieces.size(), [&](std::size_t i, int) { pieces[i].count = parser(i).count_lines(faces[i]); });
     number_items(pieces);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-        if (pieces[i].first < counts.vertices || pieces[i].end_item() > counts.lines()) {  // not all of them are faces
+        if (pieces[i].first < counts.vertices || pieces[i].end_item() > counts.items()) {  // not all of them are faces
             faces[i] = {};
-            if (pieces[i].end_item() > counts.vertices && pieces[i].first < counts.lines()) {
+            if (pieces[i].end_item() > counts.vertices && pieces[i].first < counts.items()) {
                 const std::size_t vertices = counts.vertices - std::min(counts.vertices, pieces[i].first);
-                OffParser(pieces[i].text).count(faces[i], vertices, counts.lines() - pieces[i].first);
+                parser(i).count_lines(faces[i], vertices, counts.items() - pieces[i].first);
             }
         }
     }
@@ -143,93 +297,104 @@ std::vector<FaceRange> count_faces(std::vector<TextPiece>& pieces, const OffCoun
 }
 
 /// Each vertex and each face on a line of its own. Lines after the last are left out with a warning.
-Result<MeshFile> read_off_lines(const FileSource& source, std::string_view whole, std::string_view body,
-                                const OffCounts& counts) {
+void read_lines(const FileContents& file, MeshFile& mesh) {
+    const Parallel& parallel = file.source.parallel();
+    OffParser head(file.text, OffLayout::lines, parallel);
+    const OffCounts counts = head.header();
+    const std::string_view body = file.text.substr(static_cast<std::size_t>(head.rest() - file.text.data()));
     if (!counts.fit(body.size())) {
-        return source.error_in_text(whole, {counts.at, "counts " + counts.words() + ", more than the " +
-                                                           std::to_string(body.size()) + " bytes that follow can hold"});
+        throw TextError{counts.at, "counts " + counts.words() + ", more than the " + std::to_string(body.size()) +
+                                       " bytes that follow can hold"};
     }
     std::vector<TextPiece> pieces = cut_at_lines(body);
-    std::vector<FaceRange> faces = count_faces(pieces, counts, source.parallel());
+    std::vector<FaceRange> faces = count_faces(pieces, counts, parallel);
     const std::size_t lines = pieces.empty() ? 0 : pieces.back().end_item();
-    Result<MeshFile> mesh = read_faces(
-        source, whole, std::min(counts.vertices, lines), faces,
+    const auto last = [&](std::size_t i) { return std::min(pieces[i].end_item(), counts.items()); };
+    const auto parser = [&](std::size_t i) { return OffParser(pieces[i].text, OffLayout::lines, parallel); };
+    read_faces(
+        file, std::min(counts.vertices, lines), faces,
         [&](std::size_t i, std::byte* coordinates, FaceWriter& writer) {
-            OffParser parser(pieces[i].text);
-            const bool parsed = parser.parse(pieces[i], counts, coordinates, writer);
-            if (parsed && i + 1 == pieces.size() && lines < counts.lines()) {
-                return TextFailure{body.data() + body.size(), "expected " + counts.words() + ", found the end of the file"};
+            parser(i).items(pieces[i].first, last(i), counts, coordinates, &writer, [](std::size_t) {});
+            if (i + 1 == pieces.size() && lines < counts.items()) {
+                throw TextError{body.data() + body.size(), "expected " + counts.words() + ", found the end of the file"};
             }
-            return parser.failure();
         },
-        [&](std::size_t i, std::size_t face) {
-            const std::size_t first = std::max(pieces[i].first, counts.vertices);
-            return OffParser(pieces[i].text).place_of_face(first - pieces[i].first, face);
-        });
-    if (mesh && lines > counts.lines()) {
-        mesh->warnings.push_back(source.name() + ": ignored " + counted(lines - counts.lines(), "line") +
-                                 " after the last of " + counted(counts.faces, "face"));
+        [&](std::size_t i, std::size_t face) { return place_of_face(parser(i), pieces[i].first, last(i), counts, face); },
+        mesh);
+    if (lines > counts.items()) {
+        mesh.warnings.push_back(file.source.name() + ": ignored " + counted(lines - counts.items(), "line") +
+                                " after the last of " + counted(counts.faces, "face"));
     }
-    return mesh;
 }
 
-/// The same of a file that is not as lines. The error is `refused`, that of the lines, unless the file ends too early.
-Result<MeshFile> read_off_words(const FileSource& source, std::string_view whole, std::string_view text,
-                                const Error& refused) {
-    TextFailure failure;
-    const auto offset = static_cast<std::size_t>(refused.byte_offset);
-    if (std::optional<Result<MeshFile>> mesh = read_off_tokens(source, whole, text, offset, failure)) {
-        if (*mesh) {
-            (*mesh)->warnings.push_back(source.name() +
-                                        ": was read number by number, as it is not one vertex or one face a line (" +
-                                        refused.message.substr(source.name().size() + 2) + ")");
+// --- number by number
+
+/// A file that is no lines of one vertex or face each, for which it was `refused`. That is the error too, unless the file
+/// ends too early and all before is right.
+void read_numbers(const FileContents& file, const TextError& refused, MeshFile& mesh) {
+    const FileSource& source = file.source;
+    const char* const end = file.text.data() + file.text.size();
+    std::optional<TextError> cut_off;
+    for (const OffLayout layout : {OffLayout::numbers, OffLayout::bare_numbers}) {
+        OffParser counter(file.text, layout, source.parallel());
+        OffCounts counts;
+        std::string_view body;
+        std::vector<FaceRange> faces(1);
+        try {
+            counts = counter.header();
+            body = {counter.rest(), static_cast<std::size_t>(end - counter.rest())};
+            counter.count_all(counts, faces[0]);
+        } catch (const TextError& error) {
+            if (!cut_off && error.at == end && counter.item() != nullptr && counter.item() > refused.at) {
+                cut_off = error;
+            }
+            continue;
         }
-        return *std::move(mesh);
+        const auto parser = [&] { return OffParser(body, layout, source.parallel()); };
+        read_faces(
+            file, counts.vertices, faces,
+            [&](std::size_t, std::byte* coordinates, FaceWriter& writer) {
+                parser().items(0, counts.items(), counts, coordinates, &writer, [](std::size_t) {});
+            },
+            [&](std::size_t, std::size_t face) { return place_of_face(parser(), 0, counts.items(), counts, face); }, mesh);
+        mesh.warnings.push_back(source.name() + ": was read number by number, as it is not one vertex or one face a line (" +
+                                source.error_in_text(file.whole, refused).message.substr(source.name().size() + 2) + ")");
+        return;
     }
-    if (failure.at == nullptr) {
-        return refused;
+    throw cut_off.value_or(refused);
+}
+
+void parse_off(FileContents& file, MeshFile& mesh) {
+    try {
+        read_lines(file, mesh);
+    } catch (const TextError& refused) {
+        read_numbers(file, refused, mesh);
     }
-    return source.error_in_text(whole, failure);
+    give_stated_frame(head_of(file.text), file.source, mesh);
 }
 
 }  // namespace
 
 /// By its first word. Binary files too, so that they are refused as such.
 bool looks_like_off(const FileSource& source) {
-    return !off_header_word(without_byte_order_mark(source.sample())).empty();
+    return !header_word(without_byte_order_mark(source.sample())).empty();
 }
 
 /// By its counts, which the format allows to come first.
 bool looks_like_headless_off(const FileSource& source) {
-    OffCounts counts;
-    return is_text(source.sample()) && OffNumbers(without_byte_order_mark(source.sample())).header(counts);
+    try {
+        OffParser(without_byte_order_mark(source.sample()), OffLayout::lines, source.parallel()).header();
+    } catch (const TextError&) {
+        return false;
+    }
+    return is_text(source.sample());
 }
 
 Result<MeshFile> read_off(FileSource& source) {
     if (!is_text(source.sample())) {
         return source.error(ErrorCode::malformed_mesh, "is a binary OFF file; only OFF as text is read", 0);
     }
-    const Result<FileText> contents = source.take_text();
-    if (!contents) {
-        return contents.error();
-    }
-    const std::string_view whole = contents->whole;
-    const std::string_view text = contents->text;
-    OffNumbers head(text);
-    OffCounts counts;
-    const bool has_head = head.header(counts);
-    const auto offset_of = [&](const char* at) { return static_cast<std::size_t>(at - text.data()); };
-    Result<MeshFile> mesh = has_head ? read_off_lines(source, whole, text.substr(offset_of(head.rest())), counts)
-                                     : source.error_in_text(whole, head.failure());
-    if (!mesh && mesh.error().code == ErrorCode::malformed_mesh) {
-        mesh = read_off_words(source, whole, text, mesh.error());
-    }
-    if (mesh) {
-        const std::size_t head_bytes = counts.at != nullptr ? offset_of(counts.at) : 0;
-        give_stated_frame(text.substr(0, head_bytes), source, mesh.value());
-        mesh->parse_ms = milliseconds_since(contents->taken);
-    }
-    return mesh;
+    return read_contents(source, parse_off);
 }
 
 }  // namespace lamella

@@ -1,13 +1,10 @@
 // PLY, ASCII and binary, of either byte order.
 #include <utility>
 
-#include "base/clock.hpp"
+#include "base/guard.hpp"
 #include "base/words.hpp"
-#include "io/read/ply/ply_binary.hpp"
 #include "io/read/ply/ply_body.hpp"
-#include "io/read/ply/ply_words.hpp"
 #include "io/read/reader.hpp"
-#include "io/text/text.hpp"
 
 namespace lamella {
 
@@ -15,7 +12,7 @@ namespace {
 
 /// What is not read is said.
 std::vector<std::string> warnings_of(const FileSource& file, std::string_view contents, const PlyHeader& header,
-                                     const PlyMesh& body) {
+                                     const PlyBody& body) {
     std::vector<std::string> warnings;
     warn_of_skipped_lines(file, contents, header, warnings);
     if (body.long_rows.count > 0) {
@@ -33,20 +30,28 @@ std::vector<std::string> warnings_of(const FileSource& file, std::string_view co
     return warnings;
 }
 
-MeshFile mesh_of(PlyMesh body, Array<std::byte> bytes, const PlyHeader& header, const Parallel& parallel) {
-    MeshFile mesh;
-    mesh.bytes = std::move(body.coordinates.empty() ? bytes : body.coordinates);
-    mesh.first_offset = body.first_offset;
-    mesh.stride = body.stride;
-    mesh.coordinate_type = body.coordinate_type;
-    mesh.vertex_count = body.vertex_count;
-    if (body.swapped) {
-        swap_vertices(mesh.bytes.data() + mesh.first_offset, mesh.stride, mesh.coordinate_type, mesh.vertex_count, parallel);
+void parse_ply(FileContents& file, MeshFile& mesh) {
+    const FileSource& source = file.source;
+    const PlyHeader header = parse_ply_header(file.whole);
+    if (header.element_of(PlyRole::faces) == nullptr && header.element_of(PlyRole::strips) == nullptr) {
+        throw Refused{source.error(ErrorCode::empty_mesh, "holds no faces")};
     }
-    mesh.triangle_count = body.indices.size() / 3;
-    mesh.indices = std::move(body.indices);
+    if (header.element_of(PlyRole::vertices) == nullptr) {
+        throw Refused{source.error(ErrorCode::malformed_mesh, "holds faces but no vertices")};
+    }
+    const PlyBody body = read_ply_body({source, file.whole, header}, mesh);
+    if (mesh.triangle_count == 0) {
+        throw Refused{source.error(ErrorCode::empty_mesh, "holds no triangles")};
+    }
     mesh.text = header.encoding == PlyEncoding::ascii;
-    return mesh;
+    mesh.warnings = warnings_of(source, file.whole, header, body);
+    header.patient_frame.give(source, mesh);
+    if (mesh.bytes.empty()) {
+        mesh.bytes = std::move(file.bytes);
+    }
+    if (body.swapped) {
+        swap_vertices(mesh, source.parallel());
+    }
 }
 
 }  // namespace
@@ -56,37 +61,7 @@ bool looks_like_ply(const FileSource& source) {
 }
 
 Result<MeshFile> read_ply(FileSource& source) {
-    Result<Array<std::byte>> bytes = source.take(source.size());
-    if (!bytes) {
-        return bytes.error();
-    }
-    const auto start = Clock::now();
-    const std::string_view contents = as_text(bytes.value().span());
-    PlyHeader header;
-    PlyProblem problem;
-    if (!parse_ply_header(contents, header, problem)) {
-        return ply_error(source, contents, header, problem);
-    }
-    if (header.element_of(PlyRole::faces) == nullptr && header.element_of(PlyRole::strips) == nullptr) {
-        return source.error(ErrorCode::empty_mesh, "holds no faces");
-    }
-    if (header.element_of(PlyRole::vertices) == nullptr) {
-        return source.error(ErrorCode::malformed_mesh, "holds faces but no vertices");
-    }
-    PlyMesh body(source.memory());
-    const PlyInput input{contents, header, source.memory_limit(), source.parallel()};
-    if (!read_ply_body(input, body, problem)) {
-        return ply_error(source, contents, header, problem);
-    }
-    if (body.indices.empty()) {
-        return source.error(ErrorCode::empty_mesh, "holds no triangles");
-    }
-    std::vector<std::string> warnings = warnings_of(source, contents, header, body);
-    MeshFile mesh = mesh_of(std::move(body), std::move(bytes).value(), header, source.parallel());
-    mesh.warnings = std::move(warnings);
-    header.patient_frame.give(source, mesh);
-    mesh.parse_ms = milliseconds_since(start);
-    return mesh;
+    return read_contents(source, parse_ply);
 }
 
 }  // namespace lamella

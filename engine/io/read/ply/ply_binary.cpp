@@ -1,4 +1,4 @@
-#include "io/read/ply/ply_binary.hpp"
+#include "io/read/ply/ply_body.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,19 +11,12 @@
 #include <emmintrin.h>
 #endif
 
-#include "base/little_endian.hpp"
-#include "io/read/ply/ply_numbers.hpp"
-
 namespace lamella {
 
 namespace {
 
 constexpr std::size_t grain = std::size_t{1} << 14;  // rows
 constexpr std::size_t rows_in_cache = 512;
-
-bool is_swapped(const PlyHeader& header) {
-    return header.encoding == PlyEncoding::big_endian;
-}
 
 std::size_t fixed_row_bytes(const PlyElement& element) {
     return element.least_row_bytes(PlyEncoding::little_endian);
@@ -139,7 +132,7 @@ std::size_t offset_in_row(const PlyElement& element, PlyUse use) {
 
 std::optional<std::size_t> vertices_in_place(const PlyElement& vertices, std::size_t offset) {
     const CoordinateType number = number_for(vertices);
-    const PlyType type = number == CoordinateType::f64 ? PlyType::float64 : PlyType::float32;
+    const NumberType type = number == CoordinateType::f64 ? NumberType::float64 : NumberType::float32;
     const std::size_t x = offset_in_row(vertices, PlyUse::x);
     const bool packed = offset_in_row(vertices, PlyUse::y) == x + size_of(type) &&
                         offset_in_row(vertices, PlyUse::z) == x + 2 * size_of(type);
@@ -151,23 +144,23 @@ std::optional<std::size_t> vertices_in_place(const PlyElement& vertices, std::si
     return offset + x;
 }
 
-void swap_vertices(std::byte* first, std::size_t stride, CoordinateType number, std::size_t count,
-                   const Parallel& parallel) {
-    parallel.run_ranges(count, grain, [&](std::size_t begin, std::size_t end, int) {
-        if (number == CoordinateType::f64) {
-            swap_rows<std::uint64_t>(first + begin * stride, stride, end - begin);
+void swap_vertices(MeshFile& mesh, const Parallel& parallel) {
+    parallel.run_ranges(mesh.vertex_count, grain, [&](std::size_t begin, std::size_t end, int) {
+        std::byte* const first = mesh.bytes.data() + mesh.first_offset + begin * mesh.stride;
+        if (mesh.coordinate_type == CoordinateType::f64) {
+            swap_rows<std::uint64_t>(first, mesh.stride, end - begin);
         } else {
-            swap_rows<std::uint32_t>(first + begin * stride, stride, end - begin);
+            swap_rows<std::uint32_t>(first, mesh.stride, end - begin);
         }
     });
 }
 
-void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char* rows, const PlyMesh& mesh) {
+void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char* rows, MeshFile& mesh) {
     assert(!vertices.has_lists());
     const std::size_t row_bytes = fixed_row_bytes(vertices);
-    input.parallel.run_ranges(vertices.count, grain, [&](std::size_t begin, std::size_t end, int) {
-        copy_vertex_rows(vertices, is_swapped(input.header), rows + begin * row_bytes, end - begin, mesh.coordinate_type,
-                         const_cast<std::byte*>(mesh.coordinates.data()) + begin * mesh.stride);
+    input.parallel().run_ranges(vertices.count, grain, [&](std::size_t begin, std::size_t end, int) {
+        copy_vertex_rows(vertices, input.swapped(), rows + begin * row_bytes, end - begin, mesh.coordinate_type,
+                         mesh.bytes.data() + begin * mesh.stride);
     });
 }
 
@@ -189,7 +182,7 @@ std::optional<std::size_t> triangle_row_bytes(const PlyElement& faces) {
     const auto lists = std::count_if(faces.properties.begin(), faces.properties.end(),
                                      [](const PlyProperty& property) { return property.is_list; });
     const PlyProperty& list = faces.used(PlyUse::indices);
-    if (lists != 1 || list.type >= PlyType::float32) {
+    if (lists != 1 || !is_integer(list.type)) {
         return std::nullopt;
     }
     return fixed_row_bytes(faces) + 3 * size_of(list.type);
@@ -202,30 +195,27 @@ bool copy_triangle_rows(const PlyElement& faces, bool swapped, const char* rows,
                      *triangle_row_bytes(faces), count, vertex_count, to);
 }
 
-std::optional<std::uint64_t> copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows,
-                                                std::uint64_t vertex_count, Array<std::uint32_t>& indices) {
-    const std::optional<std::size_t> row_bytes = triangle_row_bytes(faces);
-    const PlyProperty& list = faces.used(PlyUse::indices);
+bool copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows, Array<std::uint32_t>& indices) {
+    const std::size_t stride = triangle_row_bytes(faces).value_or(0);
+    const std::uint64_t vertex_count = input.header.element_of(PlyRole::vertices)->count;
     const auto left = static_cast<std::uint64_t>(input.file.data() + input.file.size() - rows);
     constexpr std::size_t triangle_bytes = 3 * sizeof(std::uint32_t);
-    if (!row_bytes || faces.count > left / *row_bytes || vertex_count > most_ply_vertices ||
-        faces.count > input.memory_limit / triangle_bytes) {
-        return std::nullopt;
+    if (stride == 0 || faces.count > left / stride || vertex_count > most_ply_vertices ||
+        faces.count > input.source.memory_limit() / triangle_bytes) {
+        return false;
     }
-    const std::size_t stride = *row_bytes;
     indices.resize_discarding(3 * faces.count);
-    const char* const first_count = rows + offset_in_row(faces, PlyUse::indices);
     std::atomic<bool> good{true};
-    input.parallel.run_ranges(faces.count, grain, [&](std::size_t begin, std::size_t end, int) {
+    input.parallel().run_ranges(faces.count, grain, [&](std::size_t begin, std::size_t end, int) {
         for (std::size_t row = begin; row < end && good.load(std::memory_order_relaxed); row += rows_in_cache) {
             const std::size_t count = std::min(rows_in_cache, end - row);
-            if (!copy_rows(list, is_swapped(input.header), first_count + row * stride, stride, count, vertex_count,
-                           indices.data() + 3 * row)) {
+            if (!copy_triangle_rows(faces, input.swapped(), rows + row * stride, count, vertex_count,
+                                    indices.data() + 3 * row)) {
                 good.store(false, std::memory_order_relaxed);
             }
         }
     });
-    return good ? std::optional(faces.count * stride) : std::nullopt;
+    return good;
 }
 
 }  // namespace lamella

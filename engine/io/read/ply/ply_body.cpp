@@ -1,17 +1,10 @@
 #include "io/read/ply/ply_body.hpp"
 
 #include <algorithm>
-#include <cstring>
-#include <optional>
-#include <type_traits>
 #include <vector>
 
 #include "io/read/lookout.hpp"
-#include "io/read/ply/ply_binary.hpp"
-#include "io/read/ply/ply_lines.hpp"
-#include "io/read/ply/ply_numbers.hpp"
 #include "io/read/ply/ply_rows.hpp"
-#include "io/read/ply/ply_triangles.hpp"
 
 namespace lamella {
 
@@ -22,47 +15,49 @@ namespace {
 template <class Numbers>
 class BodyReader {
 public:
-    BodyReader(const PlyInput& input, PlyMesh& mesh, PlyProblem& problem) : input_(input), mesh_(mesh), problem_(problem) {}
+    BodyReader(const PlyInput& input, MeshFile& mesh) : input_(input), mesh_(mesh) {
+        mesh_.indices = Array<std::uint32_t>(input.source.memory());
+    }
 
-    bool read(const Numbers& numbers) {
-        const bool good = read_all(numbers);
-        if (!good && problem_.code == ErrorCode::malformed_mesh) {
-            find_first_problem(numbers);
+    PlyBody read(const Numbers& numbers) {
+        try {
+            read_all(numbers);
+            return body_;
+        } catch (const TextError& error) {
+            find_error_before(error, numbers);
+            throw;
         }
-        return good;
     }
 
 private:
-    static constexpr bool binary = std::is_same_v<Numbers, BinaryNumbers>;
-
     struct Place {
         const PlyElement& element;
         Numbers begin;
-        PlyLists lists;
+        PlyLists lists{};
         bool copied = false;  ///< its indices have been, to the beginning of the mesh's
     };
 
-    bool read_all(const Numbers& numbers);
-    void find_first_problem(const Numbers& numbers);
-    bool locate(Numbers numbers);
-    bool fits(const PlyElement& element, const Numbers& numbers);
-    bool read_over(Place& place, Numbers& numbers);
-    std::optional<std::uint64_t> copy_triangles(const PlyElement& element, const Numbers& numbers);
-    bool read_over_rows(Place& place, Numbers& numbers);
-    bool check_row(PlyRows<Numbers>& rows, const PlyElement& element);
-    bool affordable();
+    void read_all(const Numbers& numbers);
+    void cut_polygons();
+    void find_error_before(const TextError& found, const Numbers& numbers);
+    void locate(Numbers numbers);
+    void must_fit(const PlyElement& element, const Numbers& numbers) const;
+    void read_over(Place& place, Numbers& numbers);
+    bool copy_triangles(const PlyElement& element, const Numbers& numbers);
+    void check_row(PlyRows<Numbers>& rows, const PlyElement& element);
+    void must_be_affordable();
     bool needs_coordinates() const;
-    bool read_vertices(const Place& place);
-    template <class Value>
-    bool read_vertex_rows(const Place& place);
-    bool read_lists(const Place& place, PlyTriangles& triangles);
+    void read_vertices(const Place& place);
+    bool take_vertices(const Place& place);
+    void read_lists(const Place& place, FaceWriter& faces);
+    void add_strips(FaceWriter& faces) const;
+    [[noreturn]] void refuse(const RefusedFace& face) const;
     const Place* place_of(PlyRole role) const;
     std::size_t offset_of(const char* at) const { return static_cast<std::size_t>(at - input_.file.data()); }
-    bool fail(const char* at, const std::string& what, ErrorCode code = ErrorCode::malformed_mesh);
 
     const PlyInput& input_;
-    PlyMesh& mesh_;
-    PlyProblem& problem_;
+    MeshFile& mesh_;
+    PlyBody body_;
     std::vector<Place> places_;
     std::uint64_t triangles_ = 0;  // at most
     bool strict_ = false;          // check each number in the first pass
@@ -70,149 +65,141 @@ private:
 };
 
 template <class Numbers>
-bool BodyReader<Numbers>::read_all(const Numbers& numbers) {
-    if (!locate(numbers) || !affordable() || !read_vertices(*place_of(PlyRole::vertices))) {
-        return false;
-    }
+void BodyReader<Numbers>::read_all(const Numbers& numbers) {
+    locate(numbers);
+    must_be_affordable();
+    read_vertices(*place_of(PlyRole::vertices));
     if (needs_coordinates()) {
-        mesh_.indices.resize_discarding(3 * triangles_);
+        cut_polygons();
     }
-    const std::byte* const first =
-        mesh_.coordinates.empty() ? reinterpret_cast<const std::byte*>(input_.file.data()) : mesh_.coordinates.data();
-    PlyTriangles triangles({first + mesh_.first_offset, mesh_.stride, mesh_.coordinate_type}, mesh_.indices.span());
+    mesh_.triangle_count = mesh_.indices.size() / 3;
+}
+
+template <class Numbers>
+void BodyReader<Numbers>::cut_polygons() {
+    mesh_.indices.resize_discarding(3 * triangles_);
+    FaceRange range;
+    range.triangles = triangles_;
+    FaceWriter faces(mesh_.indices.span(), range);
     for (const PlyRole role : {PlyRole::faces, PlyRole::strips}) {
-        const Place* const place = place_of(role);
-        if (place != nullptr && !read_lists(*place, triangles)) {
-            return false;
+        if (const Place* const place = place_of(role); place != nullptr) {
+            read_lists(*place, faces);
         }
     }
-    mesh_.indices.set_size(triangles.index_count());
-    mesh_.small_faces = triangles.small_faces();
-    return true;
+    range.triangles = faces.triangles();
+    mesh_.indices.set_size(3 * range.triangles);
+    const std::byte* const first =
+        mesh_.bytes.empty() ? reinterpret_cast<const std::byte*>(input_.file.data()) : mesh_.bytes.data();
+    cut_faces({&range, 1}, mesh_.indices.span(), {first + mesh_.first_offset, mesh_.stride, mesh_.coordinate_type},
+              input_.parallel(), [this](std::size_t, const RefusedFace& face) { refuse(face); });
 }
 
-/// The first pass skips numbers: an earlier element may hold a malformed one. The first error in the file is reported.
+/// The first pass skips numbers: an earlier element may hold a malformed one. The first error in the file is thrown.
 template <class Numbers>
-void BodyReader<Numbers>::find_first_problem(const Numbers& numbers) {
-    const PlyProblem found = problem_;
+void BodyReader<Numbers>::find_error_before(const TextError& found, const Numbers& numbers) {
     places_.clear();
     strict_ = true;
-    if (locate(numbers) || problem_.offset > found.offset) {
-        problem_ = found;
+    try {
+        locate(numbers);
+    } catch (const TextError& error) {
+        if (error.at <= found.at) {
+            throw;
+        }
     }
 }
 
 template <class Numbers>
-bool BodyReader<Numbers>::locate(Numbers numbers) {
+void BodyReader<Numbers>::locate(Numbers numbers) {
     places_.reserve(input_.header.elements.size());
     for (const PlyElement& element : input_.header.elements) {
-        Place& place = places_.emplace_back(Place{element, numbers, {}});
-        if (!fits(element, numbers) || !read_over(place, numbers)) {
-            return false;
+        Place& place = places_.emplace_back(Place{element, numbers});
+        must_fit(element, numbers);
+        if (!element.properties.empty()) {
+            read_over(place, numbers);
         }
         triangles_ += place.lists.triangles;
     }
-    mesh_.end = offset_of(numbers.at());
-    return true;
+    body_.end = offset_of(numbers.at());
 }
 
-/// Whether the bytes left could hold the element's rows at their smallest.
+/// The bytes left must be able to hold the element's rows at their smallest.
 template <class Numbers>
-bool BodyReader<Numbers>::fits(const PlyElement& element, const Numbers& numbers) {
+void BodyReader<Numbers>::must_fit(const PlyElement& element, const Numbers& numbers) const {
     const std::uint64_t row = element.least_row_bytes(input_.header.encoding);
     const std::uint64_t left = input_.file.size() - offset_of(numbers.at());
-    const std::uint64_t last_space = binary ? 0 : 1;  // after the last number in a file there may be none
-    if (row == 0 || element.count <= (left + last_space) / row) {
-        return true;
+    const std::uint64_t last_space = Numbers::binary ? 0 : 1;  // after the last number in a file there may be none
+    if (row != 0 && element.count > (left + last_space) / row) {
+        throw TextError{numbers.at(),
+                        "the header counts " + std::to_string(element.count) + " of element " + short_name(element.name) +
+                            ", but " + std::to_string(left) + " bytes are left",
+                        !Numbers::binary};
     }
-    return fail(numbers.at(), "the header counts " + std::to_string(element.count) + " of element " +
-                                  short_name(element.name) + ", but " + std::to_string(left) + " bytes are left");
 }
 
 template <class Numbers>
-bool BodyReader<Numbers>::read_over(Place& place, Numbers& numbers) {
+void BodyReader<Numbers>::read_over(Place& place, Numbers& numbers) {
     const PlyElement& element = place.element;
-    if (element.properties.empty()) {
-        return true;
-    }
-    if constexpr (binary) {
+    if constexpr (Numbers::binary) {
         if (!element.has_lists()) {
-            return numbers.skip(PlyType::uint8, element.count * element.least_row_bytes(input_.header.encoding));
+            numbers.skip(NumberType::uint8, element.count * element.least_row_bytes(input_.header.encoding));
+            return;
         }
-        if (const std::optional<std::uint64_t> bytes = copy_triangles(element, numbers)) {
+        if (copy_triangles(element, numbers)) {
             place.copied = true;
             place.lists = {element.count, 3};
-            return numbers.skip(PlyType::uint8, *bytes);
+            numbers.skip(NumberType::uint8, element.count * *triangle_row_bytes(element));
+            return;
         }
     }
-    return read_over_rows(place, numbers);
-}
-
-/// Nearly all files hold triangles only, which are copied already in the first pass. Returns the bytes that they take.
-template <class Numbers>
-std::optional<std::uint64_t> BodyReader<Numbers>::copy_triangles(const PlyElement& element, const Numbers& numbers) {
-    const PlyHeader& header = input_.header;
-    if (strict_ || element.role != PlyRole::faces || header.element_of(PlyRole::strips) != nullptr) {
-        return std::nullopt;
-    }
-    return copy_triangle_rows(input_, element, numbers.at(), header.element_of(PlyRole::vertices)->count, mesh_.indices);
-}
-
-template <class Numbers>
-bool BodyReader<Numbers>::read_over_rows(Place& place, Numbers& numbers) {
-    PlyRows<Numbers> rows(numbers, place.element);
-    Lookout lookout(input_.parallel);
-    for (std::uint64_t row = 0; row < place.element.count; ++row) {
+    PlyRows<Numbers> rows(numbers, element);
+    Lookout lookout(input_.parallel());
+    for (std::uint64_t row = 0; row < element.count; ++row) {
         lookout.pass();
-        if (!(strict_ ? check_row(rows, place.element) : rows.skip(place.lists))) {
-            return fail(rows.at(), rows.what());
+        if (strict_) {
+            check_row(rows, element);
+        } else {
+            rows.skip(place.lists);
         }
     }
     numbers = rows.numbers();
-    return true;
+}
+
+/// Nearly all files hold triangles only, which are copied already in the first pass.
+template <class Numbers>
+bool BodyReader<Numbers>::copy_triangles(const PlyElement& element, const Numbers& numbers) {
+    return !strict_ && element.role == PlyRole::faces && input_.header.element_of(PlyRole::strips) == nullptr &&
+           copy_triangle_rows(input_, element, numbers.at(), mesh_.indices);
 }
 
 template <class Numbers>
-bool BodyReader<Numbers>::check_row(PlyRows<Numbers>& rows, const PlyElement& element) {
-    const PlyElement& vertices = *input_.header.element_of(PlyRole::vertices);
+void BodyReader<Numbers>::check_row(PlyRows<Numbers>& rows, const PlyElement& element) {
     PlyLists lists;
-    float singles[3];
-    double doubles[3];
-    switch (element.role) {
-        case PlyRole::vertices:
-            return number_for(element) == CoordinateType::f64 ? rows.vertex(doubles) : rows.vertex(singles);
-        case PlyRole::faces:
-        case PlyRole::strips:
-            return rows.indices(vertices.count, list_);
-        case PlyRole::nothing:
-            break;
+    std::byte xyz[3 * sizeof(double)];
+    if (element.role == PlyRole::vertices) {
+        rows.vertex(number_for(element), xyz);
+    } else if (element.role == PlyRole::nothing) {
+        rows.skip(lists);
+    } else {
+        rows.indices(input_.header.element_of(PlyRole::vertices)->count, list_);
     }
-    return rows.skip(lists);
 }
 
-/// Whether the mesh fits the memory limit; asked before anything is allocated by the file's counts.
+/// The mesh must fit the memory limit; asked before anything is allocated by the file's counts.
 template <class Numbers>
-bool BodyReader<Numbers>::affordable() {
+void BodyReader<Numbers>::must_be_affordable() {
     const Place& vertices = *place_of(PlyRole::vertices);
     const std::uint64_t most_vertices = strip_end;  // indices have 32 bits
     if (vertices.element.count > most_vertices) {
-        return fail(vertices.begin.at(), "more than " + std::to_string(most_vertices) + " vertices");
+        throw TextError{vertices.begin.at(), "more than " + std::to_string(most_vertices) + " vertices", !Numbers::binary};
     }
     std::uint64_t longest = 0;
     for (const Place& place : places_) {
         longest = std::max(longest, place.lists.longest);
     }
-    const std::uint64_t bytes = vertices.element.count * 3 * size_of(number_for(vertices.element)) +
-                                triangles_ * 3 * sizeof(std::uint32_t) + longest * sizeof(std::uint32_t) +
-                                PolygonTriangulator::scratch_bytes(longest);
-    if (bytes <= input_.memory_limit) {
-        list_.reserve(longest);  // growing would take more than what was counted
-        return true;
-    }
-    return fail(input_.file.data(),
-                "expands to " + std::to_string(bytes) + " bytes, more than the " + std::to_string(input_.memory_limit) +
-                    " that reading it may take",
-                ErrorCode::out_of_memory);
+    input_.source.must_fit(vertices.element.count * 3 * size_of(number_for(vertices.element)) +
+                           triangles_ * 3 * sizeof(std::uint32_t) + longest * sizeof(std::uint32_t) +
+                           PolygonTriangulator::scratch_bytes(longest));
+    list_.reserve(longest);  // growing would take more than what was counted
 }
 
 /// Whether there may be polygons to be cut.
@@ -223,65 +210,97 @@ bool BodyReader<Numbers>::needs_coordinates() const {
 }
 
 template <class Numbers>
-bool BodyReader<Numbers>::read_vertices(const Place& place) {
-    if constexpr (binary) {
-        const bool swapped = input_.header.encoding == PlyEncoding::big_endian;
-        const auto offset = vertices_in_place(place.element, offset_of(place.begin.at()));
-        if (offset && (!swapped || !needs_coordinates())) {
-            mesh_.swapped = swapped;
-            mesh_.first_offset = *offset;
-            mesh_.stride = place.element.least_row_bytes(input_.header.encoding);
-            mesh_.coordinate_type = number_for(place.element);
-            mesh_.vertex_count = place.element.count;
-            return true;
+void BodyReader<Numbers>::read_vertices(const Place& place) {
+    if constexpr (Numbers::binary) {
+        if (take_vertices(place)) {
+            return;
         }
     }
-    allocate_vertices(place.element, mesh_);
-    if constexpr (binary) {
+    allocate_vertices(place.element.count, number_for(place.element), input_.source.memory(), mesh_);
+    if constexpr (Numbers::binary) {
         if (!place.element.has_lists()) {
-            copy_vertices(input_, place.element, place.begin.at(), mesh_);
-            return true;
+            return copy_vertices(input_, place.element, place.begin.at(), mesh_);
         }
     }
-    return mesh_.coordinate_type == CoordinateType::f64 ? read_vertex_rows<double>(place) : read_vertex_rows<float>(place);
-}
-
-template <class Numbers>
-template <class Value>
-bool BodyReader<Numbers>::read_vertex_rows(const Place& place) {
     PlyRows<Numbers> rows(place.begin, place.element);
-    Lookout lookout(input_.parallel);
+    Lookout lookout(input_.parallel());
     for (std::uint64_t row = 0; row < place.element.count; ++row) {
         lookout.pass();
-        Value xyz[3];
-        if (!rows.vertex(xyz)) {
-            return fail(rows.at(), rows.what());
-        }
-        std::memcpy(mesh_.coordinates.data() + row * sizeof xyz, xyz, sizeof xyz);
+        rows.vertex(mesh_.coordinate_type, mesh_.bytes.data() + row * mesh_.stride);
     }
+}
+
+/// Whether the vertices of a binary file can be used where they lie.
+template <class Numbers>
+bool BodyReader<Numbers>::take_vertices(const Place& place) {
+    const auto offset = vertices_in_place(place.element, offset_of(place.begin.at()));
+    if (!offset || (input_.swapped() && needs_coordinates())) {
+        return false;
+    }
+    body_.swapped = input_.swapped();
+    mesh_.first_offset = *offset;
+    mesh_.stride = place.element.least_row_bytes(input_.header.encoding);
+    mesh_.coordinate_type = number_for(place.element);
+    mesh_.vertex_count = place.element.count;
     return true;
 }
 
 template <class Numbers>
-bool BodyReader<Numbers>::read_lists(const Place& place, PlyTriangles& triangles) {
-    const PlyElement& element = place.element;
-    if (place.copied) {
-        triangles.use(3 * element.count);
-        return true;
-    }
-    PlyRows<Numbers> rows(place.begin, element);
-    Lookout lookout(input_.parallel);
-    for (std::uint64_t row = 0; row < element.count; ++row) {
+void BodyReader<Numbers>::read_lists(const Place& place, FaceWriter& faces) {
+    PlyRows<Numbers> rows(place.begin, place.element);
+    Lookout lookout(input_.parallel());
+    for (std::uint64_t row = 0; row < place.element.count; ++row) {
         lookout.pass(1 + list_.size());
-        const char* const begin = rows.numbers().at();
-        if (!rows.indices(mesh_.vertex_count, list_)) {
-            return fail(rows.at(), rows.what());
-        }
-        if (!(element.role == PlyRole::strips ? triangles.add_strips(list_) : triangles.add_face(list_))) {
-            return fail(begin, short_name(element.name) + " " + std::to_string(row) + ": " + triangles.why());
+        rows.indices(mesh_.vertex_count, list_);
+        if (place.element.role == PlyRole::strips) {
+            add_strips(faces);
+        } else if (faces.add(list_)) {
+            body_.small_faces += list_.size() < 3 ? 1 : 0;
+        } else {
+            throw TextError{rows.numbers().at(), "too many corners to be cut into triangles", !Numbers::binary};
         }
     }
-    return true;
+}
+
+/// Takes strips that strip_end separates: a b c d e makes a b c, c b d and c d e. Triangles of two equal indices, which join
+/// strips, are left out.
+template <class Numbers>
+void BodyReader<Numbers>::add_strips(FaceWriter& faces) const {
+    std::size_t begin = 0;  // of the strip
+    for (std::size_t i = 0; i < list_.size(); ++i) {
+        if (list_[i] == strip_end) {
+            begin = i + 1;
+        }
+        if (i < begin + 2) {
+            continue;
+        }
+        // Every other triangle of a strip is listed in reverse.
+        const bool odd = (i - begin) % 2 != 0;
+        const std::uint32_t triangle[] = {list_[odd ? i - 1 : i - 2], list_[odd ? i - 2 : i - 1], list_[i]};
+        if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0]) {
+            faces.add(triangle);
+        }
+    }
+}
+
+/// Throws an error at a face's row, which has been read before.
+template <class Numbers>
+void BodyReader<Numbers>::refuse(const RefusedFace& face) const {
+    const Place& place = *place_of(PlyRole::faces);
+    PlyRows<Numbers> rows(place.begin, place.element);
+    std::size_t number = face.number;
+    for (std::uint64_t row = 0;; ++row) {
+        const char* const begin = rows.numbers().at();
+        PlyLists lists;
+        rows.skip(lists);
+        if (lists.longest >= 3 && number-- == 0) {
+            const std::string why =
+                face.vertex ? "vertex " + std::to_string(*face.vertex) + " has a coordinate that is not finite"
+                            : "a polygon of " + std::to_string(lists.longest) + " corners that crosses itself too often";
+            throw TextError{begin, short_name(place.element.name) + " " + std::to_string(row) + ": " + why,
+                            !Numbers::binary};
+        }
+    }
 }
 
 template <class Numbers>
@@ -291,40 +310,28 @@ auto BodyReader<Numbers>::place_of(PlyRole role) const -> const Place* {
     return found == places_.end() ? nullptr : &*found;
 }
 
-template <class Numbers>
-bool BodyReader<Numbers>::fail(const char* at, const std::string& what, ErrorCode code) {
-    problem_ = {offset_of(at), what, code};
-    return false;
-}
-
 }  // namespace
 
 CoordinateType number_for(const PlyElement& vertices) noexcept {
     const bool wide = std::any_of(vertices.properties.begin(), vertices.properties.end(), [](const PlyProperty& p) {
         return p.use != PlyUse::nothing &&
-               (p.type == PlyType::float64 || p.type == PlyType::int32 || p.type == PlyType::uint32);
+               (p.type == NumberType::float64 || p.type == NumberType::int32 || p.type == NumberType::uint32);
     });
     return wide ? CoordinateType::f64 : CoordinateType::f32;
 }
 
-void allocate_vertices(const PlyElement& vertices, PlyMesh& mesh) {
-    mesh.coordinate_type = number_for(vertices);
-    mesh.stride = 3 * size_of(mesh.coordinate_type);
-    mesh.first_offset = 0;
-    mesh.vertex_count = vertices.count;
-    mesh.coordinates.resize_discarding(vertices.count * mesh.stride);
-}
-
-bool read_ply_body(const PlyInput& input, PlyMesh& mesh, PlyProblem& problem) {
+PlyBody read_ply_body(const PlyInput& input, MeshFile& mesh) {
     const char* const begin = input.file.data() + input.header.body;
     const char* const end = input.file.data() + input.file.size();
+    PlyBody body;
     if (input.header.encoding != PlyEncoding::ascii) {
-        const bool swapped = input.header.encoding == PlyEncoding::big_endian;
-        return BodyReader<BinaryNumbers>(input, mesh, problem).read({begin, end, swapped});
+        return BodyReader<BinaryNumbers>(input, mesh).read({begin, end, input.swapped()});
     }
     // From number to number, words that no property takes would be read as the next row.
-    return read_ply_lines(input, mesh) || read_ply_long_lines(input, mesh) ||
-           BodyReader<AsciiNumbers>(input, mesh, problem).read({begin, end});
+    if (read_ply_lines(input, mesh, body)) {
+        return body;
+    }
+    return BodyReader<AsciiNumbers>(input, mesh).read({begin, end});
 }
 
 }  // namespace lamella

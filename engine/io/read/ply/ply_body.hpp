@@ -1,34 +1,29 @@
 // What follows the header of a PLY file.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "base/parallel.hpp"
+#include "io/read/faces.hpp"
 #include "io/read/ply/ply_header.hpp"
-#include "lamella/array.hpp"
-#include "lamella/memory.hpp"
-#include "lamella/mesh.hpp"
 
 namespace lamella {
 
 struct PlyInput {
+    const FileSource& source;
     std::string_view file;  ///< with the header
     const PlyHeader& header;
-    std::uint64_t memory_limit;
-    const Parallel& parallel;
+
+    const Parallel& parallel() const noexcept { return source.parallel(); }
+    bool swapped() const noexcept { return header.encoding == PlyEncoding::big_endian; }
 };
 
-struct PlyMesh {
-    explicit PlyMesh(const Memory* memory) : coordinates(memory), indices(memory) {}
-
-    Array<std::byte> coordinates;  ///< empty where they are used where they lie
-    std::size_t first_offset = 0;  ///< in `coordinates` or the file
-    std::size_t stride = 0;
-    CoordinateType coordinate_type = CoordinateType::f32;
-    bool swapped = false;  ///< the file's byte order is not the machine's, and the coordinates are still the file's
-    std::uint64_t vertex_count = 0;
-    Array<std::uint32_t> indices;
+/// What is to be known of a body beside the mesh.
+struct PlyBody {
+    bool swapped = false;           ///< the file's byte order is not the machine's, and the coordinates are still the file's
     std::uint64_t small_faces = 0;  ///< left out: of fewer than three vertices
     LeftOut long_rows;              ///< lines with more words than their row takes, which are ignored
     std::size_t end = 0;            ///< of the last element in the file
@@ -37,14 +32,46 @@ struct PlyMesh {
 /// Doubles and integers of 32 bits are kept as doubles.
 CoordinateType number_for(const PlyElement& vertices) noexcept;
 
-constexpr std::size_t size_of(CoordinateType number) noexcept {
-    return number == CoordinateType::f64 ? sizeof(double) : sizeof(float);
-}
+/// Fills in the vertices and indices of `mesh`. It has no bytes where coordinates are used where they lie in the file.
+/// Throws the first error in the body, whatever the number of threads.
+PlyBody read_ply_body(const PlyInput& input, MeshFile& mesh);
 
-/// Sets up the vertices of `mesh` in an array of their own, whose contents are still to be written.
-void allocate_vertices(const PlyElement& vertices, PlyMesh& mesh);
+/// ASCII PLY as nearly everyone writes it, one row a line, parsed in parallel. Lines may have more words than the header
+/// declares, which are ignored and counted. False: rows are no lines, or something is wrong, which a reader that goes from
+/// number to number will find. Whether it succeeds, and what it makes, does not depend on threads.
+bool read_ply_lines(const PlyInput& input, MeshFile& mesh, PlyBody& body);
 
-/// False: `problem` holds the first one, whatever the number of threads.
-bool read_ply_body(const PlyInput& input, PlyMesh& mesh, PlyProblem& problem);
+// Binary rows of one size, which are copied without parsing: ply_binary.cpp.
+
+/// Where the vertices begin in the file, if their coordinates can be used where they lie, swapped or not.
+std::optional<std::size_t> vertices_in_place(const PlyElement& vertices, std::size_t offset);
+
+/// Reverses the bytes of all coordinates in place.
+void swap_vertices(MeshFile& mesh, const Parallel& parallel);
+
+/// Copies the coordinates of vertices without lists, which begin at `rows`, into those of `mesh`.
+void copy_vertices(const PlyInput& input, const PlyElement& vertices, const char* rows, MeshFile& mesh);
+
+/// The same for `count` rows, to packed coordinates at `to`.
+void copy_vertex_rows(const PlyElement& vertices, bool swapped, const char* rows, std::size_t count, CoordinateType number,
+                      std::byte* to);
+
+/// Bytes of a row that is a triangle; nothing if such rows may differ in size, or indices are no whole numbers.
+std::optional<std::size_t> triangle_row_bytes(const PlyElement& faces);
+
+/// Copies the indices of `count` such rows. False: a row has not three, or one that is not below `vertex_count`, which is
+/// at most most_ply_vertices.
+bool copy_triangle_rows(const PlyElement& faces, bool swapped, const char* rows, std::size_t count,
+                        std::uint64_t vertex_count, std::uint32_t* to);
+
+/// Beyond, what is negative could be a vertex.
+inline constexpr std::uint64_t most_ply_vertices = std::uint64_t{1} << 31;
+
+/// Where the row's property of this use begins, if all lists before it are empty.
+std::size_t offset_in_row(const PlyElement& element, PlyUse use);
+
+/// Copies the indices of the faces at `rows` to `indices`, if every one is a triangle: rows of one size, whose only list has
+/// three whole numbers. False: there are other rows, an index that is no vertex, or memory does not suffice.
+bool copy_triangle_rows(const PlyInput& input, const PlyElement& faces, const char* rows, Array<std::uint32_t>& indices);
 
 }  // namespace lamella

@@ -1,15 +1,166 @@
-// The rows of one element of a PLY file, in either encoding.
+// The rows of one element of a PLY file, read from numbers that are bytes or text.
 #pragma once
 
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <string>
-#include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "io/read/ply/ply_header.hpp"
+#include "io/text/text.hpp"
 
 namespace lamella {
+
+/// Whether `value` is a whole number, all of which up to 2^53 are exact.
+inline bool to_integer(double value, std::int64_t& integer) {
+    constexpr double exact = 9007199254740992.0;
+    if (!(std::abs(value) <= exact) || std::trunc(value) != value) {
+        return false;
+    }
+    integer = static_cast<std::int64_t>(value);
+    return true;
+}
+
+/// Each call reads the next number and moves past it. False: it has not moved, and found() describes what is there.
+class BinaryNumbers {
+public:
+    static constexpr bool binary = true;
+
+    BinaryNumbers(const char* begin, const char* end, bool swapped) : p_(begin), end_(end), swapped_(swapped) {}
+
+    const char* at() const { return p_; }
+    void go_to(const char* at) { p_ = at; }
+    /// To where the next number begins.
+    void go_to_next() {}
+    /// An upper bound of how many numbers are left.
+    std::uint64_t most_left(NumberType type) const { return static_cast<std::uint64_t>(end_ - p_) / size_of(type); }
+
+    bool integer(NumberType type, std::int64_t& value) {
+        if (type == NumberType::int32 && end_ - p_ >= 4) {  // nearly all indices
+            value = load_number<std::int32_t>(p_, swapped_);
+            p_ += 4;
+            return true;
+        }
+        const bool whole = most_left(type) > 0 && with_type(type, [&](auto sample) {
+                               const auto number = load_number<decltype(sample)>(p_, swapped_);
+                               if constexpr (std::is_floating_point_v<decltype(sample)>) {
+                                   return to_integer(number, value);
+                               } else {
+                                   value = static_cast<std::int64_t>(number);
+                                   return true;
+                               }
+                           });
+        p_ += whole ? size_of(type) : 0;
+        return whole;
+    }
+
+    template <class Value>
+    bool number(NumberType type, Value& value) {
+        if (most_left(type) == 0) {
+            return false;
+        }
+        value = next_as<Value>(type);
+        p_ += size_of(type);
+        return true;
+    }
+
+    bool skip(NumberType type, std::uint64_t count) {
+        const bool enough = count <= most_left(type);
+        p_ = enough ? p_ + count * size_of(type) : p_;
+        return enough;
+    }
+
+    std::string found(NumberType type) const {
+        if (most_left(type) == 0) {
+            return "the end of the file";
+        }
+        std::array<char, 32> digits;  // the shortest that mean the number take at most 24
+        return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), next_as<double>(type)).ptr};
+    }
+
+private:
+    template <class Value>
+    Value next_as(NumberType type) const {
+        return with_type(type, [&](auto sample) { return static_cast<Value>(load_number<decltype(sample)>(p_, swapped_)); });
+    }
+
+    const char* p_;
+    const char* end_;
+    bool swapped_;
+};
+
+/// The same over words.
+class AsciiNumbers {
+public:
+    static constexpr bool binary = false;
+
+    AsciiNumbers(const char* begin, const char* end) : p_(begin), end_(end) {}
+
+    const char* at() const { return p_; }
+    void go_to(const char* at) { p_ = at; }
+    void go_to_next() { p_ = skip_space(p_, end_); }
+    std::uint64_t most_left(NumberType) const { return (static_cast<std::uint64_t>(end_ - p_) + 1) / 2; }
+
+    /// Skips white space. Whether no word is left.
+    bool at_end() {
+        go_to_next();
+        return p_ == end_;
+    }
+
+    bool integer(NumberType, std::int64_t& value) {
+        if (at_end()) {
+            return false;
+        }
+        constexpr std::ptrdiff_t most_digits = 18;
+        const bool negative = *p_ == '-';
+        const char* const digits = p_ + (negative ? 1 : 0);
+        std::uint64_t magnitude = 0;
+        const char* const p = read_digits(digits, end_, magnitude);
+        if (p == digits || p - digits > most_digits || (p != end_ && !is_space(*p))) {
+            return unusual_integer(value);
+        }
+        value = negative ? -static_cast<std::int64_t>(magnitude) : static_cast<std::int64_t>(magnitude);
+        p_ = p;
+        return true;
+    }
+
+    template <class Value>
+    bool number(NumberType, Value& value) {
+        return !at_end() && read_number(p_, end_, value) == NumberText::read;
+    }
+
+    bool skip(NumberType type, std::uint64_t count) {
+        bool enough = count <= most_left(type);
+        go_to_next();
+        const char* const before = p_;
+        for (; enough && count > 0; --count) {
+            enough = !at_end();
+            p_ = skip_word(p_, end_);
+        }
+        p_ = enough ? p_ : before;
+        return enough;
+    }
+
+    std::string found(NumberType) const { return word_at(skip_space(p_, end_), end_); }
+
+private:
+    /// "+3", "3.0", "3e0": what is declared a float may be a count or an index too.
+    bool unusual_integer(std::int64_t& value) {
+        const char* p = p_;
+        double number = 0;
+        const bool whole = read_number(p, end_, number) == NumberText::read && to_integer(number, value);
+        p_ = whole ? p : p_;
+        return whole;
+    }
+
+    const char* p_;
+    const char* end_;
+};
 
 /// What the lists of indices of an element will take, known before anything is allocated for them.
 struct PlyLists {
@@ -25,7 +176,7 @@ struct PlyLists {
 /// In a triangle strip: -1, after which the next strip begins.
 inline constexpr std::uint32_t strip_end = std::numeric_limits<std::uint32_t>::max();
 
-/// `Numbers` is BinaryNumbers or AsciiNumbers. Each call reads a row. False: at() and what() hold the error.
+/// `Numbers` is BinaryNumbers or AsciiNumbers. Each call reads a row, or throws a TextError.
 template <class Numbers>
 class PlyRows {
 public:
@@ -33,118 +184,112 @@ public:
         : numbers_(numbers), element_(element), row_(first_row) {}
 
     /// Skips it, and counts its list of indices.
-    bool skip(PlyLists& lists) {
+    void skip(PlyLists& lists) {
         for (const PlyProperty& property : element_.properties) {
-            std::uint64_t count = 1;
-            if (property.is_list && !list_count(property, count)) {
-                return false;
-            }
+            const std::uint64_t count = property.is_list ? list_count(property) : 1;
             if (property.use == PlyUse::indices) {
                 lists.add(count);
             }
             if (!numbers_.skip(property.type, count)) {
-                return fail(property, "expected a number, found " + numbers_.found(property.type));
+                fail(property, "expected a number, found " + numbers_.found(property.type));
             }
         }
         ++row_;
-        return true;
     }
 
-    template <class Value>
-    bool vertex(Value* xyz) {
-        for (const PlyProperty& property : element_.properties) {
-            const auto axis = static_cast<std::size_t>(property.use);
-            const bool read =
-                axis < 3 ? numbers_.number(property.type, xyz[axis]) || no_number(property) : skip_property(property);
-            if (!read) {
-                return false;
-            }
+    /// Writes the coordinates of the row's vertex to `out`, as numbers of the type.
+    void vertex(CoordinateType type, std::byte* out) {
+        if (type == CoordinateType::f64) {
+            vertex_as<double>(out);
+        } else {
+            vertex_as<float>(out);
         }
-        ++row_;
-        return true;
     }
 
     /// The row's list of indices, each of one of `vertex_count` vertices or, in strips, strip_end.
-    bool indices(std::uint64_t vertex_count, std::vector<std::uint32_t>& list) {
-        list.clear();
+    void indices(std::uint64_t vertex_count, std::vector<std::uint32_t>& list) {
         for (const PlyProperty& property : element_.properties) {
-            const bool read =
-                property.use == PlyUse::indices ? index_list(property, vertex_count, list) : skip_property(property);
-            if (!read) {
-                return false;
+            if (property.use == PlyUse::indices) {
+                index_list(property, vertex_count, list);
+            } else {
+                skip_property(property);
             }
         }
         ++row_;
-        return true;
     }
 
     const Numbers& numbers() const { return numbers_; }
-    const char* at() const { return at_; }
-    const std::string& what() const { return what_; }
 
 private:
-    bool list_count(const PlyProperty& property, std::uint64_t& count) {
+    template <class Value>
+    void vertex_as(std::byte* out) {
+        Value xyz[3];
+        for (const PlyProperty& property : element_.properties) {
+            const auto axis = static_cast<std::size_t>(property.use);
+            if (axis >= 3) {
+                skip_property(property);
+            } else if (!numbers_.number(property.type, xyz[axis])) {
+                no_number(property);
+            }
+        }
+        std::memcpy(out, xyz, sizeof xyz);
+        ++row_;
+    }
+
+    std::uint64_t list_count(const PlyProperty& property) {
         numbers_.go_to_next();
-        const Numbers before = numbers_;
-        std::int64_t number = 0;
-        if (!numbers_.integer(property.count_type, number)) {
-            return fail(property, "expected the length of a list, found " + numbers_.found(property.count_type));
+        const char* const begin = numbers_.at();
+        std::int64_t count = 0;
+        if (!numbers_.integer(property.count_type, count)) {
+            fail(property, "expected the length of a list, found " + numbers_.found(property.count_type));
         }
-        count = static_cast<std::uint64_t>(number);
-        if (number < 0 || count > numbers_.most_left(property.type)) {
-            numbers_ = before;
-            return fail(property, number < 0 ? "a list of " + std::to_string(number) + " numbers"
-                                             : "the file ends within its list of " + std::to_string(number) + " numbers");
+        if (count < 0 || static_cast<std::uint64_t>(count) > numbers_.most_left(property.type)) {
+            numbers_.go_to(begin);
+            fail(property, count < 0 ? "a list of " + std::to_string(count) + " numbers"
+                                     : "the file ends within its list of " + std::to_string(count) + " numbers");
         }
-        return true;
+        return static_cast<std::uint64_t>(count);
     }
 
-    bool skip_property(const PlyProperty& property) {
-        std::uint64_t count = 1;
-        return (!property.is_list || list_count(property, count)) &&
-               (numbers_.skip(property.type, count) || no_number(property));
+    void skip_property(const PlyProperty& property) {
+        if (!numbers_.skip(property.type, property.is_list ? list_count(property) : 1)) {
+            no_number(property);
+        }
     }
 
-    bool index_list(const PlyProperty& property, std::uint64_t vertex_count, std::vector<std::uint32_t>& list) {
-        std::uint64_t count = 0;
-        if (!list_count(property, count)) {
-            return false;
-        }
-        list.resize(count);
+    void index_list(const PlyProperty& property, std::uint64_t vertex_count, std::vector<std::uint32_t>& list) {
+        list.resize(list_count(property));
         for (std::uint32_t& index : list) {
             numbers_.go_to_next();
-            const Numbers before = numbers_;
+            const char* const begin = numbers_.at();
             std::int64_t number = 0;
             if (!numbers_.integer(property.type, number)) {
-                return fail(property, "expected an index, found " + numbers_.found(property.type));
+                fail(property, "expected an index, found " + numbers_.found(property.type));
             }
             const bool ends_strip = number == -1 && element_.role == PlyRole::strips;
             if (static_cast<std::uint64_t>(number) >= vertex_count && !ends_strip) {
-                numbers_ = before;
-                return fail(property, "index " + std::to_string(number) + ", but there are " + std::to_string(vertex_count) +
-                                          " vertices");
+                numbers_.go_to(begin);
+                fail(property,
+                     "index " + std::to_string(number) + ", but there are " + std::to_string(vertex_count) + " vertices");
             }
             index = static_cast<std::uint32_t>(number);
         }
-        return true;
     }
 
-    bool no_number(const PlyProperty& property) {
-        return fail(property, "expected a finite number, found " + numbers_.found(property.type));
+    [[noreturn]] void no_number(const PlyProperty& property) const {
+        fail(property, "expected a finite number, found " + numbers_.found(property.type));
     }
 
-    bool fail(const PlyProperty& property, const std::string& what) {
-        at_ = numbers_.at();
-        what_ = "property " + short_name(property.name) + " of " + short_name(element_.name) + " " + std::to_string(row_) +
-                ": " + what;
-        return false;
+    [[noreturn]] void fail(const PlyProperty& property, const std::string& what) const {
+        throw TextError{numbers_.at(),
+                        "property " + short_name(property.name) + " of " + short_name(element_.name) + " " +
+                            std::to_string(row_) + ": " + what,
+                        !Numbers::binary};
     }
 
     Numbers numbers_;
     const PlyElement& element_;
     std::uint64_t row_;
-    const char* at_ = nullptr;
-    std::string what_;
 };
 
 }  // namespace lamella

@@ -4,14 +4,13 @@
 #include <string_view>
 #include <utility>
 
-#include "base/clock.hpp"
+#include "base/guard.hpp"
 #include "base/little_endian.hpp"
 #include "base/parallel.hpp"
 #include "base/words.hpp"
 #include "io/read/lookout.hpp"
 #include "io/read/reader.hpp"
 #include "io/read/stated_frame.hpp"
-#include "io/read/stl/facet_parser.hpp"
 #include "io/read/stl/stl_ascii.hpp"
 #include "io/text/text.hpp"
 
@@ -140,85 +139,77 @@ bool are_between_words(std::string_view text, std::size_t begin, std::size_t end
 
 /// Writes spaces over the NUL bytes, and says so in a warning. An error where they are within words other than those of a
 /// name, as what they replace is then unknown.
-Status blank_nuls(const FileSource& file, std::span<std::byte> bytes, std::vector<std::string>& warnings) {
-    const std::string_view text = as_text(bytes);
+void blank_nuls(FileContents& file, std::vector<std::string>& warnings) {
+    const std::span<std::byte> bytes = file.bytes.span();
+    const std::string_view text = file.whole;
     LineOfPlaces lines(text);
-    Lookout lookout(file.parallel());
+    Lookout lookout(file.source.parallel());
     std::size_t count = 0;
     const std::size_t first = text.find('\0');
     for (std::size_t begin = first; begin != std::string_view::npos; begin = text.find('\0', begin)) {
         const std::size_t end = std::min(text.find_first_not_of('\0', begin), text.size());
         lookout.pass();
         if (!are_between_words(text, begin, end) && !lines.is_name(text.data() + begin)) {
-            return file.error_in_text(text, begin,
-                                      "a NUL byte within a word of an ASCII STL file: what stood there is lost");
+            throw TextError{text.data() + begin, "a NUL byte within a word of an ASCII STL file: what stood there is lost"};
         }
         std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(begin), bytes.begin() + static_cast<std::ptrdiff_t>(end),
                   std::byte{' '});
         count += end - begin;
     }
-    warnings.push_back(file.name() + ": is an ASCII STL file with " + counted(count, "NUL byte") +
+    warnings.push_back(file.source.name() + ": is an ASCII STL file with " + counted(count, "NUL byte") +
                        ", read as spaces, the first in line " + std::to_string(line_of(text, first)));
-    return {};
 }
 
-void warn_of_departures(const FileSource& file, std::string_view whole, const StlDepartures& departures, MeshFile& mesh) {
-    if (departures.facets.count > 0) {
-        mesh.warnings.push_back(file.name() + ": read " + counted(departures.facets.count, "facet") +
-                                " by the vertices alone" + first_line_words(departures.facets, whole) + ": " +
-                                departures.first_facet);
+void warn_of_departures(const FileContents& file, const AsciiFacets& facets, std::vector<std::string>& warnings) {
+    const std::string& name = file.source.name();
+    if (const LeftOut& odd = facets.departures.facets; odd.count > 0) {
+        warnings.push_back(name + ": read " + counted(odd.count, "facet") + " by the vertices alone" +
+                           first_line_words(odd, file.whole) + ": " + facets.departures.first_facet);
     }
-    if (departures.lines.count > 0) {
-        mesh.warnings.push_back(file.name() + ": ignored " + counted(departures.lines.count, "line") + " between facets" +
-                                first_word_words(departures.lines, whole));
+    if (const LeftOut& lines = facets.departures.lines; lines.count > 0) {
+        warnings.push_back(name + ": ignored " + counted(lines.count, "line") + " between facets" +
+                           first_word_words(lines, file.whole));
+    }
+    if (facets.open_end != nullptr) {
+        const std::size_t line = line_of(file.text, static_cast<std::size_t>(facets.open_end - file.text.data()));
+        warnings.push_back(name + ": ends without 'endsolid' after line " + std::to_string(line) +
+                           ": what follows may have been cut off");
     }
 }
 
-Result<MeshFile> read_ascii(FileSource& file) {
-    Result<FileText> contents = file.take_text();
-    if (!contents) {
-        return contents.error();
+/// Beyond the sample, NUL bytes are looked for only where something is wrong.
+AsciiFacets facets_of(FileContents& file, std::vector<std::string>& warnings) {
+    const FileSource& source = file.source;
+    if (!is_text(source.sample())) {
+        blank_nuls(file, warnings);
     }
-    const std::string_view whole = contents->whole;
-    const std::string_view text = contents->text;
-    MeshFile mesh;
-    const auto blank = [&] { return blank_nuls(file, contents->bytes.span(), mesh.warnings); };
-    bool has_nuls = !is_text(file.sample());
-    if (Status blanked = has_nuls ? blank() : Status(); !blanked) {
-        return blanked.error();
+    try {
+        return parse_ascii_stl(file.text, source.memory(), source.parallel());
+    } catch (const TextError&) {
+        if (file.text.find('\0') == std::string_view::npos) {
+            throw;
+        }
     }
-    AsciiFacets facets = parse_ascii_stl(text, file.memory(), file.parallel());
-    // Beyond the sample they are looked for only where something is wrong.
-    has_nuls = facets.failure.at != nullptr && text.find('\0') != std::string_view::npos;
-    if (Status blanked = has_nuls ? blank() : Status(); !blanked) {
-        return blanked.error();
-    }
-    if (has_nuls) {
-        facets = parse_ascii_stl(text, file.memory(), file.parallel());
-    }
-    if (facets.failure.at != nullptr) {
-        return file.error_in_text(whole, facets.failure);
-    }
+    blank_nuls(file, warnings);
+    return parse_ascii_stl(file.text, source.memory(), source.parallel());
+}
+
+void parse_ascii(FileContents& file, MeshFile& mesh) {
+    AsciiFacets facets = facets_of(file, mesh.warnings);
     if (const LeftOut& lines = facets.departures.lines; facets.count == 0 && lines.count > 0) {
-        return file.error_in_text(whole, {lines.first, "expected 'facet', 'solid' or 'endsolid', found " +
-                                                           word_at(lines.first, whole.data() + whole.size())});
+        throw TextError{lines.first, "expected 'facet', 'solid' or 'endsolid', found " +
+                                         word_at(lines.first, file.whole.data() + file.whole.size())};
     }
     if (facets.count == 0) {
-        return file.error(ErrorCode::empty_mesh, "holds no triangles");
+        throw Refused{file.source.error(ErrorCode::empty_mesh, "holds no triangles")};
     }
     mesh.bytes = std::move(facets.coordinates);
     mesh.stride = 9 * sizeof(float);
     mesh.triangle_count = facets.count;
     mesh.text = true;
-    give_parts(facets.solids, false, file.name(), mesh);
-    give_stated_frame(text.substr(0, text.find_first_of("\r\n")), file, mesh);
-    warn_of_departures(file, whole, facets.departures, mesh);
-    if (facets.open_end) {
-        mesh.warnings.push_back(file.name() + ": ends without 'endsolid' after line " +
-                                std::to_string(line_of(text, *facets.open_end)) + ": what follows may have been cut off");
-    }
-    mesh.parse_ms = milliseconds_since(contents->taken);
-    return mesh;
+    give_parts(facets.solids, false, file.source.name(), mesh);
+    give_stated_frame(file.text.substr(0, file.text.find_first_of("\r\n")), file.source, mesh);
+    warn_of_departures(file, facets, mesh.warnings);
 }
 
 }  // namespace
@@ -229,7 +220,7 @@ bool looks_like_stl(const FileSource& source) {
 }
 
 Result<MeshFile> read_stl(FileSource& source) {
-    return is_text(source.sample()) || is_ascii_with_nuls(source) ? read_ascii(source) : read_binary(source);
+    return is_text(source.sample()) || is_ascii_with_nuls(source) ? read_contents(source, parse_ascii) : read_binary(source);
 }
 
 bool is_binary_stl(const FileSource& source) {

@@ -5,7 +5,6 @@
 #include <span>
 #include <string_view>
 
-#include "io/read/vtk/number_array.hpp"
 #include "io/read/vtk/vtk_file.hpp"
 #include "lamella/io/mesh_file.hpp"
 
@@ -22,14 +21,14 @@ struct CellArray {
     CellKind kind = CellKind::polygons;
     bool counted = false;
     std::uint64_t cells = 0;
-    NumberArray corners;
-    NumberArray ends;
+    NumberArray corners{};
+    NumberArray ends{};
     std::uint32_t first_point = 0;  ///< of those that the corners count from, in the mesh
     std::uint32_t point_count = 0;
 };
 
 /// Gives `mesh`, which has its vertices, the triangles of all `arrays`, in their order. Warns of cells without an area.
-/// Memory: the indices, and little else unless there are polygons of millions of corners.
-Status cut_cells(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh);
+/// Throws errors. Memory: the indices, and little else unless there are polygons of millions of corners.
+void cut_cells(VtkFile& file, std::span<const CellArray> arrays, MeshFile& mesh);
 
 }  // namespace lamella

@@ -1,105 +1,206 @@
 #include "io/read/vtk/vtk_file.hpp"
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <concepts>
 #include <limits>
 #include <type_traits>
-
-#include "io/read/vtk/number_words.hpp"
-#include "io/text/text.hpp"
+#include <vector>
 
 namespace lamella {
 
 namespace {
 
-template <class Value>
-constexpr NumberType type_of() {
-    if constexpr (std::is_same_v<Value, float>) {
-        return NumberType::float32;
-    } else if constexpr (std::is_same_v<Value, double>) {
-        return NumberType::float64;
-    } else {
-        return sizeof(Value) == 4 ? NumberType::uint32 : NumberType::uint64;
-    }
-}
+constexpr std::size_t word_piece_bytes = std::size_t{256} << 10;
 
-template <class Value>
-std::string complaint(const BadWord& bad, const char* end) {
-    const std::string found = word_at(bad.at, end);
-    if constexpr (std::floating_point<Value>) {
-        return coordinate_problem(bad.why, "number", found);
-    } else {
-        return "expected an integer from 0 to " + std::to_string(std::numeric_limits<Value>::max()) + ", found " + found;
-    }
-}
+/// Few numbers with the space after them are longer. The first window of a run is cut by this, so that little text beyond
+/// the run is counted.
+constexpr std::uint64_t usual_word_bytes = 12;
 
-Result<WordRun> find_array(const VtkFile& file, const char* p, const char* end, std::uint64_t count, std::string_view name) {
-    WordRun run = find_words(p, end, count, file.source.parallel());
-    if (run.count < count) {
-        return file.error_at(end, "expected " + std::to_string(count) + " numbers of " + std::string(name) + ", found " +
-                                      std::to_string(run.count));
+/// Words that follow each other in a text.
+struct WordRun {
+    std::vector<TextPiece> pieces;  // each begins with space or with a word, and has words
+    const char* end = nullptr;      // after the last word
+};
+
+/// The next `count` words of [p, end). O(the text that they take). Precondition: `p` is not within a word.
+WordRun find_words(const VtkFile& file, const char* p, const char* end, std::uint64_t count, std::string_view name) {
+    WordRun run;
+    run.end = p;
+    std::uint64_t found = 0;
+    while (found < count && p != end) {
+        const auto left = static_cast<std::uint64_t>(end - p);
+        const std::uint64_t window = std::min(left, std::min(count - found, left) * usual_word_bytes);
+        const char* const window_end = skip_word(p + window, end);
+        std::vector<TextPiece> pieces =
+            cut_text({p, static_cast<std::size_t>(window_end - p)}, word_piece_bytes,
+                     [window_end](const char*, const char* from) { return skip_word(from, window_end); });
+        file.source.parallel().run(pieces.size(),
+                                   [&](std::size_t i, int) { pieces[i].count = count_words(pieces[i].text); });
+        for (TextPiece& piece : pieces) {
+            piece.first = found;
+            piece.count = std::min<std::size_t>(piece.count, count - found);
+            found += piece.count;
+            if (piece.count > 0) {
+                run.pieces.push_back(piece);
+            }
+        }
+        p = window_end;
+    }
+    if (found < count) {
+        throw TextError{end, "expected " + std::to_string(count) + " numbers of " + std::string(name) + ", found " +
+                                 std::to_string(found)};
+    }
+    if (!run.pieces.empty()) {
+        run.end = skip_word(find_word(run.pieces.back().begin(), end, run.pieces.back().count - 1), end);
     }
     return run;
 }
 
+void read_word(const char*& p, const char* end, std::floating_point auto& value) {
+    if (const NumberText got = read_number(p, end, value); got != NumberText::read) {
+        throw TextError{p, coordinate_problem(got, "number", word_at(p, end))};
+    }
+}
+
+template <std::unsigned_integral Value>
+void read_word(const char*& p, const char* end, Value& value) {
+    constexpr std::ptrdiff_t surely_exact = 9;  // digits, of any type
+    std::uint64_t number = 0;
+    const char* const word_end = read_digits(p, end, number);
+    value = static_cast<Value>(number);
+    const bool fits = word_end - p <= surely_exact || std::from_chars(p, end, value).ec == std::errc();
+    if (!fits || word_end == p || (word_end != end && !is_space(*word_end))) {
+        throw TextError{p, "expected an integer from 0 to " + std::to_string(std::numeric_limits<Value>::max()) +
+                               ", found " + word_at(p, end)};
+    }
+    p = word_end;
+}
+
+/// Words are read up to `end`, across cuts.
+template <class Value>
+void read_run(const WordRun& run, const char* end, std::byte* storage, const Parallel& parallel) {
+    auto* const out = reinterpret_cast<Value*>(storage);
+    parse_pieces(run.pieces.size(), parallel, [&](std::size_t i, int) {
+        const TextPiece& piece = run.pieces[i];
+        const char* p = piece.begin();
+        for (std::size_t word = piece.first; word < piece.end_item(); ++word) {
+            p = skip_space(p, end);
+            read_word(p, end, out[word]);
+        }
+    });
+}
+
+/// Calls use(number), where number(i) is that of index first + i, in its type.
+template <class Use>
+void use_numbers(const NumberArray& numbers, std::uint64_t first, const Use& use) {
+    with_type(numbers.type, [&](auto sample) {
+        using T = decltype(sample);
+        const std::byte* const data = numbers.data + first * sizeof(T);
+        if (numbers.big_endian && sizeof(T) > 1) {
+            use([data](std::uint64_t i) { return load_number<T>(data + i * sizeof(T), true); });
+        } else {
+            use([data](std::uint64_t i) { return load_number<T>(data + i * sizeof(T), false); });
+        }
+    });
+}
+
+template <class Out>
+void decode(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::byte* out) {
+    use_numbers(numbers, first, [&](auto number) {
+        for (std::uint64_t i = 0; i < count; ++i) {
+            const Out value = static_cast<Out>(number(i));
+            std::memcpy(out + i * sizeof(Out), &value, sizeof(Out));
+        }
+    });
+}
+
 }  // namespace
 
-Error VtkFile::error_at(const NumberArray& numbers, std::uint64_t index, const std::string& what) const {
-    switch (numbers.place.form) {
-        case NumberPlace::Form::text:
-            return error_at(find_word(text.data() + numbers.place.offset, text.data() + text.size(), index), what);
-        case NumberPlace::Form::bytes: {
-            const std::uint64_t byte = numbers.place.offset + index * bytes_of(numbers.type);
-            return source.error(ErrorCode::malformed_mesh, "byte " + std::to_string(byte) + ": " + what,
-                                static_cast<std::int64_t>(byte));
-        }
-        case NumberPlace::Form::encoded:
+void VtkFile::fail_at(const NumberArray& numbers, std::uint64_t index, const std::string& what) const {
+    switch (numbers.form) {
+        case NumberArray::Form::text:
+            throw TextError{find_word(numbers.at, text.data() + text.size(), index), what};
+        case NumberArray::Form::bytes:
+            throw TextError{numbers.at + index * size_of(numbers.type), what, false};
+        case NumberArray::Form::encoded:
             break;
     }
-    return error_at(text.data() + numbers.place.offset, "number " + std::to_string(index) + ": " + what);
+    throw TextError{numbers.at, "number " + std::to_string(index) + ": " + what};
 }
 
-template <class Value>
-Result<NumberArray> read_text_array(VtkFile& file, const char*& p, const char* end, std::uint64_t count,
-                                    std::string_view name, Array<std::byte>& storage) {
-    const Result<WordRun> run = find_array(file, p, end, count, name);
-    if (!run) {
-        return run.error();
-    }
-    if (Status room = file.budget.take(count, sizeof(Value)); !room) {
-        return room.error();
-    }
-    storage.resize_discarding(count * sizeof(Value));
-    const BadWord bad = read_words(run.value(), reinterpret_cast<Value*>(storage.data()), file.source.parallel());
-    if (bad.at != nullptr) {
-        return file.error_at(bad.at, complaint<Value>(bad, end));
-    }
-    const NumberPlace place{NumberPlace::Form::text, file.offset_of(p)};
-    p = run.value().end;
-    return NumberArray{storage.data(), count, type_of<Value>(), false, place};
+// --- text
+
+NumberArray read_words(VtkFile& file, const char*& p, const char* end, std::uint64_t count, NumberType type,
+                       std::string_view name) {
+    const WordRun run = find_words(file, p, end, count, name);
+    file.budget.take(count, size_of(type));
+    NumberArray numbers{nullptr, count, type, false, NumberArray::Form::text, p, Array<std::byte>(file.source.memory())};
+    numbers.storage.resize_discarding(count * size_of(type));
+    numbers.data = numbers.storage.data();
+    const auto read = type == NumberType::float32   ? read_run<float>
+                      : type == NumberType::float64 ? read_run<double>
+                      : type == NumberType::uint32  ? read_run<std::uint32_t>
+                                                    : read_run<std::uint64_t>;
+    read(run, end, numbers.storage.data(), file.source.parallel());
+    p = run.end;
+    return numbers;
 }
 
-template Result<NumberArray> read_text_array<float>(VtkFile&, const char*&, const char*, std::uint64_t, std::string_view,
-                                                    Array<std::byte>&);
-template Result<NumberArray> read_text_array<double>(VtkFile&, const char*&, const char*, std::uint64_t, std::string_view,
-                                                     Array<std::byte>&);
-template Result<NumberArray> read_text_array<std::uint32_t>(VtkFile&, const char*&, const char*, std::uint64_t,
-                                                            std::string_view, Array<std::byte>&);
-template Result<NumberArray> read_text_array<std::uint64_t>(VtkFile&, const char*&, const char*, std::uint64_t,
-                                                            std::string_view, Array<std::byte>&);
-
-Status skip_text_array(const VtkFile& file, const char*& p, const char* end, std::uint64_t count, std::string_view name) {
-    const Result<WordRun> run = find_array(file, p, end, count, name);
-    if (!run) {
-        return run.error();
-    }
-    p = run.value().end;
-    return {};
+void skip_words(const VtkFile& file, const char*& p, const char* end, std::uint64_t count, std::string_view name) {
+    p = find_words(file, p, end, count, name).end;
 }
 
-void convert_coordinates(const NumberArray& numbers, CoordinateType number, std::byte* out, const Parallel& parallel) {
+const char* find_word(const char* p, const char* end, std::uint64_t index) {
+    p = skip_space(p, end);
+    for (; index > 0 && p != end; --index) {
+        p = skip_space(skip_word(p, end), end);
+    }
+    return p;
+}
+
+// --- memory
+
+void decode_integers(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::uint64_t* out) {
+    use_numbers(numbers, first, [&](auto number) {
+        for (std::uint64_t i = 0; i < count; ++i) {
+            out[i] = static_cast<std::uint64_t>(number(i));  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
+        }
+    });
+}
+
+std::uint64_t decode_indices(const NumberArray& numbers, std::uint64_t first, std::uint64_t count, std::uint32_t* out) {
+    std::uint64_t largest = 0;
+    use_numbers(numbers, first, [&](auto number) {
+        using Value = decltype(number(0));
+        // In the type's own width, so that vectors hold more of them; four, so that none waits for another.
+        std::array<Bits<Value>, 4> most{};
+        const auto decode_one = [&](std::uint64_t i, std::size_t lane) {
+            const Value value = number(i);
+            out[i] = static_cast<std::uint32_t>(value);  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
+            most[lane] = std::max(most[lane], static_cast<Bits<Value>>(value));
+        };
+        std::uint64_t i = 0;
+        for (; i + most.size() <= count; i += most.size()) {
+            for (std::size_t lane = 0; lane < most.size(); ++lane) {
+                decode_one(i + lane, lane);
+            }
+        }
+        for (; i < count; ++i) {
+            decode_one(i, 0);
+        }
+        const auto signed_most = static_cast<Value>(*std::max_element(most.begin(), most.end()));
+        largest = static_cast<std::uint64_t>(signed_most);  // NOLINT(bugprone-signed-char-misuse): -1 stays -1
+    });
+    return largest;
+}
+
+void convert_coordinates(const NumberArray& numbers, CoordinateType type, std::byte* out, const Parallel& parallel) {
     constexpr std::size_t grain = std::size_t{1} << 16;
     parallel.run_ranges(numbers.count, grain, [&](std::size_t begin, std::size_t end, int) {
-        decode_coordinates(numbers, begin, end - begin, number, out + begin * bytes_of(number));
+        const auto convert = type == CoordinateType::f32 ? decode<float> : decode<double>;
+        convert(numbers, begin, end - begin, out + begin * size_of(type));
     });
 }
 

@@ -6,7 +6,6 @@
 #include <charconv>
 
 #include "io/read/lookout.hpp"
-#include "io/text/text.hpp"
 
 namespace lamella {
 
@@ -81,131 +80,106 @@ bool VtkScanner::accept(std::string_view keyword) {
     return true;
 }
 
-Status VtkScanner::count(std::string_view what, std::uint64_t& value) {
+std::uint64_t VtkScanner::count(const std::string& what) {
     const std::string_view digits = peek();
+    std::uint64_t value = 0;
     const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (digits.empty() || failure != std::errc() || end != digits.data() + digits.size()) {
-        return expected("the number of " + std::string(what));
+        expected("the number of " + what);
     }
     p_ = end;
-    return {};
+    return value;
 }
 
-Status VtkScanner::type(NumberType& type, bool of_integers) {
+NumberType VtkScanner::type(bool of_integers) {
     const std::string_view name = peek();
     const auto* const found = std::find_if(type_names.begin(), type_names.end(),
                                            [name](const TypeName& known) { return is_keyword(name, known.name); });
     if (found == type_names.end() || (of_integers && !is_integer(found->type))) {
-        return expected(of_integers ? "a type of integers" : "a type of numbers");
+        expected(of_integers ? "a type of integers" : "a type of numbers");
     }
     p_ += name.size();
-    type = found->type;
-    return {};
+    return found->type;
 }
 
 // --- arrays
 
-/// Checks that `count` elements follow the end of the line.
-Status VtkScanner::begin_bytes(std::uint64_t count, std::size_t bytes_each, std::string_view name) {
+/// Those that follow the end of the line.
+NumberArray VtkScanner::bytes(std::uint64_t count, NumberType type, std::string_view name) {
     while (p_ != end_ && *p_ != '\n' && is_space(*p_)) {
         ++p_;
     }
     if (p_ == end_ || *p_ != '\n') {
-        return expected("the end of the line before the bytes of " + std::string(name));
+        expected("the end of the line before the bytes of " + std::string(name));
     }
     ++p_;
     const auto left = static_cast<std::uint64_t>(end_ - p_);
-    if (count > left / bytes_each) {
-        return error_at(p_, "is truncated: expected " + std::to_string(count) + " numbers of " + std::string(name) + " at " +
-                                std::to_string(bytes_each) + " bytes, found " + std::to_string(left) + " bytes");
+    if (count > left / size_of(type)) {
+        fail_here("is truncated: expected " + std::to_string(count) + " numbers of " + std::string(name) + " at " +
+                  std::to_string(size_of(type)) + " bytes, found " + std::to_string(left) + " bytes");
     }
-    return {};
+    const char* const first = p_;
+    p_ += count * size_of(type);
+    return {reinterpret_cast<const std::byte*>(first), count, type, true, NumberArray::Form::bytes, first};
 }
 
-Result<NumberArray> VtkScanner::bytes(std::uint64_t count, NumberType type, std::string_view name) {
-    if (Status begun = begin_bytes(count, bytes_of(type), name); !begun) {
-        return begun.error();
+void VtkScanner::skip_numbers(std::uint64_t count, NumberType type, std::string_view name) {
+    if (binary_) {
+        bytes(count, type, name);
+    } else {
+        skip_words(file_, p_, end_, count, name);
     }
-    const NumberArray numbers{
-        reinterpret_cast<const std::byte*>(p_), count, type, true, {NumberPlace::Form::bytes, file_.offset_of(p_)}};
-    p_ += count * bytes_of(type);
-    return numbers;
-}
-
-Status VtkScanner::skip_numbers(std::uint64_t count, NumberType type, std::string_view name) {
-    if (!binary_) {
-        return skip_text_array(file_, p_, end_, count, name);
-    }
-    const Result<NumberArray> skipped = bytes(count, type, name);
-    return skipped ? Status() : skipped.error();
 }
 
 /// Eight to a byte, or as words.
-Status VtkScanner::skip_bits(std::uint64_t count, std::string_view name) {
-    return skip_numbers(binary_ ? count / 8 + (count % 8 != 0 ? 1 : 0) : count, NumberType::uint8, name);
+void VtkScanner::skip_bits(std::uint64_t count, std::string_view name) {
+    skip_numbers(binary_ ? count / 8 + (count % 8 != 0 ? 1 : 0) : count, NumberType::uint8, name);
 }
 
 /// As text, each on a line of its own; as bytes, each after its length.
-Status VtkScanner::strings(std::uint64_t count, std::string_view name, std::string_view& last) {
+std::string_view VtkScanner::strings(std::uint64_t count, std::string_view name) {
+    std::string_view last;
     line();
     Lookout lookout(file_.source.parallel());
     for (; count > 0; --count) {
         lookout.pass();
-        if (p_ == end_) {
-            return truncated_strings(name);
-        }
-        if (!binary_) {
-            last = line();
-        } else if (Status read = binary_string(name, last); !read) {
-            return read;
-        }
+        need(1, name);
+        last = binary_ ? binary_string(name) : line();
     }
-    return {};
+    return last;
 }
 
 /// The first two bits tell how many bytes the length has, of which they are part: 8, 4, 2 or 1.
-Status VtkScanner::binary_string(std::string_view name, std::string_view& string) {
-    const auto left = [this] { return static_cast<std::uint64_t>(end_ - p_); };
-    assert(left() > 0);
+std::string_view VtkScanner::binary_string(std::string_view name) {
     const std::uint64_t length_bytes = std::uint64_t{8} >> (static_cast<unsigned char>(*p_) >> 6);
-    if (left() < length_bytes) {
-        return truncated_strings(name);
-    }
+    need(length_bytes, name);
     std::uint64_t length = static_cast<unsigned char>(*p_++) & 0x3F;
     for (std::uint64_t i = 1; i < length_bytes; ++i) {
         length = length << 8 | static_cast<unsigned char>(*p_++);
     }
-    if (left() < length) {
-        return truncated_strings(name);
-    }
-    string = {p_, length};
+    need(length, name);
+    const std::string_view string(p_, length);
     p_ += length;
-    return {};
+    return string;
 }
 
-Error VtkScanner::truncated_strings(std::string_view name) const {
-    return error_at(p_, "is truncated within the strings of " + std::string(name));
+/// So many bytes of strings must be left.
+void VtkScanner::need(std::uint64_t bytes, std::string_view name) const {
+    if (static_cast<std::uint64_t>(end_ - p_) < bytes) {
+        fail_here("is truncated within the strings of " + std::string(name));
+    }
 }
 
 // --- errors
 
-Error VtkScanner::error_at(const char* p, const std::string& what) const {
-    if (!binary_) {
-        return file_.error_at(p, what);
-    }
-    const std::uint64_t byte = file_.offset_of(p);
-    return file_.source.error(ErrorCode::malformed_mesh, "byte " + std::to_string(byte) + ": " + what,
-                              static_cast<std::int64_t>(byte));
+void VtkScanner::fail(const std::string& what) {
+    peek();
+    fail_here(what);
 }
 
-Error VtkScanner::error(const std::string& what) {
+void VtkScanner::expected(const std::string& what) {
     peek();
-    return error_at(p_, what);
-}
-
-Error VtkScanner::expected(const std::string& what) {
-    peek();
-    return error_at(p_, "expected " + what + ", found " + word_at(p_, end_));
+    fail_here("expected " + what + ", found " + word_at(p_, end_));
 }
 
 }  // namespace lamella

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <string>
 #include <string_view>
 
@@ -10,7 +9,7 @@
 
 namespace lamella {
 
-/// Messages of a text file name the line; in a binary one there are none to count.
+/// Throws TextErrors. Messages of a text file name the line; in a binary one there are none to count.
 class VtkScanner {
 public:
     explicit VtkScanner(VtkFile& file)
@@ -28,40 +27,33 @@ public:
     /// Skips the next word if it is `keyword`, which is upper case, in any case.
     bool accept(std::string_view keyword);
     /// An integer that is not negative; `what` names it in messages.
-    Status count(std::string_view what, std::uint64_t& value);
+    std::uint64_t count(const std::string& what);
     /// The name of a type, or of a type of integers.
-    Status type(NumberType& type, bool of_integers = false);
+    NumberType type(bool of_integers = false);
 
-    /// The `count` numbers that follow. As text they are read as Value.
-    template <class Value>
-    Result<NumberArray> numbers(std::uint64_t count, NumberType type, std::string_view name) {
-        return binary_ ? bytes(count, type, name)
-                       : read_text_array<Value>(file_, p_, end_, count, name, storage_.emplace_back(file_.source.memory()));
+    /// The `count` numbers that follow. As text they are read as `as`: see read_words().
+    NumberArray numbers(std::uint64_t count, NumberType type, NumberType as, std::string_view name) {
+        return binary_ ? bytes(count, type, name) : read_words(file_, p_, end_, count, as, name);
     }
-    Status skip_numbers(std::uint64_t count, NumberType type, std::string_view name);
-    Status skip_bits(std::uint64_t count, std::string_view name);
-    /// Skips strings; `last` becomes the last of them.
-    Status strings(std::uint64_t count, std::string_view name, std::string_view& last);
+    void skip_numbers(std::uint64_t count, NumberType type, std::string_view name);
+    void skip_bits(std::uint64_t count, std::string_view name);
+    /// Skips strings. Returns the last of them.
+    std::string_view strings(std::uint64_t count, std::string_view name);
 
-    /// The memory of the numbers that were read last, if they were text.
-    Array<std::byte>& last_storage() noexcept { return storage_.back(); }
-
-    /// An error at the next word.
-    Error error(const std::string& what);
-    Error expected(const std::string& what);
+    /// Throws an error at the next word.
+    [[noreturn]] void fail(const std::string& what);
+    [[noreturn]] void expected(const std::string& what);
 
 private:
-    Error error_at(const char* p, const std::string& what) const;
-    Status begin_bytes(std::uint64_t count, std::size_t bytes_each, std::string_view name);
-    Result<NumberArray> bytes(std::uint64_t count, NumberType type, std::string_view name);
-    Error truncated_strings(std::string_view name) const;
-    Status binary_string(std::string_view name, std::string_view& string);
+    [[noreturn]] void fail_here(const std::string& what) const { throw TextError{p_, what, !binary_}; }
+    NumberArray bytes(std::uint64_t count, NumberType type, std::string_view name);
+    std::string_view binary_string(std::string_view name);
+    void need(std::uint64_t bytes, std::string_view name) const;
 
     VtkFile& file_;
     const char* p_;
     const char* end_;
     bool binary_ = false;
-    std::deque<Array<std::byte>> storage_;  ///< of what was text
 };
 
 }  // namespace lamella

@@ -1,4 +1,4 @@
-#include "io/read/vtk/vtp_data.hpp"
+#include "io/read/vtk/vtp_document.hpp"
 
 #include <zlib.h>
 
@@ -14,8 +14,6 @@
 
 #include "io/read/lookout.hpp"
 #include "io/read/vtk/base64.hpp"
-#include "io/read/vtk/number_words.hpp"
-#include "io/text/text.hpp"
 
 namespace lamella {
 
@@ -79,167 +77,147 @@ struct Blocks {
     }
 };
 
-/// Reads the bytes of one array.
+/// Reads the bytes of one array. Throws TextErrors at its element.
 class ArrayReader {
 public:
     ArrayReader(VtkFile& file, const VtpForm& form, const VtpArray& array, ByteStream stream)
-        : file_(file), form_(form), array_(array), stream_(stream) {}
+        : file_(file), form_(form), array_(array), stream_(stream), storage_(file.source.memory()) {}
 
-    /// Its `count` numbers, which lie where they are or in `storage`.
-    Result<NumberArray> read(std::uint64_t count, Array<std::byte>& storage);
-
-    Error error(const std::string& what) const {
-        return file_.error_at(file_.text.data() + array_.element, std::string(array_.name) + " " + what);
-    }
+    /// Its `count` numbers, which lie where they are or in a storage of their own.
+    NumberArray read(std::uint64_t count);
 
 private:
-    Result<const std::byte*> read_plain(std::uint64_t total, Array<std::byte>& storage);
-    Result<const std::byte*> read_compressed(std::uint64_t total, Array<std::byte>& storage);
-    bool inflate_narrow(const Blocks& blocks, const std::byte* packed, Array<std::byte>& storage);
+    const std::byte* read_plain(std::uint64_t total);
+    const std::byte* read_compressed(std::uint64_t total);
+    bool inflate_narrow(const Blocks& blocks, const std::byte* packed);
+    void inflate(const Blocks& blocks, const std::byte* packed);
     int inflate_block(const Blocks& blocks, std::size_t block, const std::byte* packed, std::byte* out) const;
-    Status read_header(std::span<std::uint64_t> numbers);
-    Status read_blocks(Blocks& blocks);
-    Status read_stored(std::uint64_t count, Array<std::byte>& storage);
-    Status inflate(const Blocks& blocks, const std::byte* packed, Array<std::byte>& storage) const;
+    void read_header(std::span<std::uint64_t> numbers);
+    Blocks read_blocks();
+    Array<std::byte> read_stored(std::uint64_t count);
 
-    Error ended() const { return error("is truncated, or malformed base64"); }
+    [[noreturn]] void fail(const std::string& what) const {
+        throw TextError{array_.element, std::string(array_.name) + " " + what};
+    }
+    [[noreturn]] void fail_at_end() const { fail("is truncated, or malformed base64"); }
 
     VtkFile& file_;
     const VtpForm& form_;
     const VtpArray& array_;
     ByteStream stream_;
+    Array<std::byte> storage_;
     bool narrow_ = false;  // its integers of 64 bits became such of 32
 };
 
-Result<NumberArray> ArrayReader::read(std::uint64_t count, Array<std::byte>& storage) {
-    const std::uint64_t total = count * bytes_of(array_.type);
-    const Result<const std::byte*> bytes =
-        form_.compressor.empty() ? read_plain(total, storage) : read_compressed(total, storage);
-    if (!bytes) {
-        return bytes.error();
+NumberArray ArrayReader::read(std::uint64_t count) {
+    if (count > std::numeric_limits<std::uint64_t>::max() / sizeof(double)) {
+        fail("should have " + std::to_string(count) + " numbers, which no file has");
     }
-    if (narrow_) {
-        return NumberArray{bytes.value(), count, NumberType::uint32, false, {NumberPlace::Form::encoded, array_.element}};
-    }
-    NumberArray numbers{bytes.value(), count, array_.type, form_.big_endian, {NumberPlace::Form::encoded, array_.element}};
-    if (storage.empty()) {
-        numbers.place = {NumberPlace::Form::bytes, file_.offset_of(reinterpret_cast<const char*>(bytes.value()))};
-    }
+    const std::uint64_t total = count * size_of(array_.type);
+    NumberArray numbers;
+    numbers.data = form_.compressor.empty() ? read_plain(total) : read_compressed(total);
+    numbers.count = count;
+    numbers.type = narrow_ ? NumberType::uint32 : array_.type;
+    numbers.big_endian = form_.big_endian && !narrow_;
+    const bool in_file = storage_.empty();
+    numbers.form = in_file ? NumberArray::Form::bytes : NumberArray::Form::encoded;
+    numbers.at = in_file ? reinterpret_cast<const char*>(numbers.data) : array_.element;
+    numbers.storage = std::move(storage_);
     return numbers;
 }
 
-Status ArrayReader::read_header(std::span<std::uint64_t> numbers) {
+void ArrayReader::read_header(std::span<std::uint64_t> numbers) {
     std::array<std::byte, 8> bytes{};
     Lookout lookout(file_.source.parallel());
     for (std::uint64_t& number : numbers) {
         lookout.pass();
         if (!stream_.read(std::span(bytes).first(form_.header_bytes))) {
-            return ended();
+            fail_at_end();
         }
-        const NumberType type = form_.header_bytes == 4 ? NumberType::uint32 : NumberType::uint64;
-        decode_integers({bytes.data(), 1, type, form_.big_endian, {}}, 0, 1, &number);
+        number = form_.header_bytes == 4 ? load_number<std::uint32_t>(bytes.data(), form_.big_endian)
+                                         : load_number<std::uint64_t>(bytes.data(), form_.big_endian);
     }
-    return {};
 }
 
 /// Copies the next `count` bytes, once they are known to be there.
-Status ArrayReader::read_stored(std::uint64_t count, Array<std::byte>& storage) {
+Array<std::byte> ArrayReader::read_stored(std::uint64_t count) {
     if (count > stream_.most_left()) {
-        return ended();
+        fail_at_end();
     }
-    if (Status room = file_.budget.take(count, 1); !room) {
-        return room;
-    }
-    storage.resize_discarding(count);
+    file_.budget.take(count, 1);
+    Array<std::byte> bytes(file_.source.memory());
+    bytes.resize_discarding(count);
     constexpr std::size_t piece_bytes = std::size_t{1} << 20;
-    for (std::span<std::byte> rest = storage.span(); !rest.empty();) {
+    for (std::span<std::byte> rest = bytes.span(); !rest.empty();) {
         file_.source.parallel().stop_if_asked();
-        const std::size_t bytes = std::min(piece_bytes, rest.size());
-        if (!stream_.read(rest.first(bytes))) {
-            return ended();
+        const std::span<std::byte> piece = rest.first(std::min(piece_bytes, rest.size()));
+        if (!stream_.read(piece)) {
+            fail_at_end();
         }
-        rest = rest.subspan(bytes);
+        rest = rest.subspan(piece.size());
     }
-    return {};
+    return bytes;
 }
 
-Result<const std::byte*> ArrayReader::read_plain(std::uint64_t total, Array<std::byte>& storage) {
+const std::byte* ArrayReader::read_plain(std::uint64_t total) {
     std::uint64_t counted = 0;
-    if (Status read = read_header({&counted, 1}); !read) {
-        return read.error();
-    }
+    read_header({&counted, 1});
     if (counted != total) {
-        return error("should have " + std::to_string(total) + " bytes, but counts " + std::to_string(counted));
+        fail("should have " + std::to_string(total) + " bytes, but counts " + std::to_string(counted));
     }
-    if (stream_.is_raw()) {
-        return total <= stream_.most_left() ? Result<const std::byte*>(stream_.take(total).data()) : ended();
+    if (!stream_.is_raw()) {
+        storage_ = read_stored(total);
+        return storage_.data();
     }
-    if (Status read = read_stored(total, storage); !read) {
-        return read.error();
+    if (total > stream_.most_left()) {
+        fail_at_end();
     }
-    return storage.data();
+    return stream_.take(total).data();
 }
 
-Status ArrayReader::read_blocks(Blocks& blocks) {
+Blocks ArrayReader::read_blocks() {
     std::array<std::uint64_t, 3> counts{};
-    if (Status read = read_header(counts); !read) {
-        return read;
-    }
+    read_header(counts);
     if (counts[0] > stream_.most_left() / form_.header_bytes) {
-        return error("is truncated: counts " + std::to_string(counts[0]) + " compressed blocks");
+        fail("is truncated: counts " + std::to_string(counts[0]) + " compressed blocks");
     }
-    if (Status room = file_.budget.take(counts[0], sizeof(std::uint64_t) + sizeof(int)); !room) {
-        return room;
-    }
-    blocks.bytes = counts[1];
-    blocks.last_bytes = counts[2] == 0 ? counts[1] : counts[2];
-    blocks.ends.resize(counts[0]);
-    if (Status read = read_header(blocks.ends); !read) {
-        return read;
-    }
+    file_.budget.take(counts[0], sizeof(std::uint64_t) + sizeof(int));
+    Blocks blocks{counts[1], counts[2] == 0 ? counts[1] : counts[2], std::vector<std::uint64_t>(counts[0])};
+    read_header(blocks.ends);
     std::uint64_t end = 0;
     for (std::uint64_t& block : blocks.ends) {
         if (block > stream_.most_left() - end) {
-            return error("is truncated within its compressed blocks");
+            fail("is truncated within its compressed blocks");
         }
         end += block;
         block = end;
     }
-    return {};
+    return blocks;
 }
 
-Result<const std::byte*> ArrayReader::read_compressed(std::uint64_t total, Array<std::byte>& storage) {
+const std::byte* ArrayReader::read_compressed(std::uint64_t total) {
     if (form_.compressor != zlib_compressor) {
-        return error("is compressed by '" + printable(form_.compressor) + "', which is not read: only " +
-                     std::string(zlib_compressor) + " is");
+        fail("is compressed by '" + printable(form_.compressor) + "', which is not read: only " +
+             std::string(zlib_compressor) + " is");
     }
-    Blocks blocks;
-    if (Status read = read_blocks(blocks); !read) {
-        return read.error();
-    }
+    const Blocks blocks = read_blocks();
     if (!blocks.hold(total) || total / most_expansion > blocks.ends.back()) {
-        return error("should have " + std::to_string(total) + " bytes, which its compressed blocks do not hold");
+        fail("should have " + std::to_string(total) + " bytes, which its compressed blocks do not hold");
     }
     const std::uint64_t packed_bytes = blocks.ends.back();
     Array<std::byte> packed(file_.source.memory());
     if (!stream_.is_raw()) {
-        if (Status read = read_stored(packed_bytes, packed); !read) {
-            return read.error();
-        }
+        packed = read_stored(packed_bytes);
     }
     const std::byte* const from = stream_.is_raw() ? stream_.take(packed_bytes).data() : packed.data();
-    narrow_ = inflate_narrow(blocks, from, storage);
+    narrow_ = inflate_narrow(blocks, from);
     if (!narrow_) {
-        if (Status room = file_.budget.take(total, 1); !room) {
-            return room.error();
-        }
-        storage.resize_discarding(total);
-        if (Status done = inflate(blocks, from, storage); !done) {
-            return done.error();
-        }
+        file_.budget.take(total, 1);
+        storage_.resize_discarding(total);
+        inflate(blocks, from);
     }
     file_.budget.give_back(packed.size());
-    return storage.data();
+    return storage_.data();
 }
 
 int ArrayReader::inflate_block(const Blocks& blocks, std::size_t block, const std::byte* packed, std::byte* out) const {
@@ -253,17 +231,17 @@ int ArrayReader::inflate_block(const Blocks& blocks, std::size_t block, const st
 
 /// Holds integers of 64 bits in 32 if all fit, as they nearly always do: they compress so well that they would exceed the
 /// memory limit of a small file. False: they do not fit or are damaged, and nothing is held.
-bool ArrayReader::inflate_narrow(const Blocks& blocks, const std::byte* packed, Array<std::byte>& storage) {
+bool ArrayReader::inflate_narrow(const Blocks& blocks, const std::byte* packed) {
     constexpr std::uint64_t wide = sizeof(std::uint64_t);
     constexpr std::uint64_t most_bytes = std::uint64_t{1} << 20;  // of a block, which each thread holds one of
     const std::uint64_t count = ((blocks.ends.size() - 1) * blocks.bytes + blocks.last_bytes) / wide;
-    if (!is_integer(array_.type) || bytes_of(array_.type) != wide || blocks.bytes % wide != 0 ||
+    if (!is_integer(array_.type) || size_of(array_.type) != wide || blocks.bytes % wide != 0 ||
         blocks.last_bytes % wide != 0 || std::max(blocks.bytes, blocks.last_bytes) > most_bytes ||
-        !file_.budget.take(count, sizeof(std::uint32_t))) {
+        !file_.budget.try_take(count, sizeof(std::uint32_t))) {
         return false;
     }
-    storage.resize_discarding(count * sizeof(std::uint32_t));
-    auto* const out = reinterpret_cast<std::uint32_t*>(storage.data());
+    storage_.resize_discarding(count * sizeof(std::uint32_t));
+    auto* const out = reinterpret_cast<std::uint32_t*>(storage_.data());
     const Parallel& parallel = file_.source.parallel();
     std::vector<std::vector<std::byte>> rooms(static_cast<std::size_t>(parallel.threads()));
     std::atomic<bool> good{true};
@@ -271,33 +249,33 @@ bool ArrayReader::inflate_narrow(const Blocks& blocks, const std::byte* packed, 
         std::vector<std::byte>& room = rooms[static_cast<std::size_t>(worker)];
         room.resize(std::max(blocks.bytes, blocks.last_bytes));
         const std::uint64_t numbers = (i + 1 == blocks.ends.size() ? blocks.last_bytes : blocks.bytes) / wide;
-        const NumberArray block{room.data(), numbers, array_.type, form_.big_endian, {}};
+        const NumberArray block{room.data(), numbers, array_.type, form_.big_endian};
         if (!good.load(std::memory_order_relaxed) || inflate_block(blocks, i, packed, room.data()) != Z_OK ||
             decode_indices(block, 0, numbers, out + i * blocks.bytes / wide) > std::numeric_limits<std::uint32_t>::max()) {
             good.store(false, std::memory_order_relaxed);
         }
     });
     if (!good) {
-        storage = Array<std::byte>(file_.source.memory());
+        storage_ = Array<std::byte>(file_.source.memory());
         file_.budget.give_back(count * sizeof(std::uint32_t));
     }
     return good;
 }
 
-Status ArrayReader::inflate(const Blocks& blocks, const std::byte* packed, Array<std::byte>& storage) const {
+void ArrayReader::inflate(const Blocks& blocks, const std::byte* packed) {
     std::vector<int> answers(blocks.ends.size(), Z_OK);
     file_.source.parallel().run(blocks.ends.size(), [&](std::size_t i, int) {
-        answers[i] = inflate_block(blocks, i, packed, storage.data() + i * blocks.bytes);
+        answers[i] = inflate_block(blocks, i, packed, storage_.data() + i * blocks.bytes);
     });
     const auto failed = std::find_if(answers.begin(), answers.end(), [](int answer) { return answer != Z_OK; });
     if (failed == answers.end()) {
-        return {};
+        return;
     }
     if (*failed == Z_MEM_ERROR) {
         throw std::bad_alloc();
     }
-    return error("is damaged: its compressed block " + std::to_string(failed - answers.begin()) +
-                 " does not expand to what is counted");
+    fail("is damaged: its compressed block " + std::to_string(failed - answers.begin()) +
+         " does not expand to what is counted");
 }
 
 std::span<const std::byte> as_bytes(std::string_view text) {
@@ -314,36 +292,19 @@ ByteStream stream_of(const VtpForm& form, const VtpArray& array) {
 
 }  // namespace
 
-template <class Value>
-Result<NumberArray> VtpData::load(const VtpArray& array, std::uint64_t count) {
-    storage_.emplace_back(file_.source.memory());
-    return array.format == VtpArray::Format::ascii ? load_decimals<Value>(array, count) : load_bytes(array, count);
-}
-
-template Result<NumberArray> VtpData::load<float>(const VtpArray&, std::uint64_t);
-template Result<NumberArray> VtpData::load<double>(const VtpArray&, std::uint64_t);
-template Result<NumberArray> VtpData::load<std::uint32_t>(const VtpArray&, std::uint64_t);
-template Result<NumberArray> VtpData::load<std::uint64_t>(const VtpArray&, std::uint64_t);
-
-template <class Value>
-Result<NumberArray> VtpData::load_decimals(const VtpArray& array, std::uint64_t count) {
+NumberArray load_array(VtkFile& file, const VtpForm& form, const VtpArray& array, std::uint64_t count, NumberType as) {
+    if (array.format != VtpArray::Format::ascii) {
+        return ArrayReader(file, form, array, stream_of(form, array)).read(count);
+    }
     const char* p = array.content.data();
     const char* const end = p + array.content.size();
-    Result<NumberArray> numbers = read_text_array<Value>(file_, p, end, count, array.name, storage_.back());
+    NumberArray numbers = read_words(file, p, end, count, as, array.name);
     p = skip_space(p, end);
-    if (numbers && p != end) {
-        return file_.error_at(p, "expected the end of the " + std::to_string(count) + " numbers of " +
-                                     std::string(array.name) + ", found " + word_at(p, end));
+    if (p != end) {
+        throw TextError{p, "expected the end of the " + std::to_string(count) + " numbers of " + std::string(array.name) +
+                               ", found " + word_at(p, end)};
     }
     return numbers;
-}
-
-Result<NumberArray> VtpData::load_bytes(const VtpArray& array, std::uint64_t count) {
-    ArrayReader reader(file_, form_, array, stream_of(form_, array));
-    if (count > std::numeric_limits<std::uint64_t>::max() / sizeof(double)) {
-        return reader.error("should have " + std::to_string(count) + " numbers, which no file has");
-    }
-    return reader.read(count, storage_.back());
 }
 
 }  // namespace lamella

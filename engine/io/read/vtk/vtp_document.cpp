@@ -80,14 +80,14 @@ class Parser : public XmlReader {
 public:
     explicit Parser(VtkFile& file) : XmlReader(file.source.memory()), file_(file) {}
 
-    Result<VtpDocument> read();
+    VtpDocument read();
 
 private:
     void begin_element(const XmlName& name, const XmlAttributes& attributes) override;
     void end_element(const XmlName& name) override;
     void text(std::string_view /*piece*/) override {}  // that of arrays is found by its place
 
-    bool feed_all();
+    void feed_all();
     std::size_t skippable(std::string_view rest) const;
 
     void begin_file(const XmlAttributes& attributes);
@@ -95,40 +95,38 @@ private:
     void begin_array(Element parent, const XmlAttributes& attributes);
     void begin_appended(const XmlAttributes& attributes);
     std::optional<VtpArray>* wanted_array(Element parent, const XmlAttributes& attributes);
-    bool read_count(const XmlAttributes& attributes, std::string_view name, std::uint64_t& count);
-    bool read_type(Element parent, const XmlAttributes& attributes, VtpArray& array);
-    bool read_format(const XmlAttributes& attributes, VtpArray& array);
+    std::uint64_t count(const XmlAttributes& attributes, std::string_view name) const;
+    NumberType type(Element parent, const XmlAttributes& attributes) const;
+    VtpArray::Format format(const XmlAttributes& attributes) const;
     void end_content();
 
-    /// The value of an attribute that must be one of two; the first if it is absent. False: it is neither.
-    bool choose(const XmlAttributes& attributes, std::string_view name, std::string_view first, std::string_view second,
-                bool& is_second);
+    /// Whether an attribute is the second of two values, one of which it must be; it is the first if it is absent.
+    bool is_second(const XmlAttributes& attributes, std::string_view name, std::string_view first,
+                   std::string_view second) const;
+
+    /// Throws an error at the tag at hand.
+    [[noreturn]] void refuse(const std::string& what) const { throw TextError{event(), what}; }
+    const char* event() const { return file_.text.data() + event_offset(); }
 
     VtkFile& file_;
     VtpDocument document_;
     std::vector<Element> open_{Element::document};
-    std::uint64_t tag_end_ = 0;     ///< of the last element that began
-    VtpArray* array_ = nullptr;     ///< whose content has not ended
-    std::uint64_t content_ = 0;     ///< where it began
-    std::optional<Error> refusal_;  ///< an error that does not concern the XML
+    std::uint64_t tag_end_ = 0;  ///< of the last element that began
+    VtpArray* array_ = nullptr;  ///< whose content has not ended
+    std::uint64_t content_ = 0;  ///< where it began
 };
 
-Result<VtpDocument> Parser::read() {
-    if (feed_all()) {
-        finish();
-    }
+VtpDocument Parser::read() {
+    feed_all();
     if (failure()) {
-        return file_.error_at(file_.text.data() + failure()->offset, failure()->what);
-    }
-    if (refusal_) {
-        return *refusal_;
+        throw TextError{file_.text.data() + failure()->offset, failure()->what};
     }
     document_.unbound_name = unbound_name();
     return std::move(document_);
 }
 
 /// Feeds everything but the numbers of arrays: expat would take longer to pass over them than they take to be read.
-bool Parser::feed_all() {
+void Parser::feed_all() {
     constexpr std::size_t window = std::size_t{64} << 10;  // appended data, which end parsing, are not searched for tags
     std::string_view rest = file_.text;
     while (!rest.empty()) {
@@ -137,14 +135,14 @@ bool Parser::feed_all() {
         const std::size_t tag_end = ahead.find('>', ahead.find("<DataArray"));
         const std::string_view head = ahead.substr(0, tag_end == std::string_view::npos ? tag_end : tag_end + 1);
         if (!feed(head)) {
-            return false;
+            return;
         }
         rest.remove_prefix(head.size());
         const std::string_view numbers = rest.substr(0, skippable(rest));
         skip(numbers);
         rest.remove_prefix(numbers.size());
     }
-    return true;
+    finish();
 }
 
 /// How much of `rest` is text of the element that has just begun, if it holds no markup or entities.
@@ -183,7 +181,7 @@ void Parser::begin_element(const XmlName& name, const XmlAttributes& attributes)
             break;
     }
     if (parent == Element::document) {
-        fail("expected the element VTKFile, found " + quoted(name.local));
+        refuse("expected the element VTKFile, found " + quoted(name.local));
     } else if (parent == Element::file && name.local == "AppendedData") {
         begin_appended(attributes);
     }
@@ -201,56 +199,47 @@ void Parser::end_content() {
     }
 }
 
-bool Parser::choose(const XmlAttributes& attributes, std::string_view name, std::string_view first, std::string_view second,
-                    bool& is_second) {
+bool Parser::is_second(const XmlAttributes& attributes, std::string_view name, std::string_view first,
+                       std::string_view second) const {
     const std::string_view value = attributes.find(name).value_or(first);
-    is_second = value == second;
-    if (value == first || is_second) {
-        return true;
+    if (value != first && value != second) {
+        refuse("expected " + std::string(name) + " " + std::string(first) + " or " + std::string(second) + ", found " +
+               quoted(value));
     }
-    fail("expected " + std::string(name) + " " + std::string(first) + " or " + std::string(second) + ", found " +
-         quoted(value));
-    return false;
+    return value == second;
 }
 
 void Parser::begin_file(const XmlAttributes& attributes) {
     const std::string_view type = attributes.find("type").value_or("");
     if (type != "PolyData") {
-        return fail("expected a file of type PolyData, the only one that is read, found " + quoted(type));
+        refuse("expected a file of type PolyData, the only one that is read, found " + quoted(type));
     }
-    bool wide_headers = false;
-    if (choose(attributes, "byte_order", "LittleEndian", "BigEndian", document_.form.big_endian) &&
-        choose(attributes, "header_type", "UInt32", "UInt64", wide_headers)) {
-        document_.form.header_bytes = wide_headers ? 8 : 4;
-        document_.form.compressor = attributes.find("compressor").value_or("");
-    }
+    document_.form.big_endian = is_second(attributes, "byte_order", "LittleEndian", "BigEndian");
+    document_.form.header_bytes = is_second(attributes, "header_type", "UInt32", "UInt64") ? 8 : 4;
+    document_.form.compressor = attributes.find("compressor").value_or("");
 }
 
-bool Parser::read_count(const XmlAttributes& attributes, std::string_view name, std::uint64_t& count) {
+std::uint64_t Parser::count(const XmlAttributes& attributes, std::string_view name) const {
     const std::string_view digits = attributes.find(name).value_or("0");
     const char* const end = digits.data() + digits.size();
+    std::uint64_t count = 0;
     const auto [number_end, failure] = std::from_chars(digits.data(), end, count);
     if (failure != std::errc() || number_end != end) {
-        fail("expected a number as " + std::string(name) + ", found " + quoted(digits));
-        return false;
+        refuse("expected a number as " + std::string(name) + ", found " + quoted(digits));
     }
-    return true;
+    return count;
 }
 
 void Parser::begin_piece(const XmlAttributes& attributes) {
-    if (Status room = file_.budget.take(1, sizeof(VtpPiece)); !room) {
-        refusal_ = room.error();
-        return stop();
-    }
+    file_.budget.take(1, sizeof(VtpPiece));
     VtpPiece& piece = document_.pieces.emplace_back();
-    piece.element = event_offset();
+    piece.element = event();
     if (!attributes.find("NumberOfPoints")) {
-        return fail("expected a Piece with NumberOfPoints");
+        refuse("expected a Piece with NumberOfPoints");
     }
-    if (read_count(attributes, "NumberOfPoints", piece.point_count) &&
-        read_count(attributes, "NumberOfPolys", piece.polygons.count)) {
-        read_count(attributes, "NumberOfStrips", piece.strips.count);
-    }
+    piece.point_count = count(attributes, "NumberOfPoints");
+    piece.polygons.count = count(attributes, "NumberOfPolys");
+    piece.strips.count = count(attributes, "NumberOfStrips");
 }
 
 /// Where the array that begins is stored; null if it is not needed.
@@ -276,70 +265,59 @@ void Parser::begin_array(Element parent, const XmlAttributes& attributes) {
         return;
     }
     if (place->has_value()) {
-        return fail("expected one such DataArray, found a second");
+        refuse("expected one such DataArray, found a second");
     }
     VtpArray& array = place->emplace();
     array.name = name_in(parent, attributes.find("Name") == "connectivity");
-    array.element = event_offset();
+    array.element = event();
     if (parent == Element::points && attributes.find("NumberOfComponents").value_or("3") != "3") {
-        return fail("expected Points of 3 components");
+        refuse("expected Points of 3 components");
     }
-    if (!read_type(parent, attributes, array) || !read_format(attributes, array)) {
-        return;
+    array.type = type(parent, attributes);
+    array.format = format(attributes);
+    if (array.format == VtpArray::Format::appended) {
+        array.appended_offset = count(attributes, "offset");
     }
-    if (is_integer(array.type) || parent == Element::points) {
-        array_ = &array;
-        content_ = event_end();
-        array_->content = file_.text.substr(content_, 0);
-    } else {
-        fail("expected integers, found numbers of type " + quoted(attributes.find("type").value_or("")));
+    if (!is_integer(array.type) && parent != Element::points) {
+        refuse("expected integers, found numbers of type " + quoted(attributes.find("type").value_or("")));
     }
+    array_ = &array;
+    content_ = event_end();
+    array_->content = file_.text.substr(content_, 0);
 }
 
-bool Parser::read_type(Element parent, const XmlAttributes& attributes, VtpArray& array) {
+NumberType Parser::type(Element parent, const XmlAttributes& attributes) const {
     const std::string_view name = attributes.find("type").value_or("");
+    if (name == "String" && parent == Element::field_data) {
+        return NumberType::uint8;  // characters, and a 0 after each string
+    }
     const auto* const found = std::find_if(vtp_type_names.begin(), vtp_type_names.end(),
                                            [name](const VtpTypeName& known) { return known.name == name; });
-    if (name == "String" && parent == Element::field_data) {
-        array.type = NumberType::uint8;  // characters, and a 0 after each string
-        return true;
-    }
     if (found == vtp_type_names.end()) {
-        fail("expected a DataArray of a type from Int8 to Float64, found " + quoted(name));
-        return false;
+        refuse("expected a DataArray of a type from Int8 to Float64, found " + quoted(name));
     }
-    array.type = found->type;
-    return true;
+    return found->type;
 }
 
-bool Parser::read_format(const XmlAttributes& attributes, VtpArray& array) {
-    const std::string_view format = attributes.find("format").value_or("ascii");
-    if (format == "appended") {
-        array.format = VtpArray::Format::appended;
-        return read_count(attributes, "offset", array.appended_offset);
+VtpArray::Format Parser::format(const XmlAttributes& attributes) const {
+    if (attributes.find("format") == "appended") {
+        return VtpArray::Format::appended;
     }
-    bool binary = false;
-    if (!choose(attributes, "format", "ascii", "binary", binary)) {
-        return false;
-    }
-    array.format = binary ? VtpArray::Format::binary : VtpArray::Format::ascii;
-    return true;
+    return is_second(attributes, "format", "ascii", "binary") ? VtpArray::Format::binary : VtpArray::Format::ascii;
 }
 
 /// Appended data are not XML, so parsing ends here.
 void Parser::begin_appended(const XmlAttributes& attributes) {
-    if (!choose(attributes, "encoding", "raw", "base64", document_.form.appended_as_base64)) {
-        return;
-    }
+    document_.form.appended_as_base64 = is_second(attributes, "encoding", "raw", "base64");
     const std::string_view after = file_.text.substr(event_end());
     const char* const begin = skip_space(after.data(), after.data() + after.size());
     const auto before_data = static_cast<std::size_t>(begin - after.data()) + 1;
     const std::size_t end = after.rfind("</AppendedData");
     if (end == std::string_view::npos) {
-        return fail("is truncated: AppendedData does not end");
+        refuse("is truncated: AppendedData does not end");
     }
     if (end < before_data || *begin != '_') {
-        return fail("expected '_' at the beginning of AppendedData");
+        refuse("expected '_' at the beginning of AppendedData");
     }
     document_.form.appended = after.substr(before_data, end - before_data);
     stop();
@@ -347,7 +325,7 @@ void Parser::begin_appended(const XmlAttributes& attributes) {
 
 }  // namespace
 
-Result<VtpDocument> read_vtp_document(VtkFile& file) {
+VtpDocument read_vtp_document(VtkFile& file) {
     return Parser(file).read();
 }
 

@@ -1,15 +1,37 @@
-// The XML of a VTP file: which pieces it has, and where their arrays are.
+// A VTP file: the XML says which pieces it has, and where their arrays are. Arrays are stored as decimals, or as bytes that
+// are raw, in base64 or compressed, where their element is or appended to the document.
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "io/read/vtk/vtk_file.hpp"
-#include "io/read/vtk/vtp_data.hpp"
 #include "io/xml/xml.hpp"
 
 namespace lamella {
+
+/// An element DataArray.
+struct VtpArray {
+    enum class Format : std::uint8_t { ascii, binary, appended };
+    std::string_view name;  ///< for messages
+    NumberType type = NumberType::float32;
+    Format format = Format::ascii;
+    const char* element = nullptr;      ///< where in the file it begins
+    std::uint64_t appended_offset = 0;  ///< where in the appended data it lies
+    std::string_view content;           ///< the text in the element, up to the next tag
+};
+
+/// What the file says of the form of its data.
+struct VtpForm {
+    bool big_endian = false;
+    std::size_t header_bytes = 4;    ///< of each of the numbers before the data of an array
+    std::string compressor;          ///< empty: none
+    bool appended_as_base64 = true;  ///< else raw
+    std::string_view appended;       ///< the appended data, after their underscore
+};
 
 /// Polygons or strips.
 struct VtpCells {
@@ -19,7 +41,7 @@ struct VtpCells {
 };
 
 struct VtpPiece {
-    std::uint64_t element = 0;  ///< where in the file it begins
+    const char* element = nullptr;  ///< where in the file it begins
     std::uint64_t point_count = 0;
     std::optional<VtpArray> points;
     VtpCells polygons;
@@ -33,7 +55,10 @@ struct VtpDocument {
     std::optional<VtpArray> space;  ///< the string of that name among the field data, as 3D Slicer writes it
 };
 
-/// Reads the document up to the appended data, which are no XML.
-Result<VtpDocument> read_vtp_document(VtkFile& file);
+/// Reads the document up to the appended data, which are no XML. Throws errors.
+VtpDocument read_vtp_document(VtkFile& file);
+
+/// The numbers of `array`, which must be `count`. Decimals are read as `as`: see read_words(). Throws errors.
+NumberArray load_array(VtkFile& file, const VtpForm& form, const VtpArray& array, std::uint64_t count, NumberType as);
 
 }  // namespace lamella

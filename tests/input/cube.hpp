@@ -8,9 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <catch2/catch.hpp>
-
-#include "engine/slicing.hpp"
 #include "read.hpp"
 
 namespace lamella::input_test {
@@ -36,31 +33,7 @@ inline std::string cube_corner_text(std::size_t v) {
     return text;
 }
 
-/// Nine coordinates a triangle, the same read and mapped, by 1 and 3 threads.
-inline std::vector<std::array<double, 9>> read_triangles(const std::filesystem::path& path) {
-    return same_every_way(path, [](const MeshFile& mesh) {
-        const MeshView view = mesh.view();
-        REQUIRE(view.coordinate_type == CoordinateType::f64);
-        REQUIRE(view.indices != nullptr);
-        std::vector<std::array<double, 9>> triangles(view.triangle_count);
-        for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
-            const std::uint64_t vertex = view.vertex_of(i / 3, i % 3);
-            REQUIRE(vertex < view.vertex_count);
-            std::memcpy(&triangles[i / 3][3 * (i % 3)], view.vertices + vertex * view.stride, 3 * sizeof(double));
-        }
-        return triangles;
-    });
-}
-
-/// Of the slices of any file.
-inline std::uint64_t hash_of(const std::filesystem::path& path) {
-    const Result<MeshFile> mesh = read_mesh(path);
-    INFO((mesh ? "" : mesh.error().message));
-    REQUIRE(mesh.ok());
-    return hash_result(sliced(mesh.value().view(), uniform(0.7)));
-}
-
-/// Of the cube as STL.
+/// Of the slices of the cube as STL.
 inline std::uint64_t cube_hash(const TempFolder& dir) {
     std::vector<Facet> facets;
     for (const auto& side : cube_sides) {
@@ -71,13 +44,6 @@ inline std::uint64_t cube_hash(const TempFolder& dir) {
         }
     }
     return hash_of(dir.write("cube.stl", binary_stl(facets)));
-}
-
-inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
-        text.replace(at, what.size(), by);
-    }
-    return text;
 }
 
 }  // namespace lamella::input_test

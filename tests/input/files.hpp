@@ -1,7 +1,9 @@
 // Files for the tests of the readers: folders and STL in both forms.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -34,12 +36,56 @@ inline std::vector<Facet> numbered_facets(std::size_t count) {
     return facets;
 }
 
-inline std::string little_endian(std::uint32_t value) {
-    std::string bytes;
-    for (int shift = 0; shift < 32; shift += 8) {
-        bytes += static_cast<char>(value >> shift & 0xFF);
+/// What use(number) makes of `value` as the type of that name in PLY, legacy VTK or VTP; 64-bit integers where there is
+/// none. What an integer does not hold wraps round.
+template <class Number, class Use>
+auto as_type(std::string_view type, Number value, const Use& use) {
+    const auto is_one_of = [type](const std::string& names) {
+        return names.find(" " + std::string(type) + " ") != names.npos;
+    };
+    const auto whole = [value] { return static_cast<std::int64_t>(value); };
+    if (is_one_of(" float float32 Float32 ")) {
+        return use(static_cast<float>(value));
+    }
+    if (is_one_of(" double float64 Float64 ")) {
+        return use(static_cast<double>(value));
+    }
+    if (is_one_of(" uchar uint8 unsigned_char UInt8 ")) {
+        return use(static_cast<std::uint8_t>(whole()));
+    }
+    if (is_one_of(" char int8 Int8 ")) {
+        return use(static_cast<std::int8_t>(whole()));
+    }
+    if (is_one_of(" ushort uint16 unsigned_short UInt16 ")) {
+        return use(static_cast<std::uint16_t>(whole()));
+    }
+    if (is_one_of(" short int16 Int16 ")) {
+        return use(static_cast<std::int16_t>(whole()));
+    }
+    if (is_one_of(" uint uint32 unsigned_int UInt32 ")) {
+        return use(static_cast<std::uint32_t>(whole()));
+    }
+    if (is_one_of(" int int32 Int32 vtktypeint32 ")) {
+        return use(static_cast<std::int32_t>(whole()));
+    }
+    if (is_one_of(" unsigned_long UInt64 ")) {
+        return use(static_cast<std::uint64_t>(value));
+    }
+    return use(whole());
+}
+
+template <class Number>
+std::string bytes_of(Number value, bool big_endian) {
+    std::string bytes(sizeof value, '\0');
+    std::memcpy(bytes.data(), &value, sizeof value);
+    if (big_endian != (std::endian::native == std::endian::big)) {
+        std::reverse(bytes.begin(), bytes.end());
     }
     return bytes;
+}
+
+inline std::string little_endian(std::uint32_t value) {
+    return bytes_of(value, false);
 }
 
 /// `counted` is what the header says.
@@ -92,6 +138,20 @@ inline std::string deflated(const std::string& bytes, int window_bits = -MAX_WBI
     packed.resize(packed.size() - stream.avail_out);
     deflateEnd(&stream);
     return packed;
+}
+
+inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+        text.replace(at, what.size(), by);
+    }
+    return text;
+}
+
+/// Of ASCII letters.
+inline std::string upper(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; });
+    return text;
 }
 
 }  // namespace lamella::input_test

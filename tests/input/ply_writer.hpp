@@ -1,17 +1,15 @@
 // PLY in all its variants, for the tests of the reader.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "engine/shapes.hpp"
+#include "files.hpp"
 
 namespace lamella::ply_test {
 
@@ -36,28 +34,8 @@ public:
     }
 
     PlyWriter& number(std::string_view type, double value) {
-        const auto by_name = std::find(ply_types.begin(), ply_types.end(), type);
-        const auto named = by_name != ply_types.end()
-                               ? by_name - ply_types.begin()
-                               : std::find(ply_sized_types.begin(), ply_sized_types.end(), type) - ply_sized_types.begin();
-        switch (named) {
-            case 0:
-                return put(static_cast<std::int8_t>(value));
-            case 1:
-                return put(static_cast<std::uint8_t>(value));
-            case 2:
-                return put(static_cast<std::int16_t>(value));
-            case 3:
-                return put(static_cast<std::uint16_t>(value));
-            case 4:
-                return put(static_cast<std::int32_t>(value));
-            case 5:
-                return put(static_cast<std::uint32_t>(value));
-            case 6:
-                return put(static_cast<float>(value));
-            default:
-                return put(value);
-        }
+        body_ += input_test::as_type(type, value, [this](auto number) { return encoded(number); });
+        return *this;
     }
 
     PlyWriter& list(std::string_view count_type, std::string_view type, const std::vector<double>& values) {
@@ -82,21 +60,13 @@ public:
 
 private:
     template <class T>
-    PlyWriter& put(T value) {
-        if (encoding_ == "ascii") {
-            const auto number = static_cast<double>(value);
-            body_ +=
-                (std::trunc(number) == number ? std::to_string(static_cast<long long>(number)) : std::to_string(number));
-            body_ += ' ';
-            return *this;
+    std::string encoded(T value) const {
+        if (encoding_ != "ascii") {
+            return input_test::bytes_of(value, encoding_ == "binary_big_endian");
         }
-        std::array<char, sizeof(T)> bytes;
-        std::memcpy(bytes.data(), &value, sizeof(T));
-        if ((encoding_ == "binary_big_endian") == (std::endian::native == std::endian::little)) {
-            std::reverse(bytes.begin(), bytes.end());
-        }
-        body_.append(bytes.data(), bytes.size());
-        return *this;
+        const auto number = static_cast<double>(value);
+        const bool whole = std::trunc(number) == number;
+        return (whole ? std::to_string(static_cast<long long>(number)) : std::to_string(number)) + ' ';
     }
 
     std::string encoding_;

@@ -3,11 +3,13 @@
 
 #include <cstring>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
+#include "engine/slicing.hpp"
 #include "files.hpp"
 #include "lamella/io/mesh_file.hpp"
 
@@ -40,6 +42,59 @@ auto same_every_way(const std::filesystem::path& path, const Look& look) {
         CHECK((found == *first));
     });
     return *std::move(first);
+}
+
+/// A file that must be readable.
+inline MeshFile read_one(const std::filesystem::path& path) {
+    Result<MeshFile> mesh = read_mesh(path);
+    INFO((mesh ? "" : mesh.error().message));
+    REQUIRE(mesh.ok());
+    return std::move(mesh).value();
+}
+
+/// Warnings after the name of the file with which each begins.
+inline std::vector<std::string> warnings_of(const std::filesystem::path& path) {
+    std::vector<std::string> warnings = same_every_way(path, [](const MeshFile& mesh) { return mesh.warnings; });
+    for (std::string& warning : warnings) {
+        REQUIRE(warning.find(path.string() + ": ") == 0);
+        warning.erase(0, path.string().size() + 2);
+    }
+    return warnings;
+}
+
+/// The hash of a file's slices.
+inline std::uint64_t hash_of(const std::filesystem::path& path) {
+    return hash_result(sliced(read_one(path).view(), uniform(0.7)));
+}
+
+/// Nine coordinates a triangle, of a mesh with indices.
+template <class Value = double>
+std::vector<std::array<Value, 9>> triangles_of(const MeshFile& mesh) {
+    const MeshView view = mesh.view();
+    REQUIRE(view.indices != nullptr);
+    std::vector<std::array<Value, 9>> triangles(view.triangle_count);
+    for (std::size_t i = 0; i < 3 * triangles.size(); ++i) {
+        const std::uint64_t vertex = view.vertex_of(i / 3, i % 3);
+        REQUIRE(vertex < view.vertex_count);
+        std::array<double, 3> doubles{};
+        if (view.coordinate_type == CoordinateType::f64) {
+            std::memcpy(doubles.data(), view.vertices + vertex * view.stride, sizeof doubles);
+        } else {
+            std::array<float, 3> floats{};
+            std::memcpy(floats.data(), view.vertices + vertex * view.stride, sizeof floats);
+            std::copy(floats.begin(), floats.end(), doubles.begin());
+        }
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            triangles[i / 3][3 * (i % 3) + axis] = static_cast<Value>(doubles[axis]);
+        }
+    }
+    return triangles;
+}
+
+/// The same of a file.
+template <class Value = double>
+std::vector<std::array<Value, 9>> read_triangles(const std::filesystem::path& path) {
+    return same_every_way(path, [](const MeshFile& mesh) { return triangles_of<Value>(mesh); });
 }
 
 inline std::vector<Facet> facets_of(const MeshFile& mesh) {
@@ -83,6 +138,47 @@ inline Error read_error(const std::filesystem::path& path) {
     CHECK(first.message.find('\n') == std::string::npos);
     CHECK(first.message.find(path.string()) == 0);
     return first;
+}
+
+/// The message of a file that must be refused because reading it takes more than `limit` bytes.
+inline std::string message_beyond(std::uint64_t limit, const std::filesystem::path& path) {
+    const Result<MeshFile> mesh = read_mesh(path, {.memory_limit_bytes = limit});
+    REQUIRE_FALSE(mesh.ok());
+    CHECK(mesh.error().code == ErrorCode::out_of_memory);
+    return mesh.error().message;
+}
+
+/// A file of only the first bytes of `whole`, [first, end) of them in turn, must be refused: as malformed, or as empty where
+/// `may_be_empty`.
+inline void refuses_cuts(const TempFolder& dir, const std::string& name, const std::string& whole, std::size_t first,
+                         std::size_t end, bool may_be_empty = false) {
+    for (std::size_t length = first; length < end; ++length) {
+        INFO(length);
+        const Result<MeshFile> mesh = read_in_turn(dir.write(name, whole.substr(0, length)), length);
+        REQUIRE_FALSE(mesh.ok());
+        const bool empty = may_be_empty && mesh.error().code == ErrorCode::empty_mesh;
+        CHECK((empty || mesh.error().code == ErrorCode::malformed_mesh));
+        CHECK(mesh.error().byte_offset <= static_cast<std::int64_t>(length));
+    }
+}
+
+/// A replacement that makes a good file malformed, and what the error must say of it.
+struct Malformed {
+    std::string what;
+    std::string by;
+    std::string says;
+    std::string says_too{};
+};
+
+inline void refuses_each(const TempFolder& dir, const std::string& name, const std::string& good,
+                         const std::vector<Malformed>& cases) {
+    for (const Malformed& one : cases) {
+        CAPTURE(one.what, one.by);
+        REQUIRE(good.find(one.what) != std::string::npos);
+        const Error error = read_error(dir.write(name, replaced(good, one.what, one.by)));
+        CHECK(error.code == ErrorCode::malformed_mesh);
+        CHECK_THAT(error.message, Catch::Contains(one.says) && Catch::Contains(one.says_too));
+    }
 }
 
 /// "NAME ROLE FIRST COUNT; ..."

@@ -13,13 +13,6 @@ std::string gzipped(const std::string& bytes) {
     return deflated(bytes, 16 + MAX_WBITS);
 }
 
-MeshFile read_one(const std::filesystem::path& path) {
-    Result<MeshFile> mesh = read_mesh(path);
-    INFO((mesh ? "" : mesh.error().message));
-    REQUIRE(mesh.ok());
-    return std::move(mesh).value();
-}
-
 TEST_CASE("gzip of any form of STL is unpacked", "[input][gzip]") {
     const TempFolder dir;
     const std::vector<Facet> facets = numbered_facets(3000);

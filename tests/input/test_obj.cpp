@@ -5,8 +5,6 @@
 #include <catch2/catch.hpp>
 
 #include "cube.hpp"
-#include "files.hpp"
-#include "read.hpp"
 
 namespace lamella::input_test {
 
@@ -200,9 +198,8 @@ TEST_CASE("OBJ vertex numbers with decimals that are 0 give a warning", "[input]
     const auto path = dir.write("a.obj", with_face("f 1 2 3\nf 3.0 2 1.00"));
     CHECK((read_triangles(path) ==
            std::vector<std::array<double, 9>>{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 0, 1, 0, 0, 0, 0, 0}}));
-    CHECK(read_mesh(path).value().warnings ==
-          std::vector<std::string>{path.string() +
-                                   ": 2 vertex numbers with decimals, which are 0, the first in line 5: '3.0'"});
+    CHECK(warnings_of(path) ==
+          std::vector<std::string>{"2 vertex numbers with decimals, which are 0, the first in line 5: '3.0'"});
 }
 
 TEST_CASE("OBJ faces of fewer than three corners are left out with a warning", "[input][obj]") {
@@ -210,8 +207,8 @@ TEST_CASE("OBJ faces of fewer than three corners are left out with a warning", "
     const auto path = dir.write("a.obj", with_face("f 1 2\nf 1 2 3\nf\nfo 1 # 2 3\nf 3 2 1"));
     CHECK((read_triangles(path) ==
            std::vector<std::array<double, 9>>{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 0, 1, 0, 0, 0, 0, 0}}));
-    CHECK(read_mesh(path)->warnings ==
-          std::vector<std::string>{path.string() + ": left out 3 faces of fewer than three corners, the first in line 4"});
+    CHECK(warnings_of(path) ==
+          std::vector<std::string>{"left out 3 faces of fewer than three corners, the first in line 4"});
     const Error error = read_error(dir.write("b.obj", with_face("f 1 2")));
     CHECK(error.code == ErrorCode::empty_mesh);
     CHECK_THAT(error.message, Contains("holds no face of three corners or more"));
@@ -221,14 +218,10 @@ TEST_CASE("unread OBJ statements that may hold a shape give one warning", "[inpu
     const TempFolder dir;
     const auto warnings = [&](const std::string& statements) {
         const auto path = dir.write("a.obj", cube() + statements);
-        return same_every_way(path, [](const MeshFile& mesh) {
-            CHECK(mesh.triangle_count == 12);
-            return mesh.warnings;
-        });
+        CHECK(read_one(path).triangle_count == 12);
+        return warnings_of(path);
     };
-    const auto ignored = [&](const std::string& what) {
-        return std::vector<std::string>{(dir / "a.obj").string() + ": ignored " + what};
-    };
+    const auto ignored = [&](const std::string& what) { return std::vector<std::string>{"ignored " + what}; };
     CHECK(warnings("g a\no b\ns 1\nusemtl c\nvn 0 0 1\nvt 0 0\nvp 1\nl 1 2\np 1\n# surf\nlod 3\nmtllib surf\n").empty());
     CHECK(warnings("surf 0 1 0 1 1 2\n") == ignored("1 statement that is not read, the first in line 15: 'surf'"));
     CHECK(warnings("vn 0 0 1\ncstype bezier\ncurv2 1 2\nend\ncurv 0 1 \\\n surf\ncall x.obj\n") ==
@@ -308,13 +301,7 @@ TEST_CASE("an OBJ face that expands beyond the memory limit is refused before it
     for (int i = 0; i < 400'000; ++i) {
         text += " 1";
     }
-    const auto path = dir.write("a.obj", text);
-    ReadOptions options;
-    options.memory_limit_bytes = 4'000'000;
-    const Result<MeshFile> mesh = read_mesh(path, options);
-    REQUIRE_FALSE(mesh.ok());
-    CHECK(mesh.error().code == ErrorCode::out_of_memory);
-    CHECK_THAT(mesh.error().message, Contains("more than the 4000000 that reading it may take"));
+    CHECK_THAT(message_beyond(4'000'000, dir.write("a.obj", text)), Contains("more than the 4000000 that reading it may"));
 }
 
 TEST_CASE("hostile OBJ faces are refused with their line", "[input][obj]") {
@@ -332,9 +319,7 @@ TEST_CASE("hostile OBJ faces are refused with their line", "[input][obj]") {
 
 TEST_CASE("an OBJ head states the patient frame", "[input][obj]") {
     const TempFolder dir;
-    const auto frame = [&](const std::string& head) {
-        return read_mesh(dir.write("a.obj", head + cube())).value().patient_frame;
-    };
+    const auto frame = [&](const std::string& head) { return read_one(dir.write("a.obj", head + cube())).patient_frame; };
     CHECK(frame("# 3D Slicer output\n# SPACE=LPS\n") == PatientFrame::lps);
     CHECK(frame("# SPACE=RAS\n\n") == PatientFrame::ras);
     CHECK(frame("# SPACE\n") == PatientFrame::unstated);
@@ -344,14 +329,11 @@ TEST_CASE("an OBJ head states the patient frame", "[input][obj]") {
 TEST_CASE("OBJ is known by its first statement", "[input][obj]") {
     const TempFolder dir;
     for (const char* head : {"", "# a\n", "mtllib a.mtl\n", "g part\n", "vn 0 0 1\n"}) {
-        const Result<MeshFile> mesh = read_mesh(dir.write("a", head + cube()));
-        REQUIRE(mesh.ok());
-        CHECK(mesh->format == MeshFormat::obj);
-        CHECK(mesh->text);
+        const MeshFile mesh = read_one(dir.write("a", head + cube()));
+        CHECK(mesh.format == MeshFormat::obj);
+        CHECK(mesh.text);
     }
-    const Result<MeshFile> misnamed = read_mesh(dir.write("a.stl", cube()));
-    REQUIRE(misnamed.ok());
-    CHECK(misnamed->warnings.size() == 1);
+    CHECK(warnings_of(dir.write("a.stl", cube())).size() == 1);
     CHECK_THAT(read_error(dir.write("b.obj", "vertex 1 2 3\n")).message, Contains("text that begins with 'vertex 1 2 3'"));
 }
 

@@ -3,8 +3,6 @@
 #include <catch2/catch.hpp>
 
 #include "cube.hpp"
-#include "files.hpp"
-#include "read.hpp"
 
 namespace lamella::input_test {
 
@@ -66,13 +64,12 @@ TEST_CASE("an OFF cube whose lines end elsewhere slices like the same cube as ST
     const auto warnings = [&](const std::string& text) {
         const auto path = dir.write("cube.off", text);
         CHECK(hash_of(path) == expected);
-        return same_every_way(path, [](const MeshFile& mesh) { return mesh.warnings; });
+        return warnings_of(path);
     };
     const auto why = [&](const std::string& text) {
         const std::vector<std::string> all = warnings(text);
         REQUIRE(all.size() == 1);
-        const std::string start =
-            (dir / "cube.off").string() + ": was read number by number, as it is not one vertex or one face a line (";
+        const std::string start = "was read number by number, as it is not one vertex or one face a line (";
         CHECK(all[0].substr(0, start.size()) == start);
         return all[0].substr(start.size());
     };
@@ -123,8 +120,7 @@ TEST_CASE("OFF of several pieces gives every vertex and face in order", "[input]
 
     const auto path = dir.write("b.off", text + "99999 1 2\nrest\n");
     CHECK((read_triangles(path) == expected));
-    CHECK(read_mesh(path)->warnings ==
-          std::vector<std::string>{path.string() + ": ignored 2 lines after the last of 50001 faces"});
+    CHECK(warnings_of(path) == std::vector<std::string>{"ignored 2 lines after the last of 50001 faces"});
 
     text.replace(text.find("3 149997 "), 2, "9 ");
     CHECK_THAT(read_error(dir.write("c.off", text)).message, Contains("expected a vertex number, found '0.5'"));
@@ -180,8 +176,8 @@ TEST_CASE("OFF faces of fewer than three corners are left out with a warning", "
     const auto path = dir.write("a.off", head + "3 0 1 2\n0\n2 0 1 255 0 0\n3 2 1 0\n1 0\n");
     CHECK((read_triangles(path) ==
            std::vector<std::array<double, 9>>{{0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 0, 1, 0, 0, 0, 0, 0}}));
-    CHECK(read_mesh(path)->warnings ==
-          std::vector<std::string>{path.string() + ": left out 3 faces of fewer than three corners, the first in line 7"});
+    CHECK(warnings_of(path) ==
+          std::vector<std::string>{"left out 3 faces of fewer than three corners, the first in line 7"});
     const Error error = read_error(dir.write("b.off", with_face("2 0 1")));
     CHECK(error.code == ErrorCode::empty_mesh);
     CHECK_THAT(error.message, Contains("holds no face of three corners or more"));
@@ -218,13 +214,7 @@ TEST_CASE("malformed OFF coordinates are refused with line and byte", "[input][o
 
 TEST_CASE("an OFF file cut anywhere is refused, unless nothing is lost", "[input][off]") {
     const TempFolder dir;
-    const std::string whole = cube();
-    for (std::size_t length = 1; length + 1 < whole.size(); ++length) {
-        const Result<MeshFile> mesh = read_mesh(dir.write("a.off", whole.substr(0, length)));
-        INFO(length);
-        REQUIRE_FALSE(mesh.ok());
-        CHECK((mesh.error().code == ErrorCode::malformed_mesh));
-    }
+    refuses_cuts(dir, "a.off", cube(), 1, cube().size() - 1);
 }
 
 TEST_CASE("binary and 4D OFF are refused as such", "[input][off]") {
@@ -244,7 +234,7 @@ TEST_CASE("OFF without faces is empty", "[input][off]") {
 
 TEST_CASE("an OFF head states the patient frame", "[input][off]") {
     const TempFolder dir;
-    const auto frame = [&](const std::string& text) { return read_mesh(dir.write("a.off", text)).value().patient_frame; };
+    const auto frame = [&](const std::string& text) { return read_one(dir.write("a.off", text)).patient_frame; };
     CHECK(frame("OFF\n# SPACE=LPS\n8 6 0\n" + body()) == PatientFrame::lps);
     CHECK(frame("# SPACE=RAS\n" + cube()) == PatientFrame::ras);
     CHECK(frame(cube() + "# SPACE=RAS\n") == PatientFrame::unstated);
@@ -252,10 +242,9 @@ TEST_CASE("an OFF head states the patient frame", "[input][off]") {
 
 TEST_CASE("OFF is known by its first word", "[input][off]") {
     const TempFolder dir;
-    const Result<MeshFile> mesh = read_mesh(dir.write("a", cube()));
-    REQUIRE(mesh.ok());
-    CHECK(mesh->format == MeshFormat::off);
-    CHECK(mesh->vertex_count == 8);
+    const MeshFile mesh = read_one(dir.write("a", cube()));
+    CHECK(mesh.format == MeshFormat::off);
+    CHECK(mesh.vertex_count == 8);
     CHECK_THAT(read_error(dir.write("b.off", "OFFICE\n")).message, Contains("text that begins with 'OFFICE'"));
 }
 

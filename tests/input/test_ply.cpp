@@ -4,8 +4,6 @@
 #include <catch2/catch.hpp>
 
 #include "engine/shapes.hpp"
-#include "engine/slicing.hpp"
-#include "files.hpp"
 #include "ply_writer.hpp"
 #include "read.hpp"
 
@@ -24,42 +22,24 @@ const shapes::Indexed& cube() {
 
 /// Nine numbers a triangle, as they were read.
 shapes::Soup soup_of(const MeshFile& mesh) {
-    const MeshView view = mesh.view();
     shapes::Soup soup;
-    for (std::size_t i = 0; i < 3 * view.triangle_count; ++i) {
-        const std::byte* at = view.vertices + view.vertex_of(i / 3, i % 3) * view.stride;
-        for (int axis = 0; axis < 3; ++axis) {
-            float single = 0;
-            double number = 0;
-            if (view.coordinate_type == CoordinateType::f32) {
-                std::memcpy(&single, at + axis * 4, 4);
-                number = single;
-            } else {
-                std::memcpy(&number, at + axis * 8, 8);
-            }
-            soup.push_back(number);
-        }
+    for (const std::array<double, 9>& triangle : input_test::triangles_of(mesh)) {
+        soup.insert(soup.end(), triangle.begin(), triangle.end());
     }
     return soup;
 }
 
-MeshFile read_ply_file(const std::filesystem::path& path, bool map, int threads) {
-    ReadOptions options;
-    options.control.threads = threads;
-    options.map_file = map;
-    Result<MeshFile> mesh = read_mesh(path, options);
+MeshFile read_ply_file(const std::filesystem::path& path, int threads = 1) {
+    Result<MeshFile> mesh = read_mesh(path, {.control = {.threads = threads}});
     INFO((mesh ? "" : mesh.error().message));
     REQUIRE(mesh.ok());
     CHECK(mesh->format == MeshFormat::ply);
     return std::move(mesh).value();
 }
 
-/// The triangles of a file that must be readable, the same read and mapped, by 1 and 3 threads.
+/// The triangles of a file that must be readable.
 shapes::Soup read_soup(const std::filesystem::path& path) {
-    const shapes::Soup first = soup_of(read_ply_file(path, false, 1));
-    CHECK(soup_of(read_ply_file(path, false, 3)) == first);
-    CHECK(soup_of(read_ply_file(path, true, 3)) == first);
-    return first;
+    return same_every_way(path, [](const MeshFile& mesh) { return soup_of(mesh); });
 }
 
 shapes::Soup read_soup(const TempFolder& dir, const std::string& bytes) {
@@ -72,13 +52,6 @@ shapes::Soup soup_of(const shapes::Indexed& mesh) {
         soup.insert(soup.end(), mesh.xyz.begin() + 3 * index, mesh.xyz.begin() + 3 * index + 3);
     }
     return soup;
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
-        text.replace(at, what.size(), by);
-    }
-    return text;
 }
 
 double volume_of(const shapes::Soup& soup) {
@@ -139,10 +112,7 @@ TEST_CASE("PLY slices to the same bytes as STL", "[input][ply]") {
         Facet& facet = facets.emplace_back();
         std::copy_n(soup.begin() + static_cast<std::ptrdiff_t>(t), 9, facet.begin());
     }
-    const Result<MeshFile> stl = read_mesh(dir.write("a.stl", binary_stl(facets)));
-    REQUIRE(stl.ok());
-    const SliceOptions options = uniform(0.7);
-    const std::uint64_t expected = hash_result(sliced(stl.value().view(), options));
+    const std::uint64_t expected = hash_of(dir.write("a.stl", binary_stl(facets)));
     for (const std::string_view encoding : ply_encodings) {
         for (const std::string_view type : ply_types) {
             for (const bool faces_first : {false, true}) {
@@ -151,8 +121,7 @@ TEST_CASE("PLY slices to the same bytes as STL", "[input][ply]") {
                 how.coordinate = type;
                 how.faces_first = faces_first;
                 CAPTURE(encoding, type, faces_first);
-                const MeshFile mesh = read_ply_file(dir.write("a.ply", ply(how, cube())), false, 1);
-                CHECK(hash_result(sliced(mesh.view(), options)) == expected);
+                CHECK(hash_of(dir.write("a.ply", ply(how, cube()))) == expected);
             }
         }
     }
@@ -165,8 +134,7 @@ TEST_CASE("PLY coordinates keep their precision", "[input][ply]") {
         PlyVariant how;
         how.encoding = encoding;
         how.coordinate = type;
-        const MeshFile mesh =
-            read_ply_file(dir.write("a.ply", ply(how, {x, 0, 0, 1, 0, 0, 0, 1, 0}, {{0, 1, 2}})), false, 1);
+        const MeshFile mesh = read_ply_file(dir.write("a.ply", ply(how, {x, 0, 0, 1, 0, 0, 0, 1, 0}, {{0, 1, 2}})));
         CHECK((mesh.coordinate_type == CoordinateType::f64) == (type == "double" || type == "int" || type == "uint"));
         CHECK(mesh.text == (encoding == "ascii"));
         return soup_of(mesh)[0];
@@ -189,11 +157,11 @@ TEST_CASE("PLY floats of the machine's own byte order stay where they lie", "[in
     how.faces_first = GENERATE(false, true);
     how.coordinate = GENERATE(as<std::string_view>(), "float", "double");
     const std::string bytes = ply(how, cube());
-    const MeshFile mesh = read_ply_file(dir.write("a.ply", bytes), false, 1);
+    const MeshFile mesh = read_ply_file(dir.write("a.ply", bytes));
     CHECK(mesh.bytes.size() == bytes.size());
     CHECK(mesh.first_offset + mesh.vertex_count * mesh.stride <= bytes.size());
     how.axes = {0, 2, 1};
-    CHECK(read_ply_file(dir.write("a.ply", ply(how, cube())), false, 1).first_offset == 0);
+    CHECK(read_ply_file(dir.write("a.ply", ply(how, cube()))).first_offset == 0);
 }
 
 TEST_CASE("PLY polygons are cut into triangles", "[input][ply]") {
@@ -223,9 +191,7 @@ TEST_CASE("PLY faces of fewer than three vertices are left out and reported", "[
     faces.insert(faces.begin() + 1, {{}, {0}, {0, 1}});
     const auto path = dir.write("a.ply", ply(how, cube().xyz, faces));
     CHECK(read_soup(path) == soup_of(cube()));
-    const MeshFile mesh = read_ply_file(path, false, 1);
-    REQUIRE(mesh.warnings.size() == 1);
-    CHECK(mesh.warnings[0] == path.string() + ": left out 3 faces of fewer than three vertices");
+    CHECK(warnings_of(path) == std::vector<std::string>{"left out 3 faces of fewer than three vertices"});
     CHECK(read_error(dir.write("b.ply", ply(how, cube().xyz, {{0, 1}}))).code == ErrorCode::empty_mesh);
 }
 
@@ -255,7 +221,7 @@ TEST_CASE("PLY triangle strips alternate and begin again after -1", "[input][ply
     if (!strips_first) {
         strips();
     }
-    const MeshFile mesh = read_ply_file(dir.write("a.ply", out.file()), false, 1);
+    const MeshFile mesh = read_ply_file(dir.write("a.ply", out.file()));
     const std::vector<std::uint32_t> indices(mesh.indices.begin(), mesh.indices.end());
     CHECK(indices == std::vector<std::uint32_t>{0, 1, 2, 2, 1, 3, 2, 3, 4, 2, 1, 0, 0, 1, 4, 1, 2, 3});
 }
@@ -264,8 +230,7 @@ TEST_CASE("PLY comments may state the patient frame", "[input][ply]") {
     const TempFolder dir;
     const std::string plain = ply({}, cube());
     const auto frame_of = [&](const std::string& line) {
-        return read_ply_file(dir.write("a.ply", replaced(plain, "element vertex", line + "\nelement vertex")), false, 1)
-            .patient_frame;
+        return read_ply_file(dir.write("a.ply", replaced(plain, "element vertex", line + "\nelement vertex"))).patient_frame;
     };
     CHECK(frame_of("comment made by hand") == PatientFrame::unstated);
     CHECK(frame_of("comment SPACE=LPS") == PatientFrame::lps);
@@ -358,7 +323,7 @@ TEST_CASE("ASCII PLY parsed in many pieces gives every face once, in order", "[i
     const auto path = dir.write("a.ply", by_lines);
     const shapes::Soup soup = read_soup(path);
     CHECK(soup.size() == 9 * (faces.size() - small));
-    const MeshFile mesh = read_ply_file(path, false, 3);
+    const MeshFile mesh = read_ply_file(path, 3);
     CHECK(std::equal(mesh.indices.begin(), mesh.indices.end(), sphere.indices.begin(), sphere.indices.end()));
     CHECK(mesh.warnings.size() == (small > 0 ? 1 : 0));
     const std::size_t body = by_lines.find("end_header\n") + 11;
@@ -371,9 +336,7 @@ TEST_CASE("bytes after the last PLY element give a warning", "[input][ply]") {
     how.encoding = GENERATE(from_range(ply_encodings));
     const auto path = dir.write("a.ply", ply(how, cube()) + "tail");
     CHECK(read_soup(path) == soup_of(cube()));
-    const MeshFile mesh = read_ply_file(path, false, 1);
-    REQUIRE(mesh.warnings.size() == 1);
-    CHECK(mesh.warnings[0] == path.string() + ": ignored 4 bytes after the last element");
+    CHECK(warnings_of(path) == std::vector<std::string>{"ignored 4 bytes after the last element"});
 }
 
 TEST_CASE("PLY is known by its content", "[input][ply]") {
@@ -383,9 +346,7 @@ TEST_CASE("PLY is known by its content", "[input][ply]") {
     const std::string bytes = ply(how, cube());
     CHECK(read_soup(dir.write("a", bytes)) == soup_of(cube()));
     CHECK(read_soup(dir.write("a.PLY", bytes)) == soup_of(cube()));
-    const MeshFile mesh = read_ply_file(dir.write("a.stl", bytes), false, 1);
-    REQUIRE(mesh.warnings.size() == 1);
-    CHECK_THAT(mesh.warnings[0], Contains("is a file of format PLY, not STL as its name says"));
+    CHECK_THAT(warnings_of(dir.write("a.stl", bytes)).at(0), Contains("is a file of format PLY, not STL as its name says"));
 }
 
 }  // namespace lamella::ply_test

@@ -64,18 +64,8 @@ TEST_CASE("a PLY file cut off anywhere is refused", "[input][ply]") {
     how.extra_lists = how.extra_elements;
     const std::string bytes = ply(how, corners, tetrahedron);
     const std::size_t needed = bytes.size() - (how.encoding == "ascii" ? 2 : 1);  // the last word may lose its line end
-    for (std::size_t length = 4; length <= needed; ++length) {
-        const std::string cut = bytes.substr(0, length);
-        if (how.encoding == "ascii" && length == needed && bytes[length - 1] != ' ') {
-            continue;  // what is left of the last number is a number, too
-        }
-        CAPTURE(length);
-        const Result<MeshFile> mesh = read_in_turn(dir.write("a.ply", cut), length);
-        REQUIRE_FALSE(mesh.ok());
-        CHECK(mesh.error().code == ErrorCode::malformed_mesh);
-        CHECK(mesh.error().byte_offset >= 0);
-        CHECK(mesh.error().byte_offset <= static_cast<std::int64_t>(length));
-    }
+    // What is left of the last number may be a number, too.
+    refuses_cuts(dir, "a.ply", bytes, 4, how.encoding == "ascii" && bytes[needed - 1] != ' ' ? needed : needed + 1);
 }
 
 TEST_CASE("malformed PLY headers are refused with line and byte", "[input][ply]") {
@@ -126,19 +116,16 @@ TEST_CASE("lines of a PLY header without a keyword are skipped with a warning", 
     const auto warnings = [&](const std::string& lines, const std::string& before) {
         std::string text = header_of("ascii", "4", "1") + four_vertices + "3 0 1 2\n";
         text.insert(text.find(before), lines);
-        const Result<MeshFile> mesh = read_mesh(dir.write("a.ply", text));
-        INFO((mesh ? std::string() : mesh.error().message));
-        REQUIRE(mesh.ok());
-        CHECK(mesh->triangle_count == 1);
-        REQUIRE(mesh->warnings.size() == 1);
-        return mesh->warnings[0].substr((dir / "a.ply").string().size());
+        const auto path = dir.write("a.ply", text);
+        CHECK(read_one(path).triangle_count == 1);
+        return warnings_of(path).at(0);
     };
     CHECK(warnings("made by hand\n", "element vertex") ==
-          ": ignored 1 line of the header without a keyword, the first in line 3: 'made'");
+          "ignored 1 line of the header without a keyword, the first in line 3: 'made'");
     CHECK(warnings("comment a\nb c\nd\n", "element face") ==
-          ": ignored 2 lines of the header without a keyword, the first in line 8: 'b'");
+          "ignored 2 lines of the header without a keyword, the first in line 8: 'b'");
     CHECK(warnings("float quality\n", "element face") ==
-          ": ignored 1 line of the header without a keyword, the first in line 7: 'float'");
+          "ignored 1 line of the header without a keyword, the first in line 7: 'float'");
 
     std::string binary = header_of("binary_little_endian", "3", "1");
     binary.insert(binary.find("element face"), "made by hand\n");
@@ -169,13 +156,9 @@ TEST_CASE("words after the declared properties of a PLY row are ignored with a w
     const TempFolder dir;
     const std::string rows = "0 0 0 9\n1 0 0 9 8\n1 1 0\n0 1 0 7 # a\n3 0 1 2 255 0 0\n";
     const auto path = dir.write("a.ply", header_of("ascii", "4", "1") + rows);
-    const Result<MeshFile> mesh = read_mesh(path);
-    INFO((mesh ? std::string() : mesh.error().message));
-    REQUIRE(mesh.ok());
-    CHECK(mesh->triangle_count == 1);
-    CHECK(mesh->warnings ==
-          std::vector<std::string>{path.string() + ": ignored what follows the declared properties in 4 lines, "
-                                                   "the first in line 10"});
+    CHECK(read_one(path).triangle_count == 1);
+    CHECK(warnings_of(path) == std::vector<std::string>{"ignored what follows the declared properties in 4 lines, "
+                                                        "the first in line 10"});
     // From number to number this is a mesh too, with its first face in the place of a vertex.
     const std::string alike = "0 0 0 3\n1 0 0 0\n1 1 0 1\n0 1 0 2\n3 0 1 2\n";
     CHECK(read_mesh(dir.write("b.ply", header_of("ascii", "4", "1") + alike))->warnings.size() == 1);
@@ -224,9 +207,7 @@ TEST_CASE("PLY elements that take no bytes are skipped, however many", "[input][
     how.encoding = format;
     std::string bytes = ply(how, corners, tetrahedron);
     bytes.insert(bytes.find("element face"), "element nothing 18446744073709551615\n");
-    const Result<MeshFile> mesh = read_mesh(dir.write("a.ply", bytes));
-    REQUIRE(mesh.ok());
-    CHECK(mesh.value().triangle_count == 4);
+    CHECK(read_one(dir.write("a.ply", bytes)).triangle_count == 4);
 }
 
 TEST_CASE("PLY lists with a wrong length are refused", "[input][ply]") {
@@ -313,13 +294,8 @@ TEST_CASE("PLY that expands to more than reading may take is refused", "[input][
     how.encoding = encoding;
     how.index = "uchar";
     const std::string bytes = ply(how, corners, Faces(10, std::vector<double>(200, 1)));
-    ReadOptions options;
-    options.memory_limit_bytes = 20'000;
     const auto path = dir.write("a.ply", bytes);
-    const Result<MeshFile> mesh = read_mesh(path, options);
-    REQUIRE_FALSE(mesh.ok());
-    CHECK(mesh.error().code == ErrorCode::out_of_memory);
-    CHECK_THAT(mesh.error().message,
+    CHECK_THAT(message_beyond(20'000, path),
                Contains(path.string() + ": expands to ") && Contains("more than the 20000 that reading"));
 }
 

@@ -12,10 +12,7 @@ namespace lamella::input_test {
 namespace {
 
 MeshFile read_with_comment(const TempFolder& dir, const std::string& comment) {
-    Result<MeshFile> mesh = read_mesh(dir.write("a.obj", "# " + comment + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
-    INFO((mesh ? "" : mesh.error().message));
-    REQUIRE(mesh.ok());
-    return std::move(mesh).value();
+    return read_one(dir.write("a.obj", "# " + comment + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
 }
 
 }  // namespace

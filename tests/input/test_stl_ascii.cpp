@@ -14,23 +14,6 @@ using Catch::Contains;
 
 namespace {
 
-std::string replaced(const std::string& text, const std::string& what, const std::string& by) {
-    std::string result;
-    std::size_t begin = 0;
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, begin)) {
-        result.append(text, begin, at - begin).append(by);
-        begin = at + what.size();
-    }
-    return result.append(text, begin);
-}
-
-std::string upper(std::string text) {
-    for (char& c : text) {
-        c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
-    }
-    return text;
-}
-
 /// One facet whose first coordinate is `number`.
 std::string with_number(const std::string& number) {
     return "solid a\nfacet normal 0 0 1\nouter loop\nvertex " + number +
@@ -168,9 +151,9 @@ TEST_CASE("facets of ASCII STL are read by their vertices, with a warning", "[in
     const auto warning = [&](const std::string& what, const std::string& replacement) {
         const auto path = dir.write("a.stl", replaced(good, what, replacement));
         CHECK(read_facets(path) == facets);
-        const std::vector<std::string> all = read_mesh(path).value().warnings;
+        const std::vector<std::string> all = warnings_of(path);
         REQUIRE(all.size() == 1);
-        const std::string start = path.string() + ": read 3 facets by the vertices alone, the first in line ";
+        const std::string start = "read 3 facets by the vertices alone, the first in line ";
         CHECK(all[0].substr(0, start.size()) == start);
         return all[0].substr(start.size());
     };
@@ -193,16 +176,12 @@ TEST_CASE("lines between the facets of ASCII STL that are no statements are igno
     const auto warnings = [&](const std::string& text) {
         const auto path = dir.write("a.stl", text);
         CHECK(read_facets(path) == facets);
-        std::vector<std::string> all = read_mesh(path).value().warnings;
-        for (std::string& one : all) {
-            one.erase(0, path.string().size());
-        }
-        return all;
+        return warnings_of(path);
     };
     CHECK(warnings(replaced(good, "solid part\n  facet", "solid part\n# of this facet\ncolour 1\n  facet")) ==
-          std::vector<std::string>{": ignored 2 lines between facets, the first in line 2: '#'"});
+          std::vector<std::string>{"ignored 2 lines between facets, the first in line 2: '#'"});
     CHECK(warnings(good + "made by hand") ==
-          std::vector<std::string>{": ignored 1 line between facets, the first in line 17: 'made'"});
+          std::vector<std::string>{"ignored 1 line between facets, the first in line 17: 'made'"});
 
     const auto refusal = [&](const std::string& text) {
         const Error error = read_error(dir.write("b.stl", text));
@@ -232,11 +211,9 @@ TEST_CASE("NUL bytes of ASCII STL are read as spaces with a warning, and refused
     const auto warning = [&](const std::string& text) {
         const auto path = dir.write("a.stl", text);
         CHECK(read_facets(path) == facets);
-        const std::vector<std::string> all = read_mesh(path).value().warnings;
-        REQUIRE(all.size() == 1);
-        return all[0].substr(path.string().size());
+        return warnings_of(path).at(0);
     };
-    const std::string start = ": is an ASCII STL file with 3 NUL bytes, read as spaces, the first in line ";
+    const std::string start = "is an ASCII STL file with 3 NUL bytes, read as spaces, the first in line ";
     CHECK(warning(replaced(good, "solid part\n  facet", "solid part" + nuls + "\n  facet")) == start + "1");
     CHECK(warning(replaced(good, "endfacet\n  facet", "endfacet\n" + nuls + "  facet")) == start + "9");
     CHECK(warning(good + nuls) == start + "17");
@@ -267,12 +244,7 @@ TEST_CASE("ASCII cut within a facet is refused wherever the cut is", "[input]") 
     const std::string whole = ascii_stl(numbered_facets(2));
     const std::size_t begin = whole.find("facet", whole.find("endfacet") + 8);
     const std::size_t end = whole.rfind("endfacet") + 8;
-    for (std::size_t length = begin + 1; length < end; ++length) {
-        INFO(length);
-        const Result<MeshFile> mesh = read_mesh(dir.write("a.stl", whole.substr(0, length)));
-        REQUIRE_FALSE(mesh.ok());
-        CHECK(mesh.error().code == ErrorCode::malformed_mesh);
-    }
+    refuses_cuts(dir, "a.stl", whole, begin + 1, end);
     CHECK_THAT(read_error(dir.write("a.stl", whole.substr(0, end - 9))).message, Contains("the end of the file"));
 }
 

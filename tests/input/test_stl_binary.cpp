@@ -22,12 +22,12 @@ TEST_CASE("a binary file is kept as its bytes", "[input]") {
     const std::vector<Facet> facets = numbered_facets(5);
     const auto path = dir.write("a.stl", binary_stl(facets));
     CHECK(read_facets(path) == facets);
-    const Result<MeshFile> mesh = read_mesh(path);
-    CHECK_FALSE(mesh.value().text);
-    CHECK(mesh.value().stride == 50);
-    CHECK(mesh.value().first_offset == 96);
-    CHECK(mesh.value().bytes.size() == 84 + 5 * 50);
-    CHECK(mesh.value().warnings.empty());
+    const MeshFile mesh = read_one(path);
+    CHECK_FALSE(mesh.text);
+    CHECK(mesh.stride == 50);
+    CHECK(mesh.first_offset == 96);
+    CHECK(mesh.bytes.size() == 84 + 5 * 50);
+    CHECK(mesh.warnings.empty());
 }
 
 TEST_CASE("a binary file of several read pieces arrives whole", "[input][threads]") {
@@ -57,10 +57,7 @@ TEST_CASE("bytes after the last counted record are ignored with a warning", "[in
     const std::size_t extra = GENERATE(1U, 49U, 50U, 1234U);
     const auto path = dir.write("a.stl", binary_stl(facets, 3, header) + std::string(extra, 'x'));
     CHECK(read_facets(path) == facets);
-    const Result<MeshFile> mesh = read_mesh(path);
-    REQUIRE(mesh.value().warnings.size() == 1);
-    CHECK_THAT(mesh.value().warnings[0],
-               Contains(std::to_string(extra) + (extra == 1 ? " byte " : " bytes ")) && Contains(path.string()));
+    CHECK_THAT(warnings_of(path).at(0), Contains(std::to_string(extra) + (extra == 1 ? " byte " : " bytes ")));
 }
 
 TEST_CASE("a count that the file does not hold is refused", "[input]") {

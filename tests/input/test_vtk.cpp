@@ -4,7 +4,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "read.hpp"
 #include "vtk_files.hpp"
 
 namespace lamella::vtk_test {
@@ -61,12 +60,6 @@ struct Legacy {
                extra + cells("POLYGONS", data.polygons) + cells("TRIANGLE_STRIPS", data.strips);
     }
 };
-
-std::string upper(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; });
-    return text;
-}
 
 std::string lower(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(),
@@ -142,9 +135,7 @@ TEST_CASE("legacy VTK is read in every accepted spelling", "[input][vtk]") {
     CHECK(reads(upper(Legacy{true, 5}(data))));
     CHECK(reads(replaced(Legacy{false, 3}(data), "float\n", "float \r\n")));
     CHECK(read_triangles(dir.write("a", plain)) == triangles_of(data));
-    const MeshFile misnamed = read_one(dir.write("a.stl", plain));
-    REQUIRE(misnamed.warnings.size() == 1);
-    CHECK_THAT(misnamed.warnings[0], Contains("is a file of format VTK, not STL as its name says"));
+    CHECK_THAT(warnings_of(dir.write("a.stl", plain)).at(0), Contains("is a file of format VTK, not STL as its name says"));
 }
 
 TEST_CASE("data other than the surface are skipped in legacy VTK", "[input][vtk]") {
@@ -235,10 +226,9 @@ TEST_CASE("cells of VTK without an area are ignored with a warning", "[input][vt
         for (const int version : {3, 5}) {
             const auto path = dir.write("a.vtk", Legacy{text, version}(data));
             CHECK(read_triangles(path) == triangles_of(cube()));
-            const MeshFile mesh = read_one(path);
-            REQUIRE(mesh.warnings.size() == 1);
-            CHECK(mesh.warnings[0] ==
-                  path.string() + ": ignored 3 cells of POLYGONS with fewer than three corners, the first being cell 2");
+            CHECK(warnings_of(path) ==
+                  std::vector<std::string>{
+                      "ignored 3 cells of POLYGONS with fewer than three corners, the first being cell 2"});
         }
     }
 }
@@ -268,48 +258,44 @@ TEST_CASE("legacy VTK cut off anywhere is refused", "[input][vtk]") {
     const std::string whole = legacy(data);
     const std::size_t complete = whole.size() - (text ? 2 : 1);  // behind the last number
     CHECK(read_triangles(dir.write("a.vtk", whole.substr(0, complete))) == triangles_of(data));
-    for (std::size_t length = 22; length < complete; ++length) {
-        INFO(length);
-        const Result<MeshFile> mesh = read_in_turn(dir.write("a.vtk", whole.substr(0, length)), length);
-        REQUIRE_FALSE(mesh.ok());
-        // Where a section ends, nothing is wrong but what is missing.
-        CHECK((mesh.error().code == ErrorCode::malformed_mesh || mesh.error().code == ErrorCode::empty_mesh));
-    }
+    // Where a section ends, nothing is wrong but what is missing.
+    refuses_cuts(dir, "a.vtk", whole, 22, complete, true);
 }
 
 TEST_CASE("malformed legacy VTK is refused with the place", "[input][vtk]") {
     const TempFolder dir;
     const auto complaint = [&](const std::string& file) { return read_error(dir.write("a.vtk", file)).message; };
     const std::string plain = Legacy{}(cube());
-    const auto with = [&](const std::string& what, const std::string& by) { return complaint(replaced(plain, what, by)); };
-    CHECK_THAT(with("POLYDATA", "UNSTRUCTURED_GRID"),
-               Contains("line 4, byte 49: expected 'POLYDATA', the only kind of DATASET that is read, found "
-                        "'UNSTRUCTURED_GRID'"));
-    CHECK_THAT(with("Version 3.0", "Version 6.0"), Contains("expected a version from 1.0 to 5.x, found '6.0'"));
-    CHECK_THAT(with("Version 3.0", "Version x"), Contains("found 'x'"));
-    CHECK_THAT(with("Version 3.0", "Version -1"), Contains("found '-1'"));
-    CHECK_THAT(with("ASCII", "XML"), Contains("line 3, ") && Contains("expected 'ASCII' or 'BINARY', found 'XML'"));
-    CHECK_THAT(with("DATASET", "SET"), Contains("expected 'DATASET'"));
-    CHECK_THAT(with("POINTS 8", "POINTS -8"), Contains("line 5, ") && Contains("expected the number of POINTS, found '-8'"));
-    CHECK_THAT(with("POINTS 8", "POINTS 9"), Contains("malformed coordinate 'POLYGONS'"));
-    CHECK_THAT(with("POINTS 8", "POINTS 7"), Contains("expected POINTS, POLYGONS, TRIANGLE_STRIPS or another section"));
-    CHECK_THAT(with("POINTS 8", "POINTS 5000000000"), Contains("expected fewer than 2^32 POINTS"));
-    CHECK_THAT(with("POINTS 8", "POINTS 4000000000"), Contains("expected 12000000000 numbers of POINTS, found "));
-    CHECK_THAT(with("POINTS 8", "POINTS 99999999999999999999"), Contains("expected the number of POINTS"));
-    CHECK_THAT(with("float", "half"), Contains("expected a type of numbers, found 'half'"));
-    CHECK_THAT(with("10.000000 10.000000 10.000000 ", "10 ten 10 "), Contains("malformed coordinate 'ten'"));
-    CHECK_THAT(with("10.000000 10.000000 10.000000 ", "10 nan 10 "), Contains("coordinate is not a finite number: 'nan'"));
-    CHECK_THAT(with("10.000000 10.000000 10.000000 ", "10 1e39 10 "), Contains("is not a finite number: '1e39'"));
-    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 6 31"), Contains("expected 31 numbers of POLYGONS, found 30"));
-    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 5 30"), Contains("take 25 numbers, not the 30 counted"));
-    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 7 30"), Contains("cell 6 of POLYGONS does not lie within the 30 numbers"));
-    CHECK_THAT(with("POLYGONS 6 30", "POLYGONS 6 18446744073709551615"), Contains("found 30"));
-    CHECK_THAT(with("4 0 2 3 1", "4 0 2 8 1"),
-               Contains("line 8, ") && Contains("point 8 of POLYGONS does not exist: there are 8"));
-    CHECK_THAT(with("4 0 2 3 1", "4 0 -1 3 1"), Contains("expected an integer from 0 to 4294967295, found '-1'"));
-    CHECK_THAT(with("4 0 2 3 1", "4 0 2.5 3 1"), Contains("found '2.5'"));
-    CHECK_THAT(with("4 0 2 3 1", "4294967295 0 2 3 1"), Contains("cell 0 of POLYGONS does not lie within"));
-    CHECK_THAT(with("POLYGONS 6", "POLYGON 6"), Contains("found 'POLYGON'"));
+    refuses_each(dir, "a.vtk", plain,
+                 {
+                     {"POLYDATA", "UNSTRUCTURED_GRID",
+                      "line 4, byte 49: expected 'POLYDATA', the only kind of DATASET that is read, found "
+                      "'UNSTRUCTURED_GRID'"},
+                     {"Version 3.0", "Version 6.0", "expected a version from 1.0 to 5.x, found '6.0'"},
+                     {"Version 3.0", "Version x", "found 'x'"},
+                     {"Version 3.0", "Version -1", "found '-1'"},
+                     {"ASCII", "XML", "line 3, ", "expected 'ASCII' or 'BINARY', found 'XML'"},
+                     {"DATASET", "SET", "expected 'DATASET'"},
+                     {"POINTS 8", "POINTS -8", "line 5, ", "expected the number of POINTS, found '-8'"},
+                     {"POINTS 8", "POINTS 9", "malformed coordinate 'POLYGONS'"},
+                     {"POINTS 8", "POINTS 7", "expected POINTS, POLYGONS, TRIANGLE_STRIPS or another section"},
+                     {"POINTS 8", "POINTS 5000000000", "expected fewer than 2^32 POINTS"},
+                     {"POINTS 8", "POINTS 4000000000", "expected 12000000000 numbers of POINTS, found "},
+                     {"POINTS 8", "POINTS 99999999999999999999", "expected the number of POINTS"},
+                     {"float", "half", "expected a type of numbers, found 'half'"},
+                     {"10.000000 10.000000 10.000000 ", "10 ten 10 ", "malformed coordinate 'ten'"},
+                     {"10.000000 10.000000 10.000000 ", "10 nan 10 ", "coordinate is not a finite number: 'nan'"},
+                     {"10.000000 10.000000 10.000000 ", "10 1e39 10 ", "is not a finite number: '1e39'"},
+                     {"POLYGONS 6 30", "POLYGONS 6 31", "expected 31 numbers of POLYGONS, found 30"},
+                     {"POLYGONS 6 30", "POLYGONS 5 30", "take 25 numbers, not the 30 counted"},
+                     {"POLYGONS 6 30", "POLYGONS 7 30", "cell 6 of POLYGONS does not lie within the 30 numbers"},
+                     {"POLYGONS 6 30", "POLYGONS 6 18446744073709551615", "found 30"},
+                     {"4 0 2 3 1", "4 0 2 8 1", "line 8, ", "point 8 of POLYGONS does not exist: there are 8"},
+                     {"4 0 2 3 1", "4 0 -1 3 1", "expected an integer from 0 to 4294967295, found '-1'"},
+                     {"4 0 2 3 1", "4 0 2.5 3 1", "found '2.5'"},
+                     {"4 0 2 3 1", "4294967295 0 2 3 1", "cell 0 of POLYGONS does not lie within"},
+                     {"POLYGONS 6", "POLYGON 6", "found 'POLYGON'"},
+                 });
     CHECK_THAT(complaint(plain + Legacy{}.cells("POLYGONS", {{0, 1, 2}})), Contains("expected one section POLYGONS"));
     CHECK_THAT(complaint(plain + "POINTS 1 float\n1 2 3\n"), Contains("expected one section POINTS"));
     CHECK_THAT(complaint(Legacy{}.header() + Legacy{}.cells("POLYGONS", {{0, 1, 2}})),
@@ -324,18 +310,17 @@ TEST_CASE("malformed legacy VTK is refused with the place", "[input][vtk]") {
 TEST_CASE("offsets of legacy VTK must ascend and end with the connectivity", "[input][vtk]") {
     const TempFolder dir;
     const std::string plain = Legacy{true, 5}(cube());
-    const auto with = [&](const std::string& what, const std::string& by) {
-        return read_error(dir.write("a.vtk", replaced(plain, what, by))).message;
-    };
-    CHECK_THAT(with("0 4 8 ", "1 4 8 "), Contains("the offsets of POLYGONS do not begin with 0"));
-    CHECK_THAT(with("0 4 8 ", "0 9 8 "),
-               Contains("line 9, ") && Contains("cell 1 of POLYGONS ends at 8, which is not from 9 to 24"));
-    CHECK_THAT(with(" 20 24 ", " 20 23 "), Contains("have 23 corners, not the 24 of their connectivity"));
-    CHECK_THAT(with(" 20 24 ", " 20 25 "), Contains("ends at 25, which is not from 20 to 24"));
-    CHECK_THAT(with(" 20 24 ", " 20 18446744073709551615 "), Contains("ends at -1"));
-    CHECK_THAT(with("CONNECTIVITY", "CONNECTED"), Contains("expected 'CONNECTIVITY' of POLYGONS, found 'CONNECTED'"));
-    CHECK_THAT(with("OFFSETS vtktypeint64", "OFFSETS float"), Contains("expected a type of integers, found 'float'"));
-    CHECK_THAT(with("POLYGONS 7 24", "POLYGONS 6 24"), Contains("expected 'CONNECTIVITY' of POLYGONS, found '24'"));
+    refuses_each(dir, "a.vtk", plain,
+                 {
+                     {"0 4 8 ", "1 4 8 ", "the offsets of POLYGONS do not begin with 0"},
+                     {"0 4 8 ", "0 9 8 ", "line 9, ", "cell 1 of POLYGONS ends at 8, which is not from 9 to 24"},
+                     {" 20 24 ", " 20 23 ", "have 23 corners, not the 24 of their connectivity"},
+                     {" 20 24 ", " 20 25 ", "ends at 25, which is not from 20 to 24"},
+                     {" 20 24 ", " 20 18446744073709551615 ", "ends at -1"},
+                     {"CONNECTIVITY", "CONNECTED", "expected 'CONNECTIVITY' of POLYGONS, found 'CONNECTED'"},
+                     {"OFFSETS vtktypeint64", "OFFSETS float", "expected a type of integers, found 'float'"},
+                     {"POLYGONS 7 24", "POLYGONS 6 24", "expected 'CONNECTIVITY' of POLYGONS, found '24'"},
+                 });
 }
 
 TEST_CASE("malformed binary legacy VTK is refused with the byte", "[input][vtk]") {
@@ -382,14 +367,8 @@ TEST_CASE("memory for legacy VTK is counted before it is allocated", "[input][vt
         data.strips[0].push_back(i % 10);
     }
     const auto path = dir.write("a.vtk", Legacy{GENERATE(false, true)}(data));
-    ReadOptions options;
-    options.memory_limit_bytes = 200'000;
-    const Result<MeshFile> mesh = read_mesh(path, options);
-    REQUIRE_FALSE(mesh.ok());
-    CHECK(mesh.error().code == ErrorCode::out_of_memory);
-    CHECK_THAT(mesh.error().message, Contains("expands to more than the 200000 bytes that reading it may take"));
-    options.memory_limit_bytes = 2'000'000;
-    CHECK(read_mesh(path, options).ok());
+    CHECK_THAT(message_beyond(200'000, path), Contains("expands to more than the 200000 bytes that reading it may take"));
+    CHECK(read_mesh(path, {.memory_limit_bytes = 2'000'000}).ok());
 }
 
 }  // namespace lamella::vtk_test

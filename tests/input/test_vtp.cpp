@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "read.hpp"
 #include "vtp_files.hpp"
 
 namespace lamella::vtk_test {

@@ -1,8 +1,6 @@
 // Polygonal data as the files of VTK hold them, written in every form that the readers know.
 #pragma once
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -13,14 +11,12 @@
 
 #include <catch2/catch.hpp>
 
-#include "files.hpp"
-#include "lamella/io.hpp"
-#include "lamella/lamella.hpp"
 #include "read.hpp"
 
 namespace lamella::vtk_test {
 
 using namespace input_test;
+using input_test::triangles_of;
 
 using Cells = std::vector<std::vector<std::uint32_t>>;
 
@@ -79,27 +75,6 @@ inline PolyData sheet(std::uint32_t side) {
     return data;
 }
 
-inline std::vector<Facet> triangles_of(const MeshFile& mesh) {
-    const MeshView view = mesh.view();
-    REQUIRE(view.indices != nullptr);
-    std::vector<Facet> facets(view.triangle_count);
-    for (std::size_t i = 0; i < 3 * facets.size(); ++i) {
-        const std::byte* const vertex = view.vertices + view.vertex_of(i / 3, i % 3) * view.stride;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            double value = 0;
-            float single = 0;
-            if (view.coordinate_type == CoordinateType::f64) {
-                std::memcpy(&value, vertex + axis * sizeof value, sizeof value);
-            } else {
-                std::memcpy(&single, vertex + axis * sizeof single, sizeof single);
-                value = static_cast<double>(single);
-            }
-            facets[i / 3][i % 3 * 3 + axis] = static_cast<float>(value);
-        }
-    }
-    return facets;
-}
-
 /// What must be read: convex polygons as fans, strips with every other triangle the other way round.
 inline std::vector<Facet> triangles_of(const PolyData& data) {
     std::vector<Facet> facets;
@@ -122,32 +97,9 @@ inline std::vector<Facet> triangles_of(const PolyData& data) {
     return facets;
 }
 
-/// The triangles of a file that must be readable, the same read and mapped, by 1 and 3 threads.
+/// The triangles of a file that must be readable.
 inline std::vector<Facet> read_triangles(const std::filesystem::path& path) {
-    return same_every_way(path, [](const MeshFile& mesh) { return triangles_of(mesh); });
-}
-
-inline MeshFile read_one(const std::filesystem::path& path) {
-    Result<MeshFile> mesh = read_mesh(path);
-    INFO((mesh ? "" : mesh.error().message));
-    REQUIRE(mesh.ok());
-    return std::move(mesh).value();
-}
-
-inline std::uint64_t hash_of(const std::filesystem::path& path) {
-    const MeshFile mesh = read_one(path);
-    SliceOptions options;
-    options.plan.spacing = UniformLayers{0.4};
-    const Result<SliceResult> result = slice(mesh.view(), options);
-    REQUIRE(result.ok());
-    return hash_result(result.value());
-}
-
-inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
-        text.replace(at, what.size(), by);
-    }
-    return text;
+    return input_test::read_triangles<float>(path);
 }
 
 /// Numbers as text or bytes, under one of VTK's names of types.
@@ -155,52 +107,11 @@ struct Encoding {
     bool text = true;
     bool big_endian = true;
 
-    template <class Number>
-    std::string number(Number value) const {
-        if (text) {
-            std::string digits = std::to_string(value);
-            return digits + " ";
-        }
-        std::string bytes(sizeof value, '\0');
-        std::memcpy(bytes.data(), &value, sizeof value);
-        if (big_endian) {
-            std::reverse(bytes.begin(), bytes.end());
-        }
-        return bytes;
-    }
-
     /// `type` as legacy files or XML files spell it.
     template <class Number>
     std::string as(const std::string& type, Number value) const {
-        if (type == "float" || type == "Float32") {
-            return number(static_cast<float>(value));
-        }
-        if (type == "double" || type == "Float64") {
-            return number(static_cast<double>(value));
-        }
-        const auto whole = static_cast<std::int64_t>(value);  // what the type does not hold wraps round
-        if (type == "unsigned_char" || type == "UInt8") {
-            return number(static_cast<std::uint8_t>(whole));
-        }
-        if (type == "char" || type == "Int8") {
-            return number(static_cast<std::int8_t>(whole));
-        }
-        if (type == "unsigned_short" || type == "UInt16") {
-            return number(static_cast<std::uint16_t>(whole));
-        }
-        if (type == "short" || type == "Int16") {
-            return number(static_cast<std::int16_t>(whole));
-        }
-        if (type == "unsigned_int" || type == "UInt32") {
-            return number(static_cast<std::uint32_t>(whole));
-        }
-        if (type == "int" || type == "Int32" || type == "vtktypeint32") {
-            return number(static_cast<std::int32_t>(whole));
-        }
-        if (type == "unsigned_long" || type == "UInt64") {
-            return number(static_cast<std::uint64_t>(value));
-        }
-        return number(static_cast<std::int64_t>(value));
+        return as_type(type, value,
+                       [this](auto number) { return text ? std::to_string(number) + " " : bytes_of(number, big_endian); });
     }
 };
 

@@ -51,10 +51,10 @@ public:
     FaceWriter(std::span<std::uint32_t> indices, const FaceRange& own)
         : begin_(indices.data() + 3 * own.first_triangle), face_(begin_), end_(begin_ + 3 * own.triangles) {}
 
-    /// Stores a face, which is left out if it has fewer than three corners. False: there is no room for it. Precondition:
-    /// fewer corners than polygon_mark.
+    /// Stores a face, which is left out if it has fewer than three corners. False: there is no room for it, or its corners
+    /// are too many to be numbered.
     bool add(std::span<const std::uint32_t> corners) {
-        if (3 * triangles_in(corners.size()) > static_cast<std::size_t>(end_ - face_)) {
+        if (3 * triangles_in(corners.size()) > static_cast<std::size_t>(end_ - face_) || corners.size() >= polygon_mark) {
             return false;
         }
         if (corners.size() == 3) {  // nearly all faces are triangles or quads, whose sizes compilers then know

@@ -172,11 +172,10 @@ void ObjParser::face(FaceWriter& faces) {
     while (to_word()) {
         corners_.push_back(corner());
     }
-    if (corners_.size() >= polygon_mark) {
+    if (!faces.add(corners_)) {
         p_ = statement_;
         fail("the face has " + std::to_string(corners_.size()) + " corners, too many to be cut into triangles");
     }
-    faces.add(corners_);
 }
 
 std::uint32_t ObjParser::corner() {

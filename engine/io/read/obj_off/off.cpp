@@ -221,8 +221,9 @@ std::size_t OffParser::face_item(std::size_t vertex_count, FaceWriter* faces) {
             corners_.push_back(vertex);
         }
     }
-    if (faces != nullptr) {
-        faces->add(corners_);
+    if (faces != nullptr && !faces->add(corners_)) {
+        p_ = item_;
+        fail("the face has " + std::to_string(corners) + " corners, too many to be cut into triangles");
     }
     const int count = extras(colour);
     if (layout_ == OffLayout::numbers && face_extras_.value_or(count) != count) {

@@ -254,9 +254,10 @@ void BodyReader<Numbers>::read_lists(const Place& place, FaceWriter& faces) {
         rows.indices(mesh_.vertex_count, list_);
         if (place.element.role == PlyRole::strips) {
             add_strips(faces);
-        } else {
-            faces.add(list_);
+        } else if (faces.add(list_)) {
             body_.small_faces += list_.size() < 3 ? 1 : 0;
+        } else {
+            throw TextError{rows.numbers().at(), "too many corners to be cut into triangles", !Numbers::binary};
         }
     }
 }

@@ -243,7 +243,10 @@ void write_faces(const VtkFile& file, const CellArray& array, const Block& block
         }
         std::for_each(corners.begin(), corners.end(), [&array](std::uint32_t& point) { point += array.first_point; });
         if (array.kind == CellKind::polygons) {
-            faces.add(corners);
+            if (!faces.add(corners)) {
+                file.fail_at(array.corners, first,
+                             "the polygon that begins here has too many corners to be cut into triangles");
+            }
             return;
         }
         for (std::size_t i = 2; i < corners.size(); ++i) {

@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <cstring>
-#include <vector>
 
-#include "lamella/memory.hpp"
+#include "io/read/chunk_list.hpp"
 
 namespace lamella {
 
@@ -15,47 +14,8 @@ namespace {
 constexpr std::size_t chunk_bytes = std::size_t{4} << 20;
 constexpr int gzip_window = 16 + MAX_WBITS;  // 16: the format is gzip, not zlib
 
-/// The bytes decompressed so far, in chunks: the size is known only at the end.
-class Chunks {
-public:
-    explicit Chunks(const Memory* memory) : memory_(memory) {}
-
-    std::uint64_t size() const noexcept { return chunks_.empty() ? 0 : (chunks_.size() - 1) * chunk_bytes + used_; }
-
-    /// Where the next bytes go; never empty.
-    std::span<std::byte> room() {
-        if (chunks_.empty() || used_ == chunk_bytes) {
-            chunks_.emplace_back(memory_).resize_discarding(chunk_bytes);
-            used_ = 0;
-        }
-        return chunks_.back().span().subspan(used_);
-    }
-    void used(std::size_t bytes) noexcept { used_ += bytes; }
-
-    /// All in one piece; each chunk is given back once it is copied.
-    Array<std::byte> joined(const Parallel& parallel) {
-        Array<std::byte> whole(memory_);
-        if (size() == 0) {
-            return whole;  // without memory that bytes could be copied to
-        }
-        whole.resize_discarding(size());
-        std::byte* to = whole.data();
-        for (std::size_t c = 0; c < chunks_.size(); ++c) {
-            parallel.stop_if_asked();
-            const std::size_t bytes = c + 1 < chunks_.size() ? chunk_bytes : used_;
-            std::memcpy(to, chunks_[c].data(), bytes);
-            to += bytes;
-            chunks_[c] = Array<std::byte>(memory_);
-        }
-        chunks_.clear();
-        return whole;
-    }
-
-private:
-    const Memory* memory_;
-    std::vector<Array<std::byte>> chunks_;
-    std::size_t used_ = 0;  // of the last chunk
-};
+/// The bytes decompressed so far: the size is known only at the end.
+using Chunks = ChunkList<std::byte, chunk_bytes, chunk_bytes>;
 
 class Inflater {
 public:
@@ -78,7 +38,7 @@ public:
         stream_.avail_out = static_cast<uInt>(room.size());
         const int answer = inflate(&stream_, Z_NO_FLUSH);
         left_ = left_.subspan(offered - stream_.avail_in);
-        chunks.used(room.size() - stream_.avail_out);
+        chunks.add(room.size() - stream_.avail_out);
         return answer;
     }
 
@@ -128,7 +88,7 @@ Unzipped unzip(std::span<const std::byte> file, std::uint64_t limit_bytes, const
         }
     }
     result.ignored_bytes = inflater.left();
-    result.contents = chunks.joined(parallel);
+    result.contents = chunks.joined([&parallel] { parallel.stop_if_asked(); });
     return result;
 }
 

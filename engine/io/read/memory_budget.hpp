@@ -23,6 +23,9 @@ public:
         return {};
     }
 
+    bool has(std::uint64_t bytes) const noexcept { return bytes <= left_; }
+    std::uint64_t limit_bytes() const noexcept { return source_.memory_limit(); }
+
     /// What was taken and is free again.
     void give_back(std::uint64_t bytes) noexcept { left_ += bytes; }
 

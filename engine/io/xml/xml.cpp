@@ -4,18 +4,20 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <new>
 #include <utility>
 
 #include "io/read/input_file.hpp"
-#include "lamella/memory.hpp"
 
 namespace lamella {
 
 namespace {
 
-constexpr const char* unreal_names = "elements too deep, names too many or a tag too long to be real";
+constexpr const char* unreal = "elements too deep, names too many or a tag too long to be real";
+
+// Each name is looked for among all, so that their number bounds the time as well.
+constexpr std::size_t most_bindings = 256;
+constexpr std::size_t most_binding_bytes = std::size_t{1} << 16;
 
 /// Bytes for one call of expat: its lengths are ints, and it copies tags that are cut in two.
 constexpr std::size_t piece_bytes = std::size_t{1} << 20;
@@ -40,97 +42,7 @@ std::optional<std::string_view> declared_prefix(std::string_view name) {
     return rest.empty() ? std::optional(rest) : (rest[0] == ':' ? std::optional(rest.substr(1)) : std::nullopt);
 }
 
-XML_Parser as_parser(void* parser) {
-    return static_cast<XML_Parser>(parser);
-}
-
 }  // namespace
-
-// --- ParserMemory
-
-/// What expat allocates, counted: it keeps every name that it has seen and a stack of open tags, both as the file likes.
-class XmlReader::ParserMemory {
-public:
-    explicit ParserMemory(const Memory* memory) : memory_(memory) {}
-
-    bool exhausted() const noexcept { return exhausted_; }
-
-    /// While one of these lives, expat allocates from `memory` on this thread: its allocation functions take no context.
-    class Scope {
-    public:
-        explicit Scope(ParserMemory& memory) noexcept : outer_(std::exchange(current_, &memory)) {}
-        ~Scope() { current_ = outer_; }
-        Scope(const Scope&) = delete;
-        Scope& operator=(const Scope&) = delete;
-
-    private:
-        ParserMemory* outer_;
-    };
-
-    static const XML_Memory_Handling_Suite functions;
-
-private:
-    /// Before each block.
-    struct alignas(std::max_align_t) Header {
-        ParserMemory* owner;
-        std::size_t bytes;  // of the block, and of this
-    };
-
-    static Header* header_of(void* block) noexcept { return static_cast<Header*>(block) - 1; }
-
-    static void* allocate(std::size_t bytes) noexcept { return current_->take(bytes); }
-
-    static void* reallocate(void* block, std::size_t bytes) noexcept {
-        if (block == nullptr) {
-            return allocate(bytes);
-        }
-        Header* const old = header_of(block);
-        void* const fresh = old->owner->take(bytes);
-        if (fresh != nullptr) {
-            std::memcpy(fresh, block, std::min(bytes, old->bytes - sizeof(Header)));
-            release(block);
-        }
-        return fresh;
-    }
-
-    static void release(void* block) noexcept {
-        if (block != nullptr) {
-            Header* const header = header_of(block);
-            ParserMemory& owner = *header->owner;
-            const std::size_t bytes = header->bytes;
-            owner.in_use_ -= bytes;
-            if (owner.memory_ != nullptr) {
-                owner.memory_->release(owner.memory_->context, header, bytes, alignof(Header));
-            } else {
-                ::operator delete(header);
-            }
-        }
-    }
-
-    void* take(std::size_t block_bytes) noexcept {
-        const std::size_t left = parser_memory_limit - in_use_;
-        if (left < sizeof(Header) || block_bytes > left - sizeof(Header)) {
-            exhausted_ = true;
-            return nullptr;
-        }
-        const std::size_t bytes = sizeof(Header) + block_bytes;
-        void* const raw = memory_ != nullptr ? memory_->allocate(memory_->context, bytes, alignof(Header))
-                                             : ::operator new(bytes, std::nothrow);
-        if (raw == nullptr) {
-            return nullptr;  // expat then says that memory ran out
-        }
-        in_use_ += bytes;
-        return new (raw) Header{this, bytes} + 1;
-    }
-
-    static thread_local ParserMemory* current_;
-    const Memory* memory_;
-    std::size_t in_use_ = 0;
-    bool exhausted_ = false;  // the limit, and not the machine
-};
-
-thread_local XmlReader::ParserMemory* XmlReader::ParserMemory::current_ = nullptr;
-const XML_Memory_Handling_Suite XmlReader::ParserMemory::functions = {allocate, reallocate, release};
 
 std::string XmlUnboundName::words() const {
     constexpr std::size_t longest = 64;
@@ -144,6 +56,47 @@ bool is_plain_xml_text(std::string_view text) noexcept {
         other |= is_other[static_cast<unsigned char>(c)];
     }
     return other == 0;
+}
+
+// --- XmlNamespaces
+
+XmlWrittenName split_name(std::string_view name) noexcept {
+    const std::size_t colon = name.find(':');
+    return colon == 0 || colon == std::string_view::npos ? XmlWrittenName{{}, name}
+                                                         : XmlWrittenName{name.substr(0, colon), name.substr(colon + 1)};
+}
+
+bool XmlNamespaces::declare(std::string_view prefix, std::string_view space, std::uint64_t depth) {
+    bytes_ += prefix.size() + space.size();
+    if (bindings_.size() == most_bindings || bytes_ > most_binding_bytes) {
+        return false;
+    }
+    bindings_.push_back({std::string(prefix), std::string(space), depth});
+    return true;
+}
+
+void XmlNamespaces::close(std::uint64_t depth) noexcept {
+    for (; !bindings_.empty() && bindings_.back().depth == depth; bindings_.pop_back()) {
+        bytes_ -= bindings_.back().prefix.size() + bindings_.back().space.size();
+    }
+}
+
+std::optional<std::string_view> XmlNamespaces::find(std::string_view prefix) const noexcept {
+    const auto found = std::find_if(bindings_.rbegin(), bindings_.rend(),
+                                    [prefix](const Binding& binding) { return binding.prefix == prefix; });
+    if (found != bindings_.rend() && (prefix.empty() || !found->space.empty())) {
+        return found->space;
+    }
+    if (prefix == "xml") {
+        return "http://www.w3.org/XML/1998/namespace";
+    }
+    return prefix.empty() ? std::optional<std::string_view>("") : std::nullopt;
+}
+
+XmlName XmlNamespaces::element(std::string_view name) const noexcept {
+    const XmlWrittenName written = split_name(name);
+    const std::optional<std::string_view> space = find(written.prefix);
+    return space ? XmlName{*space, written.local} : XmlName{{}, name};
 }
 
 // --- XmlAttributes
@@ -199,22 +152,18 @@ struct XmlReader::Callbacks {
     }
 };
 
-XmlReader::XmlReader(const Memory* memory) : memory_(std::make_unique<ParserMemory>(memory)) {
-    const ParserMemory::Scope scope(*memory_);
-    XML_Parser parser = XML_ParserCreate_MM(nullptr, &ParserMemory::functions, nullptr);
-    if (parser == nullptr) {
-        throw std::bad_alloc();
-    }
-    parser_ = parser;
-    XML_SetUserData(parser, this);
-    XML_SetElementHandler(parser, Callbacks::begin, Callbacks::end);
-    XML_SetCharacterDataHandler(parser, Callbacks::text);
-    XML_SetStartDoctypeDeclHandler(parser, Callbacks::doctype);
+void XmlReader::ParserDeleter::operator()(XML_ParserStruct* parser) const noexcept {
+    XML_ParserFree(parser);
 }
 
-XmlReader::~XmlReader() {
-    const ParserMemory::Scope scope(*memory_);
-    XML_ParserFree(as_parser(parser_));
+XmlReader::XmlReader() : parser_(XML_ParserCreate(nullptr)) {
+    if (parser_ == nullptr) {
+        throw std::bad_alloc();
+    }
+    XML_SetUserData(parser_.get(), this);
+    XML_SetElementHandler(parser_.get(), Callbacks::begin, Callbacks::end);
+    XML_SetCharacterDataHandler(parser_.get(), Callbacks::text);
+    XML_SetStartDoctypeDeclHandler(parser_.get(), Callbacks::doctype);
 }
 
 template <class Event>
@@ -231,8 +180,8 @@ void XmlReader::deliver(Event&& event) noexcept {
 }
 
 void XmlReader::begin(std::string_view name, const char* const* attributes) {
-    ++depth_;
-    if (!declare_namespaces(attributes)) {
+    if (++depth_ > most_open_elements || !declare_namespaces(attributes)) {
+        fail(unreal);
         return;
     }
     const XmlAttributes list(attributes, namespaces_);
@@ -241,18 +190,13 @@ void XmlReader::begin(std::string_view name, const char* const* attributes) {
 }
 
 bool XmlReader::declare_namespaces(const char* const* attributes) {
-    for (const char* const* at = attributes; *at != nullptr && !stopped_; at += 2) {
+    for (const char* const* at = attributes; *at != nullptr; at += 2) {
         const std::optional<std::string_view> prefix = declared_prefix(at[0]);
-        if (!prefix) {
-            continue;
-        }
-        if (!namespaces_.declare(*prefix, at[1], depth_)) {
-            fail(unreal_names);
+        if (prefix && !namespaces_.declare(*prefix, at[1], depth_)) {
             return false;
         }
-        declare_namespace(*prefix, at[1]);
     }
-    return !stopped_;
+    return true;
 }
 
 void XmlReader::note_unbound(std::string_view element, const XmlAttributes& attributes) {
@@ -279,21 +223,21 @@ bool XmlReader::finish() {
 }
 
 bool XmlReader::parse(std::string_view bytes, bool last) {
-    const ParserMemory::Scope scope(*memory_);
-    XML_Parser parser = as_parser(parser_);
-    const XML_Status answer = XML_Parse(parser, bytes.data(), static_cast<int>(bytes.size()), last ? 1 : 0);
+    const XML_Status answer = XML_Parse(parser_.get(), bytes.data(), static_cast<int>(bytes.size()), last ? 1 : 0);
     if (thrown_) {
         std::rethrow_exception(std::exchange(thrown_, nullptr));
     }
-    if (answer == XML_STATUS_OK || stopped_) {
-        return !stopped_;
+    parsed_bytes_ += bytes.size();
+    if (answer != XML_STATUS_OK && !stopped_) {
+        const XML_Error error = XML_GetErrorCode(parser_.get());
+        if (error == XML_ERROR_NO_MEMORY) {
+            throw std::bad_alloc();
+        }
+        fail(std::string("malformed XML: ") + XML_ErrorString(error));
+    } else if (!stopped_ && !last && parsed_bytes_ + skipped_bytes_ - event_offset() > longest_tag_bytes) {
+        fail(unreal);
     }
-    const XML_Error error = XML_GetErrorCode(parser);
-    if (error == XML_ERROR_NO_MEMORY && !memory_->exhausted()) {
-        throw std::bad_alloc();
-    }
-    fail(error == XML_ERROR_NO_MEMORY ? std::string(unreal_names) : std::string("malformed XML: ") + XML_ErrorString(error));
-    return false;
+    return !stopped_;
 }
 
 void XmlReader::fail(std::string what) {
@@ -303,20 +247,20 @@ void XmlReader::fail(std::string what) {
 
 void XmlReader::stop() {
     stopped_ = true;
-    XML_StopParser(as_parser(parser_), XML_FALSE);
+    XML_StopParser(parser_.get(), XML_FALSE);
 }
 
 std::uint64_t XmlReader::event_line() const noexcept {
-    return skipped_lines_ + XML_GetCurrentLineNumber(as_parser(parser_));
+    return skipped_lines_ + XML_GetCurrentLineNumber(parser_.get());
 }
 
 std::uint64_t XmlReader::event_offset() const noexcept {
-    const XML_Index parsed = std::max<XML_Index>(0, XML_GetCurrentByteIndex(as_parser(parser_)));
+    const XML_Index parsed = std::max<XML_Index>(0, XML_GetCurrentByteIndex(parser_.get()));
     return skipped_bytes_ + static_cast<std::uint64_t>(parsed);
 }
 
 std::uint64_t XmlReader::event_end() const noexcept {
-    return event_offset() + static_cast<std::uint64_t>(XML_GetCurrentByteCount(as_parser(parser_)));
+    return event_offset() + static_cast<std::uint64_t>(XML_GetCurrentByteCount(parser_.get()));
 }
 
 }  // namespace lamella

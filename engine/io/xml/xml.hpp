@@ -9,14 +9,52 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "io/xml/namespaces.hpp"
-#include "lamella/memory.hpp"
+struct XML_ParserStruct;
 
 namespace lamella {
 
 /// Whether `text` is plain text at any place of an XML document: ASCII, with no character that markup consists of.
 bool is_plain_xml_text(std::string_view text) noexcept;
+
+/// A name with its namespace: of elements always, of attributes only where they carry a prefix.
+struct XmlName {
+    std::string_view space;  ///< the namespace's address, or empty
+    std::string_view local;
+    friend bool operator==(const XmlName&, const XmlName&) = default;
+};
+
+/// A name as it is written: "prefix:local" or "local".
+struct XmlWrittenName {
+    std::string_view prefix;
+    std::string_view local;
+};
+XmlWrittenName split_name(std::string_view name) noexcept;
+
+/// The namespaces that the open elements declare. They are resolved here and not by expat, which ends the document at a
+/// prefix that is not declared.
+class XmlNamespaces {
+public:
+    /// Of the next element, which is at `depth`. False: more are declared than any real file needs.
+    bool declare(std::string_view prefix, std::string_view space, std::uint64_t depth);
+    /// Forgets what elements at `depth` declared.
+    void close(std::uint64_t depth) noexcept;
+
+    /// The namespace of that prefix, empty where it is the empty one; nothing if it is not declared.
+    std::optional<std::string_view> find(std::string_view prefix) const noexcept;
+    /// Of an element. One whose prefix is not declared keeps it in its name and has no namespace.
+    XmlName element(std::string_view name) const noexcept;
+
+private:
+    struct Binding {
+        std::string prefix;
+        std::string space;
+        std::uint64_t depth;
+    };
+    std::vector<Binding> bindings_;  // of outer elements first
+    std::size_t bytes_ = 0;
+};
 
 /// The attributes of an element, as long as its event lasts.
 class XmlAttributes {
@@ -54,12 +92,13 @@ struct XmlUnboundName {
     std::string words() const;
 };
 
-/// A parser of one document; readers of formats derive from it. Memory: at most parser_memory_limit, taken from `memory`.
+/// A parser of one document; readers of formats derive from it. Elements deeper, tags and comments longer and namespaces
+/// more than any real file has are refused: expat keeps all that is open, and reads what is cut in two from its begin again.
 class XmlReader {
 public:
     /// Throws std::bad_alloc.
-    explicit XmlReader(const Memory* memory = nullptr);
-    virtual ~XmlReader();
+    XmlReader();
+    virtual ~XmlReader() = default;
     XmlReader(const XmlReader&) = delete;
     XmlReader& operator=(const XmlReader&) = delete;
 
@@ -78,8 +117,8 @@ public:
     /// The first such name. Elements of one have no namespace, attributes of one are not found.
     const std::optional<XmlUnboundName>& unbound_name() const noexcept { return unbound_name_; }
 
-    /// What the stack of open elements, the names seen and the tag at hand may take: far more than any real file needs.
-    static constexpr std::size_t parser_memory_limit = std::size_t{16} << 20;
+    static constexpr std::uint64_t most_open_elements = 1000;
+    static constexpr std::size_t longest_tag_bytes = std::size_t{4} << 20;  ///< or comment
 
 protected:
     // The events. They may call fail() or stop(), after which no other event comes.
@@ -87,8 +126,9 @@ protected:
     virtual void end_element(const XmlName& name) = 0;
     /// A piece of the text between tags; a line of it may come in many.
     virtual void text(std::string_view piece) = 0;
-    /// A prefix that the next element declares, empty for that of names without one.
-    virtual void declare_namespace(std::string_view /*prefix*/, std::string_view /*space*/) {}
+
+    /// The namespace of a prefix that the current element or one around it declares; nothing if none does.
+    std::optional<std::string_view> namespace_of(std::string_view prefix) const noexcept { return namespaces_.find(prefix); }
 
     /// Ends parsing with a failure at the event at hand.
     void fail(std::string what);
@@ -101,8 +141,10 @@ protected:
     std::uint64_t event_end() const noexcept;
 
 private:
-    class ParserMemory;
     struct Callbacks;
+    struct ParserDeleter {
+        void operator()(XML_ParserStruct* parser) const noexcept;
+    };
 
     template <class Event>
     void deliver(Event&& event) noexcept;
@@ -111,8 +153,8 @@ private:
     void note_unbound(std::string_view element, const XmlAttributes& attributes);
     bool parse(std::string_view bytes, bool last);
 
-    std::unique_ptr<ParserMemory> memory_;
-    void* parser_ = nullptr;  // an XML_Parser; expat.h stays out of the other readers
+    std::unique_ptr<XML_ParserStruct, ParserDeleter> parser_;  // expat.h stays out of the other readers
+    std::uint64_t parsed_bytes_ = 0;
     XmlNamespaces namespaces_;
     std::uint64_t depth_ = 0;  // of open elements
     std::optional<XmlUnboundName> unbound_name_;

@@ -22,12 +22,12 @@ std::uint64_t text_limit(const FileSource& file) {
     return file.memory_limit() + largest_ratio * std::min(file.size(), std::numeric_limits<std::uint64_t>::max() / 128);
 }
 
-void warn_of_other_bytes(const OtherBytes& other, three_mf::Model& model) {
-    if (other.before > 0) {
-        model.warnings.push_back("ignored " + std::to_string(other.before) + " bytes before the zip archive");
+void warn_of_other_bytes(const ZipArchive& package, three_mf::Model& model) {
+    if (package.bytes_before() > 0) {
+        model.warnings.push_back("ignored " + std::to_string(package.bytes_before()) + " bytes before the zip archive");
     }
-    if (other.after > 0) {
-        model.warnings.push_back("ignored " + std::to_string(other.after) + " bytes after the zip archive");
+    if (package.bytes_after() > 0) {
+        model.warnings.push_back("ignored " + std::to_string(package.bytes_after()) + " bytes after the zip archive");
     }
 }
 
@@ -41,9 +41,9 @@ Result<three_mf::Model> load(FileSource& file, std::chrono::steady_clock::time_p
     if (!package) {
         return package.error();
     }
-    Result<three_mf::Model> model = three_mf::read_model(package.value(), file.memory_limit(), file.memory());
+    Result<three_mf::Model> model = three_mf::read_model(package.value(), file);
     if (model) {
-        warn_of_other_bytes(other_bytes(as_text(bytes.value().span())), model.value());
+        warn_of_other_bytes(package.value(), model.value());
     }
     return model;
 }

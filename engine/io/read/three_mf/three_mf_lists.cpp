@@ -4,7 +4,6 @@
 #include <array>
 #include <string_view>
 
-#include "io/read/three_mf/three_mf_numbers.hpp"
 #include "io/read/three_mf/three_mf_part.hpp"
 
 namespace lamella::three_mf {
@@ -116,7 +115,7 @@ bool PartReader::add_plain_vertex(const std::array<std::string_view, 3>& values)
         number_in(values[2], vertex.z) != NumberText::read || !budget_.has(vertices.next_bytes())) {
         return false;
     }
-    budget_.take(vertices.next_bytes());
+    (void)budget_.take(vertices.next_bytes(), 1);
     vertices.push_back(vertex);
     return true;
 }
@@ -132,7 +131,7 @@ bool PartReader::add_plain_triangle(const std::array<std::string_view, 3>& value
     if (!budget_.has(triangles.next_bytes())) {
         return false;
     }
-    budget_.take(triangles.next_bytes());
+    (void)budget_.take(triangles.next_bytes(), 1);
     triangles.push_back(triangle);
     return true;
 }

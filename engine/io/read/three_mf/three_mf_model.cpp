@@ -20,8 +20,6 @@ constexpr std::string_view content_types = "[Content_Types].xml";
 /// Finds the root model part among the relationships of a package.
 class RelationshipReader : public XmlReader {
 public:
-    using XmlReader::XmlReader;
-
     const std::string& root() const noexcept { return root_; }  ///< empty: none
 
 private:
@@ -75,8 +73,8 @@ Error no_package(const ZipArchive& package) {
                                         "is a mesh in a zip archive that is no 3MF package: unpack it first");
 }
 
-Result<std::string> find_root(ZipArchive& package, Model& model, const Memory* memory) {
-    RelationshipReader relationships(memory);
+Result<std::string> find_root(ZipArchive& package, Model& model) {
+    RelationshipReader relationships;
     const std::string part(package_relationships);
     if (!package.contains(part)) {
         return no_package(package);
@@ -96,7 +94,7 @@ Result<std::string> find_root(ZipArchive& package, Model& model, const Memory* m
     return relationships.root();
 }
 
-Status read_part(ZipArchive& package, Model& model, Part part, Budget& budget, const Memory* memory) {
+Status read_part(ZipArchive& package, Model& model, Part part, MemoryBudget& budget, const Memory* memory) {
     PartReader reader(model, part, budget, memory);
     const std::string name = model.parts[part];
     if (Status read = stream(package, name, reader, [&](std::string_view piece) { return reader.feed_part(piece); });
@@ -141,9 +139,9 @@ Part Model::part_of(const std::string& name) {
     return at->second;
 }
 
-Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, const Memory* memory) {
+Result<Model> read_model(ZipArchive& package, const FileSource& file) {
     Model model;
-    const Result<std::string> root = find_root(package, model, memory);
+    const Result<std::string> root = find_root(package, model);
     if (!root) {
         return root.error();
     }
@@ -151,13 +149,13 @@ Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, const M
         model.warnings.push_back("has no part '" + std::string(content_types) + "', as a 3MF package must");
     }
     model.part_of(root.value());
-    Budget budget(limit_bytes);
+    MemoryBudget budget(file);
     for (Part part = 0; part < model.parts.size(); ++part) {  // the root part adds to them
-        if (Status read = read_part(package, model, part, budget, memory); !read) {
+        if (Status read = read_part(package, model, part, budget, file.memory()); !read) {
             return read.error();
         }
     }
-    if (Status applied = apply_settings(package, model, budget, memory); !applied) {
+    if (Status applied = apply_settings(package, model, budget, file.memory()); !applied) {
         return applied.error();
     }
     return model;

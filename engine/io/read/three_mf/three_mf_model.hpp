@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/read/three_mf/chunk_list.hpp"
+#include "io/read/chunk_list.hpp"
 #include "io/read/three_mf/zip_archive.hpp"
 #include "lamella/error.hpp"
 #include "lamella/io/mesh_file.hpp"
@@ -93,8 +93,7 @@ struct Model {
     static std::uint64_t key(Part part, std::uint32_t id) noexcept { return std::uint64_t{part} << 32 | id; }
 };
 
-/// The model of a package: its root part, found by the package's relationships, and all parts that it refers to. What is
-/// kept of them may take `limit_bytes`.
-Result<Model> read_model(ZipArchive& package, std::uint64_t limit_bytes, const Memory* memory);
+/// The model of the package in `file`: its root part, found by the package's relationships, and all parts that it refers to.
+Result<Model> read_model(ZipArchive& package, const FileSource& file);
 
 }  // namespace lamella::three_mf

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "io/read/input_file.hpp"
-#include "io/read/three_mf/three_mf_numbers.hpp"
 #include "io/text/text.hpp"
 #include "lamella/memory.hpp"
 
@@ -85,8 +84,8 @@ const PartReader::Element PartReader::elements[] = {
     {State::build, State::item, "item", &PartReader::begin_item},
 };
 
-PartReader::PartReader(Model& model, Part part, Budget& budget, const Memory* memory)
-    : XmlReader(memory), model_(model), part_(part), budget_(budget), memory_(memory) {}
+PartReader::PartReader(Model& model, Part part, MemoryBudget& budget, const Memory* memory)
+    : model_(model), part_(part), budget_(budget), memory_(memory) {}
 
 void PartReader::begin_element(const XmlName& name, const XmlAttributes& attributes) {
     if (passed_over_ > 0) {
@@ -140,12 +139,6 @@ void PartReader::pass_over(const XmlName& name) {
     }
 }
 
-void PartReader::declare_namespace(std::string_view prefix, std::string_view space) {
-    if (state_ == State::document) {
-        namespaces_[std::string(prefix)] = space;
-    }
-}
-
 // --- The model element
 
 void PartReader::begin_model(const XmlAttributes& attributes) {
@@ -161,16 +154,15 @@ void PartReader::check_required(std::string_view prefixes) {
     const char* const end = prefixes.data() + prefixes.size();
     for (const char* p = skip_space(prefixes.data(), end); p != end; p = skip_space(p, end)) {
         const char* const word_end = skip_word(p, end);
-        const std::string prefix(p, word_end);
+        const std::string_view prefix(p, static_cast<std::size_t>(word_end - p));
         p = word_end;
-        const auto declared = namespaces_.find(prefix);
-        if (declared == namespaces_.end()) {
+        const std::optional<std::string_view> space = namespace_of(prefix);
+        if (!space) {
             fail("requires the extension " + in_quotes(prefix) + ", a prefix that it does not declare");
             return;
         }
-        const std::string& space = declared->second;
-        if (std::find(supported_extensions.begin(), supported_extensions.end(), space) == supported_extensions.end()) {
-            fail("requires the extension " + in_quotes(prefix) + ", " + in_quotes(space) + ", which is not supported");
+        if (std::find(supported_extensions.begin(), supported_extensions.end(), *space) == supported_extensions.end()) {
+            fail("requires the extension " + in_quotes(prefix) + ", " + in_quotes(*space) + ", which is not supported");
             return;
         }
     }
@@ -383,7 +375,7 @@ bool PartReader::set_transform(std::string_view numbers, Reference& reference) {
 // ---
 
 bool PartReader::keep(std::uint64_t bytes) {
-    if (budget_.take(bytes)) {
+    if (budget_.take(bytes, 1)) {
         return true;
     }
     code_ = ErrorCode::out_of_memory;

@@ -2,36 +2,38 @@
 #pragma once
 
 #include <array>
+#include <charconv>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
+#include <system_error>
 #include <vector>
 
+#include "io/read/memory_budget.hpp"
 #include "io/read/three_mf/three_mf_model.hpp"
+#include "io/text/text.hpp"
 #include "io/xml/xml.hpp"
 #include "lamella/memory.hpp"
 
 namespace lamella::three_mf {
 
-/// What may still be kept of the file.
-class Budget {
-public:
-    explicit Budget(std::uint64_t limit_bytes) noexcept : limit_bytes_(limit_bytes) {}
-    std::uint64_t limit_bytes() const noexcept { return limit_bytes_; }
-    bool has(std::uint64_t bytes) const noexcept {
-        return used_bytes_ <= limit_bytes_ && bytes <= limit_bytes_ - used_bytes_;
+/// The number that `text` is, with white space around it or none.
+inline NumberText number_in(std::string_view text, double& value) {
+    const char* const end = text.data() + text.size();
+    const char* p = skip_space(text.data(), end);
+    if (p == end) {
+        return NumberText::malformed;
     }
-    bool take(std::uint64_t bytes) noexcept {
-        used_bytes_ += bytes;
-        return used_bytes_ <= limit_bytes_;
-    }
+    const NumberText answer = read_number(p, end, value);
+    return answer != NumberText::read || skip_space(p, end) == end ? answer : NumberText::malformed;
+}
 
-private:
-    std::uint64_t limit_bytes_;
-    std::uint64_t used_bytes_ = 0;
-};
+inline bool integer_in(std::string_view text, std::uint32_t& value) {
+    const char* const end = text.data() + text.size();
+    const std::from_chars_result got = std::from_chars(skip_space(text.data(), end), end, value);
+    return got.ec == std::errc() && skip_space(got.ptr, end) == end;
+}
 
 /// The name of a part by how another part refers to it, without the leading slash; nothing if it leaves the package.
 std::optional<std::string> part_name(std::string_view path);
@@ -40,12 +42,12 @@ std::optional<std::string> part_name(std::string_view path);
 /// of which becomes an object) or BambuStudio and OrcaSlicer (Metadata/model_settings.config: components) keep beside the
 /// model. An unknown type is solid, as it is for them, with a warning. Errors: malformed XML, ranges that are not an
 /// object's triangles.
-Status apply_settings(ZipArchive& package, Model& model, Budget& budget, const Memory* memory);
+Status apply_settings(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory);
 
 /// Adds the part `part` of `model` to it, and to its list of parts those that the root refers to.
 class PartReader : public XmlReader {
 public:
-    PartReader(Model& model, Part part, Budget& budget, const Memory* memory);
+    PartReader(Model& model, Part part, MemoryBudget& budget, const Memory* memory);
 
     /// feed() for the part, which reads vertices and triangles of the usual form without the XML parser.
     bool feed_part(std::string_view piece);
@@ -82,7 +84,6 @@ private:
     void text(std::string_view piece) override {
         metadata_text_ += metadata_role_ != PartRole::solid && metadata_text_.size() < 16 ? piece.substr(0, 16) : "";
     }
-    void declare_namespace(std::string_view prefix, std::string_view space) override;
 
     void begin_model(const XmlAttributes& attributes);
     void begin_object(const XmlAttributes& attributes);
@@ -118,7 +119,7 @@ private:
 
     Model& model_;
     Part part_;
-    Budget& budget_;
+    MemoryBudget& budget_;
     const Memory* memory_;
     State state_ = State::document;
     bool draft_ = false;        // its elements are of the draft of 2013
@@ -130,8 +131,7 @@ private:
     std::uint64_t parsed_ = 0;       // where the last tag ended after which an element of a list may come
     double mm_per_unit_ = 1;
     ErrorCode code_ = ErrorCode::malformed_mesh;
-    std::unordered_map<std::string, std::string> namespaces_;  // by prefix, as the model element declares them
-    std::vector<std::string> warned_of_;                       // namespaces whose geometry is passed over
+    std::vector<std::string> warned_of_;  // namespaces whose geometry is passed over
 };
 
 }  // namespace lamella::three_mf

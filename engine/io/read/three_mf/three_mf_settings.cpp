@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "io/read/input_file.hpp"
-#include "io/read/three_mf/three_mf_numbers.hpp"
 #include "io/read/three_mf/three_mf_part.hpp"
 #include "io/xml/xml.hpp"
 
@@ -29,8 +28,8 @@ struct Volume {
 ///                             <part id="" subtype="">       <metadata key="name" value=""/> ...
 class SettingsReader : public XmlReader {
 public:
-    SettingsReader(const std::string& part, Model& model, Budget& budget, const Memory* memory)
-        : XmlReader(memory), part_(part), model_(model), budget_(budget), memory_(memory) {}
+    SettingsReader(const std::string& part, Model& model, MemoryBudget& budget, const Memory* memory)
+        : part_(part), model_(model), budget_(budget), memory_(memory) {}
 
     ErrorCode failure_code() const noexcept { return code_; }
 
@@ -170,8 +169,8 @@ private:
         if (ranges_.size() == 1) {
             return relabel(model_.objects[index], ranges_.front().label);
         }
-        const Array<Vertex> vertices = flat(model_.objects[index].vertices);
-        const Array<Triangle> triangles = flat(model_.objects[index].triangles);
+        const Array<Vertex> vertices = model_.objects[index].vertices.joined();
+        const Array<Triangle> triangles = model_.objects[index].triangles.joined();
         for (Volume& range : ranges_) {
             add_volume(index, vertices, triangles.span().subspan(range.first, std::size_t{range.last} - range.first + 1),
                        std::move(range.label));
@@ -205,20 +204,6 @@ private:
         model_.objects.push_back(std::move(volume));
     }
 
-    /// The list in one piece; its own memory is released.
-    template <class T>
-    Array<T> flat(ChunkList<T>& list) {
-        Array<T> all(memory_);
-        all.resize_discarding(list.size());
-        T* to = all.data();
-        for (std::size_t c = 0; c < list.chunk_count(); ++c) {
-            to = std::copy(list.chunk(c).begin(), list.chunk(c).end(), to);
-            list.release(c);
-        }
-        list = ChunkList<T>(memory_);
-        return all;
-    }
-
     bool number(const XmlAttributes& attributes, std::string_view name, std::uint32_t& value) {
         const std::optional<std::string_view> text = attributes.find(name);
         if (!text || !integer_in(*text, value)) {
@@ -228,7 +213,7 @@ private:
     }
 
     bool keep(std::uint64_t bytes) {
-        if (!budget_.take(bytes)) {
+        if (!budget_.take(bytes, 1)) {
             code_ = ErrorCode::out_of_memory;
             fail("takes more than the " + std::to_string(budget_.limit_bytes()) + " bytes that reading it may");
         }
@@ -244,7 +229,7 @@ private:
 
     const std::string& part_;
     Model& model_;
-    Budget& budget_;
+    MemoryBudget& budget_;
     const Memory* memory_;
     ErrorCode code_ = ErrorCode::malformed_mesh;
     int warnings_ = 0;
@@ -259,7 +244,7 @@ private:
 
 }  // namespace
 
-Status apply_settings(ZipArchive& package, Model& model, Budget& budget, const Memory* memory) {
+Status apply_settings(ZipArchive& package, Model& model, MemoryBudget& budget, const Memory* memory) {
     for (const std::string part : {"Metadata/Slic3r_PE_model.config", "Metadata/model_settings.config"}) {
         if (!package.contains(part)) {
             continue;

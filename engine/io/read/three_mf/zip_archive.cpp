@@ -3,12 +3,10 @@
 #include <zip.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstring>
 #include <new>
 #include <optional>
-#include <utility>
 
 #include "io/text/text.hpp"
 
@@ -16,63 +14,42 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t inflated_bytes = std::size_t{256} << 10;
-constexpr std::uint64_t end_record_bytes = 22;
-constexpr std::uint64_t longest_comment = 0xFFFF;
+constexpr std::size_t piece_bytes = std::size_t{256} << 10;
 
-/// About ten thousand parts. libzip puts their names into a hash table, which takes the square of their number where names
-/// were chosen to collide: half a second for a directory of this size.
-constexpr std::uint64_t most_directory_bytes = std::uint64_t{1} << 20;
+/// libzip reads the directory anew for each end record that it finds, and compares names by pairs where they were chosen to
+/// collide in its hash table.
+constexpr std::size_t most_end_records = 16;
+constexpr std::size_t most_entries = 10'000;
 
-template <class Value>
-std::uint64_t number_at(std::string_view file, std::uint64_t at) {
-    Value number = 0;
-    std::memcpy(&number, file.data() + at, sizeof number);
-    return number;
-}
+constexpr std::string_view directory_magic = "PK\x01\x02";
+constexpr std::string_view end_magic = "PK\x05\x06";
 
-/// Where in a file an archive is, and how long it says that its directory is.
-///
-///     ... | parts | directory | [ZIP64 record (56 or more) | where that is (20)] | end record (22) | comment | ...
-///         begin                                                                  end_record                 end
+/// Where in a file an archive is. Its offsets count from its first part.
 struct ArchivePlace {
-    std::uint64_t begin = 0;
-    std::uint64_t end_record = 0;
-    std::uint64_t end = 0;
-    std::uint64_t directory_bytes = 0;
+    std::size_t begin = 0;
+    std::size_t end_record = 0;
+    std::size_t end = 0;
 };
 
-/// With ZIP64: by what precedes the end record.
-ArchivePlace locate_zip64(std::string_view file, ArchivePlace place, std::uint64_t locator) {
-    constexpr std::uint64_t record_bytes = 56;
-    constexpr std::string_view record_magic = "PK\x06\x06";
-    const std::uint64_t stated = number_at<std::uint64_t>(file, locator + 8);
-    const std::uint64_t adjacent = locator < record_bytes ? 0 : locator - record_bytes;
-    const std::uint64_t record = file.substr(adjacent).starts_with(record_magic) ? adjacent : stated;
-    if (record > locator || locator - record < record_bytes || !file.substr(record).starts_with(record_magic)) {
-        return place;  // libzip will say so
-    }
-    place.begin = stated <= record ? record - stated : 0;
-    place.directory_bytes = number_at<std::uint64_t>(file, record + 40);
-    return place;
-}
-
 std::optional<ArchivePlace> locate_archive(std::string_view file) {
-    constexpr std::uint64_t locator_bytes = 20;
-    const std::size_t end = file.rfind("PK\x05\x06");
-    if (end == std::string_view::npos || file.size() - end < end_record_bytes) {
+    constexpr std::size_t end_record_bytes = 22;  // without the comment, whose length is the last two
+    const std::size_t end_record = file.rfind(end_magic);
+    if (end_record == std::string_view::npos || file.size() - end_record < end_record_bytes) {
         return std::nullopt;
     }
-    ArchivePlace place;
-    place.end_record = end;
-    place.end = std::min<std::uint64_t>(end + end_record_bytes + number_at<std::uint16_t>(file, end + 20), file.size());
-    place.directory_bytes = number_at<std::uint32_t>(file, end + 12);
-    if (end >= locator_bytes && file.substr(end - locator_bytes).starts_with("PK\x06\x07")) {
-        return locate_zip64(file, place, end - locator_bytes);
+    std::uint16_t comment_bytes = 0;
+    std::memcpy(&comment_bytes, file.data() + end_record + end_record_bytes - sizeof comment_bytes, sizeof comment_bytes);
+    return ArchivePlace{std::min(file.find(zip_magic), end_record), end_record,
+                        std::min(end_record + end_record_bytes + comment_bytes, file.size())};
+}
+
+bool holds_more_than(std::size_t most, std::string_view magic, std::string_view archive) {
+    std::size_t count = 0;
+    for (std::size_t at = archive.find(magic); at != std::string_view::npos && count <= most;
+         at = archive.find(magic, at + magic.size())) {
+        ++count;
     }
-    const std::uint64_t stated = place.directory_bytes + number_at<std::uint32_t>(file, end + 16);
-    place.begin = stated <= end ? end - stated : 0;
-    return place;
+    return count > most;
 }
 
 /// Percent escapes resolved, in lower case.
@@ -97,140 +74,43 @@ void throw_without_memory(const zip_error_t* error) {
 
 }  // namespace
 
-OtherBytes other_bytes(std::string_view file) {
-    const std::optional<ArchivePlace> place = locate_archive(file);
-    return place ? OtherBytes{place->begin, file.size() - place->end} : OtherBytes{};
-}
-
 Error error_in_part(const FileSource& file, ErrorCode code, std::string_view part, std::uint64_t line,
                     const std::string& what) {
     const std::string place = "part '" + printable(part) + "'";
     return file.error(code, line == 0 ? place + " " + what : place + ", line " + std::to_string(line) + ": " + what);
 }
 
-/// The archive's bytes as a file for libzip, and what libzip keeps of it.
-///
-/// libzip tries every end record in the last 64 KiB and reads a directory for each. So that there is one, what follows the
-/// end record is shown as zeros, as many as the longest comment has bytes:
-///
-///     parts | directory | end record, comment length 0 | 0 0 0 0 ...
-///                         the last 64 KiB begin here (with ZIP64: at the locator before it)
-struct ZipArchive::Stream {
-    std::string_view bytes;  // up to the comment's length, which is shown as 0
-    std::uint64_t shown_bytes;
-    std::uint64_t at = 0;
-    zip_error_t error{};
-    zip_t* zip = nullptr;
-    zip_file_t* part = nullptr;
-    std::array<char, inflated_bytes> piece;
+void ZipArchive::Closer::operator()(zip* archive) const noexcept {
+    zip_discard(archive);
+}
 
-    Stream(std::string_view file, const ArchivePlace& place)
-        : bytes(file.substr(place.begin, place.end_record + end_record_bytes - 2 - place.begin)),
-          shown_bytes(bytes.size() + 2 + longest_comment) {
-        zip_error_init(&error);
-    }
-    ~Stream() {
-        close_part();
-        if (zip != nullptr) {
-            zip_discard(zip);
-        }
-        zip_error_fini(&error);
-    }
-    Stream(const Stream&) = delete;
-    Stream& operator=(const Stream&) = delete;
-
-    /// A code of libzip, ZIP_ER_OK where the archive is open.
-    int open() {
-        zip_source_t* const source = zip_source_function_create(answer, this, &error);
-        zip = source != nullptr ? zip_open_from_source(source, ZIP_RDONLY, &error) : nullptr;
-        if (zip == nullptr) {
-            throw_without_memory(&error);
-            const int code = zip_error_code_zip(&error);
-            zip_source_free(source);
-            return code;
-        }
-        return ZIP_ER_OK;
-    }
-
-    void close_part() {
-        if (part != nullptr) {
-            zip_fclose(std::exchange(part, nullptr));
-        }
-    }
-
-private:
-    static zip_int64_t answer(void* self, void* data, zip_uint64_t length, zip_source_cmd_t command) noexcept {
-        Stream& stream = *static_cast<Stream*>(self);
-        switch (command) {
-            case ZIP_SOURCE_OPEN:
-                stream.at = 0;
-                return 0;
-            case ZIP_SOURCE_CLOSE:
-            case ZIP_SOURCE_FREE:
-                return 0;
-            case ZIP_SOURCE_READ:
-                return stream.read(static_cast<char*>(data), length);
-            case ZIP_SOURCE_SEEK:
-                return stream.seek(data, length);
-            case ZIP_SOURCE_TELL:
-                return static_cast<zip_int64_t>(stream.at);
-            case ZIP_SOURCE_STAT:
-                return stream.state_size(static_cast<zip_stat_t*>(data));
-            case ZIP_SOURCE_ERROR:
-                return zip_error_to_data(&stream.error, data, length);
-            case ZIP_SOURCE_SUPPORTS:
-                return zip_source_make_command_bitmap(ZIP_SOURCE_OPEN, ZIP_SOURCE_READ, ZIP_SOURCE_CLOSE, ZIP_SOURCE_STAT,
-                                                      ZIP_SOURCE_ERROR, ZIP_SOURCE_FREE, ZIP_SOURCE_SEEK, ZIP_SOURCE_TELL,
-                                                      ZIP_SOURCE_SUPPORTS, -1);
-            default:
-                zip_error_set(&stream.error, ZIP_ER_OPNOTSUPP, 0);
-                return -1;
-        }
-    }
-
-    zip_int64_t read(char* to, std::uint64_t count) noexcept {
-        const std::uint64_t got = std::min(count, shown_bytes - at);
-        const std::uint64_t real = std::min(got, bytes.size() - std::min<std::uint64_t>(at, bytes.size()));
-        if (real > 0) {
-            std::memcpy(to, bytes.data() + at, real);
-        }
-        std::memset(to + real, 0, got - real);
-        at += got;
-        return static_cast<zip_int64_t>(got);
-    }
-
-    zip_int64_t seek(void* arguments, std::uint64_t length) noexcept {
-        const zip_int64_t to = zip_source_seek_compute_offset(at, shown_bytes, arguments, length, &error);
-        at = to < 0 ? at : static_cast<std::uint64_t>(to);
-        return to < 0 ? -1 : 0;
-    }
-
-    zip_int64_t state_size(zip_stat_t* stat) const noexcept {
-        zip_stat_init(stat);
-        stat->size = shown_bytes;
-        stat->valid = ZIP_STAT_SIZE;
-        return sizeof *stat;
-    }
-};
-
-void ZipArchive::StreamDeleter::operator()(Stream* stream) const noexcept {
-    delete stream;
+void ZipArchive::Closer::operator()(zip_file* part) const noexcept {
+    zip_fclose(part);
 }
 
 Result<ZipArchive> ZipArchive::open(const FileSource& file, std::span<const std::byte> bytes, std::uint64_t limit_bytes) {
-    const std::optional<ArchivePlace> place = locate_archive(as_text(bytes));
+    const std::string_view text = as_text(bytes);
+    const std::optional<ArchivePlace> place = locate_archive(text);
     if (!place) {
         return file.error(ErrorCode::malformed_mesh, "is truncated or no zip archive: it does not end with a zip directory");
     }
-    if (place->directory_bytes > most_directory_bytes) {
-        return file.error(ErrorCode::malformed_mesh, "has a zip directory of " + std::to_string(place->directory_bytes) +
-                                                         " bytes, more than the " + std::to_string(most_directory_bytes) +
-                                                         " that are read");
+    const std::string_view own = text.substr(place->begin, place->end - place->begin);
+    if (holds_more_than(most_entries, directory_magic, own) || holds_more_than(most_end_records, end_magic, own)) {
+        return file.error(ErrorCode::malformed_mesh, "is a zip archive of more than the " + std::to_string(most_entries) +
+                                                         " parts or " + std::to_string(most_end_records) +
+                                                         " directories that are read");
     }
     ZipArchive archive(file, limit_bytes);
-    archive.stream_.reset(new Stream(as_text(bytes), *place));
-    if (const int code = archive.stream_->open(); code != ZIP_ER_OK) {
-        return file.error(ErrorCode::malformed_mesh, code == ZIP_ER_MULTIDISK
+    archive.bytes_before_ = place->begin;
+    archive.bytes_after_ = text.size() - place->end;
+    zip_error_t error;
+    zip_error_init(&error);
+    zip_source_t* const source = zip_source_buffer_create(own.data(), own.size(), 0, &error);
+    archive.zip_.reset(source != nullptr ? zip_open_from_source(source, ZIP_RDONLY, &error) : nullptr);
+    if (archive.zip_ == nullptr) {
+        zip_source_free(source);
+        throw_without_memory(&error);
+        return file.error(ErrorCode::malformed_mesh, zip_error_code_zip(&error) == ZIP_ER_MULTIDISK
                                                          ? "is one of several volumes of a zip archive"
                                                          : "is damaged: its zip directory, which the end record at byte " +
                                                                std::to_string(place->end_record) + " describes");
@@ -242,12 +122,12 @@ Result<ZipArchive> ZipArchive::open(const FileSource& file, std::span<const std:
 }
 
 Status ZipArchive::list_parts() {
-    const auto count = static_cast<std::uint64_t>(std::max<zip_int64_t>(0, zip_get_num_entries(stream_->zip, 0)));
+    const auto count = static_cast<std::uint64_t>(std::max<zip_int64_t>(0, zip_get_num_entries(zip_.get(), 0)));
     if (count == 0) {
         return file_->error(ErrorCode::malformed_mesh, "is a zip archive without any part");
     }
     for (std::uint64_t index = 0; index < count; ++index) {
-        const char* const name = zip_get_name(stream_->zip, index, ZIP_FL_ENC_RAW);
+        const char* const name = zip_get_name(zip_.get(), index, ZIP_FL_ENC_RAW);
         entries_.push_back({key_of(name != nullptr ? name : ""), index});
     }
     std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
@@ -258,7 +138,7 @@ Status ZipArchive::list_parts() {
 
 std::string ZipArchive::first_part(FunctionRef<bool(std::string_view name)> passes) const {
     for (std::uint64_t index = 0; index < entries_.size(); ++index) {
-        const char* const name = zip_get_name(stream_->zip, index, ZIP_FL_ENC_RAW);
+        const char* const name = zip_get_name(zip_.get(), index, ZIP_FL_ENC_RAW);
         if (name != nullptr && passes(name)) {
             return name;
         }
@@ -275,49 +155,18 @@ const ZipArchive::Entry* ZipArchive::find(std::string_view part) const {
 
 Status ZipArchive::read(std::string_view part, FunctionRef<bool(std::string_view piece)> take) {
     std::uint64_t stated_bytes = 0;
-    if (Status opened = open_part(part, stated_bytes); !opened) {
-        return opened;
+    const Result<OpenPart> open = open_part(part, stated_bytes);
+    if (!open) {
+        return open.error();
     }
-    Status copied = copy_part(part, stated_bytes, take);
-    stream_->close_part();
-    return copied;
-}
-
-Status ZipArchive::open_part(std::string_view part, std::uint64_t& bytes) {
-    const Entry* const entry = find(part);
-    if (entry == nullptr) {
-        return error(ErrorCode::malformed_mesh, part, 0, "is missing");
-    }
-    zip_stat_t info{};
-    if (zip_stat_index(stream_->zip, entry->index, 0, &info) != 0) {
-        return error(ErrorCode::malformed_mesh, part, 0, "is damaged: its entry in the zip directory");
-    }
-    if (info.encryption_method != ZIP_EM_NONE) {
-        return error(ErrorCode::malformed_mesh, part, 0, "is encrypted");
-    }
-    if (info.comp_method != ZIP_CM_STORE && info.comp_method != ZIP_CM_DEFLATE) {
-        return error(ErrorCode::malformed_mesh, part, 0,
-                     "is compressed by method " + std::to_string(info.comp_method) + ", which is not deflate");
-    }
-    stream_->part = zip_fopen_index(stream_->zip, entry->index, 0);
-    if (stream_->part == nullptr) {
-        throw_without_memory(zip_get_error(stream_->zip));
-        return error(ErrorCode::malformed_mesh, part, 0, "is damaged: its header in the zip archive");
-    }
-    bytes = info.size;
-    return {};
-}
-
-Status ZipArchive::copy_part(std::string_view part, std::uint64_t stated_bytes,
-                             FunctionRef<bool(std::string_view piece)> take) {
-    std::array<char, inflated_bytes>& piece = stream_->piece;
+    std::vector<char> piece(piece_bytes);
     std::uint64_t bytes = 0;
     bool wanted = true;
     for (;;) {
         file_->parallel().stop_if_asked();
-        const zip_int64_t got = zip_fread(stream_->part, piece.data(), piece.size());
+        const zip_int64_t got = zip_fread(open->get(), piece.data(), piece.size());
         if (got < 0 || (got == 0 && bytes != stated_bytes)) {
-            return unreadable(part, bytes, stated_bytes);
+            return unreadable(open->get(), part, bytes, stated_bytes);
         }
         if (got == 0) {
             return {};
@@ -337,9 +186,35 @@ Status ZipArchive::copy_part(std::string_view part, std::uint64_t stated_bytes,
     }
 }
 
+/// `bytes`: what the directory says that it expands to.
+Result<ZipArchive::OpenPart> ZipArchive::open_part(std::string_view part, std::uint64_t& bytes) const {
+    const Entry* const entry = find(part);
+    if (entry == nullptr) {
+        return error(ErrorCode::malformed_mesh, part, 0, "is missing");
+    }
+    zip_stat_t info{};
+    if (zip_stat_index(zip_.get(), entry->index, 0, &info) != 0) {
+        return error(ErrorCode::malformed_mesh, part, 0, "is damaged: its entry in the zip directory");
+    }
+    if (info.encryption_method != ZIP_EM_NONE) {
+        return error(ErrorCode::malformed_mesh, part, 0, "is encrypted");
+    }
+    if (info.comp_method != ZIP_CM_STORE && info.comp_method != ZIP_CM_DEFLATE) {
+        return error(ErrorCode::malformed_mesh, part, 0,
+                     "is compressed by method " + std::to_string(info.comp_method) + ", which is not deflate");
+    }
+    OpenPart open(zip_fopen_index(zip_.get(), entry->index, 0));
+    if (open == nullptr) {
+        throw_without_memory(zip_get_error(zip_.get()));
+        return error(ErrorCode::malformed_mesh, part, 0, "is damaged: its header in the zip archive");
+    }
+    bytes = info.size;
+    return open;
+}
+
 /// Why no more than `bytes` of a part can be read.
-Error ZipArchive::unreadable(std::string_view part, std::uint64_t bytes, std::uint64_t stated_bytes) const {
-    zip_error_t* const reason = zip_file_get_error(stream_->part);
+Error ZipArchive::unreadable(zip_file* open, std::string_view part, std::uint64_t bytes, std::uint64_t stated_bytes) const {
+    zip_error_t* const reason = zip_file_get_error(open);
     throw_without_memory(reason);
     switch (zip_error_code_zip(reason)) {
         case ZIP_ER_CRC:

@@ -1,5 +1,4 @@
-// A zip archive in memory, with or without ZIP64, read part by part as a stream. libzip does the work. It is shown one end
-// record and no directory longer than a stated size, so that what it allocates and how long it takes are bounded.
+// A zip archive in memory, with or without ZIP64, read part by part as a stream by libzip.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +13,9 @@
 #include "io/read/reader.hpp"
 #include "lamella/error.hpp"
 
+struct zip;
+struct zip_file;
+
 namespace lamella {
 
 inline constexpr std::string_view zip_magic = "PK\x03\x04";
@@ -22,21 +24,16 @@ inline constexpr std::string_view zip_magic = "PK\x03\x04";
 Error error_in_part(const FileSource& file, ErrorCode code, std::string_view part, std::uint64_t line,
                     const std::string& what);
 
-/// Bytes of a file before and after a zip archive in it.
-struct OtherBytes {
-    std::uint64_t before = 0;
-    std::uint64_t after = 0;
-};
-
-/// Of a file that opens as a ZipArchive.
-OtherBytes other_bytes(std::string_view file);
-
 /// Names of parts are equal in any case, as the Open Packaging Conventions have it, and with percent escapes or without:
 /// programs differ in whether a name in the archive has those that a reference has.
 class ZipArchive {
 public:
-    /// Of the bytes of `file`, both of which must outlive the archive. All parts together may expand to `limit_bytes`.
+    /// The archive among the bytes of `file`, both of which must outlive it. All parts together may expand to `limit_bytes`.
     static Result<ZipArchive> open(const FileSource& file, std::span<const std::byte> bytes, std::uint64_t limit_bytes);
+
+    /// Bytes of the file before and after the archive.
+    std::uint64_t bytes_before() const noexcept { return bytes_before_; }
+    std::uint64_t bytes_after() const noexcept { return bytes_after_; }
 
     bool contains(std::string_view part) const { return find(part) != nullptr; }
 
@@ -56,23 +53,25 @@ private:
         std::string key;      // the name in lower case, without escapes
         std::uint64_t index;  // in the archive's directory
     };
-    struct Stream;
-    struct StreamDeleter {
-        void operator()(Stream* stream) const noexcept;
+    struct Closer {
+        void operator()(zip* archive) const noexcept;
+        void operator()(zip_file* part) const noexcept;
     };
+    using OpenPart = std::unique_ptr<zip_file, Closer>;
 
     ZipArchive(const FileSource& file, std::uint64_t limit_bytes) : file_(&file), limit_bytes_(limit_bytes) {}
 
     Status list_parts();
     const Entry* find(std::string_view part) const;
-    Status open_part(std::string_view part, std::uint64_t& bytes);
-    Status copy_part(std::string_view part, std::uint64_t stated_bytes, FunctionRef<bool(std::string_view piece)> take);
-    Error unreadable(std::string_view part, std::uint64_t bytes, std::uint64_t stated_bytes) const;
+    Result<OpenPart> open_part(std::string_view part, std::uint64_t& bytes) const;
+    Error unreadable(zip_file* open, std::string_view part, std::uint64_t bytes, std::uint64_t stated_bytes) const;
 
     const FileSource* file_;
     std::uint64_t limit_bytes_;
     std::uint64_t expanded_bytes_ = 0;
-    std::unique_ptr<Stream, StreamDeleter> stream_;
+    std::uint64_t bytes_before_ = 0;
+    std::uint64_t bytes_after_ = 0;
+    std::unique_ptr<zip, Closer> zip_;
     std::vector<Entry> entries_;  // sorted by key
 };
 

@@ -78,7 +78,7 @@ std::string quoted(std::string_view value) {
 
 class Parser : public XmlReader {
 public:
-    explicit Parser(VtkFile& file) : XmlReader(file.source.memory()), file_(file) {}
+    explicit Parser(VtkFile& file) : file_(file) {}
 
     Result<VtpDocument> read();
 

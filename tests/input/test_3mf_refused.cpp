@@ -264,10 +264,10 @@ std::string tower(int levels, int times, const std::string& seed) {
 
 TEST_CASE("more instances than any machine holds are counted and refused", "[input][3mf]") {
     const TempFolder dir;
-    CHECK(refusal(dir, package(tower(41, 2, cube_mesh())), ErrorCode::out_of_memory)
-              .find("builds 13194139533312 triangles, which take more than") != std::string::npos);
-    CHECK(refusal(dir, package(tower(200, 9, cube_mesh())), ErrorCode::out_of_memory)
-              .find("builds more than 18446744073709551615 triangles") != std::string::npos);
+    CHECK(refusal(dir, package(tower(41, 2, cube_mesh())), ErrorCode::out_of_memory).find(" builds more than the ") !=
+          std::string::npos);
+    CHECK(refusal(dir, package(tower(200, 9, cube_mesh())), ErrorCode::out_of_memory).find(" builds more than the ") !=
+          std::string::npos);
     // Of nothing there may be any number.
     CHECK(refusal(dir, package(tower(200, 9, "<mesh/>")), ErrorCode::empty_mesh) == "holds no triangles");
     // A chain is as deep as it is long, and each link is one step.
@@ -287,8 +287,7 @@ TEST_CASE("steps through nested 3MF components count towards the limit", "[input
         items += item(3000);
     }
     model.insert(model.find("</build>"), items);
-    CHECK(refusal(dir, package(model), ErrorCode::out_of_memory).find("builds 2001 triangles, which take more than") !=
-          std::string::npos);
+    CHECK(refusal(dir, package(model), ErrorCode::out_of_memory).find(" builds more than the ") != std::string::npos);
 }
 
 TEST_CASE("3MF text that expands enormously is refused while it streams", "[input][3mf]") {

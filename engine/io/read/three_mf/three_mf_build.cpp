@@ -13,65 +13,52 @@ namespace lamella::three_mf {
 
 namespace {
 
-constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
-
-std::uint64_t sum(std::uint64_t a, std::uint64_t b) {
-    return b > most - a ? most : a + b;
-}
-
-std::uint64_t product(std::uint64_t a, std::uint64_t b) {
-    return a != 0 && b > most / a ? most : a * b;
-}
-
-/// Sums over an object and all its components. They stop at `most`: forty objects, each of which holds the one before twice,
-/// make 2^40.
-struct Tally {
-    std::uint64_t visits = 0;  ///< of objects that come to triangles, each time they are met
-    std::uint64_t vertices = 0;
-    std::uint64_t triangles = 0;
-
-    void add(const Tally& other) {
-        visits = sum(visits, other.visits);
-        vertices = sum(vertices, other.vertices);
-        triangles = sum(triangles, other.triangles);
-    }
-
-    std::uint64_t bytes() const {
-        return sum(product(visits, sizeof(Instance)),
-                   sum(product(vertices, sizeof(Vertex)), product(triangles, sizeof(Triangle))));
-    }
-};
-
-/// Adds up the tallies of all objects that the build reaches, each once, its components before it.
-class Census {
+/// Lists instances by going through the components of every item, on a stack of its own: a file may nest a million deep.
+/// Forty objects, each of which holds the one before twice, make 2^40 instances. So what they take, and the steps, are
+/// counted, and objects that come to no triangles are gone through once.
+class Lister {
 public:
-    Census(Model& model, const Parallel& parallel)
-        : model_(model), lookout_(parallel), tallies_(model.objects.size()), states_(model.objects.size()) {}
+    Lister(const Model& model, std::uint64_t limit_bytes, const Parallel& parallel, std::vector<Instance>& instances)
+        : model_(model),
+          limit_bytes_(limit_bytes),
+          lookout_(parallel),
+          states_(model.objects.size()),
+          instances_(instances) {}
 
     std::optional<BuildProblem> run() {
         for (const Reference& item : model_.items) {
-            const std::optional<std::uint32_t> object = enter(item);
-            if (!object || !finish_open()) {
-                return problem_;
+            meet(item, Instance{});
+            while (!open_.empty() && !problem_) {
+                step();
             }
-            total_.add(tallies_[*object]);
+            if (problem_) {
+                break;
+            }
         }
-        return std::nullopt;
+        return std::move(problem_);
     }
 
-    const Tally& of(std::uint32_t object) const { return tallies_[object]; }
-    const Tally& total() const { return total_; }
-
 private:
-    enum class State : std::uint8_t { untouched, open, done };
-    /// An object whose components are being tallied. A stack of our own: a file may nest a million deep.
+    enum class State : std::uint8_t { closed, open, empty };
     struct Open {
-        std::uint32_t object;
+        Instance at;
         std::size_t next_component;
+        std::size_t instances_before;
     };
 
-    /// The index of the object referred to, which is opened unless it is done; nothing after a problem.
-    std::optional<std::uint32_t> enter(const Reference& reference) {
+    void step() {
+        Open& last = open_.back();
+        const std::vector<Reference>& components = model_.objects[last.at.object].components;
+        if (last.next_component < components.size()) {
+            meet(components[last.next_component++], last.at);
+        } else {
+            states_[last.at.object] = instances_.size() > last.instances_before ? State::closed : State::empty;
+            open_.pop_back();
+        }
+    }
+
+    /// `outer` is a copy, as the stack may move.
+    void meet(const Reference& reference, Instance outer) {
         lookout_.pass();
         const auto found = model_.object_index.find(Model::key(reference.part, reference.id));
         if (found == model_.object_index.end()) {
@@ -80,107 +67,46 @@ private:
         }
         const std::uint32_t index = found->second;
         const Object& object = model_.objects[index];
-        if (object.is_other) {
-            return refuse(reference, "the build comes to object " + std::to_string(object.id) +
-                                         " of type 'other', which is not to be built");
+        if (const std::string why = why_not_built(object, states_[index]); !why.empty()) {
+            return refuse(reference, why);
         }
-        if (object.triangles.size() == 0 && object.components.empty() && !object.foreign.empty()) {
-            return refuse(reference, "object " + std::to_string(object.id) + " is made of " + object.foreign +
-                                         ", which is not supported");
-        }
-        if (states_[index] == State::open) {
-            return refuse(reference, "object " + std::to_string(object.id) + " is a component of itself");
-        }
-        if (states_[index] == State::untouched) {
-            open(index);
-        }
-        return index;
-    }
-
-    std::optional<std::uint32_t> refuse(const Reference& reference, std::string what) {
-        problem_ = {ErrorCode::malformed_mesh, reference.place, std::move(what)};
-        return std::nullopt;
-    }
-
-    void open(std::uint32_t index) {
-        const Object& object = model_.objects[index];
-        states_[index] = State::open;
-        open_.push_back({index, 0});
-        if (object.triangles.size() > 0) {
-            tallies_[index] = {0, object.vertices.size(), object.triangles.size()};
-        }
-    }
-
-    /// Until nothing is open. False after a problem.
-    bool finish_open() {
-        while (!open_.empty()) {
-            const std::uint32_t index = open_.back().object;
-            const Object& object = model_.objects[index];
-            if (open_.back().next_component < object.components.size()) {
-                // Met again when it is done, and added then.
-                const std::size_t depth = open_.size();
-                const std::optional<std::uint32_t> component = enter(object.components[open_.back().next_component]);
-                if (!component) {
-                    return false;
-                }
-                if (open_.size() == depth) {
-                    tallies_[index].add(tallies_[*component]);
-                    ++open_.back().next_component;
-                }
-                continue;
-            }
-            tallies_[index].visits = sum(tallies_[index].visits, tallies_[index].triangles > 0 ? 1 : 0);
-            states_[index] = State::done;
-            open_.pop_back();
-        }
-        return true;
-    }
-
-    Model& model_;
-    Lookout lookout_;
-    std::vector<Tally> tallies_;
-    std::vector<State> states_;
-    std::vector<Open> open_;
-    Tally total_;
-    std::optional<BuildProblem> problem_;
-};
-
-/// Lists instances by going through the components of every item. Objects without triangles are not met, so that the steps
-/// are those that the census counted.
-class Lister {
-public:
-    Lister(const Model& model, const Census& census, const Parallel& parallel, std::vector<Instance>& instances)
-        : model_(model), census_(census), lookout_(parallel), instances_(instances) {}
-
-    void run() {
-        for (const Reference& item : model_.items) {
-            meet(item, Instance{});
-            while (!open_.empty()) {
-                Open& last = open_.back();
-                const std::vector<Reference>& components = model_.objects[last.at.object].components;
-                if (last.next_component == components.size()) {
-                    open_.pop_back();
-                } else {
-                    const Reference& component = components[last.next_component++];
-                    const Instance at = last.at;  // the stack may move
-                    meet(component, at);
-                }
-            }
-        }
-    }
-
-private:
-    struct Open {
-        Instance at;
-        std::size_t next_component;
-    };
-
-    void meet(const Reference& reference, const Instance& outer) {
-        lookout_.pass();
-        const std::uint32_t index = model_.object_index.at(Model::key(reference.part, reference.id));
-        if (census_.of(index).triangles == 0) {
+        if (states_[index] == State::empty || !fits(object)) {
             return;
         }
+        const Instance instance = placed(reference, index, outer);
+        if (object.triangles.size() > 0) {
+            instances_.push_back(instance);
+        } else {
+            states_[index] = State::open;
+            open_.push_back({instance, 0, instances_.size()});
+        }
+    }
+
+    static std::string why_not_built(const Object& object, State state) {
+        const std::string name = "object " + std::to_string(object.id);
+        if (object.is_other) {
+            return "the build comes to " + name + " of type 'other', which is not to be built";
+        }
+        if (object.triangles.size() == 0 && object.components.empty() && !object.foreign.empty()) {
+            return name + " is made of " + object.foreign + ", which is not supported";
+        }
+        return state == State::open ? name + " is a component of itself" : "";
+    }
+
+    /// Counts one more instance of the object.
+    bool fits(const Object& object) {
+        bytes_ += sizeof(Instance) + object.vertices.size() * sizeof(Vertex) + object.triangles.size() * sizeof(Triangle);
+        vertices_ += object.vertices.size();
+        if (bytes_ > limit_bytes_) {
+            problem_ = {ErrorCode::out_of_memory, Place{},
+                        "builds more than the " + std::to_string(limit_bytes_) + " bytes that reading it may take"};
+        } else if (vertices_ > std::numeric_limits<std::uint32_t>::max()) {
+            problem_ = {ErrorCode::out_of_memory, Place{}, "builds more vertices than 32-bit indices can tell apart"};
+        }
+        return !problem_;
+    }
+
+    Instance placed(const Reference& reference, std::uint32_t index, const Instance& outer) const {
         Instance instance{index, outer.transform * reference.transform, outer.mirrored != reference.mirrors, outer.label,
                           outer.role};
         for (const std::uint32_t label : {model_.objects[index].label, reference.label}) {
@@ -189,18 +115,22 @@ private:
         for (const std::uint32_t label : {reference.label, model_.objects[index].label}) {
             instance.role = instance.role == PartRole::solid ? model_.labels[label].role : instance.role;
         }
-        if (model_.objects[index].triangles.size() > 0) {
-            instances_.push_back(instance);
-        } else {
-            open_.push_back({instance, 0});
-        }
+        return instance;
+    }
+
+    void refuse(const Reference& reference, const std::string& what) {
+        problem_ = {ErrorCode::malformed_mesh, reference.place, what};
     }
 
     const Model& model_;
-    const Census& census_;
+    std::uint64_t limit_bytes_;
     Lookout lookout_;
+    std::vector<State> states_;
     std::vector<Instance>& instances_;
     std::vector<Open> open_;
+    std::uint64_t bytes_ = 0;
+    std::uint64_t vertices_ = 0;
+    std::optional<BuildProblem> problem_;
 };
 
 /// "left out 2 modifiers: 'a', 'b'"
@@ -229,7 +159,7 @@ std::optional<BuildProblem> list_parts(const Model& model, const std::vector<Ins
         if (i == 0 || instances[i].key() != instances[i - 1].key()) {
             const std::string& name = model.labels[instances[i].label].name;
             const bool solid = instances[i].role == PartRole::solid;
-            bytes = sum(bytes, sizeof(MeshPart) + name.size());
+            bytes += sizeof(MeshPart) + name.size();
             if (bytes > limit_bytes) {
                 return BuildProblem{
                     ErrorCode::out_of_memory, Place{},
@@ -312,21 +242,9 @@ void place_object(Object& object, std::span<const Instance> instances, const Par
 
 std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, const Parallel& parallel,
                                            std::vector<Instance>& instances, std::vector<MeshPart>& parts) {
-    Census census(model, parallel);
-    if (std::optional<BuildProblem> problem = census.run()) {
+    if (std::optional<BuildProblem> problem = Lister(model, limit_bytes, parallel, instances).run()) {
         return problem;
     }
-    const Tally& total = census.total();
-    if (total.bytes() > limit_bytes) {
-        return BuildProblem{ErrorCode::out_of_memory, Place{},
-                            "builds " + std::string(total.triangles == most ? "more than " : "") +
-                                std::to_string(total.triangles) + " triangles, which take more than the " +
-                                std::to_string(limit_bytes) + " bytes that reading it may"};
-    }
-    if (total.vertices > std::numeric_limits<std::uint32_t>::max()) {
-        return BuildProblem{ErrorCode::out_of_memory, Place{}, "builds more vertices than 32-bit indices can tell apart"};
-    }
-    Lister(model, census, parallel, instances).run();
     std::stable_sort(instances.begin(), instances.end(),
                      [](const Instance& a, const Instance& b) { return a.key() < b.key(); });
     if (std::optional<BuildProblem> problem = list_parts(model, instances, limit_bytes, parts)) {

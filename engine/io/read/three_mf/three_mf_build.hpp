@@ -33,8 +33,8 @@ struct Instance {
 };
 
 /// All solid instances of the build, by object, and `parts`: those of one object and name are one. Nested components can
-/// make more instances than any machine can hold: they are counted before they are listed, and refused where they and their
-/// mesh would take more than `limit_bytes`. Types and roles that are no part of the solid are left out, with a warning added
+/// make more instances than any machine can hold: they are refused where they and their mesh would take more than
+/// `limit_bytes`. Types and roles that are no part of the solid are left out, with a warning added
 /// to the model's.
 std::optional<BuildProblem> list_instances(Model& model, std::uint64_t limit_bytes, const Parallel& parallel,
                                            std::vector<Instance>& instances, std::vector<MeshPart>& parts);

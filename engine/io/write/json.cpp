@@ -1,5 +1,8 @@
 #include "io/write/json.hpp"
 
+#include <type_traits>
+#include <variant>
+
 #include <nlohmann/json.hpp>
 
 #include "lamella/io/name_text.hpp"
@@ -30,6 +33,61 @@ void JsonText::put(std::string_view word) {
     }
     after_key_ = false;
     text_ += word;
+}
+
+// --- Members of every report
+
+namespace {
+
+void write_value(JsonText& json, const ReportMember& member) {
+    if (const auto* lines = std::get_if<std::span<const std::string>>(&member.value)) {
+        json.list(member.key, *lines);
+        return;
+    }
+    std::visit(
+        [&](const auto& value) {
+            if constexpr (!std::is_same_v<decltype(value), const std::span<const std::string>&>) {
+                json.member(member.key, value);
+            }
+        },
+        member.value);
+}
+
+void write_file(JsonText& json, const MeshFile& file) {
+    json.object("file", [&] {
+        json.member("format", name_of(file.format));
+        json.member("text", file.text);
+        json.member("compressed", file.compressed);
+        json.member("bytes", file.file_bytes);
+        json.member("mm_per_unit", file.mm_per_unit);
+        json.member("states_unit", file.states_unit);
+        json.member_if(file.patient_frame != PatientFrame::unstated, "patient_frame", name_of(file.patient_frame));
+    });
+}
+
+}  // namespace
+
+void write_members(JsonText& json, const ReportParts& parts, ReportPlace place) {
+    for (const ReportMember& member : parts.members) {
+        if (member.place == place) {
+            write_value(json, member);
+        }
+    }
+}
+
+void write_mesh(JsonText& json, const ReportParts& parts) {
+    json.member("mesh", parts.mesh_name);
+    write_members(json, parts, ReportPlace::after_mesh);
+    if (parts.file != nullptr) {
+        write_file(json, *parts.file);
+    }
+}
+
+void write_box(JsonText& json, const double (&min_mm)[3], const double (&max_mm)[3]) {
+    json.object("box_mm", [&] {
+        json.list("min", min_mm);
+        json.list("max", max_mm);
+    });
 }
 
 }  // namespace lamella

@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "lamella/io/report.hpp"
+
 namespace lamella {
 
 /// Indented by two. Members and values come in the order in which they are written. Every call throws std::bad_alloc.
@@ -103,5 +105,16 @@ private:
     std::size_t depth_ = 0;
     bool after_key_ = false;
 };
+
+// What every report says of the mesh file, and what the program adds.
+
+/// The program's members that belong in `place`.
+void write_members(JsonText& json, const ReportParts& parts, ReportPlace place);
+
+/// "mesh", then "file" if there is one.
+void write_mesh(JsonText& json, const ReportParts& parts);
+
+/// The member "box_mm".
+void write_box(JsonText& json, const double (&min_mm)[3], const double (&max_mm)[3]);
 
 }  // namespace lamella

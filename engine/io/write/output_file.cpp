@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/guard.hpp"
 #include "lamella/io/name_text.hpp"
 #include "lamella/io/text_file.hpp"
 
@@ -207,6 +208,17 @@ Status OutputFile::commit() {
         return unwritable(target_, error_number_);
     }
     return {};
+}
+
+Status write_text_file(const std::filesystem::path& path, const std::string& text) noexcept {
+    return guarded([&]() -> Status {
+        Result<OutputFile> file = OutputFile::create(path);
+        if (!file) {
+            return file.error();
+        }
+        file->append(text);
+        return file->commit();
+    });
 }
 
 }  // namespace lamella

@@ -11,7 +11,6 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "io/write/describe.hpp"
-#include "io/write/file_json.hpp"
 #include "io/write/json.hpp"
 #include "lamella/io/report.hpp"
 

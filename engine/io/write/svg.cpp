@@ -270,37 +270,6 @@ private:
 
 }  // namespace svg
 
-namespace {
-
-using svg::SvgWriter;
-
-Status write_svg_throwing(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options) {
-    Result<OutputFile> file = OutputFile::create(path);
-    if (!file) {
-        return file.error();
-    }
-    SvgWriter writer(result, result.layers.size(), options.control.stop, *file);
-    ProgressMeter progress(options.control.progress);
-    writer.head(result, options.welded);
-    for (std::size_t index = 0; index < result.layers.size() && !file->failed(); ++index) {
-        writer.layer(view_of_layer(result, index));
-        progress.reach(static_cast<double>(index) / static_cast<double>(result.layers.size()));
-    }
-    writer.overlay();
-    writer.tail();
-    Status status = file->commit();
-    if (status) {
-        progress.finish();
-    }
-    return status;
-}
-
-}  // namespace
-
-Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options) noexcept {
-    return guarded(options.control, [&] { return write_svg_throwing(result, path, options); });
-}
-
 struct SvgStream::State {
     State(OutputFile file, const SliceResult& facts, std::uint64_t layers, const StopCheck& stop)
         : out(std::move(file)), writer(facts, layers, stop, out) {}
@@ -317,7 +286,7 @@ struct SvgStream::State {
     }
 
     OutputFile out;
-    SvgWriter writer;
+    svg::SvgWriter writer;
     Status done;
 };
 
@@ -353,6 +322,24 @@ Status SvgStream::finish() noexcept {
         state_->writer.tail();
     });
     return state_->done ? guarded([&] { return state_->out.commit(); }) : state_->done;
+}
+
+Status write_svg(const SliceResult& result, const std::filesystem::path& path, const SvgOptions& options) noexcept {
+    const std::size_t layers = result.layers.size();
+    Result<SvgStream> stream = SvgStream::begin(result, layers, path, options);
+    if (!stream) {
+        return stream.error();
+    }
+    ProgressMeter progress(options.control.progress);
+    for (std::size_t index = 0; index < layers && !stream->failed(); ++index) {
+        stream->add(view_of_layer(result, index));
+        progress.reach(static_cast<double>(index) / static_cast<double>(layers));
+    }
+    Status status = stream->finish();
+    if (status) {
+        progress.finish();
+    }
+    return status;
 }
 
 }  // namespace lamella

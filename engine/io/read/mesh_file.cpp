@@ -11,7 +11,6 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/words.hpp"
-#include "io/read/foreign.hpp"
 #include "io/read/gzip.hpp"
 #include "io/read/reader.hpp"
 #include "io/text/pieces.hpp"
@@ -92,6 +91,25 @@ std::string known_formats() {
         names += (names.empty() ? "" : (&reader == &all_readers.back() ? " or " : ", ")) + std::string(reader.name);
     }
     return names;
+}
+
+bool is_html(std::string_view text) {
+    text.remove_prefix(static_cast<std::size_t>(skip_space(text.begin(), text.end()) - text.begin()));
+    return begins_in_any_case(text, "<!doctype html") || begins_in_any_case(text, "<html");
+}
+
+/// Names a file that begins so for what it is, where it can be no mesh: "is text in UTF-16; ...". Else empty.
+std::string foreign_content(std::string_view sample) {
+    if (sample.starts_with("\xFF\xFE") || sample.starts_with("\xFE\xFF")) {
+        return "is text in UTF-16; only ASCII and UTF-8 are read";
+    }
+    if (sample.starts_with("version https://git-lfs.github.com/spec/")) {
+        return "is a Git LFS pointer in place of the mesh, which 'git lfs pull' fetches";
+    }
+    if (is_html(without_byte_order_mark(sample))) {
+        return "is an HTML page, as a failed download leaves it";
+    }
+    return {};
 }
 
 Error unrecognised(const FileSource& source) {
@@ -326,6 +344,40 @@ Error FileSource::error_in_text(std::string_view text, const TextFailure& failur
 
 Result<MeshFile> read_mesh(const std::filesystem::path& path, const ReadOptions& options) noexcept {
     return guarded(options.control, [&] { return read(path, options); });
+}
+
+// --- The calls on a mesh, for a mesh that was read: its unit is applied first
+
+namespace {
+
+template <class Options>
+Options in_mm(const MeshFile& file, Options options) {
+    options.transform = options.transform * file.to_mm();
+    return options;
+}
+
+}  // namespace
+
+Result<SliceResult> slice(const MeshFile& file, const SliceOptions& options) noexcept {
+    return guarded([&] { return slice(file.view(), in_mm(file, options)); });
+}
+
+Status slice(const MeshFile& file, const SliceOptions& options, Workspace& workspace, SliceResult& result) noexcept {
+    return guarded([&] { return slice(file.view(), in_mm(file, options), workspace, result); });
+}
+
+Result<MeshInfo> inspect(const MeshFile& file, const InspectOptions& options) noexcept {
+    return inspect(file.view(), in_mm(file, options));
+}
+
+Result<MeshCheck> check(const MeshFile& file, const CheckOptions& options) noexcept {
+    return check(file.view(), in_mm(file, options));
+}
+
+Result<WeldedMesh> weld(const MeshFile& file, const WeldOptions& options) noexcept {
+    WeldOptions in_unit = options;
+    in_unit.mm_per_unit = file.mm_per_unit;
+    return weld(file.view(), in_unit);
 }
 
 }  // namespace lamella

@@ -38,7 +38,16 @@ const char* kind_of(mode_t mode) {
     return "a device";
 }
 
-/// 0, an errno, or file_ended.
+/// Lets an Array own a mapping: it takes address space, over which the file is then mapped. Pages are aligned enough.
+constexpr Memory mapped_memory = {
+    [](void*, std::size_t bytes, std::size_t) noexcept -> void* {
+        void* const memory = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+        return memory == MAP_FAILED ? nullptr : memory;
+    },
+    [](void*, void* memory, std::size_t bytes, std::size_t) noexcept { ::munmap(memory, bytes); }, nullptr};
+
+}  // namespace
+
 int read_fully(int descriptor, std::span<std::byte> into, std::uint64_t offset) {
     while (!into.empty()) {
         const ssize_t got = ::pread(descriptor, into.data(), into.size(), static_cast<off_t>(offset));
@@ -53,16 +62,6 @@ int read_fully(int descriptor, std::span<std::byte> into, std::uint64_t offset) 
     }
     return 0;
 }
-
-/// Lets an Array own a mapping: it takes address space, over which the file is then mapped. Pages are aligned enough.
-constexpr Memory mapped_memory = {
-    [](void*, std::size_t bytes, std::size_t) noexcept -> void* {
-        void* const memory = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-        return memory == MAP_FAILED ? nullptr : memory;
-    },
-    [](void*, void* memory, std::size_t bytes, std::size_t) noexcept { ::munmap(memory, bytes); }, nullptr};
-
-}  // namespace
 
 InputFile::InputFile(InputFile&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),

@@ -16,6 +16,9 @@
 
 namespace lamella {
 
+/// Fills `into` from byte `offset` on. Returns 0, the error number, or -1 where the file ends before.
+int read_fully(int descriptor, std::span<std::byte> into, std::uint64_t offset);
+
 class InputFile {
 public:
     /// Opens without ever waiting (a FIFO would), and refuses what is not a regular file. Messages call it `name`, or by its

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "io/stream/plane_counts.hpp"
+#include "io/stream/triangle_store.hpp"
 #include "lamella/mesh.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"
 #include "slicing/grid/blocks.hpp"

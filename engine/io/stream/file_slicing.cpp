@@ -7,7 +7,6 @@
 #include "base/clock.hpp"
 #include "base/guard.hpp"
 #include "base/words.hpp"
-#include "io/stream/file_outline.hpp"
 #include "slicing/grid/placed_reader.hpp"
 #include "slicing/handover/hand_over.hpp"
 #include "slicing/regions/rules.hpp"
@@ -18,7 +17,6 @@ namespace lamella {
 
 namespace {
 
-constexpr std::size_t most_bins = 256;
 constexpr double measured = 0.3;  ///< shares of the progress
 constexpr double scanned = 0.6;
 
@@ -53,7 +51,9 @@ Result<FileSlice> FileSlicing::run() {
     if (Status status = first_pass(); !status) {
         return status.error();
     }
-    tell_outline();
+    if (options_.outline.take != nullptr) {
+        options_.outline.take(options_.outline.context, known_outline());
+    }
     limit_ = model_.well_kept();
     // Pages that are not touched take no memory; a host's own memory may know no such thing.
     store_.reserve(slicing_.control.memory != nullptr ? limit_ : std::max(limit_, model_.most_kept()));
@@ -74,7 +74,34 @@ Result<FileOutline> FileSlicing::outline() {
     if (Status status = first_pass(); !status) {
         return status.error();
     }
-    return outline_of(slicing_, frame_, planes_);
+    return known_outline();
+}
+
+/// What is known of the result before its first layer is cut.
+FileOutline FileSlicing::known_outline() const {
+    FileOutline outline{SliceResult(slicing_.control.memory), planes_.size()};
+    SliceResult& facts = outline.facts;
+    facts.layer_of = layers_of_listed();
+    facts.first_layer = planes_.first_kept();
+    facts.all_layers = planes_.planned();
+    facts.region = slicing_.region;
+    facts.close_gaps_mm = gap_length_mm(slicing_.close_gaps_mm, frame_.bounds);
+    facts.gap_sense = slicing_.gap_sense;
+    facts.unit_mm = frame_.unit.mm;
+    facts.frame = slicing_.transform;
+    facts.plan = slicing_.plan;
+    std::copy_n(frame_.bounds.min_mm, 3, facts.summary.min_mm);
+    std::copy_n(frame_.bounds.max_mm, 3, facts.summary.max_mm);
+    return outline;
+}
+
+/// SliceResult::layer_of.
+Array<std::uint64_t> FileSlicing::layers_of_listed() const {
+    const auto& listed = planes_.plane_of_listed();
+    Array<std::uint64_t> layers(slicing_.control.memory);
+    layers.resize_discarding(listed.size());
+    std::copy(listed.begin(), listed.end(), layers.begin());
+    return layers;
 }
 
 Status FileSlicing::first_pass() {
@@ -130,12 +157,6 @@ Status FileSlicing::build_planes() {
         relay_.hash.emplace(planes_.size());
     }
     return {};
-}
-
-void FileSlicing::tell_outline() {
-    if (options_.outline.take != nullptr) {
-        options_.outline.take(options_.outline.context, outline_of(slicing_, frame_, planes_));
-    }
 }
 
 // --- The second pass
@@ -230,10 +251,7 @@ bool FileSlicing::cut_done_layers(PlaneIndex end) {
 void FileSlicing::spill() {
     if (!spill_) {
         const std::filesystem::path& folder = options_.temporary_folder;
-        const std::size_t bins =
-            std::clamp<std::size_t>(model_.spill_buffers() / (16 * sizeof(CrossedTriangle)), 1, most_bins);
-        spill_.emplace(folder.empty() ? std::filesystem::temp_directory_path() : folder, counts_, bins,
-                       model_.spill_buffers());
+        spill_.emplace(folder.empty() ? std::filesystem::temp_directory_path() : folder, counts_);
     }
     spill_->write(store_.triangles(), done_, parallel_);
     store_.clear();
@@ -269,7 +287,6 @@ void FileSlicing::cut_rest() {
         spans = plan_rest();
     }
     if (spill_) {
-        spill_->trim();
         const auto shorter = [](const LayerSpan& a, const LayerSpan& b) { return a.triangles < b.triangles; };
         store_.reserve(std::max_element(spans.begin(), spans.end(), shorter)->triangles);
     } else {
@@ -309,23 +326,14 @@ std::vector<LayerSpan> FileSlicing::plan_rest() const {
 }
 
 void FileSlicing::refuse_budget() const {
-    std::uint64_t active = 0;
-    std::uint64_t widest = 0;
-    PlaneIndex layer = 0;
-    for (PlaneIndex plane = 0; plane < planes_.size(); ++plane) {
-        active += counts_.starting(plane);
-        active -= counts_.ended(plane);
-        if (active > widest) {
-            widest = active;
-            layer = plane;
-        }
-    }
+    const std::size_t layer = counts_.widest();
+    const std::uint64_t triangles = counts_.reaching_into(layer) + counts_.starting(layer);
     Error error;
     error.code = ErrorCode::out_of_memory;
     error.message = "a budget of " + std::to_string(model_.budget()) + " bytes is too small: layer " +
-                    std::to_string(planes_.first_kept() + layer) + " alone, which cuts " + counted(widest, "triangle") +
+                    std::to_string(planes_.first_kept() + layer) + " alone, which cuts " + counted(triangles, "triangle") +
                     (file_.resident_bytes() > 0 ? ", with the vertices of all needs " : ", needs ") +
-                    std::to_string(model_.least_budget(widest));
+                    std::to_string(model_.least_budget(triangles));
     throw Refused{file_.named(error)};
 }
 
@@ -386,7 +394,7 @@ FileSlice FileSlicing::finish() {
     all.close_gaps_mm = gap_length_mm(slicing_.close_gaps_mm, frame_.bounds);
     all.first_layer = planes_.first_kept();
     all.all_layers = planes_.planned();
-    all.layer_of = layers_of_listed(planes_, slicing_.control.memory);
+    all.layer_of = layers_of_listed();
     SliceSummary& sum = all.summary;
     sum.triangles = file_.triangles();
     sum.degenerate = degenerate_;

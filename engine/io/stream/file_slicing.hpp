@@ -32,7 +32,8 @@ private:
     Status load_vertices();
     Status choose_grid_and_planes();
     Status build_planes();
-    void tell_outline();
+    FileOutline known_outline() const;
+    Array<std::uint64_t> layers_of_listed() const;
     void scan_file();
     void make_room(std::size_t chunk);
     void cut_rest();

@@ -70,15 +70,11 @@ std::uint64_t MemoryModel::cutting(const LayerSpan& span, std::uint64_t segments
 
 std::optional<LayerSpan> MemoryModel::longest(const PlaneCounts& counts, PlaneIndex begin, PlaneIndex end,
                                               std::uint64_t kept) const {
-    std::uint64_t reaching = 0;  // from below
-    for (PlaneIndex plane = 0; plane < begin; ++plane) {
-        reaching += counts.starting(plane);
-        reaching -= counts.ended(plane);
-    }
+    const std::uint64_t reaching = counts.reaching_into(begin);
     const std::uint64_t fixed = fixed_of(free_);
     for (int threads = static_cast<int>(threads_); threads >= 1; threads /= 2) {
-        LayerSpan span{begin, begin, threads, reaching - counts.ended(begin)};
-        std::uint64_t active = reaching;
+        LayerSpan span{begin, begin, threads, reaching};
+        std::uint64_t active = reaching + counts.ended(begin);
         std::uint64_t segments = 0;
         std::uint64_t widest = 0;
         for (PlaneIndex plane = begin; plane < end; ++plane) {

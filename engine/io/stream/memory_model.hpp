@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "io/stream/plane_counts.hpp"
 #include "io/stream/triangle_file.hpp"
+#include "io/stream/triangle_store.hpp"
 #include "slicing/planes/plane_set.hpp"
 
 namespace lamella {
@@ -36,8 +36,6 @@ public:
     std::size_t well_kept() const noexcept { return kept_within(7, 8, true); }
     /// Triangles that may be kept so that a quarter of them or so can be cut at once.
     std::size_t most_kept() const noexcept { return kept_within(3, 4, false); }
-    /// What spilling may hold beside what is kept.
-    std::size_t spill_buffers() const noexcept { return free_ / 16; }
 
     /// The longest range from plane `begin` up to at most `end` that fits while `kept` triangles are held, or, where that is
     /// 0, those of the range alone; on as many threads as fit. Nothing if not even one layer does.

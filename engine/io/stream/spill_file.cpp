@@ -3,19 +3,22 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <numeric>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include <fcntl.h>
 #include <unistd.h>
 
 #include "base/guard.hpp"
+#include "io/read/input_file.hpp"
 #include "lamella/error.hpp"
 
 namespace lamella {
 
 namespace {
+
+constexpr std::size_t write_piece = std::size_t{1} << 15;  // triangles
 
 /// Opened and without a name at once, so that no end of the process leaves it behind.
 int open_unnamed(const std::filesystem::path& folder) {
@@ -51,27 +54,9 @@ bool write_fully(int descriptor, std::span<const CrossedTriangle> triangles, std
     return true;
 }
 
-bool read_fully(int descriptor, std::span<CrossedTriangle> into, std::uint64_t at) {
-    auto* to = reinterpret_cast<char*>(into.data());
-    std::size_t left = into.size_bytes();
-    std::uint64_t offset = at * sizeof(CrossedTriangle);
-    while (left > 0) {
-        const ssize_t done = ::pread(descriptor, to, left, static_cast<off_t>(offset));
-        if (done < 0 && errno == EINTR) {
-            continue;
-        }
-        if (done <= 0) {
-            return false;
-        }
-        to += done;
-        left -= static_cast<std::size_t>(done);
-        offset += static_cast<std::uint64_t>(done);
-    }
-    return true;
-}
-
-/// Where each of `bins` begins if all begin about equally many triangles.
-std::vector<PlaneIndex> even_bins(const PlaneCounts& counts, std::size_t bins) {
+/// Where each of some bins begins if all begin about equally many triangles.
+std::vector<PlaneIndex> even_bins(const PlaneCounts& counts) {
+    constexpr std::uint64_t bins = 256;
     std::uint64_t all = 0;
     for (std::size_t plane = 0; plane < counts.planes(); ++plane) {
         all += counts.starting(plane);
@@ -90,13 +75,8 @@ std::vector<PlaneIndex> even_bins(const PlaneCounts& counts, std::size_t bins) {
 
 }  // namespace
 
-SpillFile::SpillFile(const std::filesystem::path& folder, const PlaneCounts& counts, std::size_t bins,
-                     std::size_t buffer_bytes)
-    : folder_(folder), buffer_bytes_(buffer_bytes), bin_planes_(even_bins(counts, bins)), bin_of_(counts.planes()) {
-    for (std::size_t bin = 0; bin < this->bins(); ++bin) {
-        std::fill(bin_of_.begin() + bin_planes_[bin], bin_of_.begin() + bin_planes_[bin + 1],
-                  static_cast<std::uint16_t>(bin));
-    }
+SpillFile::SpillFile(const std::filesystem::path& folder, const PlaneCounts& counts)
+    : folder_(folder), bin_planes_(even_bins(counts)) {
     descriptor_ = open_unnamed(folder_);
     if (descriptor_ < 0) {
         throw Refused{failed("made")};
@@ -114,71 +94,25 @@ Error SpillFile::failed(const char* what) const {
                                             std::generic_category().message(errno)};
 }
 
-/// One thread's share of a run: triangles go to their bins by way of a buffer each.
-class SpillFile::Writer {
-public:
-    /// `buffers` is kept from run to run: fresh pages would cost more than the copying.
-    Writer(const SpillFile& spill, std::vector<std::uint64_t> next, std::size_t buffer_triangles,
-           Array<CrossedTriangle>& buffers)
-        : spill_(spill), next_(std::move(next)), used_(next_.size()), room_(buffer_triangles), buffers_(buffers) {
-        buffers_.resize_discarding(next_.size() * room_);
+void SpillFile::write(std::span<CrossedTriangle> triangles, PlaneIndex done, const Parallel& parallel) {
+    std::vector<std::uint32_t> list_begin(bin_planes_.back() - done + std::size_t{1});
+    for (const CrossedTriangle& triangle : triangles) {
+        ++list_begin[std::max(triangle.first, done) - done + std::size_t{1}];
     }
-
-    void add(std::size_t bin, const CrossedTriangle& triangle) {
-        buffers_[bin * room_ + used_[bin]++] = triangle;
-        if (used_[bin] == room_) {
-            flush(bin);
-        }
-    }
-    void finish() {
-        for (std::size_t bin = 0; bin < used_.size(); ++bin) {
-            flush(bin);
-        }
-    }
-
-private:
-    void flush(std::size_t bin) {
-        const std::size_t count = std::exchange(used_[bin], 0);
-        if (!write_fully(spill_.descriptor_, {buffers_.data() + bin * room_, count}, next_[bin])) {
-            throw Refused{spill_.failed("written")};
-        }
-        next_[bin] += count;
-    }
-
-    const SpillFile& spill_;
-    std::vector<std::uint64_t> next_;  // by bin: where the next triangle goes
-    std::vector<std::size_t> used_;
-    std::size_t room_;
-    Array<CrossedTriangle>& buffers_;
-};
-
-void SpillFile::write(std::span<const CrossedTriangle> triangles, PlaneIndex done, const Parallel& parallel) {
-    const auto parts = static_cast<std::size_t>(parallel.threads());
-    const auto part_begin = [&](std::size_t part) { return triangles.size() * part / parts; };
-    const auto bin_of = [&](const CrossedTriangle& t) { return bin_of_[std::max(t.first, done)]; };
-    std::vector<std::vector<std::uint64_t>> next(parts, std::vector<std::uint64_t>(bins()));
-    parallel.run(parts, [&](std::size_t part, int) {
-        for (std::size_t i = part_begin(part); i < part_begin(part + 1); ++i) {
-            ++next[part][bin_of(triangles[i])];
-        }
-    });
+    std::partial_sum(list_begin.begin(), list_begin.end(), list_begin.begin());
+    sort_into_lists(triangles, done, list_begin, parallel);
     Run& run = runs_.emplace_back();
-    for (std::size_t bin = 0; bin < bins(); ++bin) {
-        run.bin_begin.push_back(triangles_);
-        for (std::vector<std::uint64_t>& own : next) {
-            triangles_ += std::exchange(own[bin], triangles_);
-        }
+    for (const PlaneIndex begin : bin_planes_) {
+        run.bin_begin.push_back(triangles_ + list_begin[std::max(begin, done) - done]);
     }
-    run.bin_begin.push_back(triangles_);
-    const std::size_t room = std::clamp<std::size_t>(buffer_bytes_ / (parts * bins() * sizeof(CrossedTriangle)), 1, 1024);
-    buffers_.resize(parts);
-    parallel.run(parts, [&](std::size_t part, int) {
-        Writer writer(*this, std::move(next[part]), room, buffers_[part]);
-        for (std::size_t i = part_begin(part); i < part_begin(part + 1); ++i) {
-            writer.add(bin_of(triangles[i]), triangles[i]);
+    parallel.run((triangles.size() + write_piece - 1) / write_piece, [&](std::size_t i, int) {
+        const std::size_t first = i * write_piece;
+        const std::size_t count = std::min(write_piece, triangles.size() - first);
+        if (!write_fully(descriptor_, triangles.subspan(first, count), triangles_ + first)) {
+            throw Refused{failed("written")};
         }
-        writer.finish();
     });
+    triangles_ += triangles.size();
 }
 
 void SpillFile::load(PlaneIndex begin, PlaneIndex end, PlaneIndex done, std::size_t piece, const Parallel& parallel,
@@ -187,9 +121,13 @@ void SpillFile::load(PlaneIndex begin, PlaneIndex end, PlaneIndex done, std::siz
         std::uint64_t at;
         std::size_t count;
     };
+    const auto bin_of = [this](PlaneIndex plane) {
+        return static_cast<std::size_t>(std::upper_bound(bin_planes_.begin(), bin_planes_.end(), plane) -
+                                        bin_planes_.begin() - 1);
+    };
+    const std::size_t first_bin = bin_of(begin);
+    const std::size_t last_bin = bin_of(end - 1);
     std::vector<Piece> pieces;
-    const std::size_t first_bin = bin_of_[begin];
-    const std::size_t last_bin = bin_of_[end - 1];
     for (const Run& run : runs_) {
         for (std::uint64_t at = run.bin_begin[first_bin], stop = run.bin_begin[last_bin + 1]; at < stop; at += piece) {
             pieces.push_back({at, static_cast<std::size_t>(std::min<std::uint64_t>(piece, stop - at))});
@@ -200,7 +138,7 @@ void SpillFile::load(PlaneIndex begin, PlaneIndex end, PlaneIndex done, std::siz
         Array<CrossedTriangle>& buffer = buffers_[static_cast<std::size_t>(worker)];
         buffer.resize_discarding(piece);
         const std::span<CrossedTriangle> some(buffer.data(), pieces[i].count);
-        if (!read_fully(descriptor_, some, pieces[i].at)) {
+        if (read_fully(descriptor_, std::as_writable_bytes(some), pieces[i].at * sizeof(CrossedTriangle)) != 0) {
             throw Refused{failed("read")};
         }
         const auto wanted = std::partition(some.begin(), some.end(), [&](const CrossedTriangle& t) {

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "io/stream/plane_counts.hpp"
 #include "io/stream/triangle_store.hpp"
 #include "lamella/array.hpp"
 
@@ -21,23 +20,21 @@ namespace lamella {
 
 class SpillFile {
 public:
-    /// A file in `folder` without a name. `bins` ranges of planes, which begin about equally many of the triangles counted.
-    /// `buffer_bytes`: what writing may hold. Throws Refused (unwritable_file).
-    SpillFile(const std::filesystem::path& folder, const PlaneCounts& counts, std::size_t bins, std::size_t buffer_bytes);
+    /// A file in `folder` without a name, with bins that begin about equally many of the triangles counted. Throws Refused
+    /// (unwritable_file).
+    SpillFile(const std::filesystem::path& folder, const PlaneCounts& counts);
     ~SpillFile();
     SpillFile(const SpillFile&) = delete;
     SpillFile& operator=(const SpillFile&) = delete;
 
-    /// Adds a run. A triangle that begins below plane `done` counts as one that begins there. Throws Refused, Stopped.
-    void write(std::span<const CrossedTriangle> triangles, PlaneIndex done, const Parallel& parallel);
+    /// Adds a run, sorted in place first. A triangle that begins below plane `done` counts as one that begins there. Throws
+    /// Refused, Stopped.
+    void write(std::span<CrossedTriangle> triangles, PlaneIndex done, const Parallel& parallel);
 
     /// Appends to `store` all triangles that begin in planes [begin, end), by the same rule. `piece`: how many to read at
     /// once. Throws Refused, Stopped.
     void load(PlaneIndex begin, PlaneIndex end, PlaneIndex done, std::size_t piece, const Parallel& parallel,
               TriangleStore& store);
-
-    /// Gives back the buffers that write() and load() keep.
-    void trim() noexcept { buffers_.clear(); }
 
     std::uint64_t bytes() const noexcept { return triangles_ * sizeof(CrossedTriangle); }
 
@@ -45,16 +42,12 @@ private:
     struct Run {
         std::vector<std::uint64_t> bin_begin;  ///< in triangles of the file; one more than bins
     };
-    class Writer;
 
-    std::size_t bins() const noexcept { return bin_planes_.size() - 1; }
     Error failed(const char* what) const;
 
     std::filesystem::path folder_;
     int descriptor_ = -1;
-    std::size_t buffer_bytes_;
     std::vector<PlaneIndex> bin_planes_;  ///< first plane of each bin, and one past the last
-    std::vector<std::uint16_t> bin_of_;   ///< by plane
     std::vector<Run> runs_;
     std::vector<Array<CrossedTriangle>> buffers_;  ///< by thread
     std::uint64_t triangles_ = 0;

@@ -1,8 +1,22 @@
 #include "io/stream/triangle_store.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 namespace lamella {
+
+std::size_t PlaneCounts::widest() const noexcept {
+    std::uint64_t active = 0;
+    std::uint64_t most = 0;
+    std::size_t widest = 0;
+    for (std::size_t plane = 0; plane < planes(); ++plane) {
+        active += starting_[plane];
+        active -= ended_[plane];
+        widest = active > most ? plane : widest;
+        most = std::max(most, active);
+    }
+    return widest;
+}
 
 void TriangleStore::list(const PlaneCounts& counts, PlaneIndex begin, PlaneIndex end, const Parallel& parallel) {
     first_listed_ = begin;

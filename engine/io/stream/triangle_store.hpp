@@ -11,15 +11,56 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "io/stream/plane_counts.hpp"
 #include "lamella/array.hpp"
 #include "slicing/buckets/crossed_triangle.hpp"
 #include "slicing/buckets/listed_triangles.hpp"
+#include "slicing/planes/plane_set.hpp"
 
 namespace lamella {
+
+/// How many triangles planes begin and end to cut: from these numbers ranges of layers are chosen. A difference array over k
+/// planes: a triangle that planes first to last - 1 cut is counted at both.
+class PlaneCounts {
+public:
+    explicit PlaneCounts(std::size_t planes = 0) : starting_(planes + 1), ended_(planes + 1) {}
+
+    void add(PlaneIndex first, PlaneIndex last) noexcept {
+        ++starting_[first];
+        ++ended_[last];
+    }
+    /// Moves the counts of `other` here.
+    void take(PlaneCounts& other) noexcept {
+        for (std::size_t i = 0; i < starting_.size(); ++i) {
+            starting_[i] += std::exchange(other.starting_[i], 0U);
+            ended_[i] += std::exchange(other.ended_[i], 0U);
+        }
+    }
+
+    std::size_t planes() const noexcept { return starting_.size() - 1; }
+    /// Triangles that the plane is the first to cut.
+    std::uint32_t starting(std::size_t plane) const noexcept { return starting_[plane]; }
+    /// Triangles that the plane below it is the last to cut.
+    std::uint32_t ended(std::size_t plane) const noexcept { return ended_[plane]; }
+    /// Triangles that the plane cuts, and the one below it too. O(plane).
+    std::uint64_t reaching_into(std::size_t plane) const noexcept {
+        std::uint64_t reaching = 0;
+        for (std::size_t p = 0; p < plane; ++p) {
+            reaching += starting_[p];
+            reaching -= ended_[p];
+        }
+        return reaching - ended_[plane];
+    }
+    /// The plane that cuts the most triangles.
+    std::size_t widest() const noexcept;
+
+private:
+    std::vector<std::uint32_t> starting_;
+    std::vector<std::uint32_t> ended_;
+};
 
 /// Records hold their first planes; planes are those of the whole.
 class TriangleStore {
@@ -44,7 +85,7 @@ public:
 
     std::size_t size() const noexcept { return size_.load(std::memory_order_relaxed); }
     std::size_t capacity() const noexcept { return triangles_.size(); }
-    std::span<const CrossedTriangle> triangles() const noexcept { return triangles_.span().first(size()); }
+    std::span<CrossedTriangle> triangles() noexcept { return triangles_.span().first(size()); }
 
     /// Lists what is kept by planes [begin, end). Precondition: it is, of the triangles that are counted, those that planes
     /// from `begin` on cut and that begin below `end`. O(size). Throws Stopped, std::bad_alloc.
